@@ -195,63 +195,24 @@ def test_what_the_device_has_no_room_for_is_refused(
     cs.solve(posed, device=STRICT, precision="single")
 
 
-def without_cupy(monkeypatch: pytest.MonkeyPatch) -> None:
-    for module in ("cupy", "array_api_compat.cupy"):
-        monkeypatch.setitem(sys.modules, module, None)
-
-
 class NoDriverError(Exception):
     pass
 
 
-def counted(number: int | None) -> Any:
-    """CuPy on a machine with so many GPUs; None without a driver. Its arrays are the strict ones."""
-
-    def count() -> int:
-        if number is None:
-            raise NoDriverError("no driver")
-        return number
-
-    runtime = SimpleNamespace(
-        getDeviceCount=count, CUDARuntimeError=NoDriverError, memGetInfo=lambda: (10**6, 10**9)
-    )
-    return SimpleNamespace(
-        cuda=SimpleNamespace(runtime=runtime),
-        asarray=STRICT.to_device,
-        asnumpy=STRICT.to_numpy,
-        get_default_memory_pool=lambda: SimpleNamespace(free_bytes=lambda: 24),
-    )
+def no_driver() -> int:
+    raise NoDriverError("no driver")
 
 
-def with_cupy(number: int | None, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "cupy", counted(number))
+def test_a_missing_cupy_or_graphics_processor_raises_one_sentence(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.setitem(sys.modules, "array_api_compat.cupy", STRICT.arrays)  # type: ignore[arg-type]
-
-
-def test_a_missing_cupy_raises_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
-    without_cupy(monkeypatch)
+    for count in (lambda: 0, no_driver):
+        runtime = SimpleNamespace(getDeviceCount=count, CUDARuntimeError=NoDriverError)
+        cupy: Any = SimpleNamespace(cuda=SimpleNamespace(runtime=runtime))
+        monkeypatch.setitem(sys.modules, "cupy", cupy)
+        with pytest.raises(cs.InvalidInput, match=r"^Gpu found no GPU.*: give Cpu\(\)"):
+            cs.Gpu()
+    monkeypatch.setitem(sys.modules, "cupy", None)  # type: ignore[arg-type]
     with pytest.raises(cs.InvalidInput, match=r"^Gpu needs CuPy, .*: pip install .*, or give"):
         cs.Gpu()
-
-
-@pytest.mark.parametrize("number", [0, None])
-def test_a_missing_graphics_processor_raises_one_sentence(
-    number: int | None, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    with_cupy(number, monkeypatch)
-    with pytest.raises(cs.InvalidInput, match=r"^Gpu found no GPU.*: give Cpu\(\)"):
-        cs.Gpu()
-
-
-def test_a_graphics_processor_solves_with_the_arrays_of_its_library(
-    monkeypatch: pytest.MonkeyPatch, line_contact: LineContact
-) -> None:
-    with_cupy(1, monkeypatch)
-    posed = problem(line_contact, 32, "smooth")
-    found = cs.solve(posed, tolerance=1e-10, device=cs.Gpu())
-    agree(cs.solve(posed, tolerance=1e-10), found, 1e-10)
-    # what is free, and what CuPy keeps
-    assert cs.Gpu().available_bytes == 10**6 + 24
-    large = problem(line_contact, (256, 64), "smooth")
-    with pytest.raises(cs.InvalidInput, match=r"^solve\.device is Gpu\(\): .* has 0\.001 GB left"):
-        cs.solve(large, device=cs.Gpu())

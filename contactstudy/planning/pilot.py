@@ -16,10 +16,7 @@ from contactstudy.evolution.time_steps import ErrorEstimator, TimeSteps
 from contactstudy.planning.cost import CONSTANTS as TIMING
 from contactstudy.planning.cost import timed
 from contactstudy.planning.grid_requirements import CONSTANTS as GRID
-from contactstudy.planning.transient_requirements import (
-    expected_plastic_zone,
-    transient_requirements,
-)
+from contactstudy.planning.transient_requirements import transient_requirements
 from contactstudy.progress import fraction_of_fall
 from contactstudy.scene.loads.constant_load import LineLoad
 from contactstudy.scene.rolling import Rolling
@@ -136,7 +133,7 @@ def pilot(
     """
     requirements = transient_requirements(scene, steps.last)
     rolls_repeatedly = scene.rolling is not None and scene.rolling.passes is not None
-    plastic = expected_plastic_zone(scene) if rolls_repeatedly else requirements.plastic
+    plastic = requirements.plastic
     nx, ny = grid.cells
     across = CONSTANTS.cells[0] if plastic is None else CONSTANTS.yielding_cells
     # coarse cells do not hold the cohesive zone

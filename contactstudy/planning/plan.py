@@ -280,7 +280,7 @@ def _plan_time_dependent(
     from contactstudy.planning.transient_requirements import transient_requirements
 
     transient = transient_requirements(scene, times.last)
-    plastic = transient.plastic
+    plastic = None if scene.rolls else transient.plastic
     error_factor = plastic.error_factor if plastic else 1.0
     fraction = 1.0 if scene.rolls else GRID.cell_fraction
     discretisation_error = fraction * (error or DEFAULT_ERROR) / error_factor

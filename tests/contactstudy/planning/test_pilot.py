@@ -1,3 +1,4 @@
+import tracemalloc
 from dataclasses import replace
 from itertools import count
 
@@ -59,6 +60,17 @@ def test_a_pilot_ends_at_its_time_limit_and_forecasts_the_rest(
     made_within_limit, forecast = counts(seconds_a_reading=5.0)
     assert made_within_limit < made / 2
     assert all_solves / 5 < forecast < 5 * all_solves  # the first steps of wear are short
+
+
+def test_a_plan_of_passes_has_room_for_what_they_leave_behind() -> None:
+    scene = replace(yielding_cylinder(4.0), rolling=cs.Rolling(passes=1, distance=0.6))
+    planned = cs.plan(scene, error=0.1)
+    tracemalloc.start()
+    found = cs.solve(scene, planned.grid, planned.padding)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert found.status is not cs.Status.YIELD_AT_EDGE
+    assert peak / 3 < planned.bytes < 3 * peak
 
 
 def test_the_solves_of_a_plan_are_those_of_the_steps_that_are_given() -> None:

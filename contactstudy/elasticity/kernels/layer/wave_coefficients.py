@@ -19,6 +19,8 @@ PIECE_PHASE = 12.0
 # The waves of a row decay within DECAY_PERIODS; a cell alone is one of a lattice LATTICE_RATIO times as wide as the
 # grid.
 DECAY_PERIODS, LATTICE_RATIO = 6.0, 4
+# Distance of the rows that stand for a single one, over the width of the grid, where the period is longer.
+ROW_RATIO = 16
 # Smallest period of that lattice, in thicknesses over the distance of the poles from the real axis.
 MIN_PERIOD = 64.0
 # Number of waves along an axis up to which they are summed as a series, and beyond which by a transform.
@@ -169,7 +171,11 @@ class WaveCoefficients:
         along = round(period / dy)
         if along == 1:
             return np.zeros((x.size, y.size))
-        reach = 2 * float(np.abs(x).max()) + DECAY_PERIODS * period
+        farthest = float(np.abs(x).max())
+        # beside long periods the field itself has fallen off before its waves have
+        reach = 2 * farthest + min(
+            DECAY_PERIODS * period, max(ROW_RATIO * farthest, self.least_period)
+        )
         across = fft.next_fast_len(int(np.ceil(reach / dx)) + 1)
         chosen = self._lattice(dx, dy, across, along)[_indices(x.ravel(), dx, across)]
         chosen = chosen - chosen.mean(axis=1, keepdims=True)
@@ -262,7 +268,7 @@ def _plane_waves(
     return points, {name: field * weight / np.pi for name, field in fields.items()}
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=4)
 def _lattice(
     waves: WaveResponse, thickness: float, dx: float, dy: float, across: int, along: int
 ) -> dict[str, Array]:

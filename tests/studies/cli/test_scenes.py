@@ -51,7 +51,7 @@ def test_a_plan_says_what_it_will_be_and_what_it_will_cost(tmp_path: Path) -> No
     [
         ("smooth", ["--device", "gpu"], "^Gpu needs CuPy"),
         ("smooth", ["--device", "gpu", "--threads", "2"], "^--threads is for --device cpu"),
-        ("rubber", ["--device", "gpu"], "^solve.device is given, and .* is solved on this machine.s processor"),
+        ("rubber", ["--device", "gpu"], "^solve.device is given, and .* is solved on the CPU"),
     ],
 )  # fmt: skip
 def test_a_device_that_cannot_solve_the_scene_is_refused(

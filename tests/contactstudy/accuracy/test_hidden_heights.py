@@ -1,5 +1,5 @@
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import inf
 
 import numpy as np
@@ -8,32 +8,24 @@ import pytest
 import contactstudy as cs
 from contactstudy.accuracy.estimate import error_estimate
 from tests.conftest import LineContact
+from tests.contactstudy.scene.shapes.test_own_shapes import Own
+
+Pair = tuple[float, float]
 
 
-@dataclass(frozen=True)
-class Lands:
-    """A user's own shape that does not say how fine it is: lands with deep grooves between them."""
+def lands(pitch: float, land: float, phase: float) -> Own:
+    """Lands with deep grooves between them, of a shape that does not say how fine it is."""
 
-    pitch: float
-    land: float
-    phase: float
-    curvature = 0.0
+    def heights(grid: cs.Grid) -> np.ndarray:
+        t = np.abs((grid.x / pitch + phase + 0.5) % 1 - 0.5) * pitch
+        return np.where(t < land / 2, 0.0, 2e-6)[:, None]
 
-    def gap(self, grid: cs.Grid) -> np.ndarray:
-        t = np.abs((grid.x / self.pitch + self.phase + 0.5) % 1 - 0.5) * self.pitch
-        return np.where(t < self.land / 2, 0.0, 2e-6)[:, None]
+    return Own(heights)
 
 
-@dataclass(frozen=True)
-class Spike:
-    """A user's own shape: one narrow peak between two cell centres."""
-
-    place: float
-    width: float
-    curvature = 0.0
-
-    def gap(self, grid: cs.Grid) -> np.ndarray:
-        return -3e-7 * np.exp(-(((grid.x - self.place) / self.width) ** 2))[:, None]
+def spike(place: float, width: float) -> Own:
+    """One narrow peak between two cell centres."""
+    return Own(lambda grid: -3e-7 * np.exp(-(((grid.x - place) / width) ** 2))[:, None])
 
 
 def estimate_of(scene: cs.Scene, grid: cs.Grid) -> cs.ErrorEstimate:
@@ -58,8 +50,7 @@ def test_heights_of_an_unknown_shape_that_protrude_between_centres_have_no_bound
     land: float, phase: float, line_contact: LineContact
 ) -> None:
     pitch = line_contact.hertz.half_width / 4
-    own = Lands(pitch, land * pitch, phase)
-    scene = line_contact.with_shapes(own)
+    scene = line_contact.with_shapes(lands(pitch, land * pitch, phase))
     estimate = estimate_of(scene, line_contact.grid((96, 1), 1.0, width=3.0))
     assert estimate.l1.total == estimate.contact_area.total == inf
     assert "between the cell centres" in estimate.warnings[0]
@@ -71,9 +62,8 @@ def test_one_hidden_peak_is_enough(
     moving: Callable[[cs.Shape], cs.Shape], place: float, line_contact: LineContact
 ) -> None:
     grid = line_contact.grid((96, 1), 1.0, width=3.0)
-    spike = moving(Spike(place * grid.cell_size[0], 0.02 * grid.cell_size[0]))
-    scene = line_contact.with_shapes(spike)
-    assert estimate_of(scene, grid).l1.total == inf
+    hidden = moving(spike(place * grid.cell_size[0], 0.02 * grid.cell_size[0]))
+    assert estimate_of(line_contact.with_shapes(hidden), grid).l1.total == inf
 
 
 def test_measured_heights_that_move_have_the_bound_of_those_at_rest(
@@ -89,8 +79,7 @@ def test_measured_heights_that_move_have_the_bound_of_those_at_rest(
 
 
 def test_a_smooth_unknown_shape_keeps_its_bound(line_contact: LineContact) -> None:
-    wide = Spike(0.0, line_contact.hertz.half_width)
-    scene = line_contact.with_shapes(wide)
+    scene = line_contact.with_shapes(spike(0.0, line_contact.hertz.half_width))
     estimate = estimate_of(scene, line_contact.grid((192, 1), 1.0, width=3.0))
     assert estimate.l1.total < 0.01
     assert not estimate.warnings
@@ -113,22 +102,17 @@ def test_the_peak_pressure_at_a_sharp_end_has_no_bound(
     assert estimate.l1.total < 0.02
 
 
-@dataclass(frozen=True)
-class Bumps:
-    """A user's own shape: bumps at one place of every fourth cell along either axis, in fractions of a cell."""
+def bumps(height: float, width: float, place: Pair, cell: Pair) -> Own:
+    """Bumps at one place of every fourth cell along either axis, in fractions of a cell."""
 
-    height: float
-    width: float
-    place: tuple[float, float]
-    cell: tuple[float, float]
-    curvature = 0.0
-
-    def gap(self, grid: cs.Grid) -> np.ndarray:
+    def heights(grid: cs.Grid) -> np.ndarray:
         across, along = (
-            ((points / cell - place + 2) % 4 - 2) / self.width
-            for points, cell, place in zip((grid.x, grid.y), self.cell, self.place, strict=True)
+            ((points / step - at + 2) % 4 - 2) / width
+            for points, step, at in zip((grid.x, grid.y), cell, place, strict=True)
         )
-        return -self.height * np.exp(-(across[:, None] ** 2) - along**2)
+        return -height * np.exp(-(across[:, None] ** 2) - along**2)
+
+    return Own(heights)
 
 
 @pytest.mark.parametrize("cells", [(48, 40), (160, 130)])
@@ -142,8 +126,7 @@ def test_bumps_between_the_lines_of_an_unknown_shape_leave_no_bound(
     hertz = line_contact.hertz
     grid = line_contact.grid(cells, 1.3, width=3.2)
     height = 0.4 * hertz.half_width**2 / hertz.radius
-    bumps = Bumps(height, width, place, grid.cell_size)
-    scene = line_contact.with_shapes(bumps)
+    scene = line_contact.with_shapes(bumps(height, width, place, grid.cell_size))
     estimate = estimate_of(scene, grid)
     assert estimate.l1.total == estimate.peak_pressure.total == inf
     assert "protrudes" in estimate.warnings[0]
@@ -155,7 +138,7 @@ def test_waves_within_two_or_three_cells_along_leave_no_bound(
     rows: int, padding: cs.Padding, line_contact: LineContact
 ) -> None:
     grid = line_contact.grid((64, rows), 10.0, width=3.2)
-    ridges = Bumps(1e-5, 0.5, (0.0, 2.0), (inf, grid.extent[1] / 48))
+    ridges = bumps(1e-5, 0.5, (0.0, 2.0), (inf, grid.extent[1] / 48))
     scene = line_contact.with_shapes(ridges)
     estimate = error_estimate(cs.solve(scene.problem(grid, padding)))
     assert estimate.peak_pressure.total == inf
@@ -165,7 +148,7 @@ def test_low_bumps_between_the_lines_count_by_what_they_hide(line_contact: LineC
     hertz, grid = line_contact.hertz, line_contact.grid((48, 40), 1.3, width=3.2)
     height = 1e-3 * hertz.half_width**2 / hertz.radius
     scene = line_contact.scene
-    bumpy = replace(scene, shapes=(*scene.shapes, Bumps(height, 0.3, (0.0, 0.0), grid.cell_size)))
+    bumpy = replace(scene, shapes=(*scene.shapes, bumps(height, 0.3, (0.0, 0.0), grid.cell_size)))
     coarse = cs.solve(bumpy.problem(grid, cs.ExactPeriodicity()))
     fine_grid = cs.Grid((8 * 48, 8 * 40), grid.extent)
     fine = cs.solve(bumpy.problem(fine_grid, cs.ExactPeriodicity()), tolerance=1e-5)
@@ -182,8 +165,7 @@ def test_low_bumps_between_the_lines_count_by_what_they_hide(line_contact: LineC
 def test_more_confidence_finds_smaller_features(line_contact: LineContact) -> None:
     hertz, grid = line_contact.hertz, line_contact.grid((48, 40), 1.3, width=3.2)
     height = 0.4 * hertz.half_width**2 / hertz.radius
-    bumps = Bumps(height, 0.02, (0.27, 0.13), grid.cell_size)
-    scene = line_contact.with_shapes(bumps)
+    scene = line_contact.with_shapes(bumps(height, 0.02, (0.27, 0.13), grid.cell_size))
     solution = cs.solve(scene.problem(grid, cs.ExactPeriodicity()))
     assert error_estimate(solution, confidence=0.5).l1.total < inf
     assert error_estimate(solution, confidence=1 - 1e-15).l1.total == inf
@@ -248,14 +230,8 @@ def test_the_load_at_an_approach_near_full_contact_flattens_hidden_waves_within_
     assert abs(true.load_per_length / ours.load_per_length - 1) <= bound < inf
 
 
-@dataclass(frozen=True)
-class Wedge:
-    """A user's own shape: two flanks that meet at an edge."""
-
-    curvature = 0.0
-
-    def gap(self, grid: cs.Grid) -> np.ndarray:
-        return 0.02 * np.abs(grid.x)[:, None]
+# Two flanks that meet at an edge.
+WEDGE = Own(lambda grid: 0.02 * np.abs(grid.x)[:, None])
 
 
 @pytest.mark.parametrize("adhesion", [None, cs.Adhesion(1e-3, range=2e-7)], ids=["dry", "adhesive"])
@@ -264,44 +240,21 @@ def test_an_edge_and_waves_within_cells_leave_no_bound_whatever_is_given(
     load: cs.LineLoad | cs.Approach, adhesion: cs.Adhesion | None, line_contact: LineContact
 ) -> None:
     grid = line_contact.grid((97, 1), 1.0, width=6.0)
-    waves = Bumps(2e-7, 0.3, (0.5, 0.0), (grid.cell_size[0] / 4, inf))
-    for shapes, reason in (((Wedge(),), "a sharp edge"), ((cs.Cylinder(0.01), waves), "protrudes")):
+    waves = bumps(2e-7, 0.3, (0.5, 0.0), (grid.cell_size[0] / 4, inf))
+    for shapes, reason in (((WEDGE,), "a sharp edge"), ((cs.Cylinder(0.01), waves), "protrudes")):
         scene = replace(line_contact.scene, load=load, shapes=shapes, adhesion=adhesion)
         estimate = estimate_of(scene, grid)
         assert estimate.peak_pressure.total == inf
         assert any(reason in said for said in estimate.warnings)
 
 
-@dataclass(frozen=True)
-class Slit:
-    """A user's own shape: a slit about one place."""
-
-    place: float
-    width: float
-    curvature = 0.0
-
-    def gap(self, grid: cs.Grid) -> np.ndarray:
-        return np.where(np.abs(grid.x - self.place) < self.width / 2, 1e-5, 0.0)[:, None]
-
-
-@dataclass(frozen=True)
-class Apex:
-    """A user's own shape: ``height |x / length|^1.4`` about one place, whose bend has no limit there."""
-
-    height: float
-    length: float
-    curvature = 0.0
-
-    def gap(self, grid: cs.Grid) -> np.ndarray:
-        return self.height * np.abs(grid.x / self.length - 0.13)[:, None] ** 1.4
-
-
 @pytest.mark.parametrize(("cells", "height"), [(65, 5e-7), (48, 2e-6)])
 def test_the_peak_at_an_apex_is_bounded_by_all_rises_to_come(
     cells: int, height: float, line_contact: LineContact
 ) -> None:
-    """Pressure there rises with the power 0.4 of the cell: by 49 ** -0.4 as much again below the finest."""
-    apex = Apex(height, line_contact.hertz.half_width)
+    """It bends without limit, so that pressure rises with the power 0.4 of the cell: by 49 ** -0.4 below the finest."""
+    a = line_contact.hertz.half_width
+    apex = Own(lambda grid: height * np.abs(grid.x / a - 0.13)[:, None] ** 1.4)
     scene = line_contact.with_shapes(apex)
     coarse, fine, finest = (
         cs.solve(scene, line_contact.grid((n * cells, 1), 1.0, width=3.0), cs.ExactPeriodicity())
@@ -317,7 +270,8 @@ def test_slits_between_the_centres_count_in_the_mean_gap(
     cells: int, width: float, line_contact: LineContact
 ) -> None:
     grid = line_contact.grid((cells, 1), 1.0, width=3.2)
-    slit = Slit(float(grid.x[cells // 2]) + grid.cell_size[0] / 2, width * grid.cell_size[0])
+    place, wide = float(grid.x[cells // 2]) + grid.cell_size[0] / 2, width * grid.cell_size[0]
+    slit = Own(lambda grid: np.where(np.abs(grid.x - place) < wide / 2, 1e-5, 0.0)[:, None])
     scene = line_contact.with_shapes(slit)
     coarse, fine = (
         cs.solve(scene.problem(cs.Grid((count, 1), grid.extent), cs.ExactPeriodicity()))

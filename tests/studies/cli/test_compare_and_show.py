@@ -90,7 +90,7 @@ def test_a_solution_is_drawn_in_every_format(folder: Path, tmp_path: Path, name:
         FILM,
         FILM.replace('"1 m/s"', "{kind = 'SpeedHistory', times = [0, 1e-3], mean_speed = [1, 2]}")
         + "[time_steps]\nstep = 5e-4\n",
-        '[wear]\ncoefficient = 1e-10\nspeed = "1 m/s"\n[time_steps]\nend = 1\ninstants = 2\n',
+        '[wear]\ncoefficient = 1e-13\nspeed = "1 m/s"\n[time_steps]\nend = 1\ninstants = 2\n',
     ],
     ids=["film", "film in time", "dry in time"],
 )  # fmt: skip

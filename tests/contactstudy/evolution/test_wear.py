@@ -12,6 +12,7 @@ from contactstudy.evolution.integration.evolve import evolve
 from contactstudy.evolution.time_steps import Scheme
 from contactstudy.evolution.trajectory import Trajectory
 from tests.contactstudy.evolution.creeping import LOAD, RIGID, SOLID, evolved, rolling_cylinder
+from tests.contactstudy.scene.shapes.test_own_shapes import Own
 
 EXACT = cs.ExactPeriodicity()
 ELASTIC = cs.HalfSpace(1.0, 0.0)
@@ -88,7 +89,8 @@ def test_the_pressure_of_a_punch_evens_out_at_the_known_rate(cells: int) -> None
     grid = cs.Grid((cells, 1), (2.0, 1.0))
     step = 0.02
     for tilt, rate in ((0.0, 1.72667), (1e-3, 1.00306)):
-        shapes = (Tilted(tilt),) if tilt else ()
+        leaning = Own(lambda grid, tilt=tilt: tilt * grid.x[:, None])
+        shapes = (leaning,) if tilt else ()
         scene = cs.Scene(cs.LineLoad(1.0), (ELASTIC, RIGID), shapes, wear=cs.Wear(1.0, 1.0))
         times = step * np.arange(200)
         found = evolved(scene, grid, times, tolerance=1e-12)
@@ -99,18 +101,6 @@ def test_the_pressure_of_a_punch_evens_out_at_the_known_rate(cells: int) -> None
         decay = log(uneven[-2] / uneven[-1])
         # implicit Euler: one step divides by 1 + rate ds
         assert (exp(decay) - 1) / step == pytest.approx(rate, rel=1e-3)
-
-
-class Tilted:
-    """A plane that leans across."""
-
-    curvature = 0.0
-
-    def __init__(self, slope: float) -> None:
-        self.slope = slope
-
-    def gap(self, grid: cs.Grid) -> Array:
-        return np.broadcast_to(self.slope * grid.x[:, None], grid.cells)
 
 
 def test_a_worn_cylinder_is_flat_as_wide_as_the_rigid_one() -> None:

@@ -8,6 +8,7 @@ import pytest
 import contactstudy as cs
 from contactstudy.io.scene_files.scene_schema import KINDS
 from tests.conftest import STEEL
+from tests.contactstudy.scene.shapes.test_own_shapes import Own
 
 SURFACE = np.random.default_rng(1).normal(scale=1e-7, size=(12, 8))
 SHAPES: tuple[cs.Shape, ...] = (
@@ -98,16 +99,9 @@ def test_no_heights_are_overwritten_that_another_shape_is_read_from(tmp_path: Pa
 
 
 def test_a_shape_of_ones_own_is_refused_by_name(tmp_path: Path) -> None:
-    class Step:
-        curvature = 0.0
-
-        def gap(self, grid: cs.Grid) -> np.ndarray:
-            return np.zeros(grid.cells)
-
-    with pytest.raises(
-        cs.InvalidInput, match=r"^Scene\.shapes\[1\] is a Step, which no scene file"
-    ):
-        cs.write_scene(scene(cs.Cylinder(0.01), Step()), tmp_path / "scene.toml")
+    flat = Own(lambda grid: np.zeros(grid.cells))
+    with pytest.raises(cs.InvalidInput, match=r"^Scene\.shapes\[1\] is a Own, which no scene file"):
+        cs.write_scene(scene(cs.Cylinder(0.01), flat), tmp_path / "scene.toml")
     assert not (tmp_path / "scene.toml").exists()
 
 

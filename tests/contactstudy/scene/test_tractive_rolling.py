@@ -1,4 +1,4 @@
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import inf, pi
 
 import numpy as np
@@ -7,6 +7,7 @@ import pytest
 import contactstudy as cs
 from contactstudy.scene.friction.friction_law import dundurs
 from tests.conftest import STEEL
+from tests.contactstudy.scene.shapes.test_own_shapes import Own
 
 MU, RADIUS = 0.3, 0.01
 CYLINDER = (cs.Cylinder(radius=RADIUS),)
@@ -183,18 +184,16 @@ def test_creepage_reversed_reverses_the_shear() -> None:
     np.testing.assert_array_equal(other.shear, -one.shear)
 
 
-@dataclass(frozen=True)
-class Mirrored:
+def mirrored_waves(sign: float) -> Own:
     """Waves that a sign of -1 mirrors across."""
 
-    sign: float
-    curvature = 0.0
-
-    def gap(self, grid: cs.Grid) -> np.ndarray:
-        x, y = self.sign * grid.x[:, None], grid.y
+    def heights(grid: cs.Grid) -> np.ndarray:
+        x, y = sign * grid.x[:, None], grid.y
         return (
             1e-7 * np.sin(2 * pi * (x / 1e-4 + 0.1)) * np.cos(2 * pi * y / grid.length + x / 2e-5)
         )
+
+    return Own(heights)
 
 
 def test_rolling_back_is_rolling_in_a_mirror() -> None:
@@ -209,7 +208,7 @@ def test_rolling_back_is_rolling_in_a_mirror() -> None:
             ),
             (48, 16),
             1e-10,
-            shapes=(*CYLINDER, Mirrored(sign)),
+            shapes=(*CYLINDER, mirrored_waves(sign)),
         )
         for sign in (1.0, -1.0)
     )

@@ -24,18 +24,10 @@ def timed_call(run: Callable[[], T]) -> tuple[float, T]:
 def times_in_rounds(
     runs: Sequence[Callable[[], object]], count: int, has_time: Callable[[], bool]
 ) -> list[list[float]]:
-    """Return the processor times [s] of several calls, a list for each complete round.
+    """Return the processor times [s] of several calls, a list for each complete round, for at most `count` rounds.
 
-    Every round makes all calls in a new random order, so that a load on the machine slows none of them alone.
-
-    Parameters
-    ----------
-    runs
-        The calls.
-    count
-        Largest number of rounds.
-    has_time
-        Whether there is time for another round.
+    Every round makes all calls in a new random order, so that a load on the machine slows none of them alone. No round
+    begins where `has_time` is not true.
     """
     order, shuffle = list(range(len(runs))), Random(1).shuffle
     rounds: list[list[float]] = []

@@ -79,20 +79,8 @@ def comparison_of(
 ) -> Comparison:
     """Return the comparison of a scene that a folder has, if it answers the request; else measure and store it.
 
-    One that does not meet the request answers it unless there are more seconds now.
-
-    Parameters
-    ----------
-    described
-        The scene.
-    error
-        Requested relative L1 error of the pressure.
-    budget
-        Seconds for a measurement.
-    out
-        Folder of the file.
-    log
-        Takes a sentence on each step.
+    The request is a relative L1 error of the pressure. A comparison that does not meet it answers it unless there are
+    more seconds in the budget now.
     """
     comparison = stored(described.key, out)
     if comparison is not None:

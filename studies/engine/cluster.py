@@ -44,23 +44,11 @@ THREAD = threading.local()
 def compute_batch(
     run: str, settings: bytes, limit: float | None, batch: bytes, names: Sequence[str]
 ) -> list[Outcome]:
-    """Compute a batch of cases on a thread of a dask worker, in a process that it keeps for the next batch.
+    """Compute a batch of pickled cases on a thread of a dask worker, in a process that it keeps for the next batch.
 
-    Returns the outcomes of the cases begun within a quarter of a second; none where the run is over, or where the cases
-    cannot be unpickled together.
-
-    Parameters
-    ----------
-    run
-        Name of the run; empty where the scheduler is not in the process that started it.
-    settings
-        Settings of the run, pickled.
-    limit
-        Longest time of a case [s]; None without a limit.
-    batch
-        The cases, pickled together.
-    names
-        Name of each case.
+    Returns the outcomes of the cases begun within a quarter of a second; none where the run is over, or where the
+    cases cannot be unpickled together. A case takes at most `limit` [s]. The name of the run is empty where the
+    scheduler is not in the process that started it.
     """
     from distributed import get_worker
 

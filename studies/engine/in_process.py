@@ -21,20 +21,10 @@ def compute_here(
     stop: Stop,
     begins: Callable[[str], object] = lambda name: None,
 ) -> None:
-    """Compute cases in this process.
+    """Compute cases, by name, in this process, and pass each outcome to `finished`.
 
-    Parameters
-    ----------
-    cases
-        Cases by name.
-    settings
-        Settings of the run.
-    finished
-        Called with the name and the outcome of each case.
-    stop
-        Raises where a signal asks to stop.
-    begins
-        Called with the name of each case before it begins, so that a death can be attributed to it.
+    A signal to stop is noticed between two cases. `begins` gets the name of each case before it begins, so that a death
+    can be attributed to it.
     """
     warm_up()
     process_id = os.getpid()

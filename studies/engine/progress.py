@@ -13,18 +13,9 @@ LINE_INTERVAL = 30.0  # seconds between two lines
 
 
 def progress_of(name: str, what: str, total: int, unit: str, log: Log) -> "tqdm[Any]":
-    """Return the progress of a job: number done, rate, and remaining time.
+    """Return the progress of a job `what` of a study, over `total` items that are called `unit`: rate, remaining time.
 
-    Parameters
-    ----------
-    name, what
-        Name of the study, and of the job.
-    total
-        Number of items.
-    unit
-        Name of an item.
-    log
-        Takes the lines where there is no terminal.
+    Lines go to `log` where there is no terminal.
     """
     shown: dict[str, Any] = {"total": total, "unit": unit, "disable": not total}
     if _is_terminal():

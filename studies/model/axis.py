@@ -238,21 +238,10 @@ def _split(text: str, kind: type) -> Iterator[Sequence[str] | Sequence[float]]:
 def values_between(
     first: str, last: str, count: str, spacing: str, *, kind: type
 ) -> Sequence[float] | None:
-    """Return the values of a range, both ends included; None for text that is not a range.
+    """Return the values of a range, of type `kind`, both ends included; None for text that is not a range.
 
-    Without a count they are all whole numbers between the ends. A range rises and has at least two values; a logarithmic
-    one begins above 0, and one of whole numbers has whole ends.
-
-    Parameters
-    ----------
-    first, last
-        Ends, as text.
-    count
-        Number of values, as text; empty for whole numbers.
-    spacing
-        "log" for equal ratios, else empty.
-    kind
-        Type of the values, int or float.
+    Without a `count` they are all whole numbers between the ends. A range rises and has at least two values. With the
+    `spacing` "log" it has equal ratios and begins above 0; one of whole numbers has whole ends.
     """
     low, high, is_integer = float(first), float(last), kind is int
     if is_integer and not (low.is_integer() and high.is_integer()):

@@ -36,21 +36,8 @@ def measured_variables(
 ) -> dict[str, xr.Variable]:
     """Return the mapping that a function of a study returned as variables that netCDF stores unchanged.
 
-    Parameters
-    ----------
-    measured
-        The mapping of names to numbers, text or variables.
-    reserved
-        Names that no variable and no dimension may have.
-    source
-        Name of the function, for messages.
-
-    Raises
-    ------
-    InvalidInput
-        For a value that netCDF cannot store.
-    MeasuredNaNError
-        For a value that is nan.
+    No variable and no dimension may have a `reserved` name; messages call the function `source`. Raises
+    :class:`~contactstudy.InvalidInput` for a value that netCDF cannot store, and MeasuredNaNError for one that is nan.
     """
     if not isinstance(measured, Mapping):
         raise InvalidInput(

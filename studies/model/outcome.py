@@ -182,17 +182,10 @@ def is_time(name: str) -> bool:
 
 
 def is_contended(samples: Sequence[TimedRun], calibration_time: float = np.inf) -> bool:
-    """Return whether the least time may be more than 10 % too long.
+    """Return whether the least time of a case may be more than 10 % too long.
 
     It may be if its CPU time is below 95 % of its wall time, no other run confirms it, or the processor was slower than
-    at its best.
-
-    Parameters
-    ----------
-    samples
-        Timed runs of one case.
-    calibration_time
-        Least time [s] of the fixed piece of work on this machine.
+    at its best: a fixed piece of work then takes longer than its least time, `calibration_time` [s].
     """
     wall = np.array([sample.setup + sample.solve for sample in samples])
     cpu = np.array([sample.setup_cpu + sample.solve_cpu for sample in samples])
@@ -215,14 +208,7 @@ def timing_variables(
 ) -> Mapping[str, xr.Variable]:
     """Return least, median and CPU time of each case, every sample along ``repeat``, and whether it can be trusted.
 
-    Parameters
-    ----------
-    names
-        Names of the study's axes.
-    index
-        Number of the case at each point.
-    samples
-        Timed runs of each case.
+    The variables are over the axes `names`; `index` has the number of the case at each point.
     """
     data = {}
     repeats = max((len(runs) for runs in samples), default=0)

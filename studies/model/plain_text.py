@@ -76,19 +76,9 @@ def thread_count(threads: SupportsInt) -> str:
 
 
 def place_of(error: BaseException, *libraries: str) -> str:
-    """Return the innermost place of an error outside libraries, as `` in function (file, line n)``.
+    """Return the innermost place of an error outside libraries, as `` in function (file, line n)``; empty without one.
 
-    Parameters
-    ----------
-    error
-        The error.
-    libraries
-        Files that count as libraries.
-
-    Returns
-    -------
-    str
-        Empty where there is no such place.
+    The files `libraries` count as libraries too.
     """
     frames = traceback.extract_tb(error.__traceback__, limit=-50)
     study = [

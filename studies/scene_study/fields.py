@@ -75,19 +75,9 @@ def document_of(described: SceneFile) -> SceneDocument:
 
 
 def find_field(document: SceneDocument, name: str) -> SceneField:
-    """Return the field with the name `name`.
+    """Return the field with a name: a path, a short name such as ``tolerance``, or a field that one shape alone has.
 
-    Parameters
-    ----------
-    document
-        The scene file.
-    name
-        A path, a short name such as ``tolerance``, or the name of a field that one shape alone has.
-
-    Raises
-    ------
-    InvalidInput
-        For a name that is no field; its message lists those that there are.
+    Raises :class:`~contactstudy.InvalidInput` for a name that is no field, with those that there are.
     """
     if name in SHORT_NAMES and not (name == "period" and document.grid is not None):
         return _at(document, tuple(SHORT_NAMES[name].split(".")))

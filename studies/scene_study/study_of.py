@@ -301,7 +301,7 @@ class _SceneAt:
             values not in self.cases
         ):  # stored values stand for those that differ from them by rounding
             columns = zip(values, self._sorted, strict=True)
-            values = tuple(_nearest(value, others) for value, others in columns)
+            values = tuple(_nearest(value, numbers) for value, numbers in columns)
         if values not in self.cases:
             raise InvalidInput(
                 f"The point {dict(point)!r} is not one of the study: give its values when the study is made."
@@ -314,15 +314,15 @@ class _SceneAt:
         return [sorted(set(column)) for column in zip(*self.cases, strict=True)]
 
 
-def _nearest(value: Value, others: list[Any]) -> Value:
-    """Return a number of `others`, in rising order, that is equal to a number up to rounding; the value without one."""
+def _nearest(value: Value, numbers: list[Any]) -> Value:
+    """Return the one of rising `numbers` that is equal to a value up to rounding; the value where there is none."""
     if not isinstance(value, float):
         return value
-    place = bisect(others, value)
+    place = bisect(numbers, value)
     alike = (
-        one
-        for one in others[max(place - 1, 0) : place + 1]
-        if isclose(one, value, rel_tol=EQUAL_WITHIN)
+        number
+        for number in numbers[max(place - 1, 0) : place + 1]
+        if isclose(number, value, rel_tol=EQUAL_WITHIN)
     )
     return next(alike, value)
 

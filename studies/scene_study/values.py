@@ -24,20 +24,7 @@ def parse_values(field: str, text: str, number_type: type) -> list[object]:
 
     ``50:400:8 N/mm`` is eight values from 50 to 400 N/mm, ``50:400:8:log N/mm`` in equal ratios, and for a field of
     whole numbers ``0:10`` all from 0 to 10. A unit after the last of several numbers applies to all of them.
-
-    Parameters
-    ----------
-    field
-        Name of the field, for messages.
-    text
-        Values, separated by commas.
-    number_type
-        Type of the numbers that the field holds.
-
-    Raises
-    ------
-    InvalidInput
-        For a text that is none of these.
+    Raises :class:`~contactstudy.InvalidInput` for a text that is none of these.
     """
     parts = [part.strip() for part in _split(field, text)]
     if not all(parts) or not parts:

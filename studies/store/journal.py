@@ -103,15 +103,7 @@ class Journal:
             os.close(self._descriptor)
 
     def start(self, history: str, axes: Mapping[str, Iterable[Any]]) -> None:
-        """Begin a run of the present study.
-
-        Parameters
-        ----------
-        history
-            Time and command of the run.
-        axes
-            Values of each axis.
-        """
+        """Begin a run of the present study: write time and command of the run, and new values of each axis."""
         new_values = {
             name: [value for value in values if value not in self.axes.get(name, ())]
             for name, values in axes.items()
@@ -123,12 +115,8 @@ class Journal:
     def stamp(self, state: str, loaded: Mapping[str, str]) -> str:
         """Return the stamp of a program of this run, which is written at its first case.
 
-        Parameters
-        ----------
-        state
-            State of the classes of the case.
-        loaded
-            What the process that computed it had loaded.
+        It is of the study's part, the state of the classes of the case, and what the process that computed it had
+        loaded.
         """
         cached = self._stamps.get((id(loaded), state))
         if cached is None:

@@ -103,17 +103,8 @@ def _checked(path: Path) -> Path:
 def read(path: Path, what: str = "Study file", remedy: str = "run the study first") -> xr.Dataset:
     """Return the Dataset in `path`, in memory.
 
-    Parameters
-    ----------
-    path
-        The file.
-    what, remedy
-        Words for the message of the error.
-
-    Raises
-    ------
-    InvalidInput
-        If there is no file, or it is damaged.
+    Raises :class:`~contactstudy.InvalidInput`, with `what` the file is called and the `remedy`, for one that is
+    missing or damaged.
     """
     try:
         with Stop():

@@ -45,18 +45,8 @@ def assemble(
 
     A variable's own dimensions follow those of the axes. Where a case has no numbers (NaN, or no text),
     ``case_status`` says so, ``error`` why. Where cases give one name to values of different dimensions, types or
-    units, those of most cases are stored; the attribute ``left_out`` names the others.
-
-    Parameters
-    ----------
-    table
-        The points.
-    outcome_of
-        Returns the outcome of a case; None if there is none.
-    samples_of
-        Returns the timed runs of a case.
-    attributes
-        Attributes of the Dataset.
+    units, those of most cases are stored; the attribute ``left_out`` names the others. `outcome_of` and `samples_of`
+    return the outcome, if any, and the timed runs of a case.
     """
     shape = tuple(len(axis.values) for axis in table.axes)
     names = tuple(axis.name for axis in table.axes)

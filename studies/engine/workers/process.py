@@ -114,22 +114,12 @@ class SupervisedProcess:
     def run(
         self, cases: bytes, names: Sequence[str], limit: float | None, task: Task = "compute"
     ) -> Iterator[Outcome]:
-        """Yield the outcome of each case, in order, as soon as it is available, until a batch has taken its time.
+        """Yield the outcome of each pickled case, in order and at once, until a batch has taken its time.
 
-        After the death of a process the remaining cases go to a new one; the case that it computed is tried once
-        more, which shows whether it causes deaths. Nothing is yielded after :meth:`end`, and for several cases that
-        cannot be unpickled together.
-
-        Parameters
-        ----------
-        cases
-            The cases, pickled together.
-        names
-            Name of each case.
-        limit
-            Longest time of a case [s]; None without a limit.
-        task
-            Task of each case: "compute", or "time" for one timed run, whose outcome has a sample.
+        After the death of a process the remaining cases go to a new one; the case that it computed is tried once more,
+        which shows whether it causes deaths. Nothing is yielded after :meth:`end`, and for several cases that cannot
+        be unpickled together. A case takes at most `limit` [s]. The task is to "compute" each case, or to "time" it
+        once, for a sample.
         """
         batch, index, deaths = Batch(cases, tuple(names), limit, task), 0, 0
         while index < len(names) and self._is_ready():

@@ -67,16 +67,7 @@ def main(
 ) -> None:
     """Unpickle the study, and answer the supervisor's requests until it is gone or none comes for a long time.
 
-    Parameters
-    ----------
-    connection
-        Other end of the supervisor's pipe.
-    worker_id
-        Mark of this process and of all that it starts.
-    path, environment
-        Import paths and environment of the supervisor.
-    settings
-        Settings of the run, pickled.
+    `worker_id` marks this process and all that it starts; import path and environment are those of the supervisor.
     """
     # an interrupt from outside ends the process, and is no error of the case
     signal.signal(signal.SIGINT, signal.SIG_DFL)

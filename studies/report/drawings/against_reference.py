@@ -28,12 +28,12 @@ def figures(dataset: xr.Dataset, names: Sequence[str]) -> Sequence[CaptionedFigu
     if axis not in dataset["case_status"].dims or dataset.sizes[axis] < 2:
         return ()
     good = dataset.where(dataset["case_status"] == CaseStatus.OK)
-    others = dataset[axis].values
+    coordinate = dataset[axis].values
     # a stored number may differ from the one that was named by rounding
-    is_number = others.dtype.kind in "iuf"
-    place = int((-abs(others - float(value)) if is_number else others == value).argmax())
+    is_number = coordinate.dtype.kind in "iuf"
+    place = int((-abs(coordinate - float(value)) if is_number else coordinate == value).argmax())
     true = good.isel({axis: place})
-    compared = good.isel({axis: [k for k in range(others.size) if k != place]})
+    compared = good.isel({axis: [k for k in range(coordinate.size) if k != place]})
     other_axes = [name for name in dataset["case_status"].dims if name != axis]
     # the datum of an approach, for one, may differ between paddings
     bounded = [name for name in names if np.isfinite(true.get(f"{name}_bound", np.inf)).all()]

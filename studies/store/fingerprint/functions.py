@@ -41,17 +41,8 @@ class States:
     def state_of(self, value: Any, owner: str | None = "measures") -> Tree:
         """Return the state of a function, class or value, and of all that it holds.
 
-        Parameters
-        ----------
-        value
-            The value.
-        owner
-            What holds it, for the error; None gives None for an object whose state cannot be seen.
-
-        Raises
-        ------
-        InvalidInput
-            For an object whose state cannot be seen.
+        For an object whose state cannot be seen, :class:`~contactstudy.InvalidInput` names its `owner`; without an
+        owner the state is None.
         """
         if type(value) in PLAIN:
             return canonical(value)

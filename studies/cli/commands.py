@@ -164,7 +164,7 @@ def report(
     "old_times",
     flag_value="dropped",
     default="kept",
-    help="Time all cases again, even if their times are stored.",
+    help="Time the cases again, even if their times are stored.",
 )
 @click.option(
     "--only",

@@ -17,6 +17,7 @@ def test_instants_are_as_many_as_asked_and_peaks_of_the_load_are_among_them() ->
     assert TimeSteps(instants=5).instants_of(near) == [0, 0.25, 0.4, 0.9, 1]
     default = TimeSteps().instants_of(load)
     assert set(load.times) < set(default)
+    assert len(default) == 41
     assert sorted(default) == default
     sine = cs.SineLoad(2.0, 1.0, 1.0, phase=pi / 7)
     instants = TimeSteps().instants_of(sine) or []

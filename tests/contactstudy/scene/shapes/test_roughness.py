@@ -113,6 +113,7 @@ def test_a_seed_keeps_its_surface() -> None:
     found = [heights[0, 0], heights[10, 30], heights[-1, -1]]
     first = [-2.8157134508736897e-08, -6.989830739011437e-08, -2.5776133684319015e-08]
     assert found == pytest.approx(first, rel=1e-11)
+    assert Roughness(2e-7, 0.8, 5e-5, 1e-5) == replace(ROUGH, seed=0)
 
 
 def test_sa_is_the_mean_height_of_a_gaussian_surface() -> None:

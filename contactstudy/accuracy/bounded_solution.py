@@ -6,13 +6,12 @@ from math import inf, log, sqrt
 
 import numpy as np
 
-from contactstudy.accuracy.discretisation.cells import around_contact, with_ends
+from contactstudy.accuracy.discretisation.cells import around_contact, errors_along, with_ends
 from contactstudy.accuracy.discretisation.coarser import change_between_grids, halved
 from contactstudy.accuracy.discretisation.contact_edge import edge_error_of_means
 from contactstudy.accuracy.discretisation.subcell import SubgridHeights
 from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.domain.errors import ErrorEstimate
-from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, axis_first
 from contactstudy.solvers.solution import Solution
 
@@ -210,29 +209,17 @@ def cell_errors(solution: Solution) -> tuple[float, float]:
         pressure = pressure[:, lengths > 0]
     limited = (problem.constraint.active(pressure) == 0) & (pressure > 0)
     across, along = (
-        _axis_error(axis_first(pressure, axis), axis_first(limited, axis), wraps=padding.wraps)
+        errors_along(
+            with_ends(axis_first(pressure, axis), 1, wraps=padding.wraps),
+            edge_error_of_means,
+            with_ends(axis_first(limited, axis), 1, wraps=padding.wraps),
+        )[0]
         if pressure.shape[axis] > 1
         else 0.0
         for axis, padding in enumerate(problem.paddings)
     )
     total = float(pressure.sum())
     return across / total, along / total + _end_error(solution)
-
-
-def _axis_error(along: Array, limited: Array, *, wraps: bool) -> float:
-    """Return the sum of the pressure errors of `along` (n, lines) along its first axis."""
-    padded = with_ends(along, 1, wraps=wraps)
-    exact = with_ends(limited, 1, wraps=wraps) > 0
-    touching = padded > 0
-    before, after = slice(None, -2), slice(2, None)
-    second_differences = np.abs(padded[before] + padded[after] - 2 * along)
-    within = touching[before] & touching[1:-1] & touching[after]
-    within &= ~(exact[before] | exact[1:-1] | exact[after])
-    error = float(second_differences[within].sum()) / 12
-    for beyond, inward in ((before, after), (after, before)):
-        ends = touching[1:-1] & ~touching[beyond] & ~exact[inward]
-        error += float(edge_error_of_means(along[ends], padded[inward][ends]).sum())
-    return error
 
 
 def _end_error(solution: Solution) -> float:

@@ -27,8 +27,8 @@ def image_errors(
     the domain also misses more at its ends, by ``-ln(1 - (2 y / L)^2 / (2 n + 1)^2)``: under that kink the pressure
     rises, j cells from the end by the fraction ``(2 / pi) (a / L) ln(cells / (2 j + 1)) / (2 n + 1)^2``. Without any
     images the solution's own line load shows the error at the ends. The errors are zero where all images are summed, or
-    a free length holds the whole contact. A body that ends along the length is not uniform along it, so that the images
-    bend it along both axes, by its larger half-width, within `ENDS_MARGIN`.
+    a length without images holds the whole contact. A body that ends along the length is not uniform along it, so that
+    the images bend it along both axes, by its larger half-width, within `ENDS_MARGIN`.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ def image_errors(
     paddings
         Paddings (across, along).
     ends_along
-        Whether a body ends along the length, where contact may reach the ends of a free length.
+        Whether a body ends along the length, where contact may reach the ends of a length without images.
 
     Raises
     ------

@@ -71,8 +71,8 @@ def residual_errors(solution: Solution, change: float = 0.0) -> ResidualErrors:
         # has not the least energy of all with the same mean displacement
         displacement = inner(pressure, solution.problem.operator(pressure))
         l1 += INVERSE_MARGIN * abs(inner(pressure, gap)) / displacement
-    # the peak may be in another cell; the inverse, which takes an open length for a periodic one, is more accurate for
-    # the sum than for a single cell
+    # the peak may be in another cell; the inverse, which takes both axes for periodic, is more accurate for the sum than
+    # for a single cell
     peak = max(float(max(peaks) / pressure.max()) - 1, l1) + change
     return ResidualErrors(peak, l1 + change, _area_error(pressure, l1 + change), max(gaps))
 

@@ -235,7 +235,7 @@ def across_and_along(padding: Padding | Paddings) -> Paddings:
     Parameters
     ----------
     padding
-        Padding of the length, with a free width, or a tuple of two.
+        Padding of the length, with ZeroPadding across, or a tuple of two.
 
     Raises
     ------

@@ -20,7 +20,7 @@ class Status(Enum):
 
     CONVERGED = "the residual is below the tolerance"
     CONTACT_AT_EDGE = (
-        "converged, but the contact reaches the edge of the width, or the end of a free length, and is "
+        "converged, but the contact reaches the edge of the width, or the end of a length that is not periodic, and is "
         "cut off there: give Grid.extent a larger width or length"
     )
     ITERATION_LIMIT = (

@@ -1,5 +1,6 @@
 """Discretisation errors of cells of constant pressure, from the pressure found on them."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf
 
@@ -93,22 +94,17 @@ def discretisation_errors(pressure: Array, wraps: tuple[bool, bool]) -> tuple[fl
         along = axis_first(pressure, axis)
         # beyond an open end the last cell is repeated
         padded = with_ends(along, 1, wraps=is_periodic)
-        before, after = padded[:-2], padded[2:]
-        second_difference = before + after
-        second_difference -= 2 * along
-        np.abs(second_difference, out=second_difference)
-        touching = padded > 0
-        l1 += (second_difference * (touching[:-2] & touching[1:-1] & touching[2:])).sum() / 12
-        last, second = _ends(padded, touching)
-        l1 += edge_error(last, second).sum()
+        error, last, second = errors_along(padded, edge_error)
+        l1 += error
         # a plateau ends half-way in its last cell, which has the mean pressure
         plateau = last[second >= level]
         l1 += np.minimum(plateau, level - plateau).sum()
-        index = highest[::-1] if axis else highest
-        slope, curvature = float(after[index] - before[index]) / 2, float(second_difference[index])
+        index, line = highest[::-1] if axis else highest
+        before, centre, after = padded[index : index + 3, line].tolist()
+        slope, curvature = (after - before) / 2, abs(before + after - 2 * centre)
         # the parabola's vertex is slope / curvature cells away
         beside += slope**2 / curvature / 2 - curvature / 24 if curvature > 0 else 0.0
-        around = touching[max(index[0] - 1, 0) : index[0] + 4, index[1]]
+        around = padded[max(index - 1, 0) : index + 4, line] > 0
         edges = max(
             edges,
             (CONSTANTS.edge_effect if around.all() else CONSTANTS.edge_effect_beside) * curvature,
@@ -116,12 +112,48 @@ def discretisation_errors(pressure: Array, wraps: tuple[bool, bool]) -> tuple[fl
     return (abs(beside) + edges) / level, float(l1 / pressure.sum())
 
 
-def _ends(padded: Array, touching: NDArray[np.bool_]) -> tuple[Array, Array]:
+def errors_along(
+    padded: Array,
+    edge_error: Callable[[Array, Array], Array],
+    exact: NDArray[np.bool_] | None = None,
+) -> tuple[float, Array, Array]:
+    """Return the sum of the pressure errors along the first axis, and pressures at the ends of rows of touching cells.
+
+    Cells within add a 12th of their second difference, ends their `edge_error`, a function of the pressures of the last
+    cell and of the next one inward, which are returned.
+
+    Parameters
+    ----------
+    padded
+        Pressure (n + 2, lines), with one more cell at either end.
+    edge_error
+        Error at each end.
+    exact
+        Cells (n + 2, lines) without an error, nor with one beside them; None for none.
+    """
+    touching = padded > 0
+    second_difference = padded[:-2] + padded[2:]
+    second_difference -= 2 * padded[1:-1]
+    np.abs(second_difference, out=second_difference)
+    within = touching[:-2] & touching[1:-1] & touching[2:]
+    if exact is not None:
+        within &= ~(exact[:-2] | exact[1:-1] | exact[2:])
+    last, second = _ends(padded, touching, exact)
+    error = float((second_difference * within).sum()) / 12 + float(edge_error(last, second).sum())
+    return error, last, second
+
+
+def _ends(
+    padded: Array, touching: NDArray[np.bool_], exact: NDArray[np.bool_] | None = None
+) -> tuple[Array, Array]:
     """Return the pressures of all cells at an end of a row of `touching` cells, and of their neighbours inward.
 
-    The rows run along the first axis, and `padded` has one more cell at either end.
+    The rows run along the first axis, and `padded` has one more cell at either end. Ends beside `exact` cells are left
+    out.
     """
     first, last = (touching[1:-1] & ~beyond for beyond in (touching[:-2], touching[2:]))
+    if exact is not None:
+        first, last = first & ~exact[2:], last & ~exact[:-2]
     along, before, after = padded[1:-1], padded[:-2], padded[2:]
     ends = np.concatenate([along[first], along[last]])
     return ends, np.concatenate([after[first], before[last]])

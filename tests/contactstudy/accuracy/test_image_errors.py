@@ -44,7 +44,7 @@ def test_paddings_without_missing_images_have_no_image_error(line_contact: LineC
         assert image_errors(pressure, whole.problem.grid, paddings) == (0.0, 0.0)
 
 
-def test_a_free_length_has_an_image_error_only_where_contact_reaches_its_ends() -> None:
+def test_a_length_without_images_has_an_error_only_where_contact_reaches_its_ends() -> None:
     solids, length = (STEEL, STEEL), 1e-3
     scene = cs.Scene(cs.LineLoad(1e3), solids, (cs.Sphere(0.01),))
     grid = cs.Grid(cells=(32, 32), extent=(length, length))

@@ -60,7 +60,7 @@ def test_heights_that_are_not_numbers_end_in_a_status(line_contact: LineContact)
     assert "NOT_FINITE" in repr(solution)
 
 
-def test_contact_cut_off_by_a_free_length_is_flagged_but_not_a_rollers_own_end(
+def test_contact_cut_off_at_the_ends_is_flagged_but_not_a_rollers_own_end(
     line_contact: LineContact,
 ) -> None:
     free = (cs.ZeroPadding(), cs.ZeroPadding())

@@ -4,7 +4,7 @@ from dataclasses import replace
 from math import pi, sqrt
 
 from contactstudy.domain.grid import Grid
-from contactstudy.planning.cost import CostModel, memory
+from contactstudy.planning.cost import memory, predicted_seconds, sample_timing
 from contactstudy.planning.forecast import CONSTANTS as FORECAST
 from contactstudy.planning.forecast import with_width
 from contactstudy.planning.grid_requirements import (
@@ -77,7 +77,8 @@ def plan_of_adhesion(
     solves = SEARCH_SOLVES if isinstance(scene.load, PullOff) else instants or 1
     convolutions = max(MIN_CONVOLUTIONS, CONVOLUTIONS_OVER_TABOR_SQUARED * tabor**2)
     padding = requirements.padding()
-    seconds = FORECAST.cost_ratio * solves * CostModel().seconds(grid, padding, convolutions)
+    each = predicted_seconds(sample_timing(grid, padding), grid, convolutions)
+    seconds = FORECAST.cost_ratio * solves * each
     reason = (
         f"adhesion: {cells:.3g} cells in the cohesive zone at a Tabor parameter of {tabor:.3g}, and room for the "
         f"attraction beside the contact; of the order of {convolutions:.2g} FFT convolutions a solve, {solves} solves."

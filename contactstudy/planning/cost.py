@@ -1,7 +1,7 @@
-"""The one model of cost: seconds of a solve by a regression on timed solves, and the bytes that it holds."""
+"""The one model of cost: seconds of a solve from a timed one, and the bytes that it holds."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from functools import partial
 from math import exp, inf, log, pi, prod
 from time import perf_counter, process_time
@@ -9,15 +9,7 @@ from time import perf_counter, process_time
 import numpy as np
 
 from contactstudy.domain.device import ONE_THREAD, Device
-from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import (
-    CircularSuperposition,
-    Grid,
-    Padding,
-    Paddings,
-    Superposition,
-    across_and_along,
-)
+from contactstudy.domain.grid import Grid, Padding, Paddings, across_and_along
 from contactstudy.elasticity.convolution import padded_cells
 from contactstudy.problem.memory import solve_bytes
 from contactstudy.problem.problem import Problem
@@ -38,8 +30,8 @@ class TimingConstants:
     smooth_convolutions, rough_convolutions, tolerance
         FFT convolutions of the full grid in a solve of a smooth and of a rough contact to this tolerance, coarser grids
         included.
-    sample_cells, sample_images
-        Cells along an axis of the solve that is timed where there is no timing, and its numbers of images.
+    sample_cells
+        Cells along an axis of the solve that is timed where there is no timing.
     stress_cells
         Cells along an axis of the two grids on which stress is timed, at the most.
     large_sample
@@ -57,7 +49,6 @@ class TimingConstants:
     rough_convolutions: float = 42.0
     tolerance: float = 1e-8
     sample_cells: int = 128
-    sample_images: tuple[int, ...] = (1, 6)
     stress_cells: tuple[int, int] = (64, 256)
     large_sample: int = 512
     min_total_seconds: float = 0.02
@@ -92,50 +83,19 @@ class Timing:
     solve: float
 
 
-@dataclass(frozen=True, eq=False)
-class CostModel:
-    """Model of the seconds of a solve on one thread, from timings of the same paddings on other grids.
+def predicted_seconds(timing: Timing, grid: Grid, convolutions: float) -> float:
+    """Return the seconds of set-up and solve on another `grid` with the padding of a timed solve, on one thread.
 
-    Parameters
-    ----------
-    timings
-        Measured solves.
-    sample
-        Measures solves for a grid and a padding that have no timing: once for each pair of kinds of padding, and for one
-        cell along or several.
+    They are in proportion to the work: of the set-up that of a transform of the cells, of the solve that of each of its
+    FFT convolutions of the full grid.
     """
 
-    timings: Sequence[Timing] = ()
-    sample: Callable[[Grid, Padding | Paddings], Sequence[Timing]] = field(
-        default_factory=lambda: sample_timings
-    )
-    _laws: "dict[str, tuple[CostLaw, CostLaw]]" = field(default_factory=dict, init=False)
+    def work(on: Grid, count: float) -> tuple[float, float]:
+        return log_work(prod(on.cells)), log_work(padded_points(on, timing.padding), count)
 
-    def seconds(self, grid: Grid, padding: Padding | Paddings, convolutions: float) -> float:
-        """Return the predicted seconds of set-up and solve.
-
-        Parameters
-        ----------
-        grid, padding
-            Cells and boundary conditions.
-        convolutions
-            FFT convolutions of the full grid.
-        """
-        key = _law_key(grid, padding)
-        if key not in self._laws:
-            similar = [
-                timing for timing in self.timings if _law_key(timing.grid, timing.padding) == key
-            ]
-            similar = similar or list(self.sample(grid, padding))
-            sizes = [
-                _work_sizes(timing.grid, timing.padding, timing.convolutions) for timing in similar
-            ]
-            self._laws[key] = (
-                CostLaw.fit([setup for setup, _ in sizes], [timing.setup for timing in similar]),
-                CostLaw.fit([solve for _, solve in sizes], [timing.solve for timing in similar]),
-            )
-        new_sizes = _work_sizes(grid, padding, convolutions)
-        return sum(law.seconds(size) for law, size in zip(self._laws[key], new_sizes, strict=True))
+    pairs = zip(work(grid, convolutions), work(timing.grid, timing.convolutions), strict=True)
+    setup, solve = (exp(here - there) for here, there in pairs)
+    return timing.setup * setup + timing.solve * solve
 
 
 def timed(
@@ -200,43 +160,18 @@ def stress_seconds(scene: Scene, grid: Grid, padding: Padding | Paddings) -> flo
     return seconds * (1 if scene.friction is None else 2 + sticks)
 
 
-def sample_timings(grid: Grid, padding: Padding | Paddings) -> tuple[Timing, ...]:
-    """Time a smooth line contact on a small grid with as many dimensions as `grid`.
-
-    A padding that counts images is timed with few and with many of them, any other once.
-    """
-    across, along = across_and_along(padding)
+def sample_timing(grid: Grid, padding: Padding | Paddings) -> Timing:
+    """Time a smooth line contact on a small grid with as many dimensions as `grid`."""
     cells = CONSTANTS.sample_cells
     sample = Grid((cells, 1 if grid.cells[1] == 1 else cells), SAMPLE_EXTENT)
-    counted: tuple[Padding, ...] = (along,)
-    if isinstance(along, Superposition | CircularSuperposition):
-        counted = tuple(replace(along, images=images) for images in CONSTANTS.sample_images)
-    problems = (
-        partial(_smooth_contact().problem, padding=(across, each_padding))
-        for each_padding in counted
-    )
-    return tuple(timed(problem, sample, CONSTANTS.tolerance)[1] for problem in problems)
+    problem_on = partial(_smooth_contact().problem, padding=padding)
+    return timed(problem_on, sample, CONSTANTS.tolerance)[1]
 
 
 def _smooth_contact() -> Scene:
     """Return a smooth line contact of modulus 1, 3.4 half-widths of which are in the sampled extent."""
     solids = HalfSpace(1.0, 0.0), HalfSpace(inf, 0.0)
     return Scene(LineLoad(pi / 800), solids, (Cylinder(100.0),))
-
-
-def _law_key(grid: Grid, padding: Padding | Paddings) -> str:
-    """Return the key of a law: the names of both paddings, and 1 or 2 for one cell along or several."""
-    names = (type(axis_padding).__name__ for axis_padding in across_and_along(padding))
-    return f"{' '.join(names)} {min(grid.cells[1], 2)}"
-
-
-def _work_sizes(
-    grid: Grid, padding: Padding | Paddings, convolutions: float
-) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Return (cells, images) for a set-up and (points of a transform, FFT convolutions) for a solve."""
-    windows = (axis_padding.window for axis_padding in across_and_along(padding))
-    images = prod(1 if window is None else len(window) for window in windows)
-    return (prod(grid.cells), images), (padded_points(grid, padding), convolutions)
 
 
 def speedup(grid: Grid, padding: Padding | Paddings, device: Device) -> float:
@@ -272,100 +207,6 @@ def memory(grid: Grid, padding: Padding | Paddings) -> int:
     return solve_bytes(grid, across_and_along(padding))
 
 
-@dataclass(frozen=True)
-class PriorConstants:
-    """Priors of the fit, judged by forecasts of four times the largest size from 2 to 6 timings with 10 % of noise.
-
-    Attributes
-    ----------
-    scale
-        Prior standard deviation of the logarithm of the scale. From 3 to 30 forecasts are the same.
-    exponent
-        That of the exponents beyond N log N. With 0.03 errors of forecasts grow by up to 1.6 times; 0.3 changes 5 %.
-    curvature
-        That of the curvatures, which follow sums such as a + b N. With 0.3 errors grow by up to 1.6 times.
-    deviation, timings
-        Standard deviation assumed of the logarithms of timings, and the number of timings that it counts as. Half or
-        twice as many change errors by 4 %.
-    iterations
-        Iterations of deviation and fit, after which the deviation changes by less than 1 %.
-    outlier
-        Median residuals from the fit at which a timing counts half: an interrupted run takes far longer than all others.
-        Values from 2 to 5 change errors by 15 %.
-    """
-
-    scale: float = 10.0
-    exponent: float = 0.1
-    curvature: float = 0.1
-    deviation: float = log(1.25)
-    timings: int = 2
-    iterations: int = 3
-    outlier: float = 3.0
-
-
-PRIOR = PriorConstants()
-
-
-@dataclass(frozen=True, eq=False)
-class CostLaw:
-    """Log-quadratic fit ``log y = log(N log N + b) + log n + m + c0 + sum_k (p_k u_k + q_k u_k^2)`` for seconds y.
-
-    N is a number of points, n one of repetitions, and u are their logarithms, less their means. The overhead b of a
-    transform is `transform_overhead`, and m is `log_mean`.
-
-    Attributes
-    ----------
-    centre
-        Mean logarithms of N and n (2,).
-    log_mean
-        Mean logarithm of the seconds over the work.
-    coefficients
-        c0, then all p, then all q.
-    """
-
-    centre: Array
-    log_mean: float
-    coefficients: Array
-
-    @classmethod
-    def fit(cls, sizes: Sequence[tuple[float, float]], seconds: Sequence[float]) -> "CostLaw":
-        """Fit the law to the `seconds` of some `sizes` (N, n).
-
-        Least squares with a weak prior on every coefficient (ridge regression), which decides where the timings do not;
-        outliers count less. The standard deviation is that of the errors of each timing when predicted from all others.
-        """
-        logarithms = np.log(sizes)
-        values = np.log(seconds) - [log_work(*size) for size in sizes]
-        centre, mean = logarithms.mean(axis=0), float(values.mean())
-        terms = _terms(logarithms - centre)
-        deviations = [PRIOR.scale, *2 * [PRIOR.exponent], *2 * [PRIOR.curvature]]
-        prior = np.diag(np.array(deviations) ** -2.0)
-        deviation, weights = PRIOR.deviation, np.ones(len(values))
-        for iteration in range(PRIOR.iterations + 1):
-            weighted = (terms * weights[:, None]).T / deviation**2
-            covariance = np.linalg.inv(weighted @ terms + prior)
-            coefficients = covariance @ weighted @ (values - mean)
-            if iteration == PRIOR.iterations:
-                break
-            leverage = weights * np.einsum("ij,jk,ik->i", terms, covariance, terms) / deviation**2
-            left_out = (values - mean - terms @ coefficients) / np.maximum(1 - leverage, 1e-3)
-            total = float((left_out**2).sum()) + PRIOR.timings * PRIOR.deviation**2
-            deviation = float(np.sqrt(total / (len(values) + PRIOR.timings)))
-            residual_ratio = left_out / max(float(np.median(np.abs(left_out))), 1e-3)
-            weights = 1 / (1 + (residual_ratio / PRIOR.outlier) ** 2)
-        return cls(centre, mean, coefficients)
-
-    def seconds(self, size: tuple[float, float]) -> float:
-        """Return the seconds of a `size` (N, n)."""
-        terms = _terms(np.log([size]) - self.centre)
-        return exp(float(self.log_mean + (terms @ self.coefficients)[0]) + log_work(*size))
-
-
 def log_work(points: float, repetitions: float = 1.0) -> float:
     """Return the logarithm of the work ``n N log N`` of N `points`, with a fixed overhead, n `repetitions` times."""
     return log(points * log(points) + CONSTANTS.transform_overhead) + log(repetitions)
-
-
-def _terms(centred: Array) -> Array:
-    """Return the constant, linear and square terms (timings, coefficients) of centred logarithms."""
-    return np.column_stack([np.ones(len(centred)), centred, centred**2])

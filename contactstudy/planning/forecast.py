@@ -11,7 +11,7 @@ from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.device import Cpu
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.planning.cost import CONSTANTS as TIMING
-from contactstudy.planning.cost import CostModel, memory, timed
+from contactstudy.planning.cost import memory, predicted_seconds, sample_timing, timed
 from contactstudy.planning.grid_requirements import CONSTANTS as GRID
 from contactstudy.planning.grid_requirements import GridRequirements, halvable_count
 from contactstudy.planning.refinement import GridRefinement
@@ -200,7 +200,8 @@ def forecast_of_grid(scene: Scene, requirements: GridRequirements, grid: Grid) -
             (GRID.min_cells, 1),
             grid.extent[0] < 2 * requirements.hertz.half_width,
             "",
-            CONSTANTS.cost_ratio * CostModel().seconds(grid, padding, TIMING.smooth_convolutions),
+            CONSTANTS.cost_ratio
+            * predicted_seconds(sample_timing(grid, padding), grid, TIMING.smooth_convolutions),
         )
     refinement = replace(
         _refinement(scene, requirements, CONSTANTS.given_error),
@@ -220,7 +221,7 @@ def forecast_of_grid(scene: Scene, requirements: GridRequirements, grid: Grid) -
             message=str(error),
             seconds=inf,
         )
-    seconds = CostModel((timing,)).seconds(grid, padding, timing.convolutions)
+    seconds = predicted_seconds(timing, grid, timing.convolutions)
     forecast = _extrapolated(refinement, levels, grid, CONSTANTS.cost_ratio * seconds)
     if forecast.error == inf and not forecast.contact_exceeds_grid:
         errors = requirements.errors(grid.cell_size)

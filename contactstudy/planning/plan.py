@@ -13,7 +13,13 @@ from contactstudy.domain.device import ONE_THREAD, Device, available_bytes, chec
 from contactstudy.domain.grid import ExactPeriodicity, Grid
 from contactstudy.domain.units import readable
 from contactstudy.planning.cost import CONSTANTS as TIMING
-from contactstudy.planning.cost import CostModel, memory, speedup, stress_seconds
+from contactstudy.planning.cost import (
+    memory,
+    predicted_seconds,
+    sample_timing,
+    speedup,
+    stress_seconds,
+)
 from contactstudy.planning.forecast import CONSTANTS as FORECAST
 from contactstudy.planning.forecast import (
     GridForecast,
@@ -185,7 +191,8 @@ def _plan_of_flat(
     if grid is None:
         grid, reason = flat_grid(scales, period), "the points of the measured surface are the cells"
     padding = (ExactPeriodicity(), ExactPeriodicity())
-    seconds = CostModel().seconds(grid, padding, TIMING.rough_convolutions)
+    timing = sample_timing(grid, padding)
+    seconds = predicted_seconds(timing, grid, TIMING.rough_convolutions)
     if fault := period_fault(grid.length, (scales,)):
         warnings.append(fault)
     return Plan(

@@ -281,5 +281,8 @@ def _sentence(error: BaseException, target: type | None) -> str:
         return "; ".join(f"unknown key {key!r}: {suggestion(key, names)}" for key in unknown) + "."
     if isinstance(error, KeyError):
         unit = next((note for note in get_args(target) if isinstance(note, Unit)), None)
-        return "it is missing." if unit is None else f"it is missing: {_remedy(unit)}."
+        what = (
+            "a list" if get_origin(target) is tuple else "a value" if target is int else "a table"
+        )
+        return f"it is missing: {f'give {what}' if unit is None else _remedy(unit)}."
     return str(error)

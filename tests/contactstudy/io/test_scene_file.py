@@ -135,7 +135,7 @@ def test_either_axis_has_its_padding(tmp_path: Path) -> None:
         ('"Cylinder"', '"Cylindr"', "shapes[0]: its kind is 'Cylindr': did you mean 'Cylinder'."),
         ('kind = "Cylinder"', "", "shapes[0]: it has no kind: choose from Cylinder, "),
         ('"100 N/mm"', "true", "load.per_length: it is True: give a load per length"),
-        ('[load]\nper_length = "100 N/mm"', "", "load: it is missing."),
+        ('[load]\nper_length = "100 N/mm"', "", "load: it is missing: give a table."),
         ('per_length = "100 N/mm"', "", "it is missing: give a load per length, such as '100 N/mm'"),
         ("[load]", '[load]\ntotal = "1 kN"', "load: it has per_length, total together: give the keys of"),
         ('"100 N/mm"', '"1,5 N/mm"', "with a decimal point"),

@@ -48,17 +48,7 @@ Answer = cs.Contact | cs.LubricatedContact | cs.Evolution
 
 @dataclass(frozen=True)
 class Setting:
-    """Way to solve a scene.
-
-    Attributes
-    ----------
-    padding
-        Boundary conditions.
-    cells
-        Cells (across, along).
-    tolerance
-        Tolerance of the solver.
-    """
+    """Way to solve a scene: padding, cells (across, along) and tolerance of the solver."""
 
     padding: cs.Padding | cs.Paddings
     cells: tuple[int, int]

@@ -41,14 +41,7 @@ def label_of(padding: cs.Padding | cs.Paddings) -> str:
 class MeasuredPadding:
     """Error of a padding alone: its answer against the scene's own boundary on the same grid.
 
-    Attributes
-    ----------
-    padding
-        The padding.
-    l1
-        Relative L1 error of the pressure.
-    changes
-        Relative changes of the main numbers.
+    `l1` is the relative L1 error of the pressure, `changes` are the relative changes of the main numbers.
     """
 
     padding: cs.Padding | cs.Paddings

@@ -95,16 +95,10 @@ class Budget:
 
 @dataclass
 class NestedAnswers:
-    """Answers under the scene's own boundary conditions, by the multiple of the coarsest grid.
+    """Answers under the scene's own boundary conditions, with processor times [s], by multiples of the coarsest grid.
 
-    Attributes
-    ----------
-    subject, error, budget
-        The scene, the requested relative L1 error, and the seconds.
-    notes
-        A sentence for each thing that is to be known.
-    answers, times
-        Answers by the multiple of the unit, and their processor times [s].
+    They are for a requested relative L1 `error` within a `budget`; `notes` has a sentence for each thing that is to be
+    known.
     """
 
     subject: ComparedScene

@@ -37,24 +37,9 @@ WRITE_INTERVAL_FACTOR = 20  # least ratio of the time between two writes to the 
 class Results:
     """Results of a study in a folder.
 
-    Attributes
-    ----------
-    study, request
-        The study and its cases.
-    journal
-        Stored results, beside which the netCDF file is.
-    options
-        Options of the run.
-    log
-        Takes messages.
-    table
-        Points of the file.
-    provenance
-        Attributes of the run that writes.
-    skipped
-        Keys of the cases that a stopped run left out.
-    next_write
-        Time (of ``monotonic``) before which the file is not written again.
+    The netCDF file beside the `journal` has the points of the `table`, with the `provenance` of the run that writes
+    it; `skipped` are the keys of the cases that a stopped run left out. It is not written again before `next_write`
+    (of ``monotonic``).
     """
 
     study: Study

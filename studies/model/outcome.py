@@ -128,16 +128,8 @@ class HasFields(Protocol):
 class RunSettings:
     """Settings of a run that every case needs.
 
-    Attributes
-    ----------
-    measures
-        Function of case and result that returns the measured variables.
-    keeps_fields
-        Whether fields are stored.
-    time_limit
-        Longest time of a case [s]; None without a limit.
-    axes
-        Names of the study's axes, which no measured variable may have.
+    `measures` returns the measured variables of a case and its result, which have no name of the `axes`; `time_limit`
+    is the longest time of a case [s].
     """
 
     measures: Measures
@@ -157,16 +149,9 @@ MAX_SPREAD = 1.1
 
 @dataclass(frozen=True)
 class TimedRun:
-    """Times of one timed run of a case.
+    """Wall and CPU times [s] of set-up and solve in one timed run of a case.
 
-    Attributes
-    ----------
-    setup, solve
-        Wall time of set-up and solve [s].
-    setup_cpu, solve_cpu
-        CPU time of set-up and solve [s].
-    calibration_time
-        Wall time [s] of a fixed piece of work beside the run, the longer of before and after.
+    `calibration_time` is the wall time [s] of a fixed piece of work beside the run, the longer of before and after.
     """
 
     setup: float

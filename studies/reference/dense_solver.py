@@ -22,19 +22,11 @@ PIVOTS = 100
 
 @dataclass(frozen=True, eq=False)
 class DenseAnswer:
-    """Reference solution of a contact, dimensionless.
+    """Reference solution of a contact: dimensionless pressure (x, y), approach, and `rounding` error of a gap.
 
-    Attributes
-    ----------
-    pressure
-        Pressure (x, y).
-    approach
-        Approach of the bodies.
-    smallest_eigenvalue
-        Smallest eigenvalue of the operator on the free cells of this solution and of the one compared with it, for
-        pressures without a load. The error of a pressure is at most the error of the gap over this, in the mean square.
-    rounding
-        Rounding error of a gap.
+    The smallest eigenvalue is that of the operator on the free cells of this solution and of the one compared with it,
+    for pressures without a load. The error of a pressure is at most the error of the gap over this, in the mean
+    square.
     """
 
     pressure: Array

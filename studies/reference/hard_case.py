@@ -35,19 +35,11 @@ EXACT_TO_ROUNDING = frozenset({cs.Status.CONVERGED, cs.Status.PRECISION_LIMIT})
 
 @dataclass(frozen=True)
 class EquivalentForm:
-    """An equivalent form of the same contact.
+    """An equivalent form of the same contact, and the function that converts its pressure to the original form.
 
-    Attributes
-    ----------
-    scene, grid
-        The contact.
-    to_original
-        Function that converts its pressure to the original form.
-    tolerance
-        Largest difference of the converted pressure over the peak pressure. With `other_heights` it is added to the
-        difference of the heights over the compliance of the stiffest mode.
-    other_heights
-        Whether the heights differ from those of the original form.
+    `tolerance` is the largest difference of the converted pressure over the peak pressure. With `other_heights` the
+    heights differ from those of the original form, and it is added to their difference over the compliance of the
+    stiffest mode.
     """
 
     scene: cs.Scene

@@ -17,16 +17,8 @@ CLAIM_PREFIX = "The paper's"  # findings about the paper stand in its section
 class Section:
     """The part of a page that shows a study or answers a question.
 
-    Attributes
-    ----------
-    name, title
-        Anchor on the page, and heading.
-    findings, figures, tables
-        What it says, draws and lists.
-    axes_text
-        Axes with their values; empty without any.
-    file
-        Name of the netCDF file without its ending, and of the folder of figures; `name` if empty.
+    `name` is its anchor on the page and `axes_text` names axes with their values. `file` is the netCDF file, without
+    its ending, and the folder of the figures; `name` if empty.
     """
 
     name: str

@@ -30,15 +30,7 @@ FILE_KEYS = ("file", "turn", "tile")
 
 @dataclass(frozen=True)
 class SceneField:
-    """Field of a scene file.
-
-    Attributes
-    ----------
-    path
-        Keys and indices that lead to the field.
-    annotation
-        Type of its value, with its unit.
-    """
+    """Field of a scene file: the keys and indices that lead to it, and the type of its value, with its unit."""
 
     path: Path
     annotation: Any

@@ -54,16 +54,9 @@ class CaseIdentity:
 
 @dataclass(frozen=True, eq=False)
 class Program:
-    """Program that computed a case.
+    """Program that computed a case: digests of the study's part, state of the classes, and what was loaded.
 
-    Attributes
-    ----------
-    part
-        Digests of the study's measures, of the part of its file that makes numbers, and of the files it depends on.
-    state
-        State of the classes of the case.
-    loaded
-        What its process had loaded.
+    The part is the study's measures, the statements of its file that make numbers, and the files it depends on.
     """
 
     part: Mapping[str, str]
@@ -97,22 +90,8 @@ class Context:
 class Record:
     """A stored case: its status, and its line in the journal, from which its values are read on use.
 
-    Attributes
-    ----------
-    key
-        Key of the case.
-    case_status
-        Status of the case.
-    seconds
-        Wall time [s].
-    exact
-        Hash of its parameters, defaults included.
-    stamp
-        Digest of the program that computed it.
-    state
-        State of its classes.
-    raw
-        Its line, as bytes.
+    `seconds` is its wall time [s], `exact` the hash of its parameters, defaults included, `stamp` the digest of the
+    program that computed it, `state` that of its classes.
     """
 
     key: str

@@ -26,18 +26,9 @@ CLASS = re.compile(r'"":"([^"]+)"')  # the name of a class in the JSON of a tree
 
 @dataclass(frozen=True, eq=False)
 class Request:
-    """Cases that a study requests.
+    """Cases that a study requests: the key at every point, and each case and its identity by its key.
 
-    Attributes
-    ----------
-    keys
-        Key of the case at every point.
-    cases
-        Each case by its key.
-    identities
-        Identity of each case by its key.
-    context
-        What the cases are computed with: the part of the study, and what would be loaded now.
+    Its `context` is what the cases are computed with: the part of the study, and what would be loaded now.
     """
 
     keys: Sequence[str]

@@ -35,20 +35,10 @@ Task = Literal["compute", "time"]
 
 @dataclass(frozen=True)
 class Batch:
-    """Request to compute or to time cases; there is one answer for each that is computed.
+    """Request to compute, or to time once, pickled cases from the index `first` on: one answer for each.
 
-    Attributes
-    ----------
-    cases
-        All cases, pickled together. If they cannot be unpickled, every answer is a failure.
-    names
-        Name of each case.
-    limit
-        Longest time of a case [s]; None without a limit.
-    task
-        Task of each case: to be computed, or timed once.
-    first
-        Place of the first case to compute; earlier ones have been answered.
+    Earlier cases have been answered. If the cases cannot be unpickled together, every answer is a failure. A case
+    takes at most `limit` [s].
     """
 
     cases: bytes

@@ -185,7 +185,7 @@ class Contact(Answer, Solution):
         """Return fields (x, y) and quantities with units, long names, bounds, errors by cause and the scene.
 
         The attribute ``scene`` is the scene as TOML with grid and padding, which :func:`~contactstudy.read_scene` reads
-        back.
+        back, unless heights were given as an array or a shape is the user's own.
         """
         with needed_for("Contact.to_dataset"):
             from contactstudy.io.dataset import contact_dataset

@@ -231,18 +231,9 @@ def _open_axis(
     index = np.round(x / step).astype(int)
     last = max(int(index.max()), 1)
     onward, backward = _panels(kernel, last, step, length)
-    decay = exp(-step / length)
-    value = _beyond(kernel, last * step, step, length)
-    trailing = np.empty((last + 1, *value.shape))
-    trailing[last] = value
-    for k in range(last - 1, -1, -1):
-        value = onward[k] + decay * value
-        trailing[k] = value
-    leading = np.empty_like(trailing)
-    leading[0] = value
-    for k in range(last):
-        value = parity * backward[k] + decay * value
-        leading[k + 1] = value
+    beyond = _beyond(kernel, last * step, step, length)[None]
+    trailing = _decaying_sums(np.concatenate([beyond, onward[::-1]]), step / length)[::-1]
+    leading = _decaying_sums(np.concatenate([trailing[:1], parity * backward]), step / length)
     return trailing[index], leading[index]
 
 
@@ -253,18 +244,18 @@ def _periodic_axis(
     count = round(period / step)
     half = (count + 1) // 2
     onward, backward = _panels(kernel, half, step, length)
-    panels = [onward[k] if k < half else parity * backward[count - 1 - k] for k in range(count)]
-    decay = exp(-step / length)
-    value = np.zeros_like(panels[0])
-    for k in range(count - 1, -1, -1):
-        value = panels[k] + decay * value
-    value = value / -np.expm1(-period / length)
-    around = np.empty((count, *value.shape))
-    for k in range(count - 1, -1, -1):
-        value = panels[k] + decay * value
-        around[k] = value
+    panels = np.concatenate([onward, parity * backward[: count - half][::-1]])[::-1]
+    first = _decaying_sums(panels, step / length)[-1:] / -np.expm1(-period / length)
+    around = _decaying_sums(np.concatenate([first, panels]), step / length)[:0:-1]
     index = np.round(x / step).astype(int) % count
     return around[index], around[-index % count]
+
+
+def _decaying_sums(terms: Array, steps: float) -> Array:
+    """Return ``y_0 = terms_0, y_k = terms_k + exp(-steps) y_(k - 1)``."""
+    from scipy.signal import lfilter  # imported late, since it is slow
+
+    return np.asarray(lfilter([1.0], [1.0, -exp(-steps)], terms, axis=0))
 
 
 def _panels(kernel: Kernel, count: int, step: float, length: float) -> tuple[Array, Array]:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss
+from numpy.polynomial.polynomial import polypow, polyval
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import binom
 
@@ -108,7 +109,7 @@ def _moments(terms: int) -> list[list[list[float]]]:
     root = binom(2 * np.arange(2 * terms), np.arange(2 * terms)) / 4.0 ** np.arange(2 * terms)
     moments = []
     for k in range(terms):
-        sides = [np.convolve(_powers_of_sum(i), _powers_of_sum(k - i, -1)) for i in range(k + 1)]
+        sides = [np.convolve(polypow([1, 1], i), polypow([1, -1], k - i)) for i in range(k + 1)]
         i = np.arange(k + 1)
         means = np.array(sides) / (2.0**k * (2 * i + 1) * (2 * (k - i) + 1))[:, None]
         moment = np.zeros((k + 1, k + 1))
@@ -116,31 +117,17 @@ def _moments(terms: int) -> list[list[list[float]]]:
             wave = binom(2 * m, 2 * i[: m + 1]) * (-1.0) ** (m - i[: m + 1])
             factor = (2 if m else 1) * root[k - m] * root[k + m]
             in_c = np.polynomial.chebyshev.cheb2poly([0] * m + [factor])
-            moment[: m + 1] += np.outer(in_c, np.convolve(wave, _powers_of_sum(k - m)) @ means)
+            moment[: m + 1] += np.outer(in_c, np.convolve(wave, polypow([1, 1], k - m)) @ means)
         moments.append(moment.tolist())
     return moments
 
 
-def _powers_of_sum(exponent: int, sign: int = 1) -> Array:
-    """Return the coefficients of ``t^0, t^1, ...`` in ``(1 + sign t)^exponent``."""
-    i = np.arange(exponent + 1)
-    return np.asarray(binom(exponent, i) * float(sign) ** i)
-
-
 def _polynomials(terms: int, e: Any) -> list[list[Any]]:
     """Return the coefficients (k, m) of ``c^m`` in the moments of a cell of anisotropy `e`, see :func:`multipoles`."""
-    return [[_polynomial(in_e, e) for in_e in moment] for moment in _moments(terms)]
+    return [[polyval(e, in_e) for in_e in moment] for moment in _moments(terms)]
 
 
 _moments_of_cell = lru_cache(maxsize=8)(_polynomials)
-
-
-def _polynomial(coefficients: list[float], t: Any) -> Any:
-    """Return the polynomial with these `coefficients` of ``t^0, t^1, ...`` at `t`."""
-    total = 0.0 * t
-    for coefficient in reversed(coefficients):
-        total = total * t + coefficient
-    return total
 
 
 def _near_and_middle(x: Array, y: Array, half_x: Array, half_y: Array) -> Array:

@@ -31,7 +31,7 @@ class FilmTrajectory:
     contacts
         The contacts.
     steps, iterations, linear_iterations
-        Number of steps in time, of iterations of the film in them, and of iterations of its linear systems.
+        Number of steps in time, and of iterations of the film and of its linear systems, those of rejected steps too.
     step_error
         Largest error of one step from the third on, of the film in the Hertzian zone, in L1 over its mean; infinite
         where none was estimated.

@@ -33,7 +33,7 @@ def film_grid(
     error: float = 1e-2,
     period: float = PERIOD,
     *,
-    finest: tuple[float, float] = (inf, inf),
+    shortest_wavelengths: tuple[float, float] = (inf, inf),
     longer: float = 1.0,
     finer: float = 1.0,
 ) -> Grid:
@@ -47,7 +47,7 @@ def film_grid(
         Half of it is the error by the inlet's finite length, half that by the cells, which resolve the inlet sweep.
     period
         Period along the length [m], which has no effect on the film in plane strain.
-    finest
+    shortest_wavelengths
         Shortest wavelengths (across, along) of the surfaces [m]; ``CELLS_PER_WAVE`` cells each, but no more than
         ``MAX_CELLS`` across. One cell along the length where nothing varies along it.
     longer, finer
@@ -64,12 +64,12 @@ def film_grid(
     inlet = longer * max(INLET, 1 + sqrt(2 * INLET_ERROR * film / error))
     sweep = min((film / SWEEP) ** (2 / 3), INLET_SWEEP_FRACTION * scales.relative_half_width)
     cell = sweep / 2 * min(1.0, sqrt(error / 2 / HALF_SWEEP_ERROR)) / finer
-    cell = min(cell, finest[0] / a / CELLS_PER_WAVE)
+    cell = min(cell, shortest_wavelengths[0] / a / CELLS_PER_WAVE)
     across = min(ROW_MULTIPLE * ceil(2 * inlet / cell / ROW_MULTIPLE), MAX_CELLS)
     along = (
         1
-        if finest[1] == inf
-        else ROW_MULTIPLE * ceil(CELLS_PER_WAVE * period / finest[1] / ROW_MULTIPLE)
+        if shortest_wavelengths[1] == inf
+        else ROW_MULTIPLE * ceil(CELLS_PER_WAVE * period / shortest_wavelengths[1] / ROW_MULTIPLE)
     )
     return Grid((across, along), (2 * inlet * a, period))
 

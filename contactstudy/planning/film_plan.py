@@ -56,7 +56,9 @@ def plan_of_film(
     if grid is None:
         width = film_grid(scene, error).extent[0]
         length = requirements.length(period, width)
-        grid = film_grid(scene, error, length, finest=requirements.shortest_wavelengths)
+        grid = film_grid(
+            scene, error, length, shortest_wavelengths=requirements.shortest_wavelengths
+        )
         if grid.cells[0] >= MAX_CELLS:
             warnings.append(
                 f"plan.error is {error:.2g}: a film has {MAX_CELLS} cells across at most, which may not reach it."

@@ -39,7 +39,7 @@ from contactstudy.scene.shapes_source import ShapesSource
 from contactstudy.solvers.solution import AdhesiveTraction, CoupledSolution, Solution, Status
 from contactstudy.solvers.solve import SolveOptions
 
-# Factor on the limit of iterations of a step with plastic strain beside an attraction: contacts that it solves at most.
+# Contacts that a step with plastic strain beside an attraction solves at most, each with the limit of iterations.
 CONTACTS_PER_COUPLED_STEP = 30
 # Largest number of fixed-point iterations of a step.
 MAX_FIXED_POINT_ITERATIONS = 30

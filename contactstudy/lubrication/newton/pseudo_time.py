@@ -52,11 +52,6 @@ class PseudoTimeTuning:
     stall_steps
         Undamped steps within which the residual is halved, or the iteration ends. The slowest film that converges took
         105 steps, most of them damped.
-    cycle, longest, reduction
-        After ``cycle`` undamped steps that do not halve the residual of a mixed film, a step in pseudo-time is no longer
-        than ``longest``; after each further ``cycle`` of them that limit falls by the factor ``reduction``. Pockets
-        among asperities fill in a time of 10 to 100 a / u_m: with longer steps the cells at their fronts changed sets in
-        a cycle.
     unconverged_rise
         Largest factor of the residual in a step of a mixed film whose active sets have not converged; beyond it the
         step is rejected: some of these steps lost all that the iteration had gained.
@@ -82,9 +77,6 @@ class PseudoTimeTuning:
     rejected: float = 0.25
     least: float = 1e-9
     stall_steps: int = 30
-    cycle: int = 6
-    longest: float = 90.0
-    reduction: float = 0.3
     unconverged_rise: float = 1.5
     artificial_compressibility: float = 0.3
     near_contact: float = 2.0
@@ -236,7 +228,7 @@ def iterate(
     linear = equation.linearise(start, squeeze)
     active = _initial_active_sets(equation, start, cavitated)
     last = FilmIteration(start, linear, active, _residual(linear, start), 0, 0)
-    time_step, best, waited, longest = controls.time_step, last.residual, 0, inf
+    time_step, best, waited = controls.time_step, last.residual, 0
     while (
         not last.converged(controls.tolerance)
         and waited < TUNING.stall_steps
@@ -264,10 +256,7 @@ def iterate(
             time_step = TUNING.next_time_step(time_step, last.residual, residual, damping)
             waited += damping == 1
             if 2 * residual <= best:
-                best, waited, longest = residual, 0, inf
-            elif active.touching is not None and damping == 1 and waited % TUNING.cycle == 0:
-                longest = TUNING.longest * TUNING.reduction ** (waited // TUNING.cycle - 1)
-            time_step = min(time_step, longest)
+                best, waited = residual, 0
         last = FilmIteration(
             film, linear, active, residual,
             last.iterations + 1, last.linear_iterations + step.iterations,

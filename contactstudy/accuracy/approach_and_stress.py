@@ -97,14 +97,16 @@ def stress_errors(
     images = estimate.l1.images or 0.0
     if images:
         assert solution.problem.paddings is not None
-        paddings = with_all_images(solution.problem.paddings)
-        whole = [_largest_at(solution, float(depth), paddings) for depth in depths]
+        every_image = with_all_images(solution.problem.paddings)
+        whole = [_largest_at(solution, float(depth), every_image) for depth in depths]
         images += float(np.abs(whole - largest).max()) / peak
     change = abs(_largest_at(coarse, float(depths[level])) / peak - 1)
+    paddings = solution.problem.paddings
+    wraps_x, wraps_y = (False, False) if paddings is None else [axis.wraps for axis in paddings]
     between = (
-        _parabola_excess(von_mises[level, :, y], int(x))
-        + _parabola_excess(von_mises[level, x], int(y))
-        + _parabola_excess(largest, int(level))
+        _parabola_excess(von_mises[level, :, y], int(x), wraps=wraps_x)
+        + _parabola_excess(von_mises[level, x], int(y), wraps=wraps_y)
+        + _parabola_excess(largest, int(level), wraps=False)
     )
     decay = np.pi * depths / min(_cells(solution))
     of_peak = (1 + decay) * np.exp(-decay)
@@ -143,11 +145,11 @@ def _part(parts: ErrorParts | None, cause: str) -> float:
     return float(error) if error < inf else 1.0
 
 
-def _parabola_excess(values: Array, index: int) -> float:
-    """Return by how much the parabola through a largest value and its neighbours rises above it."""
-    if not 0 < index < len(values) - 1:
+def _parabola_excess(values: Array, index: int, *, wraps: bool) -> float:
+    """Return by how much the parabola through a largest value and its neighbours rises above it, 0 at an open end."""
+    if not (wraps or 0 < index < len(values) - 1):
         return 0.0
-    before, centre, after = (float(value) for value in values[index - 1 : index + 2])
+    before, centre, after = values.take([index - 1, index, index + 1], mode="wrap").tolist()
     bend = 2 * centre - before - after
     return (after - before) ** 2 / (8 * bend) if bend > 0 else 0.0
 

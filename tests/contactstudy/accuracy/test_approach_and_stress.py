@@ -106,3 +106,18 @@ def test_a_loose_tolerance_and_images_left_out_widen_the_range_of_depths(
     for one, part in ((estimate, "residual"), (cut, "images")):
         _, depth = stress_errors(solution, stress, np.array(DEPTHS), one, solution)
         assert getattr(depth, part) > 0
+
+
+def test_the_stress_of_a_wave_has_one_bound_wherever_its_crest_lies(
+    line_contact: LineContact,
+) -> None:
+    """Also where the crest lies between the last cell and the first one of a periodic width."""
+    both, bounds = (EXACT, EXACT), []
+    for shift in (0, 6, 16, 26):
+        wave = cs.Waviness(1e-6, across=1e-3, phase=0.05 + 2 * np.pi * shift / 32)
+        outputs = (cs.SubsurfaceStress((5e-5, 2e-4)),)
+        scene = replace(line_contact.scene, shapes=(wave,), outputs=outputs)
+        contact = cs.solve(scene, cs.Grid((32, 1), (1e-3, 1e-3)), both)
+        bounds.append(contact.quantities["largest_von_mises"].bound)
+    # to the tolerance of the coarse solution
+    np.testing.assert_allclose(bounds, bounds[0], rtol=1e-3)

@@ -29,7 +29,7 @@ def found() -> list[tuple[cs.ErrorEstimate, Errors]]:
 
 
 def test_a_cylinder_aside_is_a_parabola_about_its_axis() -> None:
-    shifted = Power(HERTZ_HEIGHT, 2.0, aside=0.25 * A)
+    shifted = Power(HERTZ_HEIGHT, 2.0, offset=0.25 * A)
     grid = cs.Grid((4, 1), (2.0 * A, A))
     heights = np.array([1.0, 0.25, 0.0, 0.25]) * A**2 / (2 * HERTZ.radius)
     np.testing.assert_allclose(shifted.gap(grid)[:, 0], heights, rtol=1e-12)

@@ -61,8 +61,8 @@ class Fretting:
     coefficient
         Coefficient of friction, above 0 and below 1.
     forces
-        Tangential forces along x on the first body [N/m], one after the other, starting from 0; each smaller in
-        magnitude than the coefficient times the load. See :meth:`cycle`.
+        Tangential forces along x on the first body, over the length of the grid [N/m], one after the other, starting
+        from 0; each smaller in magnitude than the coefficient times the load. See :meth:`cycle`.
     times
         Instants [s] of the forces, which are linear in between; None under a constant load.
     displacements

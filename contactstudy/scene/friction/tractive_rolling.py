@@ -47,8 +47,8 @@ class TractiveRolling:
     longitudinal
         Creepage along x; None where `tangential` is given.
     tangential
-        Force along x on the first body [N/m], of either sign, less than the coefficient times the load. The
-        longitudinal creepage follows from it. None where `longitudinal` is given.
+        Force along x on the first body, over the length of the grid [N/m], of either sign, less than the coefficient
+        times the load. The longitudinal creepage follows from it. None where `longitudinal` is given.
     lateral
         Creepage along y.
     spin

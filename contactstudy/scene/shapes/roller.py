@@ -294,7 +294,7 @@ class FiniteLength:
     Raises
     ------
     InvalidInput
-        If the length is not above zero.
+        If the length is not above zero; on a grid whose cells are longer.
     """
 
     #: Curvature [1/m]: the roller's ends do not bend the cross-section.

@@ -212,7 +212,7 @@ def cell_errors(solution: Solution) -> tuple[float, float]:
         errors_along(
             with_ends(axis_first(pressure, axis), 1, wraps=padding.wraps),
             edge_error_of_means,
-            with_ends(axis_first(limited, axis), 1, wraps=padding.wraps),
+            with_ends(axis_first(limited, axis), 1, wraps=padding.wraps) > 0,
         )[0]
         if pressure.shape[axis] > 1
         else 0.0

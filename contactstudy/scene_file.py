@@ -70,12 +70,8 @@ class SceneFile:
     vary: tuple[Mapping[str, object], ...] = ()
 
     def plan(self, *, device: Device = Cpu()) -> Plan:  # noqa: B008 (frozen)
-        """Return the plan for this scene, on the file's grid if it has one; seconds are for the `device`."""
-        planned = plan(self.scene, device=device, **self._plan_arguments)
-        if self.padding in (None, planned.padding):
-            return planned
-        other = f"padding is {self.padding!r}: error, seconds and bytes are those of {planned.padding!r}."
-        return replace(planned, warnings=(*planned.warnings, other))
+        """Return the plan for this scene, with the grid and padding of the file; seconds are for the `device`."""
+        return plan(self.scene, device=device, **self._plan_arguments)
 
     @property
     def _plan_arguments(self) -> dict[str, Any]:
@@ -84,6 +80,7 @@ class SceneFile:
             "error": self.plan_settings.error,
             "period": self.plan_settings.period,
             "grid": self.grid,
+            "padding": self.padding,
             "times": None if self.time_steps == TimeSteps() else self.time_steps,
         }
 
@@ -92,12 +89,11 @@ class SceneFile:
         if self.grid is not None and self.padding is not None:
             return self.scene.problem(self.grid, self.padding)
         planned = plan_grid(self.scene, **self._plan_arguments)
-        return self.scene.problem(self.grid or planned.grid, self.padding or planned.padding)
+        return self.scene.problem(planned.grid, planned.padding)
 
     def solve(self, **keywords: Any) -> "Contact | LubricatedContact | Evolution":
         """Solve the scene where and as the file says; `keywords` as for :func:`~contactstudy.solve`."""
-        described = self._plan_arguments | {"padding": self.padding, "options": self.options}
-        return solve(self.scene, **(described | keywords))
+        return solve(self.scene, **(self._plan_arguments | {"options": self.options} | keywords))
 
 
 def read_scene(path: str | PathLike[str]) -> SceneFile:

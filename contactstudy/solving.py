@@ -254,9 +254,14 @@ class _Request:
         from contactstudy.planning.plan import plan_grid
 
         planned = plan_grid(
-            self.scene, error=error, period=self.period, grid=self.grid, times=self.times
+            self.scene,
+            error=error,
+            period=self.period,
+            grid=self.grid,
+            padding=self.padding,
+            times=self.times,
         )
-        return planned.grid, self.padding or planned.padding
+        return planned.grid, planned.padding
 
     @property
     def _report_time(self) -> Callable[[float, float], None] | None:

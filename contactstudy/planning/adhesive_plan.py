@@ -3,7 +3,7 @@
 from dataclasses import replace
 from math import pi, sqrt
 
-from contactstudy.domain.grid import Grid
+from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.planning.cost import memory, predicted_seconds, sample_timing
 from contactstudy.planning.forecast import CONSTANTS as FORECAST
 from contactstudy.planning.forecast import with_width
@@ -33,6 +33,7 @@ def plan_of_adhesion(
     error: float,
     period: float | None,
     grid: Grid | None,
+    padding: Padding | Paddings | None = None,
     instants: int = 0,
     transient: TransientRequirements | None = None,
 ) -> Plan:
@@ -46,14 +47,15 @@ def plan_of_adhesion(
         Relative L1 error of the pressure.
     period
         Length of the grid [m]; chosen if None.
-    grid
-        Grid to keep; chosen if None.
+    grid, padding
+        Grid and boundary conditions to keep; chosen if None.
     instants
         Instants that are recorded of a load history; 0 of a constant load.
     transient
         Requirements of bodies that creep or yield: the cohesive zone shrinks as the modulus relaxes.
     """
-    requirements, adhesion, radius = grid_requirements(scene), scene.adhesion, scene.radius
+    requirements, adhesion = grid_requirements(scene, padding), scene.adhesion
+    radius = scene.radius
     assert adhesion is not None
     assert radius is not None
     modulus = requirements.hertz.contact_modulus if transient is None else transient.relaxed_modulus

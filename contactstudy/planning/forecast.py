@@ -247,7 +247,8 @@ def _extrapolated(
         (inf, 0.0) if error == inf else (error * last.fractions[0], error * last.fractions[1]),
         (refinement.order(levels, 0), refinement.order(levels, 1)),
         refinement.min_cells(grid.extent),
-        last.solution.status is Status.CONTACT_AT_EDGE,
+        last.solution.status is Status.CONTACT_AT_EDGE
+        and bool(last.solution.pressure[[0, -1]].any()),
         next((text for text in last.estimate.warnings if SHARP_EDGE in text), ""),
         seconds,
     )

@@ -87,6 +87,8 @@ class GridRequirements:
         A sentence on friction; empty where it changes nothing.
     sticks
         Whether a part of the contact sticks, and the rest slips.
+    given_padding
+        Boundary conditions that are given, or None.
     """
 
     hertz: HertzLine
@@ -95,6 +97,7 @@ class GridRequirements:
     coatings: tuple[Layered, ...] = ()
     friction: str = ""
     sticks: bool = False
+    given_padding: Padding | Paddings | None = None
 
     @property
     def point_spacing(self) -> tuple[float, float] | None:
@@ -276,7 +279,9 @@ class GridRequirements:
         return min(error, smooth_l1(max(error / 2, CONSTANTS.least_cell_at_boundary)))
 
     def padding(self) -> Padding | Paddings:
-        """Return the boundary conditions: open along both axes if a roller ends, else open across and periodic along."""
+        """Return the given padding, else zero along both axes if a roller ends, or across, and periodic along."""
+        if self.given_padding is not None:
+            return self.given_padding
         return (ZeroPadding(), ZeroPadding()) if self.roller_length else ExactPeriodicity()
 
     def period_check(self, period: float) -> str:
@@ -338,7 +343,9 @@ class GridRequirements:
             dimension = "plane strain: nothing varies along the length, so one cell along suffices."
         if not self.varies and ny > 1:
             dimension = "three-dimensional as requested: nothing varies along the length; one cell along would suffice."
-        if self.roller_length:
+        if self.given_padding is not None:
+            padding = f"padding {self.given_padding!r}: the one given."
+        elif self.roller_length:
             padding = (
                 "padding zero along both axes: the roller ends, so there is no pressure beyond."
             )
@@ -399,8 +406,8 @@ class GridRequirements:
         return tuple(messages)
 
 
-def grid_requirements(scene: Scene) -> GridRequirements:
-    """Return the properties of `scene` that determine its grid.
+def grid_requirements(scene: Scene, padding: Padding | Paddings | None = None) -> GridRequirements:
+    """Return the properties of `scene` that determine its grid, with its `padding` if that is given.
 
     Raises
     ------
@@ -424,7 +431,9 @@ def grid_requirements(scene: Scene) -> GridRequirements:
     if isinstance(scene.load, TotalLoad) and any(scales.roller for scales in length_scales):
         length_scales += (LengthScales(roller=scene.load.roller_length),)
     coatings = tuple(solid for solid in scene.solids if isinstance(solid, Layered))
-    requirements = GridRequirements(scene.hertz, length_scales, scene.hardness, coatings)
+    requirements = GridRequirements(
+        scene.hertz, length_scales, scene.hardness, coatings, given_padding=padding
+    )
     if scene.friction is None:
         return requirements
     friction = scene.friction.explanation(

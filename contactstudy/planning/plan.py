@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from contactstudy.domain.checks import InvalidInput, checked_relative_error, positive
 from contactstudy.domain.device import ONE_THREAD, Device, available_bytes, checked
-from contactstudy.domain.grid import ExactPeriodicity, Grid
+from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
 from contactstudy.domain.units import readable
 from contactstudy.planning.cost import CONSTANTS as TIMING
 from contactstudy.planning.cost import (
@@ -58,6 +58,7 @@ def plan(
     error: float | str | None = None,
     period: float | None = None,
     grid: Grid | None = None,
+    padding: Padding | Paddings | None = None,
     times: "ArrayLike | TimeSteps | None" = None,
     device: Device = ONE_THREAD,
 ) -> Plan:
@@ -78,6 +79,8 @@ def plan(
         Length of the grid [m]; chosen if None.
     grid
         Grid to keep. The plan then warns of its faults.
+    padding
+        Boundary conditions to keep; chosen if None.
     times
         Instants [s] to record, or :class:`~contactstudy.TimeSteps`, as for :func:`~contactstudy.solve`.
     device
@@ -89,7 +92,9 @@ def plan(
         If the scene does not determine a grid: the width of the contact needs a curved shape, the length of a crowned
         roller a FiniteLength.
     """
-    planned = plan_grid(scene, error=error, period=period, grid=grid, times=times, device=device)
+    planned = plan_grid(
+        scene, error=error, period=period, grid=grid, padding=padding, times=times, device=device
+    )
     if scene.outputs and not scene.takes_times:
         stress = stress_seconds(scene, planned.grid, planned.padding)
         planned = replace(planned, seconds=planned.seconds + stress)
@@ -123,6 +128,7 @@ def plan_grid(
     error: float | str | None = None,
     period: float | None = None,
     grid: Grid | None = None,
+    padding: Padding | Paddings | None = None,
     times: "ArrayLike | TimeSteps | None" = None,
     device: Device = ONE_THREAD,
 ) -> Plan:
@@ -141,18 +147,20 @@ def plan_grid(
         )
     scales = measured_length_scales(scene)
     if scene.hertz is None and scales is not None and scene.lubrication is None:
-        return _plan_of_flat(scales, error, period, grid, device)
+        return _plan_of_flat(scales, error, period, grid, padding, device)
     if scene.lubrication is not None:
         # imported only for lubricated scenes
         from contactstudy.planning.film_plan import plan_of_film
 
         instants = _count_of_instants(scene, times)
-        return plan_of_film(scene, error or DEFAULT_ERROR, period, grid, instants)
+        planned = plan_of_film(scene, error or DEFAULT_ERROR, period, grid, instants)
+        return planned if padding is None else replace(planned, padding=padding)
     if scene.adhesion is not None:
         # imported only for scenes with adhesion
         from contactstudy.planning.adhesive_plan import plan_of_adhesion
 
-        instants, request = _count_of_instants(scene, times), (error or DEFAULT_ERROR, period, grid)
+        instants = _count_of_instants(scene, times)
+        request = error or DEFAULT_ERROR, period, grid, padding
         if scene.time_dependent_field is None or scene.evolves_without_states:
             return plan_of_adhesion(scene, *request, instants)
         from contactstudy.planning.transient_requirements import transient_requirements
@@ -160,8 +168,8 @@ def plan_grid(
         transient = transient_requirements(scene, _time_steps(times).last)
         return _with_states(plan_of_adhesion(scene, *request, instants, transient), transient)
     if scene.time_dependent_field is not None or scene.rolls:
-        return _plan_time_dependent(scene, error, period, grid, _time_steps(times))
-    return _plan_static(scene, error, period, grid, device)
+        return _plan_time_dependent(scene, error, period, grid, padding, _time_steps(times))
+    return _plan_static(scene, error, period, grid, padding, device)
 
 
 def _time_steps(times: "ArrayLike | TimeSteps | None") -> "TimeSteps":
@@ -176,9 +184,10 @@ def _plan_of_flat(
     error: float | None,
     period: float | None,
     grid: Grid | None,
+    padding: Padding | Paddings | None,
     device: Device,
 ) -> Plan:
-    """Plan a flat with a measured surface: its points are the cells, unless a grid is given, and both axes periodic."""
+    """Plan a flat with a measured surface: its points are the cells and both axes periodic, if no others are given."""
     if period is not None:
         positive("plan.period", period, "give a period above 0 m")
     warnings = []
@@ -190,7 +199,7 @@ def _plan_of_flat(
     reason = "the grid is the one given"
     if grid is None:
         grid, reason = flat_grid(scales, period), "the points of the measured surface are the cells"
-    padding = (ExactPeriodicity(), ExactPeriodicity())
+    padding = padding or (ExactPeriodicity(), ExactPeriodicity())
     timing = sample_timing(grid, padding)
     seconds = predicted_seconds(timing, grid, TIMING.rough_convolutions)
     if fault := period_fault(grid.length, (scales,)):
@@ -204,7 +213,7 @@ def _plan_of_flat(
         period_check=fault
         or f"The measured surface repeats over the length {readable(grid.length)}.",
         reasons=(
-            f"points: no shape is curved, so that {reason}, and both axes are periodic; the solve estimates the error.",
+            f"points: no shape is curved, so that {reason}, with padding {padding!r}; the solve estimates the error.",
         ),
         warnings=tuple(warnings),
         device=device,
@@ -216,11 +225,12 @@ def _plan_static(
     error: float | None,
     period: float | None,
     grid: Grid | None,
+    padding: Padding | Paddings | None,
     device: Device,
     width: float = 0.0,
 ) -> Plan:
     """Plan a scene that neither changes in time nor rolls, on a grid of at least this `width` [m]."""
-    requirements = grid_requirements(scene)
+    requirements = grid_requirements(scene, padding)
     padding = requirements.padding()
     limit = MEMORY_FRACTION * min(available_bytes(), device.available_bytes)
     own_points = grid is None and error is None and requirements.point_spacing is not None
@@ -280,7 +290,12 @@ def _axis_reasons(forecast: GridForecast, *, own_points: bool) -> Iterator[str]:
 
 
 def _plan_time_dependent(
-    scene: Scene, error: float | None, period: float | None, grid: Grid | None, times: "TimeSteps"
+    scene: Scene,
+    error: float | None,
+    period: float | None,
+    grid: Grid | None,
+    padding: Padding | Paddings | None,
+    times: "TimeSteps",
 ) -> Plan:
     """Plan a scene that changes in time: wide enough for its widest contact, fine enough for its narrowest."""
     # imported only for scenes that change in time
@@ -292,7 +307,7 @@ def _plan_time_dependent(
     fraction = 1.0 if scene.rolls else GRID.cell_fraction
     discretisation_error = fraction * (error or DEFAULT_ERROR) / error_factor
     narrow_plan = _plan_static(
-        transient.narrow, discretisation_error, period, grid, ONE_THREAD, width=transient.width
+        transient.narrow, discretisation_error, period, grid, padding, ONE_THREAD, transient.width
     )
     return _with_states(replace(narrow_plan, error=narrow_plan.error * error_factor), transient)
 

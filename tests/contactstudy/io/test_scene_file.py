@@ -95,7 +95,7 @@ def test_what_a_file_gives_in_vain_is_refused_or_said(verb: str, tmp_path: Path)
     ):
         with pytest.raises(cs.InvalidInput, match=r"^(plan|solve)\.(times|period) is .*\.$"):
             getattr(in_vain, verb)()
-    assert "those of ExactPeriodicity()" in found.plan().warnings[-1]
+    assert found.plan().padding == cs.Superposition(3)
 
 
 def test_what_a_file_leaves_open_is_planned(tmp_path: Path) -> None:

@@ -86,7 +86,7 @@ def error_estimate(
     again. Heights inside the cells are examined in all cases. The estimate takes up to twice the time of the solve on
     100 x 100 cells, and half of it on several hundred along each axis. An error is infinite, with the reason in
     ``warnings``, where no bound can be given: no solution, a contact cut off, the pressure at a sharp edge, heights
-    finer than the cells, a given approach with images left out.
+    finer than the cells, and where images are left out a given approach, or dissimilar bodies in tractive rolling.
 
     Parameters
     ----------
@@ -123,11 +123,12 @@ def error_estimate(
         raise NotDefined(
             "Problem.paddings is None: give the paddings of the two axes, (across, along)."
         )
+    unknown = None
     if solution.status.is_failure:
         unknown = ErrorParts(residual=inf, reason=f"No bound: {solution.status}")
-        return ErrorEstimate(unknown, unknown, unknown, unknown, warnings=(unknown.reason,))
-    if not solution.pressure.any():
+    elif not solution.pressure.any():
         unknown = ErrorParts(discretisation=inf, reason="No bound: the bodies do not touch.")
+    if unknown is not None:
         return ErrorEstimate(unknown, unknown, unknown, unknown, warnings=(unknown.reason,))
     ends_along = problem.source is not None and problem.source.ends_along
     peak_images, l1_images = image_errors(
@@ -140,9 +141,8 @@ def error_estimate(
         peak_images, l1_images = peak_images + by_shear, l1_images + by_shear
     change = 0.0
     if solution.adhesion is not None:
-        from contactstudy.solvers.adhesion import (
-            CONSTANTS as OUTER,
-        )  # imported only where it is named
+        # imported only where it is named
+        from contactstudy.solvers.adhesion import CONSTANTS as OUTER
 
         # the change of the attraction that counts as much as this residual
         change = OUTER.change_in_tolerances * solution.residual

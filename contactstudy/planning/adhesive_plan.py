@@ -79,8 +79,9 @@ def plan_of_adhesion(
     solves = SEARCH_SOLVES if isinstance(scene.load, PullOff) else instants or 1
     convolutions = max(MIN_CONVOLUTIONS, CONVOLUTIONS_OVER_TABOR_SQUARED * tabor**2)
     padding = requirements.padding()
-    each = predicted_seconds(sample_timing(grid, padding), grid, convolutions)
-    seconds = FORECAST.cost_ratio * solves * each
+    # all solves have one set-up
+    timing = sample_timing(grid, padding)
+    seconds = FORECAST.cost_ratio * predicted_seconds(timing, grid, solves * convolutions)
     reason = (
         f"adhesion: {cells:.3g} cells in the cohesive zone at a Tabor parameter of {tabor:.3g}, and room for the "
         f"attraction beside the contact; of the order of {convolutions:.2g} FFT convolutions a solve, {solves} solves."

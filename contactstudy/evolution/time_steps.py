@@ -101,6 +101,10 @@ class TimeSteps:
         check_estimated(self.error, self.error_estimator)
         if isinstance(self.times, list) or getattr(self.times, "ndim", 0) == 1:
             set_fields(self, times=tuple(np.asarray(self.times).tolist()))
+        if self.times is not None and not np.size(self.times):
+            raise InvalidInput(
+                "TimeSteps.times is empty: give one instant [s] or more, or leave it out."
+            )
         if self.error is not None and self.step is not None:
             raise InvalidInput("TimeSteps has a step and an error: leave one of them out.")
         for name in ("end", "instants"):

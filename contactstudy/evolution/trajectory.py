@@ -51,7 +51,7 @@ class Frame:
         Fields (x, y) of the state variables, such as the worn depth, by name.
     status
         The worst status of the contacts since the previous frame, without those of rejected or halved steps and of
-        replaced iterates; DETACHED is that of the last alone.
+        replaced iterates; DETACHED where that of the last is.
     residual
         Residual of the last solve.
     time_discretisation_error

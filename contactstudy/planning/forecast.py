@@ -27,7 +27,7 @@ class ForecastConstants:
     Attributes
     ----------
     max_cells
-        Most cells of the grids that are solved for a forecast.
+        Maximum number of cells of the grids that are solved for a forecast.
     given_error
         Relative L1 error up to which the first grids of a given grid are refined.
     unresolved_factor
@@ -40,7 +40,7 @@ class ForecastConstants:
         The seconds of the last grid of a solve, over those of the finest grid that its forecast solves, are the ratio of
         their cells to this power; from 18 solves on 7,000 to 480,000 cells, rough, coated, textured and rollers.
     time_factor
-        Factor on that ratio of seconds for the grids between, from the same solves.
+        Factor on that ratio of seconds for the intermediate grids, from the same solves.
     """
 
     max_cells: int = 2**14
@@ -72,7 +72,7 @@ class GridForecast:
     orders
         Orders of convergence along each axis.
     min_cells
-        Least cells along each axis that resolve the surface.
+        Minimum number of cells along each axis that resolve the surface.
     contact_exceeds_grid
         Whether the contact is wider than the grid.
     message
@@ -115,7 +115,7 @@ class GridForecast:
 
         It has at most MAX_EXTRAPOLATION times the cells along an axis, where its expected error may be larger.
         With errors ``e_x n_x^-r_x + e_y n_y^-r_y``, the product of both counts is least where ``r_x`` times the error
-        across equals ``r_y`` times that along. An axis at its least cells leaves the remaining error to the other.
+        across equals ``r_y`` times that along. An axis at its minimum leaves the remaining error to the other.
         """
         (across, along), (order_x, order_y) = self.errors, self.orders
         if self.grid.cells[1] == 1 or not along:

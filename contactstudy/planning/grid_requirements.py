@@ -43,9 +43,9 @@ class GridConstants:
     waves_per_period
         Number of longest wavelengths in a period with which one surface is representative.
     min_cells
-        Least cells along an axis. With half or twice as many, plans change by 2 % of the cells at most.
+        Minimum number of cells along an axis. With half or twice as many, plans change by 2 % of the cells at most.
     cells_along_roller
-        Least cells along a roller of the first grid. With half or twice as many no plan changes.
+        Minimum number of cells along a roller of the first grid. With half or twice as many no plan changes.
     cell_fraction
         Fraction of the requested error for the cells; the remainder is for the time steps.
     least_cell_at_boundary

@@ -1,4 +1,4 @@
-"""Seconds of a contact in time, or of one that rolls: a pilot on coarse cells counts the steps, one solve is timed."""
+"""Seconds of a contact in time or in rolling: a pilot run on coarse cells counts the steps, one solve is timed."""
 
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -25,17 +25,17 @@ from contactstudy.scene.scene import Scene
 
 @dataclass(frozen=True)
 class PilotConstants:
-    """Constants of a pilot and of the seconds that follow from it.
+    """Constants of a pilot run and of the seconds that follow from it.
 
     Attributes
     ----------
     cells
-        Most cells (across, along).
+        Maximum number of cells (across, along).
     yielding_cells
-        Most cells across where bodies yield, whose steps take long.
+        Maximum number of cells across where bodies yield, whose steps take long.
     time_limit, rolling_time_limit
-        Seconds after which a pilot ends, and one of wear in rolling or of repeated rolling, whose first steps say little
-        about the others.
+        Seconds after which a pilot run ends, and one of wear in rolling or of repeated rolling, whose first
+        steps say little about the others.
     least_fraction
         Least fraction of the whole that is extrapolated from.
     min_progress
@@ -48,7 +48,7 @@ class PilotConstants:
     outer_iterations
         Outer iterations of steady rolling expected before their changes show how many it takes.
     max_error
-        Largest error of a pilot.
+        Largest error of a pilot run.
     plastic_power, passes_power
         Power of the bytes of plastic operators in the ratio of seconds of a step, in time and in repeated rolling. With
         the latter, 24 cells forecast 48 and 96 within a factor of 2.5 in three scenes.
@@ -91,7 +91,7 @@ class Pilot:
     Attributes
     ----------
     seconds
-        Seconds of processor time; infinite where the scene has no end.
+        Seconds of processor time; infinite where the scene has no end, or the pilot run is refused.
     solves
         Number of solves on the planned grid.
     reason
@@ -115,8 +115,8 @@ def pilot(
     """Return the work of `scene` on `grid`, from its steps on a coarse grid.
 
     The number of time steps depends little on the cell size, but repeated rolling takes a step for each cell rolled.
-    The seconds of a step are the pilot's times the ratio of two elastic solves, on the planned grid and on that of the
-    pilot, or for plastic strain a power of the ratio of operator bytes.
+    The seconds of a step are the pilot run's times the ratio of two elastic solves, on the planned grid and on that
+    of the pilot run, or for plastic strain a power of the ratio of operator bytes.
 
     Parameters
     ----------
@@ -166,8 +166,8 @@ def pilot(
     return Pilot(
         total,
         solves,
-        f"time: some {solves} solves, steps or outer iterations, by a pilot on {coarse.cells[0]} x {coarse.cells[1]} "
-        f"cells, with those that estimate an error; some {total:.2g} s.",
+        f"time: some {solves} solves, steps or outer iterations, by a pilot run on {coarse.cells[0]} x "
+        f"{coarse.cells[1]} cells, with those that estimate an error; some {total:.2g} s.",
     )
 
 
@@ -185,11 +185,11 @@ def seconds_and_solves(
 
 
 class _TimeLimitReached(Exception):
-    """The pilot has reached its time limit."""
+    """The pilot run has reached its time limit."""
 
 
 class _Watch:
-    """Progress of a pilot: what is done and the seconds at each report. It ends the pilot at a time limit [s]."""
+    """Progress of a pilot run: what is done and the seconds at each report. It ends the pilot at a time limit [s]."""
 
     def __init__(self, limit: float) -> None:
         self._begin, self._limit = process_time(), limit
@@ -204,7 +204,7 @@ class _Watch:
 
     @property
     def seconds(self) -> float:
-        """Seconds of processor time since the pilot began."""
+        """Seconds of processor time since the pilot run began."""
         return process_time() - self._begin
 
     @property

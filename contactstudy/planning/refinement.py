@@ -35,26 +35,26 @@ class RefinementConstants:
     Attributes
     ----------
     first_cells
-        Least cells of the first grid (across, along).
+        Minimum number of cells of the first grid (across, along).
     cells_per_wave
-        Least cells in the shortest wavelength.
+        Minimum number of cells in the shortest wavelength.
     max_first_cells
-        Most cells of the first grid.
+        Maximum number of cells of the first grid.
     safety
         Fraction of the requested error for which the next grid is chosen, whose bound is only expected.
     max_cell_ratio
         Largest factor on the cells along an axis, as the geometric mean of both axes, to the last grid. Beyond it a grid
-        of half the required cells along each axis is solved between.
+        of half the required cells along each axis is an intermediate one.
     max_growth
-        Largest factor on the cells along an axis to a grid between.
+        Largest factor on the cells along an axis to an intermediate grid.
     growth_without_bound
         Factor on the cells along each axis where the error has no bound.
     min_growth
         Least factor on the number of cells where the error has a bound.
     out_of_reach
-        Ratio of the error expected on the most cells to the requested one, above which that is out of reach.
+        Ratio of the error expected on the finest grid to the requested one, above which that is out of reach.
     max_cells_out_of_reach
-        Most cells of a grid where the error is out of reach.
+        Maximum number of cells of a grid where the error is out of reach.
     widening
         Factor on a width that is too small for the contact.
     narrowing
@@ -189,7 +189,7 @@ class GridRefinement:
         How and on what device each grid is solved, with a looser tolerance where the bound is not expected to meet the
         error.
     most_cells
-        Most cells of a grid.
+        Maximum number of cells of a grid.
     progress
         Called with the solution and the bounds on each grid.
     keeps_width
@@ -254,7 +254,7 @@ class GridRefinement:
         return self.grid_of_fast_lengths(across / shrink, along / shrink, extent)
 
     def min_cells(self, extent: tuple[float, float]) -> tuple[int, int]:
-        """Return the least cells (across, along) that resolve the surface."""
+        """Return the minimum number of cells (across, along) that resolve the surface."""
         axes = zip(
             CONSTANTS.first_cells, extent, self.requirements.shortest_wavelengths, strict=True
         )
@@ -341,7 +341,7 @@ class GridRefinement:
         return max(self.error - other_causes, 0.5 * other_causes)
 
     def required_cells(self, levels: list[BoundedSolution]) -> tuple[float, float]:
-        """Return the least cells (across, along) whose bound is expected to meet the error."""
+        """Return the minimum number of cells (across, along) whose bound is expected to meet the error."""
         last = levels[-1]
         nx, ny = last.grid.cells
         min_cells = self.min_cells(last.grid.extent)

@@ -390,7 +390,7 @@ class PrescribedLoad:
     def project(self, trial: Array, constraint: Constraint) -> Array:
         """Project a `trial` pressure in L2 onto those within the limits of `constraint` with this load, in place.
 
-        A step against the gap that ends there is along a direction of descent.
+        A step against the gap that ends there is along a descent direction.
         """
         return constraint.project(trial, self.total)
 

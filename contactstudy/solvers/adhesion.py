@@ -148,8 +148,8 @@ class AdhesiveSolver:
         """Return the solution of :meth:`solve`, and the coupled state of the bodies.
 
         `inner` solves each contact under a frozen attraction together with a state such as plastic strain. The state
-        returned is that of the last contact, empty where `inner` is None; it is None where no contact was solved,
-        because the attraction does not carry the pull.
+        returned is that of the last contact, empty where `inner` is None; it is None where the bodies came apart,
+        because the attraction does not carry the tensile load.
         """
         first = {
             Branch.FROM_AFAR: 0.0,
@@ -364,7 +364,7 @@ class OuterIteration:
         return solution, state.of_bodies
 
     def _detached(self) -> Solution:
-        """Return the undeformed bodies as they just touch: the attraction does not carry the pull."""
+        """Return the undeformed bodies as they just touch: the attraction does not carry the tensile load."""
         problem = self.problem
         zero = np.zeros_like(problem.undeformed_gap)
         return Solution(

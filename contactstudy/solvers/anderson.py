@@ -166,7 +166,9 @@ def solve_with_mixing(
         last_change = distance / float(solution.pressure.sum()) if distance else 0.0
         if progress is not None:
             progress(last_change, change)
-        converged = last_change <= change and solution.residual <= options.tolerance
+        is_exact = solution.residual <= options.tolerance
+        is_exact |= solution.status is Status.PRECISION_LIMIT
+        converged = last_change <= change and is_exact
         if converged or outer == max_outer:
             if not converged:
                 residual = largest_of(solution.residual, last_change)

@@ -1,4 +1,4 @@
-"""Conjugate gradients for a self-adjoint positive definite operator in any inner product."""
+"""Conjugate gradients for a self-adjoint positive semidefinite operator in any inner product."""
 
 from collections.abc import Callable
 

@@ -14,8 +14,8 @@ class PolonskyKeer:
     gains a cell.
 
     An iteration takes two convolutions. Source: Polonsky & Keer (1999), Wear 231, sect. 3. Additions: an upper limit of
-    the pressure, a prescribed approach, a restart where the direction is not one of descent, the step of a Winkler
-    foundation for a single cell, and a projected gradient step where scaling to the load leaves no direction of descent.
+    the pressure, a prescribed approach, a restart where the direction is not a descent direction, the step of a Winkler
+    foundation for a single cell, and a projected gradient step where scaling to the load leaves no descent direction.
 
     Parameters
     ----------
@@ -68,19 +68,19 @@ class PolonskyKeer:
                 direction = contact_gap
             # 3. the step length, by the second convolution
             response = problem.operator(direction)
-            if problem.control.approach is None:
+            if problem.control.approach is None and squared_norm > 0:
                 response -= mean_over(active, response)
             curvature = inner(response, direction)
-            # addition: a single active cell has no curvature
+            # addition: a single active cell has no curvature, nor has none
             step = inner(contact_gap, direction) / curvature if curvature > 0 else 1 / compliance
             # 4. the step, without tension
             before, pressure = pressure, constraint.clip(pressure - step * direction)
             # 5. cells that overlap enter the contact
             at_limit = 1 - constraint.active(pressure)
-            trial = xp.maximum(pressure - step * gap.height * at_limit, 0)
+            trial = constraint.clip(pressure - step * gap.height * at_limit)
             delta = 1.0 if xp.all(trial == pressure) else 0.0
             # 6. the load
             pressure = problem.clip_and_scale(trial)
-            # addition: the projected gradient step where that one is no direction of descent
+            # addition: the projected gradient step where that one is no descent direction
             if inner(gap.height, pressure - before) >= 0:
                 delta, pressure = 0.0, problem.project(before - step * gap.height)

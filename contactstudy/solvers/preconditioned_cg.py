@@ -212,7 +212,7 @@ def trial_step(
     The direction is against the preconditioned residual. It is zero outside the active set, and such that the load
     stays as it is; under a prescribed approach it has a uniform part too, which closes the mean gap, and the load
     follows. It is conjugate to the last step where the active set is the same, no limit cut that step off and the
-    direction is still one of descent.
+    direction is still a descent direction.
     """
     problem, pressure, height = state.problem, state.pressure, state.gap.height
     operations, control = problem.operations, problem.control
@@ -246,7 +246,7 @@ def _shift_and_beta(
     """Return what to add to the direction against the residual: a uniform pressure, and beta times the last step.
 
     Beta is that of Hestenes & Stiefel (1952), eq. 3:1, for directions that keep the load; 0 where the direction would
-    not be one of descent.
+    not be a descent direction.
     """
     operations = problem.operations
     if last is None:
@@ -271,7 +271,7 @@ def _shift_and_beta(
 def projected_gradient_step(state: ContactState, trial: Array) -> Trial:
     """Return the projected gradient step, against the gap; `trial` is overwritten.
 
-    Its direction is always one of descent. Source: Nocedal & Wright (2006), sect. 16.7.
+    Its direction is always a descent direction. Source: Nocedal & Wright (2006), sect. 16.7.
     """
     problem, pressure, height = state.problem, state.pressure, state.gap.height
     trial[...] = pressure - height / problem.operator.self_compliance
@@ -291,7 +291,7 @@ class PreconditionedCG:
     3. take a direction against it, conjugate to the last step where the active set is the same;
     4. take a trial pressure one trial length along it, projected to the load; a projected gradient step where that is
        not a descent direction after projection, which also quarters the trial length;
-    5. search the line exactly: the convolution of the trial gives the complementary energy along it. The trial length is
+    5. exact line search: the convolution of the trial gives the complementary energy along it. The trial length is
        multiplied by the fraction of the step at which that is least, within 0.1 and 1; at first it is 1.
 
     Source: active sets Hintermueller, Ito & Kunisch (2002), here with one step of the inner iteration to each set;

@@ -90,6 +90,8 @@ def client_of_dask(address: str | None, threads: int, timeout: float) -> "Iterat
             raise InvalidInput(
                 f"Scheduler {address!r} cannot be reached ({type(error).__name__}): give the address that "
                 "'dask scheduler' shows, such as tcp://127.0.0.1:8786."
+                if address
+                else f"A dask cluster cannot be started here ({error}): give --workers 0."
             ) from None
         with client:
             yield client
@@ -237,7 +239,7 @@ class DaskRun:
         self._requeue(names)
 
     def _collect_finished(self) -> None:
-        """Report what workers have finished by the time the run stops, unless the disk takes no more."""
+        """Report what workers have finished by the time the run stops, unless the disk is full."""
         from distributed import wait
 
         until = monotonic() + STOP_TIMEOUT

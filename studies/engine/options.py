@@ -70,6 +70,10 @@ class RunOptions:
             one_of(name, getattr(self, name), choices)
         for name in ("workers", "repeats"):
             whole_number(name, getattr(self, name), 0, "must be a whole number, at least 0")
+        if not all(isinstance(status, CaseStatus) for status in self.retry):
+            raise InvalidInput(
+                f"retry is {self.retry!r}: give a set of statuses, such as {{CaseStatus.FAILED}}."
+            )
         if self.time_limit is not None and not self.time_limit > 0:
             raise InvalidInput(f"time_limit is {self.time_limit!r}: give seconds above 0.")
         if self.time_limit and not (self.workers or self.scheduler or hasattr(signal, "setitimer")):

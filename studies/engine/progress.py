@@ -33,7 +33,7 @@ class _Lines:
         self._log = log
 
     def write(self, text: str) -> None:
-        """Take a line, without what rubs out the last one in a terminal."""
+        """Take a line, without the control characters that clear a line."""
         if line := text.strip():
             self._log(line)
 

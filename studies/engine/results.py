@@ -139,7 +139,7 @@ class Results:
         return [name for name in missing if name not in copied]
 
     def missing_timed_runs(self) -> dict[str, int]:
-        """Return the number of missing timed runs of each good case, without cases that cannot be timed."""
+        """Return the number of missing timed runs of each successful case, without cases that cannot be timed."""
         retimed, counts = self.options.old_times == "dropped", {}
         for name in self.request.cases if self.repeats else ():
             record = self.record(name)

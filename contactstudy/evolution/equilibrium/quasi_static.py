@@ -32,7 +32,7 @@ from contactstudy.scene.rolling import check_slow
 from contactstudy.scene.scene import AnyLoad, PosedScene, Scene
 from contactstudy.scene.solids.bodies import creeps, instantaneous
 from contactstudy.solvers.adhesion import AdhesiveSolver
-from contactstudy.solvers.solution import Solution, Status, worst
+from contactstudy.solvers.solution import Solution, Status, worst_until
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Turns of the load below this fraction of the largest one are rounding.
@@ -126,7 +126,7 @@ def follow_load(
 
 
 def _under(scene: Scene, load: float) -> Scene:
-    """Return `scene` under a constant `load` [N/m]; under a pull it is that of bodies which were in contact."""
+    """Return `scene` under a constant `load` [N/m]; under a tensile load it is that of bodies which were in contact."""
     adhesion = scene.adhesion
     if adhesion is not None and load <= 0:
         adhesion = replace(adhesion, branch="from full contact")
@@ -186,15 +186,11 @@ def frame_in_equilibrium(
 
 
 def _with_work_of(contacts: Sequence[Frame]) -> Frame:
-    """Return the last of successive contacts with the work of all and their worst status.
-
-    That the bodies do not touch is said of the last contact alone.
-    """
-    *earlier, last = contacts
-    statuses = [frame.status for frame in earlier if frame.status is not Status.DETACHED]
+    """Return the last of successive contacts with the work of all, and the status of the last after the others."""
+    last = contacts[-1]
     return replace(
         last,
-        status=worst([*statuses, last.status]),
+        status=worst_until(last.status, [frame.status for frame in contacts]),
         solves=sum(frame.solves for frame in contacts),
         iterations=sum(frame.iterations for frame in contacts),
         convolutions=sum(frame.convolutions for frame in contacts),

@@ -178,7 +178,7 @@ class _WearingContact(Generic[Contact]):
         error: float,
         progress: Callable[[float, float], None] | None = None,
     ) -> list[_Instant[Contact]]:
-        """Return the contact at each of `times`, or up to one without a solution, by pairs of steps beside one of both.
+        """Return the contact at each of `times`, or up to one without a solution, by step doubling.
 
         Parameters
         ----------

@@ -15,7 +15,7 @@ from contactstudy.evolution.integration.step_control import INITIAL_STEP, StepCo
 from contactstudy.evolution.integration.time_stepper import Instant, SolvedContacts, TimeStepper
 from contactstudy.evolution.trajectory import Frame
 from contactstudy.evolution.warm_started import unloaded
-from contactstudy.solvers.solution import Solution, Status, worst
+from contactstudy.solvers.solution import Solution, Status, worst_until
 
 # A pair of steps shorter than this, over the duration of the integration, is never rejected.
 SHORTEST = 1e-12
@@ -303,7 +303,7 @@ class AdaptiveIntegrator:
                 approach=solution.approach,
                 fields=shown,
                 coupled_state={} if self.stepper.coupled is None else self.fine.states[-1],
-                status=worst(self.statuses),
+                status=worst_until(solution.status, self.statuses),
                 residual=solution.residual,
                 time_discretisation_error=self.errors.common(self.fine) if is_estimated else inf,
                 grid_error_parts=parts,

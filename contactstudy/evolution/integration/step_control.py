@@ -56,8 +56,8 @@ class StepControl:
         error = checked_relative_error("TimeSteps.error", error)
         if error < MIN_ERROR_OVER_TOLERANCE * tolerance:
             raise InvalidInput(
-                f"TimeSteps.error is {error!r}: give at least {MIN_ERROR_OVER_TOLERANCE} times the tolerance of the "
-                "contacts, or a smaller tolerance."
+                f"solve.error or TimeSteps.error leaves {error!r} to the steps in time: give at least "
+                f"{MIN_ERROR_OVER_TOLERANCE} times the tolerance of the contacts, or a smaller tolerance."
             )
         return cls(error, INITIAL_TOLERANCE_FRACTION * error)
 

@@ -284,7 +284,7 @@ class TimeStepper:
         limit = CONTACTS_PER_COUPLED_STEP * self.options.max_iterations
         options = replace(self.options, max_iterations=limit)
         solution, after = solver.solve_coupled(solve_under, problem, options, start, Cpu())
-        if after is None:  # the bodies came apart before anything was solved
+        if after is None:  # the bodies came apart
 
             def separated(added_gap: Array) -> Solution:
                 return unloaded(with_added_gap(problem, added_gap))

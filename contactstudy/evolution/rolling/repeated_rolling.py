@@ -344,10 +344,8 @@ def _strain_change(before: Array, after: Array) -> float:
 def _single_yielding_body(scene: Scene) -> YieldingBody:
     """Return the one yielding body of `scene`; refuse a load that changes, wear, creep, and none or two such bodies."""
     if scene.wear is not None or not isinstance(scene.load, ConstantLoad):
-        field = "Scene.load" if scene.wear is None else "Scene.wear"
-        raise InvalidInput(
-            f"{field} changes in time together with repeated rolling: leave it out or give a LineLoad."
-        )
+        remedy = "Scene.wear {}: leave it out" if scene.wear else "Scene.load {}: give a LineLoad"
+        raise InvalidInput(f"{remedy.format('changes in time together with repeated rolling')}.")
     bodies = YieldingBody.in_scene(scene)
     if len(bodies) != 1 or any(map(creeps, scene.solids)):
         raise InvalidInput(

@@ -65,10 +65,11 @@ class SteadyRolling:
 
     @property
     def shift(self) -> float:
-        """Distance [m] of the pressure's centroid in front of the axis."""
+        """Distance [m] of the pressure's centroid in front of the axis; 0 without pressure."""
         pressure = self.solution.pressure
         x = self.solution.problem.grid.x
-        return self.direction * float(x @ pressure.sum(axis=1) / pressure.sum())
+        total = pressure.sum()
+        return self.direction * float(x @ pressure.sum(axis=1) / total) if total else 0.0
 
     @cached_property
     def resistance_coefficient(self) -> float:
@@ -80,7 +81,7 @@ class SteadyRolling:
         of which only the displacement that is odd in x loses any. That displacement is computed on finer cells. The
         moment of the pressure (for a cylinder, the shift over its radius) has the same limit and a larger error.
         """
-        if not self.antisymmetric_weights:
+        if not self.antisymmetric_weights or not self.solution.pressure.any():
             return 0.0
         problem = self.solution.problem
         assert problem.paddings is not None
@@ -113,7 +114,7 @@ class SteadyRolling:
         change may be small by chance. It is 0 for elastic bodies and a coefficient of 0, and infinite without a coarser
         grid to compare with.
         """
-        if not self.antisymmetric_weights:
+        if not self.antisymmetric_weights or not self.solution.pressure.any():
             return 0.0
         if self.coarse is None or not np.isfinite(self.lagged.change):
             return inf
@@ -203,7 +204,7 @@ def solve_rolling(
     assert speed is not None
     elastic = replace(scene, solids=instantaneous(scene.solids), rolling=None)
     problem = elastic.problem(grid, padding)
-    datum = problem.scales.length
+    datum = scene.datum(problem.scales, grid)
     weights = response(rolling_bodies(scene.solids, (speed, speed)), datum)
     symmetric_weights, antisymmetric_weights = by_symmetry(weights)
 

@@ -1,4 +1,4 @@
-"""Plastic strain as a state variable: how a step in load changes it, together with the pressure."""
+"""Plastic strain as a state variable: how a load step changes it, together with the pressure."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace

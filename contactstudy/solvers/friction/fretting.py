@@ -71,7 +71,7 @@ class FrettingShear:
             iterations=applications,
             forces=np.array([0.0, *forces]) * problem.grid.length,
             rigid_displacement=np.array(displacements),
-            shears=np.array(shears),
+            shears=np.reshape(shears, (len(shears), 2, *limit.shape)),
             slip_distance=slip_distance,
             energy=limit * slip_distance,
             cycle_start=cycle_start,

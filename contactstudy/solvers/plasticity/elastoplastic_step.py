@@ -1,4 +1,4 @@
-"""Pressure and plastic strain at the end of a step in load, together: a semismooth Newton method.
+"""Pressure and plastic strain at the end of a load step, together: a semismooth Newton method.
 
 S maps pressure to deviatoric stress, B plastic strain to minus its residual stress, and C is the number of independent
 components of a deviator.
@@ -25,7 +25,7 @@ Tangent = Callable[[Array], Array]
 
 @dataclass(frozen=True)
 class PlasticConstants:
-    """Constants of the Newton method of a step in load.
+    """Constants of the Newton method of a load step.
 
     Attributes
     ----------
@@ -55,7 +55,7 @@ CONSTANTS = PlasticConstants()
 
 @dataclass(frozen=True, eq=False)
 class ElastoplasticStep:
-    """State at the end of a step in load.
+    """State at the end of a load step.
 
     Parameters
     ----------
@@ -68,7 +68,7 @@ class ElastoplasticStep:
     residual
         Largest residual of the plastic strain, in units of yield stress over Young's modulus.
     iterations
-        Number of Newton's iterations.
+        Number of Newton iterations.
     contacts
         All solutions of the contact on the way, in order.
     energy
@@ -94,7 +94,7 @@ def solve_elastoplastic_step(
     outer_stress: Array | None = None,
     guess: Array | None = None,
 ) -> ElastoplasticStep:
-    """Return pressure and plastic strain at the end of a step in load.
+    """Return pressure and plastic strain at the end of a load step.
 
     Backward Euler in load. The plastic strain e is that of the return mapping of its own trial stress: with the pressure
     p over the surface lowered by the residual displacement ``S^T e``, the stress ``S p - B e`` is mapped back to the

@@ -1,4 +1,4 @@
-"""What a worker process needs, loaded once by the process that worker processes are forked from."""
+"""What a worker process needs, loaded once by the fork server."""
 
 from studies.engine.workers import worker
 from studies.engine.workers.compute import warm_up

@@ -31,7 +31,7 @@ from studies.model.outcome import CaseStatus, Failure, Outcome, RunSettings
 from studies.store.fingerprint.modules import RECORDER, Fingerprints
 
 START_TIMEOUT = 120.0  # seconds in which a new process must be ready
-RESTART_DELAY = 0.5  # seconds after which the process that forks others is started again
+RESTART_DELAY = 0.5  # seconds after which the fork server is started again
 MAX_STARTS = 3  # processes that may end before their first case
 # a process that has imported the libraries is forked, where the system can; a fork of macOS may not use its libraries
 METHOD = "forkserver" if sys.platform == "linux" and hasattr(os, "fork") else "spawn"
@@ -218,7 +218,7 @@ class SupervisedProcess:
         return not self.ended.is_set()
 
     def _start(self) -> None:
-        """Start a process, unless the one that forks it ends; raise InvalidInput where the system allows no more."""
+        """Start a process, unless the fork server ends; raise InvalidInput where the system allows no more."""
         self._connection: Connection
         self._worker_id = secrets.token_hex(8)
         setup = tuple(sys.path), dict(os.environ), self.settings
@@ -230,7 +230,7 @@ class SupervisedProcess:
                 process = PROCESSES.Process(target=main, args=(end, self._worker_id, *setup))
                 process.start()
         except (EOFError, ConnectionError):
-            # or the next one is asked of the same process, while the system ends it
+            # or the next one is asked of the same fork server, while the system ends it
             self.ended.wait(RESTART_DELAY)
             return
         except OSError as error:
@@ -258,5 +258,5 @@ def _ending(code: int | None) -> str:
     if code is None or code >= 0:
         return "ended" if code is None else f"ended with exit code {code}"
     name = signal.Signals(-code).name
-    hint = ", perhaps for want of memory" if name == "SIGKILL" else ""
+    hint = ", perhaps out of memory" if name == "SIGKILL" else ""
     return f"was ended by {name}{hint}"

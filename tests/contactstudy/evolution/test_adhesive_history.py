@@ -204,10 +204,16 @@ def test_the_work_of_instants_that_are_not_recorded_counts_for_the_next_that_is(
 
 
 def test_a_limit_that_stops_a_contact_between_two_instants_is_said_of_the_next() -> None:
-    loaded = cs.LoadHistory((0.0, 1.0, 2.0), (pi, 20 * pi, pi))
-    found = cs.solve(
-        replace(SCENE, load=loaded), cs.Grid((96, 1), (14.0, 1.0)), LINE, times=(0.0, 2.0)
+    found, lost = (
+        cs.solve(
+            replace(SCENE, load=cs.LoadHistory((0.0, 1.0, 2.0), (pi, 20 * pi, last))),
+            cs.Grid((96, 1), (14.0, 1.0)),
+            LINE,
+            times=(0.0, 2.0),
+        )
+        for last in (pi, -20 * pi)
     )
+    assert lost.frames[1].status is lost.status is cs.Status.DETACHED
     alone = cs.solve(replace(SCENE, load=cs.LineLoad(20 * pi)), cs.Grid((96, 1), (14.0, 1.0)), LINE)
     assert found.frames[0].status is cs.Status.CONVERGED
     assert found.frames[1].status is alone.status is not cs.Status.CONVERGED
@@ -267,6 +273,10 @@ def test_delayed_deformation_holds_a_contact_that_an_elastic_one_loses() -> None
     )
     assert elastic.frames[-1].status is cs.Status.DETACHED
     assert creeping.frames[-1].pressure.any()
+    again = replace(scene, load=cs.LoadHistory((0.0, 1.0, 2.0), (pi, -20 * pi, pi)))
+    remade = cs.solve(replace(again, solids=(body, RIGID)), grid, LINE, times=(0.0, 2.0)).frames[-1]
+    assert remade.status is cs.Status.CONVERGED
+    assert remade.pressure.any()
 
 
 def test_a_plan_counts_the_instants_that_are_recorded() -> None:

@@ -46,6 +46,12 @@ def test_at_no_speed_and_at_an_infinite_one_bodies_are_elastic(speed: float, pea
     assert abs(found.shift) < 1e-6 * A
 
 
+def test_rolling_in_single_precision_ends_at_its_rounding() -> None:
+    found = cs.solve(rolling(SOLID, A), cs.Grid((64, 1), (0.6, 1.0)), EXACT, precision="single")
+    assert found.status is cs.Status.PRECISION_LIMIT
+    assert 0 < found.error.l1.total < inf
+
+
 def test_the_work_of_all_outer_iterations_is_counted() -> None:
     answer = cs.solve(rolling(SOLID, A), cs.Grid((50, 1), (0.6, 1.0)), EXACT)
     assert isinstance(answer, cs.Contact)

@@ -214,6 +214,13 @@ def test_a_force_over_the_load_of_an_approach_is_as_known_as_that_load() -> None
     assert 1e-6 * fine.value < difference <= coarse.bound + fine.bound
 
 
+def test_a_load_that_no_pressure_carries_leaves_no_traction() -> None:
+    fretting = replace(scene(cs.Fretting(0.3, forces=(1e4,))), hardness=1e3)
+    found = cs.solve(fretting, cs.Grid((32, 1), (1e-3, 1e-3)), cs.ExactPeriodicity())
+    assert found.status is cs.Status.NO_ADMISSIBLE_PRESSURE
+    assert found.quantities["largest_shear"].value == 0
+
+
 def test_incompressible_coatings_are_dissimilar_whatever_dundurs_constant() -> None:
     rubber = cs.CoatedHalfSpace(cs.HalfSpace(1e6, 0.5), 1e-3, cs.HalfSpace(1e9, 0.5))
     one = scene(cs.Sliding(0.2), solids=(rubber, RIGID), load=cs.LineLoad(1e2))

@@ -69,7 +69,7 @@ def test_every_case_of_a_batch_is_answered_in_its_order(
     tried = [float(line) for line in log.read_text(encoding="utf-8").split()]
     assert tried == [DIES, DIES, 1, RAISES, 2, 4, DIES, DIES, 5, 6]
     assert outcomes[0].error == (
-        "Killed: its process was ended by SIGKILL, perhaps for want of memory while it was computed"
+        "Killed: its process was ended by SIGKILL, perhaps out of memory while it was computed"
     )
     assert all(0 <= one.seconds <= taken for one in outcomes)
 

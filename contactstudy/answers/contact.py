@@ -47,7 +47,7 @@ class Contact(Answer, Solution):
     time
         Time [s] of a frame of an evolution; None for others.
     state
-        Fields that a frame keeps from one instant to the next, such as the worn depth, by name.
+        Fields that a frame keeps from one instant to the next, such as the wear depth, by name.
     """
 
     requested: float | None = None

@@ -167,13 +167,13 @@ class Evolution(Answer):
 
     @property
     def _last_fields(self) -> Mapping[str, Field]:
-        """Fields that the last instant keeps from those before, such as the worn depth."""
+        """Fields that the last instant keeps from those before, such as the wear depth."""
         if self.trajectory is not None:
             return self.trajectory.frames[-1].fields
         if self.yielding_films is not None:
             return self.yielding_films.plastic.fields(self.yielding_films.states[-1])
-        worn = None if self.films is None else self.films.contacts[-1].worn_depth
-        return {} if worn is None else {"worn_depth": Field(("x", "y"), worn, "m", "worn depth")}
+        worn = None if self.films is None else self.films.contacts[-1].wear_depth
+        return {} if worn is None else {"wear_depth": Field(("x", "y"), worn, "m", "wear depth")}
 
     @property
     def counts(self) -> Counts:
@@ -253,13 +253,13 @@ def evolution_answer(trajectory: "Trajectory", requested: float | None = None) -
 
 
 def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
-    """Return a recorded frame as an answer; its gap includes the worn depth and the residual displacement."""
+    """Return a recorded frame as an answer; its gap includes the wear depth and the residual displacement."""
     if frame.solution is not None:
         solution = replace(frame.solution, status=frame.status)
         contact = contact_answer(
             solution, time=frame.time, state=frame.fields, rolling=frame.rolling
         )
-        worn = frame.fields.get("worn_depth")
+        worn = frame.fields.get("wear_depth")
         has_worn = worn is not None and worn.values.any()
         by_steps = {"l1": frame.time_discretisation_error} | dict(frame.time_discretisation_errors)
         return _with_steps(contact, by_steps) if has_worn else contact
@@ -307,7 +307,7 @@ def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
 def _with_steps(contact: Contact, by_steps: Mapping[str, float]) -> Contact:
     """Return a contact that has worn with its relative time-discretisation errors by quantity added to its errors.
 
-    Quantities without one, such as gap, approach and stress, which depend on the worn depth itself, have no bound.
+    Quantities without one, such as gap, approach and stress, which depend on the wear depth itself, have no bound.
     """
     estimate = contact.error
     unknown = ErrorParts(discretisation=inf, reason=NO_BOUND_OF_STATES)

@@ -22,7 +22,7 @@ class Scheme(Enum):
     """Stages of a step: for each, its fraction of the duration, and the fraction of the stage that is explicit.
 
     The scheme is that of sliding wear, ``Wear(speed=...)`` of a dry contact that does not roll; creep is exact for a
-    pressure that is linear in each stage. Every scheme keeps the worn volume.
+    pressure that is linear in each stage. Every scheme keeps the wear volume.
     """
 
     #: Second order, L-stable, two solves.

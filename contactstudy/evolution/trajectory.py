@@ -48,7 +48,7 @@ class Frame:
     approach
         Approach of the bodies [m].
     fields
-        Fields (x, y) of the state variables, such as the worn depth, by name.
+        Fields (x, y) of the state variables, such as the wear depth, by name.
     status
         The worst status of the contacts since the previous frame, without those of rejected or halved steps and of
         replaced iterates; DETACHED where that of the last is.

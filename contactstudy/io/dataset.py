@@ -267,8 +267,8 @@ def film_fields(contact: "FilmSolution") -> xr.Dataset:
         carrier = "lubricant and asperities together"
         of_asperities = _plane(contact.contact_pressure, "Pa", "pressure of asperities")
         variables["contact_pressure"] = of_asperities
-    if contact.worn_depth is not None:
-        variables["worn_depth"] = _plane(contact.worn_depth, "m", "worn depth")
+    if contact.wear_depth is not None:
+        variables["wear_depth"] = _plane(contact.wear_depth, "m", "wear depth")
     if (heat := contact.temperatures) is not None:
         rise = "temperature rise"
         variables["film_temperature_rise"] = _plane(heat.film, "K", f"{rise} of the film")

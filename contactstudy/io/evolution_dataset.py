@@ -122,7 +122,7 @@ def _tractions(evolution: "Trajectory") -> dict[str, xr.Variable]:
 
 
 def _states(evolution: "Trajectory") -> dict[str, xr.Variable]:
-    """Return the state variables of bodies and wear, such as worn depth and plastic strain, at every instant."""
+    """Return the state variables of bodies and wear, such as wear depth and plastic strain, at every instant."""
     frames = evolution.frames
     fields = _over_time([frame.fields for frame in frames])
     if evolution.coupled is not None:

@@ -87,7 +87,7 @@ class FilmSolution:
     temperatures
         Temperatures of a film with ``Lubrication.thermal``. Pressure and film are isothermal, shear is at these
         temperatures.
-    worn_depth
+    wear_depth
         Depth [m] of wear until now, which is part of the gap; None without wear.
     """
 
@@ -110,7 +110,7 @@ class FilmSolution:
     estimate: ErrorEstimate | None = None
     contact_pressure: Array | None = None
     temperatures: FilmTemperatures | None = None
-    worn_depth: Array | None = None
+    wear_depth: Array | None = None
 
     @property
     def central_film(self) -> float:

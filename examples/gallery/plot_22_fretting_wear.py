@@ -33,17 +33,17 @@ figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.8), layout="constrained
 x = grid.x / half_width
 for time, frame in zip(shown, worn.frames, strict=True):
     left.plot(x, frame.pressure[:, 0] / 1e6, label=f"{time:.0f}")
-    right.plot(x, frame.state["worn_depth"].values[:, 0] * 1e9)
+    right.plot(x, frame.state["wear_depth"].values[:, 0] * 1e9)
 left.set(xlabel="x over the half-width", ylabel="pressure [MPa]", ylim=(0, 1500))
 left.legend(title="cycles")
-right.set(xlabel="x over the half-width", ylabel="worn depth [nm]")
+right.set(xlabel="x over the half-width", ylabel="wear depth [nm]")
 
 # %%
-# The worn volume is the energy lost by friction, times the specific wear rate over the coefficient of friction. The half-width of the
+# The wear volume is the energy lost by friction, times the specific wear rate over the coefficient of friction. The half-width of the
 # stick zone is ``c = (1 - Q / (mu P))^(1/2)`` half-widths. In the limit of no further wear the pressure is that of a punch of this width.
 
-volume, energy = (worn.quantities[name].value for name in ("worn_volume", "friction_energy"))
-print(f"worn volume {volume:.3g} m^3/m after {ends[-1]:.0f} cycles")
+volume, energy = (worn.quantities[name].value for name in ("wear_volume", "friction_energy"))
+print(f"wear volume {volume:.3g} m^3/m after {ends[-1]:.0f} cycles")
 assert abs(volume / (wear.coefficient / friction * energy) - 1) < 1e-12
 
 c, last = (1 - fraction) ** 0.5, worn.frames[-1]
@@ -53,4 +53,4 @@ punch = hertz * (0.5 + c**2 / 2 - x[inside] ** 2) / np.sqrt(c**2 - x[inside] ** 
 left.plot(x[inside], punch / 1e6, "k:")
 # the edge of the stick zone is known to a cell
 assert np.abs(last.pressure[inside, 0] / punch - 1).max() < 2 * grid.cell_size[0] / (c * half_width)
-assert last.state["worn_depth"].values[inside].max() == 0
+assert last.state["wear_depth"].values[inside].max() == 0

@@ -85,14 +85,14 @@ def measures(case: SceneCase, result: TimedAnswer) -> Mapping[str, xr.Variable]:
     )
     fine = _fine(case.grid.cells[0])
     last = frames[-1]
-    volume = float(last.fields["worn_depth"].values.sum()) * cell
+    volume = float(last.fields["wear_depth"].values.sum()) * cell
     error = np.abs(last.pressure - fine).sum() / fine.sum()
     volume_error = abs(volume / (LOAD * DISTANCE) - 1)
     peak = last.peak_pressure / (HALF_WIDTH / 2)
     longest = LONGEST_EXPLICIT * cell * (len(frames) - 1) / DISTANCE
     numbers = {
         "pressure_error_l1": (error, "relative L1 error of the pressure at the end"),
-        "volume_error": (volume_error, "relative error of the worn volume"),
+        "volume_error": (volume_error, "relative error of the wear volume"),
         "peak_pressure": (peak, "peak pressure over Hertz's at the end"),
         "longest_explicit": (longest, "stability limit of the explicit scheme over the step"),
     }

@@ -1,6 +1,6 @@
 """Wear of contacts that are steady at each instant: in steady or tractive rolling, or on a boundary film.
 
-The worn depth w adds to the gap, and its rate follows from the contact on that gap: ``dw/dt = f(w)``. Heun's method
+The wear depth w adds to the gap, and its rate follows from the contact on that gap: ``dw/dt = f(w)``. Heun's method
 takes a step by the rates at its start and at the end of Euler's step; the change of the pressure from one to the other
 controls its length. A body that turns wears alike all round, by the mean of Archard's law over its circumference.
 
@@ -135,7 +135,7 @@ class _WearingContact(Generic[Contact]):
     Attributes
     ----------
     solved
-        Solves the contact with a worn depth (x, y) [m], from the one before if there is one.
+        Solves the contact with a wear depth (x, y) [m], from the one before if there is one.
     rate
         Wear rate (x, y) [m/s] of a contact.
     solves_and_iterations
@@ -303,7 +303,7 @@ def follow_wear(
         # the plot of an instant names the scene, not the surface that is worn by now
         posed = PosedScene(scene, grid, padding)
         solution = replace(solution, problem=replace(solution.problem, description=posed))
-        worn_depth = Field(("x", "y"), instant.depth, "m", "worn depth")
+        wear_depth = Field(("x", "y"), instant.depth, "m", "wear depth")
         frames.append(
             replace(
                 frame_in_equilibrium(
@@ -313,7 +313,7 @@ def follow_wear(
                     instant.contact.rolling,
                 ),
                 status=instant.status,
-                fields={"worn_depth": worn_depth},
+                fields={"wear_depth": wear_depth},
                 time_discretisation_error=errors.pop("l1"),
                 time_discretisation_errors=errors,
                 solves=int(instant.work[1]),
@@ -355,7 +355,7 @@ def follow_film_wear(
             max_iterations=options.max_iterations,
             start=before,
         )
-        return replace(film, scene=scene, worn_depth=depth)
+        return replace(film, scene=scene, wear_depth=depth)
 
     def rate(film: FilmSolution) -> Array:
         assert film.contact_pressure is not None

@@ -37,7 +37,7 @@ class FrettingState:
 
     Each step is one of :func:`~contactstudy.solvers.friction.partial_slip.slip_step`, from the traction before it and
     what a rising pressure locks in. The step loses ``mu p |slip|`` per area and wears ``k p |slip|`` (Archard 1953),
-    with a mean p of the pressures at its start and its end (a theta method), so that the worn volume is ``k / mu``
+    with a mean p of the pressures at its start and its end (a theta method), so that the wear volume is ``k / mu``
     times the energy. With the depth per pressure w worn in a step and the weight e of the pressure at its start, an
     eigenmode of the pressure with the eigenvalue lambda of the influence matrix is multiplied by
     ``(lambda - e w) / (lambda + (1 - e) w)``. The weight is a half, the second-order scheme, where w is at most twice
@@ -93,7 +93,7 @@ class FrettingState:
     def start(self, shape: tuple[int, int]) -> State:
         """Return a state without traction, slip or wear on `shape` cells (x, y)."""
         names = ["shear_x", "shear_y", "stick", "slip_distance", "energy", "shear_error"]
-        names += ["worn_depth", "slip_iterate"] * (self.wear > 0)
+        names += ["wear_depth", "slip_iterate"] * (self.wear > 0)
         numbers = ["residual", "applications", *["slip_change"] * (self.wear > 0)]
         state = {name: np.zeros(shape) for name in names} | {name: np.zeros(1) for name in numbers}
         return state if self.creep is None else {**state, **self.creep.start((3, *shape))}
@@ -105,7 +105,7 @@ class FrettingState:
         worn = self.wear * self._half_cycles(step) * state["slip_iterate"]
         explicit = self._fraction_at_start(worn)
         return Contribution(
-            gap=state["worn_depth"] + explicit * worn * pressure,
+            gap=state["wear_depth"] + explicit * worn * pressure,
             local_compliance=(1 - explicit) * worn,
         )
 
@@ -122,7 +122,7 @@ class FrettingState:
         return status, residual
 
     def update(self, state: State, before: Array, after: Array, step: Step) -> State:
-        """Return traction, slip, energy and worn depth at the end of the step.
+        """Return traction, slip, energy and wear depth at the end of the step.
 
         1. Take the force at the end of the step, or the rigid-body displacement in it.
         2. Let the surfaces creep under the traction and the pressure before.
@@ -166,7 +166,7 @@ class FrettingState:
         if self.wear:
             iterate = half_cycles * state["slip_iterate"]
             error = self.wear * float((after * np.abs(distance - iterate)).max())
-            end["worn_depth"] = state["worn_depth"] + self.wear * pressure_times_slip
+            end["wear_depth"] = state["wear_depth"] + self.wear * pressure_times_slip
             end["slip_iterate"] = distance / half_cycles
             end["slip_change"] = np.array([error / self.gap_scale])
         return end
@@ -267,7 +267,7 @@ class FrettingState:
         return np.asarray(np.minimum(0.5, self.least_eigenvalue / np.maximum(worn, TINY)))
 
     def fields(self, state: State) -> Mapping[str, Field]:
-        """Return traction, stick, slip, energy and worn depth (x, y)."""
+        """Return traction, stick, slip, energy and wear depth (x, y)."""
         plane = ("x", "y")
         fields = {
             "shear_x": Field(
@@ -289,7 +289,7 @@ class FrettingState:
             ),
         }
         if self.wear:
-            fields["worn_depth"] = Field(plane, state["worn_depth"], "m", "worn depth")
+            fields["wear_depth"] = Field(plane, state["wear_depth"], "m", "wear depth")
         return fields
 
     def time_discretisation_error(self, state: State, other: State) -> float:

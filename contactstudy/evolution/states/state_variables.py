@@ -281,10 +281,10 @@ def retardation_weights(ratio: float) -> tuple[float, float, float]:
 
 @dataclass(frozen=True)
 class WearState:
-    """State variable of wear: the worn depth w, with ``dw/dt = k v p`` (Archard 1953).
+    """State variable of wear: the wear depth w, with ``dw/dt = k v p`` (Archard 1953).
 
     The pressure at the start of a step acts in its explicit fraction, the pressure at its end in the remaining one,
-    which adds a constant to the diagonal of the operator. The worn volume is exact where the load changes within the
+    which adds a constant to the diagonal of the operator. The wear volume is exact where the load changes within the
     step: both pressures are scaled down to the mean load, or the weight of the pressure at the start is raised, and
     then that of the pressure at the end.
 
@@ -299,26 +299,26 @@ class WearState:
     has_stages: ClassVar[bool] = True
 
     def start(self, shape: tuple[int, int]) -> State:
-        """Return a worn depth of zero on `shape` cells (x, y)."""
-        return {"worn_depth": np.zeros(shape)}
+        """Return a wear depth of zero on `shape` cells (x, y)."""
+        return {"wear_depth": np.zeros(shape)}
 
     def contribution(self, state: State, pressure: Array, step: Step) -> Contribution:
         """Return the depth worn so far as a gap, and the wear by the pressure at the end as a local compliance."""
         explicit, implicit = self._depths_per_pressure(step)
-        worn = state["worn_depth"]
+        worn = state["wear_depth"]
         if explicit:
             worn = worn + explicit * pressure
         return Contribution(gap=worn, local_compliance=implicit)
 
     def update(self, state: State, before: Array, after: Array, step: Step) -> State:
-        """Return the worn depth at the end of the step."""
+        """Return the wear depth at the end of the step."""
         explicit, implicit = self._depths_per_pressure(step)
-        worn = state["worn_depth"] + implicit * after
-        return {"worn_depth": worn + explicit * before if explicit else worn}
+        worn = state["wear_depth"] + implicit * after
+        return {"wear_depth": worn + explicit * before if explicit else worn}
 
     def fields(self, state: State) -> Mapping[str, Field]:
-        """Return the worn depth (x, y) [m]."""
-        return {"worn_depth": Field(("x", "y"), state["worn_depth"], "m", "worn depth")}
+        """Return the wear depth (x, y) [m]."""
+        return {"wear_depth": Field(("x", "y"), state["wear_depth"], "m", "wear depth")}
 
     def _depths_per_pressure(self, step: Step) -> tuple[float, float]:
         """Return depth over pressure [m/Pa] worn in the step by the pressure at its start and by that at its end."""

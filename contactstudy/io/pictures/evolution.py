@@ -32,7 +32,7 @@ STRAIN, STRESS = "equivalent_plastic_strain", "residual_stress"
 
 def evolution_picture(evolved: xr.Dataset) -> Figure:
     """Draw an evolution as ``Evolution.to_dataset`` labels it: profiles, a map over time, numbers and errors."""
-    worn = "worn_depth" in evolved
+    worn = "wear_depth" in evolved
     adheres = "attraction" in evolved
     drawn = [_profiles, _map, _numbers, _loop if adheres else _errors] + [_worn] * worn
     drawn += [_shear] * ("shear_x" in evolved)
@@ -155,7 +155,7 @@ def _profiles(ax: Axes, evolved: xr.Dataset) -> None:
 
 
 def _worn(ax: Axes, evolved: xr.Dataset) -> None:
-    _lines(ax, evolved, "worn_depth", display_unit_of(evolved["worn_depth"], "m"))
+    _lines(ax, evolved, "wear_depth", display_unit_of(evolved["wear_depth"], "m"))
 
 
 def _shear(ax: Axes, evolved: xr.Dataset) -> None:

@@ -70,7 +70,7 @@ def evolution_quantities(
         Relative L1 error of the pressure at the worst instant.
     """
     quantities = _extremes(frames, times) | _final(frames[-1])
-    if "worn_depth" in fields:
+    if "wear_depth" in fields:
         quantities |= _of_wear(fields, frames, posed, error)
     if "friction_energy" in fields:
         quantities |= _of_slip(fields, posed)
@@ -115,14 +115,14 @@ def _of_wear(
     posed: PosedScene,
     error: ErrorParts,
 ) -> dict[str, Quantity]:
-    """Return the worn volume, around all of a body that turns, and the largest worn depth.
+    """Return the wear volume, around all of a body that turns, and the largest wear depth.
 
     Where bodies slide, wear follows from load and pressure: the volume from the load, whose error is neither by images
     nor by cells, and the largest depth from the peak pressures. On a film the volume follows from the pressure of
     asperities. Other errors are not known.
     """
     last = frames[-1]
-    worn, grid = fields["worn_depth"].values, posed.grid
+    worn, grid = fields["wear_depth"].values, posed.grid
     circumference = getattr(posed.scene.wear, "circumference", None)
     around = 1.0 if circumference is None else circumference / grid.extent[0]
     of_volume = replace(error, images=None, discretisation=None)
@@ -136,14 +136,14 @@ def _of_wear(
     volume = per_length(
         float(worn.sum() * grid.cell_area * around),
         "m3",
-        "worn volume",
+        "wear volume",
         roller_length(posed),
         grid.length,
     )
-    depth = Quantity(float(worn.max()), "m", "largest worn depth")
+    depth = Quantity(float(worn.max()), "m", "largest wear depth")
     return {
-        "worn_volume": with_bound(volume, of_volume),
-        "largest_worn_depth": with_bound(depth, of_depth),
+        "wear_volume": with_bound(volume, of_volume),
+        "largest_wear_depth": with_bound(depth, of_depth),
     }
 
 

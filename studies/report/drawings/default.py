@@ -26,7 +26,7 @@ from studies.report.style import COLORS, captioned, panels, percent, write_power
 DRAWN = (
     "central_film", "minimum_film", "friction_coefficient", "lambda_ratio", "contact_load_fraction", "pull_off",
     "traction_coefficient", "stick_fraction", "frictional_power", "energy_per_cycle", "largest_slip",
-    "rolling_resistance", "worn_volume", "largest_worn_depth", "dent_depth", "final_peak_pressure", "contact_fraction",
+    "rolling_resistance", "wear_volume", "largest_wear_depth", "dent_depth", "final_peak_pressure", "contact_fraction",
     "peak_pressure", "largest_von_mises", "mean_pressure", "approach", "stiffness", "mean_gap",
 )  # fmt: skip
 # What a case records of its solve, which is no measure.

@@ -230,7 +230,7 @@ def _wear_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
         f"{int(finest['grid'])} cells. The flat grows like the cube root of the distance; a^3 = a_H^3 + 3/2 R k P s "
         "is a fair estimate from the start. Errors are against 512 two-stage steps on the same grid. Implicit "
         "steps are stable at any length, explicit ones below ds = 1.48 dx / (k E*), which is "
-        f"{_stable_from(finest):.3g} steps here. All keep the worn volume k P s to rounding."
+        f"{_stable_from(finest):.3g} steps here. All keep the wear volume k P s to rounding."
     )
     return (captioned("wear", fig, caption),)
 
@@ -254,7 +254,7 @@ def _wear_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
             f"With {int(coarse['steps'])} steps of wear the error is {implicit} (implicit) and {explicit} (explicit).",
             f"An explicit evolution needs {_stable_from(finest):.3g} steps to be stable on this grid, and twice as "
             "many on one twice as fine. An implicit step costs the same solve, with a constant in its spectrum, and "
-            "the worn volume is exact either way.",
+            "the wear volume is exact either way.",
             "How to step wear?",
         ),
     )

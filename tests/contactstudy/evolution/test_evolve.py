@@ -239,7 +239,7 @@ def test_a_dataset_names_all_that_was_found() -> None:
         "time": 3, "x": 32, "y": 4, "component": 6, "z": 2,
     }  # fmt: skip
     assert dataset["pressure"].dims == ("time", "x", "y")
-    assert dataset["worn_depth"].dims == ("time", "x", "y")
+    assert dataset["wear_depth"].dims == ("time", "x", "y")
     assert dataset["von_mises"].dims[0] == "time"
     for name in (
         "approach",

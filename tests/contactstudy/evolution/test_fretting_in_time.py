@@ -119,9 +119,9 @@ def test_slip_wears_in_proportion_to_the_energy_and_nowhere_else() -> None:
     friction = cs.Fretting(MU, forces, times=tuple(range(10)))
     wear = 1.0 / 32
     found = fretted(friction, [0.0, 9.0], replace(LINE, wear=cs.Wear(wear, 0.0)))
-    worn, lost = (found.quantities[name].value for name in ("worn_volume", "friction_energy"))
+    worn, lost = (found.quantities[name].value for name in ("wear_volume", "friction_energy"))
     assert worn == pytest.approx(wear / MU * lost, rel=1e-12)
-    depth = found.frames[-1].state["worn_depth"].values
+    depth = found.frames[-1].state["wear_depth"].values
     # cells within 0.95 of the stick zone, of half-width (1 - T / (mu P))^(1/2)
     assert not depth[np.abs(STRIP.x) < 0.95 * (1 - FORCE / MU) ** 0.5].any()
     # four cycles lose little of the first one's rate, 0.0204 a cycle and unit of wear
@@ -171,7 +171,7 @@ def test_jumps_of_growing_length_reach_the_pressure_that_wears_no_more() -> None
     jumps = [1.3**n for n in range(30)]
     frame = jumping(jumps, 1 / 32, 270)
     x, pressure = frame.grid.x, frame.pressure[:, 0]
-    depth = frame.state["worn_depth"].values[:, 0]
+    depth = frame.state["wear_depth"].values[:, 0]
     c = (1 - FORCE / MU) ** 0.5
     inside = np.abs(x) < 0.9 * c
     expected = (1 / pi + 2 / pi * (c**2 / 2 - x[inside] ** 2)) / np.sqrt(c**2 - x[inside] ** 2)
@@ -190,7 +190,7 @@ def test_jumps_wear_as_cycle_after_cycle_does(jump: int, error: float) -> None:
     """By 64 cycles of 1/16; a jump of 16 is ten times as long as explicit wear is stable."""
     wear = 1 / 16
     frame = jumping([jump] * (64 // jump), wear, 135)
-    depth, energy = (frame.state[name].values for name in ("worn_depth", "friction_energy"))
+    depth, energy = (frame.state[name].values for name in ("wear_depth", "friction_energy"))
     cell = frame.grid.cell_area
     # the volume of 128 cycles of 1/32, by another program, and the quarter of a cycle that loads
     expected = 0.0931 + 0.25 * wear * 0.02043
@@ -258,10 +258,10 @@ def test_a_scene_file_frets_on_a_planned_grid_under_a_load_that_changes(tmp_path
     file = tmp_path / "fretting.toml"
     file.write_text(text)
     found = cs.read_scene(file).solve()
-    assert found.quantities["worn_volume"].value > 0
+    assert found.quantities["wear_volume"].value > 0
     force = found.frames[-1].shear[0].sum() * found.grid.cell_area / found.grid.length
     assert force == pytest.approx(-1e4)
-    assert {"shear_x", "slip_distance", "worn_depth"} <= set(found.to_dataset())
+    assert {"shear_x", "slip_distance", "wear_depth"} <= set(found.to_dataset())
 
 
 SWING = cs.Fretting(MU, (0.0, 0.12, -0.12, 0.12), times=(0.0, 1.0, 2.0, 3.0))

@@ -353,11 +353,11 @@ def test_strain_that_reaches_the_edge_of_the_width_is_said_and_has_no_bound() ->
 
 
 def test_a_body_that_yields_can_wear() -> None:
-    """The worn volume is k P s to rounding, and the cylinder sinks in as a softer one does."""
+    """The wear volume is k P s to rounding, and the cylinder sinks in as a softer one does."""
     scene = replace(pressed(3), load=cs.LineLoad(load(3)), wear=cs.Wear(1e-15, 1.0))
     found = evolve(scene, grid_of(3, 0.2), EXACT, times=(0, 1, 2), options=cs.SolveOptions(1e-7))
     worn = (
-        evolution_answer(found).to_dataset()["worn_depth"].isel(time=-1).sum().item()
+        evolution_answer(found).to_dataset()["wear_depth"].isel(time=-1).sum().item()
         * found.grid.cell_size[0]
     )
     assert worn == pytest.approx(2 * 1e-15 * load(3), rel=1e-9)

@@ -22,7 +22,7 @@ A, PEAK = ROLLER.hertz.half_width, ROLLER.hertz.peak_pressure
 
 def worn(answer: cs.Evolution) -> np.ndarray:
     """Depth (time, x, y) [m]."""
-    return np.stack([frame.state["worn_depth"].values for frame in answer.frames])
+    return np.stack([frame.state["wear_depth"].values for frame in answer.frames])
 
 
 def test_a_wave_of_full_contact_decays_as_the_closed_form_over_the_circumference() -> None:
@@ -46,7 +46,7 @@ def test_a_roller_wears_until_its_pressure_is_even_along_the_length() -> None:
     peaks = answer.pressure.max(axis=1)
     assert peaks[0].max() > 1.2 * PEAK
     assert peaks[-1] == pytest.approx(np.full(16, PEAK), rel=0.01)
-    volume = answer.quantities["worn_volume"]
+    volume = answer.quantities["wear_volume"]
     assert volume.value == pytest.approx(1e-15 * 0.1 * 3e4 * LOAD, rel=1e-6)
     assert volume.bound < 0.01 * volume.value
 
@@ -61,7 +61,7 @@ def test_a_drive_that_slides_fully_wears_like_a_roller_that_slides_as_fast() -> 
     grid, times = cs.Grid((24, 8), GRID.extent), (0.0, 300.0, 3000.0)
     known, found = (cs.solve(scene, grid, ACROSS_FREE, times=times) for scene in (slides, driven))
     assert worn(found) == pytest.approx(worn(known), rel=0.01)
-    assert found.quantities["worn_volume"].bound == inf  # of slip
+    assert found.quantities["wear_volume"].bound == inf  # of slip
     for name in ("approach", "mean_gap"):
         bounds = [frame.quantities[name].bound for frame in found.frames]
         assert 0 < bounds[0] < inf == bounds[1] == bounds[2]
@@ -142,8 +142,8 @@ def test_a_film_that_vanishes_wears_like_the_dry_contact() -> None:
     found = cs.solve(on_film(speed), grid, EXACT, times=times)
     sliding = replace(on_film(speed), lubrication=None, wear=cs.Wear(1e-17, 2 * speed))
     dry = cs.solve(sliding, grid, EXACT, times=cs.TimeSteps(times, error=1e-3))
-    assert found.frames[-1].worn_depth == pytest.approx(worn(dry)[-1], abs=1e-5 * UNIT)
-    assert found.quantities["largest_worn_depth"].value > 2e-3 * UNIT
+    assert found.frames[-1].wear_depth == pytest.approx(worn(dry)[-1], abs=1e-5 * UNIT)
+    assert found.quantities["largest_wear_depth"].value > 2e-3 * UNIT
     # nothing has worn yet at the first instant
     first, last = (frame.error.l1.by_cause["steps"] for frame in found.frames)
     assert first == 0 < last < 1e-2
@@ -158,7 +158,7 @@ def test_asperities_wear_until_the_film_bears_the_load() -> None:
     answer = cs.solve(on_film(speed), grid, EXACT, times=times)
     assert answer.over_time("contact_load_fraction")[0] > 5e-4
     assert answer.over_time("contact_load_fraction")[1:] == pytest.approx([0, 0], abs=1e-5)
-    deepest = [frame.worn_depth.max() for frame in answer.frames]
+    deepest = [frame.wear_depth.max() for frame in answer.frames]
     assert deepest[2] == pytest.approx(deepest[1], rel=1e-3)
     assert deepest[2] > 1e-3 * UNIT
-    assert answer.to_dataset().worn_depth.shape == (3, 400, 1)
+    assert answer.to_dataset().wear_depth.shape == (3, 400, 1)

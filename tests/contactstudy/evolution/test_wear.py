@@ -125,7 +125,7 @@ def test_a_worn_cylinder_is_flat_as_wide_as_the_rigid_one() -> None:
     ],
     ids=["constant", "a ramp, a jump and back to zero", "sine"],
 )
-def test_the_worn_volume_is_that_of_archard_to_rounding(
+def test_the_wear_volume_is_that_of_archard_to_rounding(
     load: cs.LoadHistory | cs.SineLoad, scheme: Scheme
 ) -> None:
     """``k v int P dt``, whatever the steps: the pressures of each step carry its load to rounding."""
@@ -135,7 +135,7 @@ def test_the_worn_volume_is_that_of_archard_to_rounding(
     found = evolved(scene, grid, times, scheme=scheme)
     breakpoints = sorted({*times.tolist(), *load.breaks(2.0)})
     impulse = sum((end - start) * load.mean(start, end) for start, end in pairwise(breakpoints))
-    worn = found.frames[-1].fields["worn_depth"].values
+    worn = found.frames[-1].fields["wear_depth"].values
     assert worn.sum() * grid.cell_size[0] == pytest.approx(1e-3 * impulse, rel=1e-13)
     assert worn.min() >= 0
 
@@ -158,7 +158,7 @@ def test_wear_spreads_the_pressure_of_a_rough_hard_limited_creeping_contact() ->
     scene = replace(scene, shapes=(*scene.shapes, rough))
     found = evolved(scene, grid, [0.0, 0.5, 2.0])
     assert found.status is cs.Status.CONVERGED
-    worn = found.frames[-1].fields["worn_depth"].values
+    worn = found.frames[-1].fields["wear_depth"].values
     assert worn.sum() * grid.cell_area == pytest.approx(0.2 * 2 * LOAD * grid.length, rel=1e-12)
     first, *_, last = found.frames
     assert last.pressure.max() <= 0.05 == first.pressure.max()

@@ -195,10 +195,10 @@ def test_wear_and_dent_are_what_is_left_at_the_last_instant() -> None:
     grid = cs.Grid((32, 1), (4e-4, 1e-3))
     evolution = cs.solve(worn, grid, cs.ExactPeriodicity(), times=[0, 1, 2])
     # Archard: the worn area is the coefficient times the load times the distance
-    volume = evolution.quantities["worn_volume"]
+    volume = evolution.quantities["wear_volume"]
     assert (volume.value, volume.unit) == (pytest.approx(1e-15 * 1e5 * 2, rel=1e-6), "m3 m-1")
     assert abs(volume.value - 1e-15 * 1e5 * 2) <= volume.bound < volume.value
-    depth = evolution.quantities["largest_worn_depth"]
+    depth = evolution.quantities["largest_wear_depth"]
     peaks = [frame.quantities["peak_pressure"].relative_bound for frame in evolution.frames]
     assert depth.relative_bound == pytest.approx(max(peaks), rel=1e-12)
     highest = evolution.over_time("peak_pressure")

@@ -78,8 +78,8 @@ def test_the_rubber_example_is_marched_and_leaves_no_frames_behind(tmp_path: Pat
     dataset = solved("rubber", tmp_path)
     assert dataset.sizes["time"] == 21
     assert not (tmp_path / "rubber.evolution").exists()
-    # worn volume per length: k v int P dt = 1e-10 / Pa 0.1 m/s (0.5 + 3) s 500 N/m
-    worn = float(dataset["worn_depth"].isel(time=-1).mean("y").sum("x"))
+    # wear volume per length: k v int P dt = 1e-10 / Pa 0.1 m/s (0.5 + 3) s 500 N/m
+    worn = float(dataset["wear_depth"].isel(time=-1).mean("y").sum("x"))
     cell = float(dataset["x"][1] - dataset["x"][0])
     assert worn * cell == pytest.approx(1e-10 * 0.1 * 3.5 * 500, rel=1e-9)
     assert (np.diff(dataset["contact_area"].values[6:]) >= 0).all()

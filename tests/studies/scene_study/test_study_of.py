@@ -292,7 +292,7 @@ WEAR = "[wear]\ncoefficient = 1e-13\nspeed = 1.0\n"
     ("text", "field", "values", "units", "measured"),
     [
         (RUBBER + '[rolling]\nspeed = "1 mm/s"\n', "rolling.speed", "1,10 mm/s", "m/s", "rolling_resistance"),
-        (RUBBER + "[time_steps]\ntimes = [0.0, 0.1]\n" + WEAR, "wear.coefficient", "1e-13,2e-13", "1/Pa", "worn_volume"),
+        (RUBBER + "[time_steps]\ntimes = [0.0, 0.1]\n" + WEAR, "wear.coefficient", "1e-13,2e-13", "1/Pa", "wear_volume"),
         (YIELDING, "load.per_length.1", "800,1000 N/mm", "N m-1", "dent_depth"),
         (YIELDING, "solids.1.hardening_modulus", "5,50 GPa", "Pa", "dent_depth"),
     ],
@@ -310,7 +310,7 @@ def test_a_scene_that_rolls_or_changes_is_swept(
     first, second = dataset[measured].values
     assert np.isfinite([first, second]).all()
     assert first != second
-    if measured == "worn_volume":
+    if measured == "wear_volume":
         assert second == pytest.approx(2 * first, rel=1e-6)
 
 

@@ -118,6 +118,9 @@ def compare(a: Any, b: Any) -> Comparison:
     p_a = _resampled(first["pressure"].values, x_a, y_a, x, y)
     p_b = _resampled(second["pressure"].values, x_b, y_b, x, y)
     area = np.diff(x)[:, None] * np.diff(y)[None, :]
+    for name, pressure in (("a", p_a), ("b", p_b)):
+        if not np.isfinite(pressure).all():
+            raise InvalidInput(f"compare.{name} has a pressure that is no number: solve it again.")
     total = float((p_a * area).sum())
     if not total:
         raise InvalidInput(

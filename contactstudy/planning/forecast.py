@@ -264,7 +264,7 @@ def with_width(grid: Grid, width: float) -> Grid:
 def within_memory(grid: Grid, padding: Padding | Paddings, bytes_at_most: float) -> Grid:
     """Return `grid`, or the finest of the same extent and aspect ratio whose solve holds within `bytes_at_most`."""
     needed = memory(grid, padding)
-    while needed > bytes_at_most:
+    while needed > bytes_at_most and max(grid.cells) > 2:
         shrink = (bytes_at_most / needed) ** (1 if grid.cells[1] == 1 else 0.5) * 0.99
         across, along = (max(2, int(count * shrink)) for count in grid.cells)
         grid = Grid((across, along if grid.cells[1] > 1 else 1), grid.extent)

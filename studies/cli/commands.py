@@ -363,7 +363,7 @@ def main() -> None:
         error.show()
         sys.exit(error.exit_code)
     except (KeyboardInterrupt, click.Abort):
-        click.echo("contactstudy: stopped; stored results of a study are kept.", err=True)
+        click.echo("contactstudy: stopped; what is stored is kept.", err=True)
         sys.exit(130)
     except BrokenPipeError:  # the output pipe is closed
         sys.stdout = None

@@ -50,9 +50,10 @@ def plan(scene: Path, threads: int | None, device: str, as_json: bool) -> None: 
     described = cs.read_scene(scene)
     planned = described.plan(device=_device(device, threads))
     if as_json:
-        fields = asdict(planned) | {
-            "padding": repr(planned.padding),
-            "device": repr(planned.device),
+        texts = {"padding": repr(planned.padding), "device": repr(planned.device)}
+        fields = {
+            name: None if value == inf else value  # JSON has no infinity
+            for name, value in (asdict(planned) | texts).items()
         }
         click.echo(json.dumps(fields))
         return

@@ -92,6 +92,8 @@ def test_two_periods_and_other_data_are_refused() -> None:
         cs.compare(contact([[1], [1]]), xr.Dataset())
     with pytest.raises(cs.InvalidInput, match="carries a load"):
         cs.compare(contact([[0], [0]]), contact([[1], [1]]))
+    with pytest.raises(cs.InvalidInput, match=r"^compare\.b has a pressure that is no number"):
+        cs.compare(contact([[1], [1]]), contact([[1], [np.nan]]))
 
 
 def test_grids_of_one_scene_differ_by_no_more_than_the_estimate_says(line_contact: Any) -> None:

@@ -36,7 +36,13 @@ from contactstudy.problem.constraint import PrescribedLoad
 from contactstudy.problem.problem import Problem, Scales
 from contactstudy.scene.loads.load_history import ChangingLoad
 from contactstudy.scene.shapes_source import ShapesSource
-from contactstudy.solvers.solution import AdhesiveTraction, CoupledSolution, Solution, Status
+from contactstudy.solvers.solution import (
+    AdhesiveTraction,
+    CoupledSolution,
+    Solution,
+    Status,
+    net_pressure,
+)
 from contactstudy.solvers.solve import SolveOptions
 
 # Contacts that a step with plastic strain beside an attraction solves at most, each with the limit of iterations.
@@ -70,6 +76,11 @@ class Instant:
     pressure: Array
     states: tuple[State, ...]
     adhesion: AdhesiveTraction | None = None
+
+    @property
+    def net_pressure(self) -> Array:
+        """Pressure (x, y) [Pa] less the attraction, which drives the state variables."""
+        return net_pressure(self.pressure, self.adhesion)
 
 
 @dataclass(frozen=True, eq=False)
@@ -240,9 +251,9 @@ class TimeStepper:
             else:
                 solution = solved_or_unloaded(self.options, problem, last)
             solutions.append(solution)
-            after = solution.pressure
+            net = net_pressure(solution.pressure, solution.adhesion)
             states = tuple(
-                state_variable.update(state, instant.pressure, after, step)
+                state_variable.update(state, instant.net_pressure, net, step)
                 for state_variable, state in zip(self.state_variables, instant.states, strict=False)
             )
             next_instant = self._next_iterate(instant, states + coupled)
@@ -256,7 +267,9 @@ class TimeStepper:
                 status, residual = variable.outcome(state)
                 if solution.status.has_converged and status is not Status.CONVERGED:
                     solution = replace(solution, status=status, residual=residual)
-        instant = Instant(step.end, step.loads[1], after, states + coupled, solution.adhesion)
+        instant = Instant(
+            step.end, step.loads[1], solution.pressure, states + coupled, solution.adhesion
+        )
         return instant, SolvedContacts((solution,), tuple(solutions[:-1]))
 
     def _coupled_step(
@@ -309,7 +322,7 @@ class TimeStepper:
     def _problem_at_end(self, instant: Instant, step: Step) -> Problem:
         """Return the problem at the end of a step, with the contributions of all state variables."""
         contributions = [
-            state_variable.contribution(state, instant.pressure, step)
+            state_variable.contribution(state, instant.net_pressure, step)
             for state_variable, state in zip(self.state_variables, instant.states, strict=False)
         ]
         weights = Counter(self.weights)

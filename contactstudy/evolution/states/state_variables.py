@@ -124,7 +124,7 @@ class StateVariable(AnyStateVariable, Protocol):
         state
             State at the start of the step.
         pressure
-            Pressure (x, y) [Pa] at the start of the step.
+            Pressure (x, y) [Pa], less the attraction, at the start of the step.
         step
             The step.
         """
@@ -137,7 +137,7 @@ class StateVariable(AnyStateVariable, Protocol):
         state
             State at the start of the step.
         before, after
-            Pressure (x, y) [Pa] at the start and at the end of the step.
+            Pressure (x, y) [Pa], less the attraction, at the start and at the end of the step.
         step
             The step.
         """

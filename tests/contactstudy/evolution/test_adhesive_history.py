@@ -263,6 +263,32 @@ def test_bodies_that_creep_far_more_slowly_or_quickly_than_the_load_adhere_as_el
         )
 
 
+def test_creep_under_a_constant_load_ends_in_the_relaxed_contact_however_many_its_steps() -> None:
+    """The contact grows from that of the instantaneous modulus, and the error of the steps holds all the way."""
+    scene = replace(SCENE, load=cs.LineLoad(pi))
+    sudden, relaxed = (
+        cs.solve(replace(scene, solids=(cs.HalfSpace(modulus, 0.0), RIGID)), GRID, LINE)
+        for modulus in (4.0, 1.0)
+    )
+    # the deformation is delayed by 4 s
+    creeping = replace(scene, solids=(cs.ViscoelasticHalfSpace(1.0, 0.0, ((3.0, 1.0),)), RIGID))
+    few, many = (
+        cs.solve(creeping, GRID, LINE, times=(*np.linspace(0, 8, steps + 1), 40, 80, 120)).frames
+        for steps in (8, 32)
+    )
+    for frames in (few, many):
+        widths = [frame.quantities["half_width"].value for frame in frames]
+        assert np.all(np.diff(widths) >= 0)
+        for frame, static in ((frames[0], sudden), (frames[-1], relaxed)):
+            bound = frame.error.l1.steps + frame.error.l1.residual + static.error.l1.residual
+            difference = np.abs(frame.pressure - static.pressure).sum()
+            assert difference < bound * static.pressure.sum() < 1e-3 * static.pressure.sum()
+    for frame, other in zip(few[1:9], many[4:33:4], strict=True):
+        difference = np.abs(frame.pressure - other.pressure).sum() / other.pressure.sum()
+        assert other.error.l1.steps < 0.5 * frame.error.l1.steps
+        assert difference < frame.error.l1.steps + other.error.l1.steps < 0.1
+
+
 def test_delayed_deformation_holds_a_contact_that_an_elastic_one_loses() -> None:
     body = cs.ViscoelasticHalfSpace(1.0, 0.0, ((4.0, 1.0),))
     load = cs.LoadHistory((0.0, 50.0, 50.01, 50.02), (pi, pi, -1.3 * pi, -1.3 * pi))

@@ -203,14 +203,21 @@ def no_driver() -> int:
     raise NoDriverError("no driver")
 
 
-def test_a_missing_cupy_or_graphics_processor_raises_one_sentence(
+def test_a_gpu_says_its_memory_and_without_one_or_cupy_one_sentence_is_raised(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setitem(sys.modules, "array_api_compat.cupy", STRICT.arrays)  # type: ignore[arg-type]
+    runtime = SimpleNamespace(CUDARuntimeError=NoDriverError, memGetInfo=lambda: (1000, 10**6))
+    pool = SimpleNamespace(free_bytes=lambda: 24)
+    cupy: Any = SimpleNamespace(
+        cuda=SimpleNamespace(runtime=runtime), get_default_memory_pool=lambda: pool
+    )
+    monkeypatch.setitem(sys.modules, "cupy", cupy)
+    runtime.getDeviceCount = lambda: 1
+    # what is free, and what CuPy keeps
+    assert cs.Gpu().available_bytes == 1024
     for count in (lambda: 0, no_driver):
-        runtime = SimpleNamespace(getDeviceCount=count, CUDARuntimeError=NoDriverError)
-        cupy: Any = SimpleNamespace(cuda=SimpleNamespace(runtime=runtime))
-        monkeypatch.setitem(sys.modules, "cupy", cupy)
+        runtime.getDeviceCount = count
         with pytest.raises(cs.InvalidInput, match=r"^Gpu found no GPU.*: give Cpu\(\)"):
             cs.Gpu()
     monkeypatch.setitem(sys.modules, "cupy", None)  # type: ignore[arg-type]

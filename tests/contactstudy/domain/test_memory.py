@@ -1,4 +1,5 @@
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import psutil
@@ -37,3 +38,15 @@ def test_memory_left_is_that_of_the_system_or_what_a_limit_of_the_process_leaves
         assert 2**27 < device.available_bytes() <= 2**28
     finally:
         resource.setrlimit(resource.RLIMIT_AS, limits)
+
+
+def test_a_container_leaves_its_limit_less_what_it_uses(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(device, "CGROUP", tmp_path)
+    (tmp_path / "memory.current").write_text("300\n")
+    for limit, left in (("1000\n", 700), ("200\n", 0)):
+        (tmp_path / "memory.max").write_text(limit)
+        assert device.available_bytes() == left
+    (tmp_path / "memory.max").write_text("max\n")  # no limit
+    assert device.available_bytes() > 700

@@ -5,7 +5,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.accuracy.estimate import error_estimate
-from studies.definitions.accuracy import KINDS, USES, case_at
+from studies.definitions.accuracy import KINDS, USES, case_at, use_of
 from studies.reference.accuracy.case import errors
 from studies.reference.accuracy.matrix import matrix
 from studies.reference.accuracy.random_scenes import RANDOM
@@ -28,6 +28,8 @@ def test_errors_stand_beside_their_bounds_and_one_that_is_not_known_is_left_out(
     assert found["missing_without_reason"] == 0
     assert found["kind"] == KINDS.index("smooth cylinder") == 0
     assert found["use"] == USES.index("calibration")
+    uses = [use_of(name) for name in ("rollers 3", "rollers 4", "random rollers 3")]
+    assert uses == ["validation", "calibration", "random"]
 
 
 def test_a_bound_that_is_missing_without_a_reason_is_counted() -> None:

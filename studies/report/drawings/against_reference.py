@@ -22,7 +22,8 @@ def figures(dataset: xr.Dataset, names: Sequence[str]) -> Sequence[CaptionedFigu
     """Draw the relative errors of some measures against the sweep's reference, and over the times of its cases.
 
     The attribute ``reference`` of the dataset names an axis and the value on it, such as ``load_per_length=10000.0``;
-    without it nothing is drawn. Of the other axes the largest error counts, and the median time.
+    without it, or where the axis lacks such a name, nothing is drawn. Of the other axes the largest error counts, and
+    the median time.
     """
     axis, _, value = str(dataset.attrs.get("reference", "")).partition("=")
     if axis not in dataset["case_status"].dims or dataset.sizes[axis] < 2:
@@ -31,6 +32,8 @@ def figures(dataset: xr.Dataset, names: Sequence[str]) -> Sequence[CaptionedFigu
     coordinate = dataset[axis].values
     # a stored number may differ from the one that was named by rounding
     is_number = coordinate.dtype.kind in "iuf"
+    if not is_number and value not in coordinate:
+        return ()
     place = int((-abs(coordinate - float(value)) if is_number else coordinate == value).argmax())
     true = good.isel({axis: place})
     compared = good.isel({axis: [k for k in range(coordinate.size) if k != place]})

@@ -36,6 +36,8 @@ def test_errors_are_the_largest_of_the_other_axes_beside_the_bound_of_the_refere
     by_load = axes_text().assign_attrs(reference=f"load={1 + 1e-15}")
     (line,) = figures(by_load)[-2].figure.axes[0].lines
     np.testing.assert_allclose(line.get_xdata(), [4.4 / 2.1 - 1], rtol=1e-9)
+    unknown = axes_text().assign_attrs(reference="padding=2")
+    assert len(figures(unknown)) == len(figures(axes_text())) - 2
     failed = axes_text()
     failed["case_status"][2, 0] = CaseStatus.FAILED
     failed["peak_pressure"][2] = np.nan

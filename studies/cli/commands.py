@@ -114,7 +114,7 @@ def report(
             page_chapter, out, options=options, log=click.echo, formats=with_png(formats)
         )
         click.echo(f"report: wrote {path}")
-    for path in reporting.write_outdated(out, chosen):
+    for path in reporting.write_outdated(out, chosen, click.echo):
         click.echo(f"report: wrote {path}")
 
 
@@ -282,7 +282,7 @@ def draw(study: tuple[str, ...], out: Path, formats: tuple[str, ...]) -> None:
     if not study:
         with _drawing("report"):
             page = reporting.draw_and_write(MAIN, out, with_png(formats))
-            pages = [page, *reporting.write_outdated(out, [MAIN])]
+            pages = [page, *reporting.write_outdated(out, [MAIN], click.echo)]
         for path in pages:
             click.echo(f"report: wrote {path}")
 

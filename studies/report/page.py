@@ -1,7 +1,6 @@
 """Pages of the report: figures from stored studies, in one self-contained page for each chapter."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from time import monotonic
@@ -180,8 +179,11 @@ def write_page(
     return path
 
 
-def write_outdated(out: Path, written: Iterable[Chapter] = ()) -> Sequence[Path]:
-    """Write the pages of all other chapters whose data are stored, if a page is missing or older than its data."""
+def write_outdated(out: Path, written: Iterable[Chapter], log: Log) -> Sequence[Path]:
+    """Write the pages of all other chapters whose data are stored, if a page is missing or older than its data.
+
+    A page that cannot be drawn, such as one of files of an earlier version, is left with a line in the log.
+    """
     pages = []
     for chapter in [*CHAPTERS.values(), *map(chapter_of_study, BUILT_IN)]:
         files = [out / f"{part.name}.nc" for part in chapter.parts]
@@ -191,10 +193,10 @@ def write_outdated(out: Path, written: Iterable[Chapter] = ()) -> Sequence[Path]
             continue
         newest = max(file.stat().st_mtime for file in files)
         if not page.exists() or page.stat().st_mtime < newest:
-            with suppress(
-                InvalidInput
-            ):  # files of an earlier version wait until their study is run again
+            try:
                 pages.append(draw_and_write(chapter, out))
+            except InvalidInput as error:
+                log(f"{chapter.name}: its page is not drawn: {error}")
     return pages
 
 

@@ -180,14 +180,15 @@ def test_a_chapter_is_run_with_a_line_a_study_and_later_drawn_by_itself(tmp_path
     examine(text, tmp_path, 2)
     assert {file.name for file in tmp_path.rglob("*.pdf")} == {"reach.pdf"}
     # nothing else is stored; then a page is drawn again where its data are newer
-    assert not report.write_outdated(tmp_path, [chapter])
+    assert not report.write_outdated(tmp_path, [chapter], quiet)
     page = report.draw_and_write(chapter_of_study("period"), tmp_path)
-    assert not report.write_outdated(tmp_path)
+    assert not report.write_outdated(tmp_path, [], quiet)
     xr.Dataset({"case_status": ("axis", [1])}).to_netcdf(tmp_path / "speed.nc")  # of other axes
     page.write_text("old", encoding="utf-8")
     newer = (tmp_path / "period.nc").stat().st_mtime - 10
     os.utime(page, (newer, newer))
-    assert report.write_outdated(tmp_path) == [page]
+    assert report.write_outdated(tmp_path, [], lines.append) == [page]
+    assert lines[-1].startswith("cost: its page is not drawn: File")
     assert "A chapter of" in page.read_text(encoding="utf-8")
     # a point that is run for itself, on another grid, leaves no gaps in the page
     one = {"padding": "exact", "period": "0.6", "images": "1", "grid": "24"}

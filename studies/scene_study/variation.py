@@ -288,7 +288,7 @@ def _expanded_items(items: Iterable[Any], folder: Path) -> list[Any]:
     for item in items:
         if not isinstance(item, str | Path):
             # containers of the package SurfaceTopography hold several
-            is_one = hasattr(item, "dims") or hasattr(item, "heights")
+            is_one = hasattr(item, "shape") or hasattr(item, "heights")
             surfaces += list(item) if hasattr(item, "__iter__") and not is_one else [item]
             continue
         pattern = str(item).strip()
@@ -313,12 +313,16 @@ def _surface(item: Any, present: MeasuredSurface) -> MeasuredSurface:
     if isinstance(item, MeasuredSurface):
         return item
     rules = {name: getattr(present, name) for name in ("missing", "trend", "seam", "seam_across")}
-    if isinstance(item, str | Path):
+    is_file = isinstance(item, str | Path)
+    if is_file:
         surface = MeasuredSurface.read(item, extent=present.file_extent, unit=present.unit, **rules)
     else:
         surface = MeasuredSurface(item, **rules)
     surface = surface if present.tile is None else surface.cut(present.tile)
-    return surface.turned() if present.is_turned else surface
+    surface = surface.turned() if present.is_turned else surface
+    # heights without sizes of their own
+    has_sizes = is_file or surface.extent is not None
+    return surface if has_sizes else replace(surface, extent=present.extent)
 
 
 def _tiles(document: SceneDocument, tiles_given: object) -> Variation:

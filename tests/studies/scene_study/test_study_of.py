@@ -140,6 +140,9 @@ def test_tiles_of_a_surface_are_an_axis(smooth: Path) -> None:
     parts = [case.scene.shapes[1].heights for case in scenes(study)]  # type: ignore[attr-defined]
     np.testing.assert_array_equal(np.block([parts[:3], parts[3:]]), heights)
     assert "planned once for 6 points" in study.notes[-1]
+    # heights have the sizes of the surface whose place they take
+    study = studies.study_of(measured(smooth, heights, 1e-3), {"surfaces": [heights, 2 * heights]})
+    assert {case.scene.shapes[1].extent for case in scenes(study)} == {(1e-3, 1.5e-3)}  # type: ignore[attr-defined]
 
 
 def test_a_surface_is_as_measured_cut_or_turned_whatever_the_scene_has() -> None:

@@ -165,9 +165,8 @@ def sample_timing(grid: Grid, padding: Padding | Paddings) -> Timing:
     cells = CONSTANTS.sample_cells
     sample = Grid((cells, 1 if grid.cells[1] == 1 else cells), SAMPLE_EXTENT)
     problem_on = partial(_smooth_contact().problem, padding=padding)
-    timed(
-        problem_on, sample, CONSTANTS.tolerance
-    )  # what is imported or compiled once is not counted
+    # what is imported or compiled once is not counted
+    timed(problem_on, sample, CONSTANTS.tolerance)
     return timed(problem_on, sample, CONSTANTS.tolerance)[1]
 
 

@@ -177,9 +177,8 @@ def _vtk(dataset: "xr.Dataset", stem: Path) -> str:
     """Write pressure and gap over the cells as a rectilinear grid, and stress as points in depth; return the file."""
     write = import_for("--format vtk", "pyevtk.hl").gridToVTK
     edges = [_edges(dataset[axis].values) for axis in ("x", "y")]
-    if (
-        len(edges[1]) == 2
-    ):  # a cell alone is as long as the scene's grid, or square where that is not known
+    # a cell alone is as long as the scene's grid, or square where that is not known
+    if len(edges[1]) == 2:
         grid = tomllib.loads(str(dataset.attrs.get("scene", ""))).get("grid", {})
         edges[1] *= grid.get("extent", (0.0, np.diff(edges[0])[0]))[1]
     # its cells lie between edges: one thin layer, so that the map is seen from above

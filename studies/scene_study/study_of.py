@@ -297,9 +297,8 @@ class _SceneAt:
 
     def __call__(self, point: Point) -> Computation:
         values = tuple(point[name] for name in self.names)
-        if (
-            values not in self.cases
-        ):  # stored values stand for those that differ from them by rounding
+        # stored values stand for those that differ from them by rounding
+        if values not in self.cases:
             columns = zip(values, self._sorted, strict=True)
             values = tuple(_nearest(value, numbers) for value, numbers in columns)
         if values not in self.cases:

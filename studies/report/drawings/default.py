@@ -129,9 +129,8 @@ def _constants(dataset: xr.Dataset, axes: Sequence[str]) -> str:
     for table, key in (("load", "total"), ("load", "per_length"), ("rolling", "speed")):
         entries = scene.get(table)
         constants[f"{table} {key}"] = entries.get(key) if isinstance(entries, dict) else None
-    notes = str(
-        dataset.attrs.get("notes", "")
-    )  # they name the fields that change along the axis of another
+    # notes name the fields that change along the axis of another
+    notes = str(dataset.attrs.get("notes", ""))
     return ", ".join(
         f"{name.replace('_', ' ')} {value}"
         for name, value in constants.items()

@@ -184,7 +184,7 @@ def bound_by_cells(answer: Answer) -> float:
     )
 
 
-def step_error_of(answer: Answer) -> float:
+def time_discretisation_error_of(answer: Answer) -> float:
     """Return the bound on the relative L1 error of an answer's pressure by its steps in time, 0 without any."""
     return last_of(answer).error.l1.by_cause.get("steps", 0.0)
 

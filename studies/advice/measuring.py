@@ -22,7 +22,7 @@ from studies.advice.compared_scene import (
     last_of,
     numbers_of,
     pressure_of,
-    step_error_of,
+    time_discretisation_error_of,
 )
 from studies.advice.comparison import (
     LINE,
@@ -247,7 +247,7 @@ class _Measurement:
         )
         if bound == inf:
             self.notes += last_of(answer).error.warnings[:1]
-        elif (steps := step_error_of(answer)) > STEPS_FRACTION * self.error:
+        elif (steps := time_discretisation_error_of(answer)) > STEPS_FRACTION * self.error:
             self.notes.append(
                 f"Of that bound {steps:.2g} is by the steps in time, which no grid makes smaller: give [time_steps] an "
                 f"error of {STEPS_FRACTION * self.error:.1g}."

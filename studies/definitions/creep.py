@@ -72,7 +72,7 @@ def measures(case: SceneCase, result: TimedAnswer) -> Mapping[str, xr.Variable]:
         "pressure_error_l1": dimensionless(
             max(errors), "largest relative L1 error of the pressure"
         ),
-        "step_error": dimensionless(
+        "time_discretisation_error": dimensionless(
             largest("time_discretisation_error"), "estimated time-discretisation error in L1"
         ),
         "grid_error": dimensionless(

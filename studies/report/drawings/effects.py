@@ -145,7 +145,7 @@ def _creep_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
         ax.plot(finest["time"], finest[name], "o", color=COLORS[0])
     for part, style in by_color(dataset, "grid", "{} cells"):
         errors.loglog(part["steps"], part["pressure_error_l1"], **style)
-        errors.loglog(part["steps"], part["step_error"], "--", color=style["color"])
+        errors.loglog(part["steps"], part["time_discretisation_error"], "--", color=style["color"])
         cost.loglog(part["convolutions"] * part["grid"], part["pressure_error_l1"], **style)
     label_panels(
         (width, peak, errors, cost),
@@ -174,10 +174,10 @@ def _creep_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     if dataset.sizes["steps"] < 3 or dataset.sizes["grid"] < 2:
         return ()
     fine = dataset.isel(grid=-1)
-    rate = np.polyfit(np.log(fine["steps"]), np.log(fine["step_error"]), 1)[0]
+    rate = np.polyfit(np.log(fine["steps"]), np.log(fine["time_discretisation_error"]), 1)[0]
     coarse, last = dataset.isel(grid=0, steps=-1), dataset.isel(grid=-1, steps=-1)
-    by_steps = fine.where(fine["step_error"] > 2 * fine["grid_error"], drop=True)
-    ratios = (by_steps["step_error"] / by_steps["pressure_error_l1"]).values
+    by_steps = fine.where(fine["time_discretisation_error"] > 2 * fine["grid_error"], drop=True)
+    ratios = (by_steps["time_discretisation_error"] / by_steps["pressure_error_l1"]).values
     trust = (
         f" Where the steps leave more than the cells, their estimate is {ratios.min():.2g} to "
         f"{ratios.max():.2g} times the error."

@@ -32,7 +32,7 @@ def creep() -> xr.Dataset:
     data = over(
         "steps grid",
         pressure_error_l1=by_steps / [[2], [4], [5]],
-        step_error=by_steps,
+        time_discretisation_error=by_steps,
         grid_error=np.tile([0.01, 0.01, 0.03], (3, 1)),
         convolutions=np.full((3, 3), 100.0),
     )

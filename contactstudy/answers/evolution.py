@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from contactstudy.accuracy.range_errors import PEAK_WITHOUT_LIMIT
 from contactstudy.answers.answer import Answer, Counts
 from contactstudy.answers.contact import Contact, contact_answer
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
@@ -274,6 +275,9 @@ def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
         reason = reason or "No bound: the time-discretisation error was not estimated."
     l1 = replace(steps, reason=reason)
     cells = max(l1.by_cause["discretisation"], frame.peak_grid_error)
+    peak = replace(l1, discretisation=cells)
+    if l1.range is not None:
+        peak = replace(peak, range=inf, reason=PEAK_WITHOUT_LIMIT)
     unknown = ErrorParts(discretisation=inf, reason=NO_BOUND_OF_STATES)
     area = unknown if frame.pressure.any() else l1  # separated bodies have no area
     stress = unknown if outputs else None
@@ -291,7 +295,7 @@ def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
         adhesion=frame.adhesion,
         estimate=ErrorEstimate(
             l1,
-            replace(l1, discretisation=cells),
+            peak,
             area,
             unknown,
             unknown,

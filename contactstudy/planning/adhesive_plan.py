@@ -17,6 +17,7 @@ from contactstudy.planning.transient_requirements import TransientRequirements
 from contactstudy.scene.adhesion import ZONE_CELLS
 from contactstudy.scene.loads.resulting_load import PullOff
 from contactstudy.scene.scene import Scene
+from contactstudy.scene.solids.bodies import contact_modulus
 
 # Tabor parameter taken as the JKR limit: of a contact that does not vary along its length, where
 # the pull-off load is then within 1 %, and of one that does, within 4 %. Cost grows with its square.
@@ -72,7 +73,9 @@ def plan_of_adhesion(
         grid = _grid(base, requirements, zone / ZONE_CELLS, decay_distance)
     cell = max(grid.cell_size) if requirements.varies else grid.cell_size[0]
     if adhesion.range is None:
-        law = adhesion.cohesive(scene, cell)
+        if transient is None:
+            modulus = contact_modulus(scene.solids, ZONE_CELLS * cell)
+        law = adhesion.cohesive(modulus, cell)
         tabor, cells = scale / law.range, ZONE_CELLS
     else:
         tabor, cells = scale / attraction_range, zone / cell

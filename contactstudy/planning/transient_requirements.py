@@ -1,11 +1,10 @@
 """Requirements of scenes that change in time, roll or yield: the width, the load and the cells of their grid."""
 
 from dataclasses import dataclass, replace
-from math import inf, pi, prod, sqrt
+from math import pi, prod, sqrt
 
 import numpy as np
 
-from contactstudy.analytic import HertzLine
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import readable
 from contactstudy.elasticity.eigenstrain.volume import Volume
@@ -14,8 +13,8 @@ from contactstudy.planning.grid_requirements import CONSTANTS as GRID
 from contactstudy.scene.loads.constant_load import LineLoad, TotalLoad
 from contactstudy.scene.loads.load_history import ChangingLoad
 from contactstudy.scene.scene import AnyLoad, Scene
-from contactstudy.scene.solids.bodies import Body, instantaneous, is_layered, yields
-from contactstudy.scene.solids.viscoelastic import ViscoelasticHalfSpace
+from contactstudy.scene.solids.bodies import contact_modulus, instantaneous, yields
+from contactstudy.scene.solids.viscoelastic import ViscoelasticHalfSpace, relaxed
 
 
 @dataclass(frozen=True)
@@ -222,10 +221,8 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
     last = end if end is not None else getattr(scene.load, "end", start)
     duration = max(last - start, 0.0)
     hertz = elastic.hertz
-    relaxed_compliance = sum(_relaxed_compliance(body, duration, hertz) for body in scene.solids)
-    half_width = (
-        sqrt(4 * hertz.load_per_length * hertz.radius * relaxed_compliance / pi) if hertz else 0.0
-    )
+    modulus = contact_modulus(relaxed(scene.solids, duration), hertz.half_width if hertz else None)
+    half_width = sqrt(4 * hertz.load_per_length * hertz.radius / (pi * modulus)) if hertz else 0.0
     fields = (
         2 * sum(len(body.creep.terms) + bool(body.creep.fluidity) for body in bodies)
         + CONSTANTS.fields
@@ -234,7 +231,7 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
     if scene.rolls:
         half_width *= GRID.width_factor * CONSTANTS.rolling_widening
         width = 2 * max(half_width, plastic.half_extent if plastic else 0.0)
-        fields, modulus = CONSTANTS.rolling_fields, 1 / relaxed_compliance
+        fields = CONSTANTS.rolling_fields
         return TransientRequirements(elastic, width, modulus, fields, (), plastic=plastic)
     if plastic is not None:
         half_width = max(half_width, plastic.half_extent / GRID.width_factor)
@@ -251,7 +248,7 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
     return TransientRequirements(
         narrow,
         2 * GRID.width_factor * half_width,
-        1 / relaxed_compliance,
+        modulus,
         fields,
         reasons,
         warnings,
@@ -275,13 +272,3 @@ def _smallest_load(load: AnyLoad, end: float) -> tuple[float, tuple[str, ...]]:
         "the contact is "
         "so narrow that the discretisation error is larger than planned: give a finer grid, or a larger first load.",
     )
-
-
-def _relaxed_compliance(body: Body, end: float, hertz: HertzLine | None) -> float:
-    """Return the equilibrium compliance [1/Pa] of `body`, of a fluid that after `end` [s] of load."""
-    if is_layered(body) and hertz is not None:
-        return body.compliance_at(hertz.half_width)
-    if not isinstance(body, ViscoelasticHalfSpace):
-        return body.compliance
-    relaxed = body.creep.equilibrium_compliance
-    return relaxed if relaxed < inf else float(body.creep(end))

@@ -20,7 +20,7 @@ from contactstudy.domain.units import JoulesPerSquareMetre, Metres, readable
 from contactstudy.scene.loads.load_history import ChangingLoad
 from contactstudy.scene.loads.resulting_load import Approach
 from contactstudy.scene.shapes.roller import Sphere
-from contactstudy.scene.solids.bodies import SceneContext, contact_modulus, creeps, yields
+from contactstudy.scene.solids.bodies import Body, SceneContext, contact_modulus, creeps, yields
 from contactstudy.solvers.adhesion import AdhesiveSolver
 from contactstudy.solvers.cohesive_law import CohesiveLaw, Dugdale, Exponential
 from contactstudy.solvers.solution import Branch
@@ -56,8 +56,8 @@ class Adhesion:
         Work of adhesion [J/m^2], to separate a unit of area; above zero.
     range
         Range of the attraction [m]: its work over its largest value. None takes the limit of short ranges (Johnson,
-        Kendall & Roberts 1971) as far as the grid resolves it, with six cells in the cohesive zone. The pull-off load of
-        a cylinder is then within 0.3 % of that limit on fine grids.
+        Kendall & Roberts 1971) as far as the grid resolves it, with six cells in the cohesive zone, the shortest one of
+        bodies that creep. The pull-off load of a cylinder is then within 0.3 % of that limit on fine grids.
     law
         ``"exponential"``, or ``"dugdale"`` for a constant attraction within the range, which falls to zero between
         0.9 and 1.1 times the range.
@@ -70,7 +70,8 @@ class Adhesion:
     InvalidInput
         If a value is outside these limits; in a scene with wear, a lubricant or Fretting in time; where a body that
         creeps rolls, or one that yields in passes; without a range with friction or a body that yields; with a first
-        load that is not above zero on bodies from afar; on a grid with less than two cells in the cohesive zone.
+        load that is not above zero on bodies from afar; on a grid with less than two cells in the cohesive zone, of
+        bodies that creep in the shortest one.
     """
 
     work: JoulesPerSquareMetre
@@ -154,31 +155,34 @@ class Adhesion:
         """Return Griffith's tensile stress [Pa] of a crack of half-length `width` [m], ``sqrt(2 E* w / (pi width))``."""
         return sqrt(2 * scene.contact_modulus * self.work / (pi * width))
 
-    def cohesive(self, scene: SceneContext, cell: float) -> CohesiveLaw:
-        """Return the traction as a function of the gap, on cells of this size [m]."""
+    def cohesive(self, modulus: float, cell: float) -> CohesiveLaw:
+        """Return the traction as a function of the gap, by a contact `modulus` [Pa] and on cells of this size [m]."""
         if self.range is not None:
             return LAWS[self.law](self.work, self.range)
-        modulus = contact_modulus(scene.solids, ZONE_CELLS * cell)
         strength = sqrt(pi * modulus * self.work / (4 * ZONE_CELLS * cell))
         return LAWS[self.law](self.work, self.work / strength)
 
-    def solver_on(self, scene: SceneContext, gap: Array, grid: Grid) -> AdhesiveSolver:
+    def solver_on(
+        self, scene: SceneContext, gap: Array, grid: Grid, relaxed: tuple[Body, Body] | None = None
+    ) -> AdhesiveSolver:
         """Return the solver of this scene on a grid with an undeformed `gap` (x, y) [m].
 
-        The cohesive zone is ``pi E* w / (4 sigma0^2)`` long, with the largest traction sigma0 (Dugdale).
+        The cohesive zone is ``pi E* w / (4 sigma0^2)`` long, with the largest traction sigma0 (Dugdale). Bodies that
+        creep have the shortest one when they are `relaxed`.
         """
         varies = bool((gap != gap[:, :1]).any())
         cell = max(grid.cell_size) if varies else grid.cell_size[0]
-        law = self.cohesive(scene, cell)
         # a coating thinner than the zone has little part in it
-        modulus = contact_modulus(scene.solids, ZONE_CELLS * cell)
+        modulus = contact_modulus(relaxed or scene.solids, ZONE_CELLS * cell)
+        law = self.cohesive(modulus, cell)
         zone = pi * modulus * self.work / (4 * law.strength**2)
         cells = zone / cell
         if cells < MIN_ZONE_CELLS:
             shortest = sqrt(4 * MIN_ZONE_CELLS * cell * self.work / (pi * modulus))
+            when = "" if relaxed is None else ", once the bodies have crept"
             raise InvalidInput(
                 f"Adhesion.range is {self.range!r}: its cohesive zone of {readable(zone)} is {cells:.2g} cells of this "
-                f"grid wide; give a range of at least {readable(shortest)}, cells of at most "
+                f"grid wide{when}; give a range of at least {readable(shortest)}, cells of at most "
                 f"{readable(zone / MIN_ZONE_CELLS)}, or leave the range out for the limit of short ranges on this grid."
             )
         tabor, radius = None, scene.radius
@@ -187,6 +191,7 @@ class Adhesion:
                 (shape.radius for shape in scene.shapes if isinstance(shape, Sphere)), default=None
             )
         if radius is not None:
+            modulus = contact_modulus(scene.solids, ZONE_CELLS * cell)
             ratio = radius * (self.work / modulus) ** 2
             tabor = float(np.cbrt(ratio)) * law.strength / self.work
         return AdhesiveSolver(

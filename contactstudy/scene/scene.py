@@ -306,9 +306,9 @@ class Scene:
             If the arguments are of another kind, the scene changes in time, rolls or has a film, memory does not
             suffice, or no pressure leads to the approach.
         """
-        return self._problem_with(grid, padding, None)
+        return self.problem_with(grid, padding, None)
 
-    def _problem_with(
+    def problem_with(
         self, grid: Grid, padding: Padding | Paddings, solver: "AdhesiveSolver | None"
     ) -> Problem:
         """Return the problem on a grid, with a solver for adhesion that another grid may have chosen."""
@@ -479,7 +479,7 @@ class Scene:
         scene = self if unchanged else replace(self, shapes=shapes)
         ended = ends_along(self.shapes, grid)
         return ShapesSource(
-            scene.shapes, ended, lambda new_grid: scene._problem_with(new_grid, padding, solver)
+            scene.shapes, ended, lambda new_grid: scene.problem_with(new_grid, padding, solver)
         )
 
     def _constraint(self, solver: "AdhesiveSolver | None") -> Constraint:

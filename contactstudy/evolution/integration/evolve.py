@@ -42,8 +42,9 @@ from contactstudy.scene.friction.friction_law import has_proportional_compliance
 from contactstudy.scene.loads.constant_load import LineLoad
 from contactstudy.scene.loads.load_history import ChangingLoad, LoadHistory
 from contactstudy.scene.scene import PosedScene, Scene
-from contactstudy.scene.solids.bodies import instantaneous, response, yields
-from contactstudy.scene.solids.viscoelastic import ViscoelasticHalfSpace
+from contactstudy.scene.shapes_source import summed_gap
+from contactstudy.scene.solids.bodies import creeps, instantaneous, response, yields
+from contactstudy.scene.solids.viscoelastic import ViscoelasticHalfSpace, relaxed
 from contactstudy.solvers.solution import Solution
 from contactstudy.solvers.solve import SolveOptions
 
@@ -169,7 +170,8 @@ def evolve(
     breakpoints = schedule(load, times)
     if isinstance(scene.friction, Fretting) and scene.friction.history is not None:
         breakpoints = with_breakpoints_of(breakpoints, load, scene.friction.history)
-    stepper = _time_stepper(scene, grid, padding, load, scheme, options)
+    duration = breakpoints[-1].time - load.start
+    stepper = _time_stepper(scene, grid, padding, load, duration, scheme, options)
     if stepper.depends_on_path or not stepper.all_state_variables:
         breakpoints = with_turning_points(breakpoints, load)
     if stepper.all_state_variables:
@@ -210,17 +212,25 @@ def _time_stepper(
     grid: Grid,
     padding: Padding | Paddings,
     load: ChangingLoad,
+    duration: float,
     scheme: Scheme,
     options: SolveOptions,
 ) -> TimeStepper:
-    """Return the steps of `scene`, from the elastic contact under the largest load, applied suddenly."""
+    """Return the steps of `scene`, from the elastic contact under the largest load, applied suddenly.
+
+    The `duration` [s] is that of all steps.
+    """
     solids = instantaneous(scene.solids)
     frets = isinstance(scene.friction, Fretting)
     friction = None if frets else scene.friction
     elastic = replace(
         scene, load=LineLoad(load.largest), solids=solids, wear=None, friction=friction
     )
-    problem = elastic.problem(grid, padding)
+    adhesive_solver = None
+    if scene.adhesion is not None and any(map(creeps, scene.solids)):
+        heights, softest = summed_gap(scene.shapes, grid), relaxed(scene.solids, duration)
+        adhesive_solver = scene.adhesion.solver_on(elastic, heights, grid, softest)
+    problem = elastic.problem_with(grid, padding, adhesive_solver)
     datum = problem.scales.length
     solved = partial(solved_or_unloaded, options)
     variables = state_variables(scene, datum)

@@ -133,7 +133,7 @@ class IntegrationErrors:
             growth = GROWTH_PER_STATE_VARIABLE ** len(self.stepper.state_variables)
             cells = growth * self.largest_by_cells / total
         factor = 1.0 if self.stepper.coupled is None else self._relative_to_largest_load(total)
-        parts = ErrorParts(estimate.l1.images, cells, residual)
+        parts = ErrorParts(estimate.l1.images, cells, residual, range=estimate.l1.range)
         assert estimate.peak_pressure is not None
         peak = estimate.peak_pressure.by_cause["discretisation"]
         return parts.scaled(factor), peak, estimate.warnings

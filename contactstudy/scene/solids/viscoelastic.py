@@ -101,6 +101,12 @@ class ViscoelasticHalfSpace:
         """Elastic half-space with the instantaneous response of this one."""
         return HalfSpace(self.youngs_modulus, self.poisson_ratio)
 
+    def relaxed(self, duration: float) -> HalfSpace:
+        """Return the elastic half-space with the equilibrium modulus, of a fluid that after a `duration` [s] of load."""
+        of_fluid = (1 - self.poisson_ratio**2) / float(self.creep(duration))
+        modulus = self.equilibrium_modulus or of_fluid
+        return HalfSpace(modulus, self.poisson_ratio)
+
     @property
     def creeps(self) -> bool:
         """True if the modulus relaxes."""
@@ -152,6 +158,15 @@ class RollingHalfSpace:
             for name, weights in half_space_shear_compliance(size, ratio, datum).items():
                 total[name].update(retarded(weights, self.speed * time))
         return total
+
+
+def relaxed(solids: tuple[Body, Body], duration: float) -> tuple[Body, Body]:
+    """Return both bodies, each that creeps with its equilibrium modulus, as a fluid after a `duration` [s] of load."""
+    first, second = (
+        body.relaxed(duration) if isinstance(body, ViscoelasticHalfSpace) else body
+        for body in solids
+    )
+    return first, second
 
 
 def rolling_bodies(solids: tuple[Body, Body], speeds: tuple[float, float]) -> tuple[Body, Body]:

@@ -75,7 +75,7 @@ def test_pressure_and_attraction_are_in_equilibrium_and_keep_to_the_yield_surfac
     assert found.status is cs.Status.CONVERGED
     last = found.frames[-1]
     assert last.adhesion is not None
-    law = cs.Adhesion(WORK, range=RANGE).cohesive(scene(BODY), 1.0)
+    law = cs.Adhesion(WORK, range=RANGE).cohesive(MODULUS, 1.0)
     attraction = last.adhesion.attraction
     assert np.abs(attraction - law.traction(last.gap)).sum() < 1e-4 * attraction.sum()
     assert last.load_per_length == pytest.approx(2 * UNIT, rel=1e-6)

@@ -289,6 +289,24 @@ def test_creep_under_a_constant_load_ends_in_the_relaxed_contact_however_many_it
         assert difference < frame.error.l1.steps + other.error.l1.steps < 0.1
 
 
+def test_cells_hold_the_cohesive_zone_of_bodies_that_have_crept() -> None:
+    """The zone shrinks with the modulus, here to a sixteenth; the range without limit is that of the relaxed bodies."""
+    body = cs.ViscoelasticHalfSpace(1.0, 0.0, ((15.0, 1.0),))
+    scene = replace(SCENE, load=cs.LineLoad(pi), solids=(body, RIGID))
+    # at last 1.7 cells of pi E* rho^2 / (4 w), and 27 at first
+    with pytest.raises(
+        cs.InvalidInput, match=r"is 1\.7 cells .* once the bodies have crept; give a"
+    ):
+        cs.solve(replace(scene, adhesion=cs.Adhesion(pi, 0.8)), GRID, LINE, times=(0.0, 1.0))
+    limit = replace(scene, adhesion=cs.Adhesion(pi))
+    last = cs.solve(limit, GRID, LINE, times=(0.0, 16.0, 300.0)).frames[-1]
+    relaxed = cs.solve(replace(limit, solids=(SOFT, RIGID)), GRID, LINE)
+    assert last.adhesion.range == pytest.approx(relaxed.adhesion.range)
+    assert last.adhesion.cells_in_zone == pytest.approx(6.0)
+    assert relaxed.error.l1.range <= last.error.l1.range < inf
+    assert last.quantities["peak_pressure"].bound == inf
+
+
 def test_delayed_deformation_holds_a_contact_that_an_elastic_one_loses() -> None:
     body = cs.ViscoelasticHalfSpace(1.0, 0.0, ((4.0, 1.0),))
     load = cs.LoadHistory((0.0, 50.0, 50.01, 50.02), (pi, pi, -1.3 * pi, -1.3 * pi))

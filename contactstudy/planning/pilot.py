@@ -147,7 +147,9 @@ def pilot(
         seconds, solves = seconds_and_solves(scene, coarse, padding, step_error, steps)
     except InvalidInput as refused:
         return Pilot(inf, 1, f"seconds: unknown, since {refused}")
-    if plastic is not None:
+    if coarse == grid:
+        time_ratio = 1.0
+    elif plastic is not None:
         power = CONSTANTS.passes_power if rolls_repeatedly else CONSTANTS.plastic_power
         time_ratio = (plastic.bytes(grid) / plastic.bytes(coarse)) ** power
     else:

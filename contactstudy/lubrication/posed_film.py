@@ -101,7 +101,7 @@ class PosedFilm:
 
     ``x`` are the positions across of its cells over a, ``deflection`` is in Hertz units, and ``operator_on`` makes that
     on another grid. ``problem`` is the dry contact on the whole grid, with the even part of ``displacement`` [m] under a
-    pressure [Pa].
+    pressure [Pa]; ``dry_pressure`` (x, y) [Pa] is its pressure under a crown, else None.
     """
 
     equation: FilmEquation
@@ -112,6 +112,7 @@ class PosedFilm:
     operator_on: Callable[[Grid], Deflection]
     problem: Problem
     displacement: Deflection
+    dry_pressure: Array | None
 
     @property
     def is_crowned(self) -> bool:
@@ -163,18 +164,24 @@ class PosedFilm:
         return replace(self, equation=coarse, deflection=deflection, upstream=grid, x=x)
 
 
+def check_film_padding(padding: Padding | Paddings, cells_along: int) -> Paddings:
+    """Return the paddings (across, along) of a film; raise :class:`~contactstudy.InvalidInput` for others."""
+    paddings = across_and_along(padding)
+    if paddings[0].wraps or (cells_along > 1 and not paddings[1].wraps):
+        raise InvalidInput(
+            f"padding is {padding!r}: a film flows in at one side and out at the other, and is periodic along the "
+            "length: give a padding along the length that wraps, such as ExactPeriodicity()."
+        )
+    return paddings
+
+
 def pose(scene: Scene, grid: Grid, padding: Padding | Paddings) -> PosedFilm:
     """Return the film equation of ``scene`` on ``grid``, up to an outlet beyond which there is no pressure.
 
     Raises :class:`~contactstudy.InvalidInput` for a grid or a padding on which a film cannot be solved.
     """
     scales = lubricated_scales(scene)
-    paddings = across_and_along(padding)
-    if paddings[0].wraps or (grid.cells[1] > 1 and not paddings[1].wraps):
-        raise InvalidInput(
-            f"padding is {padding!r}: a film flows in at one side and out at the other, and is periodic along the "
-            "length: give a padding along the length that wraps, such as ExactPeriodicity()."
-        )
+    paddings = check_film_padding(padding, grid.cells[1])
     half_width = pressure_half_width = scales.relative_half_width * scales.hertz.half_width
     if grid.cell_size[0] > pressure_half_width:
         least = ceil(grid.extent[0] / pressure_half_width)
@@ -184,6 +191,11 @@ def pose(scene: Scene, grid: Grid, padding: Padding | Paddings) -> PosedFilm:
     assert isinstance(scene.load, ConstantLoad)
     sudden = instantaneous(scene.solids)
     problem = replace(scene, lubrication=None, outputs=(), solids=sudden).problem(grid, paddings)
+    bodies = rolling_bodies(scene.solids, scales.lubrication.contact_speeds)
+    weights = response(bodies, problem.scales.length)
+    displacement = Deflection.on(grid, paddings, weights, 1.0)
+    problem = replace(problem, operator=displacement.even)
+    dry_pressure = None
     opening = float(np.ptp(problem.undeformed_gap, axis=1).max())
     if opening > SHARP_END * scales.film:
         raise InvalidInput(
@@ -191,8 +203,8 @@ def pose(scene: Scene, grid: Grid, padding: Padding | Paddings) -> PosedFilm:
             "that ends there is not supported, give a Crown or a LundbergProfile, and a longer period."
         )
     if opening > CROWNED * scales.film:  # a part of the length carries more than the mean load
-        dry = solve_contact(problem, SolveOptions(tolerance=DRY_TOLERANCE)).pressure
-        half_width = max(half_width, float(np.abs(grid.x[dry.any(axis=1)]).max()))
+        dry_pressure = solve_contact(problem, SolveOptions(tolerance=DRY_TOLERANCE)).pressure
+        half_width = max(half_width, float(np.abs(grid.x[dry_pressure.any(axis=1)]).max()))
     if grid.extent[0] < 2 * MIN_WIDTH * half_width:
         raise InvalidInput(
             f"Grid.extent[0] is {readable(grid.extent[0])}, too narrow for a film that carries load over "
@@ -203,10 +215,6 @@ def pose(scene: Scene, grid: Grid, padding: Padding | Paddings) -> PosedFilm:
     upstream_cells = np.count_nonzero(grid.x < half_width + OUTLET * pressure_half_width)
     rows = min(ROW_MULTIPLE * ceil(upstream_cells / ROW_MULTIPLE), grid.cells[0])
     oil, peak = scales.lubrication.lubricant, hertz.peak_pressure
-    bodies = rolling_bodies(scene.solids, scales.lubrication.contact_speeds)
-    weights = response(bodies, problem.scales.length)
-    displacement = Deflection.on(grid, paddings, weights, 1.0)
-    problem = replace(problem, operator=displacement.even)
 
     def operator_on(upstream: Grid) -> Deflection:
         return Deflection.on(upstream, paddings, weights, peak / scales.film)
@@ -235,7 +243,17 @@ def pose(scene: Scene, grid: Grid, padding: Padding | Paddings) -> PosedFilm:
         supplied_film=inf if supply is None else supply / scales.film,
     )
     x = grid.x[:rows] / hertz.half_width
-    return PosedFilm(equation, deflection, upstream, x, scales, operator_on, problem, displacement)
+    return PosedFilm(
+        equation,
+        deflection,
+        upstream,
+        x,
+        scales,
+        operator_on,
+        problem,
+        displacement,
+        dry_pressure,
+    )
 
 
 def linear_solver(posed: PosedFilm) -> LinearSolver:
@@ -317,8 +335,11 @@ def hertz_start(posed: PosedFilm) -> Film:
     Hertz's pressure is as wide as the part of a thick film that carries load.
     """
     equation = posed.equation
-    if posed.is_crowned:
-        pressure = _dry_pressure(posed)
+    if posed.is_crowned and posed.dry_pressure is not None:
+        nx, ny = posed.upstream.cells
+        across = round(posed.upstream.cell_size[0] / posed.problem.grid.cell_size[0])
+        dry = posed.dry_pressure[: nx * across].reshape(nx, across, ny, -1)
+        pressure = np.asarray(dry.mean(axis=(1, 3)) / posed.scales.hertz.peak_pressure)
     else:
         hertz = np.sqrt(np.clip(1 - (posed.x / posed.scales.relative_half_width) ** 2, 0, None))
         pressure = np.repeat(hertz[:, None], equation.gap.shape[1], axis=1)
@@ -327,17 +348,6 @@ def hertz_start(posed: PosedFilm) -> Film:
     void = np.zeros_like(pressure)
     below = (equation.gap + equation.deflection(pressure)).min()
     return equation.film_of(pressure, void, posed.scales.expected_film - below)
-
-
-def _dry_pressure(posed: PosedFilm) -> Array:
-    """Return the pressure of the dry contact over p_H, averaged over the cells of the grid ``upstream``."""
-    (nx, ny), fine = posed.upstream.cells, posed.problem.grid
-    across = round(posed.upstream.cell_size[0] / fine.cell_size[0])
-    dry = solve_contact(posed.problem, SolveOptions(tolerance=DRY_TOLERANCE)).pressure[
-        : nx * across
-    ]
-    blocks = dry.reshape(nx, across, ny, fine.cells[1] // ny)
-    return np.asarray(blocks.mean(axis=(1, 3)) / posed.scales.hertz.peak_pressure)
 
 
 def start_from(posed: PosedFilm, contact: FilmSolution) -> tuple[Film, Mask]:

@@ -2,9 +2,9 @@
 
 from math import inf, prod
 
-from contactstudy.domain.grid import ExactPeriodicity, Grid
+from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings, across_and_along
 from contactstudy.domain.units import readable
-from contactstudy.lubrication.posed_film import lubricated_scales
+from contactstudy.lubrication.posed_film import check_film_padding, lubricated_scales
 from contactstudy.lubrication.solve_lubricated import CELLS_PER_WAVE, MAX_CELLS, film_grid
 from contactstudy.planning.grid_requirements import grid_requirements
 from contactstudy.planning.planned import Plan
@@ -29,6 +29,7 @@ def plan_of_film(
     period: float | None,
     grid: Grid | None,
     instants: int = 0,
+    padding: Padding | Paddings | None = None,
 ) -> Plan:
     """Return the plan of a lubricated scene.
 
@@ -45,8 +46,16 @@ def plan_of_film(
         Grid to keep; chosen if None.
     instants
         Instants that are recorded of a film in time; 0 of a steady one.
+    padding
+        Boundary conditions to keep; all images are summed if None.
+
+    Raises
+    ------
+    InvalidInput
+        For a padding on which a film cannot be solved.
     """
-    requirements, scales = grid_requirements(scene), lubricated_scales(scene)
+    padding = padding or ExactPeriodicity()
+    requirements, scales = grid_requirements(scene, padding), lubricated_scales(scene)
     warnings = (
         []
         if grid is None
@@ -64,6 +73,12 @@ def plan_of_film(
                 f"plan.error is {error:.2g}: a film has {MAX_CELLS} cells across at most, which may not reach it."
             )
     (nx, ny), width = grid.cells, grid.extent[0]
+    check_film_padding(padding, ny)
+    if across_and_along(padding)[1].window is not None:
+        warnings.append(
+            f"padding is {padding!r}: the error of a film by the images that it leaves out is not predicted, give "
+            "ExactPeriodicity()."
+        )
     inlet = width / 2 / scales.hertz.half_width
     reasons = [
         f"the formula of Moes gives a film of {readable(scales.expected_film * scales.film)} at "
@@ -96,7 +111,7 @@ def plan_of_film(
         floats = FLOATS_PER_CELL * prod(grid.cells) + FOURIER_MATRICES * nx**2
     return Plan(
         grid=grid,
-        padding=ExactPeriodicity(),
+        padding=padding,
         error=inf if warnings else error,
         seconds=seconds,
         bytes=8 * floats,

@@ -98,9 +98,7 @@ def plan(
     if scene.outputs and not scene.takes_times:
         stress = stress_seconds(scene, planned.grid, planned.padding)
         planned = replace(planned, seconds=planned.seconds + stress)
-    is_steady = not (scene.rolls or scene.time_dependent_field)
-    follows_adhesion = scene.adhesion is not None and scene.evolves_without_states
-    if scene.lubrication is not None or is_steady or follows_adhesion:
+    if not _has_pilot(scene):
         return planned
     # imported only for scenes in time
     from contactstudy.planning.pilot import pilot
@@ -147,14 +145,25 @@ def plan_grid(
         )
     scales = measured_length_scales(scene)
     if scene.hertz is None and scales is not None and scene.lubrication is None:
-        return _plan_of_flat(scales, error, period, grid, padding, device)
+        planned = _plan_of_flat(scales, error, period, grid, padding, device)
+        if not _has_pilot(scene):
+            if scene.adhesion is None:
+                return planned
+            reason = "seconds: unknown, those with adhesion are known of curved shapes alone."
+            solves = _count_of_instants(scene, times) or 1
+            return replace(planned, seconds=inf, solves=solves, reasons=(*planned.reasons, reason))
+        # imported only for scenes that change in time or roll
+        from contactstudy.planning.transient_requirements import transient_requirements
+
+        # the cells are the points of the surface under any load
+        transient = transient_requirements(scene, _time_steps(times).last)
+        return _with_states(planned, replace(transient, reasons=(), warnings=()))
     if scene.lubrication is not None:
         # imported only for lubricated scenes
         from contactstudy.planning.film_plan import plan_of_film
 
         instants = _count_of_instants(scene, times)
-        planned = plan_of_film(scene, error or DEFAULT_ERROR, period, grid, instants)
-        return planned if padding is None else replace(planned, padding=padding)
+        return plan_of_film(scene, error or DEFAULT_ERROR, period, grid, instants, padding)
     if scene.adhesion is not None:
         # imported only for scenes with adhesion
         from contactstudy.planning.adhesive_plan import plan_of_adhesion
@@ -170,6 +179,14 @@ def plan_grid(
     if scene.time_dependent_field is not None or scene.rolls:
         return _plan_time_dependent(scene, error, period, grid, padding, _time_steps(times))
     return _plan_static(scene, error, period, grid, padding, device)
+
+
+def _has_pilot(scene: Scene) -> bool:
+    """Return whether the seconds of a scene are those of a pilot run."""
+    follows_adhesion = scene.adhesion is not None and scene.evolves_without_states
+    if scene.lubrication is not None or follows_adhesion:
+        return False
+    return scene.rolls or scene.time_dependent_field is not None
 
 
 def _time_steps(times: "ArrayLike | TimeSteps | None") -> "TimeSteps":
@@ -320,11 +337,11 @@ def _with_states(planned: Plan, transient: "TransientRequirements") -> Plan:
     if plastic is not None:
         bytes_of_states += plastic.bytes(grid)
         reasons = (*reasons, plastic.reason(grid))
-    if transient.width > grid.extent[0] * (1 + 1e-9):
+    if transient.least_width > grid.extent[0] * (1 + 1e-9):
         warnings = (
             *warnings,
-            f"Grid.extent[0] is {readable(grid.extent[0])}: the contact grows in time and may need "
-            f"{readable(transient.width)}, give a grid or a measured surface of that width.",
+            f"Grid.extent[0] is {readable(grid.extent[0])}: the contact, as it grows or rolls, or its plastic zone "
+            f"may need {readable(transient.least_width)}, give a grid or a measured surface of that width.",
         )
     return replace(
         planned,

@@ -171,6 +171,8 @@ class TransientRequirements:
         needs the finest cells.
     width
         Width [m] that holds the widest contact.
+    least_width
+        Width [m] below which a grid that is given may be too narrow for it.
     relaxed_modulus
         Contact modulus [Pa] of the bodies once they have crept.
     fields
@@ -185,6 +187,7 @@ class TransientRequirements:
 
     narrow: Scene
     width: float
+    least_width: float
     relaxed_modulus: float
     fields: int
     reasons: tuple[str, ...]
@@ -229,10 +232,15 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
     )
     plastic = expected_plastic_zone(scene)
     if scene.rolls:
-        half_width *= GRID.width_factor * CONSTANTS.rolling_widening
-        width = 2 * max(half_width, plastic.half_extent if plastic else 0.0)
+        of_zone = plastic.half_extent if plastic else 0.0
+        width, least_width = (
+            2 * max(GRID.width_factor * half_width * widening, of_zone)
+            for widening in (CONSTANTS.rolling_widening, 1.0)
+        )
         fields = CONSTANTS.rolling_fields
-        return TransientRequirements(elastic, width, modulus, fields, (), plastic=plastic)
+        return TransientRequirements(
+            elastic, width, least_width, modulus, fields, (), plastic=plastic
+        )
     if plastic is not None:
         half_width = max(half_width, plastic.half_extent / GRID.width_factor)
     if scene.wear is not None and hertz is not None and duration:
@@ -245,9 +253,11 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
     if least < load.per_length:
         reasons = (f"load: the cells are for loads from {readable(least, 'N m-1')} on.",)
     narrow = elastic if least == load.per_length else replace(elastic, load=LineLoad(least))
+    width = 2 * GRID.width_factor * half_width
     return TransientRequirements(
         narrow,
-        2 * GRID.width_factor * half_width,
+        width,
+        width,
         modulus,
         fields,
         reasons,

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from tests.conftest import LineContact
+from tests.conftest import STEEL, LineContact
 from tests.contactstudy.lubrication import scenes as films
 
 
@@ -134,6 +134,14 @@ def test_the_error_of_a_film_beyond_its_most_cells_is_not_promised() -> None:
     assert planned.warnings[0].startswith("plan.error is 1e-06: ")
 
 
+def test_a_film_is_planned_on_the_padding_that_is_given() -> None:
+    cut = cs.plan(films.by_moes(20, 2), padding=cs.CircularSuperposition(2))
+    assert (cut.padding, cut.error) == (cs.CircularSuperposition(2), inf)
+    assert "by the images that it leaves out is not predicted" in cut.warnings[0]
+    with pytest.raises(cs.InvalidInput, match="a film flows in at one side"):
+        cs.plan(films.by_moes(20, 2), padding=(cs.ExactPeriodicity(), cs.ExactPeriodicity()))
+
+
 def test_a_plan_of_a_film_counts_the_steps_that_are_given() -> None:
     loaded = replace(films.by_moes(20, 2), load=cs.LoadHistory((0.0, 1.0), (1.0, 2.0)))
     assert cs.plan(loaded, times=cs.TimeSteps(step=1e-3)).solves > 1000
@@ -182,7 +190,7 @@ def test_a_plan_stays_on_the_measured_surface_and_in_the_memory(
     worn = replace(narrow, wear=cs.Wear(1e-13, 1.0))
     in_time = cs.plan(worn, grid=None, error=0.3, times=(0.0, 1.0))
     assert in_time.grid.extent[0] <= 1.5 * a * (1 + 1e-12)
-    assert "the contact grows in time" in " ".join(in_time.warnings)
+    assert "as it grows or rolls, or its plastic zone may need" in " ".join(in_time.warnings)
     monkeypatch.setattr("contactstudy.planning.plan.available_bytes", lambda: 4e6)
     wide = line_contact.with_shapes(cs.MeasuredSurface(heights / 10, extent=(6 * a, 3 * a)))
     small = cs.plan(wide, error=1e-4)
@@ -247,6 +255,14 @@ def test_a_measured_flat_is_solved_on_its_own_points_with_both_axes_periodic(
     assert answer.status is cs.Status.CONVERGED
     worn = replace(flat, wear=cs.Wear(1e-18, 1.0))
     assert cs.plan(worn, times=(0.0, 1.0)).grid == planned.grid
+    soft = replace(flat, solids=(cs.ViscoelasticHalfSpace(1e11, 0.3, ((1e11, 1.0),)), STEEL))
+    # two fields of its Maxwell element, and eight of the steps
+    assert cs.plan(soft, times=(0.0, 1.0)).bytes - planned.bytes == 8 * 16 * 12 * (2 + 8)
+    loaded = replace(flat, load=cs.LoadHistory((0.0, 1.0), (50.0, 100.0)))
+    adhesive = replace(loaded, adhesion=cs.Adhesion(0.05, range=1e-7))
+    followed = cs.plan(adhesive, times=(0.0, 0.5, 1.0))
+    assert (followed.solves, followed.seconds) == (3, inf)
+    assert followed.reasons[-1].startswith("seconds: unknown")
     finer = cs.Grid((32, 24), (32e-6, 24e-6))
     assert cs.plan(flat, grid=finer).grid == cs.solve(flat, finer).grid == finer
     without = replace(flat, shapes=(cs.MeasuredSurface(heights),))

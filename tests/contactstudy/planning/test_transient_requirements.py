@@ -50,6 +50,10 @@ def test_rolling_takes_passes() -> None:
     scene = rolling_cylinder(SOLID, rolling=cs.Rolling(0.1))
     plan = cs.plan(scene, error=1e-2)
     assert plan.seconds > plan_grid(scene, error=1e-2).seconds
+    # of half as much room again, which a grid that is given may do without
+    for part, is_wide_enough in ((0.75, True), (0.5, False)):
+        given = replace(plan.grid, extent=(part * plan.grid.extent[0], plan.grid.length))
+        assert (plan_grid(scene, grid=given).warnings == ()) is is_wide_enough
     # cells as fine as those of an elastic contact at rest, of which there are 24
     rest = replace(scene, rolling=None, solids=(cs.HalfSpace(1.0, 0.0), scene.solids[1]))
     fine = cs.plan(rest, error=1e-2).grid.cell_size[0]

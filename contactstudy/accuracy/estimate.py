@@ -30,7 +30,8 @@ from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.reuse import ArrayCache, caching, current_cache
 from contactstudy.domain.units import readable
 from contactstudy.scene.scene import PosedScene
-from contactstudy.scene.solids.bodies import is_layered
+from contactstudy.scene.solids.bodies import creeps, is_layered
+from contactstudy.solvers.friction.rolling_traction import RollingTraction
 from contactstudy.solvers.solution import Solution
 
 NO_DATUM = (
@@ -38,8 +39,12 @@ NO_DATUM = (
     "ExactPeriodicity."
 )
 NO_SLIP_OF_IMAGES = (
-    "No bound where dissimilar bodies roll: their slip, and with it the traction, lacks that of the images that the "
-    "padding leaves out, give ExactPeriodicity."
+    "No bound: the slip of a rolling contact, and with it the traction, lacks that of the images that the padding "
+    "leaves out, give ExactPeriodicity."
+)
+NO_RETARDED_IMAGES = (
+    "No bound where a body creeps as it rolls: images that the padding leaves out are retarded and tilt the contact, "
+    "give ExactPeriodicity."
 )
 
 
@@ -86,7 +91,8 @@ def error_estimate(
     again. Heights inside the cells are examined in all cases. The estimate takes up to twice the time of the solve on
     100 x 100 cells, and half of it on several hundred along each axis. An error is infinite, with the reason in
     ``warnings``, where no bound can be given: no solution, a contact cut off, the pressure at a sharp edge, heights
-    finer than the cells, and where images are left out a given approach, or dissimilar bodies in tractive rolling.
+    finer than the cells, and where images are left out a given approach, a body that creeps as it rolls, or dissimilar
+    bodies in tractive rolling; the slip of tractive rolling has none there either, see ``slip_reason``.
 
     Parameters
     ----------
@@ -171,7 +177,8 @@ def error_estimate(
         change + residual.gap / abs(solution.mean_gap) if solution.mean_gap else inf,
     )
     load = ErrorParts(l1_images, cells.load, residual.l1) if cells.load is not None else None
-    if l1_images and (reason := _needs_images(solution)):
+    slips = isinstance(solution.traction, RollingTraction)
+    if l1_images and (reason := _needs_images(solution, slips=slips)):
         l1, peak, area, gap = (
             replace(parts, images=inf, reason=reason) for parts in (l1, peak, area, gap)
         )
@@ -195,6 +202,7 @@ def error_estimate(
             *cells.warnings,
             *filter(None, (implausible(solution),)),
         ),
+        slip_reason=NO_SLIP_OF_IMAGES if slips and l1_images else "",
     )
 
 
@@ -242,12 +250,16 @@ def _dundurs_of_shear(solution: Solution) -> float:
     return dundurs(posed.scene.solids)
 
 
-def _needs_images(solution: Solution) -> str:
+def _needs_images(solution: Solution, *, slips: bool) -> str:
     """Return why a contact has no bound where its padding leaves out images; an empty string where it has one."""
     if solution.problem.control.approach is not None:
         return NO_DATUM
-    rolls = solution.traction is not None and hasattr(solution.traction, "creepage")
-    return NO_SLIP_OF_IMAGES if rolls and _dundurs_of_shear(solution) else ""
+    if slips and _dundurs_of_shear(solution):
+        return NO_SLIP_OF_IMAGES
+    posed = solution.problem.description
+    scene = posed.scene if isinstance(posed, PosedScene) else None
+    creeping = scene is not None and scene.rolls and any(map(creeps, scene.solids))
+    return NO_RETARDED_IMAGES if creeping else ""
 
 
 def _gap_by_images(solution: Solution, l1: float) -> float:

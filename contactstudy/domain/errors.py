@@ -76,6 +76,8 @@ class ErrorEstimate:
         Errors of the load at a given approach, and of the pull-off load; None where they are not sought.
     warnings
         A sentence for each bound that is infinite, or on what to change.
+    slip_reason
+        Why slip, stick, force and power of tractive rolling have no bound; empty where they have one.
     """
 
     l1: ErrorParts
@@ -96,6 +98,7 @@ class ErrorEstimate:
     load: ErrorParts | None = None
     pull_off: ErrorParts | None = None
     warnings: tuple[str, ...] = ()
+    slip_reason: str = ""
 
     def __iter__(self) -> Iterator[tuple[str, ErrorParts]]:
         """Iterate over names and errors of the quantities that have one."""

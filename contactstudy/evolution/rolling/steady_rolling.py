@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from math import inf
+from typing import Any
 
 import numpy as np
 
@@ -31,10 +32,6 @@ REFINEMENT, MAX_FINE_CELLS = 8, 2**17
 # pressure's error, measured on smooth, wavy and rough cylinders against cells of an eighth of the size. On coarse cells,
 # outer iterations end at the change COARSE_CHANGE.
 CHANGE_FACTOR, PRESSURE_FACTOR, COARSE_CHANGE = 2.0, 0.15, 1e-4
-NO_IMAGES = (
-    "No bound where a body creeps as it rolls: images that the padding leaves out are retarded and tilt the contact, "
-    "give ExactPeriodicity."
-)
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,20 +128,16 @@ class SteadyRolling:
         """Estimate of the errors, with :attr:`coarse` where the pressure alone does not show them.
 
         The change of the pressure in the last outer iteration adds to the residual, which is infinite where the
-        iterations did not converge. There is no bound where images are left out beside a body that creeps.
+        iterations did not converge.
         """
         coarse = None if self.coarse is None else self.coarse.solution
         estimate, status = error_estimate(self.solution, coarse=coarse), self.solution.status
         change, reason = self.lagged.change, ""
-        lacks_images = bool(self.antisymmetric_weights and estimate.l1.images)
-        if lacks_images:
-            reason = NO_IMAGES
         if status is Status.NOT_CONVERGED:
             change, reason = inf, f"No bound: {status}"
-        parts = {
+        parts: dict[str, Any] = {
             name: replace(
                 part,
-                images=inf if lacks_images else part.images,
                 residual=(part.residual or 0.0) + change,
                 reason=part.reason or reason,
             )

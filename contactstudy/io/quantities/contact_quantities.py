@@ -30,10 +30,6 @@ if TYPE_CHECKING:
 ENERGY_ERROR, SLIP_ZONE_MARGIN = 1.0, 1.25
 # Relative difference of largest values that are equal but for the residual of the solver.
 SYMMETRY = 1e-7
-NO_BOUND_WITHOUT_IMAGES = (
-    "No bound: the slip of a rolling contact lacks that of the images which the padding leaves out; give "
-    "ExactPeriodicity."
-)
 NO_BOUND_OF_ONE_CELL = (
     "No bound: the slip zone is at most one cell wide; solve again on cells of half the width."
 )
@@ -198,12 +194,10 @@ def _of_traction(
     coefficient = Quantity(force / load if load else 0.0, "1", "tangential force over load")
     # at a given approach the load is a result
     load_error = 0.0 if estimate.load is None else estimate.load.total
-    if isinstance(traction, RollingTraction) and estimate.l1.images:
-        coefficient = replace(coefficient, reason=NO_BOUND_WITHOUT_IMAGES)
-    elif isinstance(traction, RollingTraction) and isfinite(traction.errors.force + load_error):
+    if isinstance(traction, RollingTraction):
         by_cells = traction.errors.force * pressed / abs(load) if load else 0.0
         bound = by_cells + (solution.residual + load_error) * coefficient.value
-        coefficient = replace(coefficient, bound=bound, reason="")
+        coefficient = _with_slip_bound(coefficient, bound, estimate)
     friction = getattr(scene_of(solution), "friction", None)
     displacement_given = getattr(friction, "displacements", None) is not None
     if not (isinstance(traction, RollingTraction) or friction is None or displacement_given):
@@ -214,12 +208,9 @@ def _of_traction(
     sticking = float(np.count_nonzero(traction.stick) / touching) if touching else 0.0
     stick = Quantity(sticking, "1", "fraction of the contact that sticks")
     area = estimate.contact_area
-    if coefficient.reason == NO_BOUND_WITHOUT_IMAGES:
-        stick = replace(stick, reason=NO_BOUND_WITHOUT_IMAGES)
-    elif area is not None and isfinite(area.total) and touching:
+    if area is not None and touching:
         at_boundary = np.count_nonzero(_at_stick_slip_boundary(solution, traction)) / touching
-        bound = at_boundary + area.total * stick.value
-        stick = replace(stick, bound=bound, reason="")
+        stick = _with_slip_bound(stick, at_boundary + area.total * stick.value, estimate)
     return {"traction_coefficient": coefficient, "stick_fraction": stick}
 
 
@@ -284,20 +275,20 @@ def _of_creepage(
     over_length = 1.0 if length is not None else 1 / grid.length
     outside = traction.power_outside_contact * abs(power.value)
     bound = outside + traction.errors.power * over_length
-    if estimate.l1.images:
-        power = replace(power, reason=NO_BOUND_WITHOUT_IMAGES)
-    elif isfinite(bound):
-        power = replace(power, bound=bound, reason="")
     creepage = Quantity(traction.creepage.longitudinal, "1", "longitudinal creepage")
-    of_creepage = 0.0 if traction.creepage_given else traction.errors.creepage
-    if of_creepage and estimate.l1.images:
-        creepage = replace(creepage, reason=NO_BOUND_WITHOUT_IMAGES)
-    elif isfinite(of_creepage):
-        creepage = replace(creepage, bound=of_creepage, reason="")
     return {
-        "creepage": creepage,
-        "frictional_power": power,
+        "creepage": replace(creepage, bound=0.0, reason="")
+        if traction.creepage_given
+        else _with_slip_bound(creepage, traction.errors.creepage, estimate),
+        "frictional_power": _with_slip_bound(power, bound, estimate),
     }
+
+
+def _with_slip_bound(quantity: Quantity, bound: float, estimate: ErrorEstimate) -> Quantity:
+    """Return a quantity with its `bound` if that is finite, and the slip has one."""
+    if estimate.slip_reason:
+        return replace(quantity, reason=estimate.slip_reason)
+    return replace(quantity, bound=bound, reason="") if isfinite(bound) else quantity
 
 
 def _of_rolling(rolling: "SteadyRolling", estimate: ErrorEstimate) -> dict[str, Quantity]:

@@ -119,6 +119,16 @@ def test_images_of_a_traction_on_dissimilar_bodies_shift_the_contact_within_its_
         assert "ExactPeriodicity" in cut.quantities[name].reason
 
 
+def test_a_creepage_that_is_found_without_images_has_no_bound_where_the_pressure_has_one() -> None:
+    friction, cylinder = cs.TractiveRolling(0.3, tangential=1e3), (cs.Cylinder(0.01),)
+    scene = cs.Scene(cs.LineLoad(1e4), (STEEL, STEEL), cylinder, friction=friction)
+    a = scene.hertz.half_width
+    cut = cs.solve(scene, cs.Grid((64, 1), (3 * a, 5 * a)), cs.CircularSuperposition(2))
+    assert cut.quantities["peak_pressure"].bound < np.inf
+    for name in ("creepage", "traction_coefficient", "stick_fraction", "frictional_power"):
+        assert cut.quantities[name].reason == cut.error.slip_reason != ""
+
+
 def test_images_left_out_beside_a_body_that_creeps_as_it_rolls_have_no_bound() -> None:
     """Within 2.5 half-widths they change the pressure by 8 % in L1, the resistance by 22 %."""
     solids = cs.ViscoelasticHalfSpace(0.4, 0.0, ((0.6, 0.4),)), cs.HalfSpace(np.inf, 0.3)

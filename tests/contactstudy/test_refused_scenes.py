@@ -225,11 +225,12 @@ SOLVES: list[tuple[str, Callable[[], object]]] = [
     ("*call contactstudy.solve", lambda: ROLLING.problem(UNIT, EXACT)),
     ("*call contactstudy.solve", lambda: FILM.problem(film_grid(100, 4.5), EXACT)),
     *((f"{said}", lambda one=one: held(times=one)) for said, one in (
-        ("solve.times", ()), ("solve.times[0] is -1", (-1.0, 1.0)), ("solve.times", "soon"),
+        ("TimeSteps.times is empty", ()), ("solve.times[0] is -1", (-1.0, 1.0)), ("solve.times", "soon"),
         ("solve.times", (0.5, 0.25)), ("solve.times", (0.5, 0.5, 0.5)), ("solve.times", (-0.25,)),
         ("solve.times", (0.5, nan)), ("solve.times", ((0.5, 1.0), (1.5, 2.0))),
     )),
-    *(("TimeSteps.error is", lambda one=one: held(times=(0.0, 1.0), error=one)) for one in (0.0, 1.0, 1e-9)),
+    *(("TimeSteps.error is", lambda one=one: held(times=(0.0, 1.0), error=one)) for one in (0.0, 1.0)),
+    ("solve.error or TimeSteps.error leaves 1e-09", lambda: held(times=(0.0, 1.0), error=1e-9)),
     (
         "TimeSteps.error_estimator is NONE beside an error of 0.01, *: leave one of them out.",
         lambda: held(times=(0.0, 1.0), error=1e-2, error_estimator=cs.ErrorEstimator.NONE),

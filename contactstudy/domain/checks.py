@@ -6,7 +6,7 @@ from dataclasses import fields
 from difflib import get_close_matches
 from functools import wraps
 from numbers import Integral, Real
-from typing import TypeVar
+from typing import Any, TypeVar
 
 Described = TypeVar("Described")
 
@@ -29,7 +29,7 @@ class NotDefined(InvalidInput):
 def suggest_fields(cls: type[Described]) -> type[Described]:
     """Make the constructor of a dataclass suggest the most similar field for an unknown keyword."""
     construct = cls.__init__
-    names = [field.name for field in fields(cls) if field.init]  # type: ignore[arg-type]
+    names = parameters(cls)
 
     @wraps(construct)
     def __init__(self: Described, *values: object, **named: object) -> None:
@@ -42,6 +42,11 @@ def suggest_fields(cls: type[Described]) -> type[Described]:
 
     cls.__init__ = __init__  # type: ignore[assignment]
     return cls
+
+
+def parameters(cls: Any) -> list[str]:
+    """Return the names of the parameters of a dataclass."""
+    return [field.name for field in fields(cls) if field.init]
 
 
 def checked_relative_error(field: str, value: object) -> float:

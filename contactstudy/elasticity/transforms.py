@@ -36,18 +36,18 @@ class Transforms:
     They may overwrite `work`, an array for Fourier coefficients, where the library takes one.
     """
 
-    def _library(self) -> tuple[Any, dict[str, int]]:
-        """Return the functions and their options."""
-        return arrays().fft, {}
+    def _library(self) -> tuple[Any, dict[str, int], dict[str, int]]:
+        """Return the functions, and their options for arrays that stay as they are and for others."""
+        return arrays().fft, {}, {}
 
     def forward(self, field: Array, padded: Cells, work: Work = None) -> ComplexField:
         """Return the Fourier coefficients (px, py // 2 + 1) of `field` (nx, ny), padded with zeros.
 
         They are found along y on the rows of the field, then along x.
         """
-        fft, options = self._library()
-        rows = fft.rfft(field, n=padded[1], axis=1, **options)
-        waves: ComplexField = fft.fft(rows, n=padded[0], axis=0, **options)
+        fft, unchanged, overwritten = self._library()
+        rows = fft.rfft(field, n=padded[1], axis=1, **unchanged)
+        waves: ComplexField = fft.fft(rows, n=padded[0], axis=0, **overwritten)
         return waves
 
     def backward(self, waves: ComplexField, cells: Cells, padded: Cells) -> Array:
@@ -55,9 +55,9 @@ class Transforms:
 
         They are found along x, then along y on the rows of the field.
         """
-        fft, options = self._library()
-        rows = fft.ifft(waves, axis=0, **options)[: cells[0], :]
-        field: Array = fft.irfft(rows, n=padded[1], axis=1, **options)[:, : cells[1]]
+        fft, _, overwritten = self._library()
+        rows = fft.ifft(waves, axis=0, **overwritten)[: cells[0], :]
+        field: Array = fft.irfft(rows, n=padded[1], axis=1, **overwritten)[:, : cells[1]]
         return field
 
     def filtered(self, field: Array, factors: Array, work: ComplexField | None) -> Array:
@@ -71,9 +71,10 @@ class Transforms:
 class SciPy(Transforms):
     """Transforms by scipy.fft, on the threads of the device."""
 
-    def _library(self) -> tuple[Any, dict[str, int]]:
-        """Return the functions and their options."""
-        return fft, {"workers": threads()}
+    def _library(self) -> tuple[Any, dict[str, int], dict[str, int]]:
+        """Return the functions, and their options for arrays that stay as they are and for others."""
+        workers = threads()
+        return fft, {"workers": workers}, {"workers": workers, "overwrite_x": True}
 
     def backward(self, waves: ComplexField, cells: Cells, padded: Cells) -> Array:
         """Return the field with the Fourier coefficients `waves`."""

@@ -108,16 +108,19 @@ def worst(statuses: Sequence[Status]) -> Status:
     order = (
         Status.NOT_FINITE, Status.NO_ADMISSIBLE_PRESSURE, Status.SHEAR_BEYOND_YIELD, Status.NOT_CONVERGED,
         Status.FILM_NOT_CONVERGED, Status.STALLED, Status.ITERATION_LIMIT, Status.PRECISION_LIMIT,
-        Status.DETACHED, Status.CONTACT_AT_EDGE, Status.YIELD_AT_EDGE, Status.PASS_NOT_STEADY, Status.SEVERAL_FILMS,
-        Status.FILM_BELOW_CELL, Status.STARVED_INLET, Status.ATTRACTION_AT_EDGE, Status.CONVERGED,
+        Status.CONTACT_AT_EDGE, Status.YIELD_AT_EDGE, Status.PASS_NOT_STEADY, Status.SEVERAL_FILMS,
+        Status.FILM_BELOW_CELL, Status.STARVED_INLET, Status.ATTRACTION_AT_EDGE, Status.DETACHED, Status.CONVERGED,
     )  # fmt: skip
     return min(statuses, key=order.index, default=Status.CONVERGED)
 
 
 def worst_until(last: Status, earlier: Sequence[Status]) -> Status:
-    """Return the status of the last of successive contacts: detached as it is, or the worst of all but detached ones."""
+    """Return the status of the last of successive contacts: the worst of all.
+
+    Detachment counts of the last one alone; where that is detached, warnings of those before it do not count.
+    """
     if last is Status.DETACHED:
-        return last
+        return worst([last, *(status for status in earlier if not status.has_converged)])
     return worst([last, *(status for status in earlier if status is not Status.DETACHED)])
 
 

@@ -6,7 +6,7 @@ from types import NoneType, UnionType
 from typing import Any, Union, get_args, get_origin, get_type_hints
 
 from contactstudy import InvalidInput, MeasuredSurface
-from contactstudy.domain.checks import suggestion
+from contactstudy.domain.checks import parameters, suggestion
 from contactstudy.domain.units import Unit
 from contactstudy.io.scene_files.scene_schema import MeasuredSurfaceTable, SceneDocument
 from contactstudy.scene_file import SceneFile
@@ -138,7 +138,7 @@ def _is_of_file(value: object, part: str) -> bool:
 
 def _names(value: Any) -> list[str]:
     """Return the names of the fields of a dataclass."""
-    names = [member.name for member in fields(value) if member.init]
+    names = parameters(value)
     if isinstance(value, MeasuredSurface):
         return [*FILE_KEYS, "missing", "trend", "seam", "extent"]
     return names

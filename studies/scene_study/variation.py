@@ -1,7 +1,7 @@
 """The axis of a study that a varied field of a scene makes, with the value of the field at each of its values."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, fields, is_dataclass, make_dataclass, replace
+from dataclasses import dataclass, is_dataclass, make_dataclass, replace
 from glob import glob, has_magic
 from pathlib import Path
 from types import NoneType
@@ -11,6 +11,7 @@ import numpy as np
 
 import contactstudy as cs
 from contactstudy import InvalidInput, MeasuredSurface, Tile
+from contactstudy.domain.checks import parameters
 from contactstudy.domain.identity import canonical
 from contactstudy.io.scene_files.scene_schema import KINDS, SceneDocument, Turn
 from contactstudy.io.scene_files.structuring import structured
@@ -206,7 +207,7 @@ def _converted(field: SceneField, raw: object) -> Any:
                 f"{field.name}={_lists(kind, raw)}."
             )
         if is_dataclass(kind) and not isinstance(raw, dict):
-            names = [member.name for member in fields(kind)]
+            names = parameters(kind)
             sentence = (
                 f"{field.name}: it is {raw!r}: give a field of it, "
                 f"{' or '.join(f'{field.name}.{name}' for name in names)}."

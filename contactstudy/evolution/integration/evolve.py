@@ -172,7 +172,7 @@ def evolve(
         breakpoints = with_breakpoints_of(breakpoints, load, scene.friction.history)
     duration = breakpoints[-1].time - load.start
     stepper = _time_stepper(scene, grid, padding, load, duration, scheme, options)
-    if stepper.depends_on_path or not stepper.all_state_variables:
+    if stepper.depends_on_path or (times is None and not stepper.all_state_variables):
         breakpoints = with_turning_points(breakpoints, load)
     if stepper.all_state_variables:
         breakpoints = with_steps_within_quarter_period(breakpoints, load)

@@ -344,8 +344,10 @@ def _strain_change(before: Array, after: Array) -> float:
 def _single_yielding_body(scene: Scene) -> YieldingBody:
     """Return the one yielding body of `scene`; refuse a load that changes, wear, creep, and none or two such bodies."""
     if scene.wear is not None or not isinstance(scene.load, ConstantLoad):
-        remedy = "Scene.wear {}: leave it out" if scene.wear else "Scene.load {}: give a LineLoad"
-        raise InvalidInput(f"{remedy.format('changes in time together with repeated rolling')}.")
+        change, remedy = ("wear", "leave it out") if scene.wear else ("load", "give a LineLoad")
+        raise InvalidInput(
+            f"Scene.{change} changes in time together with repeated rolling: {remedy}."
+        )
     bodies = YieldingBody.in_scene(scene)
     if len(bodies) != 1 or any(map(creeps, scene.solids)):
         raise InvalidInput(

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from dataclasses import fields, is_dataclass
+from dataclasses import is_dataclass
 from decimal import Decimal
 from difflib import get_close_matches
 from enum import Enum
@@ -15,7 +15,7 @@ import cattrs
 from cattrs.errors import ForbiddenExtraKeysError
 from cattrs.gen import make_dict_structure_fn
 
-from contactstudy.domain.checks import InvalidInput, suggestion
+from contactstudy.domain.checks import InvalidInput, parameters, suggestion
 from contactstudy.domain.imports import import_for
 from contactstudy.domain.units import Number, Unit
 from contactstudy.io.scene_files.decimal_units import decimal_unit
@@ -191,7 +191,7 @@ class _Structure:
             # the kind may be given although there is only one
             if value.get("kind") == target.__name__:
                 value = {key: entry for key, entry in value.items() if key != "kind"}
-            names = {field.name for field in fields(target)}
+            names = set(parameters(target))
             unknown = set(value) - names
             if not unknown:
                 return base(value, target)
@@ -213,14 +213,12 @@ def _kind_of(table: Mapping[str, object], kinds: Mapping[str, type]) -> type:
     named = {name: kind for name, kind in kinds.items() if name != NO_KIND}
     if "kind" not in table:
         default = kinds.get(NO_KIND)
-        matching_kinds = {
-            kind for kind in named.values() if set(table) <= {field.name for field in fields(kind)}
-        }
+        matching_kinds = {kind for kind in named.values() if set(table) <= set(parameters(kind))}
         if len(matching_kinds) == 1 and default not in matching_kinds:
             return matching_kinds.pop()
-        own_fields = {field.name for field in fields(default)} if default is not None else set()
+        own_fields = set(parameters(default)) if default is not None else set()
         for name, kind in named.items():
-            foreign = {field.name for field in fields(kind)} & set(table) - own_fields
+            foreign = set(parameters(kind)) & set(table) - own_fields
             if default is not None and foreign and own_fields & set(table):
                 keys = ", ".join(sorted(own_fields & set(table) | foreign))
                 raise InvalidInput(
@@ -276,13 +274,14 @@ def _messages(source: str, error: cattrs.BaseValidationError) -> str:
 
 def _sentence(error: BaseException, target: type | None) -> str:
     if isinstance(error, ForbiddenExtraKeysError):
-        names = [entry.name for entry in fields(error.cl)]
+        names = parameters(error.cl)
         unknown = sorted(error.extra_fields)
         return "; ".join(f"unknown key {key!r}: {suggestion(key, names)}" for key in unknown) + "."
     if isinstance(error, KeyError):
-        unit = next((note for note in get_args(target) if isinstance(note, Unit)), None)
-        what = (
-            "a list" if get_origin(target) is tuple else "a value" if target is int else "a table"
-        )
-        return f"it is missing: {f'give {what}' if unit is None else _remedy(unit)}."
+        choices = get_args(target) if get_origin(target) in (Union, UnionType) else (target,)
+        notes = (note for choice in choices for note in getattr(choice, "__metadata__", ()))
+        unit = next((note for note in notes if isinstance(note, Unit)), None)
+        kinds: dict[Any, str] = {int: "a whole number", str: "a text", tuple: "a list"}
+        what = f"give {kinds.get(get_origin(target) or target, 'a table')}"
+        return f"it is missing: {what if unit is None else _remedy(unit)}."
     return str(error)

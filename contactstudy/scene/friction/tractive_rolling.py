@@ -166,4 +166,5 @@ def _least(load: Any) -> float:
     """Return the least load [N/m]."""
     if not isinstance(load, ChangingLoad):
         return float(load.largest)
-    return min(load.at(load.start), *loads_between(load, load.start, load.end))
+    ends = load.at(load.start), load.at(load.end)
+    return min(*ends, *loads_between(load, load.start, load.end))

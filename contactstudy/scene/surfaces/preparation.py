@@ -139,16 +139,23 @@ def _harmonic_heights(heights: Array, holes: NDArray[np.bool_]) -> Array:
     from scipy import sparse  # imported only where it is needed
     from scipy.sparse.linalg import spsolve
 
-    number = np.arange(heights.size).reshape(heights.shape)
-    pairs = (number[:-1], number[1:]), (number[:, :-1], number[:, 1:])
-    first, second = (np.concatenate([pair[n].ravel() for pair in pairs]) for n in (0, 1))
-    chosen = (holes.ravel()[first] | holes.ravel()[second]).nonzero()[0]
-    ends, size = (first[chosen], second[chosen]), (heights.size, heights.size)
-    links = sparse.coo_array((np.ones(len(chosen)), ends), shape=size).tocsr()
-    links = links + links.T
-    equations = (sparse.diags_array(links.sum(axis=1)) - links).tocsr()[holes.ravel()]
-    border_sum = -equations @ np.where(holes, 0, heights).ravel()
-    return np.asarray(spsolve(equations[:, holes.ravel()].tocsc(), border_sum))
+    number = np.full(heights.shape, -1)
+    count = int(holes.sum())
+    number[holes] = np.arange(count)
+    row, column = np.nonzero(holes)
+    neighbours, border_sum = np.zeros(count), np.zeros(count)
+    pairs = []
+    for step in ((1, 0), (-1, 0), (0, 1), (0, -1)):
+        i, j = row + step[0], column + step[1]
+        within = (i >= 0) & (i < heights.shape[0]) & (j >= 0) & (j < heights.shape[1])
+        row_in_system, neighbour = np.flatnonzero(within), (i[within], j[within])
+        neighbours[row_in_system] += 1
+        is_hole = holes[neighbour]
+        pairs.append((row_in_system[is_hole], number[neighbour][is_hole]))
+        np.add.at(border_sum, row_in_system[~is_hole], heights[neighbour][~is_hole])
+    rows, columns = (np.concatenate(side) for side in zip(*pairs, strict=True))
+    links = sparse.coo_array((np.ones(len(rows)), (rows, columns)), shape=(count, count))
+    return np.asarray(spsolve((sparse.diags_array(neighbours) - links).tocsc(), border_sum))
 
 
 class Trend(Enum):

@@ -302,6 +302,12 @@ def test_a_march_stops_without_a_bound_where_no_pressure_carries_the_load(
     assert errors.reason == f"No bound: {found.status}"
 
 
+def test_elastic_bodies_are_solved_at_the_given_instants_alone() -> None:
+    scene = replace(ELASTIC, load=cs.SineLoad(LOAD, 0.5 * LOAD, frequency=50.0))
+    found = evolve(scene, GRID, EXACT, times=(0.0, 1.0))
+    assert sum(frame.solves for frame in found.frames) == 2
+
+
 def ended(load: cs.LoadHistory | cs.SineLoad, **named: object) -> Trajectory:
     return evolve(replace(ELASTIC, load=load), GRID, EXACT, **named)  # type: ignore[arg-type]
 

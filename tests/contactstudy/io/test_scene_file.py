@@ -137,6 +137,8 @@ def test_either_axis_has_its_padding(tmp_path: Path) -> None:
         ('"100 N/mm"', "true", "load.per_length: it is True: give a load per length"),
         ('[load]\nper_length = "100 N/mm"', "", "load: it is missing: give a table."),
         ('per_length = "100 N/mm"', "", "it is missing: give a load per length, such as '100 N/mm'"),
+        ("rms = {slope = 0.01}", "", "shapes[1].rms: it is missing: give a length, such as"),
+        ("[load]", '[load]\n_length_of_shapes = 1', "unknown key '_length_of_shapes': choose from "),
         ("[load]", '[load]\ntotal = "1 kN"', "load: it has per_length, total together: give the keys of"),
         ('"100 N/mm"', '"1,5 N/mm"', "with a decimal point"),
         ("hurst = 0.8", 'hurst = "much"', "shapes[1].hurst: it is 'much': give a number"),

@@ -7,6 +7,7 @@ from time import process_time
 
 from contactstudy.accuracy.bounded_solution import BoundedSolution
 from contactstudy.accuracy.discretisation.bound import SHARP_EDGE
+from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.device import Cpu
 from contactstudy.domain.grid import Grid, Padding, Paddings
@@ -17,7 +18,7 @@ from contactstudy.planning.grid_requirements import GridRequirements, halvable_c
 from contactstudy.planning.refinement import GridRefinement
 from contactstudy.scene.scene import Scene
 from contactstudy.solvers.solution import Status
-from contactstudy.solvers.solve import SolveOptions
+from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 
 @dataclass(frozen=True)
@@ -52,6 +53,8 @@ class ForecastConstants:
 
 
 CONSTANTS = ForecastConstants()
+# Largest numbers of cells (across, along) of the contact that says what images contribute, which vary little in a cell.
+IMAGE_CELLS = 64, 32
 
 
 # Largest factor on the cells along an axis of a grid for an error: no machine holds so many along both axes, and a Grid
@@ -228,6 +231,16 @@ def forecast_of_grid(scene: Scene, requirements: GridRequirements, grid: Grid) -
         factor = CONSTANTS.unresolved_factor
         return replace(forecast, errors=(factor * errors[0], factor * errors[1]), orders=orders)
     return forecast
+
+
+def images_error(scene: Scene, grid: Grid, padding: Padding | Paddings) -> float:
+    """Return the relative L1 error by the images that `padding` leaves out, from few cells; infinite if not known."""
+    across, along = (min(count, most) for count, most in zip(grid.cells, IMAGE_CELLS, strict=True))
+    try:
+        problem = scene.problem(Grid((across, along), grid.extent), padding)
+        return error_estimate(solve_contact(problem)).l1.images or 0.0
+    except InvalidInput:
+        return inf
 
 
 def _refinement(scene: Scene, requirements: GridRequirements, error: float) -> GridRefinement:

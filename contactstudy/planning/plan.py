@@ -15,6 +15,7 @@ from contactstudy.domain.units import readable
 from contactstudy.planning.cost import CONSTANTS as TIMING
 from contactstudy.planning.cost import (
     memory,
+    padded_points,
     predicted_seconds,
     sample_timing,
     speedup,
@@ -25,6 +26,7 @@ from contactstudy.planning.forecast import (
     GridForecast,
     forecast_of_grid,
     forecast_of_refinement,
+    images_error,
     with_width,
     within_memory,
 )
@@ -249,28 +251,32 @@ def _plan_static(
     """Plan a scene that neither changes in time nor rolls, on a grid of at least this `width` [m]."""
     requirements = grid_requirements(scene, padding)
     padding = requirements.padding()
+    # cells are chosen without the images that a given padding leaves out, which no cells make up for
+    periodic = replace(requirements, given_padding=None)
     limit = MEMORY_FRACTION * min(available_bytes(), device.available_bytes)
     own_points = grid is None and error is None and requirements.point_spacing is not None
     if own_points:
         grid = requirements.grid_on_measured_points(period)
     if grid is None:
         target = error or DEFAULT_ERROR
-        forecast = forecast_of_refinement(scene, requirements, target, period, limit)
+        forecast = forecast_of_refinement(scene, periodic, target, period, limit)
         grid = forecast.grid
         if width > grid.extent[0]:
             grid = with_width(grid, min(width, requirements.known_width))
     else:
         target = inf
         smaller = within_memory(grid, padding, limit)
-        forecast = forecast_of_grid(scene, requirements, smaller)
+        forecast = forecast_of_grid(scene, periodic, smaller)
         ratio = prod(grid.cells) / prod(smaller.cells)
         forecast = replace(forecast, seconds=forecast.seconds * ratio**FORECAST.time_power)
+    images = 0.0 if requirements.given_padding is None else images_error(scene, grid, padding)
     expected_error = forecast.error_of(grid.cell_size)
+    points_ratio = padded_points(grid, padding) / padded_points(grid, periodic.padding())
     return Plan(
         grid=grid,
         padding=padding,
-        error=expected_error,
-        seconds=forecast.seconds / speedup(grid, padding, device),
+        error=expected_error + images,
+        seconds=points_ratio * forecast.seconds / speedup(grid, padding, device),
         bytes=memory(grid, padding),
         period_check=requirements.period_check(grid.length),
         reasons=(
@@ -280,9 +286,17 @@ def _plan_static(
         warnings=(
             *requirements.warnings(grid),
             *_warnings(requirements, forecast, grid, limit, error=target),
+            *_images_warning(images, min(target, expected_error)),
         ),
         device=device,
     )
+
+
+def _images_warning(images: float, error: float) -> Iterator[str]:
+    """Yield a sentence where the images that a padding leaves out contribute more than an `error`."""
+    if images > error:
+        part = "an amount not known" if images == inf else f"{images:.2g}"
+        yield f"plan.padding: the images that it omits contribute {part} to the error, give ExactPeriodicity()."
 
 
 def _axis_reasons(forecast: GridForecast, *, own_points: bool) -> Iterator[str]:

@@ -33,6 +33,20 @@ def test_a_planned_smooth_contact_meets_its_error(error: float, line_contact: Li
     assert error / 8 < l1(line_contact, solution) < 2 * error
 
 
+def test_images_that_a_padding_omits_are_in_the_error_of_its_plan_and_change_no_cells(
+    line_contact: LineContact,
+) -> None:
+    request = {"error": 1e-3, "period": 5 * line_contact.hertz.half_width}
+    exact = cs.plan(line_contact.scene, **request)
+    few = cs.plan(line_contact.scene, **request, padding=cs.Superposition(3))
+    solved = cs.solve(line_contact.scene, few.grid, few.padding).error.l1
+    assert few.grid == exact.grid
+    assert few.error - exact.error == pytest.approx(solved.images, rel=0.05)
+    assert "the images that it omits" in few.warnings[-1]
+    unknown = cs.plan(line_contact.scene, **request, padding=(cs.Superposition(2),) * 2)
+    assert unknown.error == inf
+
+
 @pytest.mark.cases(1)
 @pytest.mark.parametrize("fraction", [0.15, 0.6, 2.2])
 def test_a_rough_plan_meets_its_error(fraction: float, line_contact: LineContact) -> None:

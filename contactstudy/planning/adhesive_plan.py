@@ -91,9 +91,10 @@ def plan_of_adhesion(
     )
     warnings = requirements.warnings(grid)
     if cells < ZONE_CELLS * (1 - 1e-9):
-        finer = int(grid.cells[0] * ZONE_CELLS / cells) + 1
+        axis = grid.cell_size.index(cell)
+        finer = int(grid.cells[axis] * ZONE_CELLS / cells) + 1
         warnings += (
-            f"Grid.cells[0] is {grid.cells[0]}: {cells:.2g} cells in the cohesive zone, so few that the "
+            f"Grid.cells[{axis}] is {grid.cells[axis]}: {cells:.2g} cells in the cohesive zone, so few that the "
             f"grid pins the edge of the contact (lattice trapping): give {finer} for six.",
         )
     expected_error = requirements.error(grid.cell_size)

@@ -51,7 +51,7 @@ class PullOffSearch:
         status, note = last_stable.status, last_stable.note
         iterations, convolutions = last_stable.iterations, last_stable.convolutions
         load, first_unstable = problem.control.total, -inf
-        line = problem.grid.cell_area / problem.grid.length
+        to_load_per_length = problem.grid.cell_area / problem.grid.length
         options = replace(options, max_iterations=ITERATION_FACTOR * options.max_iterations)
         while status.has_converged and (
             first_unstable == -inf or load - first_unstable > self.error * abs(first_unstable)
@@ -73,13 +73,18 @@ class PullOffSearch:
             if status.has_converged:
                 load, last_stable = trial, state
             else:
-                ended = f"The search for the pull-off load ended at {trial * line:.4g} N/m, where it did not converge."
+                where = f"{trial * to_load_per_length:.4g} N/m"
+                ended = (
+                    f"The search for the pull-off load ended at {where}, where it did not converge."
+                )
                 note = f"{note} {ended}".lstrip()
         assert last_stable.adhesion is not None
         part = replace(
             last_stable.adhesion,
             branch=self.solver.branch.value,
-            first_unstable_load=first_unstable * line if first_unstable > -inf else None,
+            first_unstable_load=first_unstable * to_load_per_length
+            if first_unstable > -inf
+            else None,
         )
         return replace(
             last_stable,

@@ -48,8 +48,12 @@ class IntegrationErrors:
     largest_by_residual: float = 0.0
 
     def by_steps(self, fine: Instant, coarse: Instant) -> float:
-        """Return the time-discretisation error of `fine`, of the pressure or of the states: the larger one."""
-        pressure = self._relative(fine.pressure - coarse.pressure, fine)
+        """Return the time-discretisation error of `fine`, of the pressure or of the states: the larger one.
+
+        That of bodies which are apart in `fine` alone is relative to the pressure of `coarse`.
+        """
+        instant = fine if fine.pressure.any() else coarse
+        pressure = self._relative(fine.pressure - coarse.pressure, instant)
         return max(pressure, self._of_states(fine, coarse))
 
     def increment(self, before: tuple[Instant, Instant], after: tuple[Instant, Instant]) -> float:

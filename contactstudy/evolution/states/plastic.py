@@ -149,19 +149,19 @@ class PlasticState:
                 solve_elastoplastic_step, bodies, contact, self._tangent, before, equivalent, tolerance,
                 guess=bodies.concatenated(first),
             )  # fmt: skip
-            pulled = np.zeros_like(before)
+            adhesive_stress = np.zeros_like(before)
             if attraction is not None:
-                pulled = bodies.stress_of_pressure(-attraction)
+                adhesive_stress = bodies.stress_of_pressure(-attraction)
             if self._slides:
                 step = self._solve_with_friction(
                     bodies,
                     contact(bodies.residual_displacement(before)),
-                    pulled,
+                    adhesive_stress,
                     solve_under,
                     tolerance,
                 )
             else:
-                step = solve_under(pulled)
+                step = solve_under(adhesive_stress)
             if not self._grown(bodies.split(step.equivalent_increment)):
                 break
         strains = bodies.split(step.strain)
@@ -188,20 +188,20 @@ class PlasticState:
         self,
         bodies: YieldingBodies,
         first: Solution,
-        pulled: Array,
+        adhesive_stress: Array,
         solve_under: Callable[[Array], ElastoplasticStep],
         tolerance: float,
     ) -> ElastoplasticStep:
         """Return pressure and plastic strain at the end of a step of bodies that slide.
 
         Friction makes the problem unsymmetric. Its stress is lagged: it follows from the pressure of the previous
-        iteration, from that of the `first` contact on, until it changes by less than the tolerance. `pulled` (C, cells)
-        [Pa] is the stress by an attraction.
+        iteration, from that of the `first` contact on, until it changes by less than the tolerance. `adhesive_stress`
+        (C, cells) [Pa] is that of an attraction.
         """
         contacts = [first]
         stress, outer_iterations = self._stress_of_friction(bodies, first), 0
         while True:
-            step = solve_under(pulled + stress)
+            step = solve_under(adhesive_stress + stress)
             contacts += step.contacts
             last, stress = stress, self._stress_of_friction(bodies, step.solution)
             change = float((np.abs(stress - last) / bodies.law.yield_stress).max(initial=0.0))

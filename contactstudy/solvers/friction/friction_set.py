@@ -47,7 +47,7 @@ class FrictionSet:
         if shift is None:
             shift = np.where(prescribed, total - np.array([x.sum(), y.sum()]), 0) / r.size
         size, ridge = float(r.sum()), 1e-12 * r.size
-        reach = 4 * float(max(r.max(), np.abs(x).max(initial=0.0), np.abs(y).max(initial=0.0)))
+        max_step = 4 * float(max(r.max(), np.abs(x).max(initial=0.0), np.abs(y).max(initial=0.0)))
         origin, step, slope = shift, np.zeros(2), 0.0
         error = worst = np.inf
         for _ in range(MAX_ITERATIONS):
@@ -55,13 +55,13 @@ class FrictionSet:
             distance = np.sqrt(u * u + v * v)
             farther = np.maximum(distance, r)
             cut = r / farther
-            carried = np.array([np.einsum("i,i->", cut, u), np.einsum("i,i->", cut, v)])
-            missing = np.where(prescribed, total - carried, 0)
-            worst = float(np.abs(missing).max())
-            if float(missing @ step) < -0.5 * slope:
+            resultant = np.array([np.einsum("i,i->", cut, u), np.einsum("i,i->", cut, v)])
+            residual = np.where(prescribed, total - resultant, 0)
+            worst = float(np.abs(residual).max())
+            if float(residual @ step) < -0.5 * slope:
                 # beyond the minimum of the convex function, which is nearly linear where all cells slip
                 step, slope = step / 2, slope / 2
-                reach = float(np.abs(step).max())
+                max_step = float(np.abs(step).max())
                 shift = origin + step
                 continue
             if worst <= 1e-14 * size or (worst >= error * (1 - 1e-3) and worst <= 1e-10 * size):
@@ -76,12 +76,12 @@ class FrictionSet:
             )
             yy = diagonal - float(np.einsum("i,i->", slipping * v, v))
             matrix = np.where(np.outer(prescribed, prescribed), [[xx, xy], [xy, yy]], np.eye(2))
-            direction = np.linalg.solve(matrix, missing)
+            direction = np.linalg.solve(matrix, residual)
             longest = float(np.abs(direction).max())
-            step = (min(1.0, reach / longest) if longest else 1.0) * direction
-            origin, slope = shift, float(missing @ step)
+            step = (min(1.0, max_step / longest) if longest else 1.0) * direction
+            origin, slope = shift, float(residual @ step)
             shift = origin + step
-            reach *= 2
+            max_step *= 2
         if guessed and not worst <= 1e-9 * size:
             # a shift that made all cells slip leaves Newton's method without a slope
             self._shift = None

@@ -210,16 +210,20 @@ class TractiveShear:
         if last is not None:
             return replace(steady, convolutions=work, errors=last.errors)
         touching = np.pad(limit > 0, ((1, 0), (0, 0)))
-        chord = np.count_nonzero(touching) / np.count_nonzero(touching[1:] & ~touching[:-1])
-        return replace(steady, convolutions=work, errors=self._errors(np.array(levels), chord))
+        contact_length = np.count_nonzero(touching) / np.count_nonzero(
+            touching[1:] & ~touching[:-1]
+        )
+        return replace(
+            steady, convolutions=work, errors=self._errors(np.array(levels), contact_length)
+        )
 
-    def _errors(self, levels: Array, chord: float) -> RollingErrors:
+    def _errors(self, levels: Array, contact_length: float) -> RollingErrors:
         """Return the errors of the last of `levels`: (grid, number), forces over the load, creepage and power.
 
         Each grid has half the cells' width of the one before along axes that allow it, and the error is of first
         order: the last difference estimates it, and half of the one before guards against a last one that is small by
         chance. The stick-slip boundary is uncertain by STICK_SLIP_BOUNDARY_CELLS, with the effect on force or creepage
-        of Carter's closed form for a contact of `chord` cells along x.
+        of Carter's closed form for a contact of `contact_length` cells along x.
         """
         if len(levels) == 1:
             return UNKNOWN
@@ -229,7 +233,7 @@ class TractiveShear:
         ).max(axis=0)
         *force, found_creepage, found_power = np.abs(levels[-1])
         size = float(np.hypot(*force))
-        part, edge = size / self.coefficient, 2 * STICK_SLIP_BOUNDARY_CELLS / chord
+        part, edge = size / self.coefficient, 2 * STICK_SLIP_BOUNDARY_CELLS / contact_length
         sliding = 1 - sqrt(1 - min(part, 1.0))  # creepage over that at which all slides
         if self.force_per_length is None:
             free = size

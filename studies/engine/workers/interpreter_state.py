@@ -82,8 +82,12 @@ class InterpreterState:
     def restore(self, name: str) -> None:
         """Restore this state, and seed the generators of numpy and random with the name of a case."""
         for (read, write), value in zip(PARTS, self.values, strict=True):
-            with suppress(OSError):  # a working directory that was removed
-                if read() != value:
+            try:
+                present = read()
+            except OSError:  # a working directory that was removed
+                present = None
+            with suppress(OSError):
+                if present != value:
                     write(value)
         seed = hashlib.blake2b(name.encode(), digest_size=4).digest()
         random.seed(seed)

@@ -304,7 +304,7 @@ def test_unlike_bodies_are_coupled_along_both_axes_alike() -> None:
 
 def test_heights_that_would_travel_are_said() -> None:
     assert "moving heights" in solved(rolling(longitudinal=1e-4), (16, 16), 1e-3, shapes=ROUGH).note
-    assert "moving roughness" not in solved(rolling(longitudinal=1e-4), (16, 1), 1e-3).note
+    assert "moving heights" not in solved(rolling(longitudinal=1e-4), (16, 1), 1e-3).note
 
 
 def test_the_answer_lists_traction_stick_creepage_and_power_with_their_bounds() -> None:

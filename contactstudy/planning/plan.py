@@ -170,14 +170,13 @@ def plan_grid(
         # imported only for scenes with adhesion
         from contactstudy.planning.adhesive_plan import plan_of_adhesion
 
-        instants = _count_of_instants(scene, times)
         request = error or DEFAULT_ERROR, period, grid, padding
         if scene.time_dependent_field is None or scene.evolves_without_states:
-            return plan_of_adhesion(scene, *request, instants)
+            return plan_of_adhesion(scene, *request, _count_of_instants(scene, times))
         from contactstudy.planning.transient_requirements import transient_requirements
 
         transient = transient_requirements(scene, _time_steps(times).last)
-        return _with_states(plan_of_adhesion(scene, *request, instants, transient), transient)
+        return _with_states(plan_of_adhesion(scene, *request, transient=transient), transient)
     if scene.time_dependent_field is not None or scene.rolls:
         return _plan_time_dependent(scene, error, period, grid, padding, _time_steps(times))
     return _plan_static(scene, error, period, grid, padding, device)

@@ -1,7 +1,7 @@
 """Range errors: those due to a range of the attraction that is chosen for the grid, in place of the JKR limit."""
 
 from bisect import bisect_left
-from math import inf, log, pi
+from math import inf, log
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from contactstudy.domain.errors import ErrorParts
 from contactstudy.domain.units import readable
 from contactstudy.scene.scene import PosedScene
 from contactstudy.scene.solids.bodies import contact_modulus
+from contactstudy.solvers.cohesive_law import zone_length
 from contactstudy.solvers.solution import AdhesiveTraction, Solution
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
@@ -61,7 +62,8 @@ def range_errors(solution: Solution) -> tuple[float, float] | None:
     assert posed.scene.adhesion is not None
     touching, grid = solution.pressure > 0, problem.grid
     modulus = contact_modulus(posed.scene.solids, adhesion.cells_in_zone * grid.cell_size[0])
-    zone = pi * modulus * adhesion.range**2 / (4 * posed.scene.adhesion.work)
+    work = posed.scene.adhesion.work
+    zone = zone_length(modulus, work, work / adhesion.range)
     edges = RANGE_MARGIN * contact_perimeter(touching, grid, problem.paddings) / grid.cell_area
     net_traction = np.abs(solution.pressure - adhesion.attraction).sum()
     return edges * modulus * adhesion.range / float(net_traction), edges * zone / int(

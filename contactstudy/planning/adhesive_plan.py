@@ -1,7 +1,7 @@
 """Plan of a scene with adhesion: six cells in the cohesive zone, and a width that holds the attraction."""
 
 from dataclasses import replace
-from math import pi, sqrt
+from math import sqrt
 
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.planning.cost import memory, predicted_seconds, sample_timing
@@ -18,6 +18,7 @@ from contactstudy.scene.adhesion import ZONE_CELLS
 from contactstudy.scene.loads.resulting_load import PullOff
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.solids.bodies import contact_modulus
+from contactstudy.solvers.cohesive_law import zone_length
 
 # Tabor parameter taken as the JKR limit: of a contact that does not vary along its length, where
 # the pull-off load is then within 1 %, and of one that does, within 4 %. Cost grows with its square.
@@ -64,7 +65,7 @@ def plan_of_adhesion(
     tabor = TABOR_VARYING if requirements.varies else TABOR_SMOOTH
     attraction_range = adhesion.range or scale / tabor
     strength = adhesion.work / attraction_range
-    zone = pi * modulus * adhesion.work / (4 * strength**2)
+    zone = zone_length(modulus, adhesion.work, strength)
     if grid is None:
         decay_distance = DECAY_DISTANCE * sqrt(2 * radius * attraction_range)
         base = requirements.grid(error, period)

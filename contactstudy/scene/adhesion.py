@@ -22,7 +22,7 @@ from contactstudy.scene.loads.resulting_load import Approach
 from contactstudy.scene.shapes.roller import Sphere
 from contactstudy.scene.solids.bodies import Body, SceneContext, contact_modulus, creeps, yields
 from contactstudy.solvers.adhesion import AdhesiveSolver
-from contactstudy.solvers.cohesive_law import CohesiveLaw, Dugdale, Exponential
+from contactstudy.solvers.cohesive_law import CohesiveLaw, Dugdale, Exponential, zone_length
 from contactstudy.solvers.solution import Branch
 
 LAWS: dict[str, type[Exponential] | type[Dugdale]] = {
@@ -167,15 +167,14 @@ class Adhesion:
     ) -> AdhesiveSolver:
         """Return the solver of this scene on a grid with an undeformed `gap` (x, y) [m].
 
-        The cohesive zone is ``pi E* w / (4 sigma0^2)`` long, with the largest traction sigma0 (Dugdale). Bodies that
-        creep have the shortest one when they are `relaxed`.
+        Bodies that creep have the shortest cohesive zone when they are `relaxed`.
         """
         varies = bool((gap != gap[:, :1]).any())
         cell = max(grid.cell_size) if varies else grid.cell_size[0]
         # a coating thinner than the zone has little part in it
         modulus = contact_modulus(relaxed or scene.solids, ZONE_CELLS * cell)
         law = self.cohesive(modulus, cell)
-        zone = pi * modulus * self.work / (4 * law.strength**2)
+        zone = zone_length(modulus, self.work, law.strength)
         cells = zone / cell
         if cells < MIN_ZONE_CELLS:
             shortest = sqrt(4 * MIN_ZONE_CELLS * cell * self.work / (pi * modulus))

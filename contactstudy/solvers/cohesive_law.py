@@ -1,6 +1,7 @@
 """Cohesive laws: the attraction between two surfaces as a function of their gap."""
 
 from dataclasses import dataclass
+from math import pi
 from typing import Protocol
 
 import numpy as np
@@ -24,6 +25,15 @@ class CohesiveLaw(Protocol):
 
     def remaining_work(self, gap: Array) -> Array:
         """Return the work [J/m^2] to separate surfaces from a `gap` [m]: the integral of the traction beyond it."""
+
+
+def zone_length(modulus: float, work: float, strength: float) -> float:
+    """Return the length [m] of the cohesive zone at the edge of a contact: ``pi E* w / (4 sigma0^2)``.
+
+    `modulus` is the contact modulus E* [Pa], `work` that of adhesion w [J/m^2], and `strength` the largest traction
+    sigma0 [Pa]. Source: Dugdale (1960).
+    """
+    return pi * modulus * work / (4 * strength**2)
 
 
 @dataclass(frozen=True)

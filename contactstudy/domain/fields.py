@@ -33,16 +33,15 @@ def in_blocks(work: Callable[..., T], *fields: Numbers) -> list[T]:
     Blocks, and so sums over blocks, do not depend on the number of threads. `work` is called once with whole fields if
     they fit into one block, or are on a device that is not a :class:`Cpu`.
     """
-    if prod(fields[0].shape) <= BLOCK_CELLS or not isinstance(device(), Cpu):
+    cells = prod(fields[0].shape)
+    if cells <= BLOCK_CELLS or not isinstance(device(), Cpu):
         return [work(*fields)]
 
     def in_turn(blocks: list[slice]) -> list[T]:
         return [work(*(field[block, :] for field in fields)) for block in blocks]
 
     blocks = _blocks(*fields[0].shape)
-    return [
-        result for part in _distributed(in_turn, blocks, prod(fields[0].shape)) for result in part
-    ]
+    return [result for part in _distributed(in_turn, blocks, cells) for result in part]
 
 
 def sums(work: Callable[..., tuple[float, ...]], *fields: Array) -> tuple[float, ...]:

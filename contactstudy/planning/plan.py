@@ -39,6 +39,7 @@ from contactstudy.planning.grid_requirements import (
     period_fault,
 )
 from contactstudy.planning.planned import Plan
+from contactstudy.planning.refinement import OTHER_CAUSES
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.shapes.shape import LengthScales
 
@@ -251,26 +252,26 @@ def _plan_static(
     requirements = grid_requirements(scene, padding)
     padding = requirements.padding()
     # cells are chosen without the images that a given padding leaves out, which no cells make up for
-    periodic = replace(requirements, given_padding=None)
+    of_cells = replace(requirements, given_padding=None)
     limit = MEMORY_FRACTION * min(available_bytes(), device.available_bytes)
     own_points = grid is None and error is None and requirements.point_spacing is not None
     if own_points:
         grid = requirements.grid_on_measured_points(period)
     if grid is None:
         target = error or DEFAULT_ERROR
-        forecast = forecast_of_refinement(scene, periodic, target, period, limit)
+        forecast = forecast_of_refinement(scene, of_cells, target, period, limit)
         grid = forecast.grid
         if width > grid.extent[0]:
             grid = with_width(grid, min(width, requirements.known_width))
     else:
         target = inf
         smaller = within_memory(grid, padding, limit)
-        forecast = forecast_of_grid(scene, periodic, smaller)
+        forecast = forecast_of_grid(scene, of_cells, smaller)
         ratio = prod(grid.cells) / prod(smaller.cells)
         forecast = replace(forecast, seconds=forecast.seconds * ratio**FORECAST.time_power)
-    images = 0.0 if requirements.given_padding is None else images_error(scene, grid, padding)
+    images = 0.0 if padding == of_cells.padding() else images_error(scene, grid, padding)
     expected_error = forecast.error_of(grid.cell_size)
-    points_ratio = padded_points(grid, padding) / padded_points(grid, periodic.padding())
+    points_ratio = padded_points(grid, padding) / padded_points(grid, of_cells.padding())
     return Plan(
         grid=grid,
         padding=padding,
@@ -285,17 +286,18 @@ def _plan_static(
         warnings=(
             *requirements.warnings(grid),
             *_warnings(requirements, forecast, grid, limit, error=target),
-            *_images_warning(images, min(target, expected_error)),
+            *_images_warning(padding, images, min(target, expected_error)),
         ),
         device=device,
     )
 
 
-def _images_warning(images: float, error: float) -> Iterator[str]:
-    """Yield a sentence where the images that a padding leaves out contribute more than an `error`."""
+def _images_warning(padding: Padding | Paddings, images: float, error: float) -> Iterator[str]:
+    """Yield a sentence where the `images` that a padding leaves out contribute more than an `error`."""
     if images > error:
-        part = "an amount not known" if images == inf else f"{images:.2g}"
-        yield f"plan.padding: the images that it omits contribute {part} to the error, give ExactPeriodicity()."
+        cause, remedy = OTHER_CAUSES["images"]
+        part = "an amount not known" if images == inf else f"{100 * images:.2g} %"
+        yield f"plan.padding is {padding!r}: {cause} {part} to the error, {remedy}."
 
 
 def _axis_reasons(forecast: GridForecast, *, own_points: bool) -> Iterator[str]:

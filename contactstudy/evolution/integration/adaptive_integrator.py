@@ -19,8 +19,8 @@ from contactstudy.solvers.solution import Solution, Status, worst_until
 
 # A pair of steps shorter than this, over the duration of the integration, is never rejected.
 SHORTEST = 1e-12
-# Load increments of a jump where bodies yield: at first in the doubled step, of which the
-# short steps have two each, and at most in the short steps.
+# Load increments of a jump where bodies yield: at first in the doubled step, of which the short steps have two each, and
+# at most in the short steps.
 INCREMENTS, MAX_INCREMENTS = 4, 2**12
 # Largest number of halvings of a step in which bodies start to yield.
 MAX_HALVINGS = 6

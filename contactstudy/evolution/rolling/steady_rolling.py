@@ -137,9 +137,7 @@ class SteadyRolling:
             change, reason = inf, f"No bound: {status}"
         parts: dict[str, Any] = {
             name: replace(
-                part,
-                residual=(part.residual or 0.0) + change,
-                reason=part.reason or reason,
+                part, residual=(part.residual or 0.0) + change, reason=part.reason or reason
             )
             for name, part in estimate
         }

@@ -34,11 +34,10 @@ class TractiveRolling:
     """Steady rolling with creepage: a part of the contact sticks, the rest slips.
 
     The contact moves over both bodies, to larger x at a positive speed, and material enters it ahead. Heights are fixed
-    in the frame of the contact: profiles, roller ends, circumferential lay. Creepage is the relative
-    rigid-body velocity of the second body against the first over the rolling speed, so that a positive creepage makes a
-    positive tangential traction on the first body. Between dissimilar bodies traction changes the pressure, and they
-    slip under the normal load alone. Bodies that creep follow pressure and traction with their delay, which makes a
-    rolling resistance.
+    in the frame of the contact: profiles, roller ends, circumferential lay. Creepage is the relative rigid-body velocity
+    of the second body against the first over the rolling speed, so that a positive creepage makes a positive tangential
+    traction on the first body. Between dissimilar bodies traction changes the pressure, and they slip under the normal
+    load alone. Bodies that creep follow pressure and traction with their delay, which makes a rolling resistance.
 
     Parameters
     ----------

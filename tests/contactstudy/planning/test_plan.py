@@ -42,7 +42,10 @@ def test_images_that_a_padding_omits_are_in_the_error_of_its_plan_and_change_no_
     solved = cs.solve(line_contact.scene, few.grid, few.padding).error.l1
     assert few.grid == exact.grid
     assert few.error - exact.error == pytest.approx(solved.images, rel=0.05)
-    assert "the images that it omits" in few.warnings[-1]
+    assert (
+        "plan.padding is Superposition(images=3): the images that the padding omits"
+        in few.warnings[-1]
+    )
     unknown = cs.plan(line_contact.scene, **request, padding=(cs.Superposition(2),) * 2)
     assert unknown.error == inf
 

@@ -6,13 +6,18 @@ the upper limit of the pressure, infinite where there is none. Results differ by
 operations.
 """
 
-from collections.abc import Callable
+import os
+from collections.abc import Callable, Iterator, Set
+from contextlib import contextmanager
+from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numpy as np
 from numba import njit
+from numba.core.caching import FunctionCache
 
 from contactstudy.domain.device import Array
+from contactstudy.domain.files import NO_LOCK_ERRORS, lock_descriptor, open_descriptor
 
 Loop = TypeVar("Loop", bound=Callable[..., Any])
 
@@ -20,16 +25,53 @@ Loop = TypeVar("Loop", bound=Callable[..., Any])
 REASSOCIATED = {"reassoc", "nsz"}
 
 
+class LockedCache(FunctionCache):  # type: ignore[misc]  # numba has no types
+    """Machine code of a function on disk, read or written by one process at a time.
+
+    numba names the file of a signature in an index that it reads and writes apart: two processes that compile two
+    signatures at once would give both one name, and every later process would load the code of the other.
+    """
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """Return the compiled function of a signature, None where there is none."""
+        with self._locked():
+            return super().load_overload(sig, target_context)
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """Write the compiled function of a signature."""
+        with self._locked():
+            super().save_overload(sig, data)
+
+    @contextmanager
+    def _locked(self) -> Iterator[None]:
+        self._impl.locator.ensure_cache_path()
+        lock = Path(self.cache_path, ".compiled.lock")
+        descriptor = open_descriptor(lock, os.O_RDWR | os.O_CREAT)
+        try:
+            try:
+                lock_descriptor(descriptor, wait=True)
+            except OSError as error:
+                if error.errno not in NO_LOCK_ERRORS:
+                    raise
+            yield
+        finally:
+            os.close(descriptor)
+
+
 def exact(function: Loop) -> Loop:
     """Compile a loop whose sums are taken in the order that is written."""
-    return cast(Loop, njit(cache=True, nogil=True, error_model="numpy")(function))
+    return _compiled(function, frozenset())
 
 
 def summing(function: Loop) -> Loop:
     """Compile a loop whose sums are taken in any order."""
-    return cast(
-        Loop, njit(cache=True, nogil=True, error_model="numpy", fastmath=REASSOCIATED)(function)
-    )
+    return _compiled(function, REASSOCIATED)
+
+
+def _compiled(function: Loop, fastmath: Set[str]) -> Loop:
+    loop = njit(nogil=True, error_model="numpy", fastmath=set(fastmath))(function)
+    loop._cache = LockedCache(function)  # in place of cache=True
+    return cast(Loop, loop)
 
 
 @summing

@@ -1,4 +1,8 @@
+import subprocess
+import sys
+from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -64,3 +68,49 @@ def test_heights_that_are_not_finite_are_seen(line_contact: LineContact) -> None
     posed = problem(line_contact, 32, "smooth", BOTH)
     posed.undeformed_gap[3, 4] = np.nan
     assert cs.solve(posed).status is cs.Status.NOT_FINITE
+
+
+# Compiles a sum of fields of the type that is named, and reports what it returns and whether its code was on disk. The
+# index of the code on disk is old by the time that a process writes it.
+SUM_OF_FIELDS = """
+import sys
+from time import sleep
+import numpy as np
+from numba.core.caching import IndexDataCacheFile
+from contactstudy.domain.compiled import exact
+
+def read_slowly(self, read=IndexDataCacheFile._load_index):
+    index = read(self)
+    sleep(2.0 if sys.argv[2:] else 0.0)
+    return index
+
+IndexDataCacheFile._load_index = read_slowly
+
+@exact
+def total(field):
+    sum_of_cells = 0.0
+    for i in range(field.shape[0]):
+        sum_of_cells += field[i]
+    return sum_of_cells
+
+print(total(np.ones(3, sys.argv[1])), total.stats.cache_hits.total())
+"""
+
+
+def test_processes_that_compile_for_two_precisions_at_once_leave_each_its_code(
+    tmp_path: Path,
+) -> None:
+    pytest.importorskip("numba")
+    script = tmp_path / "sum_of_fields.py"
+    script.write_text(SUM_OF_FIELDS, encoding="utf-8")
+
+    def run(*words: str) -> subprocess.Popen[str]:
+        command = (sys.executable, str(script), *words)
+        return subprocess.Popen(command, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+
+    def printed(processes: Sequence[subprocess.Popen[str]]) -> list[str]:
+        return ["".join(process.communicate()) for process in processes]
+
+    precisions = ("float32", "float64")
+    assert printed([run(name, "slowly") for name in precisions]) == ["3.0 0\n"] * 2
+    assert printed([run(name) for name in precisions]) == ["3.0 1\n"] * 2

@@ -16,7 +16,7 @@ from studies.advice.stored import store
 from studies.engine.options import RunOptions
 from studies.engine.run import run
 from studies.model.drawing import Finding, Table
-from studies.model.outcome import CaseStatus
+from studies.model.outcome import CaseStatus, summary_messages
 from studies.model.study import Study
 from studies.reference.accuracy.matrix import matrix
 from studies.registry import BUILT_IN, load, load_drawing
@@ -263,7 +263,8 @@ def test_every_chapter_is_drawn_from_what_is_stored(
     name: str, out: Path, stored: Mapping[str, xr.Dataset]
 ) -> None:
     for part in CHAPTERS[name].parts:
-        assert (stored[part.name]["case_status"] == CaseStatus.OK).all(), part.name
+        dataset = stored[part.name]
+        assert (dataset["case_status"] == CaseStatus.OK).all(), [*summary_messages(dataset)]
     text = report.draw_and_write(CHAPTERS[name], out).read_text(encoding="utf-8")
     examine(text, out, text.count("<figure "))
     for part in CHAPTERS[name].parts:

@@ -74,7 +74,7 @@ class Status(Enum):
     )
     DETACHED = (
         "the bodies do not touch: under this load there is no equilibrium in contact, or at this approach they only "
-        "attract each other across the gap"
+        "attract each other across the gap, or nothing holds the tangential force: give a larger load or approach"
     )
     ATTRACTION_AT_EDGE = (
         "converged, but the attraction reaches the edge of the width and is cut off there: "

@@ -13,7 +13,12 @@ from contactstudy.evolution.states.state_variables import Contribution, CreepSta
 from contactstudy.problem.problem import Field
 from contactstudy.scene.loads.load_history import PiecewiseLinear
 from contactstudy.solvers.friction.coulomb_newton import shear_status
-from contactstudy.solvers.friction.partial_slip import SlipStep, locked_shear, slip_step
+from contactstudy.solvers.friction.partial_slip import (
+    SlipStep,
+    locked_shear,
+    slip_step,
+    transmitted,
+)
 from contactstudy.solvers.solution import Status
 
 # Error of the tangential traction over the difference of two integrations where slip wears: at most 2.4 in twelve
@@ -131,6 +136,9 @@ class FrettingState:
         5. Add the slip of all half cycles that the step stands for, its energy and its wear.
         """
         slope, total, rigid = self._driving(before, step)
+        if total is not None:
+            force = float(total[0]) * self.grid.cell_area / self.grid.length
+            transmitted(force, self.coefficient * after, self.grid)
         shear = np.stack([state["shear_x"], state["shear_y"]])
         carried, response = self._crept(state, np.stack([*shear, before]), step)
         reference, locking_error = self._locked(carried[:2], carried[2], after, slope)

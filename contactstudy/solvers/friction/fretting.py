@@ -14,8 +14,8 @@ from contactstudy.elasticity.tangential import ShearResponse
 from contactstudy.problem.problem import Problem
 from contactstudy.solvers.friction.coulomb_newton import shear_status
 from contactstudy.solvers.friction.fretting_traction import FrettingTraction
-from contactstudy.solvers.friction.partial_slip import check_transmitted, slip_step
-from contactstudy.solvers.solution import Solution, Status, with_traction, worst
+from contactstudy.solvers.friction.partial_slip import slip_step, transmitted
+from contactstudy.solvers.solution import Solution, with_traction, worst
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 
@@ -44,7 +44,8 @@ class FrettingShear:
         normal = solve_contact(problem, options, start, device)
         limit = self.coefficient * normal.pressure
         shear, stick = np.zeros((2, *limit.shape)), normal.pressure > 0
-        applications, residual, statuses = 0, 0.0, [Status.CONVERGED]
+        statuses = [transmitted(force, limit, problem.grid) for force in self.forces_per_length]
+        applications, residual = 0, 0.0
         sliding: list[Array] = []
         displacements = [0.0]
         shears = []
@@ -52,7 +53,6 @@ class FrettingShear:
         # without a load there is no tangential force
         forces = self.forces_per_length if limit.any() else ()
         for force in forces:
-            check_transmitted(force, limit, problem.grid)
             total = np.array([force * problem.grid.length / problem.grid.cell_area, 0.0])
             step = slip_step(self.response, limit, shear, *limits, total=total)
             sliding.append(np.hypot(*step.slip))

@@ -11,8 +11,8 @@ from contactstudy.elasticity.tangential import ShearResponse
 from contactstudy.problem.problem import Problem
 from contactstudy.solvers.fixed_point import solve_by_fixed_point_iteration
 from contactstudy.solvers.friction.coulomb_newton import shear_status
-from contactstudy.solvers.friction.partial_slip import check_transmitted, slip_step
-from contactstudy.solvers.solution import Solution, TangentialTraction, with_traction
+from contactstudy.solvers.friction.partial_slip import slip_step, transmitted
+from contactstudy.solvers.solution import Solution, TangentialTraction, with_traction, worst
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Outer iterations between pressure and tangential traction: errors fall by a factor of at least 1.7 from one to the
@@ -121,12 +121,12 @@ class PartialSlipShear:
         """Return the normal contact with its tangential traction, by one step from no traction."""
         normal = solve_contact(problem, options, start, device)
         limit = self.coefficient * normal.pressure
-        check_transmitted(self.force_per_length, limit, problem.grid)
+        acts = transmitted(self.force_per_length, limit, problem.grid)
         total = self.force_per_length * problem.grid.length / problem.grid.cell_area
         limits = options.tolerance, options.max_iterations
         unloaded, sums = np.zeros((2, *limit.shape)), np.array([total, 0.0])
         step = slip_step(self.response, limit, unloaded, *limits, total=sums)
         count = step.applications
-        status = shear_status(step.residual, count, *limits)
+        status = worst([acts, shear_status(step.residual, count, *limits)])
         traction = TangentialTraction(step.shear, step.stick, "partial slip, Newton", count)
         return with_traction(normal, status, step.residual, count, 2.0 * count, traction)

@@ -21,6 +21,7 @@ from contactstudy.domain.units import readable
 from contactstudy.elasticity.tangential import ShearResponse
 from contactstudy.solvers.friction.coulomb_newton import CoulombNewton
 from contactstudy.solvers.friction.slip import QuasiStaticSlip
+from contactstudy.solvers.solution import Status
 
 # Fraction by which a force may exceed what friction transmits: the load of a solution is exact to rounding.
 ROUNDING = 1e-6
@@ -61,17 +62,20 @@ class SlipStep:
         return not self.stick.any()
 
 
-def check_transmitted(force: float, limit: Array, grid: Grid) -> None:
-    """Raise InvalidInput if friction does not transmit a tangential `force` along x [N/m] of the length of `grid`.
+def transmitted(force: float, limit: Array, grid: Grid) -> Status:
+    """Return whether a tangential `force` along x [N/m] of the length of `grid` acts: it does not on bodies apart.
 
-    `limit` (x, y) [Pa] is the coefficient of friction times the pressure.
+    `limit` (x, y) [Pa] is the coefficient of friction times the pressure. Raises InvalidInput for a force above it.
     """
     largest = float(limit.sum()) * grid.cell_area / grid.length
-    if abs(force) > (1 + ROUNDING) * largest > 0:
+    if force and not largest:
+        return Status.DETACHED
+    if abs(force) > (1 + ROUNDING) * largest:
         raise InvalidInput(
             f"The tangential force of Scene.friction is {readable(force, 'N m-1')}: friction transmits less than "
             f"{readable(largest, 'N m-1')} under the pressure of this contact, give a smaller force."
         )
+    return Status.CONVERGED
 
 
 def slip_step(

@@ -28,7 +28,7 @@ from contactstudy.elasticity.tangential import ShearResponse
 from contactstudy.problem.problem import Problem
 from contactstudy.solvers.fixed_point import solve_by_fixed_point_iteration
 from contactstudy.solvers.friction.coulomb_newton import CoulombNewton, shear_status
-from contactstudy.solvers.friction.partial_slip import check_transmitted
+from contactstudy.solvers.friction.partial_slip import transmitted
 from contactstudy.solvers.friction.rolling_traction import (
     UNKNOWN,
     Creepage,
@@ -138,13 +138,15 @@ class TractiveShear:
         if state is None:
             zeros = np.zeros((2, *normal.pressure.shape))
             stick = np.zeros(normal.pressure.shape, dtype=bool)
-            return replace(normal, traction=TangentialTraction(zeros, stick, "tractive rolling", 0))
+            traction = TangentialTraction(zeros, stick, "tractive rolling", 0)
+            acts = transmitted(self.force_per_length or 0.0, normal.pressure, problem.grid)
+            return with_traction(normal, acts, 0.0, 0, 0.0, traction)
         status = shear_status(
             state.residual, state.applications, options.tolerance, options.max_iterations
         )
         normal = replace(normal, note=f"{normal.note} {self.note}".strip())
-        traction = self._traction(problem.grid, normal.pressure, state)
-        return with_traction(normal, status, state.residual, applications, convolutions, traction)
+        rolling = self._traction(problem.grid, normal.pressure, state)
+        return with_traction(normal, status, state.residual, applications, convolutions, rolling)
 
     def _traction(self, grid: Grid, pressure: Array, state: "SteadyShear") -> RollingTraction:
         """Return the traction of a steady state with its power."""
@@ -174,7 +176,7 @@ class TractiveShear:
     ) -> "SteadyShear":
         """Return the steady state under `pressure` (x, y), from the `last` one or from those on coarser grids."""
         if self.force_per_length is not None:
-            check_transmitted(self.force_per_length, self.coefficient * pressure, grid)
+            transmitted(self.force_per_length, self.coefficient * pressure, grid)
         creepage, work, steady = self.creepage, 0.0, None
         levels: list[list[float]] = []
         shear: Array = np.zeros((2, *grid.cells)) if last is None else last.shear

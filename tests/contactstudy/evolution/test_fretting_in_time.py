@@ -216,6 +216,13 @@ def test_a_large_displacement_slides_all_of_the_contact() -> None:
     assert cycle == pytest.approx(4 * MU * far - elastic, rel=1e-4)
 
 
+def test_a_force_above_that_of_friction_under_a_total_load_is_refused() -> None:
+    friction = cs.Fretting(MU, (0.0, 1.1 * MU), times=(0.0, 1.0))
+    loaded = replace(LINE, load=cs.TotalLoad(1.0, length=1.0))
+    with pytest.raises(cs.InvalidInput, match="transmits less than"):
+        fretted(friction, [0.0, 1.0], loaded, grid=cs.Grid((60, 1), (2.2, 1.0)))
+
+
 def test_the_mirrored_force_has_the_mirrored_shear_and_a_small_coefficient_takes_none() -> None:
     grid = cs.Grid((60, 1), (2.2, 1.0))
     one, other = (

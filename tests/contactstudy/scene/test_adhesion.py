@@ -117,9 +117,24 @@ def test_an_approach_presses_a_cylinder_as_hertz_says() -> None:
     )
 
 
-def test_an_approach_that_leaves_a_gap_bears_no_pressure() -> None:
-    apart = replace(SCENE, adhesion=None, load=cs.Approach(-1e-6), friction=cs.Sliding(0.3))
+@pytest.mark.parametrize(
+    ("friction", "status"),
+    [
+        (cs.Sliding(0.3), cs.Status.CONVERGED),
+        (cs.PartialSlip(0.3, 0.0), cs.Status.CONVERGED),
+        (cs.PartialSlip(0.3, -1.0), cs.Status.DETACHED),
+        (cs.Fretting(0.3, (1.0, 0.0)), cs.Status.DETACHED),
+        (cs.TractiveRolling(0.3, tangential=1.0), cs.Status.DETACHED),
+        (cs.TractiveRolling(0.3, longitudinal=1e-3), cs.Status.CONVERGED),
+    ],
+)
+def test_an_approach_that_leaves_a_gap_bears_no_pressure_and_says_that_it_holds_no_force(
+    friction: cs.Sliding | cs.PartialSlip | cs.Fretting | cs.TractiveRolling, status: cs.Status
+) -> None:
+    alike = {"solids": (SOFT, SOFT)} if not isinstance(friction, cs.Sliding) else {}
+    apart = replace(SCENE, adhesion=None, load=cs.Approach(-1e-6), friction=friction, **alike)
     contact = cs.solve(apart, GRID, LINE)
+    assert contact.status is status
     assert not contact.pressure.any()
     assert contact.gap.min() == pytest.approx(1e-6, rel=1e-3)
     assert contact.quantities["traction_coefficient"].value == 0

@@ -5,6 +5,7 @@ from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from time import monotonic
+from typing import Any
 
 import xarray as xr
 
@@ -122,15 +123,15 @@ def estimate_cost(
 
 
 def planned_seconds(cases: Sequence[Computation]) -> float:
-    """Return the seconds of all cases, one after the other on one thread.
-
-    Of many cases a few are planned, evenly spaced; a padding other than that of the plan is not accounted for.
-    """
-    chosen = cases[:: -(-len(cases) // MAX_PLANNED) or 1]
+    """Return the seconds of all cases, one after the other on one thread, from the plans of a few of them."""
+    chosen: Sequence[Any] = cases[:: -(-len(cases) // MAX_PLANNED) or 1]
     planned = [
-        cs.plan(case.scene, grid=case.grid, times=getattr(case, "time_steps", None)).seconds  # type: ignore[attr-defined]
+        cs.plan(
+            case.scene, grid=case.grid, padding=case.padding,
+            times=getattr(case, "time_steps", None),
+        ).seconds
         for case in chosen
-    ]
+    ]  # fmt: skip
     return sum(planned) * len(cases) / max(len(planned), 1)
 
 

@@ -168,17 +168,19 @@ def test_computations_without_a_plan_are_said_to_be_unknown(tmp_path: Path) -> N
     assert not any(tmp_path.iterdir())
 
 
-def test_the_reason_why_a_scene_has_no_plan_is_said(
+def test_the_reason_why_a_scene_has_no_plan_on_the_padding_of_a_case_is_said(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def refuse(*_: object, **__: object) -> None:
-        raise InvalidInput("Scene.shapes is flat: give a curved shape.")
+    def refuse(*_: object, padding: object, **__: object) -> None:
+        raise InvalidInput(f"plan.padding is {padding}: give another.")
 
     monkeypatch.setattr("contactstudy.plan", refuse)
     said: list[str] = []
-    study = load("grid").override({"padding": "exact", "grid": "16"})
+    study = load("grid").override({"padding": "duplicated", "grid": "16"})
     assert estimate_cost(study, tmp_path, options=RunOptions(), log=said.append) is None
-    assert said[-1].endswith("failed (InvalidInput: Scene.shapes is flat: give a curved shape.)")
+    assert said[-1].endswith(
+        "failed (InvalidInput: plan.padding is DuplicatedPadding(): give another.)"
+    )
 
 
 def test_a_study_of_scenes_is_expected_to_take_some_time(tmp_path: Path) -> None:

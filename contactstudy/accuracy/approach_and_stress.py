@@ -8,7 +8,7 @@ import numpy as np
 
 from contactstudy.accuracy.discretisation.bound import CONSTANTS as BOUND
 from contactstudy.accuracy.discretisation.coarser import FIRST_ORDER_MARGIN
-from contactstudy.accuracy.image_errors import with_all_images
+from contactstudy.accuracy.image_errors import IMAGES_REMEDY, with_all_images
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Paddings
@@ -17,8 +17,8 @@ from contactstudy.solvers.solution import Solution, net_pressure
 # Error of the largest stress over the L1 error of the pressure.
 STRESS_ERROR = 0.5
 NO_DATUM = (
-    "No bound for the approach: it counts from a place that depends on the images that the padding leaves out, give "
-    "ExactPeriodicity."
+    "No bound for the approach: it counts from a place that depends on the images that the padding leaves out, "
+    f"{IMAGES_REMEDY}."
 )
 ZERO_APPROACH = "No bound for the approach: it is zero, and its error is relative to it."
 AT_SURFACE = "No bound for the depth: the largest stress lies at the surface."

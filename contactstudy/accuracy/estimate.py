@@ -13,6 +13,7 @@ from contactstudy.accuracy.discretisation.bound import (
 from contactstudy.accuracy.discretisation.coarser import DiscretisationErrors
 from contactstudy.accuracy.discretisation.subcell import CONFIDENCE, SubgridHeights
 from contactstudy.accuracy.image_errors import (
+    IMAGES_REMEDY,
     L1_OVER_NARROWING,
     coupling_image_error,
     image_errors,
@@ -35,16 +36,16 @@ from contactstudy.solvers.friction.rolling_traction import RollingTraction
 from contactstudy.solvers.solution import Solution
 
 NO_DATUM = (
-    "No bound at a given approach: it counts from a place that depends on the images that the padding leaves out, give "
-    "ExactPeriodicity."
+    "No bound at a given approach: it counts from a place that depends on the images that the padding leaves out, "
+    f"{IMAGES_REMEDY}."
 )
 NO_SLIP_OF_IMAGES = (
     "No bound: the slip of a rolling contact, and with it the traction, lacks that of the images that the padding "
-    "leaves out, give ExactPeriodicity."
+    f"leaves out, {IMAGES_REMEDY}."
 )
 NO_RETARDED_IMAGES = (
     "No bound where a body creeps as it rolls: images that the padding leaves out are retarded and tilt the contact, "
-    "give ExactPeriodicity."
+    f"{IMAGES_REMEDY}."
 )
 
 

@@ -6,6 +6,11 @@ from contactstudy.domain.checks import NotDefined
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
 
+# A cylinder that is cut off by a domain has neighbours; a sphere, or a roller that ends, may have none.
+IMAGES_REMEDY = (
+    "give ExactPeriodicity along their axis, or for a body without neighbours ZeroPadding and a grid that holds its "
+    "contact"
+)
 # L1 change of Hertz's ellipse over the small fraction of its half-width by which it is made narrower, or shifted.
 L1_OVER_NARROWING = 4 / np.pi
 # The line load of a window centred on the domain varies by END_VARIATION (a / L)^0.7 / (2 n + 1)^2 in the mean

@@ -8,6 +8,7 @@ from itertools import islice
 from math import isfinite
 from typing import TYPE_CHECKING
 
+from contactstudy.accuracy.image_errors import IMAGES_REMEDY
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.io.quantities.quantity import Quantities, as_text
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 
 # What to change where the bound is too large, by the cause of its largest part.
 REMEDIES = {
-    "images": "the images that the padding omits: give ExactPeriodicity",
+    "images": f"the images that the padding omits: {IMAGES_REMEDY}",
     "discretisation": "the cells: give an error to plan for, or a grid of more cells",
     "residual": "the residual of the solver: give a smaller tolerance",
     "steps": "the steps in time: give them a smaller error",

@@ -10,6 +10,7 @@ from scipy import fft
 from contactstudy.accuracy.bounded_solution import CONSTANTS as BOUND
 from contactstudy.accuracy.bounded_solution import BoundedSolution, bounded
 from contactstudy.accuracy.discretisation.coarser import halved
+from contactstudy.accuracy.image_errors import IMAGES_REMEDY
 from contactstudy.domain.device import Cpu, Device
 from contactstudy.domain.errors import ErrorEstimate
 from contactstudy.domain.fields import Array
@@ -23,7 +24,7 @@ from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Causes of the error other than the cells, in words, and their remedies.
 OTHER_CAUSES = {
-    "images": ("the images that the padding omits contribute", "give ExactPeriodicity()"),
+    "images": ("the images that the padding omits contribute", IMAGES_REMEDY),
     "residual": ("the residual of the solver contributes", "give a smaller tolerance"),
 }
 

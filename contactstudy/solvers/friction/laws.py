@@ -82,22 +82,34 @@ class CiavarellaJaeger:
     def solve(
         self, problem: Problem, options: SolveOptions, start: Array | None, device: Device
     ) -> Solution:
-        """Return the solution with its tangential traction from two normal contacts, and the worse status of both."""
+        """Return the solution with its tangential traction from two normal contacts, and the worse status of both.
+
+        The tolerance and the residual of the traction are those of the pressures over their relative difference.
+        """
+        fraction = abs(self.fraction)
+        if fraction:
+            tolerance = max(options.tolerance * fraction, np.finfo(np.float64).tiny)
+            options = replace(options, tolerance=tolerance)
         outer = solve_contact(problem, options, start, device)
-        if self.fraction == 0:
+        if not fraction:
             shear = np.zeros((2, *outer.pressure.shape))
             stick = outer.pressure > 0
             return replace(outer, traction=TangentialTraction(shear, stick, "Ciavarella-Jaeger", 1))
-        reduced = replace(problem, control=problem.control.scaled(1 - abs(self.fraction)))
+        reduced = replace(problem, control=problem.control.scaled(1 - fraction))
         inner = solve_contact(reduced, options, outer.pressure, device)
         traction_x = self.coefficient * np.maximum(outer.pressure - inner.pressure, 0)
         traction_x *= np.sign(self.fraction)
-        # to the exact resultant after clipping
-        traction_x *= self.coefficient * self.fraction * outer.pressure.sum() / traction_x.sum()
+        if transmitted := traction_x.sum():  # to the exact resultant after clipping
+            traction_x *= self.coefficient * self.fraction * outer.pressure.sum() / transmitted
         shear = np.stack([traction_x, np.zeros_like(traction_x)])
         traction = TangentialTraction(shear, inner.pressure > 0, "Ciavarella-Jaeger", 2)
         return with_traction(
-            outer, inner.status, inner.residual, inner.iterations, inner.convolutions, traction
+            replace(outer, residual=outer.residual / fraction),
+            inner.status,
+            inner.residual / fraction,
+            inner.iterations,
+            inner.convolutions,
+            traction,
         )
 
 

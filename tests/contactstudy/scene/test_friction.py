@@ -73,23 +73,26 @@ def test_unlike_bodies_slide_as_in_closed_form(product: float, sign: int) -> Non
     assert np.abs(pressure - exact).sum() <= (dx / half) ** 1.5 * exact.sum()
 
 
-@pytest.mark.parametrize("fraction", [0.1, 0.5, 0.9])
+@pytest.mark.parametrize(
+    ("fraction", "tolerance"), [(0.1, 1e-10), (0.5, 1e-10), (0.9, 1e-10), (1e-4, 1e-4)]
+)
 @pytest.mark.parametrize("sign", [1, -1])
-def test_partial_slip_of_a_cylinder_is_cattaneos(fraction: float, sign: int) -> None:
+def test_partial_slip_of_a_cylinder_is_cattaneos(
+    fraction: float, tolerance: float, sign: int
+) -> None:
     """Stick for ``|x| < a sqrt(1 - Q / mu P)``, shear in the middle ``mu p0 (1 - sqrt(1 - Q / mu P))``."""
     mu = 0.3
     one = scene(cs.PartialSlip(mu, sign * fraction * mu * 1e5))
-    solution = solved(one, (601, 1), tolerance=1e-10)
+    solution = solved(one, (601, 1), tolerance=tolerance)
     hertz, dx = one.hertz, solution.problem.grid.cell_size[0]
     assert solution.traction.method == "Ciavarella-Jaeger"
     stick = solution.stick.sum() * dx / 2
     assert stick == pytest.approx(hertz.half_width * sqrt(1 - fraction), abs=dx)
     middle = sign * mu * hertz.peak_pressure * (1 - sqrt(1 - fraction))
-    # second order in the cell of either contact, the narrower one counts
+    # second order in the cell of either contact, the narrower one counts; first order of a small difference
     narrow = dx / (hertz.half_width * sqrt(1 - fraction))
-    assert solution.shear[0][300, 0] == pytest.approx(
-        middle, abs=mu * hertz.peak_pressure * narrow**2
-    )
+    error = min(mu * hertz.peak_pressure * narrow**2, abs(middle) * narrow)
+    assert solution.shear[0][300, 0] == pytest.approx(middle, abs=error)
     carried = solution.shear[0].sum() * dx
     assert carried == pytest.approx(sign * fraction * mu * 1e5, rel=1e-12)
 

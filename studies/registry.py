@@ -5,14 +5,17 @@ in that of its family. Both are imported when they are asked for: what lists, ru
 plotting library.
 """
 
+from __future__ import annotations
+
 import importlib
+import re
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from contactstudy import InvalidInput
 from contactstudy.domain.checks import suggestion
@@ -20,6 +23,9 @@ from studies.model.axis import one_of
 from studies.model.drawing import Drawing, no_items
 from studies.model.study import Study
 from studies.study_file import module_in, module_name, study_in
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 # Studies by family; those in OPTIONAL need what this project does not install.
 FAMILIES = {
@@ -65,10 +71,22 @@ def load_drawing(name: str, figures: str = "curves", plot: Sequence[str] = ()) -
     if not has_own_figures(name):
         return default_drawing(figures, plot)
     part = _file_module(name) if name.endswith(".py") else _part("studies.report.drawings", name)
-    if isinstance(part, Drawing):
-        return part
-    findings, tables = getattr(part, "findings", no_items), getattr(part, "tables", no_items)
-    return Drawing(part.figure, findings, tables)
+    functions = (getattr(part, key, no_items) for key in ("figure", "findings", "tables"))
+    return Drawing(*(partial(_items, draw, Path(name).stem) for draw in functions))
+
+
+def _items(draw: Callable[[xr.Dataset], Any], name: str, dataset: xr.Dataset) -> Any:
+    """Return what `draw` makes of the dataset of a study; raise InvalidInput if the dataset lacks a variable for it."""
+    try:
+        return draw(dataset)
+    except KeyError as error:
+        missing = re.match(r"No variable named '(\w+)'", str(error.args[0]))
+        if missing is None:
+            raise
+        raise InvalidInput(
+            f"Study {name!r} is stored without the variable {missing[1]!r}, which its figures or findings need: "
+            "run the study again, with measures that give it."
+        ) from None
 
 
 def default_drawing(figures: str = "curves", plot: Sequence[str] = ()) -> Drawing:

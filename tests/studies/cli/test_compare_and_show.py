@@ -126,6 +126,11 @@ def test_a_file_of_another_kind_is_not_replaced_nor_drawn(folder: Path) -> None:
     (other / "padding.nc").write_bytes(study.read_bytes())
     with pytest.raises(cs.InvalidInput, match=r"has the axes .*: run the study again"):
         said("draw", "padding", "--out", other)
+    old = xr.Dataset({"case_status": ended(("steps", "grid"), [[1]]), "step_error": 0.1})
+    old.assign_coords(steps=[10], grid=[64], time=[0.0]).to_netcdf(other / "creep.nc")
+    for verb in (["draw", "creep", "--out", other], ["show", other / "creep.nc"]):
+        with pytest.raises(cs.InvalidInput, match=r"without the variable .*: run the study again"):
+            said(*verb)
 
 
 @pytest.mark.cases(100)

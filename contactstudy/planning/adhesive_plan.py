@@ -60,7 +60,11 @@ def plan_of_adhesion(
     radius = scene.radius
     assert adhesion is not None
     assert radius is not None
-    modulus = requirements.hertz.contact_modulus if transient is None else transient.relaxed_modulus
+    modulus = (
+        adhesion.zone_modulus(scene.solids, requirements.hertz.half_width)
+        if transient is None
+        else transient.relaxed_modulus
+    )
     scale = (radius * (adhesion.work / modulus) ** 2) ** (1 / 3)
     tabor = TABOR_VARYING if requirements.varies else TABOR_SMOOTH
     attraction_range = adhesion.range or scale / tabor

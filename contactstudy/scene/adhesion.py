@@ -20,7 +20,14 @@ from contactstudy.domain.units import JoulesPerSquareMetre, Metres, readable
 from contactstudy.scene.loads.load_history import ChangingLoad
 from contactstudy.scene.loads.resulting_load import Approach
 from contactstudy.scene.shapes.roller import Sphere
-from contactstudy.scene.solids.bodies import Body, SceneContext, contact_modulus, creeps, yields
+from contactstudy.scene.solids.bodies import (
+    Body,
+    SceneContext,
+    contact_modulus,
+    creeps,
+    modulus_at_own_width,
+    yields,
+)
 from contactstudy.solvers.adhesion import AdhesiveSolver
 from contactstudy.solvers.cohesive_law import CohesiveLaw, Dugdale, Exponential, zone_length
 from contactstudy.solvers.solution import Branch
@@ -162,6 +169,18 @@ class Adhesion:
         strength = sqrt(pi * modulus * self.work / (4 * ZONE_CELLS * cell))
         return LAWS[self.law](self.work, self.work / strength)
 
+    def zone_modulus(self, solids: tuple[Body, Body], width: float) -> float:
+        """Return E* [Pa] at the length of the cohesive zone, which is `width` [m] where no range is given.
+
+        A coating that is thinner than the zone has little part in it.
+        """
+        if self.range is None:
+            return contact_modulus(solids, width)
+        strength = self.work / self.range
+        return modulus_at_own_width(
+            lambda modulus: zone_length(modulus, self.work, strength), solids
+        )
+
     def solver_on(
         self, scene: SceneContext, gap: Array, grid: Grid, relaxed: tuple[Body, Body] | None = None
     ) -> AdhesiveSolver:
@@ -171,13 +190,14 @@ class Adhesion:
         """
         varies = bool((gap != gap[:, :1]).any())
         cell = max(grid.cell_size) if varies else grid.cell_size[0]
-        # a coating thinner than the zone has little part in it
-        modulus = contact_modulus(relaxed or scene.solids, ZONE_CELLS * cell)
+        modulus = self.zone_modulus(relaxed or scene.solids, ZONE_CELLS * cell)
         law = self.cohesive(modulus, cell)
         zone = zone_length(modulus, self.work, law.strength)
         cells = zone / cell
         if cells < MIN_ZONE_CELLS:
-            shortest = sqrt(4 * MIN_ZONE_CELLS * cell * self.work / (pi * modulus))
+            least = MIN_ZONE_CELLS * cell
+            modulus = contact_modulus(relaxed or scene.solids, least)
+            shortest = sqrt(4 * least * self.work / (pi * modulus))
             when = "" if relaxed is None else ", once the bodies have crept"
             raise InvalidInput(
                 f"Adhesion.range is {self.range!r}: its cohesive zone of {readable(zone)} is {cells:.2g} cells of this "
@@ -190,7 +210,7 @@ class Adhesion:
                 (shape.radius for shape in scene.shapes if isinstance(shape, Sphere)), default=None
             )
         if radius is not None:
-            modulus = contact_modulus(scene.solids, ZONE_CELLS * cell)
+            modulus = self.zone_modulus(scene.solids, ZONE_CELLS * cell)
             ratio = radius * (self.work / modulus) ** 2
             tabor = float(np.cbrt(ratio)) * law.strength / self.work
         return AdhesiveSolver(

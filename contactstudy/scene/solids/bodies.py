@@ -2,8 +2,8 @@
 
 import math
 from collections import Counter
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol, TypeGuard, runtime_checkable
 
 from contactstudy.analytic import HertzLine
@@ -273,23 +273,32 @@ def hertz_line(load: float, radius: float, solids: tuple[Body, ...]) -> HertzLin
 
     Its half-width a solves ``a^2 E*(a) = 4 W R / pi``, where E* varies with it for a :class:`Layered` body.
     """
-    contact = HertzLine(load, radius, contact_modulus(solids))
+
+    def half_width(modulus: float) -> float:
+        return HertzLine(load, radius, modulus).half_width
+
+    return HertzLine(load, radius, modulus_at_own_width(half_width, solids))
+
+
+def modulus_at_own_width(width: Callable[[float], float], solids: tuple[Body, ...]) -> float:
+    """Return the E* [Pa] of the bodies at a width [m] that follows from E* itself by the function `width`."""
+    coating = contact_modulus(solids)
     if not any(map(is_layered, solids)):
-        return contact
+        return coating
     from scipy.optimize import brentq  # imported late, since it is slow
 
-    def at(log_width: float) -> HertzLine:
-        return replace(contact, contact_modulus=contact_modulus(solids, math.exp(log_width)))
+    def modulus(log_width: float) -> float:
+        return contact_modulus(solids, math.exp(log_width))
 
     def excess(log_width: float) -> float:
-        return log_width - math.log(at(log_width).half_width)
+        return log_width - math.log(width(modulus(log_width)))
 
-    low = high = math.log(contact.half_width)
+    low = high = math.log(width(coating))
     while excess(low) > 0:
         low -= 1
     while excess(high) < 0:
         high += 1
-    return at(float(brentq(excess, low, high, xtol=1e-9)))
+    return modulus(float(brentq(excess, low, high, xtol=1e-9)))
 
 
 def response(solids: tuple[Body, ...], datum: float) -> Mapping[Coefficients, float]:

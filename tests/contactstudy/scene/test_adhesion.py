@@ -74,6 +74,22 @@ def test_without_a_range_six_cells_are_in_the_zone_on_any_grid() -> None:
         assert solution.adhesion.cells_in_zone == pytest.approx(6.0)
 
 
+@pytest.mark.parametrize("thickness", [1e-7, 1e-5, 1e-3])
+def test_a_given_range_has_one_zone_and_tabor_parameter_on_any_grid(thickness: float) -> None:
+    """Between those of the substrate and of the coating, whose compliance is a fifth."""
+    coated = cs.CoatedHalfSpace(cs.HalfSpace(5e6, 0.5), thickness, SOFT)
+    scene = replace(SCENE, solids=(coated, RIGID), adhesion=cs.Adhesion(0.05, range=2e-6))
+    coarse, fine, bare = (
+        cs.solve(replace(scene, solids=(body, RIGID)), cs.Grid((cells, 1), (4e-3, 1.0)), LINE)
+        for body, cells in ((coated, 256), (coated, 512), (SOFT, 256))
+    )
+    assert fine.adhesion.tabor == pytest.approx(coarse.adhesion.tabor)
+    assert fine.adhesion.cells_in_zone == pytest.approx(2 * coarse.adhesion.cells_in_zone)
+    stiffer = coarse.adhesion.cells_in_zone / bare.adhesion.cells_in_zone
+    assert 1 < stiffer < 5
+    assert coarse.adhesion.tabor == pytest.approx(bare.adhesion.tabor / stiffer ** (2 / 3))
+
+
 @pytest.mark.parametrize("modulus", [5e4, 2e7])
 def test_a_coating_thinner_than_the_cells_leaves_the_pull_off_to_its_substrate(
     modulus: float,

@@ -1,6 +1,7 @@
 """The comparison of a scene's settings, on scenes whose answer is known."""
 
 from dataclasses import replace
+from functools import partial
 from math import inf, nan, prod
 from pathlib import Path
 from time import perf_counter, process_time
@@ -32,7 +33,7 @@ from studies.advice.comparison import (
 from studies.advice.front import pareto_front
 from studies.advice.measuring import compare_settings
 from studies.advice.nested_answers import Budget, NestedAnswers
-from studies.advice.rounds import median_ratio_and_p
+from studies.advice.rounds import median_ratio_and_p, times_in_rounds
 from studies.advice.stored import as_text, comparison_of, from_text, path_in, store, stored
 from studies.reference.line_contact import HERTZ, SCENE, hertz_means, relative_l1
 from studies.store.netcdf import check_kind
@@ -217,6 +218,16 @@ def test_paired_times_are_compared_within_their_round() -> None:
     assert found == pytest.approx(2)
     assert chance == 0.25  # three of three alike: two of 8 outcomes
     assert median_ratio_and_p([1.0, 1.0], [1.0, 1.0]) == (1, 1)
+
+
+def test_each_round_of_times_has_every_setting_once_and_none_begins_without_time() -> None:
+    made: list[int] = []
+    has_time = iter([True, True, False])
+    rounds = times_in_rounds(
+        [partial(made.append, k) for k in range(3)], 15, lambda: next(has_time)
+    )
+    assert [len(times) for times in rounds] == [3, 3]
+    assert sorted(made[:3]) == sorted(made[3:]) == [0, 1, 2]
 
 
 EXACT, COPIED, ZERO = cs.ExactPeriodicity(), cs.DuplicatedPadding(), cs.ZeroPadding()

@@ -3,7 +3,8 @@ import pytest
 import xarray as xr
 
 from studies.definitions.accuracy import KINDS, METRICS
-from studies.registry import load_drawing
+from studies.registry import load, load_drawing
+from studies.report.page import axes_text
 
 DRAWING = load_drawing("accuracy")
 
@@ -32,6 +33,9 @@ def test_the_table_counts_by_kind_and_lists_every_miss(made_up: xr.Dataset) -> N
     assert [row[:2] for row in misses.rows] == [
         ("c", "pressure in L1"), ("c", "peak pressure"), ("c", "contact area"),
     ]  # fmt: skip
+    # of more than ten cases the page counts those and their kinds
+    many = xr.concat([made_up] * 3, "case").assign_coords(seed=[1])
+    assert ": 12 cases of 2 kinds; " in axes_text(load("accuracy"), many)
 
 
 def test_the_finding_says_the_share_that_holds(made_up: xr.Dataset) -> None:

@@ -303,13 +303,17 @@ def _of_system() -> float:
 
 
 def _of_container() -> float:
-    """Return the memory left in a container [bytes]; infinite where there is no limit."""
+    """Return the memory left in a container [bytes]; infinite where there is no limit.
+
+    Pages of files that were not read lately count as free: the system takes them back when memory is short.
+    """
     with suppress(OSError, ValueError):
-        limit, used = (
-            float((CGROUP / f"memory.{name}").read_text(encoding="utf-8"))
-            for name in ("max", "current")
+        limit, used, statistics = (
+            (CGROUP / f"memory.{name}").read_text(encoding="utf-8")
+            for name in ("max", "current", "stat")
         )
-        return limit - used
+        amounts = dict(line.split() for line in statistics.splitlines())
+        return float(limit) - float(used) + float(amounts.get("inactive_file", 0))
     return inf
 
 

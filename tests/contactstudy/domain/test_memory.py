@@ -40,12 +40,13 @@ def test_memory_left_is_that_of_the_system_or_what_a_limit_of_the_process_leaves
         resource.setrlimit(resource.RLIMIT_AS, limits)
 
 
-def test_a_container_leaves_its_limit_less_what_it_uses(
+def test_a_container_leaves_its_limit_less_what_it_uses_beside_files(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(device, "CGROUP", tmp_path)
     (tmp_path / "memory.current").write_text("300\n")
-    for limit, left in (("1000\n", 700), ("200\n", 0)):
+    (tmp_path / "memory.stat").write_text("anon 180\nfile 120\ninactive_file 100\n")
+    for limit, left in (("1000\n", 800), ("200\n", 0)):
         (tmp_path / "memory.max").write_text(limit)
         assert device.available_bytes() == left
     (tmp_path / "memory.max").write_text("max\n")  # no limit

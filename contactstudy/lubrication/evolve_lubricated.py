@@ -314,7 +314,7 @@ class _FilmStepper:
     ) -> "_FilmStepper":
         """Return a time stepper at the steady film of the first time."""
         load, largest = scene.load, scene
-        first_load = load.largest
+        first_load = scene.largest_load
         if isinstance(load, ChangingLoad):
             largest, first_load = replace(scene, load=LineLoad(load.largest)), load.at(start)
         posed = pose(largest, grid, padding)
@@ -358,7 +358,9 @@ class _FilmStepper:
         middle = speed(self.time + length / 2)
         distance = self.distance + length * (speed(self.time) + 4 * middle + speed(end)) / 6
         load = self.scene.load
-        load_before = load.before(end) if isinstance(load, ChangingLoad) else load.largest
+        load_before = (
+            load.before(end) if isinstance(load, ChangingLoad) else self.scene.largest_load
+        )
         now = self._posed_at(end, distance, load_before)
         equation, step = now.equation, length / self.time_unit
         expected = self._expected(now, end / self.time_unit)
@@ -407,7 +409,7 @@ class _FilmStepper:
         posed = self.posed.with_gap(gap)
         equation = replace(
             posed.equation,
-            load=self.posed.equation.load * load / self.scene.load.largest,
+            load=self.posed.equation.load * load / self.scene.largest_load,
             speed=scales.lubrication.speed_at(time) / scales.lubrication.largest_speed,
         )
         return replace(posed, equation=equation)

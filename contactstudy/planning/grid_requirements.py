@@ -20,7 +20,6 @@ from contactstudy.domain.grid import (
     across_and_along,
 )
 from contactstudy.domain.units import readable
-from contactstudy.scene.loads.constant_load import TotalLoad
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.shapes.shape import LengthScales, length_scales_of
 from contactstudy.scene.solids.bodies import Layered
@@ -428,8 +427,9 @@ def grid_requirements(scene: Scene, padding: Padding | Paddings | None = None) -
                 "`length_scales`, or choose the grid yourself."
             )
     length_scales = tuple(length_scales_of(scene.shapes))
-    if isinstance(scene.load, TotalLoad) and any(scales.roller for scales in length_scales):
-        length_scales += (LengthScales(roller=scene.load.roller_length),)
+    length = scene.roller_length
+    if length is not None and any(scales.roller for scales in length_scales):
+        length_scales += (LengthScales(roller=length),)
     coatings = tuple(solid for solid in scene.solids if isinstance(solid, Layered))
     requirements = GridRequirements(
         scene.hertz, length_scales, scene.hardness, coatings, given_padding=padding

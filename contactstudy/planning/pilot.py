@@ -262,7 +262,7 @@ def _of_steady_rolling(
     if scene.takes_times:
         recorded = steps.instants_of(scene.load)
         instants = 1 if recorded is None else np.size(recorded)
-        steady = replace(scene, load=LineLoad(scene.load.largest))
+        steady = replace(scene, load=LineLoad(scene.largest_load))
     watch, fraction = _Watch(CONSTANTS.time_limit), fraction_of_fall()
 
     def report(change: float, allowed: float) -> None:

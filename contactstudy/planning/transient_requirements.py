@@ -12,7 +12,7 @@ from contactstudy.evolution.states.plastic_volume import layers
 from contactstudy.planning.grid_requirements import CONSTANTS as GRID
 from contactstudy.scene.loads.constant_load import LineLoad, TotalLoad
 from contactstudy.scene.loads.load_history import ChangingLoad
-from contactstudy.scene.scene import AnyLoad, Scene
+from contactstudy.scene.scene import Scene
 from contactstudy.scene.solids.bodies import contact_modulus, instantaneous, yields
 from contactstudy.scene.solids.viscoelastic import ViscoelasticHalfSpace, relaxed
 
@@ -206,7 +206,7 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
         Last time [s]; None ends where the load does.
     """
     # the length of a roller may be that of its total load
-    load = scene.load if isinstance(scene.load, TotalLoad) else LineLoad(scene.load.largest)
+    load = scene.load if isinstance(scene.load, TotalLoad) else LineLoad(scene.largest_load)
     # forces in time do not change the grid, and belong to loads of other times
     friction = None if getattr(scene.friction, "times", None) else scene.friction
     elastic = replace(
@@ -244,15 +244,15 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
     if plastic is not None:
         half_width = max(half_width, plastic.half_extent / GRID.width_factor)
     if scene.wear is not None and hertz is not None and duration:
-        worn_area = scene.wear.rate_per_pressure * load.per_length * duration
+        worn_area = scene.wear.rate_per_pressure * elastic.largest_load * duration
         half_width = float(np.cbrt(half_width**3 + 1.5 * hertz.radius * worn_area))
-    least, warnings = _smallest_load(scene.load, last)
+    least, warnings = _smallest_load(scene, last)
     if plastic is not None:  # errors are relative to the pressure of the largest load
-        least, warnings = load.per_length, ()
+        least, warnings = elastic.largest_load, ()
     reasons: tuple[str, ...] = ()
-    if least < load.per_length:
+    if least < elastic.largest_load:
         reasons = (f"load: the cells are for loads from {readable(least, 'N m-1')} on.",)
-    narrow = elastic if least == load.per_length else replace(elastic, load=LineLoad(least))
+    narrow = elastic if least == elastic.largest_load else replace(elastic, load=LineLoad(least))
     width = 2 * GRID.width_factor * half_width
     return TransientRequirements(
         narrow,
@@ -266,10 +266,11 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
     )
 
 
-def _smallest_load(load: AnyLoad, end: float) -> tuple[float, tuple[str, ...]]:
+def _smallest_load(scene: Scene, end: float) -> tuple[float, tuple[str, ...]]:
     """Return the smallest load that is planned for [N/m], and a warning where the load is smaller."""
+    load = scene.load
     if not isinstance(load, ChangingLoad):
-        return load.largest, ()
+        return scene.largest_load, ()
     times = np.linspace(load.start, max(end, load.start), CONSTANTS.load_samples)
     loads = np.array([load.at(float(time)) for time in times])
     least = max(float(loads.min()), CONSTANTS.min_load_fraction * load.largest)

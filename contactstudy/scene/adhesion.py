@@ -125,7 +125,7 @@ class Adhesion:
             )
         load: Any = scene.load
         if self.branch == Branch.FROM_AFAR.value and not isinstance(load, Approach):
-            first = load.at(load.start) if isinstance(load, ChangingLoad) else load.largest
+            first = load.at(load.start) if isinstance(load, ChangingLoad) else scene.largest_load
             if first <= 0:
                 raise InvalidInput(
                     f"Scene.load begins with {readable(first, 'N m-1')} together with Adhesion: bodies from afar do "

@@ -154,7 +154,7 @@ class Scene:
         set_fields(self, hardness=in_range_or_infinite("Scene.hardness", self.hardness, remedy))
 
     def _check_load(self) -> None:
-        """Check the load; a total load takes the length of the shortest roller."""
+        """Check the load, and the length of its roller."""
         remedy = "give a LineLoad, a TotalLoad, or one that changes in time, such as a LoadHistory"
         if not isinstance(self.load, ConstantLoad | Approach | PullOff):
             _instance("Scene.load", self.load, ChangingLoad, remedy)
@@ -165,9 +165,7 @@ class Scene:
                 )
             if hasattr(self.load, "check_compressive"):
                 self.load.check_compressive()
-        if isinstance(self.load, TotalLoad):
-            lengths = [d.roller for d in length_scales_of(self.shapes) if 0 < d.roller < inf]
-            set_fields(self, load=self.load.on_rollers(lengths))
+        _ = self.roller_length  # which refuses a total load without one
 
     def _check_approach(self) -> None:
         """Check a search or an approach in place of a load, once every effect is checked."""
@@ -243,9 +241,24 @@ class Scene:
         return 1 / curvature if curvature > 0 else None
 
     @property
+    def roller_length(self) -> float | None:
+        """Length of the roller [m]: that of its total load, or of the shortest that the shapes end; None if endless."""
+        lengths = [d.roller for d in length_scales_of(self.shapes) if 0 < d.roller < inf]
+        shortest = min(lengths, default=None)
+        return self.load.length_on(shortest) if isinstance(self.load, TotalLoad) else shortest
+
+    @property
+    def largest_load(self) -> float:
+        """Largest load over time [N/m], a total load over the length of its roller; 0 where an approach is given."""
+        if not isinstance(self.load, TotalLoad):
+            return self.load.largest
+        assert self.roller_length is not None
+        return self.load.total / self.roller_length
+
+    @property
     def reference_load(self) -> float:
         """Largest load [N/m], given or estimated from an approach, or more where the attraction adds to it."""
-        largest = self.load.largest
+        largest = self.largest_load
         if isinstance(self.load, Approach) and self.radius is not None:
             largest = self.load.estimated_load(self.contact_modulus)
             if largest > 0:  # the half-width under it is that of any modulus
@@ -381,7 +394,7 @@ class Scene:
         """
         load = self.load
         if isinstance(load, TotalLoad) and self.repeats(padding):
-            return load.per_length
+            return self.largest_load
         assert not isinstance(load, ChangingLoad | Approach)
         return load.mean_over(grid.length)
 

@@ -58,7 +58,7 @@ def measures(case: Rough, solution: cs.Solution) -> Mapping[str, xr.Variable]:
     assert hertz is not None
     stick, stick_sphere = [], []
     for fraction in FRACTIONS:
-        slip = PartialSlip(MU, fraction * MU * case.scene.load.largest)
+        slip = PartialSlip(MU, fraction * MU * case.scene.largest_load)
         slipping = replace(case, scene=replace(case.scene, friction=slip))
         stick_width = cs.solve(slipping.prepare()).stick.sum() * case.grid.cell_size[0] / 2
         stick.append(float(stick_width) / hertz.half_width)
@@ -137,7 +137,7 @@ def _superposition(case: Rough) -> tuple[float, float]:
     """
     rms = 0.3 * A**2 / (2 * HERTZ.radius)
     rough = cs.Roughness(rms, hurst=0.8, roll_off=0.8 * A, cut_off=0.2 * A, seed=1)
-    slip = PartialSlip(MU, 0.5 * MU * case.scene.load.largest)
+    slip = PartialSlip(MU, 0.5 * MU * case.scene.largest_load)
     scene = replace(case.scene, shapes=(*case.scene.shapes, rough), friction=slip)
     n = case.cells_rough
     problem = scene.problem(cs.Grid((n, n), (3.2 * A, 3.2 * A)), cs.ExactPeriodicity())

@@ -77,7 +77,7 @@ class ProgramRun:
 
     def record(self, result: Array) -> Mapping[str, xr.Variable]:
         """Return the load carried over the load given: they should agree."""
-        load = SCENE.load.largest * self.grid.length
+        load = SCENE.largest_load * self.grid.length
         carried = float(result.sum()) * self.grid.cell_area
         return {"load_carried": dimensionless(carried / load, "load carried over load given")}
 
@@ -116,7 +116,7 @@ def _contact_mechanics(program_run: ProgramRun) -> Callable[[], Array]:
         result = constrained_conjugate_gradients(
             substrate,
             Topography(heights, grid.extent),
-            external_force=SCENE.load.largest * grid.length,
+            external_force=SCENE.largest_load * grid.length,
             pentol=1e-8 * P_H * A / MODULUS,
             forcetol=1e-8 * P_H * grid.cell_area,
         )
@@ -147,7 +147,7 @@ def _tamaas(program_run: ProgramRun) -> Callable[[], Array]:
     solver.dump_freq = 100_000
 
     def solve() -> Array:
-        solver.solve(SCENE.load.largest / grid.extent[0])
+        solver.solve(SCENE.largest_load / grid.extent[0])
         return np.array(model.traction)
 
     return solve
@@ -170,7 +170,7 @@ def _aspher(program_run: ProgramRun) -> Callable[[], Array]:
         result = peer.solve_nested(
             program_run.cells,
             gap / A,
-            SCENE.load.largest / grid.extent[0] / MODULUS,
+            SCENE.largest_load / grid.extent[0] / MODULUS,
             domain_size=grid.extent[0] / A,
             coarsest=coarsest,
             tol=1e-9,

@@ -66,7 +66,7 @@ def case_at(point: Point) -> SceneCase:
 
 def measures(case: SceneCase, result: TimedAnswer) -> Mapping[str, xr.Variable]:
     """Return the contact under the largest load and the remaining dent, and both with a hardness in place of yield."""
-    peak = case.scene.load.largest * 2 / pi
+    peak = case.scene.largest_load * 2 / pi
     x = case.grid.x
     loaded, last = result.trajectory.frames[-2:]
     equivalent_strain = last.coupled_state["equivalent0"]
@@ -111,7 +111,7 @@ def _hardness_limited(case: SceneCase) -> cs.Solution:
     """Solve an elastic contact of the same largest load, with a hardness."""
     scene = replace(
         case.scene,
-        load=cs.LineLoad(case.scene.load.largest),
+        load=cs.LineLoad(case.scene.largest_load),
         solids=(cs.HalfSpace(MODULUS, POISSON), RIGID),
         hardness=HARDNESS_OVER_YIELD,
     )

@@ -145,7 +145,7 @@ def units() -> dict[str, HardCase]:
     ):
         pascal = newton / metre**2
         solid = replace(STEEL, youngs_modulus=STEEL.youngs_modulus * pascal)
-        load = cs.LineLoad(SCENE.load.largest * newton / metre)
+        load = cs.LineLoad(SCENE.largest_load * newton / metre)
         plain = with_heights(ROUGH)
         heights = cs.MeasuredSurface(ROUGH * HERTZ_HEIGHT * metre)
         converted = cs.Scene(load, (solid, solid), (cs.Cylinder(0.01 * metre), heights))

@@ -133,8 +133,8 @@ def _solver() -> dict[str, HardCase]:
     """Return contacts with extreme tolerances, limits and starts."""
     case = partial(replace, HardCase(with_heights(3 * ROUGH), grid(), AT_EDGE))
     # heights of 0.1 flatten at four times their load
-    pressed = replace(with_heights(ROUGH), load=cs.LineLoad(16 * SCENE.load.largest))
-    capped = replace(with_heights(ROUGH, FLAT), hardness=1.0001 * SCENE.load.largest / (2.4 * A))
+    pressed = replace(with_heights(ROUGH), load=cs.LineLoad(16 * SCENE.largest_load))
+    capped = replace(with_heights(ROUGH, FLAT), hardness=1.0001 * SCENE.largest_load / (2.4 * A))
     single = cs.SolveOptions(1e-10, precision=cs.Precision.SINGLE)
     return {
         "tolerance 1e-14": case(

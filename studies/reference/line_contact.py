@@ -16,7 +16,7 @@ from studies.model.study import Point
 
 STEEL = cs.HalfSpace(youngs_modulus=210e9, poisson_ratio=0.3)
 SCENE = cs.Scene(load=cs.LineLoad(1e5), solids=(STEEL, STEEL), shapes=(cs.Cylinder(radius=0.01),))
-HERTZ = cs.analytic.HertzLine(SCENE.load.largest, 0.01, SCENE.contact_modulus)
+HERTZ = cs.analytic.HertzLine(SCENE.largest_load, 0.01, SCENE.contact_modulus)
 A, P_H = HERTZ.half_width, HERTZ.peak_pressure
 # [m], height of the cylinder at the edge of the contact, a^2 / (2 R) = p_H a / E*
 HERTZ_HEIGHT = A**2 / (2 * HERTZ.radius)

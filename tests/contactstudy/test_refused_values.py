@@ -81,7 +81,6 @@ VALUES: list[tuple[str, Callable[[Any], object], list[Any]]] = [
         lambda one: replace(SMOOTH, load=cs.LineLoad(one)), [0.0, -0.0, -1.0, nan, inf, 10**400, None],
     ),
     ("Scene.load is a TotalLoad* give TotalLoad.length", field(SMOOTH, "load"), [cs.TotalLoad(100.0)]),
-    ("TotalLoad.length is None", lambda one: cs.TotalLoad(one).largest, [100.0]),
     ("LoadHistory.per_length has 1 loads", lambda one: cs.LoadHistory((0.0, 1.0), one), [(1.0,)]),
     ("LoadHistory.per_length is 0 throughout", lambda one: cs.LoadHistory((0.0, 1.0), one), [(0.0, 0.0)]),
     ("LoadHistory.times[1]", lambda one: cs.LoadHistory(one, (1.0, 1.0)), [(1.0, 0.0)]),

@@ -8,7 +8,6 @@ from contactstudy.domain.errors import ErrorParts
 from contactstudy.domain.units import readable
 from contactstudy.scene.loads.constant_load import TotalLoad
 from contactstudy.scene.scene import PosedScene
-from contactstudy.scene.shapes.shape import length_scales_of
 
 NO_ESTIMATE = "No bound: no estimate of its error is known."
 RELATIVE_TO_ZERO = "No bound: the value is 0, and its error is known relative to it alone."
@@ -94,12 +93,9 @@ def roller_length(posed: PosedScene | None) -> float | None:
     if posed is None:
         return None
     scene = posed.scene
-    if isinstance(scene.load, TotalLoad):
-        length = scene.load.roller_length
-        is_period = length != posed.grid.length and scene.repeats(posed.padding)
-        return None if is_period else length
-    lengths = (scales.roller for scales in length_scales_of(scene.shapes))
-    return min((length for length in lengths if 0 < length < inf), default=None)
+    length = scene.roller_length
+    given = isinstance(scene.load, TotalLoad) and length != posed.grid.length
+    return None if given and scene.repeats(posed.padding) else length
 
 
 def per_length(

@@ -150,7 +150,7 @@ class Fretting:
         if self.times is not None:
             self._check_forces(scene)
             return
-        limit = transmitted_force(scene, self.coefficient, scene.load.largest)
+        limit = transmitted_force(scene, self.coefficient, scene.largest_load)
         for number, force in enumerate(self.forces or ()):
             if not abs(force) < limit:
                 raise InvalidInput(
@@ -181,7 +181,7 @@ class Fretting:
             return
         times = np.linspace(history.start, history.end, SAMPLES).tolist()
         for time in sorted({*times, *history.times, *getattr(load, "times", ())}):
-            pressed = load.at(time) if isinstance(load, ChangingLoad) else load.largest
+            pressed = load.at(time) if isinstance(load, ChangingLoad) else scene.largest_load
             limit = transmitted_force(scene, self.coefficient, pressed)
             force = history.at(time)
             if abs(force) > 0 and not abs(force) < limit:

@@ -64,7 +64,7 @@ class PartialSlip:
         check_static(scene, "PartialSlip")
         check_tangential_response(scene, "PartialSlip", ", or Sliding")
         check_similar(scene, "PartialSlip", ", or Sliding")
-        self._check_force(transmitted_force(scene, self.coefficient, scene.load.largest))
+        self._check_force(transmitted_force(scene, self.coefficient, scene.largest_load))
 
     def _check_force(self, limit: float) -> None:
         """Raise :class:`~contactstudy.InvalidInput` unless the force is below the `limit` [N/m] of friction."""

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from math import isinf
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from contactstudy.domain.checks import InvalidInput, check_fields, in_range_or_zero, suggest_fields
 from contactstudy.domain.fields import Array
@@ -111,7 +111,7 @@ class TractiveRolling:
         if isinstance(scene.load, ChangingLoad):
             check_slow("TractiveRolling", self.speed, scene.load, scene.hertz)
         check_standing("TractiveRolling", scene.shapes)
-        limit = transmitted_force(scene, self.coefficient, _least(scene.load))
+        limit = transmitted_force(scene, self.coefficient, _least(scene))
         if self.tangential is not None and not abs(self.tangential) < limit:
             raise InvalidInput(
                 f"TractiveRolling.tangential is {self.tangential!r}: friction transmits less than "
@@ -161,9 +161,10 @@ class TractiveRolling:
         return f"{sentence}." + f" {STATIONARY_HEIGHTS}" * self._has_moving_roughness(scene)
 
 
-def _least(load: Any) -> float:
+def _least(scene: SceneContext) -> float:
     """Return the least load [N/m]."""
+    load = scene.load
     if not isinstance(load, ChangingLoad):
-        return float(load.largest)
+        return scene.largest_load
     ends = load.at(load.start), load.at(load.end)
     return min(*ends, *loads_between(load, load.start, load.end))

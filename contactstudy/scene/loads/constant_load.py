@@ -1,15 +1,13 @@
 """Constant loads that press the bodies together."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 from math import isclose
-from typing import Self
 
 from contactstudy.domain.checks import (
     InvalidInput,
     check_fields,
     in_range,
     in_range_or_zero,
-    set_fields,
     suggest_fields,
 )
 from contactstudy.domain.units import Metres, Newtons, NewtonsPerMetre
@@ -74,16 +72,14 @@ class TotalLoad:
 
     total: Newtons
     length: Metres | None = None
-    _length_of_shapes: float | None = field(default=None, init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         check_fields(self, total=(in_range_or_zero, "give a load above 0 N"))
         if self.length is not None:
             check_fields(self, length=(in_range, "give the roller's length above 0 m"))
 
-    def on_rollers(self, lengths: list[float]) -> Self:
-        """Return this load on the shortest of rollers with these `lengths` [m], which the shapes of a scene have."""
-        shortest = min(lengths, default=None)
+    def length_on(self, shortest: float | None) -> float:
+        """Return the length of the roller [m]: that given, or else that of the `shortest` roller among the shapes."""
         length = self.length or shortest
         if length is None:
             raise InvalidInput(
@@ -95,26 +91,7 @@ class TotalLoad:
                 f"TotalLoad.length is {length!r}, and the shortest roller among the shapes is {shortest!r} m long: "
                 "leave it out, or give the shapes that length."
             )
-        load = replace(self)
-        set_fields(load, _length_of_shapes=shortest)
-        return load
-
-    @property
-    def roller_length(self) -> float:
-        """Length of the roller [m]: that given, or else that of the shapes of its scene."""
-        length = self.length or self._length_of_shapes
-        if length is None:
-            raise InvalidInput(
-                "TotalLoad.length is None, and no shape of the scene has a length: give the length of the roller."
-            )
         return length
-
-    @property
-    def per_length(self) -> float:
-        """Mean load over the length of the roller [N/m]."""
-        return self.total / self.roller_length
-
-    largest = per_length
 
     def mean_over(self, period: float) -> float:
         """Return the mean load [N/m] over the `period` [m] of a grid."""

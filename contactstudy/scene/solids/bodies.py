@@ -192,6 +192,10 @@ class SceneContext(Protocol):
         """Load of the scene."""
 
     @property
+    def largest_load(self) -> float:
+        """Largest load over time [N/m]."""
+
+    @property
     def hardness(self) -> float:
         """Hardness [Pa], infinite for none."""
 

@@ -78,7 +78,7 @@ class ClosedForm:
         fine = cs.Grid((nx * across, ny * along), grid.extent)
         values = np.broadcast_to(self.pressure(fine.x[:, None], fine.y), fine.cells)
         means = values.reshape(nx, across, ny, along).mean(axis=(1, 3))
-        load = case.scene.load.largest * grid.length / grid.cell_area
+        load = case.scene.largest_load * grid.length / grid.cell_area
         # a pole is lost between the points; the load is not
         return Truth(means * (load / means.sum()), self.highest, self.area)
 

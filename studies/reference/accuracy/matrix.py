@@ -99,7 +99,7 @@ def rollers() -> Iterator[AccuracyCase]:
     length = 12 * A
     truth = Finer((4, 4), (FREE, FREE))
     lundberg = cs.LundbergProfile.for_load(
-        SCENE.load.largest, contact_modulus=MODULUS, radius=HERTZ.radius, length=length
+        SCENE.largest_load, contact_modulus=MODULUS, radius=HERTZ.radius, length=length
     )
     ended = cs.FiniteLength(length)
     for cells in ((32, 48), (60, 100)):

@@ -89,7 +89,7 @@ def waves() -> Iterator[AccuracyCase]:
 
 def sharp() -> Iterator[AccuracyCase]:
     """Yield a flat punch and a wedge, whose peak pressure is infinite."""
-    load = SCENE.load.largest
+    load = SCENE.largest_load
     for cells in (64, 128, 250, 512):
         grid = cs.Grid((cells, 1), (4 * A, A))
         heights = np.where(np.abs(grid.x) < A, 0.0, -50 * HERTZ_HEIGHT)[:, None]
@@ -143,7 +143,7 @@ def full() -> Iterator[AccuracyCase]:
 def yielding() -> Iterator[AccuracyCase]:
     """Yield contacts whose cells are all at the hardness: a strip of a known width."""
     for fraction in (0.3, 0.4, 0.5):
-        half = SCENE.load.largest / (2 * fraction * P_H)
+        half = SCENE.largest_load / (2 * fraction * P_H)
         for cells in (40, 101, 256):
             grid = cs.Grid((cells, 1), (2.6 * half, A))
             truth = ClosedForm(_strip(half, fraction * P_H), fraction * P_H, 1 / 1.3, 512)
@@ -155,7 +155,7 @@ def _cylinder(offset: float) -> Pressure:
 
 
 def _under_wedge(x: Array, _: Array) -> Array:
-    pressure = SCENE.load.largest / pi / A * np.arccosh(1 / np.minimum(np.abs(x / A), 1))
+    pressure = SCENE.largest_load / pi / A * np.arccosh(1 / np.minimum(np.abs(x / A), 1))
     return np.asarray(pressure)
 
 

@@ -225,7 +225,7 @@ def test_a_contact_inside_one_cell_has_the_largest_l1_error(line_contact: LineCo
 def test_a_contact_that_yields_in_all_its_cells_has_a_bound(line_contact: LineContact) -> None:
     """The load at the hardness fills 32 of 40 cells, so that no cell is left below the hardness."""
     soft = replace(line_contact.scene, hardness=line_contact.hertz.peak_pressure / 8)
-    width = 40 / 32 * soft.load.largest / soft.hardness
+    width = 40 / 32 * soft.largest_load / soft.hardness
     solution = cs.solve(soft.problem(cs.Grid((40, 1), (width, width)), EXACT))
     # a cell may be left some machine epsilons below
     yields = solution.pressure > (1 - 1e-12) * soft.hardness

@@ -38,7 +38,7 @@ def test_a_modulus_in_gigapascals_is_noticed() -> None:
 
 
 def test_a_load_a_thousand_times_too_large_is_noticed(line_contact: LineContact) -> None:
-    scene = replace(line_contact.scene, load=cs.LineLoad(3e3 * line_contact.scene.load.largest))
+    scene = replace(line_contact.scene, load=cs.LineLoad(3e3 * line_contact.scene.largest_load))
     half_width: Any = scene.hertz.half_width  # type: ignore[union-attr]
     (warning,) = warned(scene, cs.Grid((64, 1), (2.4 * half_width, 1.0)))
     assert "is the load or a radius given in another unit" in warning
@@ -71,7 +71,7 @@ def test_a_pressure_beyond_first_yield_is_said_with_the_load_of_first_yield(
     line_contact: LineContact,
 ) -> None:
     (warning,) = of_strength(line_contact, yield_stress=0.5)
-    load = line_contact.scene.load.largest * (0.5 / 0.5577) ** 2
+    load = line_contact.scene.largest_load * (0.5 / 0.5577) ** 2
     assert f"first yields in a smooth line contact at {load / 1e3:.3g} N/mm" in warning
     assert of_strength(line_contact, yield_stress=0.6) == []
 

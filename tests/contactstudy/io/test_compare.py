@@ -128,10 +128,10 @@ def test_keys_in_which_the_scenes_differ_are_said_and_numbers_are_in_per_cent(
     line_contact: LineContact,
 ) -> None:
     grid = line_contact.grid((16, 1), 1.6)
-    heavier = replace(line_contact.scene, load=cs.LineLoad(1.21 * line_contact.scene.load.largest))
+    heavier = replace(line_contact.scene, load=cs.LineLoad(1.21 * line_contact.scene.largest_load))
     a, b = (cs.solve(scene, grid, cs.ExactPeriodicity()) for scene in (line_contact.scene, heavier))
     found = cs.compare(a, b)
-    loads = line_contact.scene.load.largest, heavier.load.largest
+    loads = line_contact.scene.largest_load, heavier.load.largest
     assert found.differing == (f"load.per_length: {loads[0]:.6g} and {loads[1]:.6g}",)
     text = str(found)
     assert "load: +21 %\n" in text

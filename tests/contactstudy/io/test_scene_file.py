@@ -138,7 +138,6 @@ def test_either_axis_has_its_padding(tmp_path: Path) -> None:
         ('[load]\nper_length = "100 N/mm"', "", "load: it is missing: give a table."),
         ('per_length = "100 N/mm"', "", "it is missing: give a load per length, such as '100 N/mm'"),
         ("rms = {slope = 0.01}", "", "shapes[1].rms: it is missing: give a length, such as"),
-        ("[load]", '[load]\n_length_of_shapes = 1', "unknown key '_length_of_shapes': choose from "),
         ("[load]", '[load]\ntotal = "1 kN"', "load: it has per_length, total together: give the keys of"),
         ('"100 N/mm"', '"1,5 N/mm"', "with a decimal point"),
         ("hurst = 0.8", 'hurst = "much"', "shapes[1].hurst: it is 'much': give a number"),
@@ -257,7 +256,7 @@ def test_a_material_gives_a_body_that_yields_its_yield_stress(tmp_path: Path) ->
 def test_a_total_load_is_spread_over_the_roller_or_the_grid(
     extra: str, length: float, tmp_path: Path
 ) -> None:
-    assert read(STEEL_ROLLER + extra, tmp_path).scene.load.per_length == 2e3 / length
+    assert read(STEEL_ROLLER + extra, tmp_path).scene.largest_load == 2e3 / length
 
 
 @pytest.mark.cases(100)

@@ -147,9 +147,9 @@ def test_a_total_load_on_an_endless_roller_is_spread_over_its_length_at_any_peri
 
 def test_the_length_is_that_of_the_shortest_roller() -> None:
     roller = scene(cs.TotalLoad(100.0), *ROLLER, cs.LundbergProfile(1e-6, 2e-6, 2 * LENGTH))
-    assert roller.load.largest == 100.0 / LENGTH
+    assert roller.largest_load == 100.0 / LENGTH
     shorter = replace(roller, shapes=(*roller.shapes, cs.FiniteLength(LENGTH / 2)))
-    assert shorter.load.largest == 200.0 / LENGTH
+    assert shorter.largest_load == 200.0 / LENGTH
 
 
 # E / (1 - nu^2): 80, 75 and 64 GPa

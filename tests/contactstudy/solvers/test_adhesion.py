@@ -29,7 +29,7 @@ def force(solution: cs.Solution) -> float:
 
 def pulled(scene: cs.Scene, grid: cs.Grid, error: float, padding: object = LINE) -> cs.Solution:
     """The last state held of a scene under a pull, begun at the scene's load."""
-    pull = cs.PullOff(scene.load.largest, error)
+    pull = cs.PullOff(scene.largest_load, error)
     solution = cs.solve(replace(scene, load=pull), grid, padding, tolerance=1e-9)  # type: ignore[arg-type]
     assert solution.status is cs.Status.CONVERGED
     return solution

@@ -79,7 +79,7 @@ def test_a_self_affine_surface_bears_the_load_of_its_share_and_ends_at_so_many_c
     """Persson (2001): the fraction is erf(sqrt(2) p / (E* slope)), p the mean pressure."""
     grid = cs.Grid((64, 64), (3e-3, 3e-3))
     scene = self_affine(grid, 0.5, 4.0, 0.3)
-    mean = scene.load.largest / 3e-3
+    mean = scene.largest_load / 3e-3
     shape = scene.shapes[0]
     assert shape.rms == cs.RmsSlope(0.1)
     assert shape.roll_off == pytest.approx(3e-3 / 4)

@@ -31,7 +31,7 @@ def test_a_closed_form_carries_its_load_on_its_area_up_to_its_peak_pressure(name
     places = [(np.arange(n) + 0.5) / n - 0.5 for n in count]
     x, y = (fraction * side for fraction, side in zip(places, case.grid.extent, strict=True))
     pressure = np.broadcast_to(truth.pressure(x[:, None], y), count)
-    load = case.scene.load.largest
+    load = case.scene.largest_load
     carried = pressure.mean() * case.grid.extent[0]
     # of a pole's load beside an edge the root of a step is lost, and its width over that of the contact
     step = 1 / (count[0] * truth.area)

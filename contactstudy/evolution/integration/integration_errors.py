@@ -15,7 +15,7 @@ from contactstudy.domain.errors import ErrorParts
 from contactstudy.domain.fields import Array
 from contactstudy.evolution.integration.time_stepper import Instant, TimeStepper
 from contactstudy.evolution.states.state_variables import HasTimeDiscretisationError
-from contactstudy.solvers.solution import Solution
+from contactstudy.solvers.solution import Solution, Status
 
 # Halving the steps leaves 0.5 to 0.6 of errors of first order: the error is up to 1.5 times the difference.
 FIRST_ORDER_FACTOR = 1.5
@@ -40,7 +40,8 @@ class IntegrationErrors:
     largest_by_cells
         Largest error by the cells of a recorded contact, summed over the cells [Pa].
     largest_by_residual
-        The same by the residual, of all contacts that stopped before the tolerance.
+        The same by the residual, of contacts that stopped before the tolerance; at the rounding of the precision only of
+        those recorded, as it is the same in all.
     """
 
     stepper: TimeStepper
@@ -104,8 +105,9 @@ class IntegrationErrors:
 
     def keep(self, contacts: Iterable[Solution]) -> None:
         """Keep the errors of contacts that stopped before the tolerance, on whose pressure later states depend."""
-        for contact in contacts:
-            if not contact.status.has_converged and contact.pressure.any():
+        for contact in contacts if self.stepper.all_state_variables else ():
+            stopped = contact.status not in (Status.PRECISION_LIMIT, Status.DETACHED)
+            if stopped and not contact.status.has_converged and contact.pressure.any():
                 total = residual_errors(contact).l1 * float(contact.pressure.sum())
                 self.largest_by_residual = max(self.largest_by_residual, total)
 
@@ -129,6 +131,8 @@ class IntegrationErrors:
         # creep and wear keep the errors of earlier pressures, so that they enter later frames
         cells, residual = (estimate.l1.by_cause[cause] for cause in ("discretisation", "residual"))
         self.largest_by_cells = max(self.largest_by_cells, cells * total)
+        if not solution.status.has_converged:
+            self.largest_by_residual = max(self.largest_by_residual, residual * total)
         if self.stepper.all_state_variables:
             residual = max(residual, self.largest_by_residual / total)
         if self.stepper.coupled is not None:

@@ -16,6 +16,9 @@ from contactstudy.solvers.solution import Solution, net_pressure
 
 # Error of the largest stress over the L1 error of the pressure.
 STRESS_ERROR = 0.5
+# Error of the approach by a range that was chosen for the grid, over that range times the relative error of the area by
+# it: at most 0.07 on 27 cylinders against the JKR limit.
+APPROACH_BY_RANGE = 0.2
 NO_DATUM = (
     "No bound for the approach: it counts from a place that depends on the images that the padding leaves out, "
     f"{IMAGES_REMEDY}."
@@ -25,6 +28,10 @@ AT_SURFACE = "No bound for the depth: the largest stress lies at the surface."
 NO_COARSER = (
     "No bound for the stress: there is no solution on cells of twice the size to compare with."
 )
+NO_STRESS_LIMIT = (
+    "No bound for the stress: in the JKR limit it grows without limit towards the edges of the contact, give "
+    "Adhesion.range."
+)
 
 
 def approach_error(
@@ -32,8 +39,9 @@ def approach_error(
 ) -> ErrorParts:
     """Return the relative error of the approach.
 
-    By the cells it is the larger of that by the L1 error of the pressure and of the change from larger cells. It is
-    infinite, with the reason, where images are left out or the approach is zero.
+    By the cells it is the larger of that by the L1 error of the pressure and of the change from larger cells. A range of
+    attraction that was chosen for the grid adds `APPROACH_BY_RANGE`. It is infinite, with the reason, where images are
+    left out or the approach is zero.
 
     Parameters
     ----------
@@ -56,7 +64,11 @@ def approach_error(
     cells, residual = estimate.l1.discretisation or 0.0, estimate.l1.residual or 0.0
     shift = max(change, BOUND.gap_error * cells * varies)
     reason = next(iter(estimate.warnings), "") if shift == inf else ""
-    return ErrorParts(0.0, shift / size, residual * varies / size, reason=reason)
+    by_range = None
+    if solution.adhesion is not None and estimate.contact_area is not None:
+        moved = estimate.contact_area.range
+        by_range = moved and APPROACH_BY_RANGE * solution.adhesion.range * moved / size
+    return ErrorParts(0.0, shift / size, residual * varies / size, range=by_range, reason=reason)
 
 
 def stress_errors(
@@ -73,7 +85,8 @@ def stress_errors(
     everywhere, as does the change from larger cells. Images that the padding leaves out change the pressure, and lack
     with their own stress: it is computed with all of them. Between cells and between depths the maximum lies above the
     largest value by the parabola through three of them. Any depth may be that of the largest stress where the stress
-    comes as near to it as its errors; a single depth is given, and has none.
+    comes as near to it as its errors; a single depth is given, and has none. Both are infinite where the range of an
+    attraction was chosen for the grid.
 
     Parameters
     ----------
@@ -93,6 +106,9 @@ def stress_errors(
     peak = float(largest[level])
     if coarse is None or not peak > 0:
         no_bound = ErrorParts(discretisation=inf, reason=NO_COARSER)
+        return no_bound, no_bound
+    if solution.adhesion is not None and solution.adhesion.regularised:
+        no_bound = ErrorParts(range=inf, reason=NO_STRESS_LIMIT)
         return no_bound, no_bound
     images = estimate.l1.images or 0.0
     if images:

@@ -313,7 +313,7 @@ def jkr_line(
 
 @pytest.mark.parametrize("load", [2.0, 10.0, 60.0])
 @pytest.mark.parametrize("count", [150, 480])
-def test_in_the_limit_of_short_ranges_the_net_traction_and_the_area_are_bounded_against_jkr(
+def test_in_the_limit_of_short_ranges_net_traction_area_and_approach_are_bounded_against_jkr(
     load: float, count: int
 ) -> None:
     scene = cs.Scene(
@@ -321,6 +321,7 @@ def test_in_the_limit_of_short_ranges_the_net_traction_and_the_area_are_bounded_
         solids=(cs.HalfSpace(1e6, 0.49), cs.HalfSpace(inf, 0.3)),
         shapes=(cs.Cylinder(0.01),),
         adhesion=cs.Adhesion(0.05),
+        outputs=(cs.SubsurfaceStress((5e-5,)),),
     )
     contact = cs.solve(scene, cs.Grid((count, 1), (6e-3, 1e-3)), EXACT)
     assert contact.adhesion is not None
@@ -333,6 +334,13 @@ def test_in_the_limit_of_short_ranges_the_net_traction_and_the_area_are_bounded_
     assert true_l1 <= contact.error.l1.total
     assert abs(area.value - 2 * half) <= area.bound
     assert contact.quantities["peak_pressure"].bound == inf
+    assert contact.quantities["largest_von_mises"].bound == inf
+    # Hertz's pressure and, with the rest of the load, that of a flat punch
+    of_hertz = pi * scene.contact_modulus * half**2 / 4 / 0.01
+    datum = contact.problem.scales.length
+    true = (2 * load * np.log(2 * datum / half) + of_hertz) / (pi * scene.contact_modulus)
+    approach = contact.quantities["approach"]
+    assert abs(approach.value - true) <= approach.bound < 0.25 * true
 
 
 def test_an_attraction_cut_off_at_the_edge_has_no_bound() -> None:

@@ -21,11 +21,10 @@ from contactstudy.domain.units import Number, Unit
 from contactstudy.io.scene_files.decimal_units import decimal_unit
 
 NUMBER = re.compile(r"\s*([-+]?(?:inf|(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?))\s*(.*?)\s*")
-# Units: names, powers, products, quotients also of 1, and no other expressions.
-SYMBOL = r"[^\W\d_]+\d?"
-SYMBOLS = re.compile(
-    rf"(?:1\s*/\s*)?{SYMBOL}(?:\s*(?:\*\*|\^)\s*-?\d|\s*[*/·]\s*{SYMBOL}|\s+{SYMBOL})*"
-)
+# Units: names, powers, products, quotients also of 1 and by products in brackets, and no other expressions.
+POWER = r"°?[^\W\d_]+\d?(?:\s*(?:\*\*|\^)\s*-?\d)?"
+FACTOR = rf"(?:{POWER}|\(\s*{POWER}(?:\s*[*·]\s*{POWER}|\s+{POWER})*\s*\))"
+SYMBOLS = re.compile(rf"(?:1\s*/\s*)?{FACTOR}(?:\s*[*/·]\s*{FACTOR}|\s+{POWER})*")
 
 
 def in_si(field: str, value: object, unit: Unit) -> float:

@@ -30,6 +30,8 @@ HERTZ = Unit("Hz", "a frequency", "50 Hz")
         ("90 degree", Unit("rad", "an angle", "90 degree"), math.pi / 2),
         ("inf", PASCALS, math.inf), (math.inf, PASCALS, math.inf),
         ("3000 rpm", HERTZ, 50.0), ("2 kHz", HERTZ, 2e3), ("50 1/s", HERTZ, 50.0),
+        ("1e-8 mm^3/(N m)", PER_PASCAL, 1e-17), ("20 °C", Unit("K", "a temperature", "333 K"), 293.15),
+        ("46 W/(m*K)", Unit("W/(m*K)", "a thermal conductivity", "46 W/(m*K)"), 46.0),
     ],
 )  # fmt: skip
 def test_a_text_with_a_unit_is_the_number_in_si(

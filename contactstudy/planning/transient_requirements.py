@@ -1,18 +1,20 @@
 """Requirements of scenes that change in time, roll or yield: the width, the load and the cells of their grid."""
 
 from dataclasses import dataclass, replace
-from math import pi, prod, sqrt
+from math import inf, log, pi, prod, sqrt
 
 import numpy as np
 
+from contactstudy.analytic import HertzLine
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import readable
 from contactstudy.elasticity.eigenstrain.volume import Volume
 from contactstudy.evolution.states.plastic_volume import layers
 from contactstudy.planning.grid_requirements import CONSTANTS as GRID
+from contactstudy.scene.friction.fretting import Fretting
 from contactstudy.scene.loads.constant_load import LineLoad, TotalLoad
 from contactstudy.scene.loads.load_history import ChangingLoad
-from contactstudy.scene.scene import Scene
+from contactstudy.scene.scene import AnyLoad, Scene
 from contactstudy.scene.solids.bodies import contact_modulus, instantaneous, yields
 from contactstudy.scene.solids.viscoelastic import ViscoelasticHalfSpace, relaxed
 
@@ -221,7 +223,9 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
         body for body in scene.solids if isinstance(body, ViscoelasticHalfSpace) and body.creeps
     ]
     start = getattr(scene.load, "start", 0.0)
-    last = end if end is not None else getattr(scene.load, "end", start)
+    histories = scene.load, getattr(scene.friction, "history", None)
+    ends = [history.end for history in histories if hasattr(history, "end")]
+    last = end if end is not None else max(ends, default=start)
     duration = max(last - start, 0.0)
     hertz = elastic.hertz
     modulus = contact_modulus(relaxed(scene.solids, duration), hertz.half_width if hertz else None)
@@ -243,8 +247,12 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
         )
     if plastic is not None:
         half_width = max(half_width, plastic.half_extent / GRID.width_factor)
-    if scene.wear is not None and hertz is not None and duration:
-        worn_area = scene.wear.rate_per_pressure * elastic.largest_load * duration
+    if scene.wear is not None and scene.wear.coefficient and hertz is not None and duration:
+        slid = scene.wear.speed * duration
+        if isinstance(scene.friction, Fretting):
+            widening, slid = _fretting(scene.friction, scene.load, hertz)
+            half_width *= widening
+        worn_area = scene.wear.coefficient * elastic.largest_load * slid
         half_width = float(np.cbrt(half_width**3 + 1.5 * hertz.radius * worn_area))
     least, warnings = _smallest_load(scene, last)
     if plastic is not None:  # errors are relative to the pressure of the largest load
@@ -264,6 +272,33 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
         warnings,
         plastic,
     )
+
+
+def _fretting(friction: Fretting, load: AnyLoad, hertz: HertzLine) -> tuple[float, float]:
+    """Return by how much partial slip widens the contact until it wears no more, and the distance of gross slip [m].
+
+    Under a force Q a middle of the half-width c, ``c^2 = a^2 (1 - Q / (mu P))``, then bears all of the load. The gap
+    beside it, of the slope ``(x^2 - (a^2 + c^2) / 2) / (R (x^2 - c^2)^(1/2))``, is zero again at ``x = c cosh t`` with
+    ``sinh 2t / 2t = a^2 / c^2``. Under a displacement d from a datum at one half-width ``Q / (mu P)`` is at most
+    ``pi E* d / (2 ln 2 mu P)``, and from that on the contact may slide fully.
+    """
+    history = friction.history
+    assert history is not None
+    limit = friction.coefficient
+    if friction.displacements is not None:
+        limit *= 2 * log(2) / (pi * hertz.contact_modulus)
+    times = {*history.times, *getattr(load, "times", ())}
+    loads = {
+        time: load.at(time) if isinstance(load, ChangingLoad) else hertz.load_per_length
+        for time in times
+    }
+    fraction = max(abs(history.at(time)) / (limit * loads[time]) for time in times if loads[time])
+    if fraction < 1:
+        doubled = np.linspace(1e-3, 40, CONSTANTS.load_samples)
+        angle = np.interp(fraction, 1 - doubled / np.sinh(doubled), doubled) / 2
+        return sqrt(1 - fraction) * float(np.cosh(angle)), 0.0
+    half_cycles = np.maximum(1, 2 * np.diff(history.times) / (friction.period or inf))
+    return 1.0, float(half_cycles @ np.abs(np.diff(history.values)))
 
 
 def _smallest_load(scene: Scene, end: float) -> tuple[float, tuple[str, ...]]:

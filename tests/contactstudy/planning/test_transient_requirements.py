@@ -1,4 +1,5 @@
 from dataclasses import replace
+from math import pi
 
 import numpy as np
 import pytest
@@ -27,6 +28,30 @@ def test_a_plan_is_wide_enough_for_the_end_and_keeps_to_its_error() -> None:
     )  # the estimate is a bound, the plan's error is not
     assert plan.solves / 4 < found.solves < 4 * plan.solves
     assert any("solves" in reason for reason in plan.reasons)
+
+
+@pytest.mark.parametrize(
+    ("friction", "scar"),
+    [
+        # of another program, Q / (mu P) = 0.6
+        (cs.Fretting(0.3, (0.0, 0.18, -0.18), times=(0.0, 1.0, 2.0)), 1.2214),
+        # a^3 = 1.5 R k s P of 200 half cycles, beyond Hertz's
+        (
+            cs.Fretting(0.3, displacements=(3.0, -3.0), times=(0.0, 100.0), period=1.0),
+            (1.5 * pi / 4 * 1e-2 * 200 * 6) ** (1 / 3),
+        ),
+    ],
+)
+def test_a_plan_makes_room_for_the_wear_of_fretting(friction: cs.Fretting, scar: float) -> None:
+    """In units of Hertz's half-width, modulus and load."""
+    body = cs.HalfSpace(2 * (1 - 0.3**2), 0.3)
+    wear = cs.Wear(1e-2, speed=0.0)
+    shapes = (cs.Cylinder(pi / 4),)
+    scene = cs.Scene(cs.LineLoad(1.0), (body, body), shapes, friction=friction, wear=wear)
+    assert scene.hertz is not None
+    assert scene.hertz.half_width == pytest.approx(1.0)
+    for times in (None, (0.0, friction.times[-1])):
+        assert cs.plan(scene, error=2e-2, times=times).grid.extent[0] / 2 > scar
 
 
 def test_a_plan_makes_room_for_wear() -> None:

@@ -154,6 +154,12 @@ def whole_number(
     return int(value)
 
 
+def instance(field: str, value: object, kind: Any, remedy: str) -> None:
+    """Raise :class:`InvalidInput` unless `value` is an instance of `kind`, which may be a protocol."""
+    if isinstance(value, type) or not isinstance(value, kind):
+        raise InvalidInput(f"{field} is {value!r}: {remedy}.")
+
+
 def body_index(field: str, value: object) -> int:
     """Return `value` as the index of a body in ``Scene.solids``, or raise :class:`InvalidInput`."""
     return whole_number(field, value, 0, "give 0 or 1, the body's index in Scene.solids", at_most=1)

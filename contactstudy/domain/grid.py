@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 
 from contactstudy.domain.checks import (
     InvalidInput,
-    in_range,
     pair,
     set_fields,
     suggest_fields,
     whole_number,
+    width_and_length,
 )
 from contactstudy.domain.fields import Array
 from contactstudy.domain.units import Metres
@@ -55,15 +55,12 @@ class Grid:
 
     def __post_init__(self) -> None:
         nx, ny = pair("Grid.cells", self.cells, "give two whole numbers, (across, along)")
-        width, length = pair("Grid.extent", self.extent, "give two lengths, (width, length) [m]")
         cells = (
             whole_number("Grid.cells[0]", nx, 2, "give at least 2 cells across the width"),
             whole_number("Grid.cells[1]", ny, 1, "give at least 1 cell along the length"),
         )
-        extent = (
-            in_range("Grid.extent[0]", width, "give a width above 0 m"),
-            in_range("Grid.extent[1]", length, "give a length above 0 m"),
-        )
+        remedy = "give two lengths, (width, length) [m]"
+        extent = width_and_length("Grid.extent", self.extent, remedy)
         set_fields(self, cells=cells, extent=extent)
         aspect_ratio = self.cell_size[1] / self.cell_size[0]
         if not 1 / LARGEST_ASPECT_RATIO <= aspect_ratio <= LARGEST_ASPECT_RATIO:

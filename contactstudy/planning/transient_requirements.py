@@ -16,7 +16,7 @@ from contactstudy.scene.loads.constant_load import LineLoad, TotalLoad
 from contactstudy.scene.loads.load_history import ChangingLoad
 from contactstudy.scene.scene import AnyLoad, Scene
 from contactstudy.scene.solids.bodies import contact_modulus, instantaneous, yields
-from contactstudy.scene.solids.viscoelastic import ViscoelasticHalfSpace, relaxed
+from contactstudy.scene.solids.viscoelastic import creeping, relaxed
 
 
 @dataclass(frozen=True)
@@ -219,9 +219,6 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
         rolling=None,
         friction=friction,
     )
-    bodies = [
-        body for body in scene.solids if isinstance(body, ViscoelasticHalfSpace) and body.creeps
-    ]
     start = getattr(scene.load, "start", 0.0)
     histories = scene.load, getattr(scene.friction, "history", None)
     ends = [history.end for history in histories if hasattr(history, "end")]
@@ -231,7 +228,8 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
     modulus = contact_modulus(relaxed(scene.solids, duration), hertz.half_width if hertz else None)
     half_width = sqrt(4 * hertz.load_per_length * hertz.radius / (pi * modulus)) if hertz else 0.0
     fields = (
-        2 * sum(len(body.creep.terms) + bool(body.creep.fluidity) for body in bodies)
+        2
+        * sum(len(body.creep.terms) + bool(body.creep.fluidity) for body in creeping(scene.solids))
         + CONSTANTS.fields
     )
     plastic = expected_plastic_zone(scene)

@@ -10,6 +10,7 @@ from contactstudy.domain.checks import (
     InvalidInput,
     check_fields,
     in_range_from_zero,
+    instance,
     positive,
     suggest_fields,
     whole_number,
@@ -79,10 +80,8 @@ class Rolling:
         if self.distance is not None:
             positive("Rolling.distance", self.distance, "give a distance above 0 m, or None")
         positive("Rolling.steady", self.steady, "give a part of the yield strain, such as 5e-3")
-        if not isinstance(self.pressure, RollingPressure):
-            raise InvalidInput(
-                f"Rolling.pressure is {self.pressure!r}: give RollingPressure.SOLVED or RollingPressure.ELASTIC."
-            )
+        remedy = "give RollingPressure.SOLVED or RollingPressure.ELASTIC"
+        instance("Rolling.pressure", self.pressure, RollingPressure, remedy)
         if self.passes is None:
             for name in ("pressure", "distance", "steady"):
                 if (value := getattr(self, name)) != getattr(Rolling, name):

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, replace
 from math import inf, log2
 from operator import is_
-from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from contactstudy.domain.checks import (
     InvalidInput,
     finite,
     in_range_or_infinite,
+    instance,
     set_fields,
     suggest_fields,
 )
@@ -126,12 +127,12 @@ class Scene:
             ("shapes", "give a tuple of shapes, such as (Cylinder(radius=0.01),)"),
             ("outputs", "give a tuple of outputs, such as (SubsurfaceStress(depths=(1e-4,)),)"),
         ):
-            _instance(f"Scene.{name}", getattr(self, name), tuple | list, remedy)
+            instance(f"Scene.{name}", getattr(self, name), tuple | list, remedy)
             set_fields(self, **{name: tuple(getattr(self, name))})
         self._check_solids()
         for number, shape in enumerate(self.shapes):
             remedy = "give a shape, such as Cylinder(radius=0.01)"
-            _instance(f"Scene.shapes[{number}]", shape, Shape, remedy)
+            instance(f"Scene.shapes[{number}]", shape, Shape, remedy)
             finite(f"Scene.shapes[{number}].curvature", shape.curvature, "give a curvature in 1/m")
         self._check_load()
         self._check_outputs()
@@ -148,7 +149,7 @@ class Scene:
                 f"Scene.solids has {len(self.solids)} bodies: give two, one of which may be rigid."
             )
         for number, solid in enumerate(self.solids):
-            _instance(f"Scene.solids[{number}]", solid, Body, "give a body, such as a HalfSpace")
+            instance(f"Scene.solids[{number}]", solid, Body, "give a body, such as a HalfSpace")
         contact_modulus(self.solids)
         remedy = "give a pressure above 0 Pa, or inf for no limit"
         set_fields(self, hardness=in_range_or_infinite("Scene.hardness", self.hardness, remedy))
@@ -157,7 +158,7 @@ class Scene:
         """Check the load, and the length of its roller."""
         remedy = "give a LineLoad, a TotalLoad, or one that changes in time, such as a LoadHistory"
         if not isinstance(self.load, ConstantLoad | Approach | PullOff):
-            _instance("Scene.load", self.load, ChangingLoad, remedy)
+            instance("Scene.load", self.load, ChangingLoad, remedy)
         if self.adhesion is None:
             if isinstance(self.load, PullOff):
                 raise InvalidInput(
@@ -195,7 +196,7 @@ class Scene:
         """Check the outputs, of each kind of which there may be one."""
         for number, output in enumerate(self.outputs):
             remedy = "give an output, such as SubsurfaceStress(depths=(1e-4,))"
-            _instance(f"Scene.outputs[{number}]", output, Output, remedy)
+            instance(f"Scene.outputs[{number}]", output, Output, remedy)
             if type(output) in map(type, self.outputs[:number]):
                 raise InvalidInput(
                     f"Scene.outputs[{number}] is {output!r}, the second of its kind: give one."
@@ -207,29 +208,29 @@ class Scene:
         if self.wear is not None:
             from contactstudy.scene.wear import Wear
 
-            _instance("Scene.wear", self.wear, Wear, "give a Wear, or None")
+            instance("Scene.wear", self.wear, Wear, "give a Wear, or None")
         if self.rolling is not None:
             from contactstudy.scene.rolling import Rolling, check_standing
 
-            _instance("Scene.rolling", self.rolling, Rolling, "give a Rolling, or None")
+            instance("Scene.rolling", self.rolling, Rolling, "give a Rolling, or None")
             check_standing("Scene.rolling", self.shapes)
         if self.friction is not None:
             from contactstudy.scene.friction.friction_law import Friction
 
             remedy = "give a friction, such as Sliding(coefficient=0.1), or None"
-            _instance("Scene.friction", self.friction, Friction, remedy)
+            instance("Scene.friction", self.friction, Friction, remedy)
             self.friction.check(self)
         if self.lubrication is not None:
             from contactstudy.scene.lubrication.lubrication import Lubrication
 
-            _instance(
+            instance(
                 "Scene.lubrication", self.lubrication, Lubrication, "give a Lubrication, or None"
             )
             self.lubrication.check(self)
         if self.adhesion is not None:
             from contactstudy.scene.adhesion import Adhesion
 
-            _instance("Scene.adhesion", self.adhesion, Adhesion, "give an Adhesion, or None")
+            instance("Scene.adhesion", self.adhesion, Adhesion, "give an Adhesion, or None")
             self.adhesion.check(self)
         if self.wear is not None:
             self.wear.check(self)
@@ -325,7 +326,7 @@ class Scene:
         self, grid: Grid, padding: Padding | Paddings, solver: "AdhesiveSolver | None"
     ) -> Problem:
         """Return the problem on a grid, with a solver for adhesion that another grid may have chosen."""
-        _instance("grid", grid, Grid, "give a Grid")
+        instance("grid", grid, Grid, "give a Grid")
         if self.rolls:
             moving = "friction" if self.rolling is None else "rolling"
             raise InvalidInput(
@@ -527,9 +528,3 @@ def _refuse_full_contact(load: Approach, gap: Array, paddings: Paddings) -> None
 def _is_free(padding: Padding) -> bool:
     """Return whether the surface continues beyond the domain without pressure on it."""
     return not padding.wraps and padding.window is not None and len(padding.window) == 1
-
-
-def _instance(field: str, value: object, kind: Any, remedy: str) -> None:
-    """Raise :class:`~contactstudy.InvalidInput` unless `value` is an instance of `kind`, which may be a protocol."""
-    if isinstance(value, type) or not isinstance(value, kind):
-        raise InvalidInput(f"{field} is {value!r}: {remedy}.")

@@ -1,6 +1,6 @@
 """Adaptive integration in time by step doubling, with frames, errors and checkpoints."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from enum import Enum
 from math import inf
@@ -24,6 +24,8 @@ SHORTEST = 1e-12
 INCREMENTS, MAX_INCREMENTS = 4, 2**12
 # Largest number of halvings of a step in which bodies start to yield.
 MAX_HALVINGS = 6
+# Files of a checkpoint: a recorded frame by its index, and the state to continue from.
+FRAME_FILE, STATE_FILE = "frame_{:05d}.npz", "state.npz"
 # State of an integrator in its checkpoint.
 CHECKPOINTED = ("breakpoint", "time_discretisation_error", "double_step", "rejected", "restarts", "solves", "iterations",
                 "convolutions")  # fmt: skip
@@ -40,6 +42,15 @@ class _Outcome(Enum):
     REACHED = "the integration is there"
     RESTART = "the error grew too large: the integration starts again with shorter steps"
     NO_SOLUTION = "a step has no solution to go on from"
+
+
+@dataclass(frozen=True)
+class _SavedState:
+    """State of an integration: its `progress` as JSON holds it, and the last instants of short and doubled steps."""
+
+    progress: Mapping[str, Any]
+    fine: Instant
+    coarse: Instant
 
 
 @dataclass(eq=False)
@@ -333,7 +344,7 @@ class AdaptiveIntegrator:
             total = by_steps + frame.time_discretisation_error
             finished = replace(frame, time_discretisation_error=total)
             if self.checkpoint is not None:
-                self.checkpoint.write_frame(len(self.frames), finished)
+                self.checkpoint.write(FRAME_FILE.format(len(self.frames)), finished)
             self.frames.append(finished)
         self.waiting = []
 
@@ -347,17 +358,18 @@ class AdaptiveIntegrator:
         progress["statuses"] = [status.name for status in self.statuses]
         if self.control is not None:
             progress["local_tolerance"] = self.control.local_tolerance
-        self.checkpoint.write_state(progress, {"fine": self.fine, "coarse": self.coarse})
+        self.checkpoint.write(STATE_FILE, _SavedState(progress, self.fine, self.coarse))
 
     def restore(self) -> None:
         """Continue from the state in the checkpoint, if there is one."""
-        assert self.checkpoint is not None
-        saved = self.checkpoint.read_state()
-        if saved is None:
+        checkpoint = self.checkpoint
+        assert checkpoint is not None
+        if not (checkpoint.folder / STATE_FILE).exists():
             return
-        progress, instants = saved
-        self.frames = [self.checkpoint.read_frame(number) for number in range(progress["frames"])]
-        self.fine, self.coarse = instants["fine"], instants["coarse"]
+        saved = checkpoint.read(STATE_FILE, _SavedState)
+        progress, self.fine, self.coarse = saved.progress, saved.fine, saved.coarse
+        numbers = range(progress["frames"])
+        self.frames = [checkpoint.read(FRAME_FILE.format(number), Frame) for number in numbers]
         self.statuses = [Status[name] for name in progress["statuses"]]
         if self.control is not None:
             self.control = replace(self.control, local_tolerance=progress["local_tolerance"])

@@ -23,8 +23,6 @@ from contactstudy.domain.files import (
 from contactstudy.domain.identity import canonical, key
 from contactstudy.domain.imports import import_for
 from contactstudy.domain.version import VERSION, source_hash
-from contactstudy.evolution.integration.time_stepper import Instant
-from contactstudy.evolution.trajectory import Frame
 
 T = TypeVar("T")
 ARRAY = "array"  # key of the name of an array in JSON
@@ -110,76 +108,37 @@ class Checkpoint:
                 "another folder."
             ) from None
 
-    def write_frame(self, number: int, frame: Frame) -> None:
-        """Write the frame with index `number`."""
-        self._write(self._frame(number), frame)
-
-    def read_frame(self, number: int) -> Frame:
-        """Return the frame with index `number`."""
-        return self._read(self._frame(number), Frame)
-
-    def write_state(self, progress: Mapping[str, Any], instants: Mapping[str, Instant]) -> None:
-        """Write the state of the integration.
-
-        Parameters
-        ----------
-        progress
-            Counts and flags of the integration, as JSON holds them.
-        instants
-            The last instant of the short and of the doubled steps, by name.
-        """
-        self._write(self.folder / "state.npz", IntegrationState(progress, instants))
-
-    def read_state(self) -> tuple[Mapping[str, Any], Mapping[str, Instant]] | None:
-        """Return the progress and the instants that were written last; None if there are none."""
-        path = self.folder / "state.npz"
-        if not path.exists():
-            return None
-        state = self._read(path, IntegrationState)
-        return state.progress, state.instants
-
-    def _frame(self, number: int) -> Path:
-        """Return the path of the frame with index `number`."""
-        return self.folder / f"frame_{number:05d}.npz"
-
-    def _write(self, path: Path, value: object) -> None:
-        """Replace a file by one with `value`: its arrays beside all else as JSON, which names them."""
+    def write(self, name: str, value: object) -> None:
+        """Replace the file called `name` by one with `value`: its arrays beside all else as JSON, which names them."""
         arrays: dict[str, Array] = {}
 
         def name_array(values: object) -> dict[str, str]:
             if not isinstance(values, np.ndarray):
-                raise TypeError(f"{type(values).__name__} cannot be stored in {path.name}")
-            name = f"array_{len(arrays)}"
-            arrays[name] = values
-            return {ARRAY: name}
+                raise TypeError(f"{type(values).__name__} cannot be stored in {name}")
+            array = f"array_{len(arrays)}"
+            arrays[array] = values
+            return {ARRAY: array}
 
-        tree = {"request": self.request_hash, "file": path.name}
+        tree = {"request": self.request_hash, "file": name}
         tree["value"] = _converter().unstructure(value)
         content = BytesIO()
         header = json.dumps(tree, default=name_array)
         np.savez(content, header=np.array(header), **arrays)  # type: ignore[arg-type]
-        write_with_checksum(path, content.getvalue())
+        write_with_checksum(self.folder / name, content.getvalue())
 
-    def _read(self, path: Path, kind: type[T]) -> T:
-        """Return the value of that `kind` in a file."""
+    def read(self, name: str, kind: type[T]) -> T:
+        """Return the value of that `kind` in the file called `name`."""
+        path = self.folder / name
         with self._report_damage(), np.load(BytesIO(read_verified(path) or b"")) as file:
 
             def with_arrays(item: dict[str, Any]) -> Any:
                 return file[item[ARRAY]] if ARRAY in item else item
 
             header = json.loads(str(file["header"]), object_hook=with_arrays)
-            if (header["request"], header["file"]) != (self.request_hash, path.name):
+            if (header["request"], header["file"]) != (self.request_hash, name):
                 raise ValueError("a file of another integration")
             value: T = _converter().structure(header["value"], kind)
             return value
-
-
-@dataclass(frozen=True)
-class IntegrationState:
-    """State of an integration: its `progress`, and the last `instants` of short and doubled steps by name."""
-
-    progress: Mapping[str, Any]
-    instants: Mapping[str, Instant]
 
 
 @cache

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 from math import inf, pi
 from os import PathLike
 from pathlib import Path
@@ -11,7 +10,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.device import Precision
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.elasticity.coefficients import BoussinesqCoefficients
 from contactstudy.elasticity.viscoelastic import Creep
@@ -44,8 +42,7 @@ from contactstudy.scene.loads.load_history import ChangingLoad, LoadHistory
 from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.scene.shapes_source import summed_gap
 from contactstudy.scene.solids.bodies import creeps, instantaneous, response, yields
-from contactstudy.scene.solids.viscoelastic import ViscoelasticHalfSpace, relaxed
-from contactstudy.solvers.solution import Solution
+from contactstudy.scene.solids.viscoelastic import creeping, relaxed
 from contactstudy.solvers.solve import SolveOptions
 
 
@@ -61,8 +58,7 @@ def state_variables(scene: Scene, datum: float) -> tuple[StateVariable, ...]:
     """
     scene_variables: list[StateVariable] = [
         CreepState(body.creep.scaled(1 / pi), BoussinesqCoefficients(datum))
-        for body in scene.solids
-        if isinstance(body, ViscoelasticHalfSpace) and body.creeps
+        for body in creeping(scene.solids)
     ]
     if scene.wear is not None and scene.wear.rate_per_pressure > 0:
         scene_variables.append(WearState(scene.wear.rate_per_pressure))
@@ -70,7 +66,7 @@ def state_variables(scene: Scene, datum: float) -> tuple[StateVariable, ...]:
 
 
 def coupled_state_variable(
-    scene: Scene, problem: Problem, solved: Callable[[Problem], Solution], precision: Precision
+    scene: Scene, problem: Problem, options: SolveOptions
 ) -> CoupledStateVariable | None:
     """Return the state variable of plastic strain of the bodies that yield; None if none yields.
 
@@ -80,10 +76,8 @@ def coupled_state_variable(
         The scene.
     problem
         The elastic contact under the largest load.
-    solved
-        Solves a problem.
-    precision
-        Precision of the contact's solver.
+    options
+        How it is solved.
 
     Raises
     ------
@@ -97,7 +91,8 @@ def coupled_state_variable(
     from contactstudy.evolution.states.plastic import PlasticState, YieldingBody, check_paddings
 
     check_paddings(problem)
-    return PlasticState(YieldingBody.in_scene(scene), solved(problem), precision)
+    elastic = solved_or_unloaded(options, problem)
+    return PlasticState(YieldingBody.in_scene(scene), elastic, options.precision)
 
 
 def evolve(
@@ -232,7 +227,6 @@ def _time_stepper(
         adhesive_solver = scene.adhesion.solver_on(elastic, heights, grid, softest)
     problem = elastic.problem_with(grid, padding, adhesive_solver)
     datum = problem.scales.length
-    solved = partial(solved_or_unloaded, options)
     variables = state_variables(scene, datum)
     if frets:
         variables = (*variables, _fretting_state(scene, problem, options))
@@ -241,7 +235,7 @@ def _time_stepper(
         load=load,
         weights=dict(response(solids, datum)),
         state_variables=variables,
-        coupled=coupled_state_variable(scene, problem, solved, options.precision),
+        coupled=coupled_state_variable(scene, problem, options),
         scheme=scheme,
         options=options,
     )
@@ -282,16 +276,12 @@ def _relative_creep(scene: Scene, datum: float) -> CreepState | None:
     None if neither creeps.
     """
     total = sum(body.compliance for body in scene.solids)
-    creeps = [
-        body.creep.scaled(1 / total)
-        for body in scene.solids
-        if isinstance(body, ViscoelasticHalfSpace) and body.creeps
-    ]
+    creeps = [body.creep.scaled(1 / total) for body in creeping(scene.solids)]
+    if not creeps:
+        return None
     terms = tuple(term for creep in creeps for term in creep.terms)
     fluidity = sum(creep.fluidity for creep in creeps)
-    return (
-        CreepState(Creep(1.0, terms, fluidity), BoussinesqCoefficients(datum)) if creeps else None
-    )
+    return CreepState(Creep(1.0, terms, fluidity), BoussinesqCoefficients(datum))
 
 
 def _load(
@@ -300,8 +290,6 @@ def _load(
     """Return the load of `scene` over time; a constant load is applied suddenly."""
     if isinstance(scene.load, ChangingLoad):
         return scene.load
-    if times is None:
-        raise InvalidInput("solve.times is None, and Scene.load has no end: give times [s].")
     moments = np.asarray(times, dtype=np.float64)
     start = np.min(moments, initial=0.0, where=np.isfinite(moments))
     return LoadHistory((float(start),), (scene.mean_load(grid, padding),))

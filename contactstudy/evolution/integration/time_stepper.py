@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.device import Cpu
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import on_cells
@@ -410,8 +409,7 @@ class TimeStepper:
             ((coefficients, weight),) = self.weights.items()
             assert isinstance(problem.operator, Convolution)
             return {coefficients: weighted_sum([(1 / weight, problem.operator)])}
-        if problem.paddings is None:
-            raise InvalidInput("Problem.paddings is None: give those of the two axes.")
+        assert problem.paddings is not None
         return {
             coefficients: superposed({coefficients: 1.0}, problem.grid, problem.paddings)
             for coefficients in self.weights

@@ -14,13 +14,14 @@ from contactstudy.elasticity.eigenstrain.volume import Volume
 from contactstudy.evolution.rolling.track import (
     ContactWithAddedGap,
     DepthProfile,
+    FixedContact,
     Track,
-    no_contact,
     rolling_contact,
     with_zero_layers,
 )
 from contactstudy.evolution.states.plastic import YieldingBody, check_paddings, step_solution
 from contactstudy.evolution.states.plastic_volume import embedded, layers
+from contactstudy.evolution.warm_started import unloaded
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.loads.constant_load import ConstantLoad
 from contactstudy.scene.scene import PosedScene, Scene
@@ -245,8 +246,8 @@ def roll_repeatedly(
             track = replace(track, front=track.left_profile)
         track, rolling_pass = roller.one_pass(track, () if finished else (pressed,), report)
         finished.append(rolling_pass)
-    unloaded, _ = track.solve_step(no_contact(problem), options.tolerance, length)
-    return RepeatedRolling(tuple(finished), track, unloaded, PosedScene(scene, grid, padding))
+    released, _ = track.solve_step(FixedContact(unloaded(problem)), options.tolerance, length)
+    return RepeatedRolling(tuple(finished), track, released, PosedScene(scene, grid, padding))
 
 
 # The strain behind the moving grid is a mean over about half of its width: the distance from the contact to its edge.

@@ -14,7 +14,6 @@ from contactstudy.evolution.states.plastic_volume import embedded, enlarged
 from contactstudy.evolution.warm_started import (
     WarmStartedContact,
     solved_or_unloaded,
-    unloaded,
     with_added_gap,
 )
 from contactstudy.problem.problem import Problem
@@ -80,11 +79,6 @@ def rolling_contact(
     if kind is RollingPressure.ELASTIC:
         return FixedContact(elastic)
     return SolvedContact(problem, options, elastic.pressure)
-
-
-def no_contact(problem: Problem) -> FixedContact:
-    """Return a contact without pressure, with the surfaces of `problem`."""
-    return FixedContact(unloaded(problem))
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,6 +10,7 @@ from contactstudy.domain.checks import (
     check_fields,
     in_range,
     in_range_from_zero,
+    instance,
     suggest_fields,
 )
 from contactstudy.domain.fields import Array
@@ -97,10 +98,8 @@ class FilmHeat:
         if (supply := self.supply_temperature) <= LEAST_TEMPERATURE:
             raise InvalidInput(f"FilmHeat.supply_temperature is {supply:g} K: {SUPPLY}.")
         for name in ("first", "second"):
-            if not isinstance(body := getattr(self, name), ThermalBody):
-                raise InvalidInput(
-                    f"FilmHeat.{name} is {body!r}: give a ThermalBody(conductivity=...)."
-                )
+            remedy = "give a ThermalBody(conductivity=...)"
+            instance(f"FilmHeat.{name}", getattr(self, name), ThermalBody, remedy)
 
     def thinning(self, rise: Array, viscosity: float) -> Array:
         """Return the change of ``ln(eta)`` at a temperature rise [K] of a lubricant of ``viscosity`` [Pa s].

@@ -6,10 +6,10 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 
 from contactstudy.domain.checks import (
-    InvalidInput,
     check_fields,
     in_range,
     in_range_from_zero,
+    instance,
     suggest_fields,
     up_to_one,
 )
@@ -298,6 +298,5 @@ class Lubricant:
             ("density", DensityLaw, "DowsonHigginson()"),
             ("shear", ShearLaw, "Eyring(5e6)"),
         ):
-            law = getattr(self, name)
-            if isinstance(law, type) or not isinstance(law, kind):
-                raise InvalidInput(f"Lubricant.{name} is {law!r}: give a law, such as {example}.")
+            remedy = f"give a law, such as {example}"
+            instance(f"Lubricant.{name}", getattr(self, name), kind, remedy)

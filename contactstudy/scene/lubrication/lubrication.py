@@ -13,6 +13,7 @@ from contactstudy.domain.checks import (
     finite,
     in_range,
     in_range_from_zero,
+    instance,
     set_fields,
     suggest_fields,
 )
@@ -183,10 +184,8 @@ class Lubrication:
     thermal: FilmHeat | None = None
 
     def __post_init__(self) -> None:
-        if not isinstance(self.lubricant, Lubricant):
-            raise InvalidInput(
-                f"Lubrication.lubricant is {self.lubricant!r}: give a Lubricant(viscosity=..., pressure_viscosity=...)."
-            )
+        remedy = "give a Lubricant(viscosity=..., pressure_viscosity=...)"
+        instance("Lubrication.lubricant", self.lubricant, Lubricant, remedy)
         speed = self.mean_speed
         # a load history has all of a speed
         if not isinstance(speed, ChangingSpeed) or isinstance(speed, ChangingLoad):
@@ -194,19 +193,15 @@ class Lubrication:
             check_fields(self, mean_speed=(in_range, remedy))
         remedy = "give the sliding speed over the mean speed, such as 0.1"
         check_fields(self, slide_roll_ratio=(finite, remedy))
-        if not isinstance(self.cavitation, Cavitation):
-            raise InvalidInput(
-                f"Lubrication.cavitation is {self.cavitation!r}: give ElrodAdams() or ReynoldsCavitation()."
-            )
+        remedy = "give ElrodAdams() or ReynoldsCavitation()"
+        instance("Lubrication.cavitation", self.cavitation, Cavitation, remedy)
         if self.supply is not None:
             remedy = "give the thickness of a layer above 0 m, or None for a flooded inlet"
             check_fields(self, supply=(in_range, remedy))
         if self.thermal is not None:
-            self._check_thermal(self.thermal)
-        if not isinstance(self.boundary, Boundary | None):
-            raise InvalidInput(
-                f"Lubrication.boundary is {self.boundary!r}: give a Boundary(film=...), or None."
-            )
+            self._check_thermal()
+        remedy = "give a Boundary(film=...), or None"
+        instance("Lubrication.boundary", self.boundary, Boundary | None, remedy)
         for name in ("supply", "boundary"):
             if getattr(self, name) is not None and not isinstance(self.cavitation, ElrodAdams):
                 raise InvalidInput(
@@ -214,10 +209,9 @@ class Lubrication:
                     "leave one out."
                 )
 
-    def _check_thermal(self, thermal: object) -> None:
+    def _check_thermal(self) -> None:
         """Raise :class:`~contactstudy.InvalidInput` where temperatures have no meaning."""
-        if not isinstance(thermal, FilmHeat):
-            raise InvalidInput(f"Lubrication.thermal is {thermal!r}: give a FilmHeat(), or None.")
+        instance("Lubrication.thermal", self.thermal, FilmHeat, "give a FilmHeat(), or None")
         if self.lubricant.viscosity <= LEAST_VISCOSITY:
             raise InvalidInput(
                 f"Lubricant.viscosity is {self.lubricant.viscosity:g} Pa s, where Roelands' law has no temperature: "

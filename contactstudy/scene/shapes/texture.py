@@ -1,5 +1,6 @@
 """Machined textures, such as dimples and grooves, and waviness."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from math import inf, pi
 from typing import ClassVar, Protocol, Self
@@ -16,6 +17,7 @@ from contactstudy.domain.checks import (
     in_range_from_zero,
     in_range_or_infinite,
     in_range_or_zero,
+    instance,
     pair,
     set_fields,
     suggest_fields,
@@ -27,6 +29,7 @@ from contactstudy.domain.units import Metres, Radians
 from contactstudy.scene.shapes.shape import LengthScales
 
 DEPTH_REMEDY = "give a depth of 0 m or more"
+PROFILE_REMEDY = "give a profile, such as Cosine()"
 
 
 class Profile(Protocol):
@@ -86,7 +89,7 @@ class Dimple:
     profile: Profile = field(default_factory=Parabolic)
 
     def __post_init__(self) -> None:
-        _check_profile("Dimple.profile", self.profile)
+        instance("Dimple.profile", self.profile, Callable, PROFILE_REMEDY)
         check_fields(
             self,
             depth=(in_range_from_zero, DEPTH_REMEDY),
@@ -123,7 +126,7 @@ class Groove:
     profile: Profile = field(default_factory=Cosine)
 
     def __post_init__(self) -> None:
-        _check_profile("Groove.profile", self.profile)
+        instance("Groove.profile", self.profile, Callable, PROFILE_REMEDY)
         check_fields(
             self,
             depth=(in_range_from_zero, DEPTH_REMEDY),
@@ -168,8 +171,7 @@ class Texture:
     pitch: tuple[Metres, Metres]
 
     def __post_init__(self) -> None:
-        if not isinstance(self.feature, Dimple | Groove):
-            raise InvalidInput(f"Texture.feature is {self.feature!r}: give a Dimple or a Groove.")
+        instance("Texture.feature", self.feature, Dimple | Groove, "give a Dimple or a Groove")
         both = pair("Texture.pitch", self.pitch, "give two lengths, (across, along) [m]")
         pitch = each("Texture.pitch", both, in_range_or_infinite, "give a pitch above 0 m")
         finite_pitches = 2 if isinstance(self.feature, Dimple) else 1
@@ -245,12 +247,6 @@ def _from_nearest(position: Array, pitch: float) -> Array:
     if pitch == inf:
         return np.zeros_like(position)
     return np.asarray(position - pitch * np.round(position / pitch))
-
-
-def _check_profile(name: str, profile: object) -> None:
-    """Raise :class:`~contactstudy.InvalidInput` unless `profile` can be called."""
-    if isinstance(profile, type) or not callable(profile):
-        raise InvalidInput(f"{name} is {profile!r}: give a profile, such as Cosine().")
 
 
 @suggest_fields

@@ -7,7 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contactstudy.domain.checks import InvalidInput, check_fields, in_range, suggest_fields
+from contactstudy.domain.checks import (
+    InvalidInput,
+    check_fields,
+    in_range,
+    instance,
+    suggest_fields,
+)
 from contactstudy.domain.units import Metres
 from contactstudy.elasticity.coating import CoatingCoefficients
 from contactstudy.elasticity.coefficients import BoussinesqCoefficients, Coefficients
@@ -48,9 +54,8 @@ class CoatedHalfSpace:
 
     def __post_init__(self) -> None:
         for name in ("coating", "substrate"):
-            value = getattr(self, name)
-            if not isinstance(value, HalfSpace):
-                raise InvalidInput(f"CoatedHalfSpace.{name} is {value!r}: give a HalfSpace.")
+            field = f"CoatedHalfSpace.{name}"
+            instance(field, getattr(self, name), HalfSpace, "give a HalfSpace")
         remedy = "give a thickness above 0 m, or the substrate alone for none"
         check_fields(self, thickness=(in_range, remedy))
         if math.isinf(self.coating.youngs_modulus):

@@ -2,7 +2,7 @@
 
 import math
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -158,6 +158,11 @@ class RollingHalfSpace:
             for name, weights in half_space_shear_compliance(size, ratio, datum).items():
                 total[name].update(retarded(weights, self.speed * time))
         return total
+
+
+def creeping(solids: Iterable[Body]) -> list["ViscoelasticHalfSpace"]:
+    """Return the viscoelastic bodies that creep."""
+    return [body for body in solids if isinstance(body, ViscoelasticHalfSpace) and body.creeps]
 
 
 def relaxed(solids: tuple[Body, Body], duration: float) -> tuple[Body, Body]:

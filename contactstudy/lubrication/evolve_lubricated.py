@@ -143,8 +143,6 @@ def evolve_lubricated(
     """
     instants = instants_of(scene, times)
     check_loaded(scene, instants)
-    if step is not None and error is not None:
-        raise InvalidInput("TimeSteps has a step and an error: leave one of them out.")
     if step is not None:
         step = positive("TimeSteps.step", step, "give a step above 0 s")
     error = positive("TimeSteps.error", 1e-3 if error is None else error, "give one above 0")
@@ -277,10 +275,6 @@ def instants_of(scene: Scene, times: ArrayLike | None) -> list[float]:
     histories = [
         change for change in (scene.load, speed) if isinstance(change, ChangingLoad | ChangingSpeed)
     ]
-    if not histories:
-        raise InvalidInput(
-            "TimeSteps.times is None, and neither the load nor the speed has an end: give times [s]."
-        )
     return [min(change.start for change in histories), max(change.end for change in histories)]
 
 

@@ -99,16 +99,12 @@ class Film:
     void: Array
     separation: float
     thickness: Array
-    asperity_pressure: Array | None = None
+    asperity_pressure: Array
 
     @property
     def total_pressure(self) -> Array:
         """Pressure (x, y) of lubricant and asperities."""
-        return (
-            self.pressure
-            if self.asperity_pressure is None
-            else self.pressure + self.asperity_pressure
-        )
+        return self.pressure + self.asperity_pressure
 
 
 @dataclass(frozen=True)
@@ -254,9 +250,13 @@ class FilmEquation:
         separation: float,
         asperity_pressure: Array | None = None,
     ) -> Film:
-        """Return the film with the thickness that follows from both pressures and the separation."""
-        total = pressure if asperity_pressure is None else pressure + asperity_pressure
-        thickness = separation + self.gap + self.deflection(total)
+        """Return the film with the thickness that follows from both pressures and the separation.
+
+        The asperity pressure (x, y) is zero by default.
+        """
+        if asperity_pressure is None:
+            asperity_pressure = np.zeros_like(pressure)
+        thickness = separation + self.gap + self.deflection(pressure + asperity_pressure)
         return Film(pressure, void, separation, thickness, asperity_pressure)
 
     def content(self, film: Film) -> Array:

@@ -83,13 +83,11 @@ def solve_mixed(
     iterations: list[FilmIteration] = []
     if warm is not None:
         film, cavitated = warm
-        assert film.asperity_pressure is not None
         near_dry = (
             not in_plane_strain and 2 * film.asperity_pressure.sum() > film.total_pressure.sum()
         )
         if near_dry:
-            dry = replace(controls, time_step=TUNING.from_dry)
-            iterations.append(_iterated(posed, film, dry, cavitated))
+            iterations.append(_iterated(posed, film, dry_controls, cavitated))
         if not (iterations and iterations[-1].converged(controls.tolerance)):
             iterations.append(_iterated(posed, film, film_controls, cavitated))
     starts = [(_film_start, film_controls), (_dry_start, dry_controls)]
@@ -99,27 +97,23 @@ def solve_mixed(
         if iterations and iterations[-1].converged(controls.tolerance):
             return iterations[-1]
         iterations.append(_iterated(posed, start(posed), start_controls))
-    if iterations[-1].converged(controls.tolerance) or not in_plane_strain:
-        return min(iterations, key=lambda iteration: iteration.residual)
-    from_higher_speed = from_higher_speeds(
-        posed,
-        TUNING.speeds,
-        controls.tolerance,
-        lambda faster: _iterated(faster, _film_start(faster), film_controls),
-        lambda slower, last: _iterated(slower, last.film, film_controls),
-    )
-    return min(
-        (*iterations, *([from_higher_speed] if from_higher_speed else [])),
-        key=lambda iteration: iteration.residual,
-    )
+    if in_plane_strain and not iterations[-1].converged(controls.tolerance):
+        from_higher_speed = from_higher_speeds(
+            posed,
+            TUNING.speeds,
+            controls.tolerance,
+            lambda faster: _iterated(faster, _film_start(faster), film_controls),
+            lambda slower, last: _iterated(slower, last.film, film_controls),
+        )
+        iterations += [from_higher_speed] if from_higher_speed else []
+    return min(iterations, key=lambda iteration: iteration.residual)
 
 
 def _film_start(posed: PosedFilm) -> Film:
     """Return Hertz's pressure on the film of Moes, raised to the boundary film, without contact."""
     start, equation = hertz_start(posed), posed.equation
     rise = max(0.0, equation.boundary_film - float(start.thickness.min()))
-    zeros = np.zeros_like(start.pressure)
-    return equation.film_of(start.pressure, start.void, start.separation + rise, zeros)
+    return equation.film_of(start.pressure, start.void, start.separation + rise)
 
 
 def _dry_start(posed: PosedFilm) -> Film:

@@ -52,14 +52,9 @@ COARSEST, COARSEST_ROUGH, COARSEST_ALONG, ROW_MULTIPLE = 200, 48, 16, 8
 def lubricated_scales(scene: Scene) -> FilmScales:
     """Return Hertz's units and Moes' parameters of a lubricated ``scene``.
 
-    Raises :class:`~contactstudy.InvalidInput` for a scene that is not lubricated, and
-    :class:`~contactstudy.NotDefined` for one without curvature.
+    Raises :class:`~contactstudy.NotDefined` for a scene without curvature.
     """
-    if not isinstance(scene, Scene) or scene.lubrication is None:
-        raise InvalidInput(
-            "Scene.lubrication is None, and a film needs one: give a Lubrication(lubricant, mean_speed=...), "
-            "or call contactstudy.solve for a dry contact."
-        )
+    assert scene.lubrication is not None
     if scene.hertz is None:
         raise NotDefined(
             "Scene.shapes have no curvature, so that no inlet draws lubricant in: give a Cylinder."
@@ -357,18 +352,17 @@ def start_from(posed: PosedFilm, contact: FilmSolution) -> tuple[Film, Mask]:
     """
     scales, fixed = posed.scales, posed.equation.fixed
     x, y = posed.x * scales.hertz.half_width, posed.upstream.y
-    touching = contact.contact_pressure
-    lubricant = contact.pressure if touching is None else contact.pressure - touching
-    pressure = interpolated(lubricant, contact.grid, x, y) / scales.hertz.peak_pressure
+    peak = scales.hertz.peak_pressure
+    pressure = interpolated(contact.lubricant_pressure, contact.grid, x, y) / peak
     pressure[fixed] = 0
     void = interpolated(1 - contact.film_fraction, contact.grid, x, y)
     void = np.where(pressure > 0, 0.0, void)
     lowest = float(contact.film.min()) / scales.film / 2
     asperities = None
     if boundary := posed.equation.boundary_film:
-        lowest, asperities = boundary, np.zeros_like(pressure)
-        if touching is not None:
-            asperities = interpolated(touching, contact.grid, x, y) / scales.hertz.peak_pressure
+        lowest = boundary
+        if contact.contact_pressure is not None:
+            asperities = interpolated(contact.contact_pressure, contact.grid, x, y) / peak
     separation = contact.separation / scales.film
     film = with_minimum_film(posed.equation, pressure, void, separation, lowest, asperities)
     # beyond the other grid's inlet the film is full

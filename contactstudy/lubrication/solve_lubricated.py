@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from math import ceil, inf, isfinite, sqrt
 
-from contactstudy.domain.checks import InvalidInput, positive, whole_number
+from contactstudy.domain.checks import positive
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
 from contactstudy.domain.units import readable
 from contactstudy.lubrication.film_error import with_error
@@ -56,9 +56,8 @@ def film_grid(
     Raises
     ------
     InvalidInput
-        For a scene without lubrication, or an ``error`` that is not above 0.
+        For a scene without a curvature.
     """
-    error = positive("film_grid.error", error, "give one above 0, such as 0.01")
     scales = lubricated_scales(scene)
     film, a = scales.expected_film, scales.hertz.half_width
     inlet = longer * max(INLET, 1 + sqrt(2 * INLET_ERROR * film / error))
@@ -93,8 +92,9 @@ def solve_lubricated(
     scene
         A scene with ``lubrication``.
     grid
-        Cells (x, y); one cell along the length is plane strain. Lubricant enters at smaller x. Chosen for the ``error``
-        where none is given. With an ``error`` the extent is kept, and in plane strain the cells are refined.
+        Cells (x, y); one cell along the length is plane strain. Lubricant enters at smaller x. Where none is given, one
+        for plane strain is chosen for the ``error``. With an ``error`` the extent is kept, and in plane strain the cells
+        are refined.
     padding
         Along the length, one that wraps.
     period
@@ -118,29 +118,13 @@ def solve_lubricated(
     Raises
     ------
     InvalidInput
-        For a scene without lubrication, or with an effect that is not supported with a film.
+        For a scene without a curvature, and for a grid or a padding on which it has no film.
     """
-    positive("solve.tolerance", tolerance, "give a tolerance above 0, such as 1e-8")
-    whole_number(
-        "solve.max_iterations",
-        max_iterations,
-        0,
-        "give a whole number of at least 0",
-    )
-    if isinstance(scene, Scene) and (changing := scene.time_dependent_field) is not None:
-        raise InvalidInput(
-            f"{changing} changes in time, and this film is a steady one: call contactstudy.solve."
-        )
     controls = FilmControls(tolerance=tolerance, max_iterations=max_iterations, progress=progress)
     if error is None and grid is not None:
         return solve_on(scene, grid, padding, controls, start)
 
-    if grid is None and any(varies_along(shape) for shape in scene.shapes):
-        raise InvalidInput(
-            "solve.grid is None, and Scene.shapes vary along the length: give a grid, such as "
-            "contactstudy.plan(scene).grid."
-        )
-    error = positive("solve.error", 1e-2 if error is None else error, "give one above 0")
+    error = 1e-2 if error is None else error
     period = PERIOD if period is None else positive("solve.period", period, "give one above 0 m")
     longer = finer = 1.0
     for _ in range(REFINEMENTS):

@@ -135,9 +135,9 @@ def _without_asperities(
     equation = posed.equation
     without_boundary = replace(posed, equation=replace(equation, boundary_film=0.0))
     last = _nested(without_boundary, controls)
-    film, zeros = last.film, np.zeros_like(last.film.pressure)
+    film = last.film
     film = with_minimum_film(
-        equation, film.pressure, film.void, film.separation, equation.boundary_film, zeros
+        equation, film.pressure, film.void, film.separation, equation.boundary_film
     )
     return (film, last.cavitated), (last.iterations, last.linear_iterations)
 
@@ -223,7 +223,7 @@ def film_solution(
     pressure = np.zeros(grid.cells)
     pressure[:rows] = last.film.total_pressure * scales.hertz.peak_pressure
     asperities = None
-    if last.film.asperity_pressure is not None:
+    if equation.boundary_film:
         asperities = np.zeros(grid.cells)
         asperities[:rows] = last.film.asperity_pressure * scales.hertz.peak_pressure
     separation = last.film.separation * scales.film

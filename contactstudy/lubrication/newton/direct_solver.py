@@ -53,15 +53,10 @@ class DirectSolver:
         change = linear.change(pressure[:, None], void[:, None], 0.0)
         balance = -(linear.residual + change)[:, 0]
         load_residual -= width * pressure.sum()
-        asperity_pressure, touching_cells = None, np.empty(0, dtype=int)
-        if film.asperity_pressure is not None and active.touching is not None:
-            touching = active.touching[:, 0]
-            asperity_pressure, touching_cells = (
-                np.where(touching, 0.0, -film.asperity_pressure[:, 0]),
-                np.flatnonzero(touching),
-            )
-            balance -= self.last.by_deflection @ asperity_pressure
-            load_residual -= width * asperity_pressure.sum()
+        touching_cells = np.flatnonzero(active.touching)
+        asperity_pressure = np.where(active.touching, 0.0, -film.asperity_pressure)[:, 0]
+        balance -= self.last.by_deflection @ asperity_pressure
+        load_residual -= width * asperity_pressure.sum()
         balance[fixed] = 0
 
         size = n + len(touching_cells) + 1
@@ -73,7 +68,6 @@ class DirectSolver:
         rhs = np.zeros(size)
         rhs[:n], rhs[-1] = balance, load_residual
         if len(touching_cells):
-            assert asperity_pressure is not None
             system[:n, n:-1] = self.last.by_deflection[:, touching_cells]
             system[n:-1, :n] = self.influence[touching_cells] * full_film
             system[n:-1, n:-1] = self.influence[np.ix_(touching_cells, touching_cells)]
@@ -91,17 +85,15 @@ class DirectSolver:
         try:
             solution = np.linalg.solve(system, rhs / scale)
         except np.linalg.LinAlgError:
-            return FilmCorrection(film.pressure, film.void, 0.0, self, solved=False)
-        unknown = solution[:n]
-        if asperity_pressure is not None:
-            asperity_pressure[touching_cells] = solution[n:-1]
-            asperity_pressure = asperity_pressure[:, None]
+            unchanged = film.pressure, film.asperity_pressure, film.void, 0.0
+            return FilmCorrection(*unchanged, self, solved=False)
+        unknown, asperity_pressure[touching_cells] = solution[:n], solution[n:-1]
         return FilmCorrection(
             np.where(cavitated, pressure, unknown)[:, None],
+            asperity_pressure[:, None],
             np.where(cavitated, unknown, void)[:, None],
             float(solution[-1]),
             self,
-            asperity_pressure=asperity_pressure,
         )
 
 

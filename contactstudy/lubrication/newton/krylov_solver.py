@@ -84,15 +84,13 @@ class KrylovSolver:
         GMRES starts from the solution for the last sets, if the linearised balance is the same. The change of thickness
         of a touching cell is known: to the boundary film.
         """
-        equation, cavitated = linear.equation, active.cavitated
-        touching = np.zeros_like(cavitated) if active.touching is None else active.touching
+        equation, (cavitated, touching) = linear.equation, active
         # prescribed changes: pressures and voids that vanish
         pressure = np.where(cavitated, -film.pressure, 0.0)
         void = np.where(cavitated, 0.0, -film.void)
-        total = np.where(touching, 0.0, pressure)
-        if film.asperity_pressure is not None:
-            total = np.where(touching, 0.0, pressure - film.asperity_pressure)
-        unsolved = FilmCorrection(pressure, void, 0.0, replace(self, fourier=None), solved=False)
+        total = np.where(touching, 0.0, pressure - film.asperity_pressure)
+        fixed = pressure, film.asperity_pressure, void, 0.0
+        unsolved = FilmCorrection(*fixed, replace(self, fourier=None), solved=False)
         try:
             staged = self._with_fourier_stage(linear, cavitated, touching)
             assert staged.fourier is not None
@@ -114,9 +112,7 @@ class KrylovSolver:
         )
         norm = float(np.linalg.norm(right))
         if norm == 0:
-            return FilmCorrection(
-                pressure, void, 0.0, staged, asperity_pressure=film.asperity_pressure
-            )
+            return FilmCorrection(*fixed, staged)
         start = np.zeros_like(right)
         if self.last is not None and self.last[0].linear is linear:
             start = system.restricted_from(*self.last)
@@ -132,13 +128,10 @@ class KrylovSolver:
         )
         change_of_pressure, change_of_void, asperities, separation = system.split(unknowns)
         pressure = pressure + change_of_pressure
-        asperity_pressure = None
-        if film.asperity_pressure is not None:
-            asperity_pressure = np.where(touching, asperities - pressure, -film.asperity_pressure)
+        asperity_pressure = np.where(touching, asperities - pressure, -film.asperity_pressure)
         solved = bool(np.isfinite(residual) and residual < TUNING.max_residual)
-        return FilmCorrection(
-            pressure, void + change_of_void, separation, solver, solved, count, asperity_pressure
-        )
+        void = void + change_of_void
+        return FilmCorrection(pressure, asperity_pressure, void, separation, solver, solved, count)
 
     def _with_fourier_stage(
         self, linear: Linearised, cavitated: Mask, touching: Mask

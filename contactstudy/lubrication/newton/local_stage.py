@@ -55,19 +55,8 @@ class LineStage:
     def of(cls, linear: Linearised, cavitated: Mask, touching: Mask) -> "LineStage":
         """Return the stage for unknown pressures, and void fractions of cavitated cells."""
         offsets = (0, 0), (0, -1), (0, 1), (-1, 0), (-2, 0)
-        return cls(
-            *(
-                _coefficient(
-                    linear,
-                    cavitated,
-                    touching,
-                    offset,
-                    TUNING.elastic_fraction,
-                    TUNING.width_fraction,
-                )
-                for offset in offsets
-            )
-        )
+        masks, fractions = (cavitated, touching), (TUNING.elastic_fraction, TUNING.width_fraction)
+        return cls(*(_coefficient(linear, *masks, offset, *fractions) for offset in offsets))
 
     def solve(self, right: Array) -> Array:
         """Return the solution of one downstream sweep of line Gauss-Seidel."""
@@ -87,15 +76,9 @@ class LUStage:
         """Return the factors for unknown pressures, and void fractions of cavitated cells."""
         index = np.arange(cavitated.size).reshape(cavitated.shape)
         rows, columns, values = [], [], []
+        fractions = TUNING.elastic_fraction_long, TUNING.width_fraction_long
         for offset in ((0, 0), (0, -1), (0, 1), (1, 0), (-1, 0), (-2, 0)):
-            coefficient = _coefficient(
-                linear,
-                cavitated,
-                touching,
-                offset,
-                TUNING.elastic_fraction_long,
-                TUNING.width_fraction_long,
-            )
+            coefficient = _coefficient(linear, cavitated, touching, offset, *fractions)
             inside = neighbour(np.ones_like(cavitated), offset)
             rows.append(index[inside])
             columns.append(neighbour(index, offset)[inside])

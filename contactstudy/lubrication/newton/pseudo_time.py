@@ -101,40 +101,32 @@ TUNING = PseudoTimeTuning()
 
 
 class ActiveSets(NamedTuple):
-    """Cells (x, y) that are cavitated, and cells in contact at the boundary film (``touching``; None without one)."""
+    """Cells (x, y) that are cavitated, and cells in contact at the boundary film (``touching``; none without one)."""
 
     cavitated: Mask
-    touching: Mask | None = None
-
-    @property
-    def touches(self) -> bool:
-        """True if a cell touches."""
-        return self.touching is not None and bool(self.touching.any())
+    touching: Mask
 
     def changes(self, sets: "ActiveSets") -> int:
         """Return the number of differences between these sets and others."""
-        return sum(
-            int(np.count_nonzero(mask != other_mask))
-            for mask, other_mask in zip(self, sets, strict=True)
-            if mask is not None
-        )
+        pairs = zip(self, sets, strict=True)
+        return sum(int(np.count_nonzero(ours != theirs)) for ours, theirs in pairs)
 
 
 class FilmCorrection(NamedTuple):
-    """Solution of the linear system of a step: changes of pressure, void fraction (x, y) and separation.
+    """Solution of the linear system of a step: changes of both pressures, of void fraction (x, y) and of separation.
 
-    ``asperity_pressure`` is the change of that; None without a boundary film. ``solver`` is for the next system: it
+    ``solver`` is for the next system: it
     keeps what this one may reuse. ``solved`` is False where the system is singular, or its residual too large;
     ``iterations`` are linear ones.
     """
 
     pressure: Array
+    asperity_pressure: Array
     void: Array
     separation: float
     solver: "LinearSolver"
     solved: bool = True
     iterations: int = 0
-    asperity_pressure: Array | None = None
 
 
 class LinearSolver(Protocol):
@@ -245,7 +237,7 @@ def iterate(
             linear, active = equation.linearise(film, squeeze), step.next
             residual = _residual(linear, film)
             rejected = (
-                active.touching is not None
+                equation.boundary_film > 0
                 and not step.converged
                 and residual > TUNING.unconverged_rise * last.residual
             )
@@ -273,9 +265,9 @@ def _residual(linear: Linearised, film: Film) -> float:
     """
     unbalanced = float(np.abs(linear.residual).sum() / _flow(linear))
     residual = max(unbalanced, abs(linear.equation.load_residual(film)))
-    if film.asperity_pressure is None:
-        return residual
     boundary = linear.equation.boundary_film
+    if not boundary:
+        return residual
     rise = film.thickness / boundary - 1
     violation = float(np.minimum(np.abs(rise), film.asperity_pressure).max())
     return max(residual, violation, -float(rise.min()))
@@ -287,9 +279,7 @@ def _flow(linear: Linearised) -> float:
 
 
 def _initial_active_sets(equation: FilmEquation, start: Film, cavitated: Mask | None) -> ActiveSets:
-    """Return the active sets of a start: full film in all cells, if neither ``cavitated`` nor asperities are given."""
-    if start.asperity_pressure is None:
-        return ActiveSets(np.zeros_like(equation.fixed) if cavitated is None else cavitated)
+    """Return the active sets of a start: full film in all cells, unless ``cavitated``, asperities or voids are given."""
     if cavitated is None:
         has_state = (start.asperity_pressure > 0).any() or start.void.any()
         cavitated = (start.pressure == 0) & ~equation.fixed & has_state
@@ -347,8 +337,6 @@ def _within_total_pressure(
     were cut off at zero, the film would leave the boundary film. Without this, four films of a narrow transition took
     117 steps for 78.
     """
-    if active.touching is None or change.asperity_pressure is None:
-        return change
     total = film.total_pressure + change.pressure + change.asperity_pressure
     pressure = np.clip(film.pressure + change.pressure, 0, np.maximum(total, 0)) - film.pressure
     pressure = np.where(active.touching, pressure, change.pressure)
@@ -356,14 +344,12 @@ def _within_total_pressure(
     return change._replace(pressure=pressure, asperity_pressure=asperity_pressure)
 
 
-def _height_off_boundary(equation: FilmEquation, film: Film) -> Array | float:
+def _height_off_boundary(equation: FilmEquation, film: Film) -> Array:
     """Return the height (x, y) above the boundary film where asperities carry load, or the film is thinner than it.
 
     A step sets the film of these cells to the boundary film. As a motion within a short step in pseudo-time, that would
     squeeze lubricant out under any pressure.
     """
-    if film.asperity_pressure is None:
-        return 0.0
     height = film.thickness - equation.boundary_film
     return np.where((film.asperity_pressure > 0) | (height < 0), height, 0.0)
 
@@ -375,7 +361,7 @@ def _artificial_storage(last: FilmIteration) -> Array | float:
     without limit in a short step in pseudo-time. It has no effect on a steady film.
     """
     touching, boundary = last.active.touching, last.linear.equation.boundary_film
-    if touching is None or not touching.any():
+    if not touching.any():
         return 0.0
     near = touching | (last.film.thickness < TUNING.near_contact * boundary)
     return TUNING.artificial_compressibility * boundary * near
@@ -390,10 +376,8 @@ def _corrected_active_sets(
         active.cavitated, film.void + change.void >= 0, film.pressure + change.pressure < 0
     )
     cavitated &= ~equation.fixed
-    if active.touching is None:
-        return ActiveSets(cavitated)
-    assert film.asperity_pressure is not None
-    assert change.asperity_pressure is not None
+    if not equation.boundary_film:
+        return ActiveSets(cavitated, active.touching)
     low = film.thickness + _change_of_thickness(equation, change) < equation.boundary_film * (
         1 - TUNING.contact_tolerance
     )
@@ -405,12 +389,7 @@ def _corrected_active_sets(
 
 def _change_of_thickness(equation: FilmEquation, change: FilmCorrection) -> Array:
     """Return the change of the film thickness (x, y) in a step."""
-    total = (
-        change.pressure
-        if change.asperity_pressure is None
-        else change.pressure + change.asperity_pressure
-    )
-    return equation.deflection(total) + change.separation
+    return equation.deflection(change.pressure + change.asperity_pressure) + change.separation
 
 
 def _damping_factor(last: FilmIteration, step: _ActiveSetStep, controls: FilmControls) -> float:
@@ -423,10 +402,9 @@ def _damping_factor(last: FilmIteration, step: _ActiveSetStep, controls: FilmCon
         return 0.0
     rise = _change_of_thickness(equation, change) / film.thickness
     log_change = equation.log_viscosity(film.pressure)[1] * np.abs(change.pressure)
-    if not step.active.touches:
+    if not step.active.touching.any():
         viscous = np.quantile(log_change, 1 - TUNING.clipped)
     else:  # where asperities take over pressure, its fall has no limit
-        assert step.active.touching is not None
         taken_over = step.active.touching & (change.pressure < 0)
         viscous = log_change[~taken_over].max(initial=0.0)
     # each change over its limit
@@ -444,7 +422,7 @@ def _updated_film(
     """Return the film after a damped step, with pressures and void fractions clipped to their ranges."""
     film, equation, change = last.film, last.linear.equation, step.change
     pressure_change = damping * change.pressure
-    if not step.active.touches:
+    if not step.active.touching.any():
         largest = np.full_like(pressure_change, inf)
         log_slope = equation.log_viscosity(film.pressure)[1]
         np.divide(controls.viscosity_change, log_slope, out=largest, where=log_slope > 0)
@@ -452,14 +430,9 @@ def _updated_film(
     pressure = np.maximum(film.pressure + pressure_change, 0)
     largest_void = 1 - TUNING.content_fall * (1 - film.void) if equation.conserves else inf
     void = np.clip(film.void + damping * change.void, 0, largest_void)
-    asperity_pressure = None
-    if film.asperity_pressure is not None and change.asperity_pressure is not None:
-        asperity_pressure = np.maximum(
-            film.asperity_pressure + damping * change.asperity_pressure, 0
-        )
+    asperity_pressure = np.maximum(film.asperity_pressure + damping * change.asperity_pressure, 0)
     if damping == 1:
         pressure[step.active.cavitated], void[~step.active.cavitated] = 0, 0
-        if asperity_pressure is not None and step.active.touching is not None:
-            asperity_pressure[~step.active.touching] = 0
+        asperity_pressure[~step.active.touching] = 0
     separation = film.separation + damping * change.separation
     return equation.film_of(pressure, void, separation, asperity_pressure)

@@ -3,13 +3,11 @@
 import pytest
 
 import contactstudy as cs
-from contactstudy.lubrication.solve_lubricated import film_grid, solve_lubricated
-from tests.contactstudy.lubrication.scenes import DRY, by_moes, grid
+from contactstudy.lubrication.solve_lubricated import solve_lubricated
+from tests.contactstudy.lubrication.scenes import by_moes, grid
 
 
-def test_a_dry_scene_is_sent_to_the_dry_solver_and_a_lubricated_one_to_this() -> None:
-    with pytest.raises(cs.InvalidInput, match=r"or call contactstudy\.solve"):
-        solve_lubricated(DRY)
+def test_a_lubricated_scene_is_sent_to_the_solver_of_films() -> None:
     with pytest.raises(cs.InvalidInput, match=r"call contactstudy\.solve"):
         by_moes(20, 5).problem(grid(100, 4.5), cs.ExactPeriodicity())
 
@@ -25,9 +23,3 @@ def test_limiting_shear_bounds_the_stress_by_a_share_of_the_pressure() -> None:
     contact = solve_lubricated(scene, grid(200, 4.5))
     assert (contact.shear <= 0.05 * contact.pressure).all()
     assert 0.02 < contact.friction < 0.05
-
-
-@pytest.mark.parametrize("error", [0, -1, float("nan"), "a"])
-def test_a_grid_for_an_error_that_is_none_is_refused(error: float) -> None:
-    with pytest.raises(cs.InvalidInput, match=r"film_grid\.error is .*: give one above 0"):
-        film_grid(by_moes(20, 5), error)

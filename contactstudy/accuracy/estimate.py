@@ -30,7 +30,7 @@ from contactstudy.domain.checks import InvalidInput, NotDefined
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.reuse import ArrayCache, caching, current_cache
 from contactstudy.domain.units import readable
-from contactstudy.scene.scene import PosedScene
+from contactstudy.scene.scene import scene_of
 from contactstudy.scene.solids.bodies import creeps, is_layered
 from contactstudy.solvers.friction.rolling_traction import RollingTraction
 from contactstudy.solvers.solution import Solution
@@ -214,9 +214,9 @@ def _edge_rise(solution: Solution) -> tuple[float, float, str]:
     rise.
     """
     pressure, width, reason, problem = 0.0, 0.0, "", solution.problem
-    if not isinstance(problem.description, PosedScene):
+    scene = scene_of(problem)
+    if scene is None:
         return pressure, width, reason
-    scene = problem.description.scene
     for coating in filter(is_layered, scene.solids):
         stiffer = coating.substrate.compliance / coating.compliance
         cells = coating.thickness / problem.grid.cell_size[0]
@@ -243,12 +243,12 @@ def _curvature(solution: Solution) -> float:
 
 def _dundurs_of_shear(solution: Solution) -> float:
     """Return Dundurs' beta of the bodies of a solution with a tangential traction; 0 without one."""
-    posed = solution.problem.description
-    if solution.traction is None or not isinstance(posed, PosedScene):
+    scene = scene_of(solution.problem)
+    if solution.traction is None or scene is None:
         return 0.0
     from contactstudy.scene.friction.friction_law import dundurs  # imported only where it is named
 
-    return dundurs(posed.scene.solids)
+    return dundurs(scene.solids)
 
 
 def _needs_images(solution: Solution, *, slips: bool) -> str:
@@ -257,8 +257,7 @@ def _needs_images(solution: Solution, *, slips: bool) -> str:
         return NO_DATUM
     if slips and _dundurs_of_shear(solution):
         return NO_SLIP_OF_IMAGES
-    posed = solution.problem.description
-    scene = posed.scene if isinstance(posed, PosedScene) else None
+    scene = scene_of(solution.problem)
     creeping = scene is not None and scene.rolls and any(map(creeps, scene.solids))
     return NO_RETARDED_IMAGES if creeping else ""
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from contactstudy.analytic import first_yield
 from contactstudy.domain.fields import BLOCK_CELLS, Array
-from contactstudy.scene.scene import PosedScene, Scene
+from contactstudy.scene.scene import Scene, scene_of
 from contactstudy.scene.solids.bodies import HalfSpace
 from contactstudy.solvers.solution import Solution
 
@@ -19,10 +19,9 @@ MIN_MODULUS = 1e3
 
 def implausible(solution: Solution) -> str:
     """Return one sentence about implausible numbers, with the unit that was likely mistaken; else ``""``."""
-    posed = solution.problem.description
-    if not isinstance(posed, PosedScene) or not np.isfinite(solution.pressure).all():
+    scene, grid, pressure = scene_of(solution.problem), solution.problem.grid, solution.pressure
+    if scene is None or not np.isfinite(pressure).all():
         return ""
-    scene, grid, pressure = posed.scene, posed.grid, solution.pressure
     peak, modulus, hertz = float(pressure.max()), scene.contact_modulus, scene.hertz
     slope = _slope(solution)
     width = float(np.count_nonzero(pressure.any(axis=1)) * grid.cell_size[0])
@@ -56,11 +55,11 @@ def beyond_strength(solution: Solution) -> str:
     Hardness and yield stress are those of the bodies, the load at first yield that of the smooth line contact. Nothing
     is said of a body that yields, nor together with ``Scene.hardness``, which caps the pressure.
     """
-    posed = solution.problem.description
-    if not isinstance(posed, PosedScene) or posed.scene.hardness < inf:
+    scene, peak = scene_of(solution.problem), float(solution.pressure.max())
+    if scene is None or scene.hardness < inf:
         return ""
-    scene, peak = posed.scene, float(solution.pressure.max())
-    hardness = [getattr(body, "hardness", inf) for body in _surfaces(scene)]
+    surfaces = [getattr(body, "coating", body) for body in scene.solids]
+    hardness = [getattr(body, "hardness", inf) for body in surfaces]
     if peak > min(hardness):
         softer = hardness.index(min(hardness))
         return (
@@ -99,11 +98,6 @@ def stress_beyond_yield(scene: Scene, von_mises: float) -> str:
         f"The von Mises stress of {von_mises / 1e6:.3g} MPa is {von_mises / limit:.3g} times the yield stress: "
         "give an ElasticPlasticHalfSpace, or the yield_stress of your material."
     )
-
-
-def _surfaces(scene: Scene) -> list[object]:
-    """Return the material at the surface of each body: of a coated one, its coating."""
-    return [getattr(body, "coating", body) for body in scene.solids]
 
 
 def _slope(solution: Solution) -> float:

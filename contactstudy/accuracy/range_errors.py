@@ -9,7 +9,7 @@ from contactstudy.accuracy.discretisation.cells import contact_perimeter
 from contactstudy.accuracy.discretisation.coarser import ADHESIVE_TOLERANCE, halved
 from contactstudy.domain.errors import ErrorParts
 from contactstudy.domain.units import readable
-from contactstudy.scene.scene import PosedScene
+from contactstudy.scene.scene import PosedScene, scene_of
 from contactstudy.scene.solids.bodies import contact_modulus
 from contactstudy.solvers.cohesive_law import zone_length
 from contactstudy.solvers.solution import AdhesiveTraction, Solution
@@ -56,13 +56,13 @@ def range_errors(solution: Solution) -> tuple[float, float] | None:
     its error, and the peak pressure has no bound.
     """
     adhesion, problem = solution.adhesion, solution.problem
-    posed = problem.description
-    if adhesion is None or not adhesion.regularised or not isinstance(posed, PosedScene):
+    scene = scene_of(problem)
+    if adhesion is None or not adhesion.regularised or scene is None:
         return None
-    assert posed.scene.adhesion is not None
+    assert scene.adhesion is not None
     touching, grid = solution.pressure > 0, problem.grid
-    modulus = contact_modulus(posed.scene.solids, adhesion.cells_in_zone * grid.cell_size[0])
-    work = posed.scene.adhesion.work
+    modulus = contact_modulus(scene.solids, adhesion.cells_in_zone * grid.cell_size[0])
+    work = scene.adhesion.work
     zone = zone_length(modulus, work, work / adhesion.range)
     edges = RANGE_MARGIN * contact_perimeter(touching, grid, problem.paddings) / grid.cell_area
     net_traction = np.abs(solution.pressure - adhesion.attraction).sum()
@@ -88,8 +88,7 @@ def range_warning(solution: Solution) -> tuple[str, ...]:
 
 def _follows_table(solution: Solution) -> bool:
     """Return whether the attraction of `solution` follows the law that :data:`PULL_OFF_OVER_JKR` is for."""
-    posed = solution.problem.description
-    adhesion = posed.scene.adhesion if isinstance(posed, PosedScene) else None
+    adhesion = getattr(scene_of(solution.problem), "adhesion", None)
     return adhesion is not None and adhesion.law == "exponential"
 
 

@@ -13,10 +13,10 @@ from contactstudy.domain.checks import NotDefined
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.domain.imports import needed_for
-from contactstudy.io.quantities.contact_quantities import contact_quantities, scene_of
+from contactstudy.io.quantities.contact_quantities import contact_quantities
 from contactstudy.io.quantities.quantity import Quantities
 from contactstudy.problem.problem import DependsOnShear, Field
-from contactstudy.scene.scene import PosedScene, Scene
+from contactstudy.scene.scene import PosedScene, Scene, scene_of
 from contactstudy.solvers.solution import Solution, net_pressure
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ class Contact(Answer, Solution):
     @property
     def scene(self) -> Scene | None:
         """Scene of the contact; None for a problem that was not made of one."""
-        return scene_of(self)
+        return scene_of(self.problem)
 
     @property
     def grid(self) -> Grid:

@@ -47,13 +47,6 @@ class Creep:
             value = value - size * np.expm1(-time / duration)
         return value
 
-    @property
-    def equilibrium_compliance(self) -> float:
-        """Limit after infinite time; infinite for a fluid."""
-        if self.fluidity:
-            return float("inf")
-        return self.instantaneous + sum(size for size, _ in self.terms)
-
     def scaled(self, factor: float) -> "Creep":
         """Return this creep function times `factor`."""
         terms = tuple((factor * size, duration) for size, duration in self.terms)

@@ -2,11 +2,9 @@
 
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from contactstudy.domain.fields import Array
 from contactstudy.problem.problem import Problem
-from contactstudy.solvers.solution import Solution, Status
+from contactstudy.solvers.solution import Solution, unloaded
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Factor on the tolerance of a contact that is solved together with a state variable, which depends on the contact's
@@ -64,21 +62,3 @@ class WarmStartedContact:
 def with_added_gap(problem: Problem, added_gap: Array) -> Problem:
     """Return `problem` with `added_gap` (x, y) [m] added to its undeformed gap."""
     return replace(problem, undeformed_gap=problem.undeformed_gap + added_gap)
-
-
-def unloaded(problem: Problem) -> Solution:
-    """Return the bodies of `problem` as they just touch, without pressure."""
-    gap = problem.undeformed_gap
-    no_pressure = np.zeros_like(gap)
-    approach = float(gap.min())
-    return Solution(
-        problem=problem,
-        pressure=no_pressure,
-        displacement=no_pressure.copy(),
-        gap=gap - approach,
-        approach=approach,
-        status=Status.CONVERGED,
-        iterations=0,
-        convolutions=0.0,
-        residual=0.0,
-    )

@@ -12,7 +12,6 @@ from contactstudy.accuracy.bounded_solution import BoundedSolution, bounded
 from contactstudy.accuracy.discretisation.coarser import halved
 from contactstudy.accuracy.image_errors import IMAGES_REMEDY
 from contactstudy.domain.device import Cpu, Device
-from contactstudy.domain.errors import ErrorEstimate
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings, on_cells
 from contactstudy.domain.reuse import ArrayCache, caching, current_cache
@@ -92,27 +91,6 @@ class RefinementConstants:
 CONSTANTS = RefinementConstants()
 
 
-@dataclass(frozen=True)
-class Refined:
-    """A scene solved to an accuracy, as far as it can be.
-
-    Attributes
-    ----------
-    solution
-        Solution on the finest grid.
-    estimate
-        Its bounds, from all grids. Where the L1 bound of the pressure is above the requested error,
-        its reason says why.
-    grids
-        Grids with a bound, in order; the last one is that of the solution. The grid of half the cells that is solved
-        before the first, and grids of a width that was given up, are left out.
-    """
-
-    solution: Solution
-    estimate: ErrorEstimate
-    grids: tuple[Grid, ...]
-
-
 def solve_to(
     scene: Scene,
     error: float,
@@ -124,12 +102,13 @@ def solve_to(
     device: Device = Cpu(),  # noqa: B008 (a frozen value)
     most_cells: int = 2_000_000,
     progress: Callable[[BoundedSolution], object] | None = None,
-) -> Refined:
+) -> BoundedSolution:
     """Solve a dry scene that neither changes in time nor rolls, to a relative L1 error of the pressure.
 
     Coarse grids come first. Each gives the start of the next, and contributes to its bound; the errors by the cells'
     pressure along each axis determine which axis to refine. It ends at the first grid whose bound meets the error, or
-    where finer cells would change the bound little beside its other causes, or at `most_cells`.
+    where finer cells would change the bound little beside its other causes, or at `most_cells`; the L1 error of the
+    answer then says why in its reason.
 
     Parameters
     ----------
@@ -172,8 +151,7 @@ def solve_to(
     last = levels[-1]
     reason = refinement.reason_not_met(levels) if last.bound > error else ""
     l1 = replace(last.estimate.l1, reason=reason)
-    grids = tuple(level.grid for level in levels)
-    return Refined(last.solution, replace(last.estimate, l1=l1), grids)
+    return replace(last, estimate=replace(last.estimate, l1=l1))
 
 
 @dataclass(frozen=True, eq=False)

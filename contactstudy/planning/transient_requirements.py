@@ -252,24 +252,16 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
             half_width *= widening
         worn_area = scene.wear.coefficient * elastic.largest_load * slid
         half_width = float(np.cbrt(half_width**3 + 1.5 * hertz.radius * worn_area))
-    least, warnings = _smallest_load(scene, last)
-    if plastic is not None:  # errors are relative to the pressure of the largest load
-        least, warnings = elastic.largest_load, ()
+    narrow = elastic
     reasons: tuple[str, ...] = ()
-    if least < elastic.largest_load:
-        reasons = (f"load: the cells are for loads from {readable(least, 'N m-1')} on.",)
-    narrow = elastic if least == elastic.largest_load else replace(elastic, load=LineLoad(least))
+    warnings: tuple[str, ...] = ()
+    if plastic is None:  # else errors are relative to the pressure of the largest load
+        least, warnings = _smallest_load(scene, last)
+        if least < elastic.largest_load:
+            narrow = replace(elastic, load=LineLoad(least))
+            reasons = (f"load: the cells are for loads from {readable(least, 'N m-1')} on.",)
     width = 2 * GRID.width_factor * half_width
-    return TransientRequirements(
-        narrow,
-        width,
-        width,
-        modulus,
-        fields,
-        reasons,
-        warnings,
-        plastic,
-    )
+    return TransientRequirements(narrow, width, width, modulus, fields, reasons, warnings, plastic)
 
 
 def _fretting(friction: Fretting, load: AnyLoad, hertz: HertzLine) -> tuple[float, float]:

@@ -513,6 +513,12 @@ class PosedScene:
     padding: Padding | Paddings
 
 
+def scene_of(problem: Problem) -> Scene | None:
+    """Return the scene that a problem was made of; None for a problem that was not made of one."""
+    posed = problem.description
+    return posed.scene if isinstance(posed, PosedScene) else None
+
+
 def _refuse_full_contact(load: Approach, gap: Array, paddings: Paddings) -> None:
     """Raise InvalidInput where displacements that count from their mean leave no finite pressure at this approach."""
     mean = float(gap.mean())

@@ -37,6 +37,7 @@ from contactstudy.solvers.solution import (
     CoupledSolution,
     Solution,
     Status,
+    unloaded,
 )
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
@@ -365,19 +366,13 @@ class OuterIteration:
 
     def _detached(self) -> Solution:
         """Return the undeformed bodies as they just touch: the attraction does not carry the tensile load."""
-        problem = self.problem
-        zero = np.zeros_like(problem.undeformed_gap)
-        return Solution(
-            problem=problem,
-            pressure=zero,
-            displacement=zero.copy(),
-            gap=problem.undeformed_gap - problem.undeformed_gap.min(),
-            approach=float(problem.undeformed_gap.min()),
+        touching = unloaded(self.problem)
+        return replace(
+            touching,
             status=Status.DETACHED,
             iterations=self.iterations,
             convolutions=self.convolutions,
-            residual=0.0,
-            adhesion=self._part(zero, (0.0,)),
+            adhesion=self._part(touching.pressure, (0.0,)),
         )
 
     def _part(self, attraction: Array, energies: tuple[float, ...]) -> AdhesiveTraction:

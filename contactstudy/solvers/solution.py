@@ -302,6 +302,24 @@ class Solution:
         return self.traction
 
 
+def unloaded(problem: Problem) -> Solution:
+    """Return the bodies of `problem` as they just touch, without pressure."""
+    gap = problem.undeformed_gap
+    no_pressure = np.zeros_like(gap)
+    approach = float(gap.min())
+    return Solution(
+        problem=problem,
+        pressure=no_pressure,
+        displacement=no_pressure.copy(),
+        gap=gap - approach,
+        approach=approach,
+        status=Status.CONVERGED,
+        iterations=0,
+        convolutions=0.0,
+        residual=0.0,
+    )
+
+
 def with_traction(
     solution: Solution,
     status: Status,

@@ -25,7 +25,7 @@ from contactstudy.problem.memory import refuse_on, refuse_solve
 from contactstudy.problem.problem import Problem
 from contactstudy.solvers.iterate import Iterate
 from contactstudy.solvers.preconditioned_cg import PreconditionedCG
-from contactstudy.solvers.solution import Solution, Status
+from contactstudy.solvers.solution import Solution, Status, unloaded
 
 
 class Solver(Protocol):
@@ -231,16 +231,11 @@ def _admissible_start(pressure: Array, problem: Problem, precision: Precision) -
 
 def _without_pressure(problem: Problem) -> Solution:
     """Return the solution of a load that no admissible pressure carries: the bodies undeformed."""
-    nothing = np.zeros_like(problem.undeformed_gap)
-    return Solution(
-        problem=problem,
-        pressure=nothing,
-        displacement=nothing.copy(),
+    return replace(
+        unloaded(problem),
         gap=problem.undeformed_gap.copy(),
         approach=0.0,
         status=Status.NO_ADMISSIBLE_PRESSURE,
-        iterations=0,
-        convolutions=0.0,
         residual=inf,
     )
 

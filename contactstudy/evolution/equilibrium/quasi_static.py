@@ -23,7 +23,6 @@ from contactstudy.evolution.breakpoints import (
 )
 from contactstudy.evolution.rolling.steady_rolling import SteadyRolling, solve_rolling
 from contactstudy.evolution.trajectory import Frame, Trajectory
-from contactstudy.evolution.warm_started import unloaded
 from contactstudy.problem.constraint import PrescribedLoad
 from contactstudy.problem.problem import Field, Problem
 from contactstudy.scene.loads.constant_load import LineLoad
@@ -32,7 +31,7 @@ from contactstudy.scene.rolling import check_slow
 from contactstudy.scene.scene import AnyLoad, PosedScene, Scene
 from contactstudy.scene.solids.bodies import creeps, instantaneous
 from contactstudy.solvers.adhesion import AdhesiveSolver
-from contactstudy.solvers.solution import Solution, Status, worst_until
+from contactstudy.solvers.solution import Solution, Status, unloaded, worst_until
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Turns of the load below this fraction of the largest one are rounding.

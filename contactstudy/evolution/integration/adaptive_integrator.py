@@ -14,8 +14,7 @@ from contactstudy.evolution.integration.integration_errors import IntegrationErr
 from contactstudy.evolution.integration.step_control import INITIAL_STEP, StepControl
 from contactstudy.evolution.integration.time_stepper import Instant, SolvedContacts, TimeStepper
 from contactstudy.evolution.trajectory import Frame
-from contactstudy.evolution.warm_started import unloaded
-from contactstudy.solvers.solution import Solution, Status, worst_until
+from contactstudy.solvers.solution import Solution, Status, unloaded, worst_until
 
 # A pair of steps shorter than this, over the duration of the integration, is never rejected.
 SHORTEST = 1e-12

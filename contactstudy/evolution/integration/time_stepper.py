@@ -28,7 +28,6 @@ from contactstudy.evolution.time_steps import Scheme
 from contactstudy.evolution.warm_started import (
     WarmStartedContact,
     solved_or_unloaded,
-    unloaded,
     with_added_gap,
 )
 from contactstudy.problem.constraint import PrescribedLoad
@@ -41,6 +40,7 @@ from contactstudy.solvers.solution import (
     Solution,
     Status,
     net_pressure,
+    unloaded,
 )
 from contactstudy.solvers.solve import SolveOptions
 

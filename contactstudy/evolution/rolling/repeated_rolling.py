@@ -21,12 +21,11 @@ from contactstudy.evolution.rolling.track import (
 )
 from contactstudy.evolution.states.plastic import YieldingBody, check_paddings, step_solution
 from contactstudy.evolution.states.plastic_volume import embedded, layers
-from contactstudy.evolution.warm_started import unloaded
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.loads.constant_load import ConstantLoad
 from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.scene.solids.bodies import creeps, instantaneous
-from contactstudy.solvers.solution import Solution, Status, worst
+from contactstudy.solvers.solution import Solution, Status, unloaded, worst
 from contactstudy.solvers.solve import SolveOptions
 
 XX, YY, XZ = 0, 1, 4

@@ -15,7 +15,7 @@ from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import readable
 from contactstudy.io.quantities.quantity import Quantity, per_length, roller_length, with_bound
 from contactstudy.problem.problem import Field
-from contactstudy.scene.scene import PosedScene, Scene
+from contactstudy.scene.scene import PosedScene, Scene, scene_of
 from contactstudy.solvers.friction.fretting_traction import FrettingTraction
 from contactstudy.solvers.friction.rolling_traction import RollingTraction
 from contactstudy.solvers.solution import AdhesiveTraction, Solution, TangentialTraction
@@ -33,12 +33,6 @@ SYMMETRY = 1e-7
 NO_BOUND_OF_ONE_CELL = (
     "No bound: the slip zone is at most one cell wide; solve again on cells of half the width."
 )
-
-
-def scene_of(solution: Solution) -> Scene | None:
-    """Return the scene that a solution belongs to; None for a problem that was not made of one."""
-    posed = solution.problem.description
-    return posed.scene if isinstance(posed, PosedScene) else None
 
 
 def contact_quantities(
@@ -65,7 +59,7 @@ def contact_quantities(
     pressure, gap, grid = solution.pressure, solution.gap, solution.problem.grid
     if not np.isfinite(pressure).all():
         return {}
-    scene, touching, fallback_reasons = scene_of(solution), pressure > 0, estimate.warnings
+    scene, touching, fallback_reasons = scene_of(solution.problem), pressure > 0, estimate.warnings
     posed = solution.problem.description
     length = roller_length(posed if isinstance(posed, PosedScene) else None)
     area = float(np.count_nonzero(touching) * grid.cell_area)
@@ -145,7 +139,7 @@ def approach_datum(solution: Solution) -> float | None:
 
     Along an endless contact the approach grows with the logarithm of this distance (Johnson 1985, eq. 2.20).
     """
-    problem, scene = solution.problem, scene_of(solution)
+    problem, scene = solution.problem, scene_of(solution.problem)
     if scene is None or problem.paddings is None:
         return None
     across, along = problem.paddings
@@ -198,7 +192,7 @@ def _of_traction(
         by_cells = traction.errors.force * pressed / abs(load) if load else 0.0
         bound = by_cells + (solution.residual + load_error) * coefficient.value
         coefficient = _with_slip_bound(coefficient, bound, estimate)
-    friction = getattr(scene_of(solution), "friction", None)
+    friction = getattr(scene_of(solution.problem), "friction", None)
     displacement_given = getattr(friction, "displacements", None) is not None
     if not (isinstance(traction, RollingTraction) or friction is None or displacement_given):
         # the force is given, or in full sliding that over the load

@@ -3,10 +3,12 @@
 from dataclasses import replace
 from math import sqrt
 
+from contactstudy.accuracy.range_errors import RANGE_MARGIN
 from contactstudy.domain.grid import Grid, Padding, Paddings
+from contactstudy.domain.units import readable
 from contactstudy.planning.cost import memory, predicted_seconds, sample_timing
 from contactstudy.planning.forecast import CONSTANTS as FORECAST
-from contactstudy.planning.forecast import with_width
+from contactstudy.planning.forecast import images_error, images_warning, with_width
 from contactstudy.planning.grid_requirements import (
     GridRequirements,
     grid_requirements,
@@ -15,9 +17,10 @@ from contactstudy.planning.grid_requirements import (
 from contactstudy.planning.planned import Plan
 from contactstudy.planning.transient_requirements import TransientRequirements
 from contactstudy.scene.adhesion import ZONE_CELLS
+from contactstudy.scene.loads.constant_load import LineLoad
 from contactstudy.scene.loads.resulting_load import PullOff
 from contactstudy.scene.scene import Scene
-from contactstudy.scene.solids.bodies import contact_modulus
+from contactstudy.scene.solids.bodies import contact_modulus, instantaneous
 from contactstudy.solvers.cohesive_law import zone_length
 
 # Tabor parameter taken as the JKR limit: of a contact that does not vary along its length, where
@@ -77,16 +80,23 @@ def plan_of_adhesion(
             base = with_width(base, transient.width)
         grid = _grid(base, requirements, zone / ZONE_CELLS, decay_distance)
     cell = max(grid.cell_size) if requirements.varies else grid.cell_size[0]
+    load, by_range = requirements.hertz.load_per_length, 0.0
     if adhesion.range is None:
         if transient is None:
             modulus = contact_modulus(scene.solids, ZONE_CELLS * cell)
         law = adhesion.cohesive(modulus, cell)
         tabor, cells = scale / law.range, ZONE_CELLS
+        # of two edges, see accuracy.range_errors
+        by_range = 2 * RANGE_MARGIN * modulus * law.range / load
     else:
         tabor, cells = scale / attraction_range, zone / cell
     solves = SEARCH_SOLVES if isinstance(scene.load, PullOff) else instants or 1
     convolutions = max(MIN_CONVOLUTIONS, CONVOLUTIONS_OVER_TABOR_SQUARED * tabor**2)
     padding = requirements.padding()
+    images = 0.0
+    if padding != replace(requirements, given_padding=None).padding():
+        pressed = Scene(LineLoad(load), instantaneous(scene.solids), scene.shapes)
+        images = images_error(pressed, grid, padding)
     # all solves have one set-up
     timing = sample_timing(grid, padding)
     seconds = FORECAST.cost_ratio * predicted_seconds(timing, grid, solves * convolutions)
@@ -102,16 +112,21 @@ def plan_of_adhesion(
             f"Grid.cells[{axis}] is {grid.cells[axis]}: {cells:.2g} cells in the cohesive zone, so few that the "
             f"grid pins the edge of the contact (lattice trapping): give {finer} for six.",
         )
+    if by_range > error:
+        warnings += (
+            f"plan.error is {error:.2g}: the range of {readable(scale / tabor)} that the grid chooses in place of the "
+            f"JKR limit contributes {by_range:.2g}, give Adhesion.range, or finer cells.",
+        )
     expected_error = requirements.error(grid.cell_size)
     return Plan(
         grid=grid,
         padding=padding,
-        error=expected_error,
+        error=expected_error + images + by_range,
         seconds=seconds,
         bytes=memory(grid, padding),
         period_check=requirements.period_check(grid.length),
         reasons=(*requirements.reasons(grid, expected_error), reason),
-        warnings=warnings,
+        warnings=(*warnings, *images_warning(padding, images, error)),
         solves=solves,
     )
 

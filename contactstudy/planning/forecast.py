@@ -1,6 +1,7 @@
 """Forecasts of error and cost, from the first grids of a refinement."""
 
 import sys
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from math import inf, prod
 from time import process_time
@@ -15,7 +16,8 @@ from contactstudy.planning.cost import CONSTANTS as TIMING
 from contactstudy.planning.cost import memory, predicted_seconds, sample_timing, timed
 from contactstudy.planning.grid_requirements import CONSTANTS as GRID
 from contactstudy.planning.grid_requirements import GridRequirements, halvable_count
-from contactstudy.planning.refinement import GridRefinement
+from contactstudy.planning.refinement import OTHER_CAUSES, GridRefinement
+from contactstudy.scene.loads.resulting_load import Approach
 from contactstudy.scene.scene import Scene
 from contactstudy.solvers.solution import Status
 from contactstudy.solvers.solve import SolveOptions, solve_contact
@@ -194,8 +196,9 @@ def forecast_of_grid(scene: Scene, requirements: GridRequirements, grid: Grid) -
         The grid.
     """
     padding, orders = (requirements.padding(), (GRID.rough_order, GRID.rough_order))
-    # the law is that of Hertz's contact
-    if requirements.is_smooth and scene.hardness > requirements.hertz.peak_pressure:
+    # the law is that of Hertz's contact under a given load
+    is_hertz = requirements.is_smooth and not isinstance(scene.load, Approach)
+    if is_hertz and scene.hardness > requirements.hertz.peak_pressure:
         return GridForecast(
             grid,
             (requirements.error(grid.cell_size), 0.0),
@@ -241,6 +244,14 @@ def images_error(scene: Scene, grid: Grid, padding: Padding | Paddings) -> float
         return error_estimate(solve_contact(problem)).l1.images or 0.0
     except InvalidInput:
         return inf
+
+
+def images_warning(padding: Padding | Paddings, images: float, error: float) -> Iterator[str]:
+    """Yield a sentence where the `images` that a padding leaves out contribute more than an `error`."""
+    if images > error:
+        cause, remedy = OTHER_CAUSES["images"]
+        part = "an amount not known" if images == inf else f"{100 * images:.2g} %"
+        yield f"plan.padding is {padding!r}: {cause} {part} to the error, {remedy}."
 
 
 def _refinement(scene: Scene, requirements: GridRequirements, error: float) -> GridRefinement:

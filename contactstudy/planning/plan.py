@@ -27,6 +27,7 @@ from contactstudy.planning.forecast import (
     forecast_of_grid,
     forecast_of_refinement,
     images_error,
+    images_warning,
     with_width,
     within_memory,
 )
@@ -39,7 +40,6 @@ from contactstudy.planning.grid_requirements import (
     period_fault,
 )
 from contactstudy.planning.planned import Plan
-from contactstudy.planning.refinement import OTHER_CAUSES
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.shapes.shape import LengthScales
 
@@ -286,18 +286,10 @@ def _plan_static(
         warnings=(
             *requirements.warnings(grid),
             *_warnings(requirements, forecast, grid, limit, error=target),
-            *_images_warning(padding, images, min(target, expected_error)),
+            *images_warning(padding, images, min(target, expected_error)),
         ),
         device=device,
     )
-
-
-def _images_warning(padding: Padding | Paddings, images: float, error: float) -> Iterator[str]:
-    """Yield a sentence where the `images` that a padding leaves out contribute more than an `error`."""
-    if images > error:
-        cause, remedy = OTHER_CAUSES["images"]
-        part = "an amount not known" if images == inf else f"{100 * images:.2g} %"
-        yield f"plan.padding is {padding!r}: {cause} {part} to the error, {remedy}."
 
 
 def _axis_reasons(forecast: GridForecast, *, own_points: bool) -> Iterator[str]:

@@ -24,8 +24,9 @@ class Plan:
         dimensions.
     error
         Relative L1 error of the pressure to expect of the cells: of dry contacts from solutions on coarse grids, where
-        these give no bound and with adhesion by a law, as of a smooth contact on a grid that was given. Of a scene in
-        time that of the steps adds to it. Of a film, the one requested. Infinite where it is not predicted.
+        these give no bound and with adhesion by a law, as of a smooth contact on a grid that was given; of the images
+        that a given padding leaves out, and of the range of an attraction that the grid chooses. Of a scene in time that
+        of the steps adds to it. Of a film, the one requested. Infinite where it is not predicted.
     seconds
         Seconds of processor time (with a device, of wall time) of a solve to the error: its plan, all grids and steps,
         their estimates, and the stress that a steady scene names, from solves timed just now. Imports, compilation,

@@ -239,6 +239,22 @@ def test_a_plan_of_adhesion_resolves_the_waves_of_the_surfaces(line_contact: Lin
     assert 8 < 4e-6 / planned.grid.cell_size[0] < 50
 
 
+@pytest.mark.parametrize(
+    ("attraction_range", "padding", "cause"),
+    [(2e-6, cs.CircularSuperposition(0), "images"), (None, cs.ExactPeriodicity(), "range")],
+)
+def test_a_plan_of_adhesion_expects_the_error_by_images_and_by_a_range_chosen_for_the_grid(
+    attraction_range: float | None, padding: cs.Padding, cause: str
+) -> None:
+    bodies = cs.HalfSpace(5e6, 0.49), cs.HalfSpace(inf, 0.3)
+    adhesion = cs.Adhesion(0.05, attraction_range)
+    scene = cs.Scene(cs.LineLoad(0.5), bodies, (cs.Cylinder(1e-3),), adhesion=adhesion)
+    planned = cs.plan(scene, error=0.04, padding=padding)
+    answer = cs.solve(scene, planned.grid, padding)
+    assert planned.error == pytest.approx(answer.error.l1.total, rel=0.5)
+    assert any(cause in said and "contribute" in said for said in planned.warnings)
+
+
 def test_a_plan_of_adhesion_resolves_the_zone_and_the_width_of_what_has_crept() -> None:
     """The zone ``pi E* w / (4 sigma0^2)`` has six cells; the relaxed contact is four times as wide as Hertz's."""
     soft = cs.ViscoelasticHalfSpace(1e5, 0.0, ((1.5e6, 1.0),))

@@ -366,7 +366,7 @@ class TimeStepper:
             problem,
             operator=self._operator(problem, weights, local),
             control=PrescribedLoad(load * grid.length / grid.cell_area),
-            scales=self._scales(load, compliance_ratio) if load > 0 else problem.scales,
+            scales=self._scales(load, compliance_ratio),
         )
 
     def _gap(self, contributions: Iterable[Contribution]) -> Array:
@@ -419,9 +419,10 @@ class TimeStepper:
         """Return the scales under `load` [N/m] and a ratio of the step's compliance to the instantaneous one.
 
         The width of a curved contact grows with the square root of load and compliance; a flat contact keeps its width.
+        Bodies that adhere, which no load leaves undeformed, have the scales of the largest load.
         """
         scales = self.problem.scales
-        ratio = load / self.load.largest
+        ratio = load / self.load.largest if load > 0 and self.problem.adhesion is None else 1.0
         if scales.length < self.problem.grid.extent[0]:
             length, pressure = sqrt(ratio * compliance_ratio), sqrt(ratio / compliance_ratio)
         else:

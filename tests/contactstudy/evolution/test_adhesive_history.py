@@ -242,6 +242,21 @@ def test_a_history_from_a_file_has_errors_of_its_approach_and_work(tmp_path: Pat
         assert 0 < found[name].bound < inf
 
 
+def test_bodies_that_creep_are_held_at_a_load_near_zero_as_at_zero() -> None:
+    body = cs.ViscoelasticHalfSpace(0.5, 0.0, ((0.5, 1.0),))
+    near, at_zero = (
+        cs.solve(
+            replace(SCENE, solids=(body, RIGID), load=cs.LoadHistory((0.0, 1.0), (pi, last))),
+            GRID,
+            LINE,
+            times=(0.0, 1.0),
+        ).frames[-1]
+        for last in (1e-12, 0.0)
+    )
+    assert near.status is at_zero.status is cs.Status.CONVERGED
+    np.testing.assert_allclose(near.pressure, at_zero.pressure, rtol=1e-6)
+
+
 @pytest.mark.parametrize(("fraction", "delay"), [(0.5, 1e9), (1.0, 1e-6)])
 def test_bodies_that_creep_far_more_slowly_or_quickly_than_the_load_adhere_as_elastic_ones(
     fraction: float, delay: float

@@ -275,7 +275,8 @@ def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
         reason = reason or "No bound: the time-discretisation error was not estimated."
     l1 = replace(steps, reason=reason)
     cells = max(l1.by_cause["discretisation"], frame.peak_grid_error)
-    peak = replace(l1, discretisation=cells)
+    peak_by_steps = frame.time_discretisation_errors["peak_pressure"]
+    peak = replace(l1, discretisation=cells, steps=peak_by_steps)
     if l1.range is not None:
         peak = replace(peak, range=inf, reason=PEAK_WITHOUT_LIMIT)
     unknown = ErrorParts(discretisation=inf, reason=NO_BOUND_OF_STATES)

@@ -57,7 +57,7 @@ class Frame:
     time_discretisation_error
         Estimated time-discretisation error; in fretting the larger one of the pressure and of the tangential traction.
     time_discretisation_errors
-        Those of further quantities of a contact that has worn while it rolls, by name.
+        Those of the peak pressure, and of further quantities of a contact that has worn while it rolls, by name.
     solves
         Number of contacts solved, of which a step may take several; contact and plastic strain together count as one.
     iterations

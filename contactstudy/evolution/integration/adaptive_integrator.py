@@ -26,8 +26,8 @@ MAX_HALVINGS = 6
 # Files of a checkpoint: a recorded frame by its index, and the state to continue from.
 FRAME_FILE, STATE_FILE = "frame_{:05d}.npz", "state.npz"
 # State of an integrator in its checkpoint.
-CHECKPOINTED = ("breakpoint", "time_discretisation_error", "double_step", "rejected", "restarts", "solves", "iterations",
-                "convolutions")  # fmt: skip
+CHECKPOINTED = ("breakpoint", "time_discretisation_errors", "double_step", "rejected", "restarts", "solves",
+                "iterations", "convolutions")  # fmt: skip
 # The same of its errors.
 CHECKPOINTED_ERRORS = "largest_by_cells", "largest_by_residual"
 # Steps make no pair where their lengths differ by a larger factor: an error of first order is 1.08 times the difference
@@ -101,7 +101,8 @@ class AdaptiveIntegrator:
         self.breakpoint = 0
         self.fine = self.coarse = self.stepper.start(self.breakpoints[0].time)
         self.solution: Solution | None = None
-        self.time_discretisation_error, self.errors = 0.0, IntegrationErrors(self.stepper)
+        self.errors = IntegrationErrors(self.stepper)
+        self.time_discretisation_errors = dict.fromkeys(("l1", "peak_pressure"), 0.0)
         duration = self.breakpoints[-1].time - self.breakpoints[0].time
         self.double_step, self.shortest = INITIAL_STEP * duration, SHORTEST * duration
 
@@ -158,10 +159,10 @@ class AdaptiveIntegrator:
         if self.step_doubling and (ends_double_step or not synchronised):
             self.coarse, solved = self._advance(self.coarse, point.time, point.before)
             self._accept(solved)
-            before = self.time_discretisation_error
-            self.time_discretisation_error = self.errors.by_steps(self.fine, self.coarse)
+            before = self.time_discretisation_errors
+            errors = self.time_discretisation_errors = self.errors.by_steps(self.fine, self.coarse)
             # the frames that wait lie between two instants of the doubled step
-            self._finish_frames(max(before, self.time_discretisation_error))
+            self._finish_frames({name: max(before[name], errors[name]) for name in errors})
         elif not self.step_doubling:
             self.coarse = self.fine
         return _Outcome.REACHED
@@ -204,9 +205,9 @@ class AdaptiveIntegrator:
                 continue
             self._accept(to_half + to_end + in_one)
             self.fine, self.coarse, self.solution = second, coarse, to_end.last
-            self.time_discretisation_error = self.errors.by_steps(second, coarse)
-            if self.time_discretisation_error > control.error:
-                self._restart(control.stricter(self.time_discretisation_error))
+            self.time_discretisation_errors = self.errors.by_steps(second, coarse)
+            if (error := self.time_discretisation_errors["l1"]) > control.error:
+                self._restart(control.stricter(error))
                 return _Outcome.RESTART
             # a pair cut short by a breakpoint is no measure of the allowed length
             self.double_step = max(
@@ -256,7 +257,7 @@ class AdaptiveIntegrator:
             error_increment = self.errors.increment((self.fine, self.coarse), (fine, coarse))
             exact = self.control is None or self.control.accepts(error_increment)
             if self.stepper.coupled is None or exact or increments >= MAX_INCREMENTS:
-                self.time_discretisation_error = self.errors.by_steps(fine, coarse)
+                self.time_discretisation_errors = self.errors.by_steps(fine, coarse)
                 break
             self.rejected += 1
             increments *= 2
@@ -285,7 +286,8 @@ class AdaptiveIntegrator:
 
     def _record_failure(self, instant: Instant, solved: SolvedContacts) -> None:
         """Record the `instant` at which the integration has to stop, with an infinite error."""
-        self.fine, self.solution, self.time_discretisation_error = instant, solved.last, inf
+        self.fine, self.solution = instant, solved.last
+        self.time_discretisation_errors = dict.fromkeys(self.time_discretisation_errors, inf)
         self._accept(solved)
         self._record()
         self._finish_frames()
@@ -336,12 +338,18 @@ class AdaptiveIntegrator:
             start = self.breakpoints[0].time
             self.progress(self.fine.time - start, self.breakpoints[-1].time - start)
 
-    def _finish_frames(self, error: float | None = None) -> None:
-        """Add the present time-discretisation error, or this one, to the waiting frames, and write them."""
-        by_steps = self.time_discretisation_error if error is None else error
+    def _finish_frames(self, errors: Mapping[str, float] | None = None) -> None:
+        """Add the present time-discretisation errors, or these, to the waiting frames, and write them."""
         for frame in self.waiting:
-            total = by_steps + frame.time_discretisation_error
-            finished = replace(frame, time_discretisation_error=total)
+            total = {
+                name: error + frame.time_discretisation_error
+                for name, error in (errors or self.time_discretisation_errors).items()
+            }
+            finished = replace(
+                frame,
+                time_discretisation_error=total.pop("l1"),
+                time_discretisation_errors=total,
+            )
             if self.checkpoint is not None:
                 self.checkpoint.write(FRAME_FILE.format(len(self.frames)), finished)
             self.frames.append(finished)

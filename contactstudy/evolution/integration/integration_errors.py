@@ -48,14 +48,17 @@ class IntegrationErrors:
     largest_by_cells: float = 0.0
     largest_by_residual: float = 0.0
 
-    def by_steps(self, fine: Instant, coarse: Instant) -> float:
-        """Return the time-discretisation error of `fine`, of the pressure or of the states: the larger one.
+    def by_steps(self, fine: Instant, coarse: Instant) -> dict[str, float]:
+        """Return time-discretisation errors of `fine` in L1, of the pressure or of the states, and of the peak pressure.
 
-        That of bodies which are apart in `fine` alone is relative to the pressure of `coarse`.
+        In L1 it is the larger one; that of the peak is the largest of any cell. Those of bodies which are apart in
+        `fine` alone are relative to the pressure of `coarse`.
         """
         instant = fine if fine.pressure.any() else coarse
-        pressure = self._relative(fine.pressure - coarse.pressure, instant)
-        return max(pressure, self._of_states(fine, coarse))
+        difference = fine.pressure - coarse.pressure
+        l1 = max(self._relative(difference, instant), self._of_states(fine, coarse))
+        largest, peak = float(np.abs(difference).max()), float(instant.pressure.max())
+        return {"l1": l1, "peak_pressure": self._error_over_difference * largest / (peak or 1.0)}
 
     def increment(self, before: tuple[Instant, Instant], after: tuple[Instant, Instant]) -> float:
         """Return by how much a pair of steps raises the time-discretisation error, from (fine, coarse) instants."""
@@ -91,17 +94,21 @@ class IntegrationErrors:
     def _relative(self, difference: Array, *instants: Instant) -> float:
         """Return the L1 norm of a pressure difference over the largest L1 norm of the pressures of `instants`.
 
-        It is multiplied by what the error is of the difference of two integrations, at most: 2.41 where the order may
-        be 1/2, 1.5 beside a coupled state variable, whose steps are of first order. There it is relative to the
-        pressure under the largest load.
+        It is multiplied by what the error is of the difference of two integrations, at most. Beside a coupled state
+        variable it is relative to the pressure under the largest load.
         """
-        norm = float(np.abs(difference).sum())
+        norm = self._error_over_difference * float(np.abs(difference).sum())
         if self.stepper.coupled is not None:
-            return FIRST_ORDER_FACTOR * self._relative_to_largest_load(norm)
-        if self.stepper.is_first_order:
-            norm *= HALF_ORDER_FACTOR
+            return self._relative_to_largest_load(norm)
         total = max(float(instant.pressure.sum()) for instant in instants)
         return norm / total if total else 0.0
+
+    @property
+    def _error_over_difference(self) -> float:
+        """Largest error over the difference of two integrations: 1.5 where bodies yield, 2.41 if they wear or fret."""
+        if self.stepper.coupled is not None:
+            return FIRST_ORDER_FACTOR
+        return HALF_ORDER_FACTOR if self.stepper.is_half_order else 1.0
 
     def keep(self, contacts: Iterable[Solution]) -> None:
         """Keep the errors of contacts that stopped before the tolerance, on whose pressure later states depend."""

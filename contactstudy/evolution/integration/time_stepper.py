@@ -136,11 +136,10 @@ class TimeStepper:
         return (*self.state_variables, *coupled)
 
     @property
-    def is_first_order(self) -> bool:
-        """True if one-stage wear or an iterated state variable limits the order to 1, and to 1/2 where wear begins."""
-        in_one_stage = len(self.scheme.stages) == 1
+    def is_half_order(self) -> bool:
+        """True if wear or an iterated state variable limits the order to 1/2, as where wear begins."""
         return any(
-            (variable.has_stages and in_one_stage) or isinstance(variable, IteratedStateVariable)
+            variable.has_stages or isinstance(variable, IteratedStateVariable)
             for variable in self.state_variables
         )
 

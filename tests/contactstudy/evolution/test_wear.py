@@ -140,6 +140,23 @@ def test_the_wear_volume_is_that_of_archard_to_rounding(
     assert worn.min() >= 0
 
 
+@pytest.mark.parametrize("duration", [0.01, 3.0])
+def test_errors_of_two_stage_steps_bound_the_pressure_and_the_peak_of_a_rounded_punch(
+    duration: float,
+) -> None:
+    rounded = Own(lambda grid: 3 * np.maximum(np.abs(grid.x[:, None]) - 0.3, 0) ** 2)
+    scene = replace(CYLINDER, load=cs.LineLoad(0.05), shapes=(rounded,))
+    grid, scheme = cs.Grid((64, 1), (1.0, 1.0)), Scheme.TWO_STAGE
+    fine = duration * np.unique([*np.linspace(0, 1, 129), *np.geomspace(1e-6, 0.2, 40)])
+    exact = evolved(scene, grid, fine, scheme=scheme)
+    found = evolve(scene, grid, EXACT, times=duration * np.linspace(0, 1, 5), scheme=scheme)
+    for frame in evolution_answer(found).frames[1:]:
+        true = exact.pressure[np.argmin(np.abs(fine - frame.time))]
+        l1, peak = (dict(frame.error)[of].by_cause["steps"] for of in ("l1", "peak_pressure"))
+        assert np.abs(frame.pressure - true).sum() <= l1 * true.sum()
+        assert abs(frame.pressure.max() - true.max()) <= peak * true.max()
+
+
 def test_no_wear_is_the_scene_without_it() -> None:
     grid = cs.Grid((64, 1), (0.3, 1.0))
     elastic = cs.solve(replace(CYLINDER, wear=None).problem(grid, EXACT))

@@ -89,8 +89,9 @@ def comparison_of(
         if had_time or (verdict is not None and verdict.meets and verdict.best.rounds):
             log(f"read the rounds stored in {path_in(out)}")
             return replace(comparison, error=error)
+    folder = open_folder(out)  # refused before anything is measured
     comparison = compare_settings(described.subject(error), error, budget, log)
-    store(comparison, described.key, open_folder(out))
+    store(comparison, described.key, folder)
     return comparison
 
 

@@ -62,7 +62,7 @@ def names_in(text: str) -> tuple[str, ...]:
     return tuple(filter(None, (name.strip() for name in text.split(","))))
 
 
-def figures_option(text: str | None = None) -> Decorator:
+def figures_option(text: str) -> Decorator:
     """Return the option --figures, the kind of the default drawing, with a help text."""
     kinds = click.Choice(["curves", "maps"])
     return click.option("--figures", type=kinds, default="curves", show_default=True, help=text)

@@ -30,7 +30,7 @@ FORMATS = ("png", "pdf", "svg", "vtk")
     show_default=True,
     help="png, pdf, svg or, of a solution, vtk for ParaView; several with commas.",
 )
-@figures_option()
+@figures_option("How two varied fields of a sweep are drawn.")
 @PLOT
 @click.option(
     "--csv",

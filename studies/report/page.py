@@ -103,16 +103,18 @@ def run_and_write(
     for number, part in enumerate(chapter.parts, 1):
         start, messages = monotonic(), list[str]()
         if part.name == SETTINGS:
-            comparison_of(paper_scene(), PAPER_ERROR, Budget(PAPER_SECONDS), out, log)
-            continue
-        study = part.study()
-        timed = replace(options, repeats=min(options.repeats, part.repeats))
-        dataset = run(study, out, options=timed, log=messages.append)
-        failed = ~dataset["case_status"].isin([CaseStatus.OK, CaseStatus.NOT_RUN])
-        for message in messages if failed.any() else ():
-            log(message)
+            compared = comparison_of(paper_scene(), PAPER_ERROR, Budget(PAPER_SECONDS), out, log)
+            done = f"{len(compared.settings)} settings"
+        else:
+            study = part.study()
+            timed = replace(options, repeats=min(options.repeats, part.repeats))
+            dataset = run(study, out, options=timed, log=messages.append)
+            failed = ~dataset["case_status"].isin([CaseStatus.OK, CaseStatus.NOT_RUN])
+            for message in messages if failed.any() else ():
+                log(message)
+            done = f"{study.size} points"
         log(
-            f"{chapter.name}: {number} of {len(chapter.parts)}, {part.name}: {study.size} points in "
+            f"{chapter.name}: {number} of {len(chapter.parts)}, {part.name}: {done} in "
             f"{monotonic() - start:.0f} s"
         )
     return draw_and_write(chapter, out, formats)

@@ -42,7 +42,8 @@ def _figure(dataset: xr.Dataset) -> Sequence[CaptionedFigure]:
     dataset = _on_one_tolerance(dataset) if not is_timed(dataset) else dataset
     untimed = _on_one_tolerance(dataset)
     if dataset.sizes["period"] > 1 and is_of_hertz(dataset):
-        drawn = [_over_reach(untimed)]
+        # exact periodicity alone has no window
+        drawn = [_over_reach(untimed)] if set(paddings(dataset)) - {"exact"} else []
         varied = ["grid"]
     else:
         drawn, varied = [], list(OVER)
@@ -120,12 +121,9 @@ def _over_reach(dataset: xr.Dataset) -> CaptionedFigure:
                 ls="--",
                 label=f"{name}: the error by the cells",
             )
-    beyond = np.geomspace(max(1.0, min(spans)), max(spans)) if spans else np.array([])
-    if beyond.size:
-        law = 1 / (
-            2 * np.pi * beyond**2
-        )  # L1 error of a window with a reach of so many half-widths
-        ax.loglog(beyond, law, label="law a²/(2πD²)", **LAW_STYLE)
+    beyond = np.geomspace(max(1.0, min(spans)), max(spans))
+    # L1 error of a window with a reach of so many half-widths
+    ax.loglog(beyond, 1 / (2 * np.pi * beyond**2), label="law a²/(2πD²)", **LAW_STYLE)
     ax.set(xlabel="reach D of the window over the half-width a", ylabel=LABEL)
     write_powers(ax.yaxis, in_percent)
     write_powers(ax.xaxis, "{:g}".format)

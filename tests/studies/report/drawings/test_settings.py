@@ -72,5 +72,7 @@ def test_errors_stand_over_the_distance_that_a_padding_sees_whatever_its_n() -> 
         np.testing.assert_allclose(seen, reach * np.array(PERIODS))
         (wanted,) = axes_text()["pressure_error_l1"].sel(padding=[name], images=1, grid=24).values
         np.testing.assert_allclose(error, wanted)
+    (alone,) = load_drawing("images").figure(axes_text().isel(images=[1], grid=[2], padding=[4]))
+    assert alone.name == "paddings"
     reach, law = lines["law a²/(2πD²)"]
     np.testing.assert_allclose(law, 1 / (2 * np.pi * reach**2))

@@ -275,6 +275,11 @@ def draw(study: tuple[str, ...], out: Path, formats: tuple[str, ...]) -> None:
     from studies.report.chapters import MAIN
 
     for name in study:
+        if name.endswith(".toml"):
+            raise InvalidInput(
+                f"STUDY is {name!r}: draw the stored sweep of a scene with contactstudy show "
+                f"{out / Path(name).stem}-sweep.nc."
+            )
         chosen = load(name)
         with _drawing(chosen.name):
             reporting.draw_figures(chosen, load_drawing(name), out, with_png(formats))

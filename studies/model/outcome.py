@@ -98,7 +98,10 @@ def summary_messages(dataset: xr.Dataset) -> Iterator[str]:
     if "accuracy_met" in dataset and dataset["accuracy_met"].shape == statuses.shape:
         met = dataset["accuracy_met"].values.ravel()[places]
         if missed := np.count_nonzero(met == 0):
-            yield f"{missed} of {places.size} cases miss the requested accuracy; see 'accuracy_met' and their bounds"
+            yield (
+                f"{missed} of {places.size} cases miss the requested accuracy; see 'accuracy_met' and their bounds, and "
+                "request a smaller error, or vary the grid"
+            )
     unbounded = {}
     for name, bound in dataset.data_vars.items():
         value = dataset.get(str(name).removesuffix("_bound"))

@@ -1,5 +1,6 @@
 """The axis of a study that a varied field of a scene makes, with the value of the field at each of its values."""
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, is_dataclass, make_dataclass, replace
 from glob import glob, has_magic
@@ -189,7 +190,7 @@ def _converted(field: SceneField, raw: object) -> Any:
     """Return a value as the type that stands at `field`."""
     if is_dataclass(raw) or (isinstance(raw, tuple) and raw and is_dataclass(raw[0])):
         return raw  # a Python object, which the scene checks
-    if raw is None and NoneType in get_args(field.annotation):
+    if raw in (None, "none") and NoneType in get_args(field.annotation):
         return None
     if isinstance(raw, tuple):
         raw = list(raw)
@@ -198,14 +199,20 @@ def _converted(field: SceneField, raw: object) -> Any:
         holder = make_dataclass("Value", [("value", kind)], frozen=True)
         return structured({"value": raw}, holder, KINDS, field.name).value
     except InvalidInput as error:
-        sentence = str(error).replace(f"{field.name}: value: ", f"{field.name}: ")
+        sentence = re.sub(
+            f"^{re.escape(field.name)}: value(?=[.:[])", field.name, str(error), flags=re.M
+        )
         if field.name == "load" and not isinstance(raw, dict):
             sentence = f"load: it is {raw!r}: vary load.per_length, or give tables with a kind."
         if get_origin(kind) is tuple and not isinstance(raw, list):
-            sentence = (
-                f"{field.name}: it is {raw!r}: give each value as a list in brackets, such as "
-                f"{field.name}={_lists(kind, raw)}."
-            )
+            remedy = "give each value as a list of tables with their keys, in brackets"
+            if {int, float} & {
+                *get_args(kind),
+                *get_args(get_args(kind)[0]),
+            }:  # such as cells, or lengths with a unit
+                example = f"{field.name}={_lists(kind, raw)}"
+                remedy = f"give each value as a list in brackets, such as {example}"
+            sentence = f"{field.name}: it is {raw!r}: {remedy}."
         if is_dataclass(kind) and not isinstance(raw, dict):
             names = parameters(kind)
             sentence = (

@@ -68,7 +68,8 @@ def test_a_run_says_which_cases_miss_their_accuracy_and_which_have_no_bound() ->
         kind_bound=["d", "e", "f"],  # text of the study's own
     )
     assert list(summary_messages(dataset)) == [
-        "1 of 3 cases miss the requested accuracy; see 'accuracy_met' and their bounds",
+        "1 of 3 cases miss the requested accuracy; see 'accuracy_met' and their bounds, and request a smaller error, or "
+        "vary the grid",
         "no bound of peak_pressure in 1 of 3 cases",
     ]
 

@@ -174,6 +174,7 @@ def test_a_surface_is_as_measured_cut_or_turned_whatever_the_scene_has() -> None
             {cs.Superposition(1), cs.Superposition(2), cs.CircularSuperposition(1), cs.CircularSuperposition(2)},
         ),
         ({"padding": [None]}, {}, {cs.ExactPeriodicity()}),
+        ({"padding": "none"}, {}, {cs.ExactPeriodicity()}),
     ],
 )  # fmt: skip
 def test_the_fields_of_a_part_are_set_in_every_order(
@@ -184,6 +185,10 @@ def test_the_fields_of_a_part_are_set_in_every_order(
         assert {case.padding for case in scenes(studies.study_of(file, vary))} == expected
     with pytest.raises(InvalidInput, match=r"padding\.images = 1: ExactPeriodicity\(\) has no"):
         studies.study_of(file, {"images": [1], "padding": [cs.ExactPeriodicity()]})
+    with pytest.raises(InvalidInput, match=r"^friction\.coefficient: it is missing"):
+        studies.study_of(file, {"friction": "Sliding"})
+    with pytest.raises(InvalidInput, match="'Sphere': give each value as a list of tables"):
+        studies.study_of(file, {"shapes": "Sphere"})
 
 
 def test_surfaces_are_an_axis_of_names(smooth: Path, tmp_path: Path) -> None:

@@ -379,9 +379,7 @@ class _Request:
                 self.scene,
                 grid,
                 padding,
-                times=steps.instants_of(
-                    self.scene.load, getattr(self.scene.friction, "history", None)
-                ),
+                times=steps.instants_of(*self.scene.histories),
                 error=fraction if steps.error is None else steps.error,
                 error_estimator=steps.error_estimator,
                 scheme=steps.scheme,
@@ -398,7 +396,7 @@ class _Request:
     def _followed(self, follow: Callable[..., Any], **named: Any) -> Any:
         """Return what `follow` finds on the grid at the instants to record, with further arguments `named`."""
         named = {"options": self.options, "progress": self._report_time} | named
-        times = self.steps.instants_of(self.scene.load)
+        times = self.steps.instants_of(*self.scene.histories)
         return follow(self.scene, *self.planned(self.requested), times=times, **named)
 
     @property
@@ -473,7 +471,7 @@ class _Request:
         films = evolve_lubricated(
             self.scene,
             *self.planned(requested),
-            times=steps.instants_of(self.scene.load, self.scene.lubrication.mean_speed),
+            times=steps.instants_of(*self.scene.histories),
             error=None if steps.step else self._error_of_a_step,
             step=steps.step,
             tolerance=self.options.tolerance,

@@ -98,7 +98,11 @@ class TimeSteps:
     step: Seconds | None = None
 
     def __post_init__(self) -> None:
-        check_estimated(self.error, self.error_estimator)
+        if self.error is not None and self.error_estimator is ErrorEstimator.NONE:
+            raise InvalidInput(
+                f"TimeSteps.error_estimator is NONE beside an error of {self.error!r}, by whose estimate steps are "
+                "chosen: leave one of them out."
+            )
         if isinstance(self.times, list) or getattr(self.times, "ndim", 0) == 1:
             set_fields(self, times=tuple(np.asarray(self.times).tolist()))
         if self.times is not None and not np.size(self.times):
@@ -123,11 +127,11 @@ class TimeSteps:
         """Last instant [s] that is named; None where the load decides."""
         return self.end if self.times is None else float(np.max(self.times))
 
-    def instants_of(self, *values: object) -> ArrayLike | None:
+    def instants_of(self, *histories: Any) -> ArrayLike | None:
         """Return the instants [s] to record; None where steps are chosen for an error, and all are recorded.
 
-        They are `times`, if these are given, else evenly spaced up to `end`, or up to the last end of the histories in
-        `values`. Without a `step`, the nearest of the evenly spaced instants between the first and the last is moved to
+        They are `times`, if these are given, else evenly spaced up to `end`, or up to the last end of the `histories`.
+        Without a `step`, the nearest of the evenly spaced instants between the first and the last is moved to
         where a history has a kink or turns; of several of them, to that of the largest value.
 
         Raises
@@ -137,7 +141,6 @@ class TimeSteps:
         """
         if self.times is not None:
             return self.times
-        histories: list[Any] = [value for value in values if hasattr(value, "end")]
         start = min((history.start for history in histories), default=0.0)
         last = max((history.end for history in histories), default=start)
         if self.end is None and last <= start:
@@ -167,12 +170,3 @@ def _kinks(history: Any, end: float) -> list[float]:
     if isinstance(history, ChangingLoad):
         times = history.turning_points(end)
     return sorted(times, key=lambda time: abs(history.at(time)))
-
-
-def check_estimated(error: float | None, error_estimator: ErrorEstimator) -> None:
-    """Raise InvalidInput for an `error` by which steps are chosen where it is not estimated."""
-    if error is not None and error_estimator is ErrorEstimator.NONE:
-        raise InvalidInput(
-            f"TimeSteps.error_estimator is NONE beside an error of {error!r}, by whose estimate steps are chosen: leave "
-            "one of them out."
-        )

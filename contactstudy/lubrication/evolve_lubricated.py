@@ -29,7 +29,7 @@ from contactstudy.lubrication.newton.pseudo_time import (
     LinearSolver,
     iterate,
 )
-from contactstudy.lubrication.posed_film import PosedFilm, linear_solver, lubricated_scales, pose
+from contactstudy.lubrication.posed_film import PosedFilm, linear_solver, pose
 from contactstudy.lubrication.steady_film import (
     TUNING as STEADY,
 )
@@ -39,7 +39,6 @@ from contactstudy.lubrication.steady_film import (
 )
 from contactstudy.scene.loads.constant_load import LineLoad
 from contactstudy.scene.loads.load_history import ChangingLoad
-from contactstudy.scene.lubrication.lubrication import ChangingSpeed
 from contactstudy.scene.scene import Scene
 from contactstudy.solvers.solution import Status
 
@@ -271,11 +270,8 @@ def instants_of(scene: Scene, times: ArrayLike | None) -> list[float]:
         if len(instants) < 2 or sorted(set(instants)) != instants:
             raise InvalidInput(f"TimeSteps.times is {times!r}: give two or more, ascending.")
         return instants
-    speed = lubricated_scales(scene).lubrication.mean_speed
-    histories = [
-        change for change in (scene.load, speed) if isinstance(change, ChangingLoad | ChangingSpeed)
-    ]
-    return [min(change.start for change in histories), max(change.end for change in histories)]
+    starts = [history.start for history in scene.histories]
+    return [min(starts), max(history.end for history in scene.histories)]
 
 
 @dataclass(frozen=True, eq=False)

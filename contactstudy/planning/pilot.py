@@ -226,7 +226,7 @@ def _of_wear(
     # imported only for scenes that roll and wear
     from contactstudy.evolution.equilibrium.steady_wear import follow_wear
 
-    watch, times = _Watch(CONSTANTS.rolling_time_limit), steps.instants_of(scene.load)
+    watch, times = _Watch(CONSTANTS.rolling_time_limit), steps.instants_of(*scene.histories)
     try:
         worn = follow_wear(scene, grid, padding, times=times, error=error, progress=watch)
     except _TimeLimitReached:
@@ -264,7 +264,7 @@ def _of_steady_rolling(
     """Return the seconds and the outer iterations of steady rolling, at all instants of a load history."""
     instants, steady = 1, scene
     if scene.takes_times:
-        recorded = steps.instants_of(scene.load)
+        recorded = steps.instants_of(*scene.histories)
         instants = 1 if recorded is None else np.size(recorded)
         steady = replace(scene, load=LineLoad(scene.largest_load))
     watch, fraction = _Watch(CONSTANTS.time_limit), fraction_of_fall()
@@ -285,7 +285,7 @@ def _in_time(
     scene: Scene, grid: Grid, padding: Padding | Paddings, error: float | None, steps: TimeSteps
 ) -> tuple[float, int]:
     """Return the seconds and the solves of a scene with state variables, at the smallest error that is practical."""
-    times = steps.instants_of(scene.load, getattr(scene.friction, "history", None))
+    times = steps.instants_of(*scene.histories)
     doubles = steps.error_estimator is ErrorEstimator.STEP_DOUBLING
     allowed = min(error, CONSTANTS.max_error) if error and doubles else None
     while True:

@@ -398,12 +398,10 @@ def _count_of_instants(scene: Scene, times: "ArrayLike | TimeSteps | None") -> i
     """Return the instants that are recorded of `scene`, or its given steps: 0 of a static one, 2 where nothing ends."""
     if scene.time_dependent_field is None:
         return 0
-    speed = None if scene.lubrication is None else scene.lubrication.mean_speed
-    histories = scene.load, speed, getattr(scene.friction, "history", None)
     steps = _time_steps(times)
-    if steps.last is None and not any(hasattr(history, "end") for history in histories):
+    if steps.last is None and not scene.histories:
         return 2
-    recorded = steps.instants_of(*histories)
+    recorded = steps.instants_of(*scene.histories)
     if recorded is None:
         return 2
     duration = float(np.ptp(recorded))

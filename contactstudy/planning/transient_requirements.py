@@ -220,8 +220,7 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
         friction=friction,
     )
     start = getattr(scene.load, "start", 0.0)
-    histories = scene.load, getattr(scene.friction, "history", None)
-    ends = [history.end for history in histories if hasattr(history, "end")]
+    ends = [history.end for history in scene.histories]
     last = end if end is not None else max(ends, default=start)
     duration = max(last - start, 0.0)
     hertz = elastic.hertz

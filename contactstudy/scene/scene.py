@@ -3,7 +3,7 @@
 from dataclasses import dataclass, replace
 from math import inf, log2
 from operator import is_
-from typing import TYPE_CHECKING, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -436,6 +436,13 @@ class Scene:
             return "Scene.lubrication.mean_speed"
         moving = [hasattr(shape, "gap_after") for shape in self.shapes]
         return f"Scene.shapes[{moving.index(True)}]" if any(moving) else None
+
+    @property
+    def histories(self) -> tuple[Any, ...]:
+        """Load, speed of a film and friction, as far as they have a history with an end."""
+        speed = getattr(self.lubrication, "mean_speed", None)
+        given = self.load, speed, getattr(self.friction, "history", None)
+        return tuple(history for history in given if hasattr(history, "end"))
 
     @property
     def rolling_speed(self) -> float | None:

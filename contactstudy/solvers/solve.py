@@ -131,11 +131,8 @@ def solve_contact(
     Raises
     ------
     InvalidInput
-        If `problem` is no Problem, the start is no pressure on the grid or carries no load, or the device cannot hold or
-        solve the problem.
+        If the start is no pressure on the grid or carries no load, or the device cannot hold or solve the problem.
     """
-    if not isinstance(problem, Problem):
-        raise InvalidInput(f"solve.problem is {problem!r}: give scene.problem(grid, padding).")
     if device is None:
         device = device_in_use()
     if start is not None:

@@ -14,7 +14,6 @@ from math import inf
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.evolution.breakpoints import (
     all_recorded,
@@ -52,7 +51,7 @@ def follow_load(
     Parameters
     ----------
     scene
-        The scene, with adhesion or steady rolling.
+        The scene, with a load that changes and adhesion or steady rolling.
     grid, padding
         Cells and boundary conditions.
     times
@@ -71,12 +70,10 @@ def follow_load(
     Raises
     ------
     InvalidInput
-        If the load does not change, or changes too fast for a body that creeps to roll steadily; if times decrease, or
-        begin before the load.
+        If the load changes too fast for a body that creeps to roll steadily, or times decrease or begin before the load.
     """
     load = scene.load
-    if not isinstance(load, ChangingLoad):
-        raise InvalidInput("Scene.load does not change: give a LoadHistory.")
+    assert isinstance(load, ChangingLoad)
     breakpoints = with_turning_points(schedule(load, times), load)
     if times is None:
         breakpoints = all_recorded(breakpoints)

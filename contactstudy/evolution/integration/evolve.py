@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.elasticity.coefficients import BoussinesqCoefficients
 from contactstudy.elasticity.viscoelastic import Creep
@@ -31,7 +30,7 @@ from contactstudy.evolution.states.state_variables import (
     WearState,
     least_eigenvalue,
 )
-from contactstudy.evolution.time_steps import ErrorEstimator, Scheme, check_estimated
+from contactstudy.evolution.time_steps import ErrorEstimator, Scheme
 from contactstudy.evolution.trajectory import Trajectory
 from contactstudy.evolution.warm_started import solved_or_unloaded
 from contactstudy.problem.problem import Problem
@@ -152,14 +151,8 @@ def evolve(
     Raises
     ------
     InvalidInput
-        If both `times` and `error` are None, times decrease, the error is out of reach or not estimated, or the folder
-        belongs to another integration.
+        If times decrease, the error is out of reach, or the folder belongs to another integration.
     """
-    if times is None and error is None:
-        raise InvalidInput(
-            "solve.times has no instants and no error: give TimeSteps.times, TimeSteps.error, or both."
-        )
-    check_estimated(error, error_estimator)
     control = None if error is None else StepControl.for_error(error, options.tolerance)
     load = _load(scene, grid, padding, times)
     breakpoints = schedule(load, times)

@@ -30,7 +30,7 @@ def test_instants_are_even_from_the_start_of_the_load_to_the_end() -> None:
     load = cs.LoadHistory((1.0, 3.0), (1.0, 2.0))
     assert TimeSteps(end=7.0, instants=4).instants_of(load) == [1, 3, 5, 7]
     assert TimeSteps(instants=2).instants_of(load) == [1, 3]
-    assert TimeSteps(end=3.0, instants=2).instants_of(cs.LineLoad(1.0)) == [0, 3]
+    assert TimeSteps(end=3.0, instants=2).instants_of() == [0, 3]
     assert TimeSteps(times=(2.0, 5.0)).instants_of(load) == (2, 5)
     # an error chooses its own, up to the end of the load
     assert TimeSteps(error=1e-3).instants_of(load) is None

@@ -33,6 +33,8 @@ CHECKPOINTED_ERRORS = "largest_by_cells", "largest_by_residual"
 # Steps make no pair where their lengths differ by a larger factor: an error of first order is 1.08 times the difference
 # to one step of both lengths at this factor, once that at equal lengths, and 5 times at 10.
 MAX_RATIO_OF_PAIR = 1.5
+# Errors inside a doubled step over those at its end where creep is over within a step: they fall with its length.
+INSIDE_STIFF_STEP = 2.0
 
 
 class _Outcome(Enum):
@@ -105,6 +107,7 @@ class AdaptiveIntegrator:
         self.time_discretisation_errors = dict.fromkeys(("l1", "peak_pressure"), 0.0)
         duration = self.breakpoints[-1].time - self.breakpoints[0].time
         self.double_step, self.shortest = INITIAL_STEP * duration, SHORTEST * duration
+        self.step = 0.0  # duration of the last step
 
     def _reset_counts(self) -> None:
         """Reset the counts of work since the last frame."""
@@ -157,12 +160,15 @@ class AdaptiveIntegrator:
         self.solution = solved.last
         self._accept(solved)
         if self.step_doubling and (ends_double_step or not synchronised):
+            self.step = (point.time - self.coarse.time) / 2
             self.coarse, solved = self._advance(self.coarse, point.time, point.before)
             self._accept(solved)
             before = self.time_discretisation_errors
-            errors = self.time_discretisation_errors = self.errors.by_steps(self.fine, self.coarse)
+            errors = self.errors.by_steps(self.fine, self.coarse, self.step)
             # the frames that wait lie between two instants of the doubled step
-            self._finish_frames({name: max(before[name], errors[name]) for name in errors})
+            factor = INSIDE_STIFF_STEP if self.stepper.creep_ends_within(self.step) else 1.0
+            self._finish_frames({name: max(before[name], factor * errors[name]) for name in errors})
+            self.time_discretisation_errors = errors
         elif not self.step_doubling:
             self.coarse = self.fine
         return _Outcome.REACHED
@@ -205,7 +211,8 @@ class AdaptiveIntegrator:
                 continue
             self._accept(to_half + to_end + in_one)
             self.fine, self.coarse, self.solution = second, coarse, to_end.last
-            self.time_discretisation_errors = self.errors.by_steps(second, coarse)
+            self.step = double_step / 2
+            self.time_discretisation_errors = self.errors.by_steps(second, coarse, self.step)
             if (error := self.time_discretisation_errors["l1"]) > control.error:
                 self._restart(control.stricter(error))
                 return _Outcome.RESTART
@@ -257,7 +264,7 @@ class AdaptiveIntegrator:
             error_increment = self.errors.increment((self.fine, self.coarse), (fine, coarse))
             exact = self.control is None or self.control.accepts(error_increment)
             if self.stepper.coupled is None or exact or increments >= MAX_INCREMENTS:
-                self.time_discretisation_errors = self.errors.by_steps(fine, coarse)
+                self.time_discretisation_errors = self.errors.by_steps(fine, coarse, self.step)
                 break
             self.rejected += 1
             increments *= 2

@@ -19,6 +19,7 @@ from contactstudy.evolution.states.state_variables import (
     AnyStateVariable,
     Contribution,
     CoupledStateVariable,
+    CreepState,
     IteratedStateVariable,
     State,
     StateVariable,
@@ -135,13 +136,17 @@ class TimeStepper:
         coupled = () if self.coupled is None else (self.coupled,)
         return (*self.state_variables, *coupled)
 
-    @property
-    def is_half_order(self) -> bool:
-        """True if wear or an iterated state variable limits the order to 1/2, as where wear begins."""
-        return any(
+    def is_half_order(self, step: float) -> bool:
+        """Return whether the order after a `step` [s] may be 1/2, as where wear begins, by wear, slip or stiff creep."""
+        return self.creep_ends_within(step) or any(
             variable.has_stages or isinstance(variable, IteratedStateVariable)
             for variable in self.state_variables
         )
+
+    def creep_ends_within(self, step: float) -> bool:
+        """Return whether a retardation time of a body is shorter than a `step` [s]."""
+        creeps = (one.creep for one in self.state_variables if isinstance(one, CreepState))
+        return any(time < step for creep in creeps for _, time in creep.terms)
 
     @property
     def depends_on_path(self) -> bool:

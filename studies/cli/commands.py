@@ -368,7 +368,7 @@ def main() -> None:
         error.show()
         sys.exit(error.exit_code)
     except (KeyboardInterrupt, click.Abort):
-        click.echo("contactstudy: stopped; what is stored is kept.", err=True)
+        click.echo("contactstudy: stopped; files that are complete are kept.", err=True)
         sys.exit(130)
     except BrokenPipeError:  # the output pipe is closed
         sys.stdout = None

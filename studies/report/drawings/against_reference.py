@@ -10,7 +10,16 @@ from studies.advice.front import pareto_front
 from studies.model.drawing import CaptionedFigure
 from studies.model.outcome import CaseStatus
 from studies.reference.line_contact import total_time
-from studies.report.style import COLORS, WIDTH, captioned, in_percent, panels, percent, write_powers
+from studies.report.style import (
+    COLORS,
+    WIDTH,
+    captioned,
+    cut_text,
+    in_percent,
+    panels,
+    percent,
+    write_powers,
+)
 from studies.report.wording import seconds_text
 
 MARKERS = "osv^Dx"
@@ -62,7 +71,7 @@ def figures(dataset: xr.Dataset, names: Sequence[str]) -> Sequence[CaptionedFigu
 
 
 def _text(value: object) -> str:
-    return f"{value:.4g}" if isinstance(value, float) else str(value)[:30]
+    return f"{value:.4g}" if isinstance(value, float) else cut_text(value)
 
 
 def _known(true: xr.Dataset, names: Sequence[str]) -> str:

@@ -336,8 +336,8 @@ def _costs(comparison: Comparison) -> Table:
     )
     return Table(
         "The quickest setting for each error, by the median of its processor times on one thread; paddings within a "
-        "tenth are a tie, which goes to the scene's own padding. A setting that meets a smaller error too is listed "
-        f"there alone.{left_out}",
+        "tenth, or that the rounds do not decide, are a tie, which goes to the scene's own padding. A setting that "
+        f"meets a smaller error too is listed there alone.{left_out}",
         ("error at most", "padding", "grid", "tolerance", "measured", "time", "next padding"),
         tuple(rows),
     )

@@ -13,6 +13,7 @@ from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LogNorm, Normalize
+from matplotlib.ticker import MaxNLocator
 
 from contactstudy import InvalidInput
 from contactstudy.domain.units import display_unit_of
@@ -20,7 +21,7 @@ from studies.model.axis import is_geometric, one_of
 from studies.model.drawing import CaptionedFigure
 from studies.model.outcome import CaseStatus, is_time
 from studies.report.drawings import against_reference
-from studies.report.style import COLORS, captioned, panels, percent, write_powers
+from studies.report.style import COLORS, captioned, cut_text, panels, percent, write_powers
 
 # Measures that are drawn first where a study has more than there is room for.
 DRAWN = (
@@ -214,7 +215,11 @@ def _curve(
     first, *families = shown
     numbers, is_numeric = values[first], _is_numeric(values[first])
     joins = is_numeric and not _is_sample(first)
-    x, x_label = _scaled(numbers) if is_numeric else (np.arange(numbers.size), _label(numbers))
+    if is_numeric:
+        x, x_label = _scaled(numbers)
+    else:
+        unit = str(numbers.attrs.get("units", "1"))  # of numbers one of which is infinite
+        x, x_label = np.arange(numbers.size), _label(numbers, unit * (unit != "1"))
     line_style = "-" if joins else "none"
     if families:
         _family(ax, x, y.transpose(families[0], first), families[0], line_style)
@@ -242,8 +247,9 @@ def _curve(
         write_powers(ax.yaxis, "{:g}".format)
     ax.set(xlabel=x_label, ylabel=label)
     if not is_numeric:
-        texts = [str(value)[:24] for value in numbers.values]
-        ax.set_xticks(x, texts, rotation=30 if max(map(len, texts)) > 5 else 0)
+        texts = [cut_text(value) for value in numbers.values]
+        rotated: Any = {"rotation": 30, "ha": "right", "rotation_mode": "anchor"}
+        ax.set_xticks(x, texts, **rotated if max(map(len, texts)) > 5 else {})
 
 
 def _family(ax: Axes, x: Any, lines: xr.DataArray, axis: str, line_style: str) -> None:
@@ -275,7 +281,7 @@ def _family(ax: Axes, x: Any, lines: xr.DataArray, axis: str, line_style: str) -
         return
     line_colors = colormaps["viridis"](np.linspace(0, 0.85, values.size))
     for value, line, color in zip(values.values, lines.values, line_colors, strict=True):
-        text = _short(value / size) if _is_numeric(values) else str(value)[:30]
+        text = _short(value / size) if _is_numeric(values) else cut_text(value)
         ax.plot(x, line, color=color, label=f"{name} {text} {unit}".rstrip(), **marked)
 
 
@@ -292,9 +298,11 @@ def _map(
         title = f"{title}\nbounds up to {percent(largest)}"
     across, along = np.nonzero(doubtful.transpose(*shown).notnull().values)
     if across.size:
-        ax.plot(x.values[across], y.values[along], **DOUBTFUL | {"mfc": "none", "mec": "white"})
+        ax.plot(x.values[across], y.values[along], **DOUBTFUL)
     for axis, set_scale in zip(shown, (ax.set_xscale, ax.set_yscale), strict=True):
         set_scale("log" if _spans_decade(values[axis]) else "linear")
+    if _is_sample(shown[1]):
+        ax.yaxis.set_major_locator(MaxNLocator(integer=True))
     ax.set(xlabel=x_label, ylabel=y_label, title=title)
     ax.grid(visible=False)
     ax.figure.colorbar(mesh, ax=ax)

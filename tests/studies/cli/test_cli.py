@@ -251,8 +251,8 @@ def test_help_without_a_study_lists_no_axes_and_with_a_wrong_one_says_which_is_m
     [
         (cs.InvalidInput("radius is 0."), 2, "contactstudy: radius is 0.\n"),
         (click.ClickException("no"), 1, "Error: no\n"),
-        (KeyboardInterrupt(), 130, "contactstudy: stopped; what is stored is kept.\n"),
-        (click.Abort(), 130, "contactstudy: stopped; what is stored is kept.\n"),
+        (KeyboardInterrupt(), 130, "contactstudy: stopped; files that are complete are kept.\n"),
+        (click.Abort(), 130, "contactstudy: stopped; files that are complete are kept.\n"),
         (BrokenPipeError(), 141, ""),
         (ModuleNotFoundError("No module named 'x'", name="x"), 1, "contactstudy: "),
         (OSError(28, "No space left on device", "a.nc"), 1, "No space left on device: a.nc\n"),

@@ -274,9 +274,12 @@ def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
     if frame.time_discretisation_error == inf:
         reason = reason or "No bound: the time-discretisation error was not estimated."
     l1 = replace(steps, reason=reason)
-    cells = max(l1.by_cause["discretisation"], frame.peak_grid_error)
-    peak_by_steps = frame.time_discretisation_errors["peak_pressure"]
-    peak = replace(l1, discretisation=cells, steps=peak_by_steps)
+    of_peak = frame.peak_grid_error_parts.by_cause
+    larger: dict[str, Any] = {
+        cause: max(part, of_peak.get(cause, 0.0)) for cause, part in l1.by_cause.items()
+    }
+    larger["steps"] = frame.time_discretisation_errors["peak_pressure"]
+    peak = replace(l1, **larger)
     if l1.range is not None:
         peak = replace(peak, range=inf, reason=PEAK_WITHOUT_LIMIT)
     unknown = ErrorParts(discretisation=inf, reason=NO_BOUND_OF_STATES)

@@ -75,8 +75,8 @@ class Frame:
     grid_error_parts
         Estimated error of the contact on this grid by cause, without that by the steps, see
         :func:`~contactstudy.accuracy.estimate.error_estimate`.
-    peak_grid_error
-        Estimated error of the peak pressure by the cells alone.
+    peak_grid_error_parts
+        The same of the peak pressure.
     warnings
         A sentence for each error that has no bound.
     """
@@ -95,7 +95,7 @@ class Frame:
     convolutions: float
     coupled_state: Mapping[str, Array] = field(default_factory=dict)
     grid_error_parts: ErrorParts = UNKNOWN
-    peak_grid_error: float = inf
+    peak_grid_error_parts: ErrorParts = UNKNOWN
     time_discretisation_errors: Mapping[str, float] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
     adhesion: AdhesiveTraction | None = None

@@ -311,7 +311,7 @@ class AdaptiveIntegrator:
             )
             for name, field in state_variable.fields(state).items()
         }
-        parts, peak_error, warnings = self.errors.of_grid(solution)
+        parts, peak_parts, warnings = self.errors.of_grid(solution)
         is_estimated = self.step_doubling or not self.stepper.all_state_variables
         self.waiting.append(
             Frame(
@@ -326,7 +326,7 @@ class AdaptiveIntegrator:
                 residual=solution.residual,
                 time_discretisation_error=self.errors.common(self.fine) if is_estimated else inf,
                 grid_error_parts=parts,
-                peak_grid_error=peak_error,
+                peak_grid_error_parts=peak_parts,
                 warnings=warnings,
                 adhesion=self.fine.adhesion,
                 solves=self.solves,

@@ -3,7 +3,6 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
-from math import inf
 
 import numpy as np
 
@@ -15,6 +14,7 @@ from contactstudy.domain.errors import ErrorParts
 from contactstudy.domain.fields import Array
 from contactstudy.evolution.integration.time_stepper import Instant, TimeStepper
 from contactstudy.evolution.states.state_variables import HasTimeDiscretisationError
+from contactstudy.evolution.trajectory import UNKNOWN
 from contactstudy.solvers.solution import Solution, Status
 
 # Halving the steps leaves 0.5 to 0.6 of errors of first order: the error is up to 1.5 times the difference.
@@ -127,17 +127,17 @@ class IntegrationErrors:
         """Heights inside the cells, which all instants share."""
         return SubgridHeights.from_problem(self.stepper.problem)
 
-    def of_grid(self, solution: Solution) -> tuple[ErrorParts, float, tuple[str, ...]]:
-        """Return errors of a contact on this grid: in L1 by cause, of the peak by the cells, and why any is infinite."""
+    def of_grid(self, solution: Solution) -> tuple[ErrorParts, ErrorParts, tuple[str, ...]]:
+        """Return errors of a contact on this grid by cause: in L1, of its peak pressure, and why any is infinite."""
         pressure = solution.pressure
         if not np.isfinite(solution.residual):
-            return ErrorParts(0.0, inf, 0.0), inf, (f"No bound: {solution.status}",)
+            return UNKNOWN, UNKNOWN, (f"No bound: {solution.status}",)
         if not pressure.any():
-            return ErrorParts(0.0, 0.0, 0.0), 0.0, ()
+            return ErrorParts(0.0, 0.0, 0.0), ErrorParts(0.0, 0.0, 0.0), ()
         try:
             estimate = error_estimate(solution, heights=self._heights)
         except NotDefined as reason:
-            return ErrorParts(0.0, inf, 0.0), inf, (f"No bound: {reason}",)
+            return UNKNOWN, UNKNOWN, (f"No bound: {reason}",)
         total = float(pressure.sum())
         # creep and wear keep the errors of earlier pressures, so that they enter later frames
         cells, residual = (estimate.l1.by_cause[cause] for cause in ("discretisation", "residual"))
@@ -154,8 +154,7 @@ class IntegrationErrors:
         factor = 1.0 if self.stepper.coupled is None else self._relative_to_largest_load(total)
         parts = ErrorParts(estimate.l1.images, cells, residual, range=estimate.l1.range)
         assert estimate.peak_pressure is not None
-        peak = estimate.peak_pressure.by_cause["discretisation"]
-        return parts.scaled(factor), peak, estimate.warnings
+        return parts.scaled(factor), estimate.peak_pressure, estimate.warnings
 
     def _relative_to_largest_load(self, pressures: float) -> float:
         """Return a sum of cell pressures [Pa] divided by the sum under the largest load."""

@@ -285,6 +285,10 @@ def test_every_padding_is_integrated(padding: cs.Padding | cs.Paddings) -> None:
     assert found.status in (cs.Status.CONVERGED, cs.Status.CONTACT_AT_EDGE)
     borne = found.frames[-1].pressure.sum() * grid.cell_area / grid.length
     assert borne == pytest.approx(LOAD, rel=1e-7)
+    whole = padding if padding == (EXACT, EXACT) else EXACT
+    peak = evolve(scene, grid, whole, times=[0.0]).frames[0].peak_pressure
+    error = dict(evolution_answer(found).frames[0].error)["peak_pressure"].by_cause
+    assert abs(found.frames[0].peak_pressure - peak) <= (error["images"] + 1e-6) * peak
 
 
 @pytest.mark.parametrize("body", [SOLID, ELASTIC.solids[0]], ids=["creeping", "elastic"])

@@ -1,7 +1,7 @@
 """The two tiers of tests, a smooth line contact that many share, and random examples that are always the same.
 
 ``pytest`` runs the default tier: every promise once. It leaves out tests marked ``whole``, and of a test with more than
-four cases it runs four, or as many as its mark ``cases`` says, from the first to the last. ``pytest --whole`` runs all,
+two cases it runs the first and the last, or as many as its mark ``cases`` says. ``pytest --whole`` runs all,
 ``pytest --rest`` what the default tier leaves out, ``pytest --cases 1`` one case of each test of the default tier, and
 ``pytest tests/test_x.py::test_y`` the test that is named.
 """
@@ -18,7 +18,7 @@ from hypothesis import HealthCheck, settings
 
 import contactstudy as cs
 
-MOST_CASES = 4  # of one test in the default tier
+MOST_CASES = 2  # of one test in the default tier
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -60,7 +60,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 
 def spread(cases: list[pytest.Item], limit: int | None) -> list[pytest.Item]:
-    """As many cases as the test is marked with, or four, or at most the limit, evenly from the first to the last."""
+    """As many cases as the test is marked with, or two, or at most the limit, evenly from the first to the last."""
     mark = cases[0].get_closest_marker("cases")
     most = min(mark.args[0] if mark else MOST_CASES, limit or len(cases))
     if len(cases) <= most or most == 1:

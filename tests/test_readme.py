@@ -55,9 +55,8 @@ def command(line: str) -> None:
     cli.main([*words, *quick], standalone_mode=False)
 
 
-@pytest.mark.parametrize(
-    "page", ["README.md", *(pytest.param(page, marks=pytest.mark.whole) for page in PAGES[1:])]
-)
+@pytest.mark.whole
+@pytest.mark.parametrize("page", PAGES)
 def test_every_block_of_a_page_runs_and_prints_what_it_says(
     page: str, capsys: pytest.CaptureFixture[str]
 ) -> None:

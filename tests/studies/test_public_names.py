@@ -30,6 +30,7 @@ def test_the_revision_is_the_program_s(tmp_path: Path, monkeypatch: pytest.Monke
 DRAWS = ("matplotlib", "studies.report")
 
 
+@pytest.mark.whole
 def test_neither_listing_studies_nor_a_worker_process_imports_a_plotting_library() -> None:
     script = f"""
 import sys

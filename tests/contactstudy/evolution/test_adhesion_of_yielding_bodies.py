@@ -93,6 +93,7 @@ def test_pressure_and_attraction_are_in_equilibrium_and_keep_to_the_yield_surfac
     assert np.count_nonzero(von_mises > limit * (1 - 1e-4)) > 20
 
 
+@pytest.mark.whole
 def test_a_body_that_has_yielded_holds_on_to_a_pull_that_takes_an_elastic_one_off() -> None:
     pulls = (1.0, 1.4, 1.6, 1.7, 1.74, 1.76, 1.8, 1.84, 1.88, 1.92, 2.0)
     times = (*TIMES, *pulls[1:])

@@ -99,6 +99,7 @@ def test_a_dent_is_that_of_the_largest_load_whether_it_is_recorded_or_not() -> N
     assert next(dents) == next(dents) > 0
 
 
+@pytest.mark.whole
 def test_a_total_load_on_a_crowned_roller_is_spread_over_the_length_of_the_grid() -> None:
     roller, never = cs.Crown(5.0, 2e-4), replace(BODY, yield_stress=1e12)
     pressed = replace(scene(never), load=cs.TotalLoad(40.0, 2e-4))
@@ -107,6 +108,7 @@ def test_a_total_load_on_a_crowned_roller_is_spread_over_the_length_of_the_grid(
     assert found.frames[-1].load_per_length == pytest.approx(40.0 / 4e-4, rel=1e-6)
 
 
+@pytest.mark.whole
 def test_the_pressure_below_a_film_has_the_error_of_its_load_increments_and_no_step_has_one() -> (
     None
 ):

@@ -115,17 +115,17 @@ def test_a_falling_load_leaves_the_shear_of_the_closed_form() -> None:
 
 
 def test_slip_wears_in_proportion_to_the_energy_and_nowhere_else() -> None:
-    forces = (0.0, *(FORCE, -FORCE) * 4, 0.0)
-    friction = cs.Fretting(MU, forces, times=tuple(range(10)))
+    forces = (0.0, *(FORCE, -FORCE) * 2, 0.0)
+    friction = cs.Fretting(MU, forces, times=tuple(range(6)))
     wear = 1.0 / 32
-    found = fretted(friction, [0.0, 9.0], replace(LINE, wear=cs.Wear(wear, 0.0)))
+    found = fretted(friction, [0.0, 5.0], replace(LINE, wear=cs.Wear(wear, 0.0)))
     worn, lost = (found.quantities[name].value for name in ("wear_volume", "friction_energy"))
     assert worn == pytest.approx(wear / MU * lost, rel=1e-12)
     depth = found.frames[-1].state["wear_depth"].values
     # cells within 0.95 of the stick zone, of half-width (1 - T / (mu P))^(1/2)
     assert not depth[np.abs(STRIP.x) < 0.95 * (1 - FORCE / MU) ** 0.5].any()
-    # four cycles lose little of the first one's rate, 0.0204 a cycle and unit of wear
-    assert worn == pytest.approx(4 * wear * 0.02043, rel=0.1)
+    # two cycles lose little of the first one's rate, 0.0204 a cycle and unit of wear
+    assert worn == pytest.approx(2 * wear * 0.02043, rel=0.1)
 
 
 def test_a_shear_that_meets_the_iteration_limit_has_its_status_though_the_pressure_converged() -> (
@@ -162,6 +162,7 @@ def jumping(jumps: list[float], wear: float, cells: int) -> cs.Contact:
     return found.frames[-1]
 
 
+@pytest.mark.whole
 def test_jumps_of_growing_length_reach_the_pressure_that_wears_no_more() -> None:
     """Closed form: what sticks bears the load alone, as a punch with the curvature of the cylinder.
 
@@ -184,7 +185,8 @@ def test_jumps_of_growing_length_reach_the_pressure_that_wears_no_more() -> None
 
 
 @pytest.mark.parametrize(
-    ("jump", "error"), [(4, 0.03), (16, 0.06), pytest.param(1, 0.03, marks=pytest.mark.whole)]
+    ("jump", "error"),
+    [(16, 0.06), *(pytest.param(jump, 0.03, marks=pytest.mark.whole) for jump in (4, 1))],
 )
 def test_jumps_wear_as_cycle_after_cycle_does(jump: int, error: float) -> None:
     """By 64 cycles of 1/16; a jump of 16 is ten times as long as explicit wear is stable."""
@@ -311,6 +313,7 @@ FREE = cs.ZeroPadding(), cs.ZeroPadding()
 WAVES = cs.Roughness(0.08, hurst=0.8, roll_off=1.0, cut_off=0.4, seed=3)
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize(
     ("shapes", "paddings"),
     [
@@ -330,12 +333,12 @@ def test_load_and_force_that_both_change_leave_the_shear_of_many_steps_within_th
         load=cs.LoadHistory(times, (0.3, 1.0, 0.6, 1.0)),
         friction=cs.Fretting(MU, (0.0, 0.15, -0.05, 0.2), times=times),
     )
-    grid = cs.Grid((32, 16), (2.4, 2.4))
+    grid = cs.Grid((24, 12), (2.4, 2.4))
     coarse, fine = (
         cs.solve(scene, grid, paddings, times=np.linspace(0, 3, 3 * n + 1), tolerance=1e-6)
-        for n in (1, 24)
+        for n in (1, 12)
     )
-    for one, other in zip(coarse.frames[1:], fine.frames[24::24], strict=True):
+    for one, other in zip(coarse.frames[1:], fine.frames[12::12], strict=True):
         error = np.abs(one.shear - other.shear).sum() / np.abs(other.shear).sum()
         assert 1e-3 < error < one.error.l1.by_cause["steps"] < 1
 

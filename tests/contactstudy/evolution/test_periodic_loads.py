@@ -11,16 +11,17 @@ EXACT = cs.ExactPeriodicity()
 GRID = cs.Grid((64, 1), (0.6, 1.0))
 
 
-@pytest.mark.parametrize("phase", [0.0, 0.7, np.pi / 2])
+@pytest.mark.cases(1)
+@pytest.mark.parametrize("phase", [0.7, 0.0, np.pi / 2])
 def test_steps_of_whole_periods_are_cut_and_their_error_is_known(phase: float) -> None:
     load = cs.SineLoad(LOAD, 0.7 * LOAD, 1.0, phase)
     scene = rolling_cylinder(SOLID, load)
     times = np.arange(0.0, 3.5)
     found = evolve(scene, GRID, EXACT, times=times)
     fine = evolve(
-        scene, GRID, EXACT, times=np.linspace(0, 3, 193), error_estimator=ErrorEstimator.NONE
+        scene, GRID, EXACT, times=np.linspace(0, 3, 97), error_estimator=ErrorEstimator.NONE
     )
-    for frame, true in zip(found.frames, fine.frames[::64], strict=True):
+    for frame, true in zip(found.frames, fine.frames[::32], strict=True):
         wrong = np.abs(frame.pressure - true.pressure).sum() / true.pressure.sum()
         assert wrong <= frame.time_discretisation_error + 1e-6
 
@@ -31,7 +32,7 @@ def test_a_body_that_yields_keeps_the_dent_of_a_load_that_turns_between_the_inst
     load = cs.SineLoad(LOAD, 0.9 * LOAD, 1.0, np.pi / 4)
     scene, grid = (
         replace(rolling_cylinder(SOLID, load), solids=(body, RIGID)),
-        cs.Grid((32, 1), GRID.extent),
+        cs.Grid((16, 1), GRID.extent),
     )
     found, at_turns = (
         cs.solve(scene, grid, EXACT, times=times).quantities["dent_depth"].value

@@ -233,6 +233,7 @@ def test_two_bodies_roll_as_one_that_is_twice_as_compliant() -> None:
     assert both.shift == pytest.approx(one.shift, abs=1e-5 * A)
 
 
+@pytest.mark.whole
 def test_rolling_under_a_load_that_changes_slowly_is_steady_at_each_instant() -> None:
     """An instant without load has no relative error."""
     loads = 0.01 * pi / 4, 0.004 * pi / 4, 0.008 * pi / 4, 0.0

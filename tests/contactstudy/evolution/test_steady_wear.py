@@ -16,7 +16,7 @@ ROLLER = cs.Scene(
     rolling=cs.Rolling(1.0),
     wear=cs.Wear(1e-15, 0.1, circumference=AROUND),
 )
-GRID = cs.Grid((48, 16), (4e-4, LENGTH))
+GRID = cs.Grid((32, 8), (4e-4, LENGTH))
 A, PEAK = ROLLER.hertz.half_width, ROLLER.hertz.peak_pressure
 
 
@@ -45,7 +45,7 @@ def test_a_roller_wears_until_its_pressure_is_even_along_the_length() -> None:
     answer = cs.solve(ROLLER, GRID, EXACT, times=(0.0, 1e3, 3e4))
     peaks = answer.pressure.max(axis=1)
     assert peaks[0].max() > 1.2 * PEAK
-    assert peaks[-1] == pytest.approx(np.full(16, PEAK), rel=0.01)
+    assert peaks[-1] == pytest.approx(np.full(8, PEAK), rel=0.01)
     volume = answer.quantities["wear_volume"]
     assert volume.value == pytest.approx(1e-15 * 0.1 * 3e4 * LOAD, rel=1e-6)
     assert volume.bound < 0.01 * volume.value
@@ -58,7 +58,7 @@ def test_a_drive_that_slides_fully_wears_like_a_roller_that_slides_as_fast() -> 
     driven = replace(
         ROLLER, rolling=None, friction=drive, wear=cs.Wear(1e-15, 0.0, circumference=AROUND)
     )
-    grid, times = cs.Grid((24, 8), GRID.extent), (0.0, 300.0, 3000.0)
+    grid, times = cs.Grid((16, 4), GRID.extent), (0.0, 300.0, 3000.0)
     known, found = (cs.solve(scene, grid, ACROSS_FREE, times=times) for scene in (slides, driven))
     assert worn(found) == pytest.approx(worn(known), rel=0.01)
     assert found.quantities["wear_volume"].bound == inf  # of slip
@@ -103,10 +103,10 @@ def test_a_roller_that_creeps_wears_evenly_too() -> None:
 
 
 def test_errors_by_steps_cover_the_change_by_shorter_ones() -> None:
-    times = (0.0, 5e3)
+    grid, times = cs.Grid((24, 8), GRID.extent), (0.0, 5e3)
     rough, fine = (
-        cs.solve(ROLLER, GRID, EXACT, times=cs.TimeSteps(times, error=error))
-        for error in (0.1, 1e-4)
+        cs.solve(ROLLER, grid, EXACT, times=cs.TimeSteps(times, error=error))
+        for error in (0.1, 1e-3)
     )
     change = np.abs(rough.pressure[-1] - fine.pressure[-1])
     bounds = {name: parts.steps for name, parts in rough.frames[-1].error}
@@ -137,7 +137,7 @@ def on_film(speed: float) -> cs.Scene:
 
 
 def test_a_film_that_vanishes_wears_like_the_dry_contact() -> None:
-    speed, grid = 1e-5, cs.Grid((80, 1), (4 * A, 1e-3))
+    speed, grid = 1e-5, cs.Grid((60, 1), (4 * A, 1e-3))
     times = (0.0, 2e-3 * UNIT / (1e-17 * 2 * speed * PEAK))
     found = cs.solve(on_film(speed), grid, EXACT, times=times)
     sliding = replace(on_film(speed), lubrication=None, wear=cs.Wear(1e-17, 2 * speed))

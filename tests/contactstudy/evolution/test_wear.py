@@ -83,6 +83,7 @@ def test_a_wave_decays_as_the_exponential_with_the_order_of_the_scheme() -> None
     assert errors[Scheme.TWO_STAGE] == pytest.approx(2, abs=0.4)
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("cells", [100, 200])
 def test_the_pressure_of_a_punch_evens_out_at_the_known_rate(cells: int) -> None:
     """The slowest even mode of a flat punch decays at 1.72667 k E* / a, the slowest odd one at 1.00306."""

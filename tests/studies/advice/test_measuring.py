@@ -90,6 +90,7 @@ def test_a_window_too_short_meets_the_request_on_no_grid(cylinder: Comparison) -
     assert "duplicated" not in {alternative.measured.label for alternative in verdict.alternatives}
 
 
+@pytest.mark.whole
 def test_errors_on_a_ladder_of_a_rough_roller_keep_to_its_own_estimates() -> None:
     subject = scene_in(EXAMPLES / "rough-roller.toml").subject(0.2)
     measured = compare_settings(subject, 0.2, Budget(6.0))
@@ -111,6 +112,7 @@ def test_work_is_expected_to_take_as_much_longer_by_the_clock_as_that_before() -
     assert not Budget(10.0).allows(1.0, kept=0.9)
 
 
+@pytest.mark.whole
 def test_one_slow_solve_does_not_end_the_refinement(monkeypatch: pytest.MonkeyPatch) -> None:
     """By the processor too, as a first compilation is."""
     slow = iter([2.0])

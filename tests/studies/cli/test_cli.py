@@ -160,13 +160,8 @@ def test_a_study_of_ones_own_runs_under_any_name_and_fails_in_a_sentence(
 
 
 @POSIX
-@pytest.mark.parametrize(
-    "written",
-    [
-        pytest.param("case", id="solving"),
-        pytest.param("time", marks=pytest.mark.whole, id="timing"),
-    ],
-)
+@pytest.mark.whole
+@pytest.mark.parametrize("written", ["case", "time"], ids=["solving", "timing"])
 def test_an_interrupt_ends_in_one_sentence_and_leaves_nothing_half_written(
     written: str, tmp_path: Path
 ) -> None:
@@ -340,7 +335,7 @@ def test_a_scene_to_begin_with_is_an_example_that_plans(kind: str, tmp_path: Pat
     assert cs.read_scene(path).plan().grid.cells[0] > 1
 
 
-@pytest.mark.parametrize("kind", ["coated", "fretting"])
+@pytest.mark.parametrize("kind", ["coated", pytest.param("fretting", marks=pytest.mark.whole)])
 def test_a_scene_to_begin_with_solves(kind: str, tmp_path: Path) -> None:
     (tmp_path / "scene.toml").write_text(templates()[kind], encoding="utf-8")
     said("solve", tmp_path / "scene.toml", "--out", tmp_path)

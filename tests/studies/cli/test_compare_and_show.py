@@ -12,7 +12,7 @@ import xarray as xr
 import contactstudy as cs
 from contactstudy.solvers.solve import ReportingSolver
 from tests.studies.cli.conftest import ended, said
-from tests.studies.scene_study.conftest import ROUGH, SMOOTH
+from tests.studies.scene_study.conftest import ROUGH, SMOOTH, given
 
 FILM = """[lubrication]
 mean_speed = "1 m/s"
@@ -31,7 +31,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for name in ("smooth", "heavy", "rough"):
         said("solve", path / f"{name}.toml", "--out", path / "out")
     vary = ["--vary", "load.per_length=50 N/mm,100 N/mm", "--vary", "radius=10 mm,20 mm"]
-    said("run", path / "smooth.toml", *vary, "--out", path / "study", "--workers", 0)
+    said("run", path / "smooth.toml", *vary, "--out", path / "study", "--workers", 0, "--no-times")
     return path
 
 
@@ -90,12 +90,12 @@ def test_a_solution_is_drawn_in_every_format(folder: Path, tmp_path: Path, name:
         FILM,
         FILM.replace('"1 m/s"', "{kind = 'SpeedHistory', times = [0, 1e-3], mean_speed = [1, 2]}")
         + "[time_steps]\nstep = 5e-4\n",
-        '[wear]\ncoefficient = 1e-13\nspeed = "1 m/s"\n[time_steps]\nend = 1\ninstants = 2\n',
+        '[wear]\ncoefficient = 1e-16\nspeed = "1 m/s"\n[time_steps]\nend = 1\ninstants = 2\n',
     ],
     ids=["film", "film in time", "dry in time"],
 )  # fmt: skip
 def test_what_solve_wrote_is_drawn(lines: str, tmp_path: Path) -> None:
-    (tmp_path / "one.toml").write_text(SMOOTH.replace("1e-2", "0.1") + lines)
+    (tmp_path / "one.toml").write_text(SMOOTH + given(96, "0.8 mm") + lines)
     said("solve", tmp_path / "one.toml", "--out", tmp_path)
     said("show", tmp_path / "one.nc", "--out", tmp_path / "shown")
     assert (tmp_path / "shown" / "one.png").is_file()

@@ -37,6 +37,7 @@ def test_the_error_of_creep_falls_with_the_steps_under_its_estimate() -> None:
     assert float(halfway) == pytest.approx(np.sqrt(1 + 1.5 * (1 - np.exp(-1))), abs=0.36 / 64 / 0.1)
 
 
+@pytest.mark.whole
 def test_explicit_wear_breaks_before_its_limit_and_implicit_never() -> None:
     error = {}
     for scheme, steps in itertools.product(("explicit", "implicit", "two-stage"), (8, 32)):

@@ -79,7 +79,7 @@ def wait_until(reached: Callable[[], bool], running: Process) -> None:
 
 
 @pytest.mark.cases(1)
-@pytest.mark.parametrize("workers", [2, 0])
+@pytest.mark.parametrize("workers", [0, 2])
 def test_a_kill_loses_nothing_but_what_is_being_computed(
     workers: int, start: Start, tmp_path: Path
 ) -> None:

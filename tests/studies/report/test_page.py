@@ -118,12 +118,14 @@ def examine(text: str, folder: Path, figures: int) -> None:
     assert not re.search(r"https?://|\bnan\b|\bNone\b", re.sub(r"base64,[^\"]*", "", text))
 
 
+@pytest.mark.whole
 def test_the_report_stands_alone_and_its_links_lead_somewhere(out: Path, text: str) -> None:
     examine(text, out, len(list(out.rglob("*.png"))))
     assert not list(out.rglob("*.partial*"))
     assert not list(out.rglob("*.pdf"))
 
 
+@pytest.mark.whole
 def test_the_claims_of_the_paper_stand_beside_its_figures_with_measured_numbers(text: str) -> None:
     sections = dict(
         re.findall(r'<section aria-labelledby="(.*?)">(.*?)</section>', text, re.DOTALL)
@@ -138,6 +140,7 @@ def test_the_claims_of_the_paper_stand_beside_its_figures_with_measured_numbers(
         assert shown in paper
 
 
+@pytest.mark.whole
 def test_two_paddings_are_enough_for_a_claim_of_the_paper(stored: Mapping[str, xr.Dataset]) -> None:
     drawing = load_drawing("paper")
     for paddings, count in ((["duplicated", "superposed"], 1), (["duplicated", "exact"], 0)):
@@ -209,6 +212,7 @@ def test_a_failed_case_is_told_in_the_log(tmp_path: Path) -> None:
     assert "No case gave numbers." in page.read_text(encoding="utf-8")
 
 
+@pytest.mark.whole
 def test_a_study_slots_in_with_what_it_says(out: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     drawing = replace(
         load_drawing("images"),
@@ -226,12 +230,6 @@ def test_a_study_slots_in_with_what_it_says(out: Path, monkeypatch: pytest.Monke
     assert '<td class="number" data-value="1 %">1 %</td>' in text
 
 
-DRAWN = [
-    pytest.param(name, marks=() if name in {"images", "paper", "stability"} else pytest.mark.whole)
-    for name in BUILT_IN
-]
-
-
 @pytest.fixture(scope="module")
 def stored(out: Path, tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, xr.Dataset]:
     """Datasets of few cases of each study, made when they are first asked for."""
@@ -246,7 +244,8 @@ def stored(out: Path, tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, 
     return Stored()
 
 
-@pytest.mark.parametrize("name", DRAWN)
+@pytest.mark.whole
+@pytest.mark.parametrize("name", BUILT_IN)
 def test_a_study_of_one_point_and_axes_of_one_value_are_drawn(
     name: str, stored: Mapping[str, xr.Dataset]
 ) -> None:

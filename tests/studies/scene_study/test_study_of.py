@@ -56,7 +56,7 @@ def test_a_value_that_differs_from_a_stored_one_by_rounding_is_of_the_study(
     smooth.write_text(SMOOTH + given(16, "0.4 mm"), encoding="utf-8")
     for load in (1e5, 1e5 * (1 + 5e-14)):
         study = studies.study_of(smooth, {"load.per_length": [load, 2e5]})
-        stored = studies.run(study, tmp_path, workers=0, log=lambda _: None)
+        stored = studies.run(study, tmp_path, workers=0, repeats=0, log=lambda _: None)
         assert stored["load_per_length"].values.tolist() == [1e5, 2e5]
         assert (stored["case_status"] == 1).all()
 
@@ -311,7 +311,7 @@ def test_a_scene_that_rolls_or_changes_is_swept(
 ) -> None:
     (tmp_path / "scene.toml").write_text(text)
     study = studies.study_of(tmp_path / "scene.toml", {field: values})
-    dataset = studies.run(study, tmp_path / "out", workers=0, log=lambda _: None)
+    dataset = studies.run(study, tmp_path / "out", workers=0, repeats=0, log=lambda _: None)
     (axis,) = study.axes
     assert axis.units == units
     assert dataset[measured].dims == (axis.name,)
@@ -322,6 +322,7 @@ def test_a_scene_that_rolls_or_changes_is_swept(
         assert second == pytest.approx(2 * first, rel=1e-6)
 
 
+@pytest.mark.whole
 def test_the_common_grid_of_what_wears_is_as_wide_as_it_wears(tmp_path: Path) -> None:
     """At the end of the file the contact is some ten times as wide as at first: ``a^3 = 1.5 R k s P``."""
     wears = SMOOTH.replace("100 N/mm", "1 kN/mm").replace("1e-2", "0.1")

@@ -62,7 +62,6 @@ def test_a_damaged_file_of_fields_is_set_aside_and_its_case_recomputed(tmp_path:
         assert len(tree["fields"].children) == 2
 
 
-@pytest.mark.cases(2)
 @pytest.mark.parametrize("place", [20, 5000])
 def test_a_damaged_study_file_is_set_aside_and_made_again(tmp_path: Path, place: int) -> None:
     study = load("grid").override({"padding": "exact", "grid": "16"})

@@ -129,6 +129,7 @@ one.end()
 """
 
 
+@pytest.mark.whole
 @FORKED
 def test_what_worker_processes_need_is_loaded_before_they_are_forked(tmp_path: Path) -> None:
     (tmp_path / "random.py").write_text("1 / 0")

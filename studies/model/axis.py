@@ -86,8 +86,7 @@ class Axis:
         for part, text in (("long_name", self.long_name), ("units", self.units)):
             if not isinstance(text, str) or not is_storable(text):
                 raise InvalidInput(
-                    f"Axis {self.name!r} has the {part} {shortened(text)}: give text without control "
-                    "characters."
+                    f"Axis {self.name!r} has the {part} {shortened(text)}: give text without control characters."
                 )
         raw: object = self.values
         if isinstance(raw, str) or not isinstance(raw, Iterable):

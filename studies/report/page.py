@@ -114,8 +114,7 @@ def run_and_write(
                 log(message)
             done = f"{study.size} points"
         log(
-            f"{chapter.name}: {number} of {len(chapter.parts)}, {part.name}: {done} in "
-            f"{monotonic() - start:.0f} s"
+            f"{chapter.name}: {number} of {len(chapter.parts)}, {part.name}: {done} in {monotonic() - start:.0f} s"
         )
     return draw_and_write(chapter, out, formats)
 

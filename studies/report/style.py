@@ -25,7 +25,6 @@ __all__ = ["LAW_STYLE", "add_legend", "panels"]
 COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 
 WIDTH = 9.2  # of a figure on a page [in]
-MAX_NAME = 30  # characters of a name on an axis
 
 mpl.use("Agg")
 mpl.style.use(SETTINGS)
@@ -83,12 +82,6 @@ def write_powers(axis: Axis, text: Callable[[float], str]) -> None:
     axis.set_major_formatter(lambda value, _: text(value))
     axis.set_minor_locator(LogLocator(subs=(2, 5) if is_short else "auto"))
     axis.set_minor_formatter(lambda value, _: text(value) if is_short else "")
-
-
-def cut_text(value: object) -> str:
-    """Return a name on an axis, in at most 30 characters: of a longer one the end is an ellipsis."""
-    text = str(value)
-    return text if len(text) <= MAX_NAME else f"{text[: MAX_NAME - 1]}…"
 
 
 def in_percent(fraction: float) -> str:

@@ -9,12 +9,12 @@ import xarray as xr
 from studies.advice.front import pareto_front
 from studies.model.drawing import CaptionedFigure
 from studies.model.outcome import CaseStatus
+from studies.model.plain_text import one_line
 from studies.reference.line_contact import total_time
 from studies.report.style import (
     COLORS,
     WIDTH,
     captioned,
-    cut_text,
     in_percent,
     panels,
     percent,
@@ -71,7 +71,7 @@ def figures(dataset: xr.Dataset, names: Sequence[str]) -> Sequence[CaptionedFigu
 
 
 def _text(value: object) -> str:
-    return f"{value:.4g}" if isinstance(value, float) else cut_text(value)
+    return f"{value:.4g}" if isinstance(value, float) else one_line(value, 30)
 
 
 def _known(true: xr.Dataset, names: Sequence[str]) -> str:

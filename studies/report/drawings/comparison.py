@@ -264,9 +264,8 @@ def _which_n(comparison: Comparison, verdict: Verdict) -> Finding:
     )  # fmt: skip
     on = cells_text(comparison.paddings_on)
     text = (
-        f"A padding counts as good enough if it adds at most a third of the grid's error, or of a "
-        f"tenth of the request, {percent(allowed)}. The "
-        f"table has what each does alone on {on}.{beyond}"
+        "A padding counts as good enough if it adds at most a third of the grid's error, or of a tenth of the request, "
+        f"{percent(allowed)}. The table has what each does alone on {on}.{beyond}"
     )
     if is_free:
         text = f"They add neighbours that the scene does not have. The table has what each does alone on {on}."

@@ -20,8 +20,9 @@ from contactstudy.domain.units import display_unit_of
 from studies.model.axis import is_geometric, one_of
 from studies.model.drawing import CaptionedFigure
 from studies.model.outcome import CaseStatus, is_time
+from studies.model.plain_text import one_line
 from studies.report.drawings import against_reference
-from studies.report.style import COLORS, captioned, cut_text, panels, percent, write_powers
+from studies.report.style import COLORS, captioned, panels, percent, write_powers
 
 # Measures that are drawn first where a study has more than there is room for.
 DRAWN = (
@@ -247,7 +248,7 @@ def _curve(
         write_powers(ax.yaxis, "{:g}".format)
     ax.set(xlabel=x_label, ylabel=label)
     if not is_numeric:
-        texts = [cut_text(value) for value in numbers.values]
+        texts = [one_line(value, 30) for value in numbers.values]
         rotated: Any = {"rotation": 30, "ha": "right", "rotation_mode": "anchor"}
         ax.set_xticks(x, texts, **rotated if max(map(len, texts)) > 5 else {})
 
@@ -281,7 +282,7 @@ def _family(ax: Axes, x: Any, lines: xr.DataArray, axis: str, line_style: str) -
         return
     line_colors = colormaps["viridis"](np.linspace(0, 0.85, values.size))
     for value, line, color in zip(values.values, lines.values, line_colors, strict=True):
-        text = _short(value / size) if _is_numeric(values) else cut_text(value)
+        text = _short(value / size) if _is_numeric(values) else one_line(value, 30)
         ax.plot(x, line, color=color, label=f"{name} {text} {unit}".rstrip(), **marked)
 
 

@@ -159,12 +159,11 @@ def _creep_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
         ("FFT convolutions times cells", "largest relative L1 error", ""),
     )
     caption = (
-        "A rigid cylinder pressed suddenly into a viscoelastic half-space and held; the creep compliance is "
-        "1 + 1.5 (1 - exp(-t)) times the instantaneous one. "
-        "Half-width and peak pressure are compared with Lee & Radok's closed form, the half-width to a cell. The "
-        "error is the largest over time, after the first tenth. It falls with the steps until the error of the "
-        "cells is larger; the dashed estimate, from a second evolution with steps twice as long, contains the error of "
-        "the steps alone."
+        "A rigid cylinder pressed suddenly into a viscoelastic half-space and held; the creep compliance is 1 + 1.5 (1 "
+        "- exp(-t)) times the instantaneous one. Half-width and peak pressure are compared with Lee & Radok's closed "
+        "form, the half-width to a cell. The error is the largest over time, after the first tenth. It falls with the "
+        "steps until the error of the cells is larger; the dashed estimate, from a second evolution with steps twice "
+        "as long, contains the error of the steps alone."
     )
     return (captioned("creep", fig, caption),)
 
@@ -328,9 +327,8 @@ def _plastic_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
         f"{float(last['peak_pressure'] * last['pressure']):.2f} Y, a hardness of {HARDNESS_OVER_YIELD:g} Y gives a "
         f"pressure that differs by {percent(last['hardness_limited_difference'])} in L1, and a largest negative gap of "
         f"{float(last['hardness_limited_dent']):.2g} a Y / E in the place of a dent of {float(last['dent']):.2g}. At "
-        f"{float(first['pressure']):g} Y it differs by {percent(first['hardness_limited_difference'])}. The body yields "
-        "from "
-        "p_{H} = 1.79 Y on, below the surface, long before any pressure reaches the hardness.",
+        f"{float(first['pressure']):g} Y it differs by {percent(first['hardness_limited_difference'])}. The body "
+        "yields from p_{H} = 1.79 Y on, below the surface, long before any pressure reaches the hardness.",
         "Is a hardness cap enough?",
     )
     if (compared := _known(dataset)) is None:

@@ -205,9 +205,7 @@ axes = (
 def case_at(point: Point) -> ProgramRun:
     """Return a program on a problem, with a grid and a number of threads."""
     cells = whole_number("grid", point["grid"], 2, "give at least 2 cells across the width")
-    threads = whole_number(
-        "threads", point["threads"], 1, "must be a whole number of threads, at least 1"
-    )
+    threads = whole_number("threads", point["threads"], 1, "must be a whole number, at least 1")
     program = one_of("program", point["program"], PROGRAMS)
     return ProgramRun(program, one_of("boundary", point["boundary"], PADDINGS), cells, threads)
 

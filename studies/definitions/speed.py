@@ -88,9 +88,7 @@ def case_at(point: Point) -> CaseOnDevice:
     """Return a contact on a device: a line contact, or a flat self-affine surface periodic along both axes."""
     surface = one_of("surface", point["surface"], SURFACES)
     cells = whole_number("grid", point["grid"], 2, "give at least 2 cells across the width")
-    threads = whole_number(
-        "threads", point["threads"], 1, "must be a whole number of threads, at least 1"
-    )
+    threads = whole_number("threads", point["threads"], 1, "must be a whole number, at least 1")
     precision = cs.Precision.named(str(point["precision"]))
     padding: cs.Padding | cs.Paddings = EXACT
     if surface == SELF_AFFINE:

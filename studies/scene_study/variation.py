@@ -167,6 +167,8 @@ def variation(
         names = (label if isinstance(label, str) else f"{label:.12g}" for label in values)
         values = dict(zip(names, values.values(), strict=True))
     long_name = LONG_NAMES.get(field.name) or _long_name(document, field)
+    if field.unit and any(isinstance(label, str) for label in values):
+        long_name = f"{long_name} [{field.unit}]"  # names have no unit in a file
     units = field.unit.replace("N/m", "N m-1") or "1"
     # the load that a contact carries is a measure
     name = "load_case" if field.name == "load" else "_".join(field.path)

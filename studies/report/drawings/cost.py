@@ -4,7 +4,6 @@ from itertools import cycle, product
 
 import numpy as np
 import xarray as xr
-from matplotlib.axes import Axes
 
 from studies.definitions.speed import LINE, ROUGH, SELF_AFFINE
 from studies.model.drawing import CaptionedFigure, Drawing, Finding
@@ -24,21 +23,6 @@ from studies.report.style import (
 LINES = ("-", "--", ":", "-.")
 
 
-def _label_over_cells(ax: Axes, dataset: xr.Dataset, variable: str, label: str) -> None:
-    """Label a panel over the number of cells, and draw a line that grows like its square beside times."""
-    cells = dataset["grid"].values
-    if variable == "solve_time":
-        least = float(dataset[variable].isel(grid=0).min())
-        ax.plot(cells, least * (cells / cells[0]) ** 2, label="N²", **LAW_STYLE)
-    ax.set(xscale="log", xlabel="cells N across, and along but for a line", ylabel=label)
-    tick_cells(ax, cells)
-
-
-def _is_complete(dataset: xr.Dataset) -> bool:
-    """Return whether all cases have numbers."""
-    return bool((dataset["case_status"] == CaseStatus.OK).all())
-
-
 # speed
 
 
@@ -55,6 +39,7 @@ LABELS = {
 def _speed_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
     """Draw time, iterations and the ratio to bare transforms against the grid, a line for each surface."""
     fig, axes = panels(len(LABELS))
+    cells = dataset["grid"].values
     surfaces = list(zip(_surfaces(dataset).items(), cycle(COLORS), strict=False))
     ways = list(zip(_ways(dataset).items(), cycle(LINES), strict=False))
     for ax, (variable, title) in zip(axes, LABELS.items(), strict=True):
@@ -64,8 +49,14 @@ def _speed_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
             curve = dataset[variable].sel(surface | chosen)
             label = f"{name}{way}"
             ax.plot(dataset["grid"], curve, line, color=color, marker="o", label=label)
-        ax.set(yscale="log") if variable == "solve_time" else ax.set_ylim(bottom=0)
-        _label_over_cells(ax, dataset, variable, title)
+        if variable == "solve_time":
+            least = float(dataset[variable].isel(grid=0).min())
+            ax.plot(cells, least * (cells / cells[0]) ** 2, label="N²", **LAW_STYLE)
+            ax.set(yscale="log")
+        else:
+            ax.set_ylim(bottom=0)
+        ax.set(xscale="log", xlabel="cells N across, and along but for a line", ylabel=title)
+        tick_cells(ax, cells)
     return (captioned("speed", fig, _speed_caption(dataset)),)
 
 
@@ -124,7 +115,7 @@ def _each(dataset: xr.Dataset) -> list[tuple[str, xr.Dataset]]:
 
 def _speed_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     """Return how the cost grows, and the time that threads save."""
-    if dataset.sizes["grid"] < 2 or not _is_complete(dataset):
+    if dataset.sizes["grid"] < 2 or (dataset["case_status"] != CaseStatus.OK).any():
         return ()
     first, last = dataset.isel(grid=0), dataset.isel(grid=-1)
     growth = float((last["iterations"] / first["iterations"]).max())

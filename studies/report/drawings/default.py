@@ -216,11 +216,7 @@ def _curve(
     first, *families = shown
     numbers, is_numeric = values[first], _is_numeric(values[first])
     joins = is_numeric and not _is_sample(first)
-    if is_numeric:
-        x, x_label = _scaled(numbers)
-    else:
-        unit = str(numbers.attrs.get("units", "1"))  # of numbers one of which is infinite
-        x, x_label = np.arange(numbers.size), _label(numbers, unit * (unit != "1"))
+    x, x_label = _scaled(numbers) if is_numeric else (np.arange(numbers.size), _label(numbers))
     line_style = "-" if joins else "none"
     if families:
         _family(ax, x, y.transpose(families[0], first), families[0], line_style)

@@ -201,8 +201,6 @@ creep = Drawing(_creep_figures, _creep_findings)
 
 # wear
 
-WEAR_COLORS = {"implicit": "#0072B2", "two-stage": "#009E73", "explicit": "#D55E00"}
-
 
 def _wear_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
     """Draw the half-width over distance beside the rigid law, and errors against steps and solves."""
@@ -213,7 +211,6 @@ def _wear_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
     added = np.cbrt(1 + WORN_HALF_WIDTH**3 * distance)
     width.plot(distance, added, **LAW_STYLE | {"linestyle": "--"})
     for part, style in by_color(finest, "scheme", "{}"):
-        style["color"] = WEAR_COLORS.get(style["label"], "#E69F00")
         width.plot(part["distance"], part["half_width"].isel(steps=-1), "o", color=style["color"])
         errors.loglog(part["steps"], part["pressure_error_l1"], **style)
         cost.loglog(part["solves"], part["pressure_error_l1"], **style)

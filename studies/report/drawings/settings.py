@@ -247,7 +247,12 @@ def _needed(dataset: xr.Dataset) -> Table:
         part = finest.sel(period=period)
         period_text = f"{period:g} a" if is_of_hertz(dataset) else f"{period:g}"
         errors = [percent(part[ERROR].sel(padding=name).isel(images=0)) for name in single]
-        rows.append((period_text, *errors, *(_least(part, target) for target in TARGETS)))
+        window = part[ERROR].sel(padding="circular").values
+        cells = float(part[ERROR].sel(padding="exact").min()) if "exact" in single else 0.0
+        enough = (
+            _from_then_on(window <= cells + target, part["images"].values) for target in TARGETS
+        )
+        rows.append((period_text, *errors, *enough))
     return Table(
         f"Error of the paddings without an n, and the least n of a circular window whose error does not exceed that "
         f"of exact periodicity by more than a target, on {int(finest['grid'])} cells across. The n are those stored: "
@@ -255,12 +260,6 @@ def _needed(dataset: xr.Dataset) -> Table:
         ("period", *single, *(f"n for {percent(target)} more" for target in TARGETS)),
         tuple(rows),
     )
-
-
-def _least(part: xr.Dataset, target: float) -> str:
-    errors = part[ERROR].sel(padding="circular").values
-    cells = float(part[ERROR].sel(padding="exact").min()) if "exact" in paddings(part) else 0.0
-    return _from_then_on(errors <= cells + target, part["images"].values)
 
 
 def _findings(dataset: xr.Dataset) -> Sequence[Finding]:

@@ -41,7 +41,7 @@ POINTS = [
     ("roughness", "images", "-1", "images is -1"),
     ("speed", "fraction", "1", r"fraction is 1\.0: give a fraction between 0 and 1\."),
     ("speed", "cut_off", "0", r"cut_off is 0\.0: give a number of cells above 0\."),
-    ("speed", "threads", "0", r"threads is 0: must be a whole number of threads, at least 1\."),
+    ("speed", "threads", "0", r"threads is 0: must be a whole number, at least 1\."),
     ("speed", "device", "gpu", "Gpu "),
     ("speed", "surface", "smoth", "surface is 'smoth': did you mean 'smooth'"),
     ("speed", "precision", "half", "precision is 'half': give 'single' or 'double'"),

@@ -48,6 +48,8 @@ def test_every_field_is_an_axis_in_si_units(
     study = studies.study_of(smooth, {field: values})
     assert list(study.axes[0].values) == expected
     assert len(set(study.cases())) == len(expected)
+    # names have no unit in a file, so that it stands in the long name
+    assert study.axes[0].long_name.endswith(" [Pa]") == ("inf" in expected)
 
 
 def test_a_value_that_differs_from_a_stored_one_by_rounding_is_of_the_study(

@@ -52,10 +52,14 @@ SCENES: dict[str, tuple[cs.Scene, int, float, int, tuple[str, ...], float, dict[
     "ridges that touch": (mixed(0.06, 0.06), 160, 6 * A / 160, 8, ("pressure", "shear"), 1e-6, {"tolerance": 1e-7}),
     "ridges that bear": (mixed(0.06, 0.01), 160, 6 * A / 160, 8, ("pressure", "shear"), 1e-6, {"tolerance": 1e-7}),
 }  # fmt: skip
+DEAR = ("film over a body that creeps", "ridges that bear")
 
 
 @pytest.mark.cases(len(SCENES))
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=[pytest.mark.whole] * (name in DEAR)) for name in SCENES],
+)
 def test_many_cells_along_have_the_answer_of_one(name: str) -> None:
     scene, across, cell, along, fields, within, named = SCENES[name]
     one, many = (

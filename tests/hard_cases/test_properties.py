@@ -1,4 +1,4 @@
-"""What holds of every contact, over random scenes: 100 of each property, or HARD_EXAMPLES of them."""
+"""What holds of every contact, over random scenes: 40 of each property, or HARD_EXAMPLES of them."""
 
 import os
 from dataclasses import replace
@@ -13,7 +13,7 @@ from studies.reference.dense_solver import answer, stated_error
 from studies.reference.hard_case import PADDINGS, SOLVERS, grid, noise, with_heights
 from studies.reference.line_contact import SCENE
 
-EXAMPLES = settings(max_examples=int(os.environ.get("HARD_EXAMPLES", "100")))
+EXAMPLES = settings(max_examples=int(os.environ.get("HARD_EXAMPLES", "40")))
 TOLERANCE = 1e-10
 
 

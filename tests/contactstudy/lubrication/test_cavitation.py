@@ -28,7 +28,9 @@ def test_both_agree_where_the_film_forms_once() -> None:
         assert (full.film_fraction == 1).all()
 
 
-@pytest.mark.parametrize(("cells", "along"), [((400, 1), np.inf), ((96, 16), A)])
+@pytest.mark.parametrize(
+    ("cells", "along"), [((400, 1), np.inf), pytest.param((96, 16), A, marks=pytest.mark.whole)]
+)
 def test_plain_cavitation_makes_lubricant_where_the_film_forms_again(
     cells: tuple[int, int], along: float
 ) -> None:

@@ -94,12 +94,12 @@ def test_a_load_that_grows_squeezes_the_film_to_that_of_the_larger_load() -> Non
 
 
 def test_rough_heights_on_either_body_pass_through() -> None:
-    smooth = solve_lubricated(by_moes(20, 5), grid(96, 3.0))
+    smooth = solve_lubricated(by_moes(20, 5), grid(64, 3.0))
     for body in (0, 1):
         waves = cs.Waviness(0.2 * smooth.central_film, across=A, along=A / 2)
         scene = by_moes(20, 5, cs.MovingShape(waves, body=body))
         times = np.linspace(0, A / speed_of(scene), 3)
-        evolution = evolve_lubricated(scene, grid(96, 3.0, 16), times=times, error=1e-2)
+        evolution = evolve_lubricated(scene, grid(64, 3.0, 8), times=times, error=3e-2)
         assert evolution.status is not cs.Status.FILM_NOT_CONVERGED
         assert np.ptp(evolution.contacts[-1].film, axis=1).max() > 0
 
@@ -248,7 +248,7 @@ def test_the_error_by_the_steps_holds_for_a_wave_that_passes() -> None:
         evolve_lubricated(
             scene, grid(96, 3.0), times=np.linspace(0, 2 * period, 9), step=period / steps
         )
-        for steps in (12, 96)
+        for steps in (12, 48)
     )
     error = np.abs(coarse.central_film - fine.central_film) / fine.central_film
     bound = coarse.time_discretisation_errors["central_film"]
@@ -256,21 +256,17 @@ def test_the_error_by_the_steps_holds_for_a_wave_that_passes() -> None:
     assert (error <= bound + 1e-6).all()
 
 
-@pytest.mark.parametrize("recorded", ["every step", "the end"])
-def test_the_error_by_the_steps_does_not_depend_on_the_instants_recorded(recorded: str) -> None:
+def test_the_error_by_the_steps_does_not_depend_on_the_instants_recorded() -> None:
     scene = by_moes(20, 5)
     end = A / speed_of(scene)
-    times = None if recorded == "every step" else [0.0, end]
-    evolution = evolve_lubricated(
-        from_rest(scene, end, 0.1), grid(96, 3.0), times=times, error=1e-2
-    )
-    exact = evolve_lubricated(
-        from_rest(scene, end, 0.1), grid(96, 3.0), times=[0.0, end], error=1e-5, tolerance=1e-8
-    )
-    for name, bounds in evolution.time_discretisation_errors.items():
-        value, reference = (getattr(one.contacts[-1], name) for one in (evolution, exact))
-        error = np.sum(np.abs(value - reference)) / np.sum(reference)
-        assert 0 < error < bounds[-1] + exact.time_discretisation_errors[name][-1], name
+    starting = from_rest(scene, end, 0.1)
+    exact = evolve_lubricated(starting, grid(96, 3.0), times=[0.0, end], error=1e-5, tolerance=1e-8)
+    for times in (None, [0.0, end]):
+        evolution = evolve_lubricated(starting, grid(96, 3.0), times=times, error=1e-2)
+        for name, bounds in evolution.time_discretisation_errors.items():
+            value, reference = (getattr(one.contacts[-1], name) for one in (evolution, exact))
+            error = np.sum(np.abs(value - reference)) / np.sum(reference)
+            assert 0 < error < bounds[-1] + exact.time_discretisation_errors[name][-1], name
 
 
 @pytest.mark.whole

@@ -27,6 +27,7 @@ def at(load: float, speed: float) -> cs.Scene:
     return cs.Scene(cs.LineLoad(load), (STEEL, STEEL), (cs.Cylinder(0.01),), lubrication=motion)
 
 
+@pytest.mark.whole
 @pytest.mark.cases(1)
 @pytest.mark.parametrize("load", [0.1, 0.001])
 def test_the_lightest_loads_have_the_film_of_martin(load: float) -> None:
@@ -209,7 +210,6 @@ def test_friction_that_hangs_on_a_spike_has_no_error_unless_its_stress_is_limite
     assert np.isfinite(total(eyring.friction_coefficient))
 
 
-@pytest.mark.cases(2)
 @pytest.mark.parametrize(
     ("load", "viscosity"), 10 ** np.random.default_rng(7).uniform((0.3, 0.0), (2.0, 1.0), (5, 2))
 )

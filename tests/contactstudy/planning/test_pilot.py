@@ -62,6 +62,7 @@ def test_a_pilot_ends_at_its_time_limit_and_forecasts_the_rest(
     assert all_solves / 5 < forecast < 5 * all_solves  # the first steps of wear are short
 
 
+@pytest.mark.whole
 def test_a_plan_of_passes_has_room_for_what_they_leave_behind() -> None:
     scene = replace(yielding_cylinder(4.0), rolling=cs.Rolling(passes=1, distance=0.6))
     planned = cs.plan(scene, error=0.1)

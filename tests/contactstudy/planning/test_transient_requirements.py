@@ -88,6 +88,7 @@ def test_rolling_takes_passes() -> None:
     assert found.solution.status is cs.Status.CONVERGED
 
 
+@pytest.mark.whole
 @pytest.mark.cases(1)
 @pytest.mark.parametrize("ratio", [2.5, 4.0])
 def test_a_plan_makes_room_for_what_yields(ratio: float) -> None:

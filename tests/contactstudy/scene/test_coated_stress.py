@@ -107,11 +107,12 @@ def test_equal_moduli_give_the_half_space_with_every_padding(paddings: cs.Paddin
     np.testing.assert_allclose(coated, plain, rtol=0, atol=1e-12)
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("paddings", ALL)
 def test_traction_is_continuous_at_the_bond_and_the_surface_bears_what_presses_it(
     paddings: cs.Paddings,
 ) -> None:
-    grid = cs.Grid((5, 2), (1.0, 0.7))
+    grid = cs.Grid((3, 2), (1.0, 0.7))
     random = np.random.default_rng(5)
     pressure, shear = random.random(grid.cells), random.random((2, *grid.cells))
     shear *= paddings != LATTICE  # three times as many sums

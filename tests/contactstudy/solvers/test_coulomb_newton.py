@@ -7,7 +7,6 @@ from contactstudy.solvers.friction.friction_set import FrictionSet
 FREE = cs.ZeroPadding(), cs.ZeroPadding()
 
 
-@pytest.mark.cases(2)
 @pytest.mark.parametrize("elongation", [1.6, 20.0, 62.0])
 @pytest.mark.parametrize("poisson_ratio", [0.0, 0.3, 0.49])
 def test_a_finite_roller_takes_no_more_applications_than_promised(

@@ -129,6 +129,7 @@ def test_labelled_heights_bring_their_sizes() -> None:
         cs.MeasuredSurface(labelled, extent=(1.0, 1.0))
 
 
+@pytest.mark.whole
 @pytest.mark.skipif(
     not GROUND.exists(), reason="no measured surface at CONTACTSTUDY_GROUND_SURFACE"
 )

@@ -89,11 +89,7 @@ CHAPTERS = {
             (Part("lubrication", {"grid": "100,200"}),),
         ),
         Chapter("trust", "Trust: error bounds beside true errors", (Part("accuracy"),)),
-        Chapter(
-            "cost",
-            "Cost: surfaces and grids",
-            (Part("speed", repeats=2),),
-        ),
+        Chapter("cost", "Cost: surfaces and grids", (Part("speed", repeats=2),)),
     )
 }
 

@@ -83,10 +83,8 @@ def verdict_text(comparison: Comparison, verdict: Verdict) -> str:
 
 def alternatives_text(comparison: Comparison, verdict: Verdict) -> str:
     """Return sentences on the other paddings and on the next coarser grid."""
-    best, rounds = (
-        verdict.best,
-        max((len(setting.rounds) for setting in comparison.settings), default=0),
-    )
+    best = verdict.best
+    rounds = max((len(setting.rounds) for setting in comparison.settings), default=0)
     sentences = []
     timed = [alternative for alternative in verdict.alternatives if alternative.measured.rounds]
     shown = [alternative for alternative in timed if alternative.is_significant]

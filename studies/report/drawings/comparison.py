@@ -131,6 +131,7 @@ def _front(comparison: Comparison, verdict: Verdict) -> CaptionedFigure:
     write_powers(ax.yaxis, in_percent)
     ax.set_title(title_text(comparison, verdict), loc="left")
     scene_padding = padding_name(comparison.boundary_label)
+    hollow = "Hollow marks: neither the solution nor a coarser one has a bound on its error; none is recommended. "
     return captioned(
         "front",
         fig,
@@ -138,11 +139,7 @@ def _front(comparison: Comparison, verdict: Verdict) -> CaptionedFigure:
         f"{scene_padding}, the boundary of the scene itself, with its cells. Small marks: dominated "
         "settings of the same padding. A line ends horizontally at the error of its padding, which finer grids do not "
         "reduce. The ring is the verdict. "
-        + (
-            "Hollow marks: neither the solution nor a coarser one has a bound on its error; they are never recommended. "
-            if not all(setting.is_bounded for setting in comparison.settings)
-            else ""
-        )
+        + hollow * (not all(setting.is_bounded for setting in comparison.settings))
         + "Errors are the largest of this and any finer grid.",
     )
 
@@ -286,9 +283,7 @@ def _reference(comparison: Comparison) -> Finding:
         cells = cells_text(comparison.reference)
         claim = f"Errors are against {cells} under the scene's own boundary conditions; {bound}."
         infinite = [name for name, bound in comparison.bounds.items() if bound == inf]
-        text = (
-            "The measure is the L1 norm of the difference to the reference's means over each cell."
-        )
+        text = "The measure is the L1 norm of the difference to the reference's means in each cell."
         if unknown := [REPORTED[name] for name in infinite if name in REPORTED]:
             text += f" Without a bound even there: {', '.join(unknown)}."
     return Finding(claim, " ".join([text, *comparison.notes]), "Against what?")
@@ -304,9 +299,8 @@ def _costs(comparison: Comparison) -> Table:
             continue
         best = verdict.best
         next_best = min(verdict.alternatives, key=attrgetter("ratio"), default=None)
-        lines = [
-            comparison.settings_of(label) for label in comparison.labels if label != best.label
-        ]
+        others = [label for label in comparison.labels if label != best.label]
+        lines = [comparison.settings_of(label) for label in others]
         finest = [line[-1].setting.cells[0] for line in lines if line]
         is_judged = finest and min(finest) >= best.setting.cells[0]
         beside = "none meets it" if is_judged else "not timed on such grids"
@@ -327,12 +321,10 @@ def _costs(comparison: Comparison) -> Table:
         )
     # a setting that also meets a smaller error stands there alone
     rows = [row for k, row in enumerate(rows) if k + 1 == len(rows) or row[1:4] != rows[k + 1][1:4]]
-    left_out = (
-        f" Smaller errors are not listed: no setting is shown to reach them; the least error measured is "
-        f"{error_text(min(bounded), comparison.reference_bound)}."
-        if bounded
-        else ""
-    )
+    left_out = ""
+    if bounded:
+        least = error_text(min(bounded), comparison.reference_bound)
+        left_out = f" Smaller errors are not listed: no setting is shown to reach them; the least measured is {least}."
     return Table(
         "The quickest setting for each error, by the median of its processor times on one thread; paddings within a "
         "tenth, or that the rounds do not decide, are a tie, which goes to the scene's own padding. A setting that "

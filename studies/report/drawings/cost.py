@@ -137,18 +137,11 @@ def _speed_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
             f", and is {float(np.min(faster)):.1f} to {float(np.max(faster)):.1f} times as fast on "
             f"{thread_count(threads[-1])} as on {thread_count(threads[0])} of this machine"
         )
-    return (
-        Finding(
-            f"From {int(first['grid'])} to {int(last['grid'])} cells across, the number of iterations "
-            + (
-                f"grows by a factor of at most {growth:.1f}."
-                if growth >= 1.05
-                else "does not grow."
-            ),
-            f"{measured}.",
-            "How does the cost grow?",
-        ),
+    claim = (
+        f"From {int(first['grid'])} to {int(last['grid'])} cells across, the number of iterations"
     )
+    grows = f"grows by a factor of at most {growth:.1f}" if growth >= 1.05 else "does not grow"
+    return (Finding(f"{claim} {grows}.", f"{measured}.", "How does the cost grow?"),)
 
 
 speed = Drawing(_speed_figures, _speed_findings)

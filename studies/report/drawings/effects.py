@@ -177,12 +177,12 @@ def _creep_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     coarse, last = dataset.isel(grid=0, steps=-1), dataset.isel(grid=-1, steps=-1)
     by_steps = fine.where(fine["time_discretisation_error"] > 2 * fine["grid_error"], drop=True)
     ratios = (by_steps["time_discretisation_error"] / by_steps["pressure_error_l1"]).values
-    trust = (
-        f" Where the steps leave more than the cells, their estimate is {ratios.min():.2g} to "
-        f"{ratios.max():.2g} times the error."
-        if ratios.size
-        else ""
-    )
+    trust = ""
+    if ratios.size:
+        span = f"{ratios.min():.2g} to {ratios.max():.2g}"
+        trust = (
+            f" Where the steps leave more than the cells, their estimate is {span} times the error."
+        )
     return (
         Finding(
             f"The error by the steps falls like {power('N', rate)}, so a digit in time costs "

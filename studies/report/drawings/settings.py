@@ -153,15 +153,12 @@ def _over(dataset: xr.Dataset, over: str) -> CaptionedFigure:
     if over == "grid":
         tick_cells(ax, dataset["grid"].values)
     place = shown_at(dataset, over)
+    ends = " A line ends horizontally at the error of its padding, which finer grids do not reduce."
     return captioned(
         f"over_{over}",
         fig,
         f"{LABEL} over the {OVER[over].split('  ')[0]}, {against(dataset)}{'; ' * bool(place)}{place}."
-        + (
-            " A line ends horizontally at the error of its padding, which finer grids do not reduce."
-            if over == "grid"
-            else ""
-        ),
+        + ends * (over == "grid"),
     )
 
 
@@ -198,11 +195,10 @@ def _front(dataset: xr.Dataset) -> CaptionedFigure:
         write_powers(ax.xaxis, seconds_text)
         write_powers(ax.yaxis, in_percent)
     axes[0].set_ylabel(LABEL)
-    return captioned(
-        "front",
-        fig,
-        "The price of accuracy: the Pareto front of each padding; small marks: its other settings.",
+    caption = (
+        "The price of accuracy: the Pareto front of each padding; small marks: its other settings."
     )
+    return captioned("front", fig, caption)
 
 
 def _tables(dataset: xr.Dataset) -> Sequence[Table]:

@@ -152,7 +152,7 @@ class AdaptiveIntegrator:
                 self.fine, half, self.stepper.load.at(half), MAX_HALVINGS
             )
             self._accept(solved)
-        max_halvings = MAX_HALVINGS if self.step_doubling else 0
+        middle, max_halvings = self.fine, MAX_HALVINGS if self.step_doubling else 0
         self.fine, solved = self._advance(self.fine, point.time, point.before, max_halvings)
         if not np.isfinite(solved.last.residual):
             self._record_failure(self.fine, solved)
@@ -160,14 +160,16 @@ class AdaptiveIntegrator:
         self.solution = solved.last
         self._accept(solved)
         if self.step_doubling and (ends_double_step or not synchronised):
-            self.step = (point.time - self.coarse.time) / 2
+            self.step, begin = (point.time - self.coarse.time) / 2, self.coarse
             self.coarse, solved = self._advance(self.coarse, point.time, point.before)
             self._accept(solved)
             before = self.time_discretisation_errors
             errors = self.errors.by_steps(self.fine, self.coarse, self.step)
             # the frames that wait lie between two instants of the doubled step
             factor = INSIDE_STIFF_STEP if self.stepper.creep_ends_within(self.step) else 1.0
-            self._finish_frames({name: max(before[name], factor * errors[name]) for name in errors})
+            inside = {name: max(before[name], factor * errors[name]) for name in errors}
+            inside["l1"] *= self.errors.growth_inside(middle, begin, self.fine)
+            self._finish_frames(inside)
             self.time_discretisation_errors = errors
         elif not self.step_doubling:
             self.coarse = self.fine

@@ -61,6 +61,19 @@ class IntegrationErrors:
         factor = self._error_over_difference(step)
         return {"l1": l1, "peak_pressure": factor * largest / (peak or 1.0)}
 
+    def growth_inside(self, middle: Instant, begin: Instant, end: Instant) -> float:
+        """Return the factor on errors of states in the `middle` of a doubled step, relative to their size there."""
+        sizes = (
+            [variable.size(state) for state in states]
+            for variable, *states in zip(
+                self.stepper.all_state_variables,
+                *(instant.states for instant in (middle, begin, end)),
+                strict=True,
+            )
+            if isinstance(variable, HasTimeDiscretisationError)
+        )
+        return max((max(of) / of[0] for of in sizes if of[0]), default=1.0)
+
     def increment(self, before: tuple[Instant, Instant], after: tuple[Instant, Instant]) -> float:
         """Return by how much a pair of steps raises the time-discretisation error, from (fine, coarse) instants."""
         change = (after[0].pressure - after[1].pressure) - (before[0].pressure - before[1].pressure)

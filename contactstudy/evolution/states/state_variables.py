@@ -98,6 +98,9 @@ class HasTimeDiscretisationError(Protocol):
     def common_error(self, state: State) -> float:
         """Return the relative error that two integrations have in common, so that their difference does not show it."""
 
+    def size(self, state: State) -> float:
+        """Return the L1 norm that errors are relative to."""
+
 
 @runtime_checkable
 class IteratedStateVariable(Protocol):

@@ -302,11 +302,14 @@ def test_load_and_force_in_proportion_slip_nowhere_between_bodies_that_creep() -
 
 
 def test_fretting_of_bodies_that_creep_is_within_its_error_by_the_steps() -> None:
-    friction = cs.Fretting(MU, (0.0, 0.12, -0.12), times=(0.0, 1.0, 2.0))
+    friction = cs.Fretting(MU, (0.0, 0.14, -0.12, 0.11), times=(0.0, 1.0, 2.0, 3.0))
     scene = replace(creeping(BODY.youngs_modulus, 1.0, 0.5), load=cs.LineLoad(0.6))
-    coarse, fine = (fretted(friction, np.linspace(0, 2, n + 1), scene).frames[-1] for n in (8, 32))
-    error = np.abs(fine.shear - coarse.shear).sum() / np.abs(fine.shear).sum()
-    assert error <= coarse.error.l1.by_cause["steps"] < 0.05
+    coarse, fine = (fretted(friction, np.linspace(0, 3, n + 1), scene).frames for n in (6, 48))
+    for one, other in zip(coarse[1:], fine[8::8], strict=True):
+        # the force passes zero in the middle of a doubled step, where errors count the more
+        error = np.abs(other.shear - one.shear).sum() / np.abs(one.shear).sum()
+        assert error <= one.error.l1.by_cause["steps"]
+    assert coarse[-1].error.l1.by_cause["steps"] < 0.05
 
 
 FREE = cs.ZeroPadding(), cs.ZeroPadding()

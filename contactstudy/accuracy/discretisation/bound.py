@@ -101,11 +101,12 @@ def discretisation_bound(
     inside = heights.effect_under(problem, force)
     if inside.protrudes:
         return DiscretisationErrors.unbounded(PROTRUDING, no_load)
-    # the edges of a contact with adhesion follow another law
     adheres = solution.adhesion is not None
-    peak, l1 = (0.0, 0.0) if adheres else discretisation_errors(pressure, wraps)
+    # where the grid chooses the range of an attraction, edges follow another law
+    regularised = solution.adhesion is not None and solution.adhesion.regularised
+    peak, l1 = (0.0, 0.0) if regularised else discretisation_errors(pressure, wraps)
     area = 0.0 if adheres else contact_area_error(pressure, wraps)
-    load = CONSTANTS.load_error * max(l1, inside.hidden_load)
+    load = CONSTANTS.load_error * max(0.0 if adheres else l1, inside.hidden_load)
     at_hardness = _at_hardness(solution)
     ends = problem.source is not None and problem.source.ends_along
     regular = (

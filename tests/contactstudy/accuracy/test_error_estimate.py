@@ -343,6 +343,17 @@ def test_in_the_limit_of_short_ranges_net_traction_area_and_approach_are_bounded
     assert abs(approach.value - true) <= approach.bound < 0.25 * true
 
 
+def test_beside_a_given_range_the_pressure_is_bounded_where_two_coarse_grids_agree_by_chance() -> (
+    None
+):
+    """Without the law of edges the bound is 1.3 % for 22 %."""
+    bodies, adhesion = (cs.HalfSpace(5e6, 0.49), cs.HalfSpace(inf, 0.3)), cs.Adhesion(0.05, 4.6e-6)
+    scene = cs.Scene(cs.LineLoad(9.5), bodies, (cs.Cylinder(1e-3),), adhesion=adhesion)
+    width = 8 * scene.hertz.half_width + 8e-4
+    coarse, fine = (cs.solve(scene, cs.Grid((n, 1), (width, 1e-3)), EXACT) for n in (32, 1024))
+    assert cs.compare(fine, coarse).l1 <= coarse.error.l1.total < 1
+
+
 def test_an_attraction_cut_off_at_the_edge_has_no_bound() -> None:
     """On a width of 8 the peak pressure is 7 % lower than on a wide grid."""
     solids = cs.HalfSpace(1.0, 0.0), cs.HalfSpace(inf, 0.3)

@@ -120,13 +120,8 @@ class ComparedScene:
         """Hertz's line contact where it is the exact solution: a smooth elastic cylinder under a load; else None."""
         scene = self.scene
         is_loaded = scene.adhesion is None and not isinstance(scene.load, cs.Approach)
-        if (
-            scene.hertz is None
-            or self.is_free
-            or scene.outputs
-            or not _is_at_rest(scene)
-            or not is_loaded
-        ):
+        is_contact_alone = _is_at_rest(scene) and not scene.outputs
+        if scene.hertz is None or self.is_free or not (is_contact_alone and is_loaded):
             return None
         requirements = grid_requirements(scene)
         hertz = requirements.hertz
@@ -263,11 +258,8 @@ def compared_scene(
             f"{name} has an attraction of short range, which every grid replaces by a range of its own, so that grids "
             "solve different contacts: give [adhesion] a range to compare them."
         )
-    if (
-        scene.hertz is not None
-        and isinstance(described.padding, tuple)
-        and described.padding[0].wraps
-    ):
+    repeats_across = isinstance(described.padding, tuple) and described.padding[0].wraps
+    if scene.hertz is not None and repeats_across:
         raise cs.InvalidInput(
             f"{name} repeats across the contact, and the settings that are compared do not: leave out padding_across."
         )

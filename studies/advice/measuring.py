@@ -194,9 +194,8 @@ class _Measurement:
             except cs.InvalidInput as error:  # an effect may not take this padding
                 refused[label_of(padding)] = str(error)
                 continue
-            if why := failure_of(answer) or "its pressure is zero." * (
-                not pressure_of(answer).any()
-            ):
+            is_zero = not pressure_of(answer).any()
+            if why := failure_of(answer) or "its pressure is zero." * is_zero:
                 refused[label_of(padding)] = why
                 continue
             numbers = numbers_of(answer)

@@ -212,8 +212,8 @@ def _converted(field: SceneField, raw: object) -> Any:
                 *get_args(kind),
                 *get_args(get_args(kind)[0]),
             }:  # such as cells, or lengths with a unit
-                example = f"{field.name}={_lists(kind, raw)}"
-                remedy = f"give each value as a list in brackets, such as {example}"
+                count = 1 if Ellipsis in get_args(kind) else len(get_args(kind))
+                remedy = f"give each value as a list in brackets, such as {[raw] * count}"
             sentence = f"{field.name}: it is {raw!r}: {remedy}."
         if is_dataclass(kind) and not isinstance(raw, dict):
             names = parameters(kind)
@@ -222,13 +222,6 @@ def _converted(field: SceneField, raw: object) -> Any:
                 f"{' or '.join(f'{field.name}.{name}' for name in names)}."
             )
         raise InvalidInput(sentence) from None
-
-
-def _lists(kind: Any, raw: object) -> str:
-    """Return two values of a field that holds a list, made from a value that is none, for a message."""
-    count = len(get_args(kind)) if Ellipsis not in get_args(kind) else 1
-    second = 2 * raw if isinstance(raw, int | float) else raw
-    return ",".join(str([entry] * count).replace(" ", "") for entry in (raw, second))
 
 
 def _label(made: Any, raw: object) -> Value:

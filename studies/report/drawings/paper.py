@@ -62,12 +62,8 @@ def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
 
 def findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     """Return what the paper's comparison of duplicated padding with six images comes to."""
-    names = {"duplicated", "superposed"}
-    if (
-        not is_of_hertz(dataset)
-        or not names <= set(paddings(dataset))
-        or 6 not in dataset["images"].values
-    ):
+    has_both = {"duplicated", "superposed"} <= set(paddings(dataset))
+    if not (is_of_hertz(dataset) and has_both and 6 in dataset["images"].values):
         return ()
     finest = dataset.isel(period=-1, grid=-1)
     copied, six = (finest.sel(padding=name, images=6) for name in ("duplicated", "superposed"))

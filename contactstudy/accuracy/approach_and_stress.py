@@ -18,10 +18,10 @@ from contactstudy.solvers.solution import Solution, TangentialTraction, net_pres
 # Error of the largest stress over the L1 error of the pressure.
 STRESS_ERROR = 0.5
 # Error of the approach by a range that was chosen for the grid, over that range times the relative error of the area by
-# it: at most 0.07 on 27 cylinders against the JKR limit.
+# it: at most 0.07 on 21 cylinders against the JKR limit.
 APPROACH_BY_RANGE = 0.2
 # Error of the stress at the surface over the largest step of the tangential traction from one cell to the next, beside
-# the other errors by the cells: at most 0.025 in 60 smooth contacts, and 0.8 in 30 of tractive rolling, whose stick-slip
+# the other errors by the cells: at most 0.025 in 50 smooth contacts, and 0.8 in 25 of tractive rolling, whose stick-slip
 # boundary is uncertain by a cell.
 STEP_ERROR, ROLLING_STEP_ERROR = 0.05, 1.0
 NO_DATUM = (

@@ -41,8 +41,8 @@ class NewtonConstants:
     max_halvings
         Halvings of a step that does not reduce F before the extragradient iteration takes over.
     least_shear
-        Fraction of the largest limit below which tangential traction is not resolved in proportion: where a force
-        returns to zero, what is left may be rounding.
+        Fraction of the largest traction at the start below which it is not resolved in proportion: where a force returns
+        to zero, what is left may be rounding.
     sticking
         Fraction of the largest limit by which the trial traction of a cell that sticks is below its own limit.
     first_extragradient
@@ -105,7 +105,7 @@ class CoulombNewton:
         self._operator, self._shape, self._cells = slip, limit.shape, np.flatnonzero(limit)
         self._set = FrictionSet(limit.ravel()[self._cells], total)
         self._rho = 1 / slip.self_compliance
-        self.applications = 0
+        self.applications, self._least = 0, 0.0
 
     def slip(self, shear: Array) -> Array:
         """Return the slip (2, cells) by elastic deformation under `shear` (2, cells)."""
@@ -150,12 +150,14 @@ class CoulombNewton:
         The iteration begins with a first `shear` (2, cells), and ends at a relative residual of `tolerance` or after
         `max_applications` of the slip operator. `free_slip` (component, x, y) is the slip without traction. The
         multiplier is the rigid displacement, or creepage, that the given sum asks for; the slip is without it. The
-        relative residual is the root mean square of F over the largest traction, or over a ten-thousandth of its largest
-        limit if that is more.
+        relative residual is the root mean square of F over the largest traction, or over a ten-thousandth of that at the
+        start (of its limit where that is zero) if that is more.
         """
         free, max_total = self.gathered(free_slip), max_applications + self.applications
-        shear = self.project(shear)
-        state = self._state(shear, free + self.slip(shear))
+        projected = self.project(shear)
+        first = max(float(np.hypot(*each).max()) for each in (shear, projected))
+        self._least = CONSTANTS.least_shear * (first or float(self._set.radius.max()))
+        state = self._state(projected, free + self.slip(projected))
         length, extragradient_iterations = self._rho, CONSTANTS.first_extragradient
         while state.relative_residual > tolerance and self.applications < max_total:
             forcing = _forcing(tolerance, state.relative_residual)
@@ -183,8 +185,7 @@ class CoulombNewton:
         projected = projection.traction
         residual = shear - projected
         mean = norm(residual) / sqrt(self._cells.size)
-        least = CONSTANTS.least_shear * float(self._set.radius.max())
-        relative_residual = mean / max(float(np.hypot(*projected).max()), least)
+        relative_residual = mean / max(float(np.hypot(*projected).max()), self._least)
         return _State(shear, slip, projection, residual, relative_residual)
 
     def _newton_step(self, state: "_State", forcing: float, max_total: int) -> tuple[Array, Array]:

@@ -43,8 +43,8 @@ class SlipStep:
     stick
         Cells (x, y) in contact that stick.
     residual
-        Root mean square of the change by one projection, over the largest traction, or over a fraction
-        of the largest limit where that is larger.
+        Root mean square of the change by one projection, over the largest traction, or over a fraction of that before
+        the step where that is larger.
     applications
         Number of applications of the response to traction.
     """

@@ -62,6 +62,12 @@ def test_the_displacement_of_a_force_gives_its_shear() -> None:
     check_coulombs_law(found, NONE, LIMIT)
 
 
+def test_a_force_far_below_that_of_friction_makes_a_shear_in_proportion() -> None:
+    small, smaller = (step(total=forced(part)).shear / part for part in (1e-7, 1e-11))
+    # rounding of the limits, over the smaller part
+    np.testing.assert_allclose(smaller, small, atol=1e-15 / 1e-11 * small.max())
+
+
 def test_a_large_displacement_makes_all_cells_slide() -> None:
     """From |d| above the displacement under full sliding on; the shear is then the limit, against the slip."""
     moved = np.array([3.0, 0.0])

@@ -25,7 +25,7 @@ Loop = TypeVar("Loop", bound=Callable[..., Any])
 REASSOCIATED = {"reassoc", "nsz"}
 
 
-class LockedCache(FunctionCache):  # type: ignore[misc]  # numba has no types
+class LockedCache(FunctionCache):
     """Machine code of a function on disk, read or written by one process at a time.
 
     numba names the file of a signature in an index that it reads and writes apart: two processes that compile two
@@ -35,12 +35,12 @@ class LockedCache(FunctionCache):  # type: ignore[misc]  # numba has no types
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """Return the compiled function of a signature, None where there is none."""
         with self._locked():
-            return super().load_overload(sig, target_context)
+            return super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]
 
     def save_overload(self, sig: Any, data: Any) -> None:
         """Write the compiled function of a signature."""
         with self._locked():
-            super().save_overload(sig, data)
+            super().save_overload(sig, data)  # type: ignore[no-untyped-call]
 
     @contextmanager
     def _locked(self) -> Iterator[None]:
@@ -69,8 +69,8 @@ def summing(function: Loop) -> Loop:
 
 
 def _compiled(function: Loop, fastmath: Set[str]) -> Loop:
-    loop = njit(nogil=True, error_model="numpy", fastmath=set(fastmath))(function)
-    loop._cache = LockedCache(function)  # in place of cache=True
+    loop: Any = njit(nogil=True, error_model="numpy", fastmath=set(fastmath))(function)
+    loop._cache = LockedCache(function)  # type: ignore[no-untyped-call]  # in place of cache=True
     return cast(Loop, loop)
 
 

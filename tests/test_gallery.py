@@ -7,7 +7,7 @@ import pytest
 GALLERY = sorted((Path(__file__).parent.parent / "examples" / "gallery").glob("plot_*.py"))
 
 
-@pytest.mark.cases(1)
+@pytest.mark.whole
 @pytest.mark.parametrize("example", GALLERY, ids=lambda path: path.stem)
 def test_an_example_runs_and_its_number_holds(
     example: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

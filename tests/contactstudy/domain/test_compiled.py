@@ -81,7 +81,7 @@ from contactstudy.domain.compiled import exact
 
 def read_slowly(self, read=IndexDataCacheFile._load_index):
     index = read(self)
-    sleep(2.0 if sys.argv[2:] else 0.0)
+    sleep(1.0 if sys.argv[2:] else 0.0)
     return index
 
 IndexDataCacheFile._load_index = read_slowly
@@ -97,6 +97,7 @@ print(total(np.ones(3, sys.argv[1])), total.stats.cache_hits.total())
 """
 
 
+@pytest.mark.whole
 def test_processes_that_compile_for_two_precisions_at_once_leave_each_its_code(
     tmp_path: Path,
 ) -> None:

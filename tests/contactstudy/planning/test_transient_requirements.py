@@ -36,9 +36,10 @@ def test_a_plan_is_wide_enough_for_the_end_and_keeps_to_its_error() -> None:
         # of another program, Q / (mu P) = 0.6
         (cs.Fretting(0.3, (0.0, 0.18, -0.18), times=(0.0, 1.0, 2.0)), 1.2214),
         # a^3 = 1.5 R k s P of 200 half cycles, beyond Hertz's
-        (
+        pytest.param(
             cs.Fretting(0.3, displacements=(3.0, -3.0), times=(0.0, 100.0), period=1.0),
             (1.5 * pi / 4 * 1e-2 * 200 * 6) ** (1 / 3),
+            marks=pytest.mark.whole,
         ),
     ],
 )

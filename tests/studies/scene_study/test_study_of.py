@@ -237,7 +237,7 @@ def test_the_axes_that_a_person_writes_twice_or_wrongly_are_named(rough: Path) -
 
 def test_numbers_for_a_field_of_lists_are_answered_with_lists(smooth: Path) -> None:
     smooth.write_text(SMOOTH + given(32, "0.4 mm"), encoding="utf-8")
-    with pytest.raises(cs.InvalidInput, match=r"such as grid\.cells=\[48,48\],\[96,96\]"):
+    with pytest.raises(cs.InvalidInput, match=r"as a list in brackets, such as \[48, 48\]"):
         studies.study_of(smooth, {"grid.cells": "48,96"})
 
 

@@ -83,6 +83,20 @@ GRIDS: dict[str, tuple[tuple[int, int], cs.Padding | cs.Paddings]] = {
 }
 
 
+def rough(
+    contact: LineContact,
+    cells: tuple[int, int],
+    padding: cs.Padding | cs.Paddings,
+    hardness: float | None,
+) -> cs.Problem:
+    """A rough contact with a hardness over Hertz's peak pressure."""
+    posed = problem(contact, cells, "30 %", padding)
+    if hardness is None:
+        return posed
+    limit = cs.HardnessLimited(hardness * contact.hertz.peak_pressure)
+    return replace(posed, constraint=limit)
+
+
 @on_every_device
 @pytest.mark.parametrize("grid", GRIDS)
 @pytest.mark.parametrize("hardness", [None, 0.8])
@@ -90,10 +104,7 @@ def test_a_rough_contact_is_the_same(
     grid: str, hardness: float | None, device: Device, line_contact: LineContact
 ) -> None:
     cells, padding = GRIDS[grid]
-    posed = problem(line_contact, cells, "30 %", padding)
-    if hardness is not None:
-        limit = cs.HardnessLimited(hardness * line_contact.hertz.peak_pressure)
-        posed = replace(posed, constraint=limit)
+    posed = rough(line_contact, cells, padding, hardness)
     ours, other = (cs.solve(posed, tolerance=1e-10, device=each) for each in (cs.Cpu(), device))
     agree(ours, other, 1e-10)
     assert other.status is ours.status

@@ -16,7 +16,6 @@ from contactstudy.domain.files import (
     is_alive,
     locked,
     open_descriptor,
-    read_at,
     read_verified,
     reason,
     remove_partial_files,
@@ -63,8 +62,6 @@ def test_why_a_file_was_not_written_is_said_in_words(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path = tmp_path / "file"
-    link = OSError(errno.ELOOP, "too many links")
-    assert reason(link, path) == "it is a symbolic link, which is not followed"
     denied = PermissionError(errno.EACCES, "denied")
     assert reason(denied) == "denied"
     assert reason(RuntimeError("NetCDF: HDF error")) == "the file system takes no more"
@@ -73,18 +70,6 @@ def test_why_a_file_was_not_written_is_said_in_words(
     for free, said in ((2**20, "denied"), (2**20 - 1, "No space left on device")):
         monkeypatch.setattr(shutil, "disk_usage", lambda _, free=free: SimpleNamespace(free=free))
         assert reason(denied, path) == said
-
-
-def test_bytes_are_read_at_a_place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Also where a system has no reading at a place."""
-    path = tmp_path / "file"
-    path.write_bytes(b"0123456789")
-    descriptor = open_descriptor(path, os.O_RDONLY)
-    for _ in range(2):
-        assert read_at(descriptor, 3, 4) == b"456"
-        assert read_at(descriptor, 10, 8) == b"89"
-        monkeypatch.delattr(os, "pread", raising=False)
-    os.close(descriptor)
 
 
 def test_a_file_with_a_checksum_gives_its_content_or_is_found_damaged(tmp_path: Path) -> None:
@@ -116,14 +101,6 @@ def signed(path: Path, **held: object) -> Path:
     mine = {"pid": os.getpid(), "host": socket.gethostname(), "since": "2026-01-02T03:04:05"}
     path.write_text(json.dumps(mine | held), encoding="utf-8")
     return path
-
-
-def test_the_file_says_who_holds_it_and_is_removed_at_the_end(tmp_path: Path) -> None:
-    path = tmp_path / ".study.lock"
-    with locked(path, quiet):
-        held = json.loads(path.read_text(encoding="utf-8"))
-        assert (held["pid"], held["host"]) == (os.getpid(), socket.gethostname())
-    assert not path.exists()
 
 
 @POSIX

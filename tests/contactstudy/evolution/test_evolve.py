@@ -14,7 +14,6 @@ from contactstudy.evolution.integration import checkpoint
 from contactstudy.evolution.integration.evolve import evolve
 from contactstudy.evolution.integration.step_control import StepControl
 from contactstudy.evolution.integration.time_stepper import Instant, SolvedContacts, TimeStepper
-from contactstudy.evolution.trajectory import Trajectory
 from contactstudy.solvers.solution import Solution
 from tests.contactstudy.evolution.creeping import LOAD, RIGID, SOLID, rolling_cylinder
 
@@ -316,12 +315,9 @@ def test_elastic_bodies_are_solved_at_the_given_instants_alone() -> None:
     assert sum(frame.solves for frame in found.frames) == 2
 
 
-def ended(load: cs.LoadHistory | cs.SineLoad, **named: object) -> Trajectory:
-    return evolve(replace(ELASTIC, load=load), GRID, EXACT, **named)  # type: ignore[arg-type]
-
-
 def test_before_the_first_load_the_bodies_just_touch() -> None:
-    found = ended(cs.LoadHistory((0.0, 1.0), (0.0, LOAD)), times=[0.0, 1.0])
+    scene = replace(ELASTIC, load=cs.LoadHistory((0.0, 1.0), (0.0, LOAD)))
+    found = evolve(scene, GRID, EXACT, times=[0.0, 1.0])
     assert found.times.tolist() == [0.0, 1.0]
     assert found.frames[0].pressure.max() == 0
     assert found.frames[0].gap.min() == 0
@@ -380,14 +376,3 @@ def test_steps_whose_error_is_not_estimated_go_from_instant_to_instant(
     assert found.counts["solves"][0] == 3
     assert found.error.l1.steps == np.inf
     assert "time-discretisation error was not estimated" in found.accuracy
-
-
-def test_a_march_may_be_told_not_to_iterate() -> None:
-    found = evolve(
-        ELASTIC,
-        cs.Grid((8, 1), (0.6, 1.0)),
-        EXACT,
-        times=[0.0],
-        options=cs.SolveOptions(max_iterations=0),
-    )
-    assert found.status is cs.Status.ITERATION_LIMIT

@@ -218,9 +218,8 @@ def test_the_residual_stress_at_the_end_is_the_extreme_across_or_along() -> None
     stress[0, 2, 0, 0] = 9e8  # in depth
     dimensions = ("time", "component", "z_1", "x", "y")
     strained = {"residual_stress_1": Field(dimensions, stress, "Pa", "")}
-    steel = cs.HalfSpace(2.1e11, 0.3)
     posed = PosedScene(
-        cs.Scene(cs.LineLoad(1e5), (steel, steel)), cs.Grid((4, 1), (1.0, 1.0)), cs.ZeroPadding()
+        cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL)), cs.Grid((4, 1), (1.0, 1.0)), cs.ZeroPadding()
     )
     numbers = evolution_quantities([{}], [1.0], {}, strained, posed, cs.ErrorParts())
     assert numbers["highest_residual_stress_1"].value == 3e8
@@ -229,10 +228,9 @@ def test_the_residual_stress_at_the_end_is_the_extreme_across_or_along() -> None
 
 
 def test_a_peak_that_stands_again_on_the_other_end_says_where() -> None:
-    steel = cs.HalfSpace(2.1e11, 0.3)
     shapes = (cs.Cylinder(0.01), cs.FiniteLength(1e-3))
     contact = cs.solve(
-        cs.Scene(cs.LineLoad(1e5), (steel, steel), shapes), cs.Grid((24, 24), (3e-4, 1.2e-3))
+        cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL), shapes), cs.Grid((24, 24), (3e-4, 1.2e-3))
     )
     peak = contact.quantities["peak_pressure"]
     assert peak.position is not None

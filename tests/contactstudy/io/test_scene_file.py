@@ -74,18 +74,6 @@ def test_a_file_says_what_the_values_say(tmp_path: Path) -> None:
     assert settings.precision is cs.Precision.SINGLE
 
 
-def test_a_file_is_solved_with_what_it_says(tmp_path: Path) -> None:
-    found = read(GOOD, tmp_path)
-    ours = found.solve()
-    by_hand = cs.solve(
-        found.scene.problem(found.grid, found.padding),
-        tolerance=1e-6,
-        solver=cs.PolonskyKeer(),
-        precision=cs.Precision.SINGLE,
-    )
-    np.testing.assert_array_equal(ours.pressure, by_hand.pressure)
-
-
 @pytest.mark.parametrize("verb", ["plan", "solve"])
 def test_what_a_file_gives_in_vain_is_refused_or_said(verb: str, tmp_path: Path) -> None:
     found = read(GOOD, tmp_path)

@@ -167,12 +167,19 @@ def test_a_film_that_is_not_resolved_has_its_status(
     assert contact.status is status
 
 
+def test_limiting_shear_bounds_the_stress_by_a_share_of_the_pressure() -> None:
+    contact = solve_lubricated(by_moes(20, 10, shear=cs.LimitingShear(0.05)), grid(200, 4.5))
+    assert (contact.shear <= 0.05 * contact.pressure).all()
+    assert 0.02 < contact.friction < 0.05
+
+
 def test_power_is_lost_in_pure_rolling_too() -> None:
     scene = by_moes(20, 5)
     rolling = with_motion(scene, slide_roll_ratio=0.0)
     sliding, still = (solve_lubricated(one, grid(200, 4.5)) for one in (scene, rolling))
     assert still.friction == 0
     assert still.power_loss > 0
+    assert sliding.sliding_speed == pytest.approx(0.1 * sliding.mean_speed)
     slid = sliding.friction * 1e5 * sliding.sliding_speed
     assert sliding.power_loss == pytest.approx(still.power_loss + slid, rel=1e-6)
 

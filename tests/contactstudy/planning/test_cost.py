@@ -4,27 +4,10 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.planning.cost import Timing, padded_points, predicted_seconds
+from contactstudy.planning.cost import padded_points
 from contactstudy.planning.forecast import forecast_of_grid
 from contactstudy.planning.grid_requirements import grid_requirements
 from tests.conftest import LineContact
-
-EXACT = cs.ExactPeriodicity()
-
-
-def square(cells: int) -> cs.Grid:
-    return cs.Grid((cells, cells), (1.0, 1.0))
-
-
-def test_seconds_grow_as_the_work_of_their_transforms() -> None:
-    """Some overhead and ``N log N``: of the cells in a set-up, of the points that are padded in each convolution."""
-    timing = Timing(square(64), EXACT, 10.0, 1.0, 3.0)
-    setup, solve = (
-        (n * np.log(n) + 5e4) / (m * np.log(m) + 5e4)
-        for n, m in ((256**2, 64**2), (2 * 256**2, 2 * 64**2))
-    )
-    expected = setup + 3 * 2.5 * solve
-    assert predicted_seconds(timing, square(256), 25.0) == pytest.approx(expected)
 
 
 @pytest.mark.parametrize(

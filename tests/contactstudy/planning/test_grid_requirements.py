@@ -38,12 +38,6 @@ def test_what_yields_needs_room_for_the_load(line_contact: LineContact) -> None:
     assert width(soft, line_contact) == pytest.approx(pi, rel=1e-12)
 
 
-def test_what_varies_across_alone_needs_one_cell_along(line_contact: LineContact) -> None:
-    a = line_contact.hertz.half_width
-    across = cs.Waviness(1e-8, across=0.3 * a, along=inf)
-    assert cs.plan(line_contact.with_shapes(across), error=0.1).grid.cells[1] == 1
-
-
 # Half-width 2 m, peak pressure 100 Pa; beside the contact the gap grows by 0.2 m times a function of x / a.
 HERTZ = HertzLine(100 * pi, 10.0, 1000.0)
 

@@ -195,7 +195,3 @@ def test_a_large_grid_keeps_the_depths_beside_the_largest_stress(
     contact = cs.solve(scene.problem(grid, cs.ExactPeriodicity()))
     assert contact.derived["von_mises"].values.max(axis=(1, 2)).argmax() == 1
     assert contact.quantities["largest_von_mises_depth"].bound > 0
-
-
-def test_depths_are_numbers_or_auto() -> None:
-    assert cs.SubsurfaceStress("auto") == cs.SubsurfaceStress()

@@ -5,7 +5,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.elasticity.tangential import shear_response
-from contactstudy.solvers.friction.partial_slip import SlipStep, locked_shear, slip_step
+from contactstudy.solvers.friction.partial_slip import SlipStep, slip_step
 
 FREE = cs.ZeroPadding(), cs.ZeroPadding()
 GRID = cs.Grid((24, 12), (2.2, 2.2))
@@ -68,41 +68,12 @@ def test_a_force_far_below_that_of_friction_makes_a_shear_in_proportion() -> Non
     np.testing.assert_allclose(smaller, small, atol=1e-15 / 1e-11 * small.max())
 
 
-def test_a_large_displacement_makes_all_cells_slide() -> None:
-    """From |d| above the displacement under full sliding on; the shear is then the limit, against the slip."""
-    moved = np.array([3.0, 0.0])
-    found = step(rigid=moved)
-    assert found.slides
-    assert not step(rigid=moved / 100).slides
-    np.testing.assert_allclose(found.shear.sum(axis=(1, 2))[0], LIMIT.sum(), rtol=1e-3)
-
-
-@pytest.mark.parametrize("steps", [1, 4])
-def test_force_and_load_in_proportion_slip_nowhere(steps: int) -> None:
-    shear, before = NONE, 0 * SPHERE
-    slope = 0.2
-    for part in np.arange(1, steps + 1) / steps:
-        after = np.sqrt(np.maximum(part**2 - GRID.x[:, None] ** 2 - GRID.y**2, 0))
-        reference = locked_shear(shear, before, after, slope)
-        total = np.array([slope * after.sum(), 0.0])
-        found = step(reference, 0.3 * after, total=total)
-        np.testing.assert_allclose(found.slip, 0, atol=1e-12)
-        np.testing.assert_allclose(found.shear[0], slope * after, atol=1e-12)
-        shear, before = found.shear, after
-
-
 def test_a_contact_converges_whose_newton_steps_fail_far_from_the_solution() -> None:
     """Nearly all cells of a rough contact stick: Newton's first step fails there, and projections lead on."""
     chance = np.random.default_rng(1)
     limit = LIMIT * chance.uniform(0, 1, LIMIT.shape) ** 6
     for moved in (1e-3, 1e-2, 1e-1):
         check_coulombs_law(step(rigid=np.array([moved, 0.0]), limit=limit), NONE, limit)
-
-
-def test_bodies_apart_carry_no_tangential_traction() -> None:
-    found = step(limit=0 * LIMIT, total=np.zeros(2))
-    assert not found.shear.any()
-    assert found.applications == 0
 
 
 def test_a_contact_at_the_edge_does_not_hide_a_shear_that_did_not_converge() -> None:

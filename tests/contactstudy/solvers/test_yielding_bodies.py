@@ -52,21 +52,3 @@ def test_kinematic_hardening_moves_the_range_without_yield() -> None:
     assert strain == pytest.approx(0.8, rel=1e-12)
     back, _ = stressed(law(0.0, 0.5), [1.4, -0.8])
     assert back == pytest.approx(0.8 - 0.2 / 0.5, rel=1e-12)
-
-
-MANY = VonMisesPlasticity(
-    *(np.array(one) for one in ([1.6, 2.5], [1.0, 0.5], [0.3, 0.7], [0.2, 0.4]))
-)
-
-
-def test_a_step_costs_the_work_of_the_yield_stress_and_of_hardening() -> None:
-    """Per cell: ``sqrt(2/3) (Y + H e) |step| + H |step|^2 / 3 + K |strain|^2 / 3``."""
-    before = np.array([[0.1, 0.0], [0.2, 0.0], [-0.1, 0.5]])
-    step = np.array([[0.2, 0.0], [0.0, 0.3], [0.1, 0.4]])
-    strain, equivalent = before + step, np.array([0.5, 2.0])
-    root = (2 / 3) ** 0.5
-    wanted = [
-        root * (1.0 + 0.3 * 0.5) * 0.05**0.5 + 0.3 * 0.05 / 3 + 0.2 * (0.09 + 0.04) / 3,
-        root * (0.5 + 0.7 * 2.0) * 0.5 + 0.7 * 0.25 / 3 + 0.4 * (0.09 + 0.81) / 3,
-    ]
-    assert MANY.incremental_potential(strain, before, equivalent) == pytest.approx(wanted)

@@ -43,15 +43,7 @@ def test_a_mode_without_n_is_computed_once_and_broadcast(dataset: xr.Dataset) ->
 
 
 def test_the_file_says_where_its_numbers_come_from(dataset: xr.Dataset) -> None:
-    for name in (
-        "title",
-        "first_case",
-        "source",
-        "history",
-        "git_revision",
-        "cpu",
-        "timing",
-    ):
+    for name in ("title", "first_case", "source", "history", "git_revision", "cpu", "timing"):
         assert dataset.attrs[name], name
     # the instant of the first run, and its command
     assert datetime.fromisoformat(dataset.attrs["date_created"]).tzinfo == UTC

@@ -11,19 +11,6 @@ def test_built_in_studies_have_a_title_and_cases(name: str) -> None:
     assert len(study.cases()) > 1
 
 
-@pytest.mark.parametrize(
-    ("name", "message"),
-    [
-        ("paddin", "did you mean 'padding'"),
-        ("xyz", "choose from accuracy, coating, creep"),
-        ("nowhere.py", "cannot be read"),
-    ],
-)
-def test_an_unknown_study_is_refused_with_a_remedy(name: str, message: str) -> None:
-    with pytest.raises(InvalidInput, match=message):
-        load(name)
-
-
 POINTS = [
     ("padding", "period", "0", "period is 0.0: give a period above 0"),
     ("padding", "period", "-2.4", "period is -2.4"),

@@ -21,6 +21,7 @@ def scenes(study: studies.Study) -> list[SceneCase]:
     return [case for case in study.cases() if isinstance(case, SceneCase)]
 
 
+@pytest.mark.cases(100)
 @pytest.mark.parametrize(
     ("field", "values", "expected"),
     [
@@ -31,12 +32,15 @@ def scenes(study: studies.Study) -> list[SceneCase]:
         ("load.per_length", [1e5, 5e4], [5e4, 1e5]),
         ("shapes.0.radius", "10 mm, 2 cm", [0.01, 0.02]),
         ("radius", "10 mm, 2 cm", [0.01, 0.02]),
+        ("radius", "1 mm:4 mm:3:log", [1e-3, 2e-3, 4e-3]),
+        ("radius", "0.01,20 mm,0.03", [0.01, 0.02, 0.03]),
         ("solids.1.youngs_modulus", "70 GPa,inf", ["70000000000", "inf"]),
         ("hardness", "2 GPa,4 GPa", [2e9, 4e9]),
         ("tolerance", "1e-4,1e-6", [1e-6, 1e-4]),
         ("plan.error", [0.01, 1e-4], [1e-4, 0.01]),
         ("period", "0.1 mm,0.2 mm", [1e-4, 2e-4]),
         ("solve.max_iterations", "3:9:3", [3, 6, 9]),
+        ("solve.max_iterations", "3:5,7", [3, 4, 5, 7]),
         ("precision", "single,double", ["single", "double"]),
         ("solver", "PolonskyKeer,PreconditionedCG", ["PolonskyKeer", "PreconditionedCG"]),
         ("padding", "ExactPeriodicity,DuplicatedPadding", ["ExactPeriodicity", "DuplicatedPadding"]),
@@ -219,6 +223,8 @@ def test_the_axes_that_a_person_writes_twice_or_wrongly_are_named(rough: Path) -
         ({"load.per_length": "50 N/mm,"}, "lacks a value"),
         ({"load.per_length": "50:400 N/mm"}, "number of values"),
         ({"load.per_length": "0:400:3:log N/mm"}, "above 0"),
+        ({"load.per_length": "1 N/m:2 kN/m:3"}, "has the units"),
+        ({"seed": "3:1"}, "or of whole numbers"),
         ({"load.per_length": "50 N/mm,100,200 N/mm"}, "some have none"),
         ({"load.per_length": "-5 N/mm"}, "above 0"),
         ({"shapes.2.rms": "1 um"}, "0 Cylinder, 1 Roughness"),

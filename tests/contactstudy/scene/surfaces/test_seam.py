@@ -5,14 +5,6 @@ import contactstudy as cs
 HEIGHTS = np.random.default_rng(0).standard_normal((6, 40)) + 3
 
 
-def test_mirrored_meets_itself_at_both_ends() -> None:
-    closed = cs.Mirrored().periodic(HEIGHTS)
-    assert closed.shape == (6, 40 * cs.Mirrored().lengths)
-    np.testing.assert_array_equal(closed[:, :40], HEIGHTS)
-    np.testing.assert_array_equal(closed[:, -1], closed[:, 0])
-    np.testing.assert_array_equal(closed[:, 40], closed[:, 39])
-
-
 def test_tapered_keeps_the_middle_and_meets_the_mean_at_the_ends() -> None:
     closed = cs.Tapered(fraction=0.5).periodic(HEIGHTS)
     mean = HEIGHTS.mean()

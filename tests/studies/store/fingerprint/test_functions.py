@@ -123,17 +123,6 @@ def test_an_object_whose_state_cannot_be_seen_is_refused_with_the_remedy(measure
         state(measures)
 
 
-def test_lines_and_documentation_are_no_state() -> None:
-    def made(source: str) -> Any:
-        names: dict[str, Any] = {"__name__": __name__}
-        exec(source, names)
-        return names["f"]
-
-    plain = state(made("def f(c, r):\n    return 2 * r\n"))
-    assert state(made("\n\ndef f(c, r):\n    'It doubles.'\n    return 2 * r\n")) == plain
-    assert state(made("def f(c, r):\n    return 3 * r\n")) != plain
-
-
 def test_a_function_that_names_itself_has_a_state() -> None:
     def measures(case: object, result: int) -> int:
         return 1 if result == 0 else result * measures(case, result - 1)

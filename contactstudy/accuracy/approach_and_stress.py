@@ -7,6 +7,7 @@ from math import inf
 import numpy as np
 
 from contactstudy.accuracy.discretisation.bound import CONSTANTS as ONE_GRID
+from contactstudy.accuracy.discretisation.bound import has_isolated_cells
 from contactstudy.accuracy.discretisation.coarser import FIRST_ORDER_MARGIN
 from contactstudy.accuracy.image_errors import IMAGES_REMEDY, with_all_images
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
@@ -33,9 +34,7 @@ AT_SURFACE = "No bound for the depth: the largest stress lies at the surface."
 NO_COARSER = (
     "No bound for the stress: there is no solution on cells of twice the size to compare with."
 )
-TOO_FEW_CELLS = (
-    "No bound for the stress: the cells do not show where the pressure acts, give more cells."
-)
+TOO_FEW_CELLS = "No bound for the stress: too few cells in contact are neighbours, give more cells."
 NO_STRESS_LIMIT = (
     "No bound for the stress: in the JKR limit it grows without limit towards the edges of the contact, give "
     "Adhesion.range."
@@ -110,7 +109,7 @@ def stress_errors(
     coarse
         The same contact on cells of twice the size; None where there is none.
     """
-    if (estimate.l1.discretisation or 0.0) >= ONE_GRID.max_l1:
+    if has_isolated_cells(solution):
         no_bound = ErrorParts(discretisation=inf, reason=TOO_FEW_CELLS)
         return no_bound, no_bound
     largest = von_mises.max(axis=(1, 2))

@@ -166,7 +166,8 @@ class Scene:
                 )
             if hasattr(self.load, "check_compressive"):
                 self.load.check_compressive()
-        _ = self.roller_length  # which refuses a total load without one
+        if isinstance(self.load, TotalLoad):
+            _ = self.roller_length  # which refuses a load without one
 
     def _check_approach(self) -> None:
         """Check a search or an approach in place of a load, once every effect is checked."""
@@ -253,8 +254,9 @@ class Scene:
         """Largest load over time [N/m], a total load over the length of its roller; 0 where an approach is given."""
         if not isinstance(self.load, TotalLoad):
             return self.load.largest
-        assert self.roller_length is not None
-        return self.load.total / self.roller_length
+        length = self.roller_length
+        assert length is not None
+        return self.load.total / length
 
     @property
     def reference_load(self) -> float:

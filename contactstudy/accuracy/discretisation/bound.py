@@ -130,17 +130,15 @@ def discretisation_bound(
         changes = change_between_grids(solution, coarse)
     if changes.l1 == inf:
         return replace(changes, load=no_load)
-    # under a given load the peak of two cells may be any multiple of theirs
-    isolated = _has_isolated_cells(pressure, 3 if load_is_fixed else 2)
     hidden_error = CONSTANTS.hidden_error * inside.hidden_load * float(force.sum())
     hidden_area = relative_loss(CONSTANTS.hidden_error * inside.area_loss)
     largest_l1 = CONSTANTS.max_l1 if load_is_fixed else inf
     l1 = max(l1, changes.l1, hidden_error / float(pressure.sum()))
-    l1 = largest_l1 if isolated else min(largest_l1, l1)
+    l1 = min(largest_l1, l1) if _has_run_in_contact(pressure, 2) else largest_l1
     reason = ""
     if at_hardness:  # the peak pressure is the hardness
         peak = changes.peak_pressure
-    elif reason := _no_peak(inside, isolated=isolated, sharp_end=_at_sharp_end(problem, pressure)):
+    elif reason := _no_peak(solution, inside):
         peak = inf
     else:
         peak = max(peak, changes.peak_pressure, inside.peak_rise) + inside.kink_rise
@@ -246,27 +244,17 @@ def _unresolved_length(problem: Problem) -> str:
     return ""
 
 
-def _no_peak(inside: SubgridEffect, *, isolated: bool, sharp_end: bool) -> str:
-    """Return why the peak pressure has no bound; an empty string where it has one.
-
-    Parameters
-    ----------
-    inside
-        Heights inside the cells.
-    isolated
-        Whether too few touching cells are neighbours.
-    sharp_end
-        Whether the roller has pressure up to its end.
-    """
+def _no_peak(solution: Solution, inside: SubgridEffect) -> str:
+    """Return why the peak pressure has no bound, beside heights inside the cells; an empty string where it has one."""
     reason = ""
     if inside.corner_rise > CONSTANTS.sharp_rise:
         reason = (
             f"it lies at {SHARP_EDGE}, where it is infinite: round the edge, close the seam of a measured surface, or "
             "ask for another quantity"
         )
-    elif sharp_end:
+    elif _at_sharp_end(solution.problem, solution.pressure):
         reason = "the roller carries pressure up to its sharp end, where it is infinite: give a profile that drops more"
-    elif isolated:
+    elif has_isolated_cells(solution):
         reason = "too few cells in contact are neighbours: give more cells"
     return f"No bound for the peak pressure: {reason}." if reason else ""
 
@@ -303,15 +291,22 @@ def _at_sharp_end(problem: Problem, pressure: np.ndarray) -> bool:
     return bool(pressure[:, [0, -1]].max() > CONSTANTS.end_over_peak * pressure.max())
 
 
-def _has_isolated_cells(pressure: np.ndarray, neighbours: int) -> bool:
-    """Return whether along an axis no so many `neighbours` are in contact, so that their edges are unknown."""
+def has_isolated_cells(solution: Solution) -> bool:
+    """Return whether too few neighbours are in contact for a bound of the peak pressure: two, under a given load three.
+
+    Under a given load the peak of two cells may be any multiple of theirs.
+    """
+    load_is_fixed = solution.adhesion is None and solution.problem.control.approach is None
+    return not _has_run_in_contact(solution.pressure, 3 if load_is_fixed else 2)
+
+
+def _has_run_in_contact(pressure: np.ndarray, neighbours: int) -> bool:
+    """Return whether as many `neighbours` along each axis are in contact; of a shorter axis all, of one cell any."""
     touching = pressure > 0
-    return any(
-        len(along) >= neighbours
-        and not np.logical_and.reduce(
-            [along[first : len(along) + 1 - neighbours + first] for first in range(neighbours)]
-        ).any()
-        for along in (touching, touching.T)
+    runs = ((along, min(neighbours, len(along))) for along in (touching, touching.T))
+    return all(
+        bool(np.logical_and.reduce([along[k : len(along) + 1 - run + k] for k in range(run)]).any())
+        for along, run in runs
     )
 
 

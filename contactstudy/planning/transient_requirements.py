@@ -276,12 +276,14 @@ def _fretting(friction: Fretting, load: AnyLoad, hertz: HertzLine) -> tuple[floa
     limit = friction.coefficient
     if friction.displacements is not None:
         limit *= 2 * log(2) / (pi * hertz.contact_modulus)
-    times = {*history.times, *getattr(load, "times", ())}
     loads = {
         time: load.at(time) if isinstance(load, ChangingLoad) else hertz.load_per_length
-        for time in times
+        for time in history.compared_with(load)
     }
-    fraction = max(abs(history.at(time)) / (limit * loads[time]) for time in times if loads[time])
+    fractions = (
+        abs(history.at(time)) / (limit * pressed) for time, pressed in loads.items() if pressed
+    )
+    fraction = max(fractions, default=0.0)
     if fraction < 1:
         doubled = np.linspace(1e-3, 40, CONSTANTS.load_samples)
         angle = np.interp(fraction, 1 - doubled / np.sinh(doubled), doubled) / 2

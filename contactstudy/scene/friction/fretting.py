@@ -45,6 +45,11 @@ class FrettingHistory(PiecewiseLinear):
         """Force [N/m] or displacement [m] at each instant."""
         return self.along_x
 
+    def compared_with(self, load: object) -> list[float]:
+        """Return the times [s] at which this is compared with `load`: equal intervals, and the instants of both."""
+        times = np.linspace(self.start, self.end, SAMPLES).tolist()
+        return sorted({*times, *self.times, *getattr(load, "times", ())})
+
 
 @suggest_fields
 @dataclass(frozen=True)
@@ -179,8 +184,7 @@ class Fretting:
         history, load = self.history, scene.load
         if self.forces is None or history is None:
             return
-        times = np.linspace(history.start, history.end, SAMPLES).tolist()
-        for time in sorted({*times, *history.times, *getattr(load, "times", ())}):
+        for time in history.compared_with(load):
             pressed = load.at(time) if isinstance(load, ChangingLoad) else scene.largest_load
             limit = transmitted_force(scene, self.coefficient, pressed)
             force = history.at(time)

@@ -1,5 +1,5 @@
 from dataclasses import replace
-from math import pi
+from math import cosh, pi
 
 import numpy as np
 import pytest
@@ -12,6 +12,8 @@ from contactstudy.planning.plan import plan, plan_grid
 from contactstudy.planning.transient_requirements import expected_plastic_zone
 from tests.conftest import STEEL
 from tests.contactstudy.evolution.creeping import LOAD, SOLID, rolling_cylinder
+
+ONE = cs.LineLoad(1.0)
 
 
 def test_a_plan_is_wide_enough_for_the_end_and_keeps_to_its_error() -> None:
@@ -31,24 +33,35 @@ def test_a_plan_is_wide_enough_for_the_end_and_keeps_to_its_error() -> None:
 
 
 @pytest.mark.parametrize(
-    ("friction", "scar"),
+    ("friction", "load", "scar"),
     [
         # of another program, Q / (mu P) = 0.6
-        (cs.Fretting(0.3, (0.0, 0.18, -0.18), times=(0.0, 1.0, 2.0)), 1.2214),
+        (cs.Fretting(0.3, (0.0, 0.18, -0.18), times=(0.0, 1.0, 2.0)), ONE, 1.2214),
+        # Q / (mu P) = 0.9 at the smallest load, between the instants of the forces; sinh(4.5) / 4.5 = 10
+        (
+            cs.Fretting(0.3, (0.054, 0.054), times=(0.0, 1.0)),
+            cs.SineLoad(0.6, 0.4, 1.0),
+            0.1**0.5 * cosh(2.25),
+        ),
+        # a load of zero at both instants, and no force
+        (cs.Fretting(0.3, (0.0, 0.0), times=(0.0, 1.0)), cs.SineLoad(0.0, 1.0, 1.0), 1.0),
         # a^3 = 1.5 R k s P of 200 half cycles, beyond Hertz's
         pytest.param(
             cs.Fretting(0.3, displacements=(3.0, -3.0), times=(0.0, 100.0), period=1.0),
+            ONE,
             (1.5 * pi / 4 * 1e-2 * 200 * 6) ** (1 / 3),
             marks=pytest.mark.whole,
         ),
     ],
 )
-def test_a_plan_makes_room_for_the_wear_of_fretting(friction: cs.Fretting, scar: float) -> None:
+def test_a_plan_makes_room_for_the_wear_of_fretting(
+    friction: cs.Fretting, load: cs.LineLoad | cs.SineLoad, scar: float
+) -> None:
     """In units of Hertz's half-width, modulus and load."""
     body = cs.HalfSpace(2 * (1 - 0.3**2), 0.3)
     wear = cs.Wear(1e-2, speed=0.0)
     shapes = (cs.Cylinder(pi / 4),)
-    scene = cs.Scene(cs.LineLoad(1.0), (body, body), shapes, friction=friction, wear=wear)
+    scene = cs.Scene(load, (body, body), shapes, friction=friction, wear=wear)
     assert scene.hertz is not None
     assert scene.hertz.half_width == pytest.approx(1.0)
     for times in (None, (0.0, friction.times[-1])):

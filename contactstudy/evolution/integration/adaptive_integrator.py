@@ -25,6 +25,8 @@ INCREMENTS, MAX_INCREMENTS = 4, 2**12
 MAX_HALVINGS = 6
 # Files of a checkpoint: a recorded frame by its index, and the state to continue from.
 FRAME_FILE, STATE_FILE = "frame_{:05d}.npz", "state.npz"
+# Time-discretisation errors: in L1 of the pressure and of the states, and of the peak pressure.
+NAMES_OF_ERRORS = "pressure", "states", "peak_pressure"
 # State of an integrator in its checkpoint.
 CHECKPOINTED = ("breakpoint", "time_discretisation_errors", "double_step", "rejected", "restarts", "solves",
                 "iterations", "convolutions")  # fmt: skip
@@ -102,9 +104,10 @@ class AdaptiveIntegrator:
         """Return to the first breakpoint, with a short pair of steps."""
         self.breakpoint = 0
         self.fine = self.coarse = self.stepper.start(self.breakpoints[0].time)
+        self.double_step_begin = self.fine
         self.solution: Solution | None = None
         self.errors = IntegrationErrors(self.stepper)
-        self.time_discretisation_errors = dict.fromkeys(("l1", "peak_pressure"), 0.0)
+        self.time_discretisation_errors = dict.fromkeys(NAMES_OF_ERRORS, 0.0)
         duration = self.breakpoints[-1].time - self.breakpoints[0].time
         self.double_step, self.shortest = INITIAL_STEP * duration, SHORTEST * duration
         self.step = 0.0  # duration of the last step
@@ -144,7 +147,8 @@ class AdaptiveIntegrator:
 
         A step that ends a doubled step alone is halved, so that the doubled step has two to be compared with.
         """
-        synchronised = self.coarse.time == self.fine.time
+        if synchronised := self.coarse.time == self.fine.time:
+            self.double_step_begin = self.fine
         ends_double_step = self._ends_double_step(point)
         if self.step_doubling and synchronised and ends_double_step:
             half = (self.fine.time + point.time) / 2
@@ -160,7 +164,7 @@ class AdaptiveIntegrator:
         self.solution = solved.last
         self._accept(solved)
         if self.step_doubling and (ends_double_step or not synchronised):
-            self.step, begin = (point.time - self.coarse.time) / 2, self.coarse
+            self.step = (point.time - self.coarse.time) / 2
             self.coarse, solved = self._advance(self.coarse, point.time, point.before)
             self._accept(solved)
             before = self.time_discretisation_errors
@@ -168,7 +172,11 @@ class AdaptiveIntegrator:
             # the frames that wait lie between two instants of the doubled step
             factor = INSIDE_STIFF_STEP if self.stepper.creep_ends_within(self.step) else 1.0
             inside = {name: max(before[name], factor * errors[name]) for name in errors}
-            inside["l1"] *= self.errors.growth_inside(middle, begin, self.fine)
+            size, at_begin, at_end = map(
+                self.errors.size_of_states, (middle, self.double_step_begin, self.fine)
+            )
+            of_states = max(before["states"] * at_begin, factor * errors["states"] * at_end)
+            inside["states"] = of_states / size if size else 0.0
             self._finish_frames(inside)
             self.time_discretisation_errors = errors
         elif not self.step_doubling:
@@ -215,7 +223,8 @@ class AdaptiveIntegrator:
             self.fine, self.coarse, self.solution = second, coarse, to_end.last
             self.step = double_step / 2
             self.time_discretisation_errors = self.errors.by_steps(second, coarse, self.step)
-            if (error := self.time_discretisation_errors["l1"]) > control.error:
+            errors = self.time_discretisation_errors
+            if (error := max(errors["pressure"], errors["states"])) > control.error:
                 self._restart(control.stricter(error))
                 return _Outcome.RESTART
             # a pair cut short by a breakpoint is no measure of the allowed length
@@ -326,7 +335,12 @@ class AdaptiveIntegrator:
                 coupled_state={} if self.stepper.coupled is None else self.fine.states[-1],
                 status=worst_until(solution.status, self.statuses),
                 residual=solution.residual,
-                time_discretisation_error=self.errors.common(self.fine) if is_estimated else inf,
+                time_discretisation_error=inf,
+                time_discretisation_errors=(
+                    self.errors.common(self.fine)
+                    if is_estimated
+                    else dict.fromkeys(NAMES_OF_ERRORS, inf)
+                ),
                 grid_error_parts=parts,
                 peak_grid_error_parts=peak_parts,
                 warnings=warnings,
@@ -351,12 +365,12 @@ class AdaptiveIntegrator:
         """Add the present time-discretisation errors, or these, to the waiting frames, and write them."""
         for frame in self.waiting:
             total = {
-                name: error + frame.time_discretisation_error
+                name: error + frame.time_discretisation_errors[name]
                 for name, error in (errors or self.time_discretisation_errors).items()
             }
             finished = replace(
                 frame,
-                time_discretisation_error=total.pop("l1"),
+                time_discretisation_error=max(total.pop("pressure"), total.pop("states")),
                 time_discretisation_errors=total,
             )
             if self.checkpoint is not None:

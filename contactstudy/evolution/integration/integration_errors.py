@@ -49,30 +49,29 @@ class IntegrationErrors:
     largest_by_residual: float = 0.0
 
     def by_steps(self, fine: Instant, coarse: Instant, step: float) -> dict[str, float]:
-        """Return errors of `fine` by steps in L1, of the pressure or of the states, and of the peak pressure.
+        """Return errors of `fine` by steps, in L1 of the pressure and of the states, and of the peak pressure.
 
-        In L1 it is the larger one; that of the peak is the largest of any cell. Those of bodies which are apart in
-        `fine` alone are relative to the pressure of `coarse`. The last `step` of `fine` has that duration [s].
+        That of the peak is the largest of any cell. Those of bodies which are apart in `fine` alone are relative to the
+        pressure of `coarse`. The last `step` of `fine` has that duration [s].
         """
         instant = fine if fine.pressure.any() else coarse
         difference = fine.pressure - coarse.pressure
-        l1 = max(self._relative(difference, step, instant), self._of_states(fine, coarse))
         largest, peak = float(np.abs(difference).max()), float(instant.pressure.max())
         factor = self._error_over_difference(step)
-        return {"l1": l1, "peak_pressure": factor * largest / (peak or 1.0)}
+        return {
+            "pressure": self._relative(difference, step, instant),
+            "states": self._of_states(fine, coarse),
+            "peak_pressure": factor * largest / (peak or 1.0),
+        }
 
-    def growth_inside(self, middle: Instant, begin: Instant, end: Instant) -> float:
-        """Return the factor on errors of states in the `middle` of a doubled step, relative to their size there."""
-        sizes = (
-            [variable.size(state) for state in states]
-            for variable, *states in zip(
-                self.stepper.all_state_variables,
-                *(instant.states for instant in (middle, begin, end)),
-                strict=True,
-            )
+    def size_of_states(self, instant: Instant) -> float:
+        """Return the L1 norm that errors of states are relative to; 0 if none has an estimate of its own."""
+        variables = zip(self.stepper.all_state_variables, instant.states, strict=True)
+        return sum(
+            variable.size(state)
+            for variable, state in variables
             if isinstance(variable, HasTimeDiscretisationError)
         )
-        return max((max(of) / of[0] for of in sizes if of[0]), default=1.0)
 
     def increment(self, before: tuple[Instant, Instant], after: tuple[Instant, Instant]) -> float:
         """Return by how much a pair of steps raises the time-discretisation error, from (fine, coarse) instants."""
@@ -81,18 +80,14 @@ class IntegrationErrors:
         step = (after[0].time - before[0].time) / 2
         return max(self._relative(change, step, after[0], before[0]), of_states)
 
-    def common(self, fine: Instant) -> float:
-        """Return the time-discretisation error that two integrations have in common, from states of the finer one."""
-        return max(
-            (
-                variable.common_error(state)
-                for variable, state in zip(
-                    self.stepper.all_state_variables, fine.states, strict=True
-                )
-                if isinstance(variable, HasTimeDiscretisationError)
-            ),
-            default=0.0,
-        )
+    def common(self, fine: Instant) -> dict[str, float]:
+        """Return the errors that two integrations have in common, by the names of `by_steps`, from the finer one."""
+        of_states = of_pressure = 0.0
+        for variable, state in zip(self.stepper.all_state_variables, fine.states, strict=True):
+            if isinstance(variable, HasTimeDiscretisationError):
+                of_states = variable.common_error(state)
+                of_pressure = of_states if variable.changes_pressure else 0.0
+        return {"pressure": of_pressure, "states": of_states, "peak_pressure": of_pressure}
 
     def _of_states(self, fine: Instant, coarse: Instant) -> float:
         """Return the largest error of the state variables that have an estimate of their own; 0 if none has."""

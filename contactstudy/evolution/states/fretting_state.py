@@ -99,7 +99,7 @@ class FrettingState:
         """Return a state without traction, slip or wear on `shape` cells (x, y)."""
         names = ["shear_x", "shear_y", "stick", "slip_distance", "energy", "shear_error"]
         names += ["wear_depth", "slip_iterate"] * (self.wear > 0)
-        numbers = ["residual", "applications", *["slip_change"] * (self.wear > 0)]
+        numbers = ["residual", "applications", "limit", *["slip_change"] * (self.wear > 0)]
         state = {name: np.zeros(shape) for name in names} | {name: np.zeros(1) for name in numbers}
         return state if self.creep is None else {**state, **self.creep.start((3, *shape))}
 
@@ -167,6 +167,7 @@ class FrettingState:
             ),
             "residual": np.array([solved.residual]),
             "applications": np.array([float(solved.applications)]),
+            "limit": np.array([self.coefficient * float(after.sum())]),
         }
         if self.creep is not None:
             loads = np.stack([*shear, before]), np.stack([*solved.shear, after])
@@ -317,8 +318,17 @@ class FrettingState:
         return float(state["shear_error"].sum()) / size if size > TINY else 0.0
 
     def size(self, state: State) -> float:
-        """Return the sum of the components of the traction [Pa] over all cells, by their sizes."""
-        return sum(float(np.abs(state[name]).sum()) for name in SHEARS)
+        """Return the sum of the components of the traction [Pa] over all cells, by their sizes.
+
+        It is at least the limit of the traction times the tolerance, below which the traction is rounding.
+        """
+        size = sum(float(np.abs(state[name]).sum()) for name in SHEARS)
+        return max(size, self.tolerance * float(state["limit"][0]))
+
+    @property
+    def changes_pressure(self) -> bool:
+        """True if slip wears."""
+        return self.wear > 0
 
 
 def _slip_distance(

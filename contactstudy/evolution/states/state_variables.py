@@ -92,6 +92,10 @@ class AnyStateVariable(Protocol):
 class HasTimeDiscretisationError(Protocol):
     """Protocol of a state variable whose own time-discretisation error is estimated, beside that of the pressure."""
 
+    @property
+    def changes_pressure(self) -> bool:
+        """True if the pressure depends on the state."""
+
     def time_discretisation_error(self, state: State, other: State) -> float:
         """Return the relative time-discretisation error that the difference of two states estimates."""
 

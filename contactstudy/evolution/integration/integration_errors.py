@@ -125,7 +125,7 @@ class IntegrationErrors:
     def keep(self, contacts: Iterable[Solution]) -> None:
         """Keep the errors of contacts that stopped before the tolerance, on whose pressure later states depend."""
         for contact in contacts if self.stepper.all_state_variables else ():
-            stopped = contact.status not in (Status.PRECISION_LIMIT, Status.DETACHED)
+            stopped = contact.status is not Status.PRECISION_LIMIT
             if stopped and not contact.status.has_converged and contact.pressure.any():
                 total = residual_errors(contact).l1 * float(contact.pressure.sum())
                 self.largest_by_residual = max(self.largest_by_residual, total)

@@ -63,14 +63,12 @@ def plan_of_adhesion(
     radius = scene.radius
     assert adhesion is not None
     assert radius is not None
-    modulus = (
-        adhesion.zone_modulus(scene.solids, requirements.hertz.half_width)
-        if transient is None
-        else transient.relaxed_modulus
-    )
-    scale = (radius * (adhesion.work / modulus) ** 2) ** (1 / 3)
+    bodies = scene.solids if transient is None else transient.relaxed
+    modulus = adhesion.zone_modulus(bodies, requirements.hertz.half_width)
     tabor = TABOR_VARYING if requirements.varies else TABOR_SMOOTH
-    attraction_range = adhesion.range or scale / tabor
+    attraction_range = (
+        adhesion.range or (radius * (adhesion.work / modulus) ** 2) ** (1 / 3) / tabor
+    )
     strength = adhesion.work / attraction_range
     zone = zone_length(modulus, adhesion.work, strength)
     if grid is None:
@@ -80,16 +78,13 @@ def plan_of_adhesion(
             base = with_width(base, transient.width)
         grid = _grid(base, requirements, zone / ZONE_CELLS, decay_distance)
     cell = max(grid.cell_size) if requirements.varies else grid.cell_size[0]
-    load, by_range = requirements.hertz.load_per_length, 0.0
+    load, by_range, cells = requirements.hertz.load_per_length, 0.0, zone / cell
     if adhesion.range is None:
-        if transient is None:
-            modulus = contact_modulus(scene.solids, ZONE_CELLS * cell)
-        law = adhesion.cohesive(modulus, cell)
-        tabor, cells = scale / law.range, ZONE_CELLS
+        modulus = contact_modulus(bodies, ZONE_CELLS * cell)
+        attraction_range, cells = adhesion.cohesive(modulus, cell).range, ZONE_CELLS
         # of two edges, see accuracy.range_errors
-        by_range = 2 * RANGE_MARGIN * modulus * law.range / load
-    else:
-        tabor, cells = scale / attraction_range, zone / cell
+        by_range = 2 * RANGE_MARGIN * modulus * attraction_range / load
+    tabor = (radius * (adhesion.work / modulus) ** 2) ** (1 / 3) / attraction_range
     solves = SEARCH_SOLVES if isinstance(scene.load, PullOff) else instants or 1
     convolutions = max(MIN_CONVOLUTIONS, CONVOLUTIONS_OVER_TABOR_SQUARED * tabor**2)
     padding = requirements.padding()
@@ -114,8 +109,8 @@ def plan_of_adhesion(
         )
     if by_range > error:
         warnings += (
-            f"plan.error is {error:.2g}: the range of {readable(scale / tabor)} that the grid chooses in place of the "
-            f"JKR limit contributes {by_range:.2g}, give Adhesion.range, or finer cells.",
+            f"plan.error is {error:.2g}: the range of {readable(attraction_range)} that the grid chooses in place of "
+            f"the JKR limit contributes {by_range:.2g}, give Adhesion.range, or finer cells.",
         )
     expected_error = requirements.error(grid.cell_size)
     return Plan(

@@ -15,7 +15,7 @@ from contactstudy.scene.friction.fretting import Fretting
 from contactstudy.scene.loads.constant_load import LineLoad, TotalLoad
 from contactstudy.scene.loads.load_history import ChangingLoad
 from contactstudy.scene.scene import AnyLoad, Scene
-from contactstudy.scene.solids.bodies import contact_modulus, instantaneous, yields
+from contactstudy.scene.solids.bodies import Body, contact_modulus, instantaneous, yields
 from contactstudy.scene.solids.viscoelastic import creeping, relaxed
 
 
@@ -175,8 +175,8 @@ class TransientRequirements:
         Width [m] that holds the widest contact.
     least_width
         Width [m] below which a grid that is given may be too narrow for it.
-    relaxed_modulus
-        Contact modulus [Pa] of the bodies once they have crept.
+    relaxed
+        Bodies once they have crept.
     fields
         Fields held between solves, in addition to one solve.
     reasons
@@ -190,7 +190,7 @@ class TransientRequirements:
     narrow: Scene
     width: float
     least_width: float
-    relaxed_modulus: float
+    relaxed: tuple[Body, Body]
     fields: int
     reasons: tuple[str, ...]
     warnings: tuple[str, ...] = ()
@@ -224,7 +224,8 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
     last = end if end is not None else max(ends, default=start)
     duration = max(last - start, 0.0)
     hertz = elastic.hertz
-    modulus = contact_modulus(relaxed(scene.solids, duration), hertz.half_width if hertz else None)
+    bodies = relaxed(scene.solids, duration)
+    modulus = contact_modulus(bodies, hertz.half_width if hertz else None)
     half_width = sqrt(4 * hertz.load_per_length * hertz.radius / (pi * modulus)) if hertz else 0.0
     fields = (
         2
@@ -240,7 +241,7 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
         )
         fields = CONSTANTS.rolling_fields
         return TransientRequirements(
-            elastic, width, least_width, modulus, fields, (), plastic=plastic
+            elastic, width, least_width, bodies, fields, (), plastic=plastic
         )
     if plastic is not None:
         half_width = max(half_width, plastic.half_extent / GRID.width_factor)
@@ -260,7 +261,7 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
             narrow = replace(elastic, load=LineLoad(least))
             reasons = (f"load: the cells are for loads from {readable(least, 'N m-1')} on.",)
     width = 2 * GRID.width_factor * half_width
-    return TransientRequirements(narrow, width, width, modulus, fields, reasons, warnings, plastic)
+    return TransientRequirements(narrow, width, width, bodies, fields, reasons, warnings, plastic)
 
 
 def _fretting(friction: Fretting, load: AnyLoad, hertz: HertzLine) -> tuple[float, float]:

@@ -186,18 +186,18 @@ class Adhesion:
     ) -> AdhesiveSolver:
         """Return the solver of this scene on a grid with an undeformed `gap` (x, y) [m].
 
-        Bodies that creep have the shortest cohesive zone when they are `relaxed`.
+        Zone and Tabor parameter are by the `relaxed` bodies where given: then the zone is the shortest.
         """
+        solids = relaxed or scene.solids
         varies = bool((gap != gap[:, :1]).any())
         cell = max(grid.cell_size) if varies else grid.cell_size[0]
-        modulus = self.zone_modulus(relaxed or scene.solids, ZONE_CELLS * cell)
+        modulus = self.zone_modulus(solids, ZONE_CELLS * cell)
         law = self.cohesive(modulus, cell)
         zone = zone_length(modulus, self.work, law.strength)
         cells = zone / cell
         if cells < MIN_ZONE_CELLS:
             least = MIN_ZONE_CELLS * cell
-            modulus = contact_modulus(relaxed or scene.solids, least)
-            shortest = sqrt(4 * least * self.work / (pi * modulus))
+            shortest = sqrt(4 * least * self.work / (pi * contact_modulus(solids, least)))
             when = "" if relaxed is None else ", once the bodies have crept"
             raise InvalidInput(
                 f"Adhesion.range is {self.range!r}: its cohesive zone of {readable(zone)} is {cells:.2g} cells of this "
@@ -210,7 +210,6 @@ class Adhesion:
                 (shape.radius for shape in scene.shapes if isinstance(shape, Sphere)), default=None
             )
         if radius is not None:
-            modulus = self.zone_modulus(scene.solids, ZONE_CELLS * cell)
             ratio = radius * (self.work / modulus) ** 2
             tabor = float(np.cbrt(ratio)) * law.strength / self.work
         return AdhesiveSolver(

@@ -266,6 +266,22 @@ def test_a_plan_of_adhesion_resolves_the_zone_and_the_width_of_what_has_crept() 
     assert planned.seconds < inf
 
 
+@pytest.mark.parametrize("attraction_range", [1e-6, None])
+def test_a_plan_of_adhesion_has_the_zone_and_the_tabor_parameter_of_the_answer(
+    attraction_range: float | None,
+) -> None:
+    coated = cs.CoatedHalfSpace(cs.HalfSpace(5e6, 0.5), 1e-5, cs.HalfSpace(1e6, 0.5))
+    bodies = coated, cs.ViscoelasticHalfSpace(1e6, 0.5, ((1e6, 1.0),))
+    adhesion = cs.Adhesion(0.05, attraction_range)
+    scene = cs.Scene(cs.LineLoad(1.0), bodies, (cs.Cylinder(1e-3),), adhesion=adhesion)
+    grid = cs.Grid((256, 1), (4e-4, 1e-3))
+    first = cs.solve(scene, grid, times=[0.0, 100.0]).frames[0].quantities
+    zone, tabor = (first[name].value for name in ("cells_in_zone", "tabor_parameter"))
+    said = f"adhesion: {zone:.3g} cells in the cohesive zone at a Tabor parameter of {tabor:.3g},"
+    reasons = cs.plan(scene, times=(0.0, 100.0), grid=grid).reasons
+    assert any(reason.startswith(said) for reason in reasons)
+
+
 def test_a_measured_flat_is_solved_on_its_own_points_with_both_axes_periodic(
     line_contact: LineContact,
 ) -> None:

@@ -145,9 +145,10 @@ def pilot(
     if steps.error is not None:
         step_error = steps.error
     try:
-        modules, seconds, solves = 0, inf, 1
-        while modules < len(sys.modules):  # what is imported or compiled once is not counted
-            modules = len(sys.modules)
+        modules = len(sys.modules)
+        seconds, solves = seconds_and_solves(scene, coarse, padding, step_error, steps)
+        # imports are not counted, but on the planned grid they cost less than a second run
+        if coarse != grid and len(sys.modules) > modules:
             seconds, solves = seconds_and_solves(scene, coarse, padding, step_error, steps)
     except InvalidInput as refused:
         return Pilot(inf, 1, f"seconds: unknown, since {refused}")

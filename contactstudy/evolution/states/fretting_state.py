@@ -17,7 +17,7 @@ from contactstudy.solvers.friction.partial_slip import (
     SlipStep,
     locked_shear,
     slip_step,
-    transmitted,
+    transmission_status,
 )
 from contactstudy.solvers.solution import Status
 
@@ -138,7 +138,7 @@ class FrettingState:
         slope, total, rigid = self._driving(before, step)
         if total is not None:
             force = float(total[0]) * self.grid.cell_area / self.grid.length
-            transmitted(force, self.coefficient * after, self.grid)
+            transmission_status(force, self.coefficient * after, self.grid)
         shear = np.stack([state["shear_x"], state["shear_y"]])
         carried, response = self._crept(state, np.stack([*shear, before]), step)
         reference, locking_error = self._locked(carried[:2], carried[2], after, slope)

@@ -286,9 +286,9 @@ def hertz_line(load: float, radius: float, solids: tuple[Body, ...]) -> HertzLin
 
 def modulus_at_own_width(width: Callable[[float], float], solids: tuple[Body, ...]) -> float:
     """Return the E* [Pa] of the bodies at a width [m] that follows from E* itself by the function `width`."""
-    coating = contact_modulus(solids)
+    at_surface = contact_modulus(solids)
     if not any(map(is_layered, solids)):
-        return coating
+        return at_surface
     from scipy.optimize import brentq  # imported late, since it is slow
 
     def modulus(log_width: float) -> float:
@@ -297,7 +297,7 @@ def modulus_at_own_width(width: Callable[[float], float], solids: tuple[Body, ..
     def excess(log_width: float) -> float:
         return log_width - math.log(width(modulus(log_width)))
 
-    low = high = math.log(width(coating))
+    low = high = math.log(width(at_surface))
     while excess(low) > 0:
         low -= 1
     while excess(high) < 0:

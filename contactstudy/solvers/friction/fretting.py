@@ -14,7 +14,7 @@ from contactstudy.elasticity.tangential import ShearResponse
 from contactstudy.problem.problem import Problem
 from contactstudy.solvers.friction.coulomb_newton import shear_status
 from contactstudy.solvers.friction.fretting_traction import FrettingTraction
-from contactstudy.solvers.friction.partial_slip import slip_step, transmitted
+from contactstudy.solvers.friction.partial_slip import slip_step, transmission_status
 from contactstudy.solvers.solution import Solution, with_traction, worst
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
@@ -44,7 +44,9 @@ class FrettingShear:
         normal = solve_contact(problem, options, start, device)
         limit = self.coefficient * normal.pressure
         shear, stick = np.zeros((2, *limit.shape)), normal.pressure > 0
-        statuses = [transmitted(force, limit, problem.grid) for force in self.forces_per_length]
+        statuses = [
+            transmission_status(force, limit, problem.grid) for force in self.forces_per_length
+        ]
         applications, residual = 0, 0.0
         sliding: list[Array] = []
         displacements = [0.0]

@@ -11,7 +11,7 @@ from contactstudy.elasticity.tangential import ShearResponse
 from contactstudy.problem.problem import Problem
 from contactstudy.solvers.fixed_point import solve_by_fixed_point_iteration
 from contactstudy.solvers.friction.coulomb_newton import shear_status
-from contactstudy.solvers.friction.partial_slip import slip_step, transmitted
+from contactstudy.solvers.friction.partial_slip import slip_step, transmission_status
 from contactstudy.solvers.solution import Solution, TangentialTraction, with_traction, worst
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
@@ -84,7 +84,8 @@ class CiavarellaJaeger:
     ) -> Solution:
         """Return the solution with its tangential traction from two normal contacts, and the worse status of both.
 
-        The tolerance and the residual of the traction are those of the pressures over their relative difference.
+        The tolerance and the residual of the traction are those of the pressures over their relative difference; the
+        residual is at most 1.
         """
         fraction = abs(self.fraction)
         if fraction:
@@ -99,14 +100,14 @@ class CiavarellaJaeger:
         inner = solve_contact(reduced, options, outer.pressure, device)
         traction_x = self.coefficient * np.maximum(outer.pressure - inner.pressure, 0)
         traction_x *= np.sign(self.fraction)
-        if transmitted := traction_x.sum():  # to the exact resultant after clipping
-            traction_x *= self.coefficient * self.fraction * outer.pressure.sum() / transmitted
+        if force := traction_x.sum():  # to the exact resultant after clipping
+            traction_x *= self.coefficient * self.fraction * outer.pressure.sum() / force
         shear = np.stack([traction_x, np.zeros_like(traction_x)])
         traction = TangentialTraction(shear, inner.pressure > 0, "Ciavarella-Jaeger", 2)
         return with_traction(
-            replace(outer, residual=outer.residual / fraction),
+            replace(outer, residual=min(outer.residual / fraction, 1.0)),
             inner.status,
-            inner.residual / fraction,
+            min(inner.residual / fraction, 1.0),
             inner.iterations,
             inner.convolutions,
             traction,
@@ -133,7 +134,7 @@ class PartialSlipShear:
         """Return the normal contact with its tangential traction, by one step from no traction."""
         normal = solve_contact(problem, options, start, device)
         limit = self.coefficient * normal.pressure
-        acts = transmitted(self.force_per_length, limit, problem.grid)
+        acts = transmission_status(self.force_per_length, limit, problem.grid)
         total = self.force_per_length * problem.grid.length / problem.grid.cell_area
         limits = options.tolerance, options.max_iterations
         unloaded, sums = np.zeros((2, *limit.shape)), np.array([total, 0.0])

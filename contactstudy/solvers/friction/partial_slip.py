@@ -62,7 +62,7 @@ class SlipStep:
         return not self.stick.any()
 
 
-def transmitted(force: float, limit: Array, grid: Grid) -> Status:
+def transmission_status(force: float, limit: Array, grid: Grid) -> Status:
     """Return whether a tangential `force` along x [N/m] of the length of `grid` acts: it does not on bodies apart.
 
     `limit` (x, y) [Pa] is the coefficient of friction times the pressure. Raises InvalidInput for a force above it.

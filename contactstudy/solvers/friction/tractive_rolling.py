@@ -28,7 +28,7 @@ from contactstudy.elasticity.tangential import ShearResponse
 from contactstudy.problem.problem import Problem
 from contactstudy.solvers.fixed_point import solve_by_fixed_point_iteration
 from contactstudy.solvers.friction.coulomb_newton import CoulombNewton, shear_status
-from contactstudy.solvers.friction.partial_slip import transmitted
+from contactstudy.solvers.friction.partial_slip import transmission_status
 from contactstudy.solvers.friction.rolling_traction import (
     UNKNOWN,
     Creepage,
@@ -139,7 +139,7 @@ class TractiveShear:
             zeros = np.zeros((2, *normal.pressure.shape))
             stick = np.zeros(normal.pressure.shape, dtype=bool)
             traction = TangentialTraction(zeros, stick, "tractive rolling", 0)
-            acts = transmitted(self.force_per_length or 0.0, normal.pressure, problem.grid)
+            acts = transmission_status(self.force_per_length or 0.0, normal.pressure, problem.grid)
             return with_traction(normal, acts, 0.0, 0, 0.0, traction)
         status = shear_status(
             state.residual, state.applications, options.tolerance, options.max_iterations
@@ -176,7 +176,7 @@ class TractiveShear:
     ) -> "SteadyShear":
         """Return the steady state under `pressure` (x, y), from the `last` one or from those on coarser grids."""
         if self.force_per_length is not None:
-            transmitted(self.force_per_length, self.coefficient * pressure, grid)
+            transmission_status(self.force_per_length, self.coefficient * pressure, grid)
         creepage, work, steady = self.creepage, 0.0, None
         levels: list[list[float]] = []
         shear: Array = np.zeros((2, *grid.cells)) if last is None else last.shear

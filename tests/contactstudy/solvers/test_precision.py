@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -45,3 +47,16 @@ def test_single_precision_solves_to_a_tolerance_it_can_reach(
     double = cs.solve(posed, tolerance=1e-9)
     difference = np.abs(single.pressure - double.pressure).max() / posed.scales.pressure
     assert difference < 64 * 1e-5 * 10  # a residual times the operator's condition
+
+
+def test_a_small_force_in_single_precision_has_a_residual_of_one_at_most(
+    line_contact: LineContact,
+) -> None:
+    """The two pressures, whose difference is the traction, are then the same to rounding."""
+    scene = replace(line_contact.scene, friction=cs.PartialSlip(0.3, 3e-5))
+    posed = scene.problem(
+        line_contact.grid((256, 1), 1.0), (cs.ZeroPadding(), cs.ExactPeriodicity())
+    )
+    solution = cs.solve(posed, precision=SINGLE)
+    assert solution.status is cs.Status.PRECISION_LIMIT
+    assert solution.residual == 1.0

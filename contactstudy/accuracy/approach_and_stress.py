@@ -118,7 +118,7 @@ def stress_errors(
     if coarse is None or not peak > 0:
         no_bound = ErrorParts(discretisation=inf, reason=NO_COARSER)
         return no_bound, no_bound
-    if solution.adhesion is not None and solution.adhesion.regularised:
+    if solution.regularised:
         no_bound = ErrorParts(range=inf, reason=NO_STRESS_LIMIT)
         return no_bound, no_bound
     images = estimate.l1.images or 0.0

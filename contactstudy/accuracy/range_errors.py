@@ -64,11 +64,20 @@ def range_errors(solution: Solution) -> tuple[float, float] | None:
     modulus = contact_modulus(scene.solids, adhesion.cells_in_zone * grid.cell_size[0])
     work = scene.adhesion.work
     zone = zone_length(modulus, work, work / adhesion.range)
-    edges = RANGE_MARGIN * contact_perimeter(touching, grid, problem.paddings) / grid.cell_area
-    net_traction = np.abs(solution.pressure - adhesion.attraction).sum()
-    return edges * modulus * adhesion.range / float(net_traction), edges * zone / int(
-        touching.sum()
-    )
+    perimeter = contact_perimeter(touching, grid, problem.paddings)
+    net_force = grid.cell_area * float(np.abs(solution.pressure - adhesion.attraction).sum())
+    area_error = RANGE_MARGIN * perimeter * zone / (grid.cell_area * int(touching.sum()))
+    return l1_range_error(perimeter, modulus, adhesion.range, net_force), area_error
+
+
+def l1_range_error(
+    perimeter: float, modulus: float, attraction_range: float, force: float
+) -> float:
+    """Return the L1 error of the net traction of a contact of this `perimeter` [m], relative to a `force` [N].
+
+    `modulus` is E* [Pa] at the length of the cohesive zone, `attraction_range` [m] the range chosen for the grid.
+    """
+    return RANGE_MARGIN * perimeter * modulus * attraction_range / force
 
 
 def range_warning(solution: Solution) -> tuple[str, ...]:

@@ -92,7 +92,7 @@ class Film:
     """State of a film: pressure of the lubricant, void fraction and thickness (x, y), and the separation H0.
 
     The thickness is the separation, the gap and the deflection together. ``asperity_pressure`` (x, y) is carried by
-    asperities; None without a boundary film.
+    asperities; zero without a boundary film.
     """
 
     pressure: Array

@@ -3,7 +3,7 @@
 from dataclasses import replace
 from math import sqrt
 
-from contactstudy.accuracy.range_errors import RANGE_MARGIN
+from contactstudy.accuracy.range_errors import l1_range_error
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.domain.units import readable
 from contactstudy.planning.cost import memory, predicted_seconds, sample_timing
@@ -82,8 +82,8 @@ def plan_of_adhesion(
     if adhesion.range is None:
         modulus = contact_modulus(bodies, ZONE_CELLS * cell)
         attraction_range, cells = adhesion.cohesive(modulus, cell).range, ZONE_CELLS
-        # of two edges, see accuracy.range_errors
-        by_range = 2 * RANGE_MARGIN * modulus * attraction_range / load
+        edges, force = 2 * grid.length, load * grid.length
+        by_range = l1_range_error(edges, modulus, attraction_range, force)
     tabor = (radius * (adhesion.work / modulus) ** 2) ** (1 / 3) / attraction_range
     solves = SEARCH_SOLVES if isinstance(scene.load, PullOff) else instants or 1
     convolutions = max(MIN_CONVOLUTIONS, CONVOLUTIONS_OVER_TABOR_SQUARED * tabor**2)

@@ -261,6 +261,11 @@ class Solution:
         return float(load * grid.cell_area / grid.length)
 
     @property
+    def regularised(self) -> bool:
+        """Whether adhesion has a range that was chosen for the grid, in place of the JKR limit of short ranges."""
+        return self.adhesion is not None and self.adhesion.regularised
+
+    @property
     def mean_gap(self) -> float:
         """Mean gap [m] over the length that both bodies have in common."""
         lengths = self.problem.covered_fractions

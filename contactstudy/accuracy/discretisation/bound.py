@@ -103,8 +103,7 @@ def discretisation_bound(
         return DiscretisationErrors.unbounded(PROTRUDING, no_load)
     adheres = solution.adhesion is not None
     # where the grid chooses the range of an attraction, edges follow another law
-    regularised = solution.adhesion is not None and solution.adhesion.regularised
-    peak, l1 = (0.0, 0.0) if regularised else discretisation_errors(pressure, wraps)
+    peak, l1 = (0.0, 0.0) if solution.regularised else discretisation_errors(pressure, wraps)
     area = 0.0 if adheres else contact_area_error(pressure, wraps)
     load = CONSTANTS.load_error * max(0.0 if adheres else l1, inside.hidden_load)
     at_hardness = _at_hardness(solution)

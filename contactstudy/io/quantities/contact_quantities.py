@@ -99,7 +99,7 @@ def contact_quantities(
     in_contact = per_length(area, "m2", "contact area", length, grid.length)
     mean = Quantity(total / area if area else 0.0, "Pa", "mean pressure in contact")
     mean_error = area_error
-    if solution.adhesion is not None and solution.adhesion.regularised:
+    if solution.regularised:
         mean_error = estimate.peak_pressure
     if mean_error is not None and estimate.load is not None:  # at a given approach
         both = mean_error.total + estimate.load.total

@@ -88,8 +88,9 @@ class KrylovSolver:
         # prescribed changes: pressures and voids that vanish
         pressure = np.where(cavitated, -film.pressure, 0.0)
         void = np.where(cavitated, 0.0, -film.void)
-        total = np.where(touching, 0.0, pressure - film.asperity_pressure)
-        fixed = pressure, film.asperity_pressure, void, 0.0
+        asperity_pressure = np.where(touching, -pressure, -film.asperity_pressure)
+        total = pressure + asperity_pressure
+        fixed = pressure, asperity_pressure, void, 0.0
         unsolved = FilmCorrection(*fixed, replace(self, fourier=None), solved=False)
         try:
             staged = self._with_fourier_stage(linear, cavitated, touching)

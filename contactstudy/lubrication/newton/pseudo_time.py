@@ -115,9 +115,8 @@ class ActiveSets(NamedTuple):
 class FilmCorrection(NamedTuple):
     """Solution of the linear system of a step: changes of both pressures, of void fraction (x, y) and of separation.
 
-    ``solver`` is for the next system: it
-    keeps what this one may reuse. ``solved`` is False where the system is singular, or its residual too large;
-    ``iterations`` are linear ones.
+    ``solver`` is for the next system: it keeps what this one may reuse. ``solved`` is False where the system is
+    singular, or its residual too large; ``iterations`` are linear ones.
     """
 
     pressure: Array

@@ -267,9 +267,7 @@ def test_a_plan_of_adhesion_resolves_the_zone_and_the_width_of_what_has_crept() 
 
 
 @pytest.mark.parametrize("attraction_range", [1e-6, None])
-def test_a_plan_of_adhesion_has_the_zone_and_the_tabor_parameter_of_the_answer(
-    attraction_range: float | None,
-) -> None:
+def test_a_plan_of_adhesion_has_the_zone_of_the_answer(attraction_range: float | None) -> None:
     coated = cs.CoatedHalfSpace(cs.HalfSpace(5e6, 0.5), 1e-5, cs.HalfSpace(1e6, 0.5))
     bodies = coated, cs.ViscoelasticHalfSpace(1e6, 0.5, ((1e6, 1.0),))
     adhesion = cs.Adhesion(0.05, attraction_range)

@@ -49,14 +49,9 @@ def test_single_precision_solves_to_a_tolerance_it_can_reach(
     assert difference < 64 * 1e-5 * 10  # a residual times the operator's condition
 
 
-def test_a_small_force_in_single_precision_has_a_residual_of_one_at_most(
-    line_contact: LineContact,
-) -> None:
-    """The two pressures, whose difference is the traction, are then the same to rounding."""
+def test_a_small_force_has_a_residual_of_one_at_most(line_contact: LineContact) -> None:
+    """The two pressures whose difference is the traction are then the same to rounding."""
     scene = replace(line_contact.scene, friction=cs.PartialSlip(0.3, 3e-5))
-    posed = scene.problem(
-        line_contact.grid((256, 1), 1.0), (cs.ZeroPadding(), cs.ExactPeriodicity())
-    )
-    solution = cs.solve(posed, precision=SINGLE)
-    assert solution.status is cs.Status.PRECISION_LIMIT
-    assert solution.residual == 1.0
+    paddings = cs.ZeroPadding(), cs.ExactPeriodicity()
+    posed = scene.problem(line_contact.grid((256, 1), 1.0), paddings)
+    assert cs.solve(posed, precision=SINGLE).residual == 1.0

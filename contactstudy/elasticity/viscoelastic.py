@@ -116,6 +116,8 @@ def _zeros(
 
 # Gauss points in a panel: coefficients are smooth from one cell to the next, except for a kink at half a cell.
 POINTS = 8
+NODES, WEIGHTS = np.polynomial.legendre.leggauss(POINTS)
+LEGENDRE = np.array([eval_legendre(n, NODES) for n in range(POINTS)])  # at the nodes
 # Number of times that panels are halved towards the kink.
 HALVINGS = 10
 # A pressure older than this multiple of the retardation time has no effect left.
@@ -301,11 +303,9 @@ def _rule(size: float, length: float) -> tuple[Array, Array]:
     Exact for polynomials of degree ``POINTS - 1`` at any ratio: moments of Legendre's polynomials under an exponential
     are modified spherical Bessel functions (DLMF 10.54.2).
     """
-    nodes, gauss = np.polynomial.legendre.leggauss(POINTS)
     # at the limits the weights are those of a mean and of the near end; Bessel functions overflow beyond
     half = min(max(size / (2 * length), 1e-12), 1e8)
     orders = np.arange(POINTS)
     moments = (-1.0) ** orders * np.sqrt(np.pi / (2 * half)) * ive(orders + 0.5, half)
-    shapes = np.array([eval_legendre(n, nodes) for n in orders])
-    weights = half * gauss * (((2 * orders + 1) * moments) @ shapes)
-    return (nodes + 1) / 2, weights
+    weights = half * WEIGHTS * (((2 * orders + 1) * moments) @ LEGENDRE)
+    return (NODES + 1) / 2, weights

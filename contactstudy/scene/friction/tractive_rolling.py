@@ -1,6 +1,7 @@
 """Steady rolling with friction: creepage or tangential force, stick and slip."""
 
 from dataclasses import dataclass
+from functools import cache
 from math import isinf
 from typing import ClassVar
 
@@ -141,7 +142,7 @@ class TractiveRolling:
             Creepage(self.longitudinal or 0.0, self.lateral, self.spin),
             self.tangential,
             self.speed,
-            lambda on: shear_response(bodies, on, paddings, datum),
+            cache(lambda on: shear_response(bodies, on, paddings, datum)),
             ShearPressureCoupling(*coupling) if coupling else None,
             STATIONARY_HEIGHTS if self._has_moving_roughness(scene) else "",
         )

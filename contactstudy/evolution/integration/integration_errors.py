@@ -3,6 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
+from math import exp
 
 import numpy as np
 
@@ -11,7 +12,6 @@ from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.accuracy.residual_errors import residual_errors
 from contactstudy.domain.checks import NotDefined
 from contactstudy.domain.errors import ErrorParts
-from contactstudy.domain.fields import Array
 from contactstudy.evolution.integration.time_stepper import Instant, TimeStepper
 from contactstudy.evolution.states.state_variables import HasTimeDiscretisationError
 from contactstudy.evolution.trajectory import UNKNOWN
@@ -42,11 +42,16 @@ class IntegrationErrors:
     largest_by_residual
         The same by the residual, of contacts that stopped before the tolerance; at the rounding of the precision only of
         those recorded, as it is the same in all.
+    after_stiff_step
+        Time [s] after the last step longer than a retardation time, and errors of the pressure then: summed over the
+        cells, and the largest of any [Pa]. They decay at least as fast as creep in the longest retardation time; the
+        difference of two integrations may vanish on the way.
     """
 
     stepper: TimeStepper
     largest_by_cells: float = 0.0
     largest_by_residual: float = 0.0
+    after_stiff_step: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def by_steps(self, fine: Instant, coarse: Instant, step: float) -> dict[str, float]:
         """Return errors of `fine` by steps, in L1 of the pressure and of the states, and of the peak pressure.
@@ -55,13 +60,20 @@ class IntegrationErrors:
         pressure of `coarse`. The last `step` of `fine` has that duration [s].
         """
         instant = fine if fine.pressure.any() else coarse
-        difference = fine.pressure - coarse.pressure
-        largest, peak = float(np.abs(difference).max()), float(instant.pressure.max())
-        factor = self._error_over_difference(step)
+        time, *earlier = self.after_stiff_step
+        decay = exp(min(time - fine.time, 0.0) / self.stepper.longest_retardation_time)
+        sizes = np.abs(fine.pressure - coarse.pressure) * self._error_over_difference(step)
+        total, largest = (
+            max(float(size), decay * error)
+            for size, error in zip((sizes.sum(), sizes.max()), earlier, strict=True)
+        )
+        if self.stepper.creep_ends_within(step):
+            self.after_stiff_step = fine.time, total, largest
+        peak = float(instant.pressure.max())
         return {
-            "pressure": self._relative(difference, step, instant),
+            "pressure": self._relative(total, instant),
             "states": self._of_states(fine, coarse),
-            "peak_pressure": factor * largest / (peak or 1.0),
+            "peak_pressure": largest / peak if peak else 0.0,
         }
 
     def size_of_states(self, instant: Instant) -> float:
@@ -78,7 +90,8 @@ class IntegrationErrors:
         change = (after[0].pressure - after[1].pressure) - (before[0].pressure - before[1].pressure)
         of_states = self._of_states(*after) - self._of_states(*before)
         step = (after[0].time - before[0].time) / 2
-        return max(self._relative(change, step, after[0], before[0]), of_states)
+        total = self._error_over_difference(step) * float(np.abs(change).sum())
+        return max(self._relative(total, after[0], before[0]), of_states)
 
     def common(self, fine: Instant) -> dict[str, float]:
         """Return the errors that two integrations have in common, by the names of `by_steps`, from the finer one."""
@@ -101,13 +114,11 @@ class IntegrationErrors:
             default=0.0,
         )
 
-    def _relative(self, difference: Array, step: float, *instants: Instant) -> float:
-        """Return the L1 norm of a pressure difference over the largest L1 norm of the pressures of `instants`.
+    def _relative(self, norm: float, *instants: Instant) -> float:
+        """Return an error summed over the cells [Pa], relative to the largest L1 norm of the pressures of `instants`.
 
-        It is multiplied by what the error is of the difference of two integrations, at most. Beside a coupled state
-        variable it is relative to the pressure under the largest load.
+        Beside a coupled state variable it is relative to the pressure under the largest load.
         """
-        norm = self._error_over_difference(step) * float(np.abs(difference).sum())
         if self.stepper.coupled is not None:
             return self._relative_to_largest_load(norm)
         total = max(float(instant.pressure.sum()) for instant in instants)

@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from math import log2, sqrt
+from math import inf, log2, sqrt
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,7 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import on_cells
 from contactstudy.elasticity.coefficients import Coefficients
 from contactstudy.elasticity.convolution import Convolution, superposed, weighted_sum
+from contactstudy.elasticity.viscoelastic import Creep
 from contactstudy.elasticity.winkler_layer import WithWinklerLayer
 from contactstudy.evolution.states.state_variables import (
     AnyStateVariable,
@@ -145,8 +146,19 @@ class TimeStepper:
 
     def creep_ends_within(self, step: float) -> bool:
         """Return whether a retardation time of a body is shorter than a `step` [s]."""
-        creeps = (one.creep for one in self.state_variables if isinstance(one, CreepState))
-        return any(time < step for creep in creeps for _, time in creep.terms)
+        return any(time < step for creep in self._creeps for _, time in creep.terms)
+
+    @property
+    def longest_retardation_time(self) -> float:
+        """Longest retardation time of the bodies [s]; infinite if one flows, or none creeps."""
+        times = [time for creep in self._creeps for _, time in creep.terms]
+        flows = any(creep.fluidity for creep in self._creeps)
+        return inf if flows else max(times, default=inf)
+
+    @property
+    def _creeps(self) -> list[Creep]:
+        """Creep functions of the bodies."""
+        return [one.creep for one in self.state_variables if isinstance(one, CreepState)]
 
     @property
     def depends_on_path(self) -> bool:

@@ -330,11 +330,7 @@ def test_before_the_first_load_the_bodies_just_touch() -> None:
         (STIFF, cs.LoadHistory((0, 1), (0.1 * LOAD, LOAD)), np.linspace(0, 1, 5)),
         *((SOLID, None, np.array(times)) for times in ([0, 1e-3, 1], [0, 0.9, 1])),
         *((SOLID, None, np.linspace(0, 1, 1 + n)) for n in (1, 2, 3, 4)),
-        (
-            replace(STIFF, relaxation=((0.6, 1 / 30),)),
-            None,
-            np.array([0, 5, 10, 10.5, 11, 11.5, 12]) / 12,
-        ),
+        (replace(STIFF, relaxation=((0.6, 0.036),)), None, np.array([0, 10, 20, 21, 22]) / 22),
     ],
 )
 def test_the_error_of_given_steps_is_bounded_for_any_lengths_of_them(

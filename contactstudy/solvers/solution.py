@@ -262,7 +262,7 @@ class Solution:
 
     @property
     def regularised(self) -> bool:
-        """Whether adhesion has a range that was chosen for the grid, in place of the JKR limit of short ranges."""
+        """Return whether the range of adhesion was chosen for the grid, in place of the JKR limit of short ranges."""
         return self.adhesion is not None and self.adhesion.regularised
 
     @property

@@ -7,7 +7,7 @@ operations.
 """
 
 import os
-from collections.abc import Callable, Iterator, Set
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TypeVar, cast
@@ -60,7 +60,7 @@ class LockedCache(FunctionCache):
 
 def exact(function: Loop) -> Loop:
     """Compile a loop whose sums are taken in the order that is written."""
-    return _compiled(function, frozenset())
+    return _compiled(function, set())
 
 
 def summing(function: Loop) -> Loop:
@@ -68,8 +68,8 @@ def summing(function: Loop) -> Loop:
     return _compiled(function, REASSOCIATED)
 
 
-def _compiled(function: Loop, fastmath: Set[str]) -> Loop:
-    loop: Any = njit(nogil=True, error_model="numpy", fastmath=set(fastmath))(function)
+def _compiled(function: Loop, fastmath: set[str]) -> Loop:
+    loop: Any = njit(nogil=True, error_model="numpy", fastmath=fastmath)(function)
     loop._cache = LockedCache(function)  # type: ignore[no-untyped-call]  # in place of cache=True
     return cast(Loop, loop)
 

@@ -21,7 +21,7 @@ from contactstudy.scene.loads.constant_load import LineLoad
 from contactstudy.scene.loads.resulting_load import PullOff
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.solids.bodies import contact_modulus, instantaneous
-from contactstudy.solvers.cohesive_law import zone_length
+from contactstudy.solvers.cohesive_law import tabor_length, zone_length
 
 # Tabor parameter taken as the JKR limit: of a contact that does not vary along its length, where
 # the pull-off load is then within 1 %, and of one that does, within 4 %. Cost grows with its square.
@@ -66,9 +66,7 @@ def plan_of_adhesion(
     bodies = scene.solids if transient is None else transient.relaxed
     modulus = adhesion.zone_modulus(bodies, requirements.hertz.half_width)
     tabor = TABOR_VARYING if requirements.varies else TABOR_SMOOTH
-    attraction_range = (
-        adhesion.range or (radius * (adhesion.work / modulus) ** 2) ** (1 / 3) / tabor
-    )
+    attraction_range = adhesion.range or tabor_length(radius, adhesion.work, modulus) / tabor
     strength = adhesion.work / attraction_range
     zone = zone_length(modulus, adhesion.work, strength)
     if grid is None:
@@ -84,7 +82,7 @@ def plan_of_adhesion(
         attraction_range, cells = adhesion.cohesive(modulus, cell).range, ZONE_CELLS
         edges, force = 2 * grid.length, load * grid.length
         by_range = l1_range_error(edges, modulus, attraction_range, force)
-    tabor = (radius * (adhesion.work / modulus) ** 2) ** (1 / 3) / attraction_range
+    tabor = tabor_length(radius, adhesion.work, modulus) / attraction_range
     solves = SEARCH_SOLVES if isinstance(scene.load, PullOff) else instants or 1
     convolutions = max(MIN_CONVOLUTIONS, CONVOLUTIONS_OVER_TABOR_SQUARED * tabor**2)
     padding = requirements.padding()

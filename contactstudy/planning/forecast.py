@@ -166,7 +166,7 @@ def forecast_of_refinement(
     )
     extent = requirements.grid(0.1, period).extent
     modules, levels = 0, list[BoundedSolution]()
-    while modules < len(sys.modules):  # what is imported or compiled once is not counted
+    while modules < len(sys.modules):  # what is imported is not counted
         modules = len(sys.modules)
         stamps[:] = [process_time()]
         levels = refinement.solve_levels(extent)

@@ -4,8 +4,6 @@ from dataclasses import dataclass
 from math import pi, sqrt
 from typing import Any
 
-import numpy as np
-
 from contactstudy.analytic import HertzLine
 from contactstudy.domain.checks import (
     InvalidInput,
@@ -29,7 +27,13 @@ from contactstudy.scene.solids.bodies import (
     yields,
 )
 from contactstudy.solvers.adhesion import AdhesiveSolver
-from contactstudy.solvers.cohesive_law import CohesiveLaw, Dugdale, Exponential, zone_length
+from contactstudy.solvers.cohesive_law import (
+    CohesiveLaw,
+    Dugdale,
+    Exponential,
+    tabor_length,
+    zone_length,
+)
 from contactstudy.solvers.solution import Branch
 
 LAWS: dict[str, type[Exponential] | type[Dugdale]] = {
@@ -210,8 +214,7 @@ class Adhesion:
                 (shape.radius for shape in scene.shapes if isinstance(shape, Sphere)), default=None
             )
         if radius is not None:
-            ratio = radius * (self.work / modulus) ** 2
-            tabor = float(np.cbrt(ratio)) * law.strength / self.work
+            tabor = tabor_length(radius, self.work, modulus) * law.strength / self.work
         return AdhesiveSolver(
             law, BRANCHES[self.branch], float(cells), tabor, regularised=self.range is None
         )

@@ -36,6 +36,14 @@ def zone_length(modulus: float, work: float, strength: float) -> float:
     return pi * modulus * work / (4 * strength**2)
 
 
+def tabor_length(radius: float, work: float, modulus: float) -> float:
+    """Return the length [m] ``(R w^2 / E*^2)^(1/3)``, which over the range of an attraction is Tabor's parameter.
+
+    `radius` is R [m], `work` that of adhesion w [J/m^2], `modulus` the contact modulus E* [Pa]. Source: Tabor (1977).
+    """
+    return float(np.cbrt(radius * (work / modulus) ** 2))
+
+
 @dataclass(frozen=True)
 class Exponential:
     """Cohesive law ``sigma = w / rho exp(-g / rho)`` with the work of adhesion w [J/m^2] and the range rho [m].

@@ -112,7 +112,7 @@ def discretisation_bound(
         not (at_hardness or (ends and pressure[:, [0, -1]].any()))
         and _contact_width(pressure, wraps) >= CONSTANTS.min_cells_across
     )
-    load_is_fixed = not adheres and problem.control.approach is None
+    load_is_fixed = _load_is_fixed(solution)
     if not load_is_fixed:
         changes = compare_grids(solution, coarse)
     elif (
@@ -295,8 +295,12 @@ def has_isolated_cells(solution: Solution) -> bool:
 
     Under a given load the peak of two cells may be any multiple of theirs.
     """
-    load_is_fixed = solution.adhesion is None and solution.problem.control.approach is None
-    return not _has_run_in_contact(solution.pressure, 3 if load_is_fixed else 2)
+    return not _has_run_in_contact(solution.pressure, 3 if _load_is_fixed(solution) else 2)
+
+
+def _load_is_fixed(solution: Solution) -> bool:
+    """Return whether the pressure carries a given load, and no attraction."""
+    return solution.adhesion is None and solution.problem.control.approach is None
 
 
 def _has_run_in_contact(pressure: np.ndarray, neighbours: int) -> bool:

@@ -199,9 +199,11 @@ def traction_variables(traction: TangentialTraction | None) -> dict[str, xr.Vari
     if isinstance(traction, FrettingTraction):
         displacement = "rigid-body displacement of the second against the first body along x"
         forces = labelled("step", traction.forces, "N", "tangential force after each step")
+        counted = "so far" if traction.cycle is None else "in the last whole cycle"
+        lost = f"energy lost {counted} per area"
         return variables | {
-            "slip_distance": _plane(traction.slip_distance, "m", "distance slipped in a cycle"),
-            "friction_energy": _plane(traction.energy, "J m-2", "energy lost in a cycle per area"),
+            "slip_distance": _plane(traction.slip_distance, "m", f"distance slipped {counted}"),
+            "friction_energy": _plane(traction.energy, "J m-2", lost),
             "tangential_force": forces,
             "rigid_displacement": labelled("step", traction.rigid_displacement, "m", displacement),
         }

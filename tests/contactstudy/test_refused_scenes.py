@@ -33,6 +33,7 @@ CREEPING = cs.ViscoelasticHalfSpace(1e11, 0.3, ((1e11, 0.5),))
 WAVY = cs.MovingShape(cs.Waviness(1e-8, across=1e-4))
 WEARS = cs.Wear(1e-15, 0.1, circumference=0.06)
 SLIP, FRETS = cs.PartialSlip(0.3, 1e4), cs.Fretting(0.3, (0.0, 1e4), times=(0.0, 1.0))
+SPINS = cs.TractiveRolling(0.3, longitudinal=0.0, spin=5.0)
 DRIVEN = replace(SMOOTH, friction=cs.TractiveRolling(0.3, longitudinal=1e-3))
 WORN = replace(SMOOTH, rolling=cs.Rolling(1.0), wear=WEARS)
 
@@ -89,6 +90,8 @@ BESIDE: list[tuple[str, cs.Scene, dict[str, Any]]] = [
     ("TractiveRolling.tangential", DRIVEN, {"friction": cs.TractiveRolling(0.3, tangential=0.3e5)}),
     ("Scene.rolling", DRIVEN, {"rolling": cs.Rolling(1.0)}),
     ("*grows from pass to pass", DRIVEN, {"solids": (YIELDING, STEEL)}),
+    *(("TractiveRolling.spin is 5.0 in a contact without end", DRIVEN, {"friction": SPINS, "shapes": shapes})
+      for shapes in ((CYLINDER,), (CYLINDER, cs.Waviness(1e-8, across=1e9, along=1e-4)))),
     ("*travel through the contact", DRIVEN, {"shapes": (CYLINDER, WAVY)}),
     # fretting
     ("Fretting.forces", SMOOTH, {"friction": cs.Fretting(0.3, (1e4, -3e4))}),
@@ -195,6 +198,10 @@ def held(**times: Any) -> object:
 
 SOLVES: list[tuple[str, Callable[[], object]]] = [
     ("*enter it again", lambda: DRIVEN.problem(cs.Grid((32, 1), (3e-4, 1e-3)), (EXACT, EXACT))),
+    *((
+        "TractiveRolling.spin is 5.0 in a contact without end",
+        lambda end=end: replace(SMOOTH, friction=SPINS, shapes=(CYLINDER, end)).problem(UNIT, EXACT),
+    ) for end in (cs.Crown(), cs.FiniteLength(2.0))),
     (
         "Approach.datum is 0.0001: give at least half",
         lambda: replace(ADHERING, load=cs.Approach(1e-6, datum=1e-4)).problem(WIDE, EXACT),

@@ -233,12 +233,19 @@ class PlasticState:
         return bool(_traction_x(self.elastic).any())
 
     def fields(self, state: State) -> Mapping[str, Field]:
-        """Return the residual displacement (x, y) [m], the sum over both surfaces, positive into the bodies."""
+        """Return the residual displacement (x, y) [m] of each body's surface, positive into the body."""
         strains, _ = self._in_volumes(state)
-        parts = zip(self.operators, strains, strict=True)
-        displacement = sum(operator.residual_displacement(strain) for operator, strain in parts)
-        plane, label = ("x", "y"), "residual displacement"
-        return {"residual_displacement": Field(plane, np.asarray(displacement), "m", label)}
+        fields: dict[str, Field] = {}
+        for body, operator, strain in zip(self.bodies, self.operators, strains, strict=True):
+            displacement = np.asarray(operator.residual_displacement(strain))
+            label = "residual displacement" + f" of solids[{body.index}]" * (len(self.bodies) > 1)
+            name = f"residual_displacement{self._suffix(body)}"
+            fields[name] = Field(("x", "y"), displacement, "m", label)
+        return fields
+
+    def _suffix(self, body: YieldingBody) -> str:
+        """Return what ends the names of a body's fields: nothing where it alone yields."""
+        return f"_{body.index}" if len(self.bodies) > 1 else ""
 
     def has_onset_of_yield(self, before: State, after: State) -> bool:
         """Return whether a step added much more plastic strain than all since the last step without plastic flow.
@@ -282,7 +289,7 @@ class PlasticState:
         axes = "x across the contact line, y along it, z into the body"
         fields = {"component": Field(("component",), names, "1", axes)}
         for number, body in enumerate(self.bodies):
-            suffix = f"_{body.index}" if len(self.bodies) > 1 else ""
+            suffix = self._suffix(body)
             depth_suffix = suffix or f"_{body.index}" * bool(self.elastic.problem.outputs)
             wide = self._across_grid(number)
             volume = wide.volume

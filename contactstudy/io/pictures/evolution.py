@@ -27,7 +27,7 @@ BESIDE: Any = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0)}
 # Half-width of a picture of a film in Hertz's half-widths.
 FILM_WIDTH = 1.5
 # Variables of each body that yields, before the suffix of the body.
-STRAIN, STRESS = "equivalent_plastic_strain", "residual_stress"
+STRAIN, STRESS, DENT = "equivalent_plastic_strain", "residual_stress", "residual_displacement"
 
 
 def evolution_picture(evolved: xr.Dataset) -> Figure:
@@ -36,13 +36,13 @@ def evolution_picture(evolved: xr.Dataset) -> Figure:
     adheres = "attraction" in evolved
     drawn = [_profiles, _map, _numbers, _loop if adheres else _errors] + [_worn] * worn
     drawn += [_shear] * ("shear_x" in evolved)
-    if "residual_displacement" in evolved:
+    if dents := [str(name) for name in evolved if str(name).startswith(DENT)]:
         bodies = [
             str(name).removeprefix(STRAIN)
             for name in evolved
             if str(name).startswith(STRAIN) and evolved[name].values.any()
         ]
-        drawn.append(_dent)
+        drawn += [partial(_dent, name=name) for name in dents]
         for body in bodies:
             drawn += [partial(_plastic, name=STRAIN + body)]
             drawn += [partial(_residual, name=STRESS + body)] * (STRESS + body in evolved)
@@ -162,9 +162,9 @@ def _shear(ax: Axes, evolved: xr.Dataset) -> None:
     _lines(ax, evolved, "shear_x", display_unit_of(abs(evolved["shear_x"]), "Pa"))
 
 
-def _dent(ax: Axes, evolved: xr.Dataset) -> None:
-    scale = display_unit_of(abs(evolved["residual_displacement"]), "m")
-    _lines(ax, evolved, "residual_displacement", scale)
+def _dent(ax: Axes, evolved: xr.Dataset, name: str) -> None:
+    scale = display_unit_of(abs(evolved[name]), "m")
+    _lines(ax, evolved, name, scale)
     ax.set_ylabel(f"residual displacement [{scale[1]}], into the bodies")
     ax.invert_yaxis()
 

@@ -34,6 +34,10 @@ NO_BOUND_OF_ONE_CELL = (
     "No bound: the slip zone is at most one cell wide; solve again on cells of half the width."
 )
 
+NO_BOUND_OF_CYCLE = (
+    "No bound: the error of slip is estimated for forces that end with a whole cycle."
+)
+
 
 def contact_quantities(
     solution: Solution,
@@ -179,19 +183,28 @@ def _of_adhesion(
 def _of_traction(
     solution: Solution, traction: TangentialTraction, estimate: ErrorEstimate
 ) -> dict[str, Quantity]:
-    """Return the tangential force over the load, and the part of the contact that sticks."""
+    """Return the tangential force on the first body over the load, and the part of the contact that sticks."""
     pressure = solution.pressure
     pressed, touching = float(pressure.sum()), int(np.count_nonzero(pressure))
     attracted = 0.0 if solution.adhesion is None else float(solution.adhesion.attraction.sum())
     load = pressed - attracted
-    force = float(np.hypot(*traction.shear.sum(axis=(1, 2))))
-    coefficient = Quantity(force / load if load else 0.0, "1", "tangential force over load")
+    along_x, along_y = (
+        float(force / load) if load else 0.0 for force in traction.shear.sum((1, 2))
+    )
+    coefficient = Quantity(along_x, "1", "tangential force over load")
+    lateral_force: dict[str, Quantity] = {}
     # at a given approach the load is a result
     load_error = 0.0 if estimate.load is None else estimate.load.total
     if isinstance(traction, RollingTraction):
         by_cells = traction.errors.force * pressed / abs(load) if load else 0.0
-        bound = by_cells + (solution.residual + load_error) * coefficient.value
-        coefficient = _with_slip_bound(coefficient, bound, estimate)
+        across = Quantity(along_y, "1", "lateral force over load")
+        coefficient, lateral = (
+            _with_slip_bound(
+                q, by_cells + (solution.residual + load_error) * abs(q.value), estimate
+            )
+            for q in (coefficient, across)
+        )
+        lateral_force = {"lateral_traction_coefficient": lateral}
     friction = getattr(scene_of(solution.problem), "friction", None)
     displacement_given = getattr(friction, "displacements", None) is not None
     if not (isinstance(traction, RollingTraction) or friction is None or displacement_given):
@@ -205,7 +218,7 @@ def _of_traction(
     if area is not None and touching:
         at_boundary = np.count_nonzero(_at_stick_slip_boundary(solution, traction)) / touching
         stick = _with_slip_bound(stick, at_boundary + area.total * stick.value, estimate)
-    return {"traction_coefficient": coefficient, "stick_fraction": stick}
+    return {"traction_coefficient": coefficient, **lateral_force, "stick_fraction": stick}
 
 
 def _at_stick_slip_boundary(solution: Solution, traction: TangentialTraction) -> NDArray[np.bool_]:
@@ -231,28 +244,34 @@ def _at_stick_slip_boundary(solution: Solution, traction: TangentialTraction) ->
 def _of_cycle(
     solution: Solution, traction: FrettingTraction, estimate: ErrorEstimate, length: float | None
 ) -> dict[str, Quantity]:
-    """Return the energy lost in the last cycle of a fretting contact, its largest slip and its largest shear traction.
+    """Return energy and largest slip of the last whole cycle of a fretting contact, else of all, and its largest shear.
 
     The stick-slip boundary is uncertain by one cell. Slip starts there with zero slope, so that for a zone n cells
     wide the relative error of the energy is about 1 / n^2. The largest slip is bounded by that of a slightly wider zone.
     """
     grid = solution.problem.grid
     energy = float(traction.energy.sum() * grid.cell_area)
-    dissipated = per_length(energy, "J", "energy lost per cycle", length, grid.length)
+    name, counted, within = "energy_per_cycle", "per cycle", "in a cycle"
+    if traction.cycle is None:
+        name, counted, within = "friction_energy", "to friction", "so far"
+    dissipated = per_length(energy, "J", f"energy lost {counted}", length, grid.length)
     slid = float(traction.slip_distance.max())
-    largest_slip = Quantity(slid, "m", "largest distance slipped in a cycle")
+    largest_slip = Quantity(slid, "m", f"largest distance slipped {within}")
     slipping = (solution.pressure > 0) & ~np.asarray(traction.stick, bool)
     boundary = int(np.count_nonzero(_at_stick_slip_boundary(solution, traction) & slipping))
     slip_zone_cells = np.count_nonzero(slipping) / boundary if boundary else 0.0
     energy_error = ENERGY_ERROR / slip_zone_cells**2 if slip_zone_cells > 1 else inf
     slip_error = (1 + SLIP_ZONE_MARGIN / slip_zone_cells) ** 1.5 - 1 if slip_zone_cells > 1 else inf
     reason = estimate.l1.reason or ("" if slip_zone_cells > 1 else NO_BOUND_OF_ONE_CELL)
+    if traction.cycle is None or traction.cycle[1] < len(traction.shears):
+        energy_error = slip_error = inf  # the slip zone is that of the last force
+        reason = NO_BOUND_OF_CYCLE
     dissipated, largest_slip = (
         with_bound(number, replace(estimate.l1, discretisation=relative, reason=reason))
         for number, relative in ((dissipated, energy_error), (largest_slip, slip_error))
     )
     return {
-        "energy_per_cycle": dissipated,
+        name: dissipated,
         "largest_slip": largest_slip,
         "largest_shear": Quantity(
             traction.largest_shear, "Pa", "largest tangential traction of all steps"

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contactstudy.domain.errors import ErrorParts
-from contactstudy.domain.fields import Array
 from contactstudy.domain.units import readable
 from contactstudy.io.quantities.quantity import Quantity, per_length, roller_length, with_bound
 from contactstudy.problem.problem import Field
@@ -33,7 +32,7 @@ EXTREMES: tuple[tuple[str, Callable[[list[float]], float], str], ...] = (
     ("central_film", min, "lowest central film thickness in time"),
     ("minimum_film", min, "minimum film thickness in time"),
     ("friction_coefficient", partial(max, key=abs), "largest friction force over load in time"),
-    ("traction_coefficient", max, "largest tangential force over load in time"),
+    ("traction_coefficient", partial(max, key=abs), "largest tangential force over load in time"),
     ("frictional_power", max, "largest frictional power in time"),
     ("rolling_resistance", max, "largest coefficient of rolling resistance in time"),
 )
@@ -74,9 +73,7 @@ def evolution_quantities(
         quantities |= _of_wear(fields, frames, posed, error)
     if "friction_energy" in fields:
         quantities |= _of_slip(fields, posed)
-    if "residual_displacement" in fields:
-        quantities |= _of_dent(fields["residual_displacement"].values)
-    return quantities | _of_residual_stress(plastic_fields)
+    return quantities | _of_dents(fields) | _of_residual_stress(plastic_fields)
 
 
 def _extremes(
@@ -160,18 +157,19 @@ def _of_slip(fields: Mapping[str, Field], posed: PosedScene) -> dict[str, Quanti
     }
 
 
-def _of_dent(residual: Array) -> dict[str, Quantity]:
-    """Return depth and shoulders of a residual displacement (x, y) [m] into the bodies, from the undeformed surface."""
-    deep, high = "depth of the dent at the end, below the", "height of its shoulders, above the"
-    unbounded = inf, NO_BOUND_OF_STRAIN
-    return {
-        "dent_depth": Quantity(
-            float(residual.max()), "m", f"{deep} undeformed surface", *unbounded
-        ),
-        "shoulder_height": Quantity(
-            float(-residual.min()), "m", f"{high} undeformed surface", *unbounded
-        ),
-    }
+def _of_dents(fields: Mapping[str, Field]) -> dict[str, Quantity]:
+    """Return depth and shoulders of the residual displacement of each body that yields, from its undeformed surface."""
+    unbounded, quantities = (inf, NO_BOUND_OF_STRAIN), {}
+    for name, field in fields.items():
+        if name.startswith("residual_displacement"):
+            suffix = name.removeprefix("residual_displacement")
+            of = f" of solids[{suffix[1:]}]" if suffix else ""
+            deep = f"depth of the dent{of} at the end, below the undeformed surface"
+            high = f"height of its shoulders{of}, above the undeformed surface"
+            depth, height = float(field.values.max()), float(-field.values.min())
+            quantities[f"dent_depth{suffix}"] = Quantity(depth, "m", deep, *unbounded)
+            quantities[f"shoulder_height{suffix}"] = Quantity(height, "m", high, *unbounded)
+    return quantities
 
 
 def _of_residual_stress(fields: Mapping[str, Field]) -> dict[str, Quantity]:

@@ -1,9 +1,12 @@
 """Steady rolling with friction: creepage or tangential force, stick and slip."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
-from math import isinf
-from typing import ClassVar
+from math import inf, isinf
+from typing import Any, ClassVar
+
+import numpy as np
 
 from contactstudy.domain.checks import InvalidInput, check_fields, in_range_or_zero, suggest_fields
 from contactstudy.domain.fields import Array
@@ -20,7 +23,7 @@ from contactstudy.scene.friction.friction_law import (
 )
 from contactstudy.scene.loads.load_history import ChangingLoad, loads_between
 from contactstudy.scene.rolling import check_slow, check_standing
-from contactstudy.scene.shapes.shape import length_scales_of
+from contactstudy.scene.shapes.shape import LengthScales, Shape, gap_of, length_scales_of
 from contactstudy.scene.solids.bodies import SceneContext, yields
 from contactstudy.scene.solids.viscoelastic import rolling_bodies
 from contactstudy.solvers.friction.rolling_traction import Creepage
@@ -52,7 +55,8 @@ class TractiveRolling:
     lateral
         Creepage along y.
     spin
-        Rotation of the second body against the first about z, over the distance rolled [1/m].
+        Rotation of the second body against the first about z, over the distance rolled [1/m]. Its slip grows along the
+        length, so that a roller must end or be crowned on the grid.
     speed
         Speed of rolling [m/s], not 0; negative if the contact moves to smaller x. Power is proportional to its size,
         and how far a body creeps in the contact follows from it.
@@ -60,8 +64,8 @@ class TractiveRolling:
     Raises
     ------
     InvalidInput
-        For other values; in a scene with bodies that yield, heights that move with a body, or a load that changes too
-        fast to roll steadily.
+        For other values; in a scene with bodies that yield, heights that move with a body, a load that changes too
+        fast to roll steadily, or spin of an endless contact.
     """
 
     is_steady: ClassVar[bool] = True
@@ -112,6 +116,7 @@ class TractiveRolling:
         if isinstance(scene.load, ChangingLoad):
             check_slow("TractiveRolling", self.speed, scene.load, scene.hertz)
         check_standing("TractiveRolling", scene.shapes)
+        self._refuse_endless(_rollers(scene))
         limit = transmitted_force(scene, self.coefficient, _least(scene))
         if self.tangential is not None and not abs(self.tangential) < limit:
             raise InvalidInput(
@@ -127,8 +132,11 @@ class TractiveRolling:
         Raises
         ------
         InvalidInput
-            If the padding across wraps, so that material that leaves the contact would enter it again.
+            If the padding across wraps, so that material that leaves the contact would enter it again, or if it spins
+            and no roller ends or is crowned on the grid.
         """
+        gaps = [np.atleast_2d(gap_of(shape, grid)) for shape in _rollers(scene)]
+        self._refuse_endless([np.ptp(gap, axis=1) for gap in gaps])
         if paddings[0].wraps:
             raise InvalidInput(
                 f"padding[0] is {paddings[0]!r} together with TractiveRolling: material that leaves the contact would "
@@ -147,6 +155,14 @@ class TractiveRolling:
             STATIONARY_HEIGHTS if self._has_moving_roughness(scene) else "",
         )
 
+    def _refuse_endless(self, rollers: Sequence[Any]) -> None:
+        """Raise InvalidInput for spin without `rollers` that end or are crowned, or where their drops [m] are 0."""
+        if self.spin and not any(map(np.any, rollers)):
+            raise InvalidInput(
+                f"TractiveRolling.spin is {self.spin!r} in a contact without end, where its slip grows along the length "
+                "without limit: give a roller that ends or is crowned on the grid, such as a FiniteLength or a Crown."
+            )
+
     @staticmethod
     def _has_moving_roughness(scene: SceneContext) -> bool:
         """Return whether a shape has waves across, which would travel with a real surface."""
@@ -160,6 +176,12 @@ class TractiveRolling:
         if not are_similar(scene.solids):
             sentence += ", and again with the pressure under this traction until neither changes"
         return f"{sentence}." + f" {STATIONARY_HEIGHTS}" * self._has_moving_roughness(scene)
+
+
+def _rollers(scene: SceneContext) -> list[Shape]:
+    """Return the shapes that may end or crown a roller."""
+    unknown = LengthScales(roller=inf)  # of a shape that does not name its length scales
+    return [s for s in scene.shapes if getattr(s, "length_scales", unknown).roller]
 
 
 def _least(scene: SceneContext) -> float:

@@ -4,6 +4,7 @@ Under a constant pressure a step from one reversal of the force to the next is e
 reverse within it. Source: Mindlin & Deresiewicz (1953), J. Appl. Mech. 20, 327.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,6 +18,9 @@ from contactstudy.solvers.friction.fretting_traction import FrettingTraction
 from contactstudy.solvers.friction.partial_slip import slip_step, transmission_status
 from contactstudy.solvers.solution import Solution, with_traction, worst
 from contactstudy.solvers.solve import SolveOptions, solve_contact
+
+# Difference of two forces over the largest one within which they count as the same.
+SAME_FORCE = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,8 +68,8 @@ class FrettingShear:
             applications += step.applications
             residual = max(residual, step.residual)
             statuses.append(shear_status(step.residual, step.applications, *limits))
-        cycle_start = _cycle_start(self.forces_per_length)
-        slip_distance = sum(sliding[cycle_start:], start=np.zeros_like(limit))
+        cycle = _last_cycle([0.0, *forces])
+        slip_distance = sum(sliding[slice(*cycle or (None,))], start=np.zeros_like(limit))
         traction = FrettingTraction(
             shear=shear,
             stick=stick,
@@ -76,14 +80,23 @@ class FrettingShear:
             shears=np.reshape(shears, (len(shears), 2, *limit.shape)),
             slip_distance=slip_distance,
             energy=limit * slip_distance,
-            cycle_start=cycle_start,
+            cycle=cycle,
         )
         return with_traction(
             normal, worst(statuses), residual, applications, 2.0 * applications, traction
         )
 
 
-def _cycle_start(forces: tuple[float, ...]) -> int:
-    """Return the first step of the last cycle: after the previous occurrence of the last force; 0 if there is none."""
-    earlier = [number for number, force in enumerate(forces[:-1]) if force == forces[-1]]
-    return earlier[-1] + 1 if earlier else 0
+def _last_cycle(forces: Sequence[float]) -> tuple[int, int] | None:
+    """Return where the last whole cycle starts and ends: at a reversal and the next but one, at the same force.
+
+    The last force counts as a reversal, the first one, before which nothing has slipped, does not.
+    """
+    moved = [0, *(n for n in range(1, len(forces)) if forces[n] != forces[n - 1])]
+    triples = zip(moved, moved[1:], moved[2:], strict=False)
+    turns = [b for a, b, c in triples if (forces[b] > forces[a]) != (forces[c] > forces[b])]
+    turns += moved[1:][-1:]
+    same = SAME_FORCE * max(map(abs, forces))
+    cycles = zip(turns, turns[2:], strict=False)
+    whole = [(a, b) for a, b in cycles if abs(forces[a] - forces[b]) <= same]
+    return whole[-1] if whole else None

@@ -10,9 +10,10 @@ from contactstudy.solvers.solution import TangentialTraction
 
 @dataclass(frozen=True, eq=False)
 class FrettingTraction(TangentialTraction):
-    """Tangential traction on the first body after the last of several forces, and the slip of the last cycle.
+    """Tangential traction on the first body after the last of several forces, and the slip of the last whole cycle.
 
-    The last cycle begins at the previous occurrence of the last force; the whole history counts if no cycle is complete.
+    A whole cycle goes from a reversal of the force to the next but one, at the same force. Without one, slip and energy
+    are those of the whole history.
 
     Parameters
     ----------
@@ -23,11 +24,12 @@ class FrettingTraction(TangentialTraction):
     shears
         Traction after each force (step, component, x, y) [Pa].
     slip_distance
-        Distance slipped in the last cycle (x, y) [m].
+        Distance slipped in the last whole cycle (x, y) [m].
     energy
-        Energy lost to friction in the last cycle, per area (x, y) [J/m^2].
-    cycle_start
-        Index in `forces` of the force at which the last cycle begins, and in `shears` of its first step.
+        Energy lost to friction in the last whole cycle, per area (x, y) [J/m^2].
+    cycle
+        Indices in `forces` at which the last whole cycle starts and ends, the first also that of its first step in
+        `shears`; None if no cycle is whole.
     """
 
     forces: Array
@@ -35,7 +37,7 @@ class FrettingTraction(TangentialTraction):
     shears: Array
     slip_distance: Array
     energy: Array
-    cycle_start: int
+    cycle: tuple[int, int] | None
 
     @property
     def largest_shear(self) -> float:

@@ -27,7 +27,7 @@ from studies.report.style import COLORS, captioned, panels, percent, write_power
 # Measures that are drawn first where a study has more than there is room for.
 DRAWN = (
     "central_film", "minimum_film", "friction_coefficient", "lambda_ratio", "contact_load_fraction", "pull_off",
-    "traction_coefficient", "stick_fraction", "frictional_power", "energy_per_cycle", "largest_slip",
+    "traction_coefficient", "stick_fraction", "frictional_power", "energy_per_cycle", "friction_energy", "largest_slip",
     "rolling_resistance", "wear_volume", "largest_wear_depth", "dent_depth", "final_peak_pressure", "contact_fraction",
     "peak_pressure", "largest_von_mises", "mean_pressure", "approach", "stiffness", "mean_gap",
 )  # fmt: skip

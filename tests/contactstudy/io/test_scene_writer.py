@@ -121,7 +121,7 @@ EFFECTS: tuple[dict[str, object], ...] = (
     {"solids": (cs.CoatedHalfSpace(cs.HalfSpace(250e9, 0.22), 2e-6, STEEL), STEEL)},
     {"solids": (cs.ElasticPlasticHalfSpace(210e9, 0.3, 1e9, 2e9, 1e9), STEEL)}, {"friction": cs.Sliding(0.12)},
     {"friction": cs.PartialSlip(0.3, -2e3)}, {"friction": cs.Fretting.cycle(0.3, 0.1)},
-    {"friction": cs.TractiveRolling(0.3, longitudinal=1e-3, lateral=-2e-4, spin=0.5, speed=3.0)},
+    {"shapes": (cs.Crown(1.0),), "friction": cs.TractiveRolling(0.3, longitudinal=1e-3, spin=0.5, speed=3.0)},
     {"friction": cs.TractiveRolling(0.3, tangential=2e4)}, {"adhesion": ADHESION, "load": cs.LineLoad(-0.1)},
     {"adhesion": ADHESION, "load": cs.PullOff(1.0, 1e-2)}, {"adhesion": ADHESION, "load": cs.Approach(-1e-6, 2.0)},
     {"lubrication": cs.Lubrication(OIL, 1.0, 0.1, boundary=cs.Boundary(1e-9, 0.12))},

@@ -192,9 +192,7 @@ def test_friction_is_limited_by_the_pressure_that_the_attraction_adds_to(frictio
     if isinstance(friction, cs.PartialSlip | cs.Fretting):
         assert force == pytest.approx(0.4)
     coefficient = found.quantities["traction_coefficient"].value
-    assert coefficient == pytest.approx(
-        np.hypot(*found.shear.sum(axis=(1, 2))) * GRID.cell_size[0] / 2
-    )
+    assert coefficient == pytest.approx(found.shear[0].sum() * GRID.cell_size[0] / 2)
 
 
 @pytest.mark.parametrize("friction", FRICTIONS[1:])

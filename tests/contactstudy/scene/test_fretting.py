@@ -61,7 +61,7 @@ def test_a_cycle_loses_the_energy_of_the_closed_form(fraction: float) -> None:
     # the area of the loop of force and displacement, which one step a half cycle does not show
     steps = fretted(cs.Fretting.cycle(MU, fraction * MU, steps=8))
     assert steps.quantities["energy_per_cycle"].value == pytest.approx(energy.value, rel=1e-3)
-    loop = slice(steps.traction.cycle_start, None)
+    loop = slice(steps.traction.cycle[0], steps.traction.cycle[1] + 1)
     force, moved = steps.traction.forces[loop], steps.traction.rigid_displacement[loop]
     middle = (force[1:] + force[:-1]) / 2
     assert (middle * np.diff(moved)).sum() == pytest.approx(expected, rel=5e-2)
@@ -82,6 +82,26 @@ def test_energy_and_largest_slip_of_a_cycle_are_within_bounds(fraction: float, c
         assert abs(number.value - value) <= number.bound
         if fraction * cells > 20:
             assert number.bound < 0.4 * value
+
+
+@pytest.mark.parametrize(
+    ("forces", "cycle"),
+    [
+        ((1, -1, 1), (1, 3)), ((0, 1, 0, -1, 0, 1), (2, 6)), ((1, -1, 1, 0), (1, 3)), ((1, 0, 1, 1, -1), (1, 3)),
+        ((1,), None), ((1, -1), None), ((1, 0, -1, 0), None), ((1, -1, 0.5), None), ((0, 1, 0), None),
+    ],
+)  # fmt: skip
+def test_energy_of_a_cycle_is_that_of_the_last_whole_one(
+    forces: tuple[float, ...], cycle: tuple[int, int] | None
+) -> None:
+    """Without a whole cycle, the energy is that lost so far, and has no bound."""
+    found = fretted(
+        cs.Fretting(MU, tuple(0.6 * MU * force for force in forces)), cs.Grid((40, 1), (2.2, 1.0))
+    )
+    assert found.traction.cycle == cycle
+    assert ("energy_per_cycle" in found.quantities) == (cycle is not None)
+    if cycle is None:
+        assert found.quantities["friction_energy"].bound == np.inf
 
 
 def test_steps_that_reach_the_limit_of_applications_say_so() -> None:

@@ -12,6 +12,7 @@ from tests.contactstudy.scene.shapes.test_own_shapes import Own
 MU, RADIUS = 0.3, 0.01
 CYLINDER = (cs.Cylinder(radius=RADIUS),)
 ROUGH = (*CYLINDER, cs.Roughness(2e-7, hurst=0.8, roll_off=1e-4, cut_off=2e-5, seed=1))
+CROWN = cs.Crown(1.0)
 LOAD = cs.LineLoad(1e5)
 SMOOTH = cs.Scene(LOAD, (STEEL, STEEL), CYLINDER)
 A, P0 = SMOOTH.hertz.half_width, SMOOTH.hertz.peak_pressure
@@ -121,7 +122,8 @@ def test_a_sphere_with_creepage_and_spin(
 
 
 def test_shear_that_reaches_the_limit_of_applications_says_so() -> None:
-    scene, grid = replace(SMOOTH, shapes=ROUGH), cs.Grid((32, 32), (3.2e-4, 3.2e-4))
+    scene = replace(SMOOTH, shapes=(*ROUGH, CROWN))
+    grid = cs.Grid((32, 32), (3.2e-4, 3.2e-4))
     for friction, status in (
         (None, cs.Status.CONVERGED),
         (rolling(longitudinal=3e-4, spin=3.0), cs.Status.ITERATION_LIMIT),
@@ -137,7 +139,7 @@ def test_power_is_that_of_the_creepages() -> None:
     friction = rolling(
         longitudinal=0.4 * SATURATION, lateral=-0.1 * SATURATION, spin=3.0, speed=2.0
     )
-    solution = solved(friction, (64, 64), 1e-9, shapes=ROUGH)
+    solution = solved(friction, (64, 64), 1e-9, shapes=(*ROUGH, CROWN))
     grid, (qx, qy) = solution.problem.grid, solution.shear
     work = qx * (friction.longitudinal - 3.0 * grid.y) + qy * (
         friction.lateral + 3.0 * grid.x[:, None]
@@ -318,6 +320,20 @@ def test_the_answer_lists_traction_stick_creepage_and_power_with_their_bounds() 
     assert numbers["stick_fraction"].value == pytest.approx(0.5, abs=5e-3)
 
 
+def test_a_traction_has_the_sign_of_the_force_on_the_first_body() -> None:
+    """Along x and along y apart; of bodies that slip under the normal load alone, too."""
+    eta = 0.2 * SATURATION
+    for changes in ({}, {"solids": UNLIKE}):
+        for sign in (1, -1):
+            found = solved(
+                rolling(longitudinal=-eta, lateral=sign * eta, speed=sign), (32, 1), **changes
+            )
+            forces = found.shear.sum(axis=(1, 2)) / found.pressure.sum()
+            names = "traction_coefficient", "lateral_traction_coefficient"
+            assert [found.quantities[name].value for name in names] == pytest.approx(forces)
+            assert np.sign(forces[1]) == sign
+
+
 def test_a_dataset_has_slip_and_power() -> None:
     solution = solved(rolling(longitudinal=0.5 * SATURATION, speed=3.0), (64, 1))
     dataset = solution.to_dataset()
@@ -362,7 +378,7 @@ def test_what_sticks_does_not_slip_and_what_slips_is_sheared_against_its_slip(
     solids: tuple[cs.HalfSpace, cs.HalfSpace],
 ) -> None:
     friction = rolling(longitudinal=0.1 * SATURATION, lateral=-0.3 * SATURATION, spin=2.0)
-    solution = solved(friction, (48, 32), 1e-7, solids=solids, shapes=ROUGH)
+    solution = solved(friction, (48, 32), 1e-7, solids=solids, shapes=(*ROUGH, CROWN))
     slip, limit = solution.traction.slip, MU * solution.pressure
     largest = np.hypot(*slip)[limit > 0].max()
     assert solution.status is cs.Status.CONVERGED
@@ -411,9 +427,11 @@ def driven(
     cells: tuple[int, int] = (64, 1),
     **changed: object,
 ) -> cs.Contact:
-    """A contact that rolls with creepage along both axes and spin."""
-    friction = replace(rolling(longitudinal=3e-3, lateral=1e-3, spin=3.0), **changed)
-    shapes = CYLINDER if cells[1] == 1 else (*CYLINDER, cs.Waviness(3e-7, across=1e9, along=3.2e-4))
+    """A contact that rolls with creepage along both axes, and spin where it has a length."""
+    spin, shapes = 0.0, CYLINDER
+    if cells[1] > 1:
+        spin, shapes = 3.0, (*CYLINDER, CROWN, cs.Waviness(3e-7, across=1e9, along=3.2e-4))
+    friction = replace(rolling(longitudinal=3e-3, lateral=1e-3, spin=spin), **changed)
     scene = replace(SMOOTH, solids=solids, shapes=shapes, friction=friction)
     return cs.solve(scene, cs.Grid(cells, (3.2 * A, 3.2e-4)), ACROSS_FREE)
 
@@ -452,7 +470,7 @@ def test_creeping_bodies_that_roll_back_are_those_in_a_mirror() -> None:
 
 def test_power_of_the_creepage_is_lost_by_slip_and_in_bodies_that_creep() -> None:
     """In plane strain, shear of like bodies loses in them what the same pressure would."""
-    found = driven((creeping(1e-4),) * 2, (256, 1), lateral=0.0, spin=0.0, longitudinal=1e-3)
+    found = driven((creeping(1e-4),) * 2, (256, 1), lateral=0.0, longitudinal=1e-3)
     force = found.traction.shear[0].sum() * found.grid.cell_size[0]
     steady = found.rolling
     as_pressure = replace(steady.lagged.solution, pressure=found.traction.shear[0])

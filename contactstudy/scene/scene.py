@@ -32,7 +32,7 @@ from contactstudy.problem.memory import refuse_too_large
 from contactstudy.problem.problem import AdhesionSolver, Derived, Problem, Scales
 from contactstudy.scene.loads.constant_load import ConstantLoad, TotalLoad
 from contactstudy.scene.loads.load_history import ChangingLoad
-from contactstudy.scene.loads.resulting_load import Approach, PullOff
+from contactstudy.scene.loads.resulting_load import DATUM_OVER_RADIUS, Approach, PullOff
 from contactstudy.scene.shapes.shape import Shape, length_scales_of
 from contactstudy.scene.solids.bodies import (
     Body,
@@ -263,10 +263,11 @@ class Scene:
         """Largest load [N/m], given or estimated from an approach, or more where the attraction adds to it."""
         largest = self.largest_load
         if isinstance(self.load, Approach) and self.radius is not None:
-            largest = self.load.estimated_load(self.contact_modulus)
+            largest = self.load.estimated_load(self.contact_modulus, self.radius)
             if largest > 0:  # the half-width under it is that of any modulus
                 width = HertzLine(largest, self.radius, self.contact_modulus).half_width
-                largest = self.load.estimated_load(contact_modulus(self.solids, width))
+                modulus = contact_modulus(self.solids, width)
+                largest = self.load.estimated_load(modulus, self.radius)
         adhesion = self.adhesion
         return largest if adhesion is None else max(largest, adhesion.reference_load(self))
 
@@ -353,6 +354,8 @@ class Scene:
         )
         if isinstance(self.load, Approach):
             self.load.check_datum(endless_axes=sum(each.window is None for each in paddings))
+            if any(each.window is None for each in paddings):
+                self.load.check_width(self.datum(grid), grid.extent[0])
             _refuse_full_contact(self.load, gap, paddings)
         scales = self.scales(grid)
         if solver is None and self.adhesion is not None:
@@ -361,7 +364,7 @@ class Scene:
         return Problem(
             grid=grid,
             undeformed_gap=gap,
-            operator=superposed(response(self.solids, self.datum(scales, grid)), grid, paddings),
+            operator=superposed(response(self.solids, self.datum(grid)), grid, paddings),
             constraint=self._constraint(solver),
             control=self._control(grid, padding),
             scales=scales,
@@ -378,11 +381,14 @@ class Scene:
             covered_fractions=source.covered_fractions(grid),
         )
 
-    def datum(self, scales: Scales, grid: Grid) -> float:
-        """Return the distance [m] that displacements count from where infinitely many images leave that open."""
-        if isinstance(self.load, Approach):
-            return self.load.datum_on(grid.extent[0])
-        return scales.length
+    def datum(self, grid: Grid) -> float:
+        """Return the distance [m] that displacements count from where infinitely many images leave that open.
+
+        It is that of an Approach that gives one, else twice the radius, at any load and on any grid; without a curved
+        shape the width of `grid`.
+        """
+        of_radius = DATUM_OVER_RADIUS * self.radius if self.radius else grid.extent[0]
+        return getattr(self.load, "datum", None) or of_radius
 
     def repeats(self, padding: Padding | Paddings) -> bool:
         """Return whether `padding` makes a roller infinite: it repeats the length, and no shape may end or crown it."""

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
-from math import inf, log, pi
+from math import inf, pi
 
 import numpy as np
 import xarray as xr
@@ -11,7 +11,6 @@ import contactstudy as cs
 from contactstudy.accuracy.discretisation.cells import contact_perimeter
 from contactstudy.domain.fields import Array, inner
 from contactstudy.io.dataset import labelled
-from contactstudy.io.quantities.contact_quantities import approach_datum
 from contactstudy.solvers.conjugate_gradients import conjugate_gradients
 from studies.advice.reference_error import ReferencedCase, pressure_error
 from studies.model.case import TimedAnswer, dimensionless, error_estimates
@@ -22,8 +21,6 @@ RTOL, MAXITER = 3e-2, 60
 # Bound of a stiffness over the error that the law of a line contact gives for its area: by 60 contacts at random,
 # smooth, wavy, rough, coated or as hard as their peak, the largest true error was 0.99 of that.
 STIFFNESS_MARGIN = 1.25
-# Datum of the approach at every point of a sweep.
-DATUM = "from half the grid's width beside the axis, or from the datum of a given approach or of the padding"
 # Quantities that a sweep varies as an axis.
 NAMED_BY_AXES = ("load_per_length", "total_load")
 
@@ -97,53 +94,34 @@ def measures(case: ReferencedCase, result: TimedAnswer) -> Mapping[str, xr.Varia
 
 
 def _of_contact(case: ReferencedCase, contact: cs.Contact) -> dict[str, xr.Variable]:
-    """Return load, area over Hertz's, perimeter and stiffness of a dry contact, and the approach at a common datum."""
+    """Return load, area over Hertz's, perimeter and stiffness of a dry contact."""
     grid, scene = contact.grid, case.scene
     touching = contact.pressure > 0
     area_error = contact.quantities["contact_area"].relative_bound
     area = float(np.count_nonzero(touching) * grid.cell_area)
     perimeter = contact_perimeter(touching, grid, contact.problem.paddings)
-    load = float(contact.pressure.sum()) * grid.cell_area / grid.length
-    # The approach of a scene has its datum at Hertz's half-width, which changes with the load. Contacts of a sweep have
-    # it at half the grid's width, or where a given approach or the padding has it.
-    datum, farther = approach_datum(contact), 0.0
-    is_given = contact.problem.control.approach is not None
-    if datum is not None and not is_given:
-        farther = _compliance_between(scene, datum, grid.extent[0] / 2)
+    load, is_given = contact.load_per_length, contact.problem.control.approach is not None
     measured = {
         "load": labelled((), load, "N m-1", "load per length"),
         "contact_fraction": dimensionless(float(touching.mean()), "fraction of the grid in contact"),
         "contact_perimeter": labelled(
             (), perimeter, "m", "contact perimeter", description="edges of cells at which contact ends"
         ),
-        "approach": labelled(
-            (), contact.approach + load * farther, "m", "approach", description=DATUM
-        ),
     }  # fmt: skip
     if (hertz := scene.hertz) is not None:
         # that of a scene whose approach is given is under an estimated load
-        hertz = replace(hertz, load_per_length=load) if is_given and load else hertz
+        hertz = replace(hertz, load_per_length=load) if is_given and load > 0 else hertz
         ratio = area / (2 * hertz.half_width * grid.length)
         measured["contact_area_over_hertz"] = dimensionless(ratio, "contact area over Hertz's")
     errors = dict.fromkeys(("contact_fraction", "contact_area_over_hertz"), area_error)
     if contact.pressure.any():
-        near = normal_stiffness(contact)
-        stiffness = 1 / (1 / near + farther)
+        stiffness = normal_stiffness(contact)
         what = {"description": "d load / d approach"}
         measured["stiffness"] = labelled((), stiffness, "N m-2", "normal stiffness", **what)
-        errors["stiffness"] = stiffness / near * _stiffness_error(contact, near)
+        errors["stiffness"] = _stiffness_error(contact, stiffness)
     for name, error in errors.items():
         if (value := measured.get(name)) is not None:
             label = f"bound of the error: {value.attrs['long_name']}"
             bound = error * float(value) if error < inf else inf
             measured[f"{name}_bound"] = labelled((), bound, value.attrs["units"], label)
     return measured
-
-
-def _compliance_between(scene: cs.Scene, near_datum: float, far_datum: float) -> float:
-    """Return the further approach [m] from a farther datum [m], per load per length [N/m].
-
-    The far displacement of a line load q is ``-2 q / (pi E*) ln r`` (Johnson 1985, eq. 2.20).
-    """
-    compliance = sum(getattr(body, "substrate", body).compliance for body in scene.solids)
-    return 2 * compliance / pi * log(far_datum / near_datum)

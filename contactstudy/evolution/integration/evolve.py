@@ -220,7 +220,7 @@ def _time_stepper(
         heights, softest = summed_gap(scene.shapes, grid), relaxed(scene.solids, duration)
         adhesive_solver = scene.adhesion.solver_on(elastic, heights, grid, softest)
     problem = elastic.problem_with(grid, padding, adhesive_solver)
-    datum = problem.scales.length
+    datum = elastic.datum(grid)
     variables = state_variables(scene, datum)
     if frets:
         variables = (*variables, _fretting_state(scene, problem, options))

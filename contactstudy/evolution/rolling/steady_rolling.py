@@ -195,8 +195,7 @@ def solve_rolling(
     assert speed is not None
     elastic = replace(scene, solids=instantaneous(scene.solids), rolling=None)
     problem = elastic.problem(grid, padding)
-    datum = scene.datum(problem.scales, grid)
-    weights = response(rolling_bodies(scene.solids, (speed, speed)), datum)
+    weights = response(rolling_bodies(scene.solids, (speed, speed)), scene.datum(grid))
     symmetric_weights, antisymmetric_weights = by_symmetry(weights)
 
     def rolling(problem: Problem) -> Problem:
@@ -207,7 +206,9 @@ def solve_rolling(
             operator=superposed(symmetric_weights, problem.grid, padding),
             friction=None
             if friction is None
-            else friction.solver(scene, problem.undeformed_gap, problem.grid, paddings, datum),
+            else friction.solver(
+                scene, problem.undeformed_gap, problem.grid, paddings, problem.scales.length
+            ),
         )
 
     source = problem.source

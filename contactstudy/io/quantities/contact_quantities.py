@@ -149,7 +149,7 @@ def approach_datum(solution: Solution) -> float | None:
     across, along = problem.paddings
     if along.window is not None or across.window is None:
         return None
-    return scene.datum(problem.scales, problem.grid)
+    return scene.datum(problem.grid)
 
 
 def _of_adhesion(

@@ -1,7 +1,7 @@
 """Loads that are results: an approach, or the point of separation, given in place of a load."""
 
 from dataclasses import dataclass
-from math import log, pi
+from math import e, exp, pi
 from typing import ClassVar
 
 from contactstudy.domain.checks import (
@@ -14,8 +14,8 @@ from contactstudy.domain.checks import (
 )
 from contactstudy.domain.units import Metres, NewtonsPerMetre, Number, readable
 
-# Datum over the half-width of the contact in the estimate of its load, in which it enters by its logarithm.
-DATUM_RATIO = 4.0
+# Distance from the axis at which the surface does not move, over the equivalent radius, where none is given.
+DATUM_OVER_RADIUS = 2.0
 
 
 @suggest_fields
@@ -32,8 +32,9 @@ class Approach:
     approach
         Approach [m], of any sign.
     datum
-        Distance from the axis at which the surface does not move [m], at least half the width of the grid; None is the
-        width of the grid. It is for a contact of which one axis alone has infinitely many images.
+        Distance from the axis at which the surface does not move [m], at least half the width of the grid; None is twice
+        the equivalent radius, from which every approach under a given load counts too, and the width of the grid without
+        a curved shape. It is for a contact of which one axis alone has infinitely many images.
 
     Raises
     ------
@@ -62,26 +63,27 @@ class Approach:
                 "no effect: leave it out, or give ExactPeriodicity along one axis."
             )
 
-    def datum_on(self, width: float) -> float:
-        """Return the datum [m] on a grid of this `width` [m]."""
-        if self.datum is None:
-            return width
-        if self.datum < width / 2:
+    def check_width(self, datum: float, width: float) -> None:
+        """Raise InvalidInput where a grid of this `width` [m] reaches farther than twice the `datum` [m] in use."""
+        if datum < width / 2:
             raise InvalidInput(
                 f"Approach.datum is {self.datum!r}: give at least half the width of the grid, {readable(width / 2)}, or "
                 "parts of the surface would rise under pressure."
             )
-        return self.datum
 
-    def estimated_load(self, contact_modulus: float) -> float:
-        """Estimate the load [N/m] of a cylinder at this approach, whatever its radius; 0 if it does not touch.
+    def estimated_load(self, contact_modulus: float, radius: float) -> float:
+        """Return the load [N/m] of a smooth cylinder of a `radius` [m] at this approach; 0 if it does not touch.
 
-        ``approach = W / (pi E*) (2 ln(2 datum / a) + 1)`` under the load W, Johnson (1985), sect. 5.6, for a datum of
-        `DATUM_RATIO` half-widths a.
+        ``approach = u (2 ln(2 datum / a) + 1)`` with ``u = W / (pi E*)`` and ``a^2 = 4 u R``, Johnson (1985), sect. 5.6,
+        solved by Lambert's function. Beyond its largest approach, ``datum^2 / R``, the load is that there.
         """
         if self.approach <= 0:
             return 0.0
-        return pi * contact_modulus * self.approach / (2 * log(2 * DATUM_RATIO) + 1)
+        from scipy.special import lambertw  # imported late, since it is slow
+
+        largest = (self.datum or DATUM_OVER_RADIUS * radius) ** 2 / radius
+        turns = -lambertw(-min(self.approach / largest, 1.0) / e, -1).real
+        return float(pi * contact_modulus * largest * exp(1 - turns))
 
 
 @suggest_fields

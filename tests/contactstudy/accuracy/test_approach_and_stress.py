@@ -1,5 +1,5 @@
 from dataclasses import replace
-from math import inf
+from math import inf, log, pi
 
 import numpy as np
 import pytest
@@ -137,3 +137,19 @@ def test_the_stress_of_a_wave_has_one_bound_wherever_its_crest_lies(
         bounds.append(contact.quantities["largest_von_mises"].bound)
     # to the tolerance of the coarse solution
     np.testing.assert_allclose(bounds, bounds[0], rtol=1e-3)
+
+
+def test_a_scene_has_one_approach_and_one_load_of_it_on_any_grid() -> None:
+    """They count from twice the radius: Johnson (1985), eq. 4.45."""
+    steel = cs.HalfSpace(210e9, 0.3)
+    scene = cs.Scene(cs.LineLoad(1e5), (steel, steel), (cs.Cylinder(0.01),))
+    hertz, period = scene.hertz, 1e-3
+    assert hertz is not None
+    moved = hertz.load_per_length / pi / hertz.contact_modulus
+    true = moved * (2 * log(2 * 0.02 / hertz.half_width) + 1)
+    for grid in (cs.Grid((40, 1), (3e-4, period)), cs.Grid((300, 1), (2e-3, period))):
+        loaded = cs.solve(scene, grid, cs.ExactPeriodicity()).quantities["approach"]
+        assert abs(loaded.value - true) <= loaded.bound
+        near = cs.solve(replace(scene, load=cs.Approach(true)), grid, cs.ExactPeriodicity())
+        load = near.quantities["load_per_length"]
+        assert abs(load.value - 1e5) <= load.bound < 0.1 * 1e5

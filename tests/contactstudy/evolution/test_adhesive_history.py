@@ -95,7 +95,7 @@ def test_without_a_range_the_bound_holds_the_limit_of_short_ranges() -> None:
 
 
 def test_numbers_at_a_given_approach_are_within_their_bounds_of_those_of_a_fine_grid() -> None:
-    near = replace(SCENE, load=cs.Approach(1.0))
+    near = replace(SCENE, load=cs.Approach(1.0, datum=24.0))
     coarse, fine = (
         cs.solve(near, cs.Grid((cells, 1), GRID.extent), LINE).quantities for cells in (192, 1024)
     )
@@ -126,10 +126,10 @@ def test_a_plan_puts_six_cells_into_the_zone_and_leaves_room_for_the_attraction(
 
 def test_a_contact_that_starts_from_an_answer_continues_its_state() -> None:
     grid = cs.Grid((512, 1), (16.0, 1.0))
-    short = replace(SCENE, load=cs.Approach(1.0), adhesion=cs.Adhesion(pi, 1.0))
+    short = replace(SCENE, load=cs.Approach(1.0, datum=16.0), adhesion=cs.Adhesion(pi, 1.0))
     touching = cs.solve(short, grid, LINE)
     assert isinstance(touching, cs.Contact)
-    away = replace(short, load=cs.Approach(-4.5))
+    away = replace(short, load=cs.Approach(-4.5, datum=16.0))
     # two states are in equilibrium there
     assert cs.solve(away, grid, LINE).status is cs.Status.DETACHED
     continued = cs.solve(away, grid, LINE, start=touching)

@@ -13,10 +13,9 @@ from tests.conftest import STEEL, LineContact
 def test_approach_of_the_line_contact_is_hertz(line_contact: LineContact) -> None:
     grid = line_contact.grid((256, 1), 2.4)
     solution = cs.solve(line_contact.scene.problem(grid, cs.ExactPeriodicity()))
-    a = line_contact.hertz.half_width
     # second order in the cell, for the pressure is constant in each
     assert solution.approach == pytest.approx(
-        line_contact.hertz.displacement(0.0, a), rel=(2.4 / 256) ** 2
+        line_contact.hertz.displacement(0.0, 2 * line_contact.hertz.radius), rel=(2.4 / 256) ** 2
     )
 
 

@@ -47,7 +47,7 @@ def test_approach_and_stiffness_are_those_of_hertz(smooth: Path) -> None:
         found = measures(case, case.run(case.prepare()))
         modulus, load = np.pi * hertz.contact_modulus, hertz.load_per_length
         # Johnson (1985), eq. 4.45 counted from the datum: both bodies move by the logarithm of the distance
-        turns = np.log(case.grid.extent[0] / hertz.half_width)
+        turns = np.log(2 * 2 * hertz.radius / hertz.half_width)
         approach = load / modulus * (2 * turns + 1)
         stiffness = modulus / (2 * turns)
         # the grid's error is 1e-4 in L1; the mean of half a cell's error in the half-width stays below 1 %
@@ -70,6 +70,23 @@ def test_stiffness_is_the_slope_of_the_load_over_the_approach(rough: Path) -> No
     assert float(found[1]["stiffness"].values) == pytest.approx(slope, rel=3e-2)
 
 
+def test_the_load_of_an_adhesive_contact_is_the_pressure_less_the_attraction(
+    tmp_path: Path,
+) -> None:
+    solids = cs.HalfSpace(1e6, 0.49), cs.HalfSpace(np.inf, 0.3)
+    scene = cs.Scene(
+        cs.LineLoad(2.0), solids, (cs.Cylinder(0.01),), adhesion=cs.Adhesion(0.05, 1e-5)
+    )
+    file = cs.SceneFile(scene, grid=cs.Grid((128, 1), (6e-3, 1e-3)), padding=cs.ExactPeriodicity())
+    [case] = studies.study_of(file, {"load.per_length": [2.0]}).cases()
+    found, single = (
+        measures(case, case.run(case.prepare())),
+        cs.solve(scene, file.grid, file.padding),
+    )
+    assert float(found["load"].values) == pytest.approx(2.0, rel=1e-6)
+    assert float(found["approach"].values) == pytest.approx(single.approach, rel=1e-6)
+
+
 @pytest.mark.parametrize("cells", [46, 73])
 def test_stiffness_and_area_on_coarse_cells_keep_to_their_bounds(smooth: Path, cells: int) -> None:
     smooth.write_text(SMOOTH + given(cells, "0.4 mm", "0.4 mm"), encoding="utf-8")
@@ -77,7 +94,7 @@ def test_stiffness_and_area_on_coarse_cells_keep_to_their_bounds(smooth: Path, c
     hertz, found = case.scene.hertz, measures(case, case.run(case.prepare()))
     modulus = np.pi * hertz.contact_modulus
     true = {
-        "stiffness": modulus / (2 * np.log(case.grid.extent[0] / hertz.half_width)),
+        "stiffness": modulus / (2 * np.log(2 * 2 * hertz.radius / hertz.half_width)),
         "contact_fraction": 2 * hertz.half_width / case.grid.extent[0],
         "contact_area_over_hertz": 1.0,
     }

@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
+from math import ceil
 from threading import local
 
 import numpy as np
@@ -15,7 +16,9 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings, across_and_along
 from contactstudy.domain.reuse import cached_array
 from contactstudy.elasticity.approximate_inverse import (
+    MARGIN,
     ExactInverse,
+    OnLongerGrid,
     SpectralInverse,
     at_unpadded_wave_numbers,
 )
@@ -215,9 +218,24 @@ class Convolution:
             and isinstance(device(), Cpu)
         ):
             return ExactInverse(self._compliance())
-        spectrum = at_unpadded_wave_numbers(self.spectrum, self.cells, self.padded)
-        real = spectrum.dtype if precision is None else precision.real
-        return SpectralInverse(spectrum, self.cells, self.work_array, real)
+        real = self.spectrum.dtype if precision is None else precision.real
+
+        def inverse(cells: tuple[int, int], beyond: OnLongerGrid | None = None) -> SpectralInverse:
+            spectrum = at_unpadded_wave_numbers(self.spectrum, cells, self.padded)
+            return SpectralInverse(spectrum, cells, self.work_array, real, beyond)
+
+        longer = self._beyond_free_ends
+        free = longer != self.cells
+        return inverse(self.cells, OnLongerGrid(self.cells, longer, inverse) if free else None)
+
+    @property
+    def _beyond_free_ends(self) -> tuple[int, int]:
+        """Cells (across, along) with a margin beyond the ends of each axis that does not wrap, a multiple of 4."""
+        across, along = (
+            n if n in (1, padded) else 4 * fft.next_fast_len(ceil(n * (1 + MARGIN) / 4))
+            for n, padded in zip(self.cells, self.padded, strict=True)
+        )
+        return across, along
 
     def _compliance(self) -> Array:
         """Return the displacement of each cell in plane strain under a unit pressure on each (cells, cells).

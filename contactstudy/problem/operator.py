@@ -16,7 +16,7 @@ class Extension(Protocol):
         """The active set (x, y): 1 in its cells, 0 elsewhere."""
 
     def __call__(self, displacement: Array) -> Array:
-        """Return the `displacement` extended to all cells."""
+        """Return the `displacement` extended to all cells, and it may be to more beyond them along each axis."""
 
     def pressure(self, extended: Array) -> Array:
         """Return the pressure (x, y) on the active set that approximately makes the `extended` displacement.

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 from math import prod
 
 from contactstudy.domain.device import arrays
-from contactstudy.domain.fields import Array, equal, inner, total
+from contactstudy.domain.fields import Array, equal, first_cells, inner, total
 from contactstudy.problem.bare_problem import BareProblem
 from contactstudy.problem.constraint import Gap
 from contactstudy.problem.field_operations import Direction
@@ -193,12 +193,13 @@ class ContactPreconditioner:
             self._extension = self._inverse.extension(active)
         active = self._extension.active
         extended = self._extension(gap_of_set)
+        of_cells = first_cells(extended, (active.shape[0], active.shape[1]))
         entered = operations.add_entering(
-            pressure, gap.height, extended, step_length, active, gap_of_set
+            pressure, gap.height, of_cells, step_length, active, gap_of_set
         )
         if entered:
             self._extension = None  # that of the smaller set
-            del extended
+            del extended, of_cells
             self._extension = self._inverse.extension(active)
             extended = self._extension(gap_of_set)
         return PredictedSet(active, entered, self._extension, extended)

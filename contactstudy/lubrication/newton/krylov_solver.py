@@ -15,16 +15,12 @@ from scipy import fft
 from scipy.sparse.linalg import LinearOperator, gmres
 
 from contactstudy.domain.fields import Array
-from contactstudy.elasticity.approximate_inverse import (
-    CoveringExtension,
-    ExactExtension,
-    ExactInverse,
-    SpectralInverse,
-)
+from contactstudy.elasticity.approximate_inverse import ExactInverse, SpectralInverse
 from contactstudy.elasticity.convolution import Convolution
 from contactstudy.lubrication.film_equation import Film, Linearised, Mask, neighbour
 from contactstudy.lubrication.newton.local_stage import LineStage, LUStage, local_stage
 from contactstudy.lubrication.newton.pseudo_time import ActiveSets, FilmCorrection
+from contactstudy.problem.operator import Extension
 
 
 @dataclass(frozen=True)
@@ -167,7 +163,7 @@ class StepSystem:
     touching: Mask
     fourier: "FourierStage"
     local: LineStage | LUStage
-    extension: ExactExtension | CoveringExtension | None = None
+    extension: Extension | None = None
 
     @cached_property
     def full_film(self) -> Mask:

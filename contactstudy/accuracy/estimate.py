@@ -28,7 +28,7 @@ from contactstudy.accuracy.range_errors import (
 from contactstudy.accuracy.residual_errors import residual_errors
 from contactstudy.domain.checks import InvalidInput, NotDefined
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
-from contactstudy.domain.reuse import ArrayCache, caching, current_cache
+from contactstudy.domain.reuse import cache_of, caching
 from contactstudy.domain.units import readable
 from contactstudy.scene.scene import scene_of
 from contactstudy.scene.solids.bodies import creeps, is_layered
@@ -155,7 +155,7 @@ def error_estimate(
         change = OUTER.change_in_tolerances * solution.residual
     residual = residual_errors(solution, change)
     # the heights on several grids have the same waves
-    with caching(current_cache() or ArrayCache(problem.undeformed_gap.nbytes)):
+    with caching(cache_of(problem.undeformed_gap.nbytes)):
         cells = discretisation_bound(solution, coarse, heights, confidence)
     cells = replace(cells, warnings=cells.warnings or range_warning(solution))
     rise_at_edge, width, reason = _edge_rise(solution)

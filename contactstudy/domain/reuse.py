@@ -1,4 +1,4 @@
-"""Least-recently-used cache of arrays, which a caller provides; without one, nothing is kept."""
+"""Least-recently-used cache of arrays: a small one, or that of a caller."""
 
 from collections import OrderedDict
 from collections.abc import Callable, Hashable, Iterator
@@ -21,6 +21,7 @@ class ArrayCache:
     def __init__(self, max_bytes: int) -> None:
         self.max_bytes, self._lock = max_bytes, Lock()
         self._arrays: OrderedDict[Hashable, Numbers] = OrderedDict()
+        self._bytes = 0
 
     def array(self, key: Hashable, compute: Callable[[], Numbers]) -> Numbers:
         """Return the array stored for an equal `key`, or that of `compute`, which is stored as read-only."""
@@ -32,18 +33,24 @@ class ArrayCache:
         if array.nbytes <= self.max_bytes:
             array.flags.writeable = False
             with self._lock:
-                self._arrays[key] = array
-                while sum(stored.nbytes for stored in self._arrays.values()) > self.max_bytes:
-                    self._arrays.popitem(last=False)
+                if key not in self._arrays:
+                    self._bytes += array.nbytes
+                    self._arrays[key] = array
+                while self._bytes > self.max_bytes:
+                    self._bytes -= self._arrays.popitem(last=False)[1].nbytes
         return array
 
 
-_CACHE: ContextVar[ArrayCache | None] = ContextVar("array_cache", default=None)
+# The coefficients of 700 x 700 cells that are periodic along their length, which loads on one grid share. Larger arrays
+# take long beside them, and fresh memory costs as much as the coefficients of some thousand cells.
+_SMALL = ArrayCache(2**22)
+_CACHE: ContextVar[ArrayCache | None] = ContextVar("array_cache", default=_SMALL)
 
 
-def current_cache() -> ArrayCache | None:
-    """Return the cache in use, or None."""
-    return _CACHE.get()
+def cache_of(size: int) -> ArrayCache:
+    """Return the cache in use, or one of this `size` [bytes] if that is smaller or there is none."""
+    cache = _CACHE.get()
+    return cache if cache is not None and cache.max_bytes >= size else ArrayCache(size)
 
 
 @contextmanager
@@ -61,5 +68,5 @@ def cached_array(key: Hashable, compute: Callable[[], Numbers]) -> Numbers:
 
     The key holds all that the array depends on. The array must not be changed.
     """
-    cache = current_cache()
+    cache = _CACHE.get()
     return compute() if cache is None else cache.array(key, compute)

@@ -14,7 +14,7 @@ from contactstudy.accuracy.image_errors import IMAGES_REMEDY
 from contactstudy.domain.device import Cpu, Device
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings, on_cells
-from contactstudy.domain.reuse import ArrayCache, caching, current_cache
+from contactstudy.domain.reuse import cache_of, caching
 from contactstudy.planning.grid_requirements import CONSTANTS as GRID
 from contactstudy.planning.grid_requirements import GridRequirements, grid_requirements
 from contactstudy.scene.scene import Scene
@@ -193,7 +193,7 @@ class GridRefinement:
         grid: Grid | None = self.first_grid(extent)
         solutions: list[Solution] = []
         is_last, widths = False, 0
-        with caching(current_cache() or ArrayCache(32 * self.most_cells)):
+        with caching(cache_of(32 * self.most_cells)):
             while grid is not None:
                 if not solutions:
                     solutions.append(self._solve_on(halved(grid), start, self._loose))

@@ -99,15 +99,15 @@ def multipoles(c: Array, q: Array, e: Array, terms: int) -> Array:
 
 
 @cache
-def _moments(terms: int) -> list[list[list[float]]]:
-    """Return the coefficients (k, m, n) of ``c^m e^n`` in ``< (s / d)^2k P_2k(cos(r, s)) >``, see :func:`multipoles`.
+def _moments(terms: int) -> Array:
+    """Return the coefficients (n, k, m) of ``c^m e^n`` in ``< (s / d)^2k P_2k(cos(r, s)) >``, see :func:`multipoles`.
 
     P_2k is a sum of ``cos 2 m (theta - phi)``, phi the direction of s, whose factors are those of
     ``((1 - z) (1 - 1 / z))^(-1/2)``. Averaged over the cell, ``s^2k cos 2 m phi`` is a polynomial in the squares of its
     half-sides, which are ``(1 + e) / 2`` and ``(1 - e) / 2``.
     """
     root = binom(2 * np.arange(2 * terms), np.arange(2 * terms)) / 4.0 ** np.arange(2 * terms)
-    moments = []
+    moments = np.zeros((terms, terms, terms))
     for k in range(terms):
         sides = [np.convolve(polypow([1, 1], i), polypow([1, -1], k - i)) for i in range(k + 1)]
         i = np.arange(k + 1)
@@ -118,13 +118,14 @@ def _moments(terms: int) -> list[list[list[float]]]:
             factor = (2 if m else 1) * root[k - m] * root[k + m]
             in_c = np.polynomial.chebyshev.cheb2poly([0] * m + [factor])
             moment[: m + 1] += np.outer(in_c, np.convolve(wave, polypow([1, 1], k - m)) @ means)
-        moments.append(moment.tolist())
+        moments[: k + 1, k, : k + 1] = moment.T
     return moments
 
 
 def _polynomials(terms: int, e: Any) -> list[list[Any]]:
     """Return the coefficients (k, m) of ``c^m`` in the moments of a cell of anisotropy `e`, see :func:`multipoles`."""
-    return [[polyval(e, in_e) for in_e in moment] for moment in _moments(terms)]
+    moments = polyval(e, _moments(terms))
+    return [list(moments[k, : k + 1]) for k in range(terms)]
 
 
 _moments_of_cell = lru_cache(maxsize=8)(_polynomials)

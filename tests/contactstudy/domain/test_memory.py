@@ -28,6 +28,16 @@ def test_equal_keys_share_one_read_only_array() -> None:
         first[0] = 1.0
 
 
+def test_loads_on_one_grid_share_their_coefficients_and_none_do_on_request() -> None:
+    computed: list[str] = []
+    key = ("coefficients", 1.0)
+    first = cached_array(key, eight_bytes(computed, "first"))
+    assert cached_array(key, eight_bytes(computed, "second")) is first
+    with caching(None):
+        cached_array(key, eight_bytes(computed, "third"))
+    assert computed == ["first", "third"]
+
+
 def test_memory_left_is_that_of_the_system_or_what_a_limit_of_the_process_leaves() -> None:
     resource = pytest.importorskip("resource", reason="this system has no limits of POSIX")
     free = psutil.virtual_memory().available + psutil.swap_memory().free

@@ -56,6 +56,23 @@ def test_iterations_do_not_grow_with_detail_down_to_the_cell(fraction: float, hu
     assert iterations[-1] <= max(1.3 * iterations[0], iterations[0] + 1)
 
 
+@pytest.mark.parametrize(
+    ("shape", "most"), [(cs.Sphere(1.0), 12), (cs.Roughness(0.05, 0.8, 0.25, 0.05, seed=1), 16)]
+)
+def test_contacts_at_free_ends_take_as_few_iterations_as_within(shape: cs.Shape, most: int) -> None:
+    body, rigid = cs.HalfSpace(1.0, 0.0), cs.HalfSpace(np.inf, 0.0)
+    scene = cs.Scene(cs.TotalLoad(1.0, length=1.0), (body, rigid), (shape,))
+    free = cs.ZeroPadding(), cs.ZeroPadding()
+    for cells in (64, 192):
+        problem = scene.problem(cs.Grid((cells, cells), (1.0, 1.0)), free)
+        found = cs.solve(problem, tolerance=1e-10)
+        ends = found.pressure[0], found.pressure[-1], found.pressure[:, 0], found.pressure[:, -1]
+        assert all((end > 0).any() for end in ends)
+        assert found.iterations <= most
+        start = cs.solve(problem, solver=PolonskyKeer(), tolerance=1e-10).pressure
+        assert found.pressure == pytest.approx(start, abs=1e-7 * start.max())
+
+
 def test_a_strip_of_cells_a_thousand_times_as_wide_as_long_does_not_stall() -> None:
     """What is expected of cells beside a contact is far off there: no more of it may count than a step closes."""
     steel = cs.HalfSpace(youngs_modulus=210e9, poisson_ratio=0.3)

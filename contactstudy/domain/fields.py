@@ -79,11 +79,12 @@ def in_threads(work: Callable[[slice], object], shape: tuple[int, ...]) -> None:
         future.result()
 
 
-def first_cells(field: Array, shape: tuple[int, int]) -> Array:
+def first_cells(field: Array, shape: tuple[int, ...]) -> Array:
     """Return the first cells of `field` along both axes, as many as `shape` says, in an array of their own."""
     if field.shape == shape:
         return field
-    return arrays().asarray(field[: shape[0], : shape[1]], copy=True)
+    cells: Array = arrays().asarray(field[: shape[0], : shape[1]], copy=True)
+    return cells
 
 
 def replace_blocks(field: Array, new: Callable[[Array], Array]) -> Array:

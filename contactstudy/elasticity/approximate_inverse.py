@@ -115,9 +115,6 @@ class SpectralInverse:
         Returns the work array of a transform.
     real
         Type of the numbers to work in, if their digits span the range of the spectrum.
-    beyond_ends
-        The same map on a grid with a margin beyond the free ends of this one, for sets that come near one: here the two
-        ends of an axis are coupled. None where no end is free.
     """
 
     def __init__(
@@ -126,7 +123,6 @@ class SpectralInverse:
         cells: tuple[int, int],
         work_array: Callable[[tuple[int, int], DTypeLike], ComplexField | None],
         real: DTypeLike,
-        beyond_ends: "OnLongerGrid | None" = None,
     ) -> None:
         xp = arrays()
         inverse = 1 / spectrum
@@ -141,18 +137,16 @@ class SpectralInverse:
         # the length of the smoothing kernel in cells, and its spectrum
         self._smoothing: tuple[float, Array] = 0.0, self._inverse
         self._coarser, self._transformed = self._on_blocks(spectrum), 0
-        self._beyond_ends = beyond_ends
 
     @property
     def cells_transformed(self) -> float:
         """Number of cells transformed so far."""
-        others = self._coarser, self._beyond_ends
-        return self._transformed + sum(other.cells_transformed for other in others if other)
+        return self._transformed + (
+            self._coarser.cells_transformed if self._coarser is not None else 0.0
+        )
 
-    def extension(self, active: Array) -> "CoveringExtension | LongerExtension":
+    def extension(self, active: Array) -> "CoveringExtension":
         """Return the map from the displacement of an `active` set (x, y) to that of all cells."""
-        if self._beyond_ends is not None and self._beyond_ends.is_near(active):
-            return LongerExtension(active, self._beyond_ends)
         if self._coarser is not None:
             return BlockExtension(active, self._coarser, self.pressure)
         width = hole_width(active)
@@ -195,15 +189,17 @@ class SpectralInverse:
         return self._transforms.filtered(field, factors, self._waves)
 
 
-class OnLongerGrid:
-    """Spectral inverse on a grid with a margin beyond the free ends of a shorter one, made when it is first used.
+class FreeEndsInverse:
+    """Preconditioner on a grid with free ends: a spectral inverse, near an end that of a grid with a margin beyond it.
+
+    Without the margin both ends of an axis are coupled, and iterations grow with the grid.
 
     Parameters
     ----------
     cells
-        Cells of the shorter grid (across, along).
+        Cells of the grid (across, along).
     longer
-        Cells of the longer grid, as many along an axis without a free end.
+        Cells with the margins, as many along an axis without a free end.
     inverse
         Returns the spectral inverse on a grid of these cells.
     """
@@ -214,54 +210,63 @@ class OnLongerGrid:
         longer: tuple[int, int],
         inverse: Callable[[tuple[int, int]], SpectralInverse],
     ) -> None:
-        self.cells, self.longer, self._make = cells, longer, inverse
+        self._cells, self._longer, self._make = cells, longer, inverse
+        self._within = inverse(cells)
+        self.real = self._within.real
 
     @cached_property
-    def inverse(self) -> SpectralInverse:
+    def _beyond(self) -> SpectralInverse:
         """The inverse on the longer grid."""
-        return self._make(self.longer)
+        return self._make(self._longer)
 
     @property
     def cells_transformed(self) -> float:
         """Number of cells transformed so far."""
-        return self.inverse.cells_transformed if "inverse" in self.__dict__ else 0.0
+        beyond = self.__dict__.get("_beyond")
+        return self._within.cells_transformed + (beyond.cells_transformed if beyond else 0.0)
 
-    def is_near(self, active: Array) -> bool:
-        """Return whether any cell of an `active` set (x, y) is within the least margin of a free end."""
-        xp, (nx, ny) = arrays(), self.cells
+    def extension(self, active: Array) -> "CoveringExtension | LongerExtension":
+        """Return the map from the displacement of an `active` set (x, y) to that of all cells."""
+        if not self._is_near_an_end(active):
+            return self._within.extension(active)
+        return LongerExtension(active, self._longer, self._beyond)
+
+    def _is_near_an_end(self, active: Array) -> bool:
+        """Return whether any cell of an `active` set (x, y) is within a margin of a free end."""
+        (nx, ny), xp = self._cells, arrays()
         across, along = (
             ceil(MARGIN * n) if longer > n else 0
-            for n, longer in zip(self.cells, self.longer, strict=True)
+            for n, longer in zip(self._cells, self._longer, strict=True)
         )
-        strips = (
+        ends = (
             active[:across, :],
             active[nx - across :, :],
             active[:, :along],
             active[:, ny - along :],
         )
-        return any(bool(xp.any(strip > 0)) for strip in strips if prod(strip.shape))
-
-    def lengthened(self, field: Array) -> Array:
-        """Return a `field` (x, y) of the shorter grid on the longer one, zero beyond the ends."""
-        longer = arrays().zeros(self.longer, dtype=field.dtype)
-        longer[: self.cells[0], : self.cells[1]] = field
-        return longer
+        return any(bool(xp.any(end > 0)) for end in ends if prod(end.shape))
 
 
 class LongerExtension:
-    """Extension of an `active` set (x, y) to a longer grid, whose first cells are those of the set's own."""
+    """Extension of an `active` set (x, y) to the `longer` grid of an `inverse`, whose first cells are those of its own."""
 
-    def __init__(self, active: Array, grid: OnLongerGrid) -> None:
-        self.active, self._grid = active, grid
-        self._extension = grid.inverse.extension(grid.lengthened(active))
+    def __init__(self, active: Array, longer: tuple[int, int], inverse: SpectralInverse) -> None:
+        self.active, self._longer = active, longer
+        self._extension = inverse.extension(self._lengthened(active))
 
     def __call__(self, displacement: Array) -> Array:
         """Return a `displacement` (x, y), which is zero outside the set, extended to all cells of the longer grid."""
-        return self._extension(self._grid.lengthened(displacement))
+        return self._extension(self._lengthened(displacement))
 
     def pressure(self, extended: Array) -> Array:
         """Return the pressure (x, y) on the set that makes an `extended` displacement."""
-        return first_cells(self._extension.pressure(extended), self._grid.cells)
+        return first_cells(self._extension.pressure(extended), self.active.shape)
+
+    def _lengthened(self, field: Array) -> Array:
+        """Return a `field` (x, y) on the longer grid, zero beyond the ends."""
+        longer = arrays().zeros(self._longer, dtype=field.dtype)
+        longer[: field.shape[0], : field.shape[1]] = field
+        return longer
 
 
 class CoveringExtension:

@@ -18,7 +18,7 @@ from contactstudy.domain.reuse import cached_array
 from contactstudy.elasticity.approximate_inverse import (
     MARGIN,
     ExactInverse,
-    OnLongerGrid,
+    FreeEndsInverse,
     SpectralInverse,
     at_unpadded_wave_numbers,
 )
@@ -206,11 +206,12 @@ class Convolution:
 
     def approximate_inverse(
         self, precision: Precision | None = None
-    ) -> SpectralInverse | ExactInverse:
+    ) -> SpectralInverse | FreeEndsInverse | ExactInverse:
         """Return a preconditioner: division by the spectrum on the unpadded grid, as if it were periodic.
 
-        It works in the operator's own precision, unless another `precision` is given and can hold the spectrum's range.
-        For few cells in plane strain it solves the equations of the contact exactly.
+        Near an end of an axis that does not wrap the grid has a margin. It works in the operator's own precision, unless
+        another `precision` is given and can hold the spectrum's range. For few cells in plane strain it solves the
+        equations of the contact exactly.
         """
         if (
             self.cells[1] == 1
@@ -220,13 +221,14 @@ class Convolution:
             return ExactInverse(self._compliance())
         real = self.spectrum.dtype if precision is None else precision.real
 
-        def inverse(cells: tuple[int, int], beyond: OnLongerGrid | None = None) -> SpectralInverse:
+        def inverse(cells: tuple[int, int]) -> SpectralInverse:
             spectrum = at_unpadded_wave_numbers(self.spectrum, cells, self.padded)
-            return SpectralInverse(spectrum, cells, self.work_array, real, beyond)
+            return SpectralInverse(spectrum, cells, self.work_array, real)
 
         longer = self._beyond_free_ends
-        free = longer != self.cells
-        return inverse(self.cells, OnLongerGrid(self.cells, longer, inverse) if free else None)
+        if longer == self.cells:
+            return inverse(self.cells)
+        return FreeEndsInverse(self.cells, longer, inverse)
 
     @property
     def _beyond_free_ends(self) -> tuple[int, int]:

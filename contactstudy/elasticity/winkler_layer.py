@@ -7,7 +7,11 @@ import numpy as np
 from contactstudy.domain.device import Precision
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import on_cells
-from contactstudy.elasticity.approximate_inverse import ExactInverse, SpectralInverse
+from contactstudy.elasticity.approximate_inverse import (
+    ExactInverse,
+    FreeEndsInverse,
+    SpectralInverse,
+)
 from contactstudy.elasticity.convolution import Convolution, weighted_sum
 
 
@@ -59,7 +63,7 @@ class WithWinklerLayer:
 
     def approximate_inverse(
         self, precision: Precision | None = None
-    ) -> SpectralInverse | ExactInverse:
+    ) -> SpectralInverse | FreeEndsInverse | ExactInverse:
         """Return a preconditioner: the exact inverse of few cells, else that with a layer of the mean compliance."""
         layer = float(self.compliance.mean())
         inverse = weighted_sum([(1.0, self.convolution)], layer).approximate_inverse(precision)

@@ -193,7 +193,7 @@ class ContactPreconditioner:
             self._extension = self._inverse.extension(active)
         active = self._extension.active
         extended = self._extension(gap_of_set)
-        of_cells = first_cells(extended, (active.shape[0], active.shape[1]))
+        of_cells = first_cells(extended, active.shape)
         entered = operations.add_entering(
             pressure, gap.height, of_cells, step_length, active, gap_of_set
         )

@@ -15,12 +15,11 @@ from scipy import fft
 from scipy.sparse.linalg import LinearOperator, gmres
 
 from contactstudy.domain.fields import Array
-from contactstudy.elasticity.approximate_inverse import ExactInverse, SpectralInverse
 from contactstudy.elasticity.convolution import Convolution
 from contactstudy.lubrication.film_equation import Film, Linearised, Mask, neighbour
 from contactstudy.lubrication.newton.local_stage import LineStage, LUStage, local_stage
 from contactstudy.lubrication.newton.pseudo_time import ActiveSets, FilmCorrection
-from contactstudy.problem.operator import Extension
+from contactstudy.problem.operator import ApproximateInverse, Extension
 
 
 @dataclass(frozen=True)
@@ -70,7 +69,7 @@ class KrylovSolver:
     built_for: float = 0.0
     iterations_at_build: int | None = None
     last: "tuple[StepSystem, Array] | None" = None
-    inverse: SpectralInverse | ExactInverse | None = None
+    inverse: ApproximateInverse | None = None
 
     def step(
         self, linear: Linearised, film: Film, active: ActiveSets, load_residual: float

@@ -248,7 +248,7 @@ class FreeEndsInverse:
 
 
 class LongerExtension:
-    """Extension of an `active` set (x, y) to the `longer` grid of an `inverse`, whose first cells are those of its own."""
+    """Extension of an `active` set (x, y) to the `longer` grid of an `inverse`; its first cells are those of the set."""
 
     def __init__(self, active: Array, longer: tuple[int, int], inverse: SpectralInverse) -> None:
         self.active, self._longer = active, longer

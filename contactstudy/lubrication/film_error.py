@@ -7,7 +7,7 @@ import numpy as np
 
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid, Padding, Paddings, edge_fraction
+from contactstudy.domain.grid import Grid, Padding, Paddings, across_and_along, edge_fraction
 from contactstudy.lubrication.lubricated_contact import FilmSolution, rise_beside_lowest
 from contactstudy.lubrication.newton.pseudo_time import FilmControls
 from contactstudy.lubrication.posed_film import interpolated, lubricated_scales
@@ -41,7 +41,7 @@ def with_error(
     start: FilmSolution | None,
 ) -> FilmSolution:
     """Return the contact on ``grid`` with an error estimate; each of its grids starts from a coarser one."""
-    if (reason := _too_coarse(scene, grid)) is not None:
+    if (reason := _without_estimate(scene, grid, padding)) is not None:
         return replace(solve_on(scene, grid, padding, controls, start), estimate=_unknown(reason))
     scene = _same_surface(scene, grid)
     quarter, half, longer = _grids_of_estimate(grid)
@@ -68,7 +68,7 @@ def film_error(contact: FilmSolution) -> ErrorEstimate:
     stress under the spike adds ever more to it, or where the stress is above the largest known limit of a lubricant; see
     ``FilmSolution.friction_reason``.
     """
-    if (reason := _too_coarse(contact.scene, contact.grid)) is not None:
+    if (reason := _without_estimate(contact.scene, contact.grid, contact.padding)) is not None:
         return _unknown(reason)
     if contact.status is Status.FILM_NOT_CONVERGED:
         return _unknown(f"The error is unknown: {contact.status}")
@@ -93,8 +93,13 @@ def _same_surface(scene: Scene, grid: Grid) -> Scene:
     return replace(scene, shapes=shapes)
 
 
-def _too_coarse(scene: Scene, grid: Grid) -> str | None:
-    """Return the reason if a quarter of the cells are too few for an error estimate, else None."""
+def _without_estimate(scene: Scene, grid: Grid, padding: Padding | Paddings) -> str | None:
+    """Return why there is no error estimate: omitted images, or too few cells in a quarter of them; else None."""
+    if across_and_along(padding)[1].window is not None:
+        return (
+            f"The error is unknown: padding is {padding!r}, and the error of a film by the images that it leaves out is "
+            "not estimated. Give ExactPeriodicity()."
+        )
     scales = lubricated_scales(scene)
     cells = grid.cells[0] // 4
     if (

@@ -11,7 +11,7 @@
 4. The inlet is heated by its own shear. The film that is sheared and conducts is thinner by the factor of Gupta et al.
    (1992), of the load ``p_H / E'``, the slide-roll ratio S and the thermal loading parameter
    ``L = beta eta0 u_m^2 / k_f``, but no thinner than a boundary film. Beyond L = 10 friction and temperatures
-   have no bound.
+   have no bound. A starved film is as thick as its supply, unless a flooded film with a heated inlet were thinner.
 """
 
 from typing import NamedTuple
@@ -41,16 +41,17 @@ def thermal_shear(
     film: Array,
     film_fraction: Array,
     contact: Array | None,
+    reduction: float,
 ) -> tuple[Array, FilmTemperatures]:
     """Return the shear stress (x, y) [Pa] of a heated film, and its temperatures.
 
-    Fields are those of :func:`~contactstudy.lubrication.lubricated_contact.shear_stress`.
+    Fields are those of :func:`~contactstudy.lubrication.lubricated_contact.shear_stress`. The film is thinner by the
+    factor ``reduction``.
     """
     motion = scales.lubrication
     heat = motion.thermal
     assert heat is not None
     ratio = motion.slide_roll_ratio
-    reduction = thermal_reduction(scales, heat)
     sliding = abs(mean_speed * ratio)
     influence = [
         moving_source(grid, body, mean_speed * (1 + side * ratio / 2))
@@ -93,7 +94,7 @@ class _Line(NamedTuple):
         motion = self.scales.lubrication
         assert motion.thermal is not None
         pressure = self.pressure if self.contact is None else self.pressure - self.contact
-        factor = motion.lubricant.viscosity_law.temperature_factor(pressure)
+        factor = motion.lubricant.law.temperature_factor(pressure)
         thinning = motion.thermal.thinning(rise, motion.lubricant.viscosity)
         return shear_stress(*self, np.exp(factor * thinning))
 
@@ -105,17 +106,21 @@ def thermal_loading(scales: FilmScales, heat: FilmHeat) -> float:
     return float(heat.temperature_viscosity * power / heat.conductivity)
 
 
-def thermal_reduction(scales: FilmScales, heat: FilmHeat) -> float:
+def thermal_reduction(scales: FilmScales, heat: FilmHeat, *, starved: bool = False) -> float:
     """Return the film thickness with a heated inlet over that of an isothermal inlet, by Gupta et al. (1992).
 
     An approximation, whose factor of the load is at least 0.1 here. Zhou & Hoeprich (1991), eq. 21, and Arana et al.
-    (2019), eq. 24, give the same coefficients.
+    (2019), eq. 24, give the same coefficients. A ``starved`` film is thinned down to the flooded one of Moes alone.
     """
     loading = thermal_loading(scales, heat)
     load = scales.hertz.half_width / (4 * scales.hertz.radius)  # p_H / E'
     slide = abs(scales.lubrication.slide_roll_ratio)
     heating = 0.213 * (1 + 2.23 * slide**0.83) * loading**0.64
-    return float(max(1 - 13.2 * load * loading**0.42, 0.1) / (1 + heating))
+    reduction = float(max(1 - 13.2 * load * loading**0.42, 0.1) / (1 + heating))
+    supply = scales.lubrication.supply
+    if not starved or supply is None:
+        return reduction
+    return min(1.0, reduction * max(1.0, scales.expected_film * scales.film / supply))
 
 
 def moving_source(grid: Grid, body: ThermalBody, speed: float) -> Array:

@@ -293,7 +293,7 @@ def shear_stress(
     motion = scales.lubrication
     oil = motion.lubricant
     pressure = pressure if contact is None else pressure - contact
-    log_viscosity, _ = oil.viscosity_law.log_ratio(pressure, oil.pressure_viscosity)
+    log_viscosity, _ = oil.law.log_ratio(pressure, oil.pressure_viscosity)
     with np.errstate(over="ignore"):  # by Barus' law
         sliding = mean_speed * motion.slide_roll_ratio
         newtonian = viscosity_ratio * oil.viscosity * np.exp(log_viscosity) * sliding / film

@@ -160,12 +160,16 @@ class PosedFilm:
 
 
 def check_film_padding(padding: Padding | Paddings, cells_along: int) -> Paddings:
-    """Return the paddings (across, along) of a film; raise :class:`~contactstudy.InvalidInput` for others."""
+    """Return the paddings (across, along) of a film; raise :class:`~contactstudy.InvalidInput` for others.
+
+    A film of one cell along the length is one of endless bodies: with fewer images its length would act on it.
+    """
     paddings = across_and_along(padding)
-    if paddings[0].wraps or (cells_along > 1 and not paddings[1].wraps):
+    is_strip = cells_along == 1 and paddings[1].window is not None
+    if paddings[0].wraps or not paddings[1].wraps or is_strip:
         raise InvalidInput(
             f"padding is {padding!r}: a film flows in at one side and out at the other, and is periodic along the "
-            "length: give a padding along the length that wraps, such as ExactPeriodicity()."
+            "length, with all images where one cell has the whole of it: give ExactPeriodicity()."
         )
     return paddings
 
@@ -215,7 +219,7 @@ def pose(scene: Scene, grid: Grid, padding: Padding | Paddings) -> PosedFilm:
         return Deflection.on(upstream, paddings, weights, peak / scales.film)
 
     def log_viscosity(pressure: Array) -> tuple[Array, Array]:
-        value, slope = oil.viscosity_law.log_ratio(peak * pressure, oil.pressure_viscosity)
+        value, slope = oil.law.log_ratio(peak * pressure, oil.pressure_viscosity)
         return value, peak * slope
 
     def density(pressure: Array) -> tuple[Array, Array]:

@@ -7,7 +7,7 @@ import numpy as np
 
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.lubrication.continuation import SpeedSteps, from_higher_speeds
-from contactstudy.lubrication.film_equation import Film, Mask
+from contactstudy.lubrication.film_equation import Film, FilmEquation, Mask
 from contactstudy.lubrication.lubricated_contact import (
     FilmSolution,
     rise_beside_lowest,
@@ -243,9 +243,12 @@ def film_solution(
     if scales.lubrication.thermal is None:
         shear, temperatures = shear_stress(scales, mean_speed, *state), None
     else:
-        from contactstudy.lubrication.film_heat import thermal_shear
+        from contactstudy.lubrication.film_heat import thermal_reduction, thermal_shear
 
-        shear, temperatures = thermal_shear(scales, grid, mean_speed, *state)
+        reduction = thermal_reduction(
+            scales, scales.lubrication.thermal, starved=_is_starved(equation, last)
+        )
+        shear, temperatures = thermal_shear(scales, grid, mean_speed, *state, reduction)
     return FilmSolution(
         scene=scene,
         grid=grid,
@@ -268,6 +271,11 @@ def film_solution(
     )
 
 
+def _is_starved(equation: FilmEquation, last: FilmIteration) -> bool:
+    """Return whether the film is as thick as its supply, which fills the gap inside the grid."""
+    return equation.supplied_film < inf and bool((last.film.void[2] > 0).all())
+
+
 def _status(posed: PosedFilm, last: FilmIteration, tolerance: float) -> Status:
     if not last.converged(tolerance):
         return Status.FILM_NOT_CONVERGED
@@ -280,7 +288,6 @@ def _status(posed: PosedFilm, last: FilmIteration, tolerance: float) -> Status:
     if film < SWEEP * equation.cell[0] ** 1.5 or steep:
         return Status.FILM_BELOW_CELL
     # a longer inlet has no effect where the supplied layer fills the gap inside the grid
-    fed = equation.supplied_film < inf and bool((last.film.void[2] > 0).all())
-    if not fed and INLET_ERROR * film > STARVED * posed.x[0] ** 2:
+    if not _is_starved(equation, last) and INLET_ERROR * film > STARVED * posed.x[0] ** 2:
         return Status.STARVED_INLET
     return Status.CONVERGED

@@ -36,22 +36,23 @@ def pressure_viscosity(temperature, pressure):
 viscosity, slope = exp(log_viscosity(supply, 0)), pressure_viscosity(supply, 0)
 growth = log_viscosity(supply, peak) - log_viscosity(supply, 0)
 exponents = np.linspace(0.5, 0.8, 3001)
-laws = slope * 1.96e8 / exponents * ((1 + peak / 1.96e8) ** exponents - 1)
+height = log(viscosity) + 9.67
+laws = height * ((1 + peak * slope / (height * exponents)) ** exponents - 1)
 exponent = float(exponents[np.argmin(abs(laws - growth))])
+law = cs.Roelands(exponent, reference_pressure=exponent * height / slope)
 limit = 0.047
 eyring = cs.Eyring(2 * limit / pressure_viscosity(supply, peak))
-oil = cs.Lubricant(viscosity, slope, cs.Roelands(exponent), shear=eyring)
+oil = cs.Lubricant(viscosity, slope, law, shear=eyring)
 heat = cs.FilmHeat(890 / (supply - 182) ** 2, conductivity=0.14, supply_temperature=supply)
 steel, disc = cs.HalfSpace(210e9, 0.3), cs.Cylinder(0.02)
 modulus = 210e9 / (2 * (1 - 0.3**2))
 half_width = 2 * peak * 0.02 / modulus
 load = cs.LineLoad(pi * half_width * peak / 2)
 print(f"Roelands' exponent {exponent:.3f}, Eyring stress {eyring.reference / 1e6:.1f} MPa")
-assert abs(exponent - 0.664) < 1e-3
+assert abs(exponent - 0.649) < 1e-3
 
 # %%
-# The film does not depend on the slip, so that each point starts from the one before. The curve is below the formula, by a tenth in the middle and a
-# fifth at the highest speed and slip: the formula takes a mean pressure for the distribution of it, and lets the Eyring stress grow as the oil heats
+# The film does not depend on the slip, so that each point starts from the one before. The curve is below the formula by a tenth at most: the formula takes a mean pressure for the distribution of it, and lets the Eyring stress grow as the oil heats
 # up, which here is that of the supply.
 
 slips = np.array([0.005, 0.01, 0.02, 0.04, 0.07, 0.1, 0.15, 0.2, 0.3, 0.4])
@@ -92,7 +93,7 @@ for speed, colour in ((2.0, "#0072B2"), (4.0, "#009E73"), (8.0, "#D55E00")):
     off = friction / expected - 1
     print(f"{speed:.0f} m/s: " + ", ".join(f"{one:.4f}" for one in friction))
     print("  beside the formula: " + ", ".join(f"{100 * one:+.0f} %" for one in off))
-    assert abs(off).max() < 0.2
+    assert abs(off).max() < 0.12
     # it rises, and falls at high slip, the sooner the faster the discs
     assert 0 < friction.argmax() < len(slips) - 1
     assert friction[-1] < 0.97 * friction.max()

@@ -215,6 +215,12 @@ VALUES: list[tuple[str, Callable[[Any], object], list[Any]]] = [
     ("Lubricant.viscosity is 0.0: give a viscosity above 0", field(OIL, "viscosity"), [0.0]),
     ("Lubricant.pressure_viscosity is -1e-08", field(OIL, "pressure_viscosity"), [-1e-8]),
     ("Lubricant.viscosity_law is *give a law, such as Roelands", field(OIL, "viscosity_law"), [cs.Barus]),
+    ("Lubricant.pressure_viscosity is 7e-08 * exponent is", lambda one: cs.Lubricant(0.04, one), [7e-8]),
+    (
+        "Roelands.exponent is 0.4, and heat and pressure * 0.608 alone",
+        lambda one: film(lubricant=cs.Lubricant(0.04, 2e-8, cs.Roelands(one)), thermal=cs.FilmHeat()), [0.4],
+    ),
+    ("LimitingShear.ambient is -1", lambda one: cs.LimitingShear(0.07, one), [-1.0]),
     ("Roelands.exponent is 1.2", lambda one: cs.Roelands(exponent=one), [1.2]),
     ("Eyring.reference is 0.0", cs.Eyring, [0.0]),
     (
@@ -231,7 +237,7 @@ VALUES: list[tuple[str, Callable[[Any], object], list[Any]]] = [
     ),
     (
         "Lubricant.viscosity is 6e-05",
-        lambda one: film(lubricant=cs.Lubricant(one, 1e-8), thermal=cs.FilmHeat()), [6e-5],
+        lambda one: film(lubricant=cs.Lubricant(one, 0.0), thermal=cs.FilmHeat()), [6e-5],
     ),
     ("FilmHeat.conductivity is 0", lambda one: cs.FilmHeat(conductivity=one), [0]),
     ("FilmHeat.supply_temperature is 60", lambda one: cs.FilmHeat(supply_temperature=one), [60]),

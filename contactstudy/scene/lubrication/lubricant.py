@@ -1,11 +1,13 @@
 """Lubricant with its laws of viscosity, density and shear stress."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from math import inf, log
 from typing import Protocol, runtime_checkable
 
 import numpy as np
 
 from contactstudy.domain.checks import (
+    InvalidInput,
     check_fields,
     in_range,
     in_range_from_zero,
@@ -21,6 +23,7 @@ from contactstudy.domain.units import (
     PascalSeconds,
     PressureViscosity,
 )
+from contactstudy.scene.lubrication.film_heat import LEAST_VISCOSITY
 
 
 @runtime_checkable
@@ -59,7 +62,8 @@ class Roelands:
     Parameters
     ----------
     exponent
-        z, above 0 and up to 1, where the law is that of :class:`Barus`.
+        z, above 0 and up to 1, where the law is that of :class:`Barus`. None: ``alpha p0 / (ln(eta0) + 9.67)``, by which
+        heat and pressure act on one viscosity.
     reference_pressure
         p0 [Pa], above 0.
 
@@ -69,25 +73,35 @@ class Roelands:
         For other values.
     """
 
-    exponent: Number = 0.6
+    exponent: Number | None = None
     reference_pressure: Pascals = 1.96e8
 
     def __post_init__(self) -> None:
-        remedy = "give an exponent above 0 and up to 1, such as 0.6"
-        check_fields(
-            self,
-            exponent=(up_to_one, remedy),
-            reference_pressure=(in_range, "give a pressure above 0 Pa"),
-        )
+        remedy = "give an exponent above 0 and up to 1, such as 0.6, or None"
+        check_fields(self, reference_pressure=(in_range, "give a pressure above 0 Pa"))
+        if self.exponent is not None:
+            check_fields(self, exponent=(up_to_one, remedy))
+
+    def consistent_exponent(self, viscosity: float, coefficient: float) -> float:
+        """Return the exponent z that a viscosity [Pa s] and its coefficient alpha [1/Pa] have in common.
+
+        It is infinite where the viscosity is no higher than that of Roelands' pole.
+        """
+        if coefficient == 0:
+            return 0.0
+        height = log(viscosity / LEAST_VISCOSITY)
+        return coefficient * self.reference_pressure / height if height > 0 else inf
 
     def log_ratio(self, pressure: Array, coefficient: float) -> tuple[Array, Array]:
-        """Return ``ln(eta / eta0)`` and its derivative [1/Pa] at ``pressure`` [Pa]."""
+        """Return ``ln(eta / eta0)`` and its derivative [1/Pa] at ``pressure`` [Pa], by an exponent that is given."""
         z, p0 = self.exponent, self.reference_pressure
+        assert z is not None
         stretched = 1 + pressure / p0
         return (coefficient * p0 / z * (stretched**z - 1), coefficient * stretched ** (z - 1))
 
     def temperature_factor(self, pressure: Array) -> Array:
         """Return ``(1 + p / p0)^z``: Roelands' pressure coefficient falls as the temperature rises."""
+        assert self.exponent is not None
         return np.asarray((1 + pressure / self.reference_pressure) ** self.exponent)
 
 
@@ -226,14 +240,14 @@ class Carreau:
 @suggest_fields
 @dataclass(frozen=True)
 class LimitingShear:
-    """Shear stress ``tau = tau_L tanh(eta rate / tau_L)`` with a limit ``tau_L`` in proportion to the pressure.
-
-    Source of such a limit: Bair & Winer (1979).
+    """Shear stress ``tau = tau_L tanh(eta rate / tau_L)`` with a limit ``tau_L = tau_0 + Lambda p`` (Bair & Winer 1979).
 
     Parameters
     ----------
     coefficient
-        Limiting shear stress over pressure, above 0.
+        Lambda, growth of the limiting shear stress with pressure, above 0.
+    ambient
+        Limiting shear stress tau_0 [Pa] at ambient pressure, at least 0; 1 to 10 MPa are measured.
 
     Raises
     ------
@@ -242,14 +256,19 @@ class LimitingShear:
     """
 
     coefficient: Number = 0.07
+    ambient: Pascals = 3e6
 
     def __post_init__(self) -> None:
         remedy = "give the limiting shear stress over pressure, above 0, such as 0.07"
-        check_fields(self, coefficient=(in_range, remedy))
+        check_fields(
+            self,
+            coefficient=(in_range, remedy),
+            ambient=(in_range_from_zero, "must be at least 0 Pa, such as 3e6"),
+        )
 
     def stress(self, newtonian: Array, pressure: Array) -> Array:
-        """Return the shear stress [Pa]; zero without pressure."""
-        limit = self.coefficient * pressure
+        """Return the shear stress [Pa]."""
+        limit = self.ambient + self.coefficient * pressure
         bounded = np.divide(newtonian, limit, out=np.zeros_like(limit), where=limit > 0)
         return np.asarray(limit * np.tanh(bounded))
 
@@ -300,3 +319,21 @@ class Lubricant:
         ):
             remedy = f"give a law, such as {example}"
             instance(f"Lubricant.{name}", getattr(self, name), kind, remedy)
+        law = self.viscosity_law
+        if isinstance(law, Roelands) and law.exponent is None:
+            exponent = law.consistent_exponent(self.viscosity, self.pressure_viscosity)
+            if exponent > 1:
+                raise InvalidInput(
+                    f"Lubricant.pressure_viscosity is {self.pressure_viscosity:g} 1/Pa, for which Roelands' exponent is "
+                    f"{exponent:.3g} at a viscosity of {self.viscosity:g} Pa s, above 1: give a smaller coefficient, "
+                    "a larger viscosity, Roelands(exponent=0.6), or Barus()."
+                )
+
+    @property
+    def law(self) -> ViscosityLaw:
+        """The law of viscosity, that of Roelands with the exponent that follows from alpha where none is given."""
+        law = self.viscosity_law
+        if not isinstance(law, Roelands) or law.exponent is not None:
+            return law
+        exponent = law.consistent_exponent(self.viscosity, self.pressure_viscosity)
+        return replace(law, exponent=exponent) if exponent else Barus()

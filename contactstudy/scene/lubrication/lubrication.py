@@ -20,8 +20,11 @@ from contactstudy.domain.checks import (
 from contactstudy.domain.units import Metres, MetresPerSecond, Number, Seconds
 from contactstudy.scene.loads.load_history import ChangingLoad, History
 from contactstudy.scene.lubrication.film_heat import LEAST_VISCOSITY, FilmHeat
-from contactstudy.scene.lubrication.lubricant import Lubricant
+from contactstudy.scene.lubrication.lubricant import Lubricant, Roelands
 from contactstudy.scene.solids.bodies import SceneContext, creeps, yields
+
+# Relative difference up to which a given exponent of Roelands counts as that of alpha.
+CONTRADICTION = 0.02
 
 
 @suggest_fields
@@ -217,6 +220,16 @@ class Lubrication:
                 f"Lubricant.viscosity is {self.lubricant.viscosity:g} Pa s, where Roelands' law has no temperature: "
                 "give one above 6.32e-5, or leave Lubrication.thermal out."
             )
+        law = self.lubricant.viscosity_law
+        if isinstance(law, Roelands) and law.exponent is not None:
+            oil = self.lubricant
+            consistent = law.consistent_exponent(oil.viscosity, oil.pressure_viscosity)
+            if abs(law.exponent - consistent) > CONTRADICTION * law.exponent:
+                raise InvalidInput(
+                    f"Roelands.exponent is {law.exponent:g}, and heat and pressure act on one viscosity with "
+                    f"alpha p0 / (ln(eta0) + 9.67) = {consistent:.3g} alone: give that, or None, or leave "
+                    "Lubrication.thermal out."
+                )
         if abs(self.slide_roll_ratio) == 2:
             raise InvalidInput(
                 f"Lubrication.slide_roll_ratio is {self.slide_roll_ratio:g}, where a surface stands still and heats up "

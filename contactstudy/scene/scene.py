@@ -30,7 +30,7 @@ from contactstudy.problem.constraint import (
 )
 from contactstudy.problem.memory import refuse_too_large
 from contactstudy.problem.problem import AdhesionSolver, Derived, Problem, Scales
-from contactstudy.scene.loads.constant_load import ConstantLoad, TotalLoad
+from contactstudy.scene.loads.constant_load import ConstantLoad, LineLoad, TotalLoad
 from contactstudy.scene.loads.load_history import ChangingLoad
 from contactstudy.scene.loads.resulting_load import DATUM_OVER_RADIUS, Approach, PullOff
 from contactstudy.scene.shapes.shape import Shape, length_scales_of
@@ -397,15 +397,25 @@ class Scene:
         return not is_free and all(of_shape and not of_shape.roller for of_shape in scales)
 
     def mean_load(self, grid: Grid, padding: Padding | Paddings) -> float:
-        """Return the constant load over the period of `grid` [N/m].
+        """Return the largest load, over the period of `grid` [N/m]."""
+        return self.largest_load * self.loaded_length(grid, padding) / grid.length
 
-        A total load on a roller that periodic images continue without end is spread over the roller's length.
+    def loaded_length(self, grid: Grid, padding: Padding | Paddings) -> float:
+        """Return the length [m] on which loads and forces per length act: that of a roller, else the period of `grid`.
+
+        A roller that periodic images continue without end has no other length than the period. Of one that `grid` cuts
+        off, only the part on it is loaded, but by the whole of a total load.
         """
-        load = self.load
-        if isinstance(load, TotalLoad) and self.repeats(padding):
-            return self.largest_load
-        assert not isinstance(load, ChangingLoad | Approach)
-        return load.mean_over(grid.length)
+        length = self.roller_length
+        if length is None or self.repeats(padding):
+            return grid.length
+        return length if isinstance(self.load, TotalLoad) else min(length, grid.length)
+
+    def under(self, load: float) -> "Scene":
+        """Return the scene under a constant load [N/m], on the same length."""
+        if isinstance(self.load, TotalLoad) and self.roller_length:
+            return replace(self, load=replace(self.load, total=load * self.roller_length))
+        return replace(self, load=LineLoad(load))
 
     def _control(self, grid: Grid, padding: Padding | Paddings) -> Control:
         """Return the condition on the pressures of all cells of `grid`."""

@@ -51,7 +51,7 @@ def answer(
     factor = scales.pressure / (np.pi * scene.contact_modulus * scales.gap)
     matrix = factor * influence_matrix(grid, paddings, scales.length)
     gap = (solution.problem.undeformed_gap.ravel() - solution.problem.reference_height) / scales.gap
-    total = scene.largest_load * grid.length / grid.cell_area / scales.pressure
+    total = scene.mean_load(grid, paddings) * grid.length / grid.cell_area / scales.pressure
     limit = scene.hardness / scales.pressure
     before = solution.pressure.ravel() / scales.pressure
     diagonal = matrix[0, 0] - matrix.mean()  # a rigid shift may make the first negative

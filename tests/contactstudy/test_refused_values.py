@@ -179,7 +179,7 @@ VALUES: list[tuple[str, Callable[[Any], object], list[Any]]] = [
     ("PartialSlip.coefficient", lambda one: cs.PartialSlip(one, 1.0), [-0.1, 1.0, 3.0, nan, "0.3", True]),
     ("PartialSlip.coefficient is *friction above 0, and below 1", lambda one: cs.PartialSlip(one, 1.0), [0.0]),
     *((f"TractiveRolling{said}", lambda one: cs.TractiveRolling(**{"coefficient": 0.3} | one), bad) for said, bad in (
-        ("*neither", [{}]), ("*both", [{"longitudinal": 1e-3, "tangential": 1e3}]),
+        ("*has none of", [{}]), ("*has longitudinal and tangential of", [{"longitudinal": 1e-3, "tangential": 1e3}]),
         (".longitudinal", [{"longitudinal": "much"}]), (".speed", [{"longitudinal": 1e-3, "speed": 0.0}]),
         (".spin", [{"longitudinal": 1e-3, "spin": nan}]),
         (".coefficient", [{"longitudinal": 1e-3, "coefficient": one} for one in (0.0, 1.0)]),

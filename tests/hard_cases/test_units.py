@@ -51,7 +51,7 @@ SIZES: dict[str, Callable[[float], object]] = {
     "Crown.radius": cs.Crown,
     "Crown end_drop": lambda size: cs.Crown.of_drop(size, A),
     "Crown length": lambda size: cs.Crown.of_drop(1e-6, size),
-    "LundbergProfile.amplitude": lambda size: cs.LundbergProfile(size, 1e-6, A),
+    "LundbergProfile.amplitude": lambda size: cs.LundbergProfile(size, 1e-6, 1.2 * A),
     "LundbergProfile.end_drop": lambda size: cs.LundbergProfile(1e-7, size, A),
     "LundbergProfile.length": lambda size: cs.LundbergProfile(1e-7, 1e-6, size),
     "FiniteLength.length": cs.FiniteLength,

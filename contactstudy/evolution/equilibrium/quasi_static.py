@@ -138,7 +138,7 @@ def _problem_under(
     grid, instant = posed.grid, _under(scene, load)
     return replace(
         problem,
-        control=PrescribedLoad(load * grid.length / grid.cell_area),
+        control=PrescribedLoad(load * scene.loaded_length(grid, posed.padding) / grid.cell_area),
         adhesion=solver,
         source=instant.source_with(grid, posed.padding, solver),
         description=PosedScene(instant, grid, posed.padding),

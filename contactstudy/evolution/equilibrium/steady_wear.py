@@ -308,7 +308,7 @@ def follow_wear(
             replace(
                 frame_in_equilibrium(
                     instant.time,
-                    scene.mean_load(grid, padding),
+                    scene.largest_load,
                     solution,
                     instant.contact.rolling,
                 ),

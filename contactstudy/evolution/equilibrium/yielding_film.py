@@ -26,7 +26,6 @@ from contactstudy.lubrication.lubricated_contact import FilmSolution
 from contactstudy.lubrication.newton.pseudo_time import FilmControls
 from contactstudy.lubrication.steady_film import solve_on
 from contactstudy.problem.problem import Problem
-from contactstudy.scene.loads.constant_load import LineLoad
 from contactstudy.scene.loads.load_history import ChangingLoad, loads_between
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.solids.bodies import instantaneous
@@ -165,15 +164,14 @@ def _with_increments(
     if isinstance(scene.load, ChangingLoad):
         paths = _load_paths(scene.load, instants)
     else:
-        paths = [[scene.mean_load(grid, padding)] for _ in instants]
+        paths = [[scene.largest_load] for _ in instants]
     largest = max(value for path in paths for value in path)
     controls = FilmControls(tolerance=options.tolerance, max_iterations=options.max_iterations)
     dry = replace(scene, lubrication=None, solids=instantaneous(scene.solids), outputs=())
-    problem = replace(dry, load=LineLoad(largest)).problem(grid, padding)
+    problem = dry.under(largest).problem(grid, padding)
 
     def contact_under(value: float, start: FilmSolution | None) -> FilmContact:
-        loaded = replace(scene, load=LineLoad(value))
-        return FilmContact(loaded, problem, padding, controls, start)
+        return FilmContact(scene.under(value), problem, padding, controls, start)
 
     plastic = PlasticStateBelowFilm(
         YieldingBody.in_scene(scene),

@@ -36,7 +36,6 @@ from contactstudy.evolution.warm_started import solved_or_unloaded
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.friction.fretting import Fretting
 from contactstudy.scene.friction.friction_law import has_proportional_compliances
-from contactstudy.scene.loads.constant_load import LineLoad
 from contactstudy.scene.loads.load_history import ChangingLoad, LoadHistory
 from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.scene.shapes_source import summed_gap
@@ -155,7 +154,7 @@ def evolve(
         If times decrease, the error is out of reach, or the folder belongs to another integration.
     """
     control = None if error is None else StepControl.for_error(error, options.tolerance)
-    load = _load(scene, grid, padding, times)
+    load = _load(scene, times)
     breakpoints = schedule(load, times)
     if isinstance(scene.friction, Fretting) and scene.friction.history is not None:
         breakpoints = with_breakpoints_of(breakpoints, load, scene.friction.history)
@@ -212,9 +211,7 @@ def _time_stepper(
     solids = instantaneous(scene.solids)
     frets = isinstance(scene.friction, Fretting)
     friction = None if frets else scene.friction
-    elastic = replace(
-        scene, load=LineLoad(load.largest), solids=solids, wear=None, friction=friction
-    )
+    elastic = replace(scene.under(load.largest), solids=solids, wear=None, friction=friction)
     adhesive_solver = None
     if scene.adhesion is not None and any(map(creeps, scene.solids)):
         heights, softest = summed_gap(scene.shapes, grid), relaxed(scene.solids, duration)
@@ -227,6 +224,7 @@ def _time_stepper(
     return TimeStepper(
         problem=problem,
         load=load,
+        loaded_length=scene.loaded_length(grid, padding),
         weights=dict(response(solids, datum)),
         state_variables=variables,
         coupled=coupled_state_variable(scene, problem, options),
@@ -259,6 +257,7 @@ def _fretting_state(scene: Scene, problem: Problem, options: SolveOptions) -> St
         ),
         creep=_relative_creep(scene, problem.scales.length),
         grid=problem.grid,
+        loaded_length=scene.loaded_length(problem.grid, paddings),
         tolerance=options.tolerance,
         max_applications=options.max_iterations,
     )
@@ -278,12 +277,10 @@ def _relative_creep(scene: Scene, datum: float) -> CreepState | None:
     return CreepState(Creep(1.0, terms, fluidity), BoussinesqCoefficients(datum))
 
 
-def _load(
-    scene: Scene, grid: Grid, padding: Padding | Paddings, times: ArrayLike | None
-) -> ChangingLoad:
+def _load(scene: Scene, times: ArrayLike | None) -> ChangingLoad:
     """Return the load of `scene` over time; a constant load is applied suddenly."""
     if isinstance(scene.load, ChangingLoad):
         return scene.load
     moments = np.asarray(times, dtype=np.float64)
     start = np.min(moments, initial=0.0, where=np.isfinite(moments))
-    return LoadHistory((float(start),), (scene.mean_load(grid, padding),))
+    return LoadHistory((float(start),), (scene.largest_load,))

@@ -177,5 +177,5 @@ class IntegrationErrors:
 
     def _relative_to_largest_load(self, pressures: float) -> float:
         """Return a sum of cell pressures [Pa] divided by the sum under the largest load."""
-        grid = self.stepper.problem.grid
-        return pressures * grid.cell_area / grid.length / self.stepper.load.largest
+        largest = self.stepper.load.largest * self.stepper.loaded_length
+        return pressures * self.stepper.problem.grid.cell_area / largest

@@ -111,6 +111,8 @@ class TimeStepper:
         The contact under the largest load, applied suddenly before any state variable has changed.
     load
         Load over time.
+    loaded_length
+        Length [m] on which it acts.
     weights
         Weights [1/Pa] of the influence coefficients in its operator.
     state_variables
@@ -125,6 +127,7 @@ class TimeStepper:
 
     problem: Problem
     load: ChangingLoad
+    loaded_length: float
     weights: Mapping[Coefficients, float]
     state_variables: tuple[StateVariable, ...]
     coupled: CoupledStateVariable | None
@@ -381,7 +384,7 @@ class TimeStepper:
         return replace(
             problem,
             operator=self._operator(problem, weights, local),
-            control=PrescribedLoad(load * grid.length / grid.cell_area),
+            control=PrescribedLoad(load * self.loaded_length / grid.cell_area),
             scales=self._scales(load, compliance_ratio),
         )
 

@@ -75,6 +75,8 @@ class FrettingState:
         Whether the tangential compliance is proportional to the normal one.
     grid
         Grid of the contact.
+    loaded_length
+        Length [m] on which forces per length act.
     tolerance, max_applications
         Largest residual of a step, and its number of applications of the response at most.
     """
@@ -90,6 +92,7 @@ class FrettingState:
     compliances_proportional: bool
     creep: CreepState | None
     grid: Grid
+    loaded_length: float
     tolerance: float
     max_applications: int
 
@@ -198,7 +201,7 @@ class FrettingState:
         slope, rise = 0.0, step.loads[1] - step.loads[0]
         if rise > 0 and step.duration > 0:
             slope = float(np.clip((last - first) / rise, -self.coefficient, self.coefficient))
-        return slope, np.array([last * self.grid.length / self.grid.cell_area, 0.0]), None
+        return slope, np.array([last * self.loaded_length / self.grid.cell_area, 0.0]), None
 
     def _crept(self, state: State, carried: Array, step: Step) -> tuple[Array, ShearResponse]:
         """Return traction and pressure (3, x, y) [Pa] that give the displacement after creep, and the response then.

@@ -6,7 +6,6 @@ from math import inf, isfinite
 
 from contactstudy.domain.errors import ErrorParts
 from contactstudy.domain.units import readable
-from contactstudy.scene.loads.constant_load import TotalLoad
 from contactstudy.scene.scene import PosedScene
 
 NO_ESTIMATE = "No bound: no estimate of its error is known."
@@ -92,10 +91,10 @@ def roller_length(posed: PosedScene | None) -> float | None:
     """Return the length [m] of the roller of a scene; None for an endless one, whose load is that of a period."""
     if posed is None:
         return None
-    scene = posed.scene
-    length = scene.roller_length
-    given = isinstance(scene.load, TotalLoad) and length != posed.grid.length
-    return None if given and scene.repeats(posed.padding) else length
+    scene, length = posed.scene, posed.scene.roller_length
+    if length is None or (scene.repeats(posed.padding) and length != posed.grid.length):
+        return None
+    return scene.loaded_length(posed.grid, posed.padding)
 
 
 def per_length(

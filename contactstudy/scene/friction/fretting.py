@@ -25,6 +25,7 @@ from contactstudy.scene.friction.friction_law import (
     check_similar,
     check_static,
     check_tangential_response,
+    mean_over_grid,
     shearable,
     transmitted_force,
 )
@@ -66,8 +67,8 @@ class Fretting:
     coefficient
         Coefficient of friction, above 0 and below 1.
     forces
-        Tangential forces along x on the first body, over the length of the grid [N/m], one after the other, starting
-        from 0; each smaller in magnitude than the coefficient times the load. See :meth:`cycle`.
+        Tangential forces along x on the first body, over the length that the load acts on [N/m], one after the other,
+        starting from 0; each smaller in magnitude than the coefficient times the load. See :meth:`cycle`.
     times
         Instants [s] of the forces, which are linear in between; None under a constant load.
     displacements
@@ -199,9 +200,8 @@ class Fretting:
     ) -> FrettingShear:
         """Return the solver of this scene on a grid."""
         assert self.forces is not None
-        return FrettingShear(
-            self.coefficient, self.forces, self.response(scene, grid, paddings, datum)
-        )
+        forces = tuple(mean_over_grid(force, scene, grid, paddings) for force in self.forces)
+        return FrettingShear(self.coefficient, forces, self.response(scene, grid, paddings, datum))
 
     @staticmethod
     def response(

@@ -2,11 +2,12 @@
 
 from itertools import product
 from math import inf
-from typing import Literal, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Literal, Protocol, runtime_checkable
 
 from contactstudy.domain.checks import InvalidInput, below_one
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
+from contactstudy.domain.units import readable
 from contactstudy.elasticity.convolution import GeneralConvolution
 from contactstudy.elasticity.tangential import (
     ShearableBody,
@@ -14,7 +15,6 @@ from contactstudy.elasticity.tangential import (
     summed_responses,
 )
 from contactstudy.problem.problem import FrictionSolver
-from contactstudy.scene.loads.constant_load import TotalLoad
 from contactstudy.scene.loads.resulting_load import Approach
 from contactstudy.scene.solids.bodies import (
     Body,
@@ -27,6 +27,10 @@ from contactstudy.scene.solids.bodies import (
     yields,
 )
 from contactstudy.scene.solids.coated import CoatedHalfSpace
+
+if TYPE_CHECKING:
+    from contactstudy.scene.friction.partial_slip import PartialSlip
+    from contactstudy.scene.friction.tractive_rolling import TractiveRolling
 
 # Check of a coefficient of friction, and its remedy.
 COEFFICIENT = below_one, "give a coefficient of friction above 0, and below 1"
@@ -178,11 +182,43 @@ def check_similar(scene: SceneContext, name: str, alternative: str = "") -> None
 def transmitted_force(scene: SceneContext, coefficient: float, load: float) -> float:
     """Return the tangential force [N/m] that friction transmits under a `load` [N/m].
 
-    It is infinite where it is known only with the pressure or the length of the grid, at a given approach, beside an
-    attraction or under a total load; the law then refuses a larger force once the normal contact is solved.
+    It is infinite where it is known only with the pressure, at a given approach or beside an attraction; the law then
+    refuses a larger force once the normal contact is solved.
     """
-    follows = scene.adhesion is not None or isinstance(scene.load, Approach | TotalLoad)
+    follows = scene.adhesion is not None or isinstance(scene.load, Approach)
     return inf if follows else coefficient * load
+
+
+def check_force(
+    scene: SceneContext, law: "PartialSlip | TractiveRolling", load: float, remedy: str
+) -> None:
+    """Raise InvalidInput for a force of `law` that is more than friction transmits under a `load` [N/m]."""
+    limit, force = transmitted_force(scene, law.coefficient, load), force_per_length(law, scene)
+    if force is not None and not abs(force) < limit:
+        name = "tangential" if law.total is None else "total"
+        length = 1.0 if law.total is None else scene.roller_length or 1.0
+        most = readable(limit * length, "N m-1" if law.total is None else "N")
+        raise InvalidInput(
+            f"{type(law).__name__}.{name} is {getattr(law, name)!r}: friction transmits less than {most}, give "
+            f"{remedy}."
+        )
+
+
+def force_per_length(law: "PartialSlip | TractiveRolling", scene: SceneContext) -> float | None:
+    """Return the tangential force of a law [N/m] over the length that the load acts on; None where it gives none."""
+    if law.total is None:
+        return law.tangential
+    if scene.roller_length is None:
+        raise InvalidInput(
+            f"{type(law).__name__}.total is {law.total!r}, and no roller has a length: give tangential [N/m], or a "
+            "FiniteLength among the shapes."
+        )
+    return law.total / scene.roller_length
+
+
+def mean_over_grid(force: float, scene: SceneContext, grid: Grid, paddings: Paddings) -> float:
+    """Return a tangential force [N/m] over the length that the load acts on as that over the length of `grid`."""
+    return force * scene.loaded_length(grid, paddings) / grid.length
 
 
 def check_static(scene: SceneContext, name: str, remedy: str = "") -> None:

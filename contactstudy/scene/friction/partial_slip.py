@@ -7,16 +7,18 @@ from typing import ClassVar
 from contactstudy.domain.checks import InvalidInput, check_fields, finite, suggest_fields
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
-from contactstudy.domain.units import NewtonsPerMetre, Number, readable
+from contactstudy.domain.units import Newtons, NewtonsPerMetre, Number
 from contactstudy.elasticity.tangential import shear_response
 from contactstudy.scene.friction.friction_law import (
     COEFFICIENT,
+    check_force,
     check_similar,
     check_static,
     check_tangential_response,
+    force_per_length,
     has_proportional_compliances,
+    mean_over_grid,
     shearable,
-    transmitted_force,
 )
 from contactstudy.scene.loads.resulting_load import Approach
 from contactstudy.scene.solids.bodies import SceneContext, is_layered
@@ -38,8 +40,10 @@ class PartialSlip:
     coefficient
         Coefficient of friction, above 0 and below 1.
     tangential
-        Force along x on the first body, over the length of the grid [N/m]; of either sign, less than the coefficient
-        times the load, and beside adhesion times the sum of the load and of the attraction.
+        Force along x on the first body, over the length that the load acts on [N/m]; of either sign, less than the
+        coefficient times the load, and beside adhesion times the sum of the load and of the attraction.
+    total
+        The same on the whole length of a roller [N], in place of `tangential`.
 
     Raises
     ------
@@ -50,40 +54,39 @@ class PartialSlip:
     sticks: ClassVar[bool] = True
 
     coefficient: Number
-    tangential: NewtonsPerMetre
+    tangential: NewtonsPerMetre | None = None
+    total: Newtons | None = None
 
     def __post_init__(self) -> None:
-        check_fields(
-            self,
-            coefficient=COEFFICIENT,
-            tangential=(finite, "give a force along x [N/m]"),
-        )
+        check_fields(self, coefficient=COEFFICIENT)
+        if (self.tangential is None) == (self.total is None):
+            raise InvalidInput(
+                "PartialSlip.tangential and PartialSlip.total are both given or both None: give a force along x [N/m], "
+                "or on the whole of a roller [N]."
+            )
+        name = "total" if self.tangential is None else "tangential"
+        check_fields(self, **{name: (finite, "give a force along x")})
 
     def check(self, scene: SceneContext) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if the contact cannot stick, or its traction is not supported."""
         check_static(scene, "PartialSlip")
         check_tangential_response(scene, "PartialSlip", ", or Sliding")
         check_similar(scene, "PartialSlip", ", or Sliding")
-        self._check_force(transmitted_force(scene, self.coefficient, scene.largest_load))
-
-    def _check_force(self, limit: float) -> None:
-        """Raise :class:`~contactstudy.InvalidInput` unless the force is below the `limit` [N/m] of friction."""
-        if not abs(self.tangential) < limit:
-            raise InvalidInput(
-                f"PartialSlip.tangential is {self.tangential!r}: friction transmits less than "
-                f"{readable(limit, 'N m-1')}: give a smaller force, or Sliding."
-            )
+        check_force(scene, self, scene.largest_load, "a smaller force, or Sliding")
 
     def solver(
         self, scene: SceneContext, gap: Array, grid: Grid, paddings: Paddings, datum: float
     ) -> CiavarellaJaeger | PartialSlipShear:
         """Return superposition where it is exact for this gap, else the problem of two components."""
+        force = force_per_length(self, scene)
+        assert force is not None
         if self.superposes(scene, varies=bool((gap != gap[:, :1]).any()), paddings=paddings):
-            limit = self.coefficient * scene.mean_load(grid, paddings)
-            self._check_force(limit)
-            return CiavarellaJaeger(self.coefficient, self.tangential / limit)
+            return CiavarellaJaeger(
+                self.coefficient, force / (self.coefficient * scene.largest_load)
+            )
         response = shear_response(shearable(scene.solids), grid, paddings, datum)
-        return PartialSlipShear(self.coefficient, self.tangential, response)
+        mean = mean_over_grid(force, scene, grid, paddings)
+        return PartialSlipShear(self.coefficient, mean, response)
 
     def explanation(self, scene: SceneContext, *, varies: bool, paddings: Paddings) -> str:
         """Return a sentence on the solves: two normal contacts where they are exact, else two components of traction."""

@@ -11,15 +11,17 @@ import numpy as np
 from contactstudy.domain.checks import InvalidInput, check_fields, in_range_or_zero, suggest_fields
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
-from contactstudy.domain.units import MetresPerSecond, NewtonsPerMetre, Number, PerMetre, readable
+from contactstudy.domain.units import MetresPerSecond, Newtons, NewtonsPerMetre, Number, PerMetre
 from contactstudy.elasticity.tangential import shear_response
 from contactstudy.scene.friction.friction_law import (
     COEFFICIENT,
     are_similar,
+    check_force,
     check_tangential_response,
+    force_per_length,
+    mean_over_grid,
     shear_coupling,
     shearable,
-    transmitted_force,
 )
 from contactstudy.scene.loads.load_history import ChangingLoad, loads_between
 from contactstudy.scene.rolling import check_slow, check_standing
@@ -48,10 +50,10 @@ class TractiveRolling:
     coefficient
         Coefficient of friction, above 0 and below 1.
     longitudinal
-        Creepage along x; None where `tangential` is given.
+        Creepage along x; None where a force is given.
     tangential
-        Force along x on the first body, over the length of the grid [N/m], of either sign, less than the coefficient
-        times the load. The longitudinal creepage follows from it. None where `longitudinal` is given.
+        Force along x on the first body, over the length that the load acts on [N/m], of either sign, less than the
+        coefficient times the load. The longitudinal creepage follows from it. None where `longitudinal` is given.
     lateral
         Creepage along y.
     spin
@@ -60,6 +62,8 @@ class TractiveRolling:
     speed
         Speed of rolling [m/s], not 0; negative if the contact moves to smaller x. Power is proportional to its size,
         and how far a body creeps in the contact follows from it.
+    total
+        Force along x on the first body over the whole length of a roller [N], in place of `tangential`.
 
     Raises
     ------
@@ -77,18 +81,20 @@ class TractiveRolling:
     lateral: Number = 0.0
     spin: PerMetre = 0.0
     speed: MetresPerSecond = 1.0
+    total: Newtons | None = None
 
     def __post_init__(self) -> None:
         check_fields(self, coefficient=COEFFICIENT)
-        if (self.longitudinal is None) == (self.tangential is None):
-            both = "neither" if self.longitudinal is None else "both"
+        given = [n for n in ("longitudinal", "tangential", "total") if getattr(self, n) is not None]
+        if len(given) != 1:
             raise InvalidInput(
-                f"TractiveRolling has {both} of longitudinal and tangential: give the creepage along x, or the force "
-                "along x [N/m]."
+                f"TractiveRolling has {' and '.join(given) or 'none'} of longitudinal, tangential and total: give one, "
+                "the creepage along x, the force along x [N/m], or that on the whole of a roller [N]."
             )
         for name, remedy in (
             ("longitudinal", "give a creepage, such as 1e-3"),
             ("tangential", "give a force along x [N/m]"),
+            ("total", "give a force along x [N]"),
             ("lateral", "give a creepage, such as 1e-3"),
             ("spin", "give a rotation over the distance rolled [1/m]"),
             ("speed", "give a speed [m/s], negative if the contact moves to smaller x"),
@@ -117,12 +123,7 @@ class TractiveRolling:
             check_slow("TractiveRolling", self.speed, scene.load, scene.hertz)
         check_standing("TractiveRolling", scene.shapes)
         self._refuse_endless(_rollers(scene))
-        limit = transmitted_force(scene, self.coefficient, _least(scene))
-        if self.tangential is not None and not abs(self.tangential) < limit:
-            raise InvalidInput(
-                f"TractiveRolling.tangential is {self.tangential!r}: friction transmits less than "
-                f"{readable(limit, 'N m-1')}, give less, or a longitudinal creepage."
-            )
+        check_force(scene, self, _least(scene), "less, or a longitudinal creepage")
 
     def solver(
         self, scene: SceneContext, gap: Array, grid: Grid, paddings: Paddings, datum: float
@@ -143,12 +144,12 @@ class TractiveRolling:
                 "enter it again one period later: give ZeroPadding across."
             )
         solids = rolling_bodies(scene.solids, (self.speed, self.speed))
-        bodies = shearable(solids)
+        bodies, force = shearable(solids), force_per_length(self, scene)
         coupling = shear_coupling(solids, "xy", grid, paddings, datum)
         return TractiveShear(
             self.coefficient,
             Creepage(self.longitudinal or 0.0, self.lateral, self.spin),
-            self.tangential,
+            None if force is None else mean_over_grid(force, scene, grid, paddings),
             self.speed,
             cache(lambda on: shear_response(bodies, on, paddings, datum)),
             ShearPressureCoupling(*coupling) if coupling else None,

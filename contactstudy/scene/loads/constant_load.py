@@ -23,7 +23,8 @@ class LineLoad:
     Parameters
     ----------
     per_length
-        Load over the length of the grid [N/m], above zero; together with :class:`~contactstudy.Adhesion` of any sign.
+        Load [N/m] over the length of the roller, of an endless one over that of the grid, above zero; together with
+        :class:`~contactstudy.Adhesion` of any sign.
 
     Raises
     ------
@@ -43,10 +44,6 @@ class LineLoad:
     @property
     def largest(self) -> float:
         """Load [N/m], which is its own maximum."""
-        return self.per_length
-
-    def mean_over(self, period: float) -> float:
-        """Return the load [N/m], which is the same over any `period` [m] of a grid."""
         return self.per_length
 
 
@@ -92,10 +89,6 @@ class TotalLoad:
                 "leave it out, or give the shapes that length."
             )
         return length
-
-    def mean_over(self, period: float) -> float:
-        """Return the mean load [N/m] over the `period` [m] of a grid."""
-        return self.total / period
 
     def check_compressive(self) -> None:
         """Raise :class:`~contactstudy.InvalidInput` unless the load presses the bodies together."""

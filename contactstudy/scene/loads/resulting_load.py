@@ -124,7 +124,3 @@ class PullOff:
         return self.preload
 
     largest = per_length
-
-    def mean_over(self, period: float) -> float:
-        """Return the preload [N/m], the same over any `period` [m] of a grid."""
-        return self.preload

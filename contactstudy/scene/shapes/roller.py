@@ -283,8 +283,7 @@ class FiniteLength:
 
     Cells whose centre lies beyond an end have the gap `length`, larger than any elastic displacement, so that they never
     touch. An end between two cells is exact. A cell that an end divides carries pressure over its whole area, or none,
-    and enters the mean gap with its covered fraction. Under a :class:`~contactstudy.LineLoad` the roller carries that
-    load times the length of the grid. With ZeroPadding along, a grid as long as the roller ends it too.
+    and enters the mean gap with its covered fraction. With ZeroPadding along, a grid as long as the roller ends it too.
 
     Parameters
     ----------

@@ -223,8 +223,12 @@ class SceneContext(Protocol):
     def rolling(self) -> "Rolling | None":
         """Rolling, or None."""
 
-    def mean_load(self, grid: Grid, padding: Padding | Paddings) -> float:
-        """Return the constant load over the period of `grid` [N/m]."""
+    @property
+    def roller_length(self) -> float | None:
+        """Length of the roller [m]; None if endless."""
+
+    def loaded_length(self, grid: Grid, padding: Padding | Paddings) -> float:
+        """Return the length [m] on which loads and forces per length act."""
 
     @property
     def rolls(self) -> bool:

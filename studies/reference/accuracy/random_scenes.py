@@ -1,7 +1,7 @@
 """Random accuracy cases of each kind, by seed; no margin of an estimate is fitted to them."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf, tau
 
 import numpy as np
@@ -152,8 +152,7 @@ def rollers(rng: np.random.Generator) -> CaseParts:
     shapes: list[cs.Shape] = [cs.FiniteLength(length)]
     if rng.random() < 0.4:
         shapes.append(cs.Crown.of_drop(_ratio(rng, 0.5, 30) * HERTZ_HEIGHT, length))
-    load = cs.LineLoad(SCENE.largest_load * length / period)
-    ended = cs.Scene(load, SCENE.solids, (*SCENE.shapes, *shapes))
+    ended = replace(SCENE, shapes=(*SCENE.shapes, *shapes))
     return ended, grid, (FREE, FREE), Finer((3, 12), (FREE, FREE))
 
 

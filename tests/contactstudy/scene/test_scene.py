@@ -112,6 +112,7 @@ def test_a_sudden_load_is_there_from_its_start_on() -> None:
     assert load.mean(2.0, 5.0) == 3.0
 
 
+FRETS = cs.Fretting(0.3, (0.0, 1.5e4), times=(0.0, 1.0))
 LENGTH = 1e-3
 ROLLER = (cs.Cylinder(0.01), cs.FiniteLength(LENGTH))
 GRID = cs.Grid((48, 40), (4e-4, 1.25 * LENGTH))
@@ -121,13 +122,45 @@ def scene(load: cs.LineLoad | cs.TotalLoad, *shapes: cs.Shape) -> cs.Scene:
     return cs.Scene(load, (STEEL, STEEL), shapes or ROLLER)
 
 
-def test_a_total_load_is_a_load_per_length_of_the_grid() -> None:
+def test_a_load_per_length_is_that_of_the_roller() -> None:
     total, line = (
         cs.solve(scene(load), GRID, cs.ZeroPadding())
-        for load in (cs.TotalLoad(100.0), cs.LineLoad(100.0 / GRID.length))
+        for load in (cs.TotalLoad(100.0), cs.LineLoad(100.0 / LENGTH))
     )
     scale = line.pressure.max()
     np.testing.assert_allclose(total.pressure, line.pressure, atol=1e-6 * scale)
+
+
+@pytest.mark.parametrize("load", [cs.TotalLoad(1e3), cs.LineLoad(1e5)], ids=str)
+@pytest.mark.parametrize(
+    ("friction", "expected"),
+    [
+        (cs.PartialSlip(0.3, 1.5e4), {"traction_coefficient": 0.15}),
+        (cs.PartialSlip(0.3, total=150.0), {"traction_coefficient": 0.15}),
+        (cs.TractiveRolling(0.3, total=-150.0), {"traction_coefficient": -0.15}),
+        (cs.Fretting.cycle(0.3, 1.5e4), {"traction_coefficient": 0.15}),
+        (FRETS, {"final_traction_coefficient": 0.15}),
+    ],
+)  # fmt: skip
+def test_forces_of_a_roller_are_counted_on_its_length(
+    load: cs.LineLoad | cs.TotalLoad, friction: Any, expected: dict[str, float]
+) -> None:
+    """On any grid that it ends in: total load, tangential force, energy and power."""
+    short, long = (
+        cs.solve(
+            cs.Scene(load, (STEEL, STEEL), (cs.Cylinder(0.01), cs.FiniteLength(0.01)), friction=friction),
+            cs.Grid((16, rows), (3.4e-4, rows * 5e-4)), cs.ZeroPadding(), tolerance=1e-6,
+            **{"times": (0.0, 1.0)} if friction is FRETS else {},
+        )
+        for rows in (20, 30)
+    )  # fmt: skip
+    numbers = short.quantities
+    assert {name: numbers[name].value for name in expected} == pytest.approx(expected, rel=1e-6)
+    for name in {"total_load", "energy_per_cycle", "friction_energy", "frictional_power"} & set(
+        numbers
+    ):
+        assert long.quantities[name].value == pytest.approx(numbers[name].value, rel=1e-2)
+        assert "m-1" not in numbers[name].unit
 
 
 def test_a_total_load_on_an_endless_roller_is_spread_over_its_length_at_any_period() -> None:

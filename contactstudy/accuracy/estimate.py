@@ -9,8 +9,14 @@ from contactstudy.accuracy.discretisation.bound import (
     discretisation_bound,
     gap_error,
     is_pull_off,
+    over_net,
 )
-from contactstudy.accuracy.discretisation.coarser import DiscretisationErrors
+from contactstudy.accuracy.discretisation.coarser import (
+    FIRST_ORDER_MARGIN,
+    DiscretisationErrors,
+    coarse_solution,
+    comparable,
+)
 from contactstudy.accuracy.discretisation.subcell import CONFIDENCE, SubgridHeights
 from contactstudy.accuracy.image_errors import (
     IMAGES_REMEDY,
@@ -20,7 +26,7 @@ from contactstudy.accuracy.image_errors import (
 )
 from contactstudy.accuracy.plausibility import beyond_strength, implausible
 from contactstudy.accuracy.range_errors import (
-    PEAK_WITHOUT_LIMIT,
+    peak_range_error,
     pull_off_error,
     range_errors,
     range_warning,
@@ -38,6 +44,12 @@ from contactstudy.solvers.solution import Solution
 NO_DATUM = (
     "No bound at a given approach: it counts from a place that depends on the images that the padding leaves out, "
     f"{IMAGES_REMEDY}."
+)
+# Largest relative change of an attraction from cells of twice the size with which either grid resolves it.
+RESOLVED_CHANGE = 0.5
+NO_ATTRACTION = (
+    "No bound for the attraction: it is cut off at the edge of the grid, or not resolved by its cells, give a wider "
+    "grid or more cells."
 )
 NO_SLIP_OF_IMAGES = (
     "No bound: the slip of a rolling contact, and with it the traction, lacks that of the images that the padding "
@@ -136,7 +148,9 @@ def error_estimate(
     elif not solution.pressure.any():
         unknown = ErrorParts(discretisation=inf, reason="No bound: the bodies do not touch.")
     if unknown is not None:
-        return ErrorEstimate(unknown, unknown, unknown, unknown, warnings=(unknown.reason,))
+        load = None if solution.adhesion is None else _attraction_error(solution, coarse)
+        warnings = (unknown.reason,)
+        return ErrorEstimate(unknown, unknown, unknown, unknown, load=load, warnings=warnings)
     ends_along = problem.source is not None and problem.source.ends_along
     peak_images, l1_images = image_errors(
         solution.pressure, problem.grid, problem.paddings, ends_along=ends_along
@@ -169,8 +183,11 @@ def error_estimate(
             l1=cells.l1 + 2 * rise_at_edge * width / mean,
             warnings=(*cells.warnings, reason),
         )
-    l1 = ErrorParts(l1_images, cells.l1, residual.l1)
-    peak = ErrorParts(peak_images, cells.peak_pressure, residual.peak_pressure)
+    of_net, peak_of_net = over_net(solution)
+    l1 = ErrorParts(l1_images * of_net, cells.l1, residual.l1 * of_net)
+    peak = ErrorParts(
+        peak_images * peak_of_net, cells.peak_pressure, residual.peak_pressure * peak_of_net
+    )
     area = ErrorParts(l1_images, cells.contact_area, residual.contact_area)
     gap = ErrorParts(
         _gap_by_images(solution, l1_images),
@@ -188,7 +205,7 @@ def error_estimate(
     if by_range := range_errors(solution):
         l1_by_range, area_by_range = by_range
         l1 = replace(l1, range=l1_by_range)
-        peak = replace(peak, range=inf, reason=PEAK_WITHOUT_LIMIT)
+        peak = replace(peak, range=peak_range_error(solution, area_by_range))
         area = replace(area, range=area_by_range)
         gap = replace(gap, range=gap_error(solution, l1_by_range, 0.0, 0.0))
     return ErrorEstimate(
@@ -205,6 +222,25 @@ def error_estimate(
         ),
         slip_reason=NO_SLIP_OF_IMAGES if slips and l1_images else "",
     )
+
+
+def _attraction_error(solution: Solution, coarse: Solution | None) -> ErrorParts | None:
+    """Return the error of the load of bodies that only attract each other; None where the load is given.
+
+    It is that of a smooth function at the centres of cells, by its change from cells of twice the size.
+    """
+    from contactstudy.solvers.adhesion import is_cut_off  # imported only where it is named
+
+    assert solution.adhesion is not None
+    if solution.problem.control.approach is None or solution.status.is_failure:
+        return None
+    attraction, load, changed = solution.adhesion.attraction, solution.load_per_length, inf
+    coarse = comparable(coarse or coarse_solution(solution.problem, None, attraction))
+    if load and coarse is not None and not is_cut_off(solution.problem, attraction):
+        changed = abs(coarse.load_per_length / load - 1)
+    if changed > RESOLVED_CHANGE:
+        return ErrorParts(discretisation=inf, reason=NO_ATTRACTION)
+    return ErrorParts(discretisation=FIRST_ORDER_MARGIN * changed, residual=solution.residual)
 
 
 def _edge_rise(solution: Solution) -> tuple[float, float, str]:

@@ -22,7 +22,7 @@ def implausible(solution: Solution) -> str:
     scene, grid, pressure = scene_of(solution.problem), solution.problem.grid, solution.pressure
     if scene is None or not np.isfinite(pressure).all():
         return ""
-    peak, modulus, hertz = float(pressure.max()), scene.contact_modulus, scene.hertz
+    peak, modulus, hertz = solution.peak_pressure, scene.contact_modulus, scene.hertz
     slope = _slope(solution)
     width = float(np.count_nonzero(pressure.any(axis=1)) * grid.cell_size[0])
     hints = {
@@ -55,7 +55,7 @@ def beyond_strength(solution: Solution) -> str:
     Hardness and yield stress are those of the bodies, the load at first yield that of the smooth line contact. Nothing
     is said of a body that yields, nor together with ``Scene.hardness``, which caps the pressure.
     """
-    scene, peak = scene_of(solution.problem), float(solution.pressure.max())
+    scene, peak = scene_of(solution.problem), solution.peak_pressure
     if scene is None or scene.hardness < inf:
         return ""
     surfaces = [getattr(body, "coating", body) for body in scene.solids]

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from contactstudy.accuracy.range_errors import PEAK_WITHOUT_LIMIT
+from contactstudy.accuracy.range_errors import NO_LIMIT
 from contactstudy.answers.answer import Answer, Counts
 from contactstudy.answers.contact import Contact, contact_answer
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
@@ -281,7 +281,7 @@ def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
     larger["steps"] = frame.time_discretisation_errors["peak_pressure"]
     peak = replace(l1, **larger)
     if l1.range is not None:
-        peak = replace(peak, range=inf, reason=PEAK_WITHOUT_LIMIT)
+        peak = replace(peak, range=inf, reason=NO_LIMIT)
     unknown = ErrorParts(discretisation=inf, reason=NO_BOUND_OF_STATES)
     area = unknown if frame.pressure.any() else l1  # separated bodies have no area
     stress = unknown if outputs else None

@@ -115,13 +115,15 @@ def compare(a: Any, b: Any) -> Comparison:
     x_a, x_b = _edges(first, "x"), _edges(second, "x")
     y_a, y_b = _one_period(first, second, _edges(first, "y"), _edges(second, "y"))
     x, y = _merged_edges(x_a, x_b), _merged_edges(y_a, y_b)
-    p_a = _resampled(first["pressure"].values, x_a, y_a, x, y)
-    p_b = _resampled(second["pressure"].values, x_b, y_b, x, y)
+    p_a, p_b = (
+        _resampled(_net_pressure(one), *edges, x, y)
+        for one, edges in ((first, (x_a, y_a)), (second, (x_b, y_b)))
+    )
     area = np.diff(x)[:, None] * np.diff(y)[None, :]
     for name, pressure in (("a", p_a), ("b", p_b)):
         if not np.isfinite(pressure).all():
             raise InvalidInput(f"compare.{name} has a pressure that is no number: solve it again.")
-    total = float((p_a * area).sum())
+    total = float((np.abs(p_a) * area).sum())
     if not total:
         raise InvalidInput(
             "compare.a has no pressure anywhere: give a contact that carries a load."
@@ -130,11 +132,13 @@ def compare(a: Any, b: Any) -> Comparison:
     centres = (x[1:] + x[:-1]) / 2, (y[1:] + y[:-1]) / 2
     index = np.unravel_index(int(np.abs(change).argmax()), change.shape)
     films = "film" in first or "film" in second
-    areas = [np.nan if films else float(((p > 0) * area).sum()) for p in (p_a, p_b)]
-    loads = [
-        float(((p - _resampled(_attraction(one), *edges, x, y)) * area).sum())
-        for one, p, edges in ((first, p_a, (x_a, y_a)), (second, p_b, (x_b, y_b)))
+    areas = [
+        np.nan
+        if films
+        else float(((_resampled(one["pressure"].values, *edges, x, y) > 0) * area).sum())
+        for one, edges in ((first, (x_a, y_a)), (second, (x_b, y_b)))
     ]
+    loads = [float((p * area).sum()) for p in (p_a, p_b)]
     difference = xr.Dataset(
         {
             "a": labelled(("x", "y"), p_a, "Pa", "pressure of a"),
@@ -160,10 +164,9 @@ def compare(a: Any, b: Any) -> Comparison:
     )
 
 
-def _attraction(dataset: xr.Dataset) -> Array:
-    """Return the adhesive traction (x, y) [Pa] of a contact, 0 without adhesion."""
-    zero = xr.zeros_like(dataset["pressure"])
-    return np.asarray(dataset.get("attraction", zero).values)
+def _net_pressure(dataset: xr.Dataset) -> Array:
+    """Return the pressure (x, y) [Pa] of a contact, with adhesion less the attraction."""
+    return np.asarray((dataset["pressure"] - dataset.get("attraction", 0.0)).values)
 
 
 # Quantities that a comparison prints separately.

@@ -14,6 +14,7 @@ import xarray as xr
 from contactstudy.analytic import HertzLine
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.errors import ErrorEstimate
+from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import across_and_along
 from contactstudy.domain.version import VERSION
 from contactstudy.io.quantities.quantity import Quantities
@@ -90,7 +91,9 @@ def contact_fields(solution: Solution) -> xr.Dataset:
         },
         coords={"x": ("x", grid.x, X), "y": ("y", grid.y, Y)},
     )
-    effects = traction_variables(solution.traction) | _adhesion_variables(solution.adhesion)
+    effects = traction_variables(solution.traction) | _adhesion_variables(
+        solution.adhesion, solution.pressure
+    )
     return dataset.assign(effects)
 
 
@@ -217,14 +220,19 @@ def traction_variables(traction: TangentialTraction | None) -> dict[str, xr.Vari
     }
 
 
-def _adhesion_variables(adhesion: AdhesiveTraction | None) -> dict[str, xr.Variable]:
-    """Return the adhesive traction, and the history that the state belongs to as a CF flag; empty without adhesion."""
+def _adhesion_variables(
+    adhesion: AdhesiveTraction | None, pressure: Array
+) -> dict[str, xr.Variable]:
+    """Return adhesive traction, net pressure, and the history of the state as a CF flag; empty without adhesion."""
     if adhesion is None:
         return {}
     meanings = [branch.value for branch in Branch]
     branches = [branch.replace(" ", "_") for branch in meanings]
     return {
         "attraction": _plane(adhesion.attraction, "Pa", "adhesive traction"),
+        "net_pressure": _plane(
+            pressure - adhesion.attraction, "Pa", "pressure less the attraction"
+        ),
         "branch": flags((), meanings.index(adhesion.branch), branches, "history of the state"),
     }
 

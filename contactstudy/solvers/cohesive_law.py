@@ -23,6 +23,9 @@ class CohesiveLaw(Protocol):
     def traction(self, gap: Array) -> Array:
         """Return the traction [Pa] at a `gap` [m]."""
 
+    def slope(self, gap: Array) -> Array:
+        """Return by how much the traction falls with the `gap` [m]: ``-d traction / d gap`` [Pa/m]."""
+
     def remaining_work(self, gap: Array) -> Array:
         """Return the work [J/m^2] to separate surfaces from a `gap` [m]: the integral of the traction beyond it."""
 
@@ -63,6 +66,10 @@ class Exponential:
         """Return the traction [Pa] at a `gap` [m]."""
         return self.strength * np.exp(np.maximum(gap, 0) / -self.range)
 
+    def slope(self, gap: Array) -> Array:
+        """Return ``-d traction / d gap`` [Pa/m] at a `gap` [m]."""
+        return self.traction(gap) / self.range
+
     def remaining_work(self, gap: Array) -> Array:
         """Return the work [J/m^2] to separate surfaces from a `gap` [m]."""
         return self.work * np.exp(np.maximum(gap, 0) / -self.range)
@@ -91,6 +98,11 @@ class Dugdale:
         """Return the traction [Pa] at a `gap` [m]."""
         fraction = np.clip(self._remaining(gap) / (2 * RAMP), 0, 1)
         return np.asarray(self.strength * fraction)
+
+    def slope(self, gap: Array) -> Array:
+        """Return ``-d traction / d gap`` [Pa/m] at a `gap` [m]."""
+        on_ramp = np.abs(self._remaining(gap) - RAMP) < RAMP
+        return np.asarray(on_ramp * self.strength / (2 * RAMP * self.range))
 
     def remaining_work(self, gap: Array) -> Array:
         """Return the work [J/m^2] to separate surfaces from a `gap` [m]."""

@@ -214,7 +214,7 @@ class Solution:
     problem
         The problem that was solved.
     pressure
-        Contact pressure [Pa].
+        Contact pressure [Pa]; with adhesion its repulsive part alone, see `net_pressure`.
     displacement
         Normal displacement of both bodies together [m].
     gap
@@ -259,6 +259,17 @@ class Solution:
         if self.adhesion is not None:
             load -= self.adhesion.attraction.sum()
         return float(load * grid.cell_area / grid.length)
+
+    @property
+    def net_pressure(self) -> Array:
+        """Pressure less the adhesive traction (x, y) [Pa], which the bodies transmit and deform under."""
+        return net_pressure(self.pressure, self.adhesion)
+
+    @property
+    def peak_pressure(self) -> float:
+        """Largest net pressure in contact [Pa], below zero where all of it is tensile; 0 without contact."""
+        touching = self.pressure > 0
+        return float(self.net_pressure[touching].max()) if touching.any() else 0.0
 
     @property
     def regularised(self) -> bool:

@@ -6,11 +6,13 @@ from math import inf, pi
 
 import numpy as np
 import xarray as xr
+from scipy.sparse.linalg import LinearOperator, minres
 
 import contactstudy as cs
 from contactstudy.accuracy.discretisation.cells import contact_perimeter
 from contactstudy.domain.fields import Array, inner
 from contactstudy.io.dataset import labelled
+from contactstudy.scene.adhesion import LAWS
 from contactstudy.solvers.conjugate_gradients import conjugate_gradients
 from studies.advice.reference_error import ReferencedCase, pressure_error
 from studies.model.case import TimedAnswer, dimensionless, error_estimates
@@ -18,6 +20,8 @@ from studies.model.case import TimedAnswer, dimensionless, error_estimates
 # Relative residual, of whose square the error of the stiffness is a fraction, and the largest number of operator
 # applications.
 RTOL, MAXITER = 3e-2, 60
+# The same with adhesion, relative to the norm of the indefinite operator.
+ADHESIVE_RTOL, ADHESIVE_MAXITER = 1e-10, 1000
 # Bound of a stiffness over the error that the law of a line contact gives for its area: by 60 contacts at random,
 # smooth, wavy, rough, coated or as hard as their peak, the largest true error was 0.99 of that.
 STIFFNESS_MARGIN = 1.25
@@ -25,16 +29,18 @@ STIFFNESS_MARGIN = 1.25
 NAMED_BY_AXES = ("load_per_length", "total_load")
 
 
-def normal_stiffness(solution: cs.Solution) -> float:
+def normal_stiffness(solution: cs.Contact) -> float:
     """Return the normal stiffness d load / d approach [N/m per m of length], with the cells in contact fixed.
 
     It is the inverse of the energy of the pressure increment that carries a unit of load and displaces all cells in
     contact equally. The increment follows from conjugate gradients among pressures without a load, to which a
     constant added to the displacement does not matter. Cells at the hardness carry no increment. The result is nan if
-    no cell carries one.
+    no cell carries one. With adhesion see :func:`_adhesive_stiffness`.
     """
     problem = solution.problem
     active = (problem.constraint.active(solution.pressure) > 0).astype(np.float64)
+    if solution.adhesion is not None:
+        return _adhesive_stiffness(solution, active)
     count = np.count_nonzero(active)
     if not count:
         return float("nan")
@@ -56,16 +62,46 @@ def normal_stiffness(solution: cs.Solution) -> float:
     return float(problem.grid.cell_area / problem.grid.length / compliance)
 
 
+def _adhesive_stiffness(contact: cs.Contact, active: Array) -> float:
+    """Return the normal stiffness [N/m per m of length] of an adhesive contact, whose `active` cells (x, y) stay it.
+
+    Beside the contact the attraction rises by s = -d attraction / d gap as the gap closes: the increment q of the net
+    pressure under a unit of approach fulfils ``K q = 1`` in contact and ``K q - q / s = 1`` beside it. It is symmetric
+    in ``q / root(s)``, and indefinite: at pull-off the stiffness is zero, and where a given approach loses stability it
+    is infinite.
+    """
+    problem, traction = contact.problem, contact.adhesion
+    assert traction is not None
+    assert contact.scene is not None
+    assert contact.scene.adhesion is not None
+    law = LAWS[contact.scene.adhesion.law](contact.scene.adhesion.work, traction.range)
+    slope = np.where(
+        contact.pressure > 0, active / problem.operator.self_compliance, law.slope(contact.gap)
+    )
+    root, count = np.sqrt(slope), slope.size
+
+    def difference(values: Array) -> Array:
+        scaled = values.reshape(root.shape)
+        return np.asarray(
+            root * problem.operator(root * scaled) - (contact.pressure == 0) * scaled
+        ).ravel()
+
+    matrix = LinearOperator((count, count), difference, dtype=np.float64)
+    increment, failed = minres(matrix, root.ravel(), rtol=ADHESIVE_RTOL, maxiter=ADHESIVE_MAXITER)
+    total = float("nan") if failed else float(root.ravel() @ increment)
+    return total * problem.grid.cell_area / problem.grid.length
+
+
 def _stiffness_error(contact: cs.Contact, stiffness: float) -> float:
     """Return the bound of the relative error of a normal stiffness k, by the cells at the border of the contact.
 
     Of a line contact ``d ln k / d ln a`` is ``2 k / (pi E*)``, where a is the half-width; elsewhere 1 at most. Cells at
-    the hardness, which carry no increment, have a border of their own.
+    the hardness, which carry no increment, have a border of their own. With adhesion none is known.
     """
     assert contact.scene is not None
     touching = np.count_nonzero(contact.pressure)
     active = np.count_nonzero(contact.problem.constraint.active(contact.pressure))
-    if not active:
+    if not active or contact.adhesion is not None:
         return inf
     borders = 2 * touching / active - 1
     growth = max(2 * stiffness / (pi * contact.scene.contact_modulus), 1.0)
@@ -114,7 +150,7 @@ def _of_contact(case: ReferencedCase, contact: cs.Contact) -> dict[str, xr.Varia
         ratio = area / (2 * hertz.half_width * grid.length)
         measured["contact_area_over_hertz"] = dimensionless(ratio, "contact area over Hertz's")
     errors = dict.fromkeys(("contact_fraction", "contact_area_over_hertz"), area_error)
-    if contact.pressure.any():
+    if contact.pressure.any() or contact.adhesion is not None:
         stiffness = normal_stiffness(contact)
         what = {"description": "d load / d approach"}
         measured["stiffness"] = labelled((), stiffness, "N m-2", "normal stiffness", **what)

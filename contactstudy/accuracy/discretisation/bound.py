@@ -132,7 +132,8 @@ def discretisation_bound(
     hidden_error = CONSTANTS.hidden_error * inside.hidden_load * float(force.sum())
     hidden_area = relative_loss(CONSTANTS.hidden_error * inside.area_loss)
     largest_l1 = CONSTANTS.max_l1 if load_is_fixed else inf
-    l1 = max(l1, changes.l1, hidden_error / float(pressure.sum()))
+    of_net, peak_of_net = over_net(solution)
+    l1 = max(l1 * of_net, changes.l1, hidden_error / float(pressure.sum()) * of_net)
     l1 = min(largest_l1, l1) if _has_run_in_contact(pressure, 2) else largest_l1
     reason = ""
     if at_hardness:  # the peak pressure is the hardness
@@ -140,7 +141,8 @@ def discretisation_bound(
     elif reason := _no_peak(solution, inside):
         peak = inf
     else:
-        peak = max(peak, changes.peak_pressure, inside.peak_rise) + inside.kink_rise
+        repulsive = max(peak, inside.peak_rise) + inside.kink_rise
+        peak = max(changes.peak_pressure + inside.kink_rise, repulsive * peak_of_net)
     gap = gap_error(solution, l1, changes.mean_gap, inside.mean_height)
     if load_is_result:
         assert changes.load is not None
@@ -209,6 +211,15 @@ def gap_error(solution: Solution, l1: float, change: float, hidden: float) -> fl
         return inf
     shift = CONSTANTS.gap_error * l1 * max(float(solution.displacement.std()), gap)
     return max(change, shift / gap) + hidden / gap
+
+
+def over_net(solution: Solution) -> tuple[float, float]:
+    """Return the L1 norm of the pressure, and its peak, over those of the net pressure; 1 without adhesion."""
+    if solution.adhesion is None:
+        return 1.0, 1.0
+    pressure, peak = solution.pressure, abs(solution.peak_pressure)
+    norm = float(pressure.sum()) / float(np.abs(solution.net_pressure).sum())
+    return norm, float(pressure.max()) / peak if peak else inf
 
 
 def is_pull_off(solution: Solution) -> bool:

@@ -27,7 +27,7 @@ class DiscretisationErrors:
     Attributes
     ----------
     l1
-        Of the pressure in L1; a change is that of its means over the coarser cells.
+        Of the net pressure in L1; a change is that of its means over the coarser cells.
     peak_pressure, contact_area, mean_gap, load
         Of these numbers; the `load` is None where it is given.
     warnings
@@ -81,13 +81,14 @@ def coarser_problem(problem: Problem) -> Problem | None:
 
 def change_between_grids(fine: Solution, coarse: Solution) -> DiscretisationErrors:
     """Return the relative changes from `coarse`, the same contact on larger cells, to `fine`."""
-    means = on_cells(fine.pressure, coarse.pressure.shape)
+    net = fine.net_pressure
+    means = on_cells(net, coarse.pressure.shape)
     areas = [float((solution.pressure > 0).mean()) for solution in (fine, coarse)]
     gaps = [solution.mean_gap for solution in (fine, coarse)]
     loads = [solution.load_per_length for solution in (fine, coarse)]
     return DiscretisationErrors(
-        float(np.abs(means - coarse.pressure).sum() / means.sum()),
-        abs(float(fine.pressure.max() / coarse.pressure.max()) - 1),
+        float(np.abs(means - coarse.net_pressure).sum() / np.abs(means).sum()),
+        abs(fine.peak_pressure / coarse.peak_pressure - 1) if coarse.peak_pressure else inf,
         abs(areas[1] / areas[0] - 1),
         abs(gaps[1] / gaps[0] - 1) if gaps[0] else inf,
         abs(loads[0] - loads[1]) / abs(loads[0]) if loads[0] else inf,

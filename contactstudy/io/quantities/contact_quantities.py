@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactstudy.accuracy.plausibility import yield_stress_of_outputs
+from contactstudy.accuracy.range_errors import NO_LIMIT
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
@@ -60,16 +61,21 @@ def contact_quantities(
     rolling
         The steadily rolling contact that it belongs to, or None.
     """
-    pressure, gap, grid = solution.pressure, solution.gap, solution.problem.grid
+    pressure, gap, grid = solution.net_pressure, solution.gap, solution.problem.grid
     if not np.isfinite(pressure).all():
         return {}
-    scene, touching, fallback_reasons = scene_of(solution.problem), pressure > 0, estimate.warnings
+    scene, touching, fallback_reasons = (
+        scene_of(solution.problem),
+        solution.pressure > 0,
+        estimate.warnings,
+    )
     posed = solution.problem.description
     length = roller_length(posed if isinstance(posed, PosedScene) else None)
     area = float(np.count_nonzero(touching) * grid.cell_area)
-    total = float(pressure.sum() * grid.cell_area)
+    total = float(pressure[touching].sum() * grid.cell_area)
     coordinates = {"x": grid.x, "y": grid.y}
-    peak, place = _largest(pressure, coordinates)
+    pressed = np.where(touching, pressure, -inf) if touching.any() else np.zeros(grid.cells)
+    peak, place = _largest(pressed, coordinates)
     half_width = Quantity(
         _half_width(touching, grid.cell_size[0]), "m", "half-width (outermost cells)"
     )
@@ -99,12 +105,13 @@ def contact_quantities(
         if isinstance(solution.traction, FrettingTraction):
             quantities |= _of_cycle(solution, solution.traction, estimate, length)
     if solution.adhesion is not None:
-        quantities |= _of_adhesion(solution, solution.adhesion, estimate)
+        quantities |= _of_adhesion(solution, solution.adhesion, estimate, highest)
     in_contact = per_length(area, "m2", "contact area", length, grid.length)
     mean = Quantity(total / area if area else 0.0, "Pa", "mean pressure in contact")
     mean_error = area_error
-    if solution.regularised:
-        mean_error = estimate.peak_pressure
+    if solution.adhesion is not None and mean.value and area_error is not None:
+        moved = _moved_force(solution, estimate) * grid.cell_area + area_error.total * abs(total)
+        mean_error = ErrorParts(discretisation=moved / abs(total), reason=area_error.reason)
     if mean_error is not None and estimate.load is not None:  # at a given approach
         both = mean_error.total + estimate.load.total
         mean_error = ErrorParts(discretisation=both, reason=mean_error.reason)
@@ -153,15 +160,27 @@ def approach_datum(solution: Solution) -> float | None:
 
 
 def _of_adhesion(
-    solution: Solution, adhesion: AdhesiveTraction, estimate: ErrorEstimate
+    solution: Solution, adhesion: AdhesiveTraction, estimate: ErrorEstimate, peak: Quantity
 ) -> dict[str, Quantity]:
-    """Return pull-off load, attraction, its energy and range, cells in its zone, Tabor parameter, 1 if detached."""
+    """Return pull-off load, attraction, its energy and range, cells in its zone, Tabor parameter, 1 if detached.
+
+    In contact the repulsive part of the pressure is the strength above the net one, whose `peak` has the same error.
+    """
     grid = solution.problem.grid
     attraction = float(adhesion.attraction.sum() * grid.cell_area / grid.length)
-    touching = bool(solution.pressure.any())
-    # in the JKR limit the attraction grows as the peak pressure does
-    error = estimate.peak_pressure if adhesion.regularised else estimate.l1
+    touching, total = bool(solution.pressure.any()), float(adhesion.attraction.sum())
+    repulsive = Quantity(
+        float(solution.pressure.max()), "Pa", "peak of the repulsive part", peak.bound, peak.reason
+    )
+    error = estimate.load or estimate.l1
+    if adhesion.regularised:
+        error = ErrorParts(range=inf, reason=NO_LIMIT)
+        repulsive = replace(repulsive, bound=inf, reason=NO_LIMIT)
+    elif touching and total:
+        moved = _moved_force(solution, estimate) / total
+        error = ErrorParts(discretisation=moved, reason=estimate.l1.reason)
     quantities = {
+        "peak_repulsive_pressure": repulsive,
         "attraction": with_bound(
             Quantity(attraction, "N m-1", "adhesive force per length"), error, estimate.warnings
         ),
@@ -178,6 +197,17 @@ def _of_adhesion(
             "pull_off": with_bound(pull_off, estimate.pull_off, estimate.warnings)
         } | quantities
     return quantities
+
+
+def _moved_force(solution: Solution, estimate: ErrorEstimate) -> float:
+    """Return the error of the sum of the attraction [Pa], and of the net pressure in contact.
+
+    It is that of the net pressure, and the strength where the contact may be larger or smaller.
+    """
+    norm, touching = float(np.abs(solution.net_pressure).sum()), np.count_nonzero(solution.pressure)
+    assert solution.adhesion is not None
+    area = inf if estimate.contact_area is None else estimate.contact_area.total
+    return estimate.l1.total * norm + area * touching * float(solution.adhesion.attraction.max())
 
 
 def _of_traction(
@@ -211,14 +241,23 @@ def _of_traction(
         # the force is given, or in full sliding that over the load
         force_is_given = getattr(friction, "sticks", False)
         parts = estimate.load if force_is_given else None
-        coefficient = with_bound(coefficient, parts or ErrorParts(residual=solution.residual))
+        of_load = solution.residual * (pressed / abs(load) if load else 1.0)
+        coefficient = with_bound(coefficient, parts or ErrorParts(residual=of_load))
     sticking = float(np.count_nonzero(traction.stick) / touching) if touching else 0.0
     stick = Quantity(sticking, "1", "fraction of the contact that sticks")
     area = estimate.contact_area
     if area is not None and touching:
         at_boundary = np.count_nonzero(_at_stick_slip_boundary(solution, traction)) / touching
         stick = _with_slip_bound(stick, at_boundary + area.total * stick.value, estimate)
-    return {"traction_coefficient": coefficient, **lateral_force, "stick_fraction": stick}
+    quantities = {"traction_coefficient": coefficient, **lateral_force, "stick_fraction": stick}
+    if solution.adhesion is None:
+        return quantities
+    if load <= 0:  # a pull, over which a tangential force means nothing
+        quantities = {"stick_fraction": stick}
+    repulsive = Quantity(
+        force / pressed if pressed else 0.0, "1", "tangential force over repulsion"
+    )
+    return quantities | {"traction_over_repulsion": repulsive}
 
 
 def _at_stick_slip_boundary(solution: Solution, traction: TangentialTraction) -> NDArray[np.bool_]:

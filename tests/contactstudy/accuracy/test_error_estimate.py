@@ -333,7 +333,11 @@ def test_in_the_limit_of_short_ranges_net_traction_area_and_approach_are_bounded
     area = contact.quantities["contact_area"]
     assert true_l1 <= contact.error.l1.total
     assert abs(area.value - 2 * half) <= area.bound
-    assert contact.quantities["peak_pressure"].bound == inf
+    peak = contact.quantities["peak_pressure"]
+    griffith = math.sqrt(2 * scene.contact_modulus * 0.05 / (pi * half))
+    true_peak = scene.contact_modulus * half / 2 / 0.01 - griffith
+    assert abs(peak.value - true_peak) <= peak.bound < true_peak
+    assert contact.quantities["peak_repulsive_pressure"].bound == inf
     assert contact.quantities["largest_von_mises"].bound == inf
     # Hertz's pressure and, with the rest of the load, that of a flat punch
     of_hertz = pi * scene.contact_modulus * half**2 / 4 / 0.01
@@ -441,3 +445,35 @@ def test_the_residual_part_bounds_what_a_uniform_gap_changes_at_a_given_approach
     assert error <= found.l1 <= 10 * error
     assert abs(other.pressure.max() / one.pressure.max() - 1) <= found.peak_pressure
     assert abs(other.mean_gap - off.mean_gap) <= found.gap
+
+
+def test_the_load_of_bodies_that_only_attract_has_the_bound_of_the_attraction() -> None:
+    steel = cs.HalfSpace(210e9, 0.3)
+    adhesion = cs.Adhesion(0.1, 2e-7)
+    scene = cs.Scene(cs.Approach(-1e-7), (steel, steel), (cs.Cylinder(0.01),), adhesion=adhesion)
+    loads = [
+        cs.solve(scene, cs.Grid((cells, 1), (9e-4, 1e-3)), EXACT).quantities["load_per_length"]
+        for cells in (4, 16, 32, 512)
+    ]
+    for load in loads[:-1]:
+        assert abs(load.value - loads[-1].value) <= load.bound
+    assert loads[0].bound == inf > loads[1].bound
+    assert loads[2].bound < 1e-3 * abs(loads[2].value)
+
+
+@pytest.mark.parametrize("hardness", [5e8, 5e9])
+def test_a_hardness_caps_what_an_adhesive_contact_transmits_and_its_peak_pressure_is_that(
+    hardness: float,
+) -> None:
+    steel = cs.HalfSpace(210e9, 0.3, hardness=hardness)
+    scene = cs.Scene(
+        cs.LineLoad(1e5), (steel, steel), (cs.Cylinder(0.01),), adhesion=cs.Adhesion(2000.0, 1e-6)
+    )
+    grid = cs.Grid((192, 1), (1.2e-3, 1e-3))
+    capped = cs.solve(replace(scene, hardness=5e8), grid, EXACT).quantities
+    assert capped["peak_pressure"].value == pytest.approx(5e8, rel=1e-6)
+    # the strength of 2 GPa is balanced in contact
+    assert capped["peak_repulsive_pressure"].value == pytest.approx(2.5e9, rel=1e-6)
+    free = cs.solve(scene, grid, EXACT)
+    exceeds = free.quantities["peak_pressure"].value > hardness
+    assert any("times the hardness" in said for said in free.error.warnings) is exceeds

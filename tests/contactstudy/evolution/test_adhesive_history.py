@@ -101,7 +101,9 @@ def test_numbers_at_a_given_approach_are_within_their_bounds_of_those_of_a_fine_
     )
     for name in ("load_per_length", "contact_area", "mean_pressure", "mean_gap", "peak_pressure"):
         error = abs(coarse[name].value - fine[name].value)
-        assert error < coarse[name].bound < 0.1 * abs(fine[name].value), name
+        # each edge of the mean, at the largest attraction, is known to a cell
+        fraction = 0.5 if name == "mean_pressure" else 0.1
+        assert error < coarse[name].bound < fraction * abs(fine[name].value), name
 
 
 def test_the_shortfall_of_a_cylinder_is_that_of_fine_grids_between_and_at_known_parameters() -> (

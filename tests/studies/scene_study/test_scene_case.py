@@ -1,3 +1,4 @@
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -8,7 +9,7 @@ import contactstudy as cs
 import studies
 from contactstudy.accuracy.discretisation.cells import contact_perimeter
 from studies.engine.run import run
-from studies.scene_study.measures import measures
+from studies.scene_study.measures import measures, normal_stiffness
 from tests.studies.conftest import quiet
 from tests.studies.scene_study.conftest import SMOOTH, given
 
@@ -85,6 +86,27 @@ def test_the_load_of_an_adhesive_contact_is_the_pressure_less_the_attraction(
     )
     assert float(found["load"].values) == pytest.approx(2.0, rel=1e-6)
     assert float(found["approach"].values) == pytest.approx(single.approach, rel=1e-6)
+
+
+@pytest.mark.parametrize("law", ["exponential", "dugdale"])
+@pytest.mark.parametrize("load", [-1.0, 1.0])
+def test_the_stiffness_of_an_adhesive_contact_counts_how_the_attraction_changes(
+    law: str, load: float
+) -> None:
+    """It is the slope of the load over the approach, which falls as pull-off comes near."""
+    solids = cs.HalfSpace(1e6, 0.49), cs.HalfSpace(np.inf, 0.3)
+    adhesion = cs.Adhesion(0.05, 1e-5, law, branch="from full contact")
+    scene = cs.Scene(cs.LineLoad(load), solids, (cs.Cylinder(0.01),), adhesion=adhesion)
+    grid, step = cs.Grid((256, 1), (6e-3, 1e-3)), 2e-3
+    before, here, after = (
+        cs.solve(replace(scene, load=cs.LineLoad(at)), grid, cs.ExactPeriodicity(), tolerance=1e-9)
+        for at in (load - step, load, load + step)
+    )
+    slope = 2 * step / (after.approach - before.approach)
+    # differences are first order in the cells that come in
+    assert normal_stiffness(here) == pytest.approx(slope, rel=5e-3)
+    rigid = replace(here, adhesion=None)
+    assert normal_stiffness(rigid) > 1.01 * slope
 
 
 @pytest.mark.parametrize("cells", [46, 73])

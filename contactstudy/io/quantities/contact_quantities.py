@@ -254,9 +254,8 @@ def _of_traction(
         return quantities
     if load <= 0:  # a pull, over which a tangential force means nothing
         quantities = {"stick_fraction": stick}
-    repulsive = Quantity(
-        force / pressed if pressed else 0.0, "1", "tangential force over repulsion"
-    )
+    over = float(traction.shear[0].sum()) / pressed if pressed else 0.0
+    repulsive = Quantity(over, "1", "tangential force over repulsion")
     return quantities | {"traction_over_repulsion": repulsive}
 
 

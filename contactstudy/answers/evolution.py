@@ -1,6 +1,6 @@
 """The answer for a scene that changes in time, or rolls repeatedly: a sequence of answers with times."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import inf, isfinite
@@ -16,6 +16,7 @@ from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.domain.imports import needed_for
+from contactstudy.domain.units import readable
 from contactstudy.io.quantities.evolution_quantities import (
     cycle_quantities,
     evolution_quantities,
@@ -23,7 +24,7 @@ from contactstudy.io.quantities.evolution_quantities import (
 )
 from contactstudy.io.quantities.quantity import Quantities
 from contactstudy.problem.problem import Field
-from contactstudy.scene.scene import PosedScene
+from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.solvers.solution import Status, worst
 
 if TYPE_CHECKING:
@@ -127,6 +128,7 @@ class Evolution(Answer):
             Status.NOT_CONVERGED,
             Status.FILM_NOT_CONVERGED,
             Status.SHEAR_BEYOND_YIELD,
+            Status.WORN_THROUGH,
         ):
             parts = replace(largest.l1, residual=inf, reason=str(self.status))
             return ErrorEstimate(parts, warnings=(parts.reason, *warnings))
@@ -247,10 +249,55 @@ class Evolution(Answer):
 
 
 def evolution_answer(trajectory: "Trajectory", requested: float | None = None) -> Evolution:
-    """Return the frames of a dry contact as an answer."""
-    frames = tuple(_frame(trajectory, frame) for frame in trajectory.frames)
-    posed = trajectory.description
-    return Evolution(frames, trajectory.times, posed, requested, trajectory=trajectory)
+    """Return the frames of a dry contact as an answer, up to that in which a coating is worn through."""
+    posed, fields = trajectory.description, [frame.fields for frame in trajectory.frames]
+    depths = [of["wear_depth"].values if "wear_depth" in of else np.zeros(1) for of in fields]
+    sentences, is_through = _of_worn_coating(posed.scene, depths, trajectory.times)
+    kept = list(trajectory.frames[: len(sentences)])
+    if is_through:
+        kept[-1] = replace(kept[-1], status=Status.WORN_THROUGH)
+    trajectory = replace(trajectory, frames=tuple(kept))
+    frames = [_frame(trajectory, frame) for frame in kept]
+    frames = [
+        _unbounded(*pair) if pair[1] else pair[0] for pair in zip(frames, sentences, strict=True)
+    ]
+    return Evolution(tuple(frames), trajectory.times, posed, requested, trajectory=trajectory)
+
+
+def _of_worn_coating(scene: Scene, depths: Sequence[Array], times: Array) -> tuple[list[str], bool]:
+    """Return what is said of a coating at each instant until it is worn through, and whether it is.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    depths
+        Wear depth (x, y) [m] at each instant.
+    times
+        The instants [s].
+    """
+    body = 0 if scene.wear is None else scene.wear.body
+    thickness = getattr(scene.solids[body], "thickness", inf)
+    sentences: list[str] = []
+    for number, worn in enumerate(depths):
+        deepest = float(worn.max())
+        if deepest >= thickness:
+            since = "at" if not number else f"between {times[number - 1]:g} s and"
+            through = f"No bound: the coating of solids[{body}] is worn through {since} {times[number]:g} s."
+            return [*sentences, through], True
+        lost = f"is thinner by up to {readable(deepest)} than the {readable(thickness)} that its response is for"
+        is_thinner = thickness < inf and deepest > 0
+        sentences.append(f"No bound: the coating of solids[{body}] {lost}." if is_thinner else "")
+    return sentences, False
+
+
+def _unbounded(contact: Contact, reason: str) -> Contact:
+    """Return a contact whose errors have no bound, for a reason."""
+    parts: dict[str, Any] = {
+        name: replace(part, discretisation=inf, reason=reason) for name, part in contact.error
+    }
+    warnings = reason, *contact.error.warnings
+    return replace(contact, estimate=replace(contact.error, warnings=warnings, **parts))
 
 
 def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
@@ -343,8 +390,16 @@ def films_answer(films: "FilmTrajectory", requested: float | None = None) -> Evo
     from contactstudy.answers.lubricated_contact import film_answer
 
     parts = ErrorParts(discretisation=inf, reason=NO_BOUND_OF_FILMS)
-    frames = []
-    for number, (contact, time) in enumerate(zip(films.contacts, films.times, strict=True)):
+    frames, times = [], np.array(films.times)
+    depths = [
+        np.zeros(1) if film.wear_depth is None else film.wear_depth for film in films.contacts
+    ]
+    sentences, is_through = _of_worn_coating(films.contacts[0].scene, depths, times)
+    kept = list(films.contacts[: len(sentences)])
+    if is_through:
+        kept[-1] = replace(kept[-1], status=Status.WORN_THROUGH)
+    films = replace(films, contacts=tuple(kept), times=films.times[: len(kept)])
+    for number, (contact, time) in enumerate(zip(kept, films.times, strict=True)):
         errors = {
             name: replace(parts, steps=float(by_steps[number]))
             for name, by_steps in films.time_discretisation_errors.items()
@@ -352,7 +407,7 @@ def films_answer(films: "FilmTrajectory", requested: float | None = None) -> Evo
         estimate = ErrorEstimate(
             errors["pressure"], errors["peak_pressure"], central_film=errors["central_film"],
             minimum_film=errors["minimum_film"], friction_coefficient=errors["friction"],
-            warnings=(NO_BOUND_OF_FILMS,),
+            warnings=(*filter(None, (sentences[number],)), NO_BOUND_OF_FILMS),
         )  # fmt: skip
         frames.append(film_answer(replace(contact, estimate=estimate), time=time))
     first = frames[0]

@@ -21,9 +21,11 @@ from contactstudy.scene.solids.bodies import SceneContext
 class Wear:
     """Sliding wear after Archard (1953), ``dw/ds = coefficient p``.
 
-    Both bodies together lose a depth w [m] along a sliding distance s [m], under the pressure p; on a boundary film
-    under the pressure of asperities. A body that turns through the contact wears alike all round, so that only its
-    profile along the length changes. A scene with wear changes in time; see :func:`~contactstudy.solve`.
+    A body loses a depth w [m] along a sliding distance s [m], under the pressure p; on a boundary film under the
+    pressure of asperities. Its coating becomes thinner, and its plastic strain comes nearer to the surface; of a coating
+    that is worn through the answer ends with the status WORN_THROUGH. A body that turns through the contact wears alike
+    all round, so that only its profile along the length changes. A scene with wear changes in time; see
+    :func:`~contactstudy.solve`.
 
     Parameters
     ----------
@@ -32,8 +34,7 @@ class Wear:
     speed
         Sliding speed [m/s], at least zero, so that ``ds = speed dt``; zero where slip or a film gives the sliding.
     body
-        Index (0 or 1) of the wearing body in ``Scene.solids``; a dry contact is the same for either, and in
-        a film it counts which body moves.
+        Index (0 or 1) of the wearing body in ``Scene.solids``.
     circumference
         Circumference [m] of the wearing body where it rolls through the contact; None where it does not.
 

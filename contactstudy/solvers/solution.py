@@ -72,6 +72,10 @@ class Status(Enum):
         "converged, but the plastic strain that a pass leaves at the edge of the grid did not become steady: "
         "give a longer Rolling.distance, or none, or a larger Rolling.steady"
     )
+    WORN_THROUGH = (
+        "a coating is worn through, and what is below it bears the load from here on: end before, or give a body of the "
+        "substrate alone"
+    )
     DETACHED = (
         "the bodies do not touch: under this load there is no equilibrium in contact, or at this approach they only "
         "attract each other across the gap, or nothing holds the tangential force: give a larger load or approach"
@@ -106,8 +110,8 @@ class Status(Enum):
 def worst(statuses: Sequence[Status]) -> Status:
     """Return the most serious of `statuses`; converged if there is none."""
     order = (
-        Status.NOT_FINITE, Status.NO_ADMISSIBLE_PRESSURE, Status.SHEAR_BEYOND_YIELD, Status.NOT_CONVERGED,
-        Status.FILM_NOT_CONVERGED, Status.STALLED, Status.ITERATION_LIMIT, Status.PRECISION_LIMIT,
+        Status.NOT_FINITE, Status.NO_ADMISSIBLE_PRESSURE, Status.WORN_THROUGH, Status.SHEAR_BEYOND_YIELD,
+        Status.NOT_CONVERGED, Status.FILM_NOT_CONVERGED, Status.STALLED, Status.ITERATION_LIMIT, Status.PRECISION_LIMIT,
         Status.CONTACT_AT_EDGE, Status.YIELD_AT_EDGE, Status.PASS_NOT_STEADY, Status.SEVERAL_FILMS,
         Status.FILM_BELOW_CELL, Status.STARVED_INLET, Status.ATTRACTION_AT_EDGE, Status.DETACHED, Status.CONVERGED,
     )  # fmt: skip

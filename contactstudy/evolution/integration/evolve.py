@@ -59,7 +59,7 @@ def state_variables(scene: Scene, datum: float) -> tuple[StateVariable, ...]:
         for body in creeping(scene.solids)
     ]
     if scene.wear is not None and scene.wear.rate_per_pressure > 0:
-        scene_variables.append(WearState(scene.wear.rate_per_pressure))
+        scene_variables.append(WearState(scene.wear.rate_per_pressure, scene.wear.body))
     return tuple(scene_variables)
 
 

@@ -25,6 +25,7 @@ from contactstudy.evolution.states.state_variables import (
     State,
     StateVariable,
     Step,
+    WearState,
 )
 from contactstudy.evolution.time_steps import Scheme
 from contactstudy.evolution.warm_started import (
@@ -278,6 +279,12 @@ class TimeStepper:
             if next_instant is instant or len(solutions) == MAX_FIXED_POINT_ITERATIONS:
                 break
             instant = next_instant
+        if self.coupled is not None:
+            parts = zip(self.state_variables, instant.states, states, strict=False)
+            for variable, before, after in parts:
+                if isinstance(variable, WearState):
+                    depth = after["wear_depth"] - before["wear_depth"]
+                    coupled = (self.coupled.worn(coupled[0], variable.body, depth),)
         if next_instant is not instant and solution.status.has_converged:
             solution = replace(solution, status=Status.NOT_CONVERGED)
         for variable, state in zip(self.state_variables, states, strict=True):

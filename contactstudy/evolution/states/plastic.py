@@ -247,6 +247,17 @@ class PlasticState:
         """Return what ends the names of a body's fields: nothing where it alone yields."""
         return f"_{body.index}" if len(self.bodies) > 1 else ""
 
+    def worn(self, state: State, index: int, depth: Array) -> State:
+        """Return the state after ``Scene.solids[index]`` has lost a further `depth` (x, y) [m]: its strain moves up."""
+        if f"first{index}" not in state:
+            return state
+        first, edges = int(state[f"first{index}"][0]), state[f"edges{index}"]
+        moved = {
+            name: _moved_up(state[name], edges, depth[first : first + state[name].shape[-2]])
+            for name in (f"strain{index}", f"equivalent{index}")
+        }
+        return {**state, **moved}
+
     def has_onset_of_yield(self, before: State, after: State) -> bool:
         """Return whether a step added much more plastic strain than all since the last step without plastic flow.
 
@@ -406,6 +417,18 @@ def _embedded_state(state: State, body: YieldingBody, volume: Volume) -> tuple[A
     first = int(state[f"first{body.index}"][0])
     strain, equivalent = state[f"strain{body.index}"], state[f"equivalent{body.index}"]
     return embedded(strain, first, volume), embedded(equivalent, first, volume)
+
+
+def _moved_up(means: Array, edges: Array, depth: Array) -> Array:
+    """Return the means (..., layers, x, y) in layers between `edges` [m] of what lay deeper by a `depth` (x, y) [m]."""
+    thickness = np.diff(edges)[:, None, None]
+    above = np.cumsum(means * thickness, axis=-3)
+    above = np.concatenate((np.zeros_like(above[..., :1, :, :]), above), axis=-3)
+    deeper = np.minimum(edges[:, None, None] + depth, edges[-1])
+    layer = np.minimum(np.searchsorted(edges, deeper, "right"), len(edges) - 1) - 1
+    x, y = np.indices(depth.shape)
+    integral = above[..., layer, x, y] + means[..., layer, x, y] * (deeper - edges[layer])
+    return np.asarray(np.diff(integral, axis=-3) / thickness)
 
 
 def _at_depths(middles: Array, values: Array, depths: Array) -> Array:

@@ -180,6 +180,9 @@ class CoupledStateVariable(AnyStateVariable, Protocol):
             State at the end of the step to begin with; None begins with that at its start.
         """
 
+    def worn(self, state: State, index: int, depth: Array) -> State:
+        """Return the state after ``Scene.solids[index]`` has lost a further `depth` (x, y) [m]."""
+
     def has_onset_of_yield(self, before: State, after: State) -> bool:
         """Return whether a step added far more plastic strain than all since the last step without plastic flow."""
 
@@ -299,9 +302,12 @@ class WearState:
     ----------
     rate_per_pressure
         Depth over pressure and time [m/(Pa s)]: the specific wear rate times the sliding speed.
+    body
+        Index in ``Scene.solids`` of the body that wears.
     """
 
     rate_per_pressure: float
+    body: int = 0
 
     has_stages: ClassVar[bool] = True
 

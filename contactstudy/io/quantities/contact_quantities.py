@@ -17,6 +17,7 @@ from contactstudy.domain.units import readable
 from contactstudy.io.quantities.quantity import Quantity, per_length, roller_length, with_bound
 from contactstudy.problem.problem import Field
 from contactstudy.scene.scene import PosedScene, Scene, scene_of
+from contactstudy.scene.solids.bodies import creeps
 from contactstudy.solvers.friction.fretting_traction import FrettingTraction
 from contactstudy.solvers.friction.rolling_traction import RollingTraction
 from contactstudy.solvers.solution import AdhesiveTraction, Solution, TangentialTraction
@@ -123,6 +124,9 @@ def contact_quantities(
         "mean_gap": with_bound(mean_gap, estimate.mean_gap, fallback_reasons),
         "approach": _approach(solution, estimate),
     }
+    if scene is not None and scene.rolls and any(map(creeps, scene.solids)):
+        # it falls with the logarithm of the speed, since points far behind the contact relax while those ahead do not
+        del quantities["approach"]
     if scene is not None and scene.hardness < inf:
         depth = max(-float(gap.min()), 0.0)
         quantities["yielded_depth"] = Quantity(depth, "m", "largest plastic indentation")
@@ -138,7 +142,7 @@ def contact_quantities(
 def _approach(solution: Solution, estimate: ErrorEstimate) -> Quantity:
     """Return the approach, which is exact where it is given, and the point that it is counted from."""
     datum = approach_datum(solution)
-    detail = f", from {readable(datum)} beside the axis" if datum else ""
+    detail = f", from a point {readable(datum)} away" if datum else ""
     if solution.problem.control.approach is not None:
         return Quantity(solution.approach, "m", "approach", 0.0, "", detail=detail)
     approach = Quantity(solution.approach, "m", "approach", detail=detail)

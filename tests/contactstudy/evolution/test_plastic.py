@@ -365,6 +365,24 @@ def test_a_body_that_yields_can_wear() -> None:
     assert found.frames[-1].peak_pressure < found.frames[0].peak_pressure
 
 
+def test_plastic_strain_moves_with_the_surface_that_wears() -> None:
+    """A depth that uniform wear takes off every column leaves the strain that lay below it; the rest is gone."""
+    scene = replace(pressed(3), load=cs.LineLoad(load(3)), wear=cs.Wear(1e-15, 1.0))
+    found = evolve(scene, grid_of(3, 0.2), EXACT, times=(0, 1))
+    plastic, state = found.coupled, found.frames[0].coupled_state
+    edges, strain, hardened = (state[f"{name}0"] for name in ("edges", "strain", "equivalent"))
+    whole = np.full(found.grid.cells, edges[2])
+    thickness = np.diff(edges)[:, None, None]
+    for name, before in (("strain0", strain), ("equivalent0", hardened)):
+        left = (before * thickness)[..., 2:, :, :].sum(axis=-3)
+        after = plastic.worn(state, 0, whole)[name]
+        np.testing.assert_allclose((after * thickness).sum(axis=-3), left, atol=1e-12)
+    assert plastic.worn(state, 1, whole) is state  # the other body
+    assert not plastic.worn(state, 0, whole * 1e6)["strain0"].any()
+    worn = found.frames[1].coupled_state["equivalent0"]
+    assert worn[0].max() > hardened[0].max() == 0
+
+
 def with_stress(
     scene: cs.Scene, depths: tuple[float, ...] | str, solid: int = 0, cell: float = 0.2
 ) -> cs.Evolution:

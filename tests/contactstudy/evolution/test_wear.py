@@ -194,3 +194,27 @@ def test_the_edge_of_a_finite_roller_wears_away() -> None:
     of_cells = errors["l1"].by_cause["discretisation"]
     assert of_cells < errors["peak_pressure"].by_cause["discretisation"] == inf
     assert "sharp edge" in errors["peak_pressure"].reason
+
+
+@pytest.mark.parametrize("rolling", [None, cs.Rolling(1.0)])
+def test_a_contact_whose_coating_is_worn_through_ends_with_the_time(
+    rolling: cs.Rolling | None,
+) -> None:
+    """Until then its errors have no bound, as it is thinner than its response is for; the other body is not coated."""
+    steel, hard = cs.HalfSpace(210e9, 0.3), cs.HalfSpace(600e9, 0.2)
+    wear = cs.Wear(1e-15, 0.1, circumference=None if rolling is None else 0.06)
+    scene = cs.Scene(
+        cs.LineLoad(1e5), (cs.CoatedHalfSpace(hard, 1e-6, steel), steel), (cs.Cylinder(0.01),), rolling=rolling,
+        wear=wear,
+    )  # fmt: skip
+    grid, times = cs.Grid((32, 1), (8e-4, 1e-3)), np.array([0.0, 4.0, 100.0, 200.0])
+    times[1:] *= 1 if rolling is None else 500
+    found = cs.solve(scene, grid, EXACT, times=times)
+    assert found.status is cs.Status.WORN_THROUGH
+    assert len(found.frames) == len(found.to_dataset()["time"]) == 3
+    through = f"worn through between {times[1]:g} s and {times[2]:g} s"
+    assert any(through in sentence for sentence in found.error.warnings)
+    assert found.frames[0].error.l1.total < inf
+    assert "is thinner by up to" in found.frames[1].error.l1.reason
+    other = replace(scene, wear=replace(wear, body=1))
+    assert cs.solve(other, grid, EXACT, times=times).status is cs.Status.CONVERGED

@@ -75,6 +75,7 @@ from .scene.shapes.tilt import Tilt
 from .scene.solids.bodies import Body, HalfSpace
 from .scene.solids.coated import CoatedHalfSpace
 from .scene.solids.elastic_plastic import ElasticPlasticHalfSpace
+from .scene.solids.free_faces import FreeFaces
 from .scene.solids.viscoelastic import ViscoelasticHalfSpace
 from .scene.stress import SubsurfaceStress
 from .scene.surfaces.measured_surface import MeasuredSurface
@@ -136,6 +137,7 @@ __all__ = [
     "FilmHeat",
     "FiniteLength",
     "FlatBottomed",
+    "FreeFaces",
     "Fretting",
     "Gap",
     "Gpu",

@@ -81,6 +81,32 @@ class BoussinesqCoefficients:
         return boussinesq_cell_doubly_periodic(x, y, dx, dy, width, period)
 
 
+# Distance from the axis over the length of a body with free faces at which the row of its mirrored loads does not move
+# it: the loads beyond the two neighbouring ones then count nothing in the middle.
+DATUM_OVER_LENGTH = 3.0
+
+
+@dataclass(frozen=True)
+class FreeFaceCoefficients(BoussinesqCoefficients):
+    """Coefficients of a body with two free faces; :mod:`~contactstudy.elasticity.free_faces` makes its operator of them.
+
+    Parameters
+    ----------
+    length
+        Distance between the faces [m].
+    poisson_ratio
+        Poisson's ratio of the body.
+    """
+
+    length: float
+    poisson_ratio: float
+
+    @classmethod
+    def of(cls, length: float, poisson_ratio: float) -> "FreeFaceCoefficients":
+        """Return those of a body, with the datum `DATUM_OVER_LENGTH`."""
+        return cls(DATUM_OVER_LENGTH * length, length, poisson_ratio)
+
+
 @dataclass(frozen=True)
 class _Axis:
     """Axis of a grid: number of `cells`, their size `step` [m], the `period` [m] of its images, and its padding."""

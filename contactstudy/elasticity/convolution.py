@@ -192,17 +192,10 @@ class Convolution:
         Galerkin coarsening: in the spectrum, restriction and prolongation multiply by ``cos(pi k / n)^2``, and the
         larger cells alias the upper half of the wave numbers to the lower.
         """
-        spectrum, (px, py), (across, along) = self.spectrum, self.padded, self.blocks
-        if across == 2:
-            weights = np.cos(np.pi / px * np.arange(px // 2)[:, None]) ** 2
-            spectrum = _aliased(spectrum[: px // 2, :], spectrum[px // 2 :, :], weights)
-        if along == 2:
-            weights = np.cos(np.pi / py * np.arange(py // 4 + 1)[None, :]) ** 2
-            mirrored = arrays().flip(spectrum, axis=1)
-            columns = py // 4 + 1
-            spectrum = _aliased(spectrum[:, :columns], mirrored[:, :columns], weights)
-        cells = self.cells[0] // across, self.cells[1] // along
-        return Convolution(spectrum, cells, (px // across, py // along))
+        (px, py), blocks = self.padded, self.blocks
+        cells = self.cells[0] // blocks[0], self.cells[1] // blocks[1]
+        spectrum = coarsened_spectrum(self.spectrum, self.padded, blocks)
+        return Convolution(spectrum, cells, (px // blocks[0], py // blocks[1]))
 
     def approximate_inverse(
         self, precision: Precision | None = None
@@ -250,6 +243,20 @@ class Convolution:
         by_distance += CONSTANTS.mean_compliance * np.abs(by_distance).max()
         index = np.arange(len(by_distance))
         return np.asarray(by_distance[np.abs(index[:, None] - index)])
+
+
+def coarsened_spectrum(spectrum: Array, padded: tuple[int, int], blocks: tuple[int, int]) -> Array:
+    """Return the spectrum on `padded` points of cells that are merged in `blocks`, see :meth:`Convolution.coarsened`."""
+    (px, py), (across, along) = padded, blocks
+    if across == 2:
+        weights = np.cos(np.pi / px * np.arange(px // 2)[:, None]) ** 2
+        spectrum = _aliased(spectrum[: px // 2, :], spectrum[px // 2 :, :], weights)
+    if along == 2:
+        weights = np.cos(np.pi / py * np.arange(py // 4 + 1)[None, :]) ** 2
+        mirrored = arrays().flip(spectrum, axis=1)
+        columns = py // 4 + 1
+        spectrum = _aliased(spectrum[:, :columns], mirrored[:, :columns], weights)
+    return spectrum
 
 
 def _aliased(low: Array, high: Array, weights: Array) -> Array:
@@ -358,8 +365,13 @@ def superposed(
 
 def _spectrum(coefficients: Coefficients, grid: Grid, paddings: Paddings) -> Array:
     """Return the transform of influence coefficients that are even along both axes: it is real and even."""
-    half = influence_coefficients(grid, paddings, coefficients)
-    padded = padded_cells(grid, paddings)
+    return even_spectrum(
+        influence_coefficients(grid, paddings, coefficients), padded_cells(grid, paddings)
+    )
+
+
+def even_spectrum(half: Array, padded: tuple[int, int]) -> Array:
+    """Return the transform on `padded` points of coefficients of known offsets (x, y), even along both axes."""
     offsets = (
         _offset_indices(*counts)[: counts[1] // 2 + 1]
         for counts in zip(half.shape, padded, strict=True)
@@ -408,14 +420,9 @@ def weighted_sum(
 
     `local_compliance` [m/Pa] times the pressure itself is added: a constant in the spectrum, also on coarser grids.
     """
-    weighted = list(operators)
-    first = weighted[0][1]
-    spectrum = sum(
-        (weight * operator.spectrum for weight, operator in weighted), start=np.zeros(())
-    )
-    if local_compliance:
-        spectrum = spectrum + local_compliance
-    return replace(first, spectrum=spectrum)
+    first, *others = (operator.scaled(weight, Precision.DOUBLE) for weight, operator in operators)
+    spectrum = sum((operator.spectrum for operator in others), start=first.spectrum)
+    return replace(first, spectrum=spectrum + local_compliance)
 
 
 def padded_cells(grid: Grid, paddings: Paddings) -> tuple[int, int]:

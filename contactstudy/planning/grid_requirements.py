@@ -428,8 +428,12 @@ def grid_requirements(scene: Scene, padding: Padding | Paddings | None = None) -
             )
     length_scales = tuple(length_scales_of(scene.shapes))
     length = scene.roller_length
-    if length is not None and any(scales.roller for scales in length_scales):
-        length_scales += (LengthScales(roller=length),)
+    if scene.free_length < inf:  # it ends the contact, whatever length a profile is made for
+        length_scales = tuple(replace(scales, roller=0.0) for scales in length_scales)
+    if scene.free_length < inf or (
+        length is not None and any(scales.roller for scales in length_scales)
+    ):
+        length_scales += (LengthScales(roller=length or inf),)
     coatings = tuple(solid for solid in scene.solids if isinstance(solid, Layered))
     requirements = GridRequirements(
         scene.hertz, length_scales, scene.hardness, coatings, given_padding=padding

@@ -19,7 +19,7 @@ from contactstudy.domain.checks import (
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings, across_and_along
 from contactstudy.domain.units import Pascals, readable
-from contactstudy.elasticity.convolution import superposed
+from contactstudy.elasticity.convolution import Convolution, superposed
 from contactstudy.problem.constraint import (
     Compressive,
     Constraint,
@@ -244,10 +244,18 @@ class Scene:
 
     @property
     def roller_length(self) -> float | None:
-        """Length of the roller [m]: that of its total load, or of the shortest that the shapes end; None if endless."""
+        """Length of the roller [m]: that of the shortest body with free faces, else that of its total load, or of the
+        shortest that the shapes end; None if endless."""
         lengths = [d.roller for d in length_scales_of(self.shapes) if 0 < d.roller < inf]
+        if self.free_length < inf:
+            lengths = [self.free_length]
         shortest = min(lengths, default=None)
         return self.load.length_on(shortest) if isinstance(self.load, TotalLoad) else shortest
+
+    @property
+    def free_length(self) -> float:
+        """Length [m] of the shortest body with free faces, at which contact ends; infinite without such a body."""
+        return min(getattr(solid, "free_faces", inf) for solid in self.solids)
 
     @property
     def largest_load(self) -> float:
@@ -364,7 +372,7 @@ class Scene:
         return Problem(
             grid=grid,
             undeformed_gap=gap,
-            operator=superposed(response(self.solids, self.datum(grid)), grid, paddings),
+            operator=self._operator(self.datum(grid), grid, paddings),
             constraint=self._constraint(solver),
             control=self._control(grid, padding),
             scales=scales,
@@ -380,6 +388,25 @@ class Scene:
             adhesion=self._adhesion_solver(solver),
             covered_fractions=source.covered_fractions(grid),
         )
+
+    def _operator(self, datum: float, grid: Grid, paddings: Paddings) -> Convolution:
+        """Return the operator of both bodies on `grid`."""
+        weights = response(self.solids, datum)
+        if self.free_length == inf:
+            return superposed(weights, grid, paddings)
+        from contactstudy.elasticity.free_faces import between_faces  # only where they are named
+
+        if not all(map(_is_free, paddings)):
+            raise InvalidInput(
+                f"padding is {paddings!r}: bodies with free faces end along the length and have no images, give "
+                "ZeroPadding() along both axes."
+            )
+        if grid.length > self.free_length * (1 + 1e-9):
+            raise InvalidInput(
+                f"Grid.extent[1] is {readable(grid.length)}: contact ends at the free faces of the shorter body, give "
+                f"its length, {readable(self.free_length)}."
+            )
+        return between_faces(weights, grid, paddings)
 
     def datum(self, grid: Grid) -> float:
         """Return the distance [m] that displacements count from where infinitely many images leave that open.
@@ -504,9 +531,15 @@ class Scene:
 
     def _open_ends(self, gap: Array, grid: Grid, along: Padding) -> tuple[int, ...]:
         """Return the end rows under zero padding along if the surface varies along it and no roller ends there."""
-        if not _is_free(along) or ends_along(self.shapes, grid):
+        if not _is_free(along) or self._ends_on(grid):
             return ()
-        return (0, -1) if (gap != gap[:, :1]).any() else ()
+        return (0, -1) if self.free_length < inf or (gap != gap[:, :1]).any() else ()
+
+    def _ends_on(self, grid: Grid) -> bool:
+        """Return whether a body ends within the period of `grid`, so that contact may reach its ends."""
+        if self.free_length < inf:
+            return self.free_length <= grid.length * (1 + 1e-9)
+        return ends_along(self.shapes, grid)
 
     def source_with(
         self, grid: Grid, padding: Padding | Paddings, solver: "AdhesiveSolver | None"
@@ -516,7 +549,7 @@ class Scene:
         # a scene that stays the same is not checked again
         unchanged = all(map(is_, shapes, self.shapes))
         scene = self if unchanged else replace(self, shapes=shapes)
-        ended = ends_along(self.shapes, grid)
+        ended = self._ends_on(grid)
         return ShapesSource(
             scene.shapes, ended, lambda new_grid: scene.problem_with(new_grid, padding, solver)
         )

@@ -157,9 +157,12 @@ def check_tangential_response(
     for number, solid in enumerate(scene.solids):
         follows = creeps(solid) and creep == "follows"
         elastic = isinstance(solid, Inelastic) and not creeps(solid) and not yields(solid)
-        if follows or elastic or isinstance(solid, HalfSpace | CoatedHalfSpace):
+        has_faces = getattr(solid, "free_faces", inf) < inf
+        if follows or elastic or (isinstance(solid, HalfSpace | CoatedHalfSpace) and not has_faces):
             continue
         reason = "its response to tangential traction is not known"
+        if has_faces:
+            reason = "its free_faces change the response to tangential traction, leave free_faces out, or"
         if yields(solid):
             reason = "tangential traction makes it flow along its surface, which is not computed"
         elif creeps(solid):

@@ -15,8 +15,12 @@ from contactstudy.domain.checks import (
     suggest_fields,
 )
 from contactstudy.domain.grid import Grid, Padding, Paddings
-from contactstudy.domain.units import Number, Pascals
-from contactstudy.elasticity.coefficients import BoussinesqCoefficients, Coefficients
+from contactstudy.domain.units import Metres, Number, Pascals
+from contactstudy.elasticity.coefficients import (
+    BoussinesqCoefficients,
+    Coefficients,
+    FreeFaceCoefficients,
+)
 from contactstudy.scene.shapes.shape import Shape
 
 if TYPE_CHECKING:
@@ -70,17 +74,21 @@ class HalfSpace:
     hardness
         Indentation hardness [Pa], infinite if it is not known: the peak pressure is compared with it. It does not limit
         the pressure, which ``Scene.hardness`` does.
+    free_faces
+        Length [m] of the body between two faces free of traction, at ``|y| = free_faces / 2``, where contact ends too;
+        infinite for a body without, see :func:`~contactstudy.FreeFaces`.
 
     Raises
     ------
     InvalidInput
-        If a number is outside these limits.
+        If a number is outside these limits; in a scene that faces cannot be combined with.
     """
 
     youngs_modulus: Pascals
     poisson_ratio: Number
     yield_stress: Pascals = math.inf
     hardness: Pascals = math.inf
+    free_faces: Metres = math.inf
 
     def __post_init__(self) -> None:
         modulus = "give a modulus above 0 Pa, or inf for a rigid body"
@@ -91,6 +99,7 @@ class HalfSpace:
             poisson_ratio=(poisson_ratio, POISSON_RATIO),
             yield_stress=(in_range_or_infinite, stress),
             hardness=(in_range_or_infinite, stress),
+            free_faces=(in_range_or_infinite, "give a length above 0 m, or inf for no faces"),
         )
 
     @property
@@ -99,8 +108,23 @@ class HalfSpace:
         return (1 - self.poisson_ratio**2) / self.youngs_modulus
 
     def response(self, datum: float) -> Mapping[Coefficients, float]:
-        """Return Boussinesq's coefficients and weight, ``u = (1 - nu^2) / (pi E) sum I p`` (Johnson 1985, eq. 3.22)."""
-        return {BoussinesqCoefficients(datum): self.compliance / math.pi} if self.compliance else {}
+        """Return Boussinesq's coefficients and weight, ``u = (1 - nu^2) / (pi E) sum I p`` (Johnson 1985, eq. 3.22).
+
+        Those of a body with free faces say its length and Poisson's ratio as well, and have a datum of their own.
+        """
+        if not self.compliance:
+            return {}
+        coefficients: Coefficients = BoussinesqCoefficients(datum)
+        if self.free_faces < math.inf:
+            coefficients = FreeFaceCoefficients.of(self.free_faces, self.poisson_ratio)
+        return {coefficients: self.compliance / math.pi}
+
+    def check(self, scene: "SceneContext") -> None:
+        """Raise :class:`~contactstudy.InvalidInput` if this body has free faces and `scene` forbids them."""
+        if self.free_faces < math.inf:
+            from contactstudy.scene.solids.free_faces import check_free_faces
+
+            check_free_faces(scene)
 
     def shear_compliance(self, datum: float) -> "ShearCompliance":
         """Return Cerruti's coefficients and weights (Johnson 1985, eqs. 3.75)."""
@@ -229,6 +253,10 @@ class SceneContext(Protocol):
 
     def loaded_length(self, grid: Grid, padding: Padding | Paddings) -> float:
         """Return the length [m] on which loads and forces per length act."""
+
+    @property
+    def free_length(self) -> float:
+        """Length [m] of the shortest body with free faces, infinite without one."""
 
     @property
     def rolls(self) -> bool:

@@ -55,7 +55,13 @@ class CoatedHalfSpace:
     def __post_init__(self) -> None:
         for name in ("coating", "substrate"):
             field = f"CoatedHalfSpace.{name}"
-            instance(field, getattr(self, name), HalfSpace, "give a HalfSpace")
+            solid = getattr(self, name)
+            instance(field, solid, HalfSpace, "give a HalfSpace")
+            if solid.free_faces < math.inf:
+                raise InvalidInput(
+                    f"{field} is {solid!r}: free faces of a coated body are not computed, leave free_faces out, or the "
+                    "coating."
+                )
         remedy = "give a thickness above 0 m, or the substrate alone for none"
         check_fields(self, thickness=(in_range, remedy))
         if math.isinf(self.coating.youngs_modulus):

@@ -1,0 +1,307 @@
+"""Operator of bodies that end along the length, with faces that are free of traction.
+
+The load is continued evenly about both faces, which leaves no shear on them. What is left there is a normal stress. A
+load on the face that cancels it, mirrored about the surface, leaves the surface in place and a normal stress on it. Both
+stresses come from one operator S, since the geometry is the same seen from either plane (Hetenyi 1970; Wang, Guo, Wong &
+Zhang 2017)::
+
+    P = p + S q,   q = S P   so that   u = K P = K p + K (I - S S)^-1 S S p,
+
+where K is the response of the half-space to an evenly continued load. Each face is that of a quarter-space.
+
+Across the contact everything is a convolution. For waves of the wave number k the last term is a function of k y and
+k y' alone, the distances from the face, so that one table for each Poisson's ratio holds for all bodies and grids.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+
+import numpy as np
+from scipy import fft
+
+from contactstudy.domain.checks import InvalidInput
+from contactstudy.domain.device import Precision
+from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Grid, Paddings
+from contactstudy.domain.reuse import cached_array
+from contactstudy.elasticity.coefficients import (
+    Coefficients,
+    FreeFaceCoefficients,
+    influence_coefficients,
+)
+from contactstudy.elasticity.convolution import Convolution, coarsened_spectrum, even_spectrum
+from contactstudy.elasticity.transforms import ComplexField, transforms
+
+
+@dataclass(frozen=True)
+class FaceConstants:
+    """Constants of the table and of its use on a grid.
+
+    Attributes
+    ----------
+    ratio, stride
+        Ratio of neighbouring distances in the table, every how many of which are used on a grid.
+    nearest, farthest
+        First and last distance of the table, in units of 1 / k.
+    first_node
+        First distance from the face on a grid, over the length of a cell.
+    widths
+        Widths of the grid after which the response across repeats where it is summed from waves.
+    """
+
+    ratio: float = 1.1
+    stride: int = 3
+    nearest: float = 1e-8
+    farthest: float = 30.0
+    first_node: float = 0.0625
+    widths: int = 8
+
+
+CONSTANTS = FaceConstants()
+# Rows of waves that are multiplied at once.
+ROWS = 8
+
+
+@lru_cache(maxsize=8)
+def face_table(poisson_ratio: float) -> tuple[Array, Array]:
+    """Return distances from a face (n,) and E* times what it adds to the displacement (n, n), of waves across.
+
+    Rows and columns are distances in units of 1 / k, of the point and of a line of unit load along the wave. S is the
+    transform across of Boussinesq's stress on the face; loads are constant between the geometric means of distances.
+    """
+    from scipy.special import iti0k0, k0, k1  # imported late, since it is slow
+
+    ratio = CONSTANTS.ratio
+    count = int(np.ceil(np.log(CONSTANTS.farthest / CONSTANTS.nearest) / np.log(ratio)))
+    edges = CONSTANTS.nearest * ratio ** np.arange(count + 1)
+    widths = np.diff(edges)
+    nodes, _ = np.polynomial.legendre.leggauss(2)
+    points = (edges[:-1, None] + widths[:, None] * (nodes + 1) / 2).ravel()
+
+    def means(values: Array, *axes: int) -> Array:
+        """Return the means over the cells of `values` at the points."""
+        for axis in axes:
+            shape = (*values.shape[:axis], count, 2, *values.shape[axis + 1 :])
+            values = values.reshape(shape).mean(axis=axis + 1)
+        return values
+
+    # the integral of K0(sqrt(y^2 + t^2)) over t from z on
+    finer, finer_weights = np.polynomial.legendre.leggauss(4)
+    ends = np.append(points, 2 * CONSTANTS.farthest)
+    t = ends[:-1, None] + np.diff(ends)[:, None] * (finer + 1) / 2
+    panels = k0(np.hypot(points[:, None, None], t)) @ (finer_weights / 2) * np.diff(ends)
+    beyond = np.cumsum(panels[:, ::-1], axis=1)[:, ::-1].T
+    y, z = points, points[:, None]
+    r = np.hypot(y, z)
+    stress = (1 - 2 * poisson_ratio) * beyond - z * y**2 / r**2 * (k0(r) + 2 * k1(r) / r)
+    s = 2 / np.pi * means(stress, 1, 0) * widths
+    # the integral of K0 over each loaded cell and its mirror image
+    near, far = (np.abs(points[:, None] - sign * edges) for sign in (1, -1))
+    integral = np.sign(points[:, None] - edges) * iti0k0(near)[1] - iti0k0(far)[1]
+    displacement = 2 / np.pi * means(-np.diff(integral, axis=1), 0)
+    squared = s @ s
+    table = displacement @ np.linalg.solve(np.eye(count) - squared, squared) / widths
+    return np.sqrt(edges[1:] * edges[:-1]), (table + table.T) / 2
+
+
+@dataclass(frozen=True, eq=False)
+class Faces:
+    """What two faces add to the displacement of cells between them.
+
+    Attributes
+    ----------
+    weights
+        Value at each cell along y of a function that is 1 at one distance from the first face, 0 at others (ny, m).
+    kernel
+        Displacement at these distances over the load at them [m/Pa], for each wave across (px // 2 + 1, m, m).
+    """
+
+    weights: Array
+    kernel: Array
+
+    @cached_property
+    def of_both(self) -> Array:
+        """Weights (ny, 2 m) of the distances from the first face, then from the second."""
+        return np.concatenate([self.weights, self.weights[::-1]], axis=1)
+
+    def __call__(self, pressure: Array, across: int) -> Array:
+        """Return the displacement (x, y) under `pressure`, with transforms of `across` points."""
+        waves = fft.rfft(pressure @ self.of_both, across, axis=0)
+        count, m = len(waves), self.weights.shape[1]
+        parts = waves.view(pressure.dtype).reshape(count, 2, m, 2)
+        waves = (self.kernel[:, None] @ parts).reshape(count, -1).view(waves.dtype)
+        return np.asarray(fft.irfft(waves, across, axis=0)[: len(pressure)] @ self.of_both.T)
+
+    def scaled(self, factor: float, precision: Precision) -> "Faces":
+        """Return this times `factor`, in `precision`."""
+        real = precision.real
+        return Faces(self.weights.astype(real), (factor * self.kernel).astype(real))
+
+    def coarsened(self, across: int, along: int) -> "Faces":
+        """Return the same on larger cells: mean displacement of blocks under a pressure constant in each."""
+        kernel, (ny, m) = self.kernel * along, self.weights.shape
+        if across == 2:
+            half = len(kernel) // 2
+            low = np.cos(np.pi / (2 * (len(kernel) - 1)) * np.arange(half + 1)) ** 2
+            low = low[:, None, None]
+            kernel = low * kernel[: half + 1] + (1 - low) * kernel[len(kernel) - half - 1 :][::-1]
+        return Faces(self.weights.reshape(ny // along, along, m).mean(axis=1), kernel)
+
+
+@dataclass(frozen=True, eq=False)
+class EndedConvolution(Convolution):
+    """Linear map from pressure to displacement of two bodies, of which one or both end along the length.
+
+    The spectrum is that of the loads themselves and of their images of period 2 L.
+
+    Parameters
+    ----------
+    mirrored
+        Transform of the coefficients by the sum of both distances from the grid's end (px, py // 2 + 1) [m/Pa], of the
+        images mirrored about the faces.
+    faces
+        What the normal stress on the faces adds, of each length.
+    """
+
+    mirrored: Array
+    faces: tuple[Faces, ...]
+
+    def __call__(self, pressure: Array) -> Array:
+        """Return the displacement (x, y) [m] under a `pressure` (x, y) [Pa]."""
+        if pressure.shape != self.cells:
+            raise InvalidInput(f"pressure has the shape {pressure.shape}: give it {self.cells}.")
+        pair = transforms()
+        waves = pair.forward(
+            pressure, self.padded, self.work_array(self.padded, self.spectrum.dtype)
+        )
+        px, half = self.padded[0], self.padded[0] // 2 + 1
+        for start in range(0, half, ROWS):  # a large new array costs as much as a transform
+            rows = np.arange(start, min(start + ROWS, half))
+            spectrum, mirrored = self.spectrum[rows], self._mirrored_with_phase[rows]
+            opposite = -rows % px
+            these, those = waves[rows], waves[opposite]
+            # the transform of a field that is mirrored along y is the conjugate one of the opposite wave across
+            waves[rows] = these * spectrum + those.conj() * mirrored
+            waves[opposite] = those * spectrum + these.conj() * mirrored
+        displacement = pair.backward(waves, self.cells, self.padded)
+        for faces in self.faces:
+            displacement += faces(pressure, self.padded[0])
+        return displacement
+
+    @cached_property
+    def _mirrored_with_phase(self) -> ComplexField:
+        """Transform of the mirrored coefficients, moved by the cell that the sum of two indices lacks; half the rows."""
+        phase = np.exp(2j * np.pi / self.padded[1] * np.arange(self.padded[1] // 2 + 1))
+        of_half = self.mirrored[: self.padded[0] // 2 + 1]
+        mirrored: ComplexField = of_half * phase.astype(np.result_type(self.mirrored, 1j))
+        return mirrored
+
+    def scaled(self, factor: float, precision: Precision) -> "EndedConvolution":
+        """Return this operator times `factor`, in `precision`."""
+        spectrum, mirrored = (
+            np.multiply(factor, of_loads).astype(precision.real)
+            for of_loads in (self.spectrum, self.mirrored)
+        )
+        faces = tuple(faces.scaled(factor, precision) for faces in self.faces)
+        return replace(self, spectrum=spectrum, mirrored=mirrored, faces=faces)
+
+    def coarsened(self) -> "EndedConvolution":
+        """Return the operator on larger cells, as :meth:`Convolution.coarsened`."""
+        coarse, blocks = super().coarsened(), self.blocks
+        return EndedConvolution(
+            coarse.spectrum,
+            coarse.cells,
+            coarse.padded,
+            coarsened_spectrum(self.mirrored, self.padded, blocks),
+            tuple(faces.coarsened(*blocks) for faces in self.faces),
+        )
+
+
+def between_faces(
+    response: Mapping[Coefficients, float], grid: Grid, paddings: Paddings
+) -> Convolution:
+    """Return the operator of bodies, some of which end along the length: at the grid's ends, or beyond.
+
+    Parameters
+    ----------
+    response
+        Weight [1/Pa] of each kind of coefficients [m].
+    grid
+        Cells and extent, no longer than the shortest body.
+    paddings
+        Paddings (across, along), both with zeros.
+    """
+    padded = 2 * fft.next_fast_len(grid.cells[0]), 2 * grid.cells[1]
+    spectrum = np.zeros((padded[0], padded[1] // 2 + 1))
+    mirrored, faces = spectrum.copy(), []
+    for body, weight in response.items():
+        if not isinstance(body, FreeFaceCoefficients):
+            spectrum += weight * even_spectrum(influence_coefficients(grid, paddings, body), padded)
+            continue
+        to_face = max(body.length - grid.length, 0.0) / 2
+        spectrum += weight * _images(body, 0.0, grid, padded)
+        mirrored += weight * _images(body, 2 * to_face, grid, padded)
+        added = faces_on(grid, to_face, body.poisson_ratio, padded[0])
+        faces.append(added.scaled(np.pi * weight, Precision.DOUBLE))
+    return EndedConvolution(spectrum, grid.cells, padded, mirrored, tuple(faces))
+
+
+def _images(
+    body: FreeFaceCoefficients, offset: float, grid: Grid, padded: tuple[int, int]
+) -> Array:
+    """Return the transform of the coefficients of loads of twice the period of `body`, an `offset` [m] further along."""
+
+    def spectrum() -> Array:
+        (nx, ny), (dx, dy) = grid.cells, grid.cell_size
+        x, y = np.arange(nx)[:, None] * dx, np.arange(ny + 1.0) * dy + offset
+        return even_spectrum(body.row(x, y, dx, dy, 2 * body.length), padded)
+
+    return cached_array((body, offset, grid), spectrum)
+
+
+def faces_on(grid: Grid, to_face: float, poisson_ratio: float, across: int) -> Faces:
+    """Return what faces `to_face` [m] beyond the ends of `grid` add, of E* = 1 Pa, with transforms of `across` points.
+
+    At a distance x across it is the cosine transform of the table over wave numbers, which are summed in equal steps,
+    and whose values lie between those of the table.
+    """
+    (nx, ny), (dx, dy) = grid.cells, grid.cell_size
+    stride = CONSTANTS.stride
+    step = stride * np.log(CONSTANTS.ratio)
+    first = to_face + CONSTANTS.first_node * dy
+    # means over the cells of functions that are cubic in the logarithm of the distance
+    fine = (np.arange(16) + 0.5) / 16
+    distance = to_face + (np.arange(ny)[:, None] + fine) * dy
+    index = np.maximum(np.log(distance / first) / step, 0) + 1
+    count = int(index.max()) + 3
+    weights = _cardinal(index.ravel(), count).reshape(ny, len(fine), count).mean(axis=1)
+
+    def kernel() -> Array:
+        points = 2 * CONSTANTS.widths * nx
+        k = 2 * np.pi / (points * dx) * np.arange(points // 2 + 1)
+        k[0] = k[1] / (2 * np.e)  # the mean of a logarithm over half a step is its value there
+        distances, table = face_table(poisson_ratio)
+        index = np.log(k * first / distances[0]) / np.log(CONSTANTS.ratio) - stride
+        lowest = int(index[0]) - 1
+        levels = int(index[-1]) + 3 - lowest
+        of_load = np.sinc(k * dx / (2 * np.pi))[:, None] * _cardinal(index - lowest, levels)
+        response = fft.irfft(of_load, points, axis=0)[:nx]
+        offsets = np.arange(across // 2 + 1)
+        waves = fft.dct(response[np.minimum(offsets, nx - 1)], 1, axis=0)
+        # rows and columns of the table at each level, zero beyond it
+        last = lowest + levels + stride * count
+        whole = np.pad(table, (0, max(last - len(table), 0)))
+        blocks = [
+            whole[n:last:stride, n:last:stride][:count, :count] for n in lowest + np.arange(levels)
+        ]
+        return np.asarray(np.tensordot(waves, np.stack(blocks), axes=1) * dy)
+
+    return Faces(weights, cached_array(("faces", grid, to_face, poisson_ratio), kernel))
+
+
+def _cardinal(index: Array, count: int) -> Array:
+    """Return the weights of `count` values (points, count) in cubic interpolation at `index`, from the nearest four."""
+    t = np.abs(index[:, None] - np.arange(count))
+    near, far = (1 - t**2) * (2 - t) / 2, (1 - t) * (2 - t) * (3 - t) / 6
+    return np.where(t < 1, near, np.where(t < 2, far, 0.0))

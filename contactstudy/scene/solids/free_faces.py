@@ -1,0 +1,81 @@
+"""Bodies that end along the length, with faces that are free of traction."""
+
+from dataclasses import replace
+from math import isclose
+
+from contactstudy.domain.checks import InvalidInput, in_range
+from contactstudy.domain.units import readable
+from contactstudy.scene.shapes.roller import FiniteLength
+from contactstudy.scene.solids.bodies import HalfSpace, SceneContext, creeps, yields
+
+# Least length between two faces over the half-width of the contact: each is that of a quarter-space, which the other is
+# too far away to load.
+SHORTEST = 8.0
+
+
+def FreeFaces(solid: HalfSpace, length: float) -> HalfSpace:
+    """Return a body of the material of `solid` that ends along the length, with faces free of traction.
+
+    The faces are at ``|y| = length / 2``, at right angles to the surface, and contact ends there: no
+    :class:`~contactstudy.FiniteLength` is needed. Beside the faces the body is softer, up to two and a half times. Each
+    face is that of a quarter-space, with the load mirrored evenly about both. Displacement counts from points at three
+    lengths from the axis. Sources: Hetenyi (1970), Journal of Applied Mechanics 37, 89; Wang, Guo, Wong & Zhang (2017),
+    Tribology International 114, 358.
+
+    Parameters
+    ----------
+    solid
+        Elastic half-space, whose fields it keeps.
+    length
+        Length between the faces [m], above zero, in a scene at least 8 half-widths of the contact.
+
+    Raises
+    ------
+    InvalidInput
+        For a body that is no elastic half-space, and a length that is not above zero.
+    """
+    if not isinstance(solid, HalfSpace):
+        raise InvalidInput(
+            f"FreeFaces.solid is of the type {type(solid).__name__}: faces are known of a HalfSpace without coating, "
+            "creep or yielding, give one, or a FiniteLength among the shapes, which ends the contact alone."
+        )
+    return replace(
+        solid, free_faces=in_range("FreeFaces.length", length, "give a length above 0 m")
+    )
+
+
+def check_free_faces(scene: SceneContext) -> None:
+    """Raise :class:`~contactstudy.InvalidInput` for effects of `scene` that bodies with free faces do not support."""
+    length = scene.free_length
+    for number, shape in enumerate(scene.shapes):
+        if isinstance(shape, FiniteLength) and not isclose(shape.length, length):
+            raise InvalidInput(
+                f"Scene.shapes[{number}] is {shape!r}, and contact ends at free faces {readable(length)} apart: leave "
+                "it out, or give the body that it ends faces of that length."
+            )
+    for number, solid in enumerate(scene.solids):
+        if creeps(solid) or yields(solid):
+            raise InvalidInput(
+                f"Scene.solids[{number}] {'creeps' if creeps(solid) else 'yields'} together with free_faces: give an "
+                "elastic body, or leave free_faces out and end the contact by a FiniteLength."
+            )
+    instead = "leave it out, or leave free_faces out and end the contact by a FiniteLength"
+    if scene.lubrication is not None:
+        raise InvalidInput(
+            "Scene.lubrication is given together with free_faces, and a film is computed as periodic along the length: "
+            f"{instead}, or a crown."
+        )
+    if scene.friction is not None and scene.solids[0] != scene.solids[1]:
+        raise InvalidInput(
+            f"Scene.friction is a {type(scene.friction).__name__} together with free_faces of two unequal bodies, "
+            f"whose displacement under tangential traction is not computed: give two equal ones, {instead}."
+        )
+    if scene.rolling is not None:
+        raise InvalidInput(f"Scene.rolling is given together with free_faces: {instead}.")
+    hertz = scene.hertz
+    if hertz is not None and length < SHORTEST * hertz.half_width:
+        raise InvalidInput(
+            f"HalfSpace.free_faces is {readable(length)}, and in a contact of the half-width "
+            f"{readable(hertz.half_width)} the faces load each other: give {readable(SHORTEST * hertz.half_width)} or "
+            "more, or leave free_faces out and end the contact by a FiniteLength."
+        )

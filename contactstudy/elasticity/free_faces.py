@@ -221,14 +221,14 @@ class EndedConvolution(Convolution):
 def between_faces(
     response: Mapping[Coefficients, float], grid: Grid, paddings: Paddings
 ) -> Convolution:
-    """Return the operator of bodies, some of which end along the length: at the grid's ends, or beyond.
+    """Return the operator of bodies, some of which end along the length, wherever on `grid` or beyond.
 
     Parameters
     ----------
     response
         Weight [1/Pa] of each kind of coefficients [m].
     grid
-        Cells and extent, no longer than the shortest body.
+        Cells and extent. Cells beyond a face carry no pressure, and their displacement has no meaning.
     paddings
         Paddings (across, along), both with zeros.
     """
@@ -239,7 +239,7 @@ def between_faces(
         if not isinstance(body, FreeFaceCoefficients):
             spectrum += weight * even_spectrum(influence_coefficients(grid, paddings, body), padded)
             continue
-        to_face = max(body.length - grid.length, 0.0) / 2
+        to_face = (body.length - grid.length) / 2
         spectrum += weight * _images(body, 0.0, grid, padded)
         mirrored += weight * _images(body, 2 * to_face, grid, padded)
         added = faces_on(grid, to_face, body.poisson_ratio, padded[0])
@@ -254,14 +254,14 @@ def _images(
 
     def spectrum() -> Array:
         (nx, ny), (dx, dy) = grid.cells, grid.cell_size
-        x, y = np.arange(nx)[:, None] * dx, np.arange(ny + 1.0) * dy + offset
+        x, y = np.arange(nx)[:, None] * dx, np.abs(np.arange(ny + 1.0) * dy + offset)
         return even_spectrum(body.row(x, y, dx, dy, 2 * body.length), padded)
 
     return cached_array((body, offset, grid), spectrum)
 
 
 def faces_on(grid: Grid, to_face: float, poisson_ratio: float, across: int) -> Faces:
-    """Return what faces `to_face` [m] beyond the ends of `grid` add, of E* = 1 Pa, with transforms of `across` points.
+    """Return what faces `to_face` [m] beyond the ends of `grid` add, of E* = 1 Pa; transforms have `across` points.
 
     At a distance x across it is the cosine transform of the table over wave numbers, which are summed in equal steps,
     and whose values lie between those of the table.
@@ -269,11 +269,11 @@ def faces_on(grid: Grid, to_face: float, poisson_ratio: float, across: int) -> F
     (nx, ny), (dx, dy) = grid.cells, grid.cell_size
     stride = CONSTANTS.stride
     step = stride * np.log(CONSTANTS.ratio)
-    first = to_face + CONSTANTS.first_node * dy
+    first = max(to_face, 0.0) + CONSTANTS.first_node * dy
     # means over the cells of functions that are cubic in the logarithm of the distance
     fine = (np.arange(16) + 0.5) / 16
     distance = to_face + (np.arange(ny)[:, None] + fine) * dy
-    index = np.maximum(np.log(distance / first) / step, 0) + 1
+    index = np.log(np.maximum(distance / first, 1)) / step + 1
     count = int(index.max()) + 3
     weights = _cardinal(index.ravel(), count).reshape(ny, len(fine), count).mean(axis=1)
 

@@ -33,6 +33,7 @@ from contactstudy.problem.problem import AdhesionSolver, Derived, Problem, Scale
 from contactstudy.scene.loads.constant_load import ConstantLoad, LineLoad, TotalLoad
 from contactstudy.scene.loads.load_history import ChangingLoad
 from contactstudy.scene.loads.resulting_load import DATUM_OVER_RADIUS, Approach, PullOff
+from contactstudy.scene.shapes.roller import FiniteLength
 from contactstudy.scene.shapes.shape import Shape, length_scales_of
 from contactstudy.scene.solids.bodies import (
     Body,
@@ -258,6 +259,13 @@ class Scene:
         return min(getattr(solid, "free_faces", inf) for solid in self.solids)
 
     @property
+    def ended_shapes(self) -> tuple[Shape, ...]:
+        """Contributions to the undeformed gap, and the end of the contact at free faces."""
+        if self.free_length == inf:
+            return self.shapes
+        return (*self.shapes, FiniteLength(self.free_length))
+
+    @property
     def largest_load(self) -> float:
         """Largest load over time [N/m], a total load over the length of its roller; 0 where an approach is given."""
         if not isinstance(self.load, TotalLoad):
@@ -356,7 +364,7 @@ class Scene:
             )
         paddings = across_and_along(padding)
         refuse_too_large(grid, paddings)
-        heights = summed_gap(self.shapes, grid)
+        heights = summed_gap(self.ended_shapes, grid)
         gap = (
             heights if heights.shape == grid.cells else np.broadcast_to(heights, grid.cells).copy()
         )
@@ -400,11 +408,6 @@ class Scene:
             raise InvalidInput(
                 f"padding is {paddings!r}: bodies with free faces end along the length and have no images, give "
                 "ZeroPadding() along both axes."
-            )
-        if grid.length > self.free_length * (1 + 1e-9):
-            raise InvalidInput(
-                f"Grid.extent[1] is {readable(grid.length)}: contact ends at the free faces of the shorter body, give "
-                f"its length, {readable(self.free_length)}."
             )
         return between_faces(weights, grid, paddings)
 
@@ -551,7 +554,9 @@ class Scene:
         scene = self if unchanged else replace(self, shapes=shapes)
         ended = self._ends_on(grid)
         return ShapesSource(
-            scene.shapes, ended, lambda new_grid: scene.problem_with(new_grid, padding, solver)
+            scene.ended_shapes,
+            ended,
+            lambda new_grid: scene.problem_with(new_grid, padding, solver),
         )
 
     def _constraint(self, solver: "AdhesiveSolver | None") -> Constraint:

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
-from math import isinf
+from math import inf, isinf
 
 import numpy as np
 
@@ -75,6 +75,11 @@ class SubsurfaceStress:
     def check(self, solids: tuple[Body, ...]) -> None:
         """Raise :class:`~contactstudy.InvalidInput` for a rigid body, or one that is no half-space."""
         body = solids[self.body]
+        if getattr(body, "free_faces", inf) < inf:
+            raise InvalidInput(
+                f"SubsurfaceStress.body is {self.body}, whose free_faces change the stress below: give "
+                f"{1 - self.body}, or leave this output out."
+            )
         if isinstance(body, HasStressModel):
             return
         if not isinstance(body, Homogeneous):

@@ -37,6 +37,7 @@ SPINS = cs.TractiveRolling(0.3, longitudinal=0.0, spin=5.0)
 DRIVEN = replace(SMOOTH, friction=cs.TractiveRolling(0.3, longitudinal=1e-3))
 WORN = replace(SMOOTH, rolling=cs.Rolling(1.0), wear=WEARS)
 
+ENDED = cs.FreeFaces(STEEL, 0.01)
 SOFT = cs.HalfSpace(1e6, 0.5)
 ADHERING = replace(
     SMOOTH, load=cs.LineLoad(2.0), solids=(SOFT, RIGID), adhesion=cs.Adhesion(work=0.05)
@@ -110,6 +111,17 @@ BESIDE: list[tuple[str, cs.Scene, dict[str, Any]]] = [
         {"friction": cs.Fretting(0.3, displacements=(0.0, 1e-7), times=(0.0, 1.0)), "load": HISTORY},
     ),
     ("*flow along its surface", SMOOTH, {"friction": FRETS, "solids": (YIELDING, YIELDING)}),
+    # free faces
+    *((said, SMOOTH, {"solids": (ENDED, STEEL)} | changes) for said, changes in (
+        ("Scene.shapes[1] is FiniteLength*leave it out", {"shapes": (CYLINDER, cs.FiniteLength(0.012))}),
+        ("*yields together with free_faces", {"solids": (ENDED, YIELDING)}),
+        ("*creeps together with free_faces", {"solids": (ENDED, CREEPING)}),
+        ("Scene.lubrication is given together with free_faces", oiled()),
+        ("Scene.friction is a Sliding together with free_faces", {"friction": cs.Sliding(0.1)}),
+        ("Scene.solids[0]*its free_faces change", {"friction": SLIP, "solids": (ENDED, ENDED)}),
+        ("Scene.rolling is given together with free_faces", {"rolling": cs.Rolling(1.0)}),
+        ("HalfSpace.free_faces is 500*the faces load each other", {"solids": (cs.FreeFaces(STEEL, 5e-4), STEEL)}),
+    )),
     # bodies that yield
     ("Scene.hardness is 1000000000.0", SMOOTH, {"solids": (YIELDING, RIGID), "hardness": 1e9}),
     ("Scene.rolling is Rolling", SMOOTH, {"solids": (YIELDING, RIGID), "rolling": cs.Rolling(1.0)}),
@@ -297,6 +309,9 @@ SOLVES: list[tuple[str, Callable[[], object]]] = [
         (cs.LoadHistory((0, 1), (0, 1e5)), "0 s"), (cs.LoadHistory((0, 1, 2), (1e5, 0, 1e5)), "1 s"),
         (cs.LoadHistory((0, 1, 1, 2), (1e5, 0, 1e5, 1e5)), "1 s"), (cs.SineLoad(1e5, 1e5, 1.0), "0.75 s"),
     )),
+    *(("padding is *have no images, give ZeroPadding", lambda padding=padding: cs.solve(
+        replace(SMOOTH, solids=(ENDED, STEEL)), cs.Grid((16, 16), (3e-4, 1e-2)), padding,
+    )) for padding in (EXACT, (EXACT, FREE), cs.Superposition(2))),
     # plans
     ("*no curvature", lambda: cs.plan(replace(SMOOTH, shapes=()))),
     ("*without a length", lambda: cs.plan(replace(SMOOTH, shapes=(CYLINDER, cs.Crown(1.0))))),

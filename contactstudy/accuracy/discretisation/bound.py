@@ -23,6 +23,7 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import axis_first
 from contactstudy.domain.units import readable
 from contactstudy.problem.problem import Problem
+from contactstudy.scene.scene import scene_of
 from contactstudy.solvers.solution import Solution
 
 SHARP_EDGE = "a sharp edge or corner"
@@ -63,6 +64,8 @@ class OneGridConstants:
         Least cells across the contact at the peak for its edges to follow their law.
     end_over_peak
         Pressure at a roller's end over the peak pressure, from which that end may have the peak.
+    falling_end
+        Pressure at free faces over that in the next cell, up to which it falls towards them on finer cells too.
     """
 
     smooth_ratio: float = 0.25
@@ -74,6 +77,7 @@ class OneGridConstants:
     gap_error: float = 0.3
     min_cells_across: int = 5
     end_over_peak: float = 0.5
+    falling_end: float = 0.9
 
 
 CONSTANTS = OneGridConstants()
@@ -294,11 +298,19 @@ def _at_hardness(solution: Solution) -> bool:
 def _at_sharp_end(problem: Problem, pressure: np.ndarray) -> bool:
     """Return whether an end of the roller has pressure of the order of the peak pressure.
 
-    There it is infinite in the limit of small cells, though coarse cells may not show a rise.
+    There it is infinite in the limit of small cells, though coarse cells may not show a rise; at free faces it is only
+    where it does not clearly fall, since their bodies are soft there.
     """
     if problem.source is None or not problem.source.ends_along:
         return False
-    return bool(pressure[:, [0, -1]].max() > CONSTANTS.end_over_peak * pressure.max())
+    peaks, scene = pressure.max(axis=0), scene_of(problem)
+    if scene is not None and scene.free_length < inf:
+        ends = np.trim_zeros(peaks)
+        return any(
+            end > max(CONSTANTS.falling_end * before, CONSTANTS.end_over_peak * peaks.max())
+            for end, before in (ends[:2], ends[:-3:-1])
+        )
+    return bool(peaks[[0, -1]].max() > CONSTANTS.end_over_peak * peaks.max())
 
 
 def has_isolated_cells(solution: Solution) -> bool:

@@ -98,6 +98,11 @@ def with_materials(table: Mapping[str, Any]) -> dict[str, Any]:
         if not isinstance(value, Mapping):
             return value
         inner = {key: solid(entry, f"{path}.{key}") for key, entry in value.items()}
+        if "free_faces" in inner and inner.get("kind", "HalfSpace") != "HalfSpace":
+            raise InvalidInput(
+                f"{path}.free_faces is given to a {inner['kind']}: they are known of a HalfSpace alone, leave it out "
+                "and end the contact by a FiniteLength among the shapes."
+            )
         if "material" not in inner:
             return inner
         constants = _material_named(f"{path}.material", inner.pop("material"))

@@ -1,0 +1,105 @@
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import contactstudy as cs
+from tests.conftest import STEEL
+
+FREE = cs.ZeroPadding(), cs.ZeroPadding()
+LOAD, CYLINDER = cs.LineLoad(1.5e5), cs.Cylinder(0.005)
+HERTZ = cs.Scene(LOAD, (STEEL, STEEL), (CYLINDER,)).hertz
+assert HERTZ is not None
+LENGTH = 20 * HERTZ.half_width
+GRID = cs.Grid((32, 160), (2.6 * HERTZ.half_width, LENGTH))
+ENDED = cs.FreeFaces(STEEL, LENGTH)
+ROLLER = cs.Scene(LOAD, (ENDED, STEEL), (CYLINDER,))
+WITHOUT = replace(ROLLER, solids=(STEEL, STEEL))
+
+
+def line(scene: cs.Scene, grid: cs.Grid = GRID) -> np.ndarray:
+    """Largest pressure across over that of Hertz (y,)."""
+    solution = cs.solve(scene.problem(grid, FREE))
+    assert solution.status is cs.Status.CONVERGED
+    return np.asarray(solution.pressure.max(axis=0) / HERTZ.peak_pressure)
+
+
+def test_a_sharp_end_of_one_body_grows_as_beside_a_right_angle_and_no_faster() -> None:
+    """By ``r^-0.226`` (Dundurs & Lee 1972), of which cells of an eighth of the half-width show the beginning."""
+    ends = [line(ROLLER, cs.Grid((4 * n, 20 * n), GRID.extent))[0] for n in (8, 16, 32)]
+    orders = np.log2(np.divide(ends[1:], ends[:-1]))
+    assert np.all((orders > 0.15) & (orders < 0.24))
+    assert orders[1] > orders[0]
+
+
+def test_two_rollers_that_end_in_one_plane_have_no_peak_at_their_ends() -> None:
+    both = line(replace(ROLLER, solids=(ENDED, ENDED)))
+    assert both.max() < 1.05
+    assert both[0] < both[80]
+    assert line(ROLLER)[0] > 1.3
+
+
+def test_a_body_that_ends_far_beyond_the_contact_is_a_half_space() -> None:
+    sphere = replace(ROLLER, shapes=(cs.Sphere(0.005),))
+    grid = cs.Grid((32, 32), (LENGTH / 4, LENGTH / 4))
+    far = replace(sphere, solids=(cs.FreeFaces(STEEL, 1e4 * LENGTH), STEEL))
+    without = replace(sphere, solids=(STEEL, STEEL))
+    # the load per length of a sphere is that of the grid's period
+    ended, infinite = (cs.solve(scene.problem(grid, FREE)) for scene in (far, without))
+    difference = np.abs(ended.pressure - infinite.pressure).max()
+    assert difference < 1e-3 * float(infinite.pressure.max())
+
+
+def test_faces_of_a_rigid_body_end_the_contact_and_no_more() -> None:
+    rigid = cs.HalfSpace(np.inf, 0.3)
+    long = cs.Grid((32, 176), (GRID.extent[0], 1.1 * LENGTH))
+    total = replace(ROLLER, load=cs.TotalLoad(LOAD.per_length * LENGTH))
+    faces = replace(total, solids=(cs.FreeFaces(rigid, LENGTH), STEEL))
+    shape = replace(total, solids=(rigid, STEEL), shapes=(CYLINDER, cs.FiniteLength(LENGTH)))
+    assert_allclose(line(faces, long), line(shape, long), rtol=1e-6)
+
+
+def test_a_longer_grid_and_exchanged_bodies_change_nothing() -> None:
+    total = replace(ROLLER, load=cs.TotalLoad(LOAD.per_length * LENGTH))
+    longer = line(total, cs.Grid((32, 200), (GRID.extent[0], 1.25 * LENGTH)))
+    assert_allclose(longer[20:-20], line(total), rtol=1e-5)
+    assert not longer[:20].any()
+    assert_allclose(line(replace(ROLLER, solids=(STEEL, ENDED))), line(ROLLER), rtol=1e-5)
+
+
+def test_the_shorter_of_two_bodies_ends_the_contact_and_the_longer_is_stiffer_there() -> None:
+    longer = cs.FreeFaces(STEEL, 1.2 * LENGTH)
+    both = replace(ROLLER, solids=(ENDED, longer))
+    assert both.roller_length == LENGTH
+    ends = [line(replace(ROLLER, solids=(ENDED, other)))[0] for other in (ENDED, longer, STEEL)]
+    assert ends[0] < ends[1] < ends[2]
+
+
+def test_a_plan_ends_at_the_faces_and_a_peak_has_a_bound_where_it_is_not_at_a_sharp_end() -> None:
+    sharp = cs.solve(ROLLER, error="4 %")
+    assert sharp.grid.length == pytest.approx(LENGTH)
+    assert not sharp.quantities["peak_pressure"].relative_bound < np.inf
+    flush = cs.solve(replace(ROLLER, solids=(ENDED, ENDED)), error="4 %")
+    assert flush.quantities["peak_pressure"].relative_bound < 0.05
+    assert flush.error.l1.total < 0.04
+
+
+def test_a_scene_file_names_free_faces_beside_a_material(tmp_path: Path) -> None:
+    file = tmp_path / "roller.toml"
+    text = (
+        'load.per_length = "150 N/mm"\n[[solids]]\nmaterial = "steel"\nfree_faces = "10 mm"\n'
+        '[[solids]]\nmaterial = "steel"\n[[shapes]]\nkind = "Cylinder"\nradius = "5 mm"\n'
+    )
+    file.write_text(text)
+    scene = cs.read_scene(file).scene
+    assert scene.solids[0] == cs.FreeFaces(cs.material("steel"), 0.01)
+    cs.write_scene(scene, tmp_path / "written.toml")
+    assert cs.read_scene(tmp_path / "written.toml").scene == scene
+    coated = (
+        'kind = "CoatedHalfSpace"\nthickness = "1 um"\ncoating.material = "DLC"\nsubstrate.material'
+    )
+    file.write_text(text.replace("material", coated, 1))
+    with pytest.raises(cs.InvalidInput, match=r"solids\[0\].free_faces is given to a Coated"):
+        cs.read_scene(file)

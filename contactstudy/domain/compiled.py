@@ -21,6 +21,13 @@ from contactstudy.domain.files import NO_LOCK_ERRORS, lock_descriptor, open_desc
 
 Loop = TypeVar("Loop", bound=Callable[..., Any])
 
+# Loops over blocks of 2 x 2 cells of a field, between two rows of blocks.
+OVER_BLOCKS = (
+    "block_means",
+    "block_means_transposed",
+    "interpolated_outside",
+    "interpolated_outside_transposed",
+)
 # Sums may be reordered and the sign of a zero may be lost; nan and inf keep their meaning.
 REASSOCIATED = {"reassoc", "nsz"}
 
@@ -296,11 +303,12 @@ def take_fraction(
 
 
 @exact
-def scale(waves: Any, factors: Array) -> None:
-    """Multiply complex `waves` by real `factors`, one for each wave, in place."""
+def scale(waves: Any, factors: Array, by: float) -> None:
+    """Multiply complex `waves` by real `factors`, one for each wave, times `by`, in place."""
+    common = factors.dtype.type(by)
     for i in range(factors.shape[0]):
         for j in range(factors.shape[1]):
-            waves[i, j] *= factors[i, j]
+            waves[i, j] *= factors[i, j] * common
 
 
 @exact
@@ -316,7 +324,7 @@ def block_means(field: Array, means: Array, begin: int, end: int) -> None:
 
 @exact
 def block_means_transposed(
-    blocks: Array, block_active: Array, active: Array, pressure: Array, begin: int, end: int
+    pressure: Array, blocks: Array, block_active: Array, active: Array, begin: int, end: int
 ) -> None:
     """Add to the pressure of each cell in the active set its part of the pressure of its block, in place.
 
@@ -336,7 +344,7 @@ def block_means_transposed(
 
 @exact
 def interpolated_outside(
-    blocks: Array, active: Array, displacement: Array, extended: Array, begin: int, end: int
+    displacement: Array, blocks: Array, active: Array, extended: Array, begin: int, end: int
 ) -> None:
     """Write the displacement of the active set, and elsewhere that of blocks, linear between their middles.
 

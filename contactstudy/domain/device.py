@@ -112,6 +112,11 @@ class Precision(Enum):
         return np.float32 if self is Precision.SINGLE else np.float64
 
     @property
+    def on_device(self) -> Any:
+        """Type of the numbers in fields of the device in use."""
+        return getattr(arrays(), np.dtype(self.real).name)
+
+    @property
     def bytes(self) -> int:
         """Size of a number [bytes]."""
         return np.dtype(self.real).itemsize
@@ -251,6 +256,16 @@ class Gpu:
             raise InvalidInput("Gpu found no GPU: give Cpu().")
 
     @property
+    def loops(self) -> Any:
+        """Loops over fields, each one launch of a kernel."""
+        return import_module("contactstudy.domain.gpu_loops").LOOPS
+
+    @property
+    def transforms(self) -> Any:
+        """Fourier transforms by cuFFT, with plans that are kept."""
+        return import_module("contactstudy.elasticity.cufft").CUFFT
+
+    @property
     def arrays(self) -> Namespace:
         """Functions of CuPy, with the names of the array API standard."""
         namespace: Namespace = import_module("array_api_compat.cupy")
@@ -263,7 +278,9 @@ class Gpu:
 
     def to_numpy(self, field: Numbers) -> Numbers:
         """Return an array of the GPU as a numpy array."""
-        array: Numbers = _cupy().asnumpy(field)
+        # page-locked memory, which CuPy keeps for the next arrays: fresh pages of the host cost ten times the copy
+        array: Numbers = import_module("cupyx").empty_pinned(field.shape, field.dtype)
+        _cupy().asnumpy(field, out=array)
         return array
 
     @property

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from contextvars import copy_context
-from functools import cache
+from functools import cache, partial
 from importlib import import_module
 from importlib.util import find_spec
 from math import isnan, nan, prod
@@ -52,6 +52,8 @@ def sums(work: Callable[..., tuple[float, ...]], *fields: Array) -> tuple[float,
 
 def equal(first: Array, second: Array) -> bool:
     """Return whether two fields (x, y) are the same; blocks after the first one that differs are not read."""
+    if (loops := device_loops()) is not None:
+        return bool(loops.differences(first, second, results=1)[0] == 0)
     in_one_block = not isinstance(device(), Cpu)
     blocks = [slice(None)] if in_one_block else _blocks(*first.shape)
     return all(bool(arrays().all(first[block, :] == second[block, :])) for block in blocks)
@@ -126,20 +128,73 @@ def _in_thread(work: Callable[[list[slice]], T], blocks: list[slice]) -> T:
 
 
 def compiled_loops(shape: tuple[int, ...]) -> Any:
-    """Return the module of compiled loops for fields of that `shape` (x, y); None if they are missing or too slow."""
+    """Return compiled loops over fields of that `shape` (x, y); None if they are missing or too slow.
+
+    ``loops.NAME(*arguments, results=n)`` runs one, where the first argument is a field. It returns the sums or maxima
+    that it takes (n, parts), of parts of the field.
+    """
+    if (loops := device_loops()) is not None:
+        return loops
     rows, columns = shape
     pays = rows * columns >= MIN_COMPILED_CELLS and columns >= MIN_COMPILED_COLUMNS
     return _loops() if pays and isinstance(device(), Cpu) else None
 
 
+def device_loops() -> Any:
+    """Return the loops of a device that has some of its own, as a GPU, else None."""
+    return getattr(device(), "loops", None)
+
+
+class ThreadedLoops:
+    """Loops of a compiled `module`, each called once a thread with the rows of that thread."""
+
+    def __init__(self, module: Any) -> None:
+        self._module = module
+
+    def __getattr__(self, name: str) -> Callable[..., Any]:
+        """Return a loop as a function of fields (x, y)."""
+        run: Callable[..., Any] = _over_blocks if name in self._module.OVER_BLOCKS else _over_rows
+        loop: Callable[..., Any] = partial(run, getattr(self._module, name))
+        setattr(self, name, loop)
+        return loop
+
+
+def _over_rows(loop: Callable[..., object], *arguments: Any, results: int = 0) -> Array:
+    """Run a `loop` over fields (x, y) and numbers, and return its results by row (`results`, x).
+
+    It gets the thread's part of each field, other arguments as they are, and last, if it has `results`, that part of an
+    array for them.
+    """
+    shape = arguments[0].shape
+    values = np.empty((shape[0], results))
+    if shape[0] * shape[1] < 2 * CELLS_PER_THREAD or threads() == 1:
+        loop(*arguments, *([values] if results else []))
+        return values.T
+
+    def run(rows: slice) -> None:
+        parts = [value[rows] if isinstance(value, np.ndarray) else value for value in arguments]
+        loop(*parts, *([values[rows]] if results else []))
+
+    in_threads(run, shape)
+    return values.T
+
+
+def _over_blocks(loop: Callable[..., object], field: Array, *arguments: Any) -> None:
+    """Run a `loop` over blocks of 2 x 2 cells of a `field` (x, y); it gets the ends of a thread's rows of blocks."""
+    rows, columns = field.shape
+    in_threads(
+        lambda part: loop(field, *arguments, part.start, part.stop), (rows // 2, 2 * columns)
+    )
+
+
 @cache
-def _loops() -> Any:
-    """Return the module of compiled loops; None if numba is missing or does not work."""
+def _loops() -> ThreadedLoops | None:
+    """Return the loops compiled by numba; None if it is missing or does not work."""
     if find_spec("numba") is None:
         return None
     # raised by numba for another version of numpy, or without a folder for compiled code
     with suppress(ImportError, RuntimeError):
-        return import_module("contactstudy.domain.compiled")
+        return ThreadedLoops(import_module("contactstudy.domain.compiled"))
     return None
 
 

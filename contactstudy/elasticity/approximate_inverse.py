@@ -20,13 +20,18 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from math import ceil, log2, prod
-from typing import Any
 
 import numpy as np
 from numpy.typing import DTypeLike
 
-from contactstudy.domain.device import arrays, device
-from contactstudy.domain.fields import Array, compiled_loops, first_cells, in_blocks, in_threads
+from contactstudy.domain.device import Cpu, arrays, device
+from contactstudy.domain.fields import (
+    Array,
+    compiled_loops,
+    device_loops,
+    first_cells,
+    in_blocks,
+)
 from contactstudy.elasticity.transforms import ComplexField, transforms
 
 
@@ -46,12 +51,15 @@ class InverseConstants:
     aspect_ratio
         Ratio of the sides of a cell above which cells are not merged into blocks of 2 x 2. Merging them makes solves 1.1
         to 2 times as fast.
+    min_gpu_cells
+        Number of cells from which on they are merged on a GPU.
     """
 
     single_range: float = 1e4
     holes: float = 2.0
     noise: float = 100.0
     aspect_ratio: float = 4.0
+    min_gpu_cells: int = 2**22
 
 
 CONSTANTS = InverseConstants()
@@ -165,19 +173,19 @@ class SpectralInverse:
     def _on_blocks(self, spectrum: Array) -> "SpectralInverse | None":
         """Return the same map on blocks of 2 x 2 cells, or None.
 
-        There is none where cells are elongated, too few to pay, or along one axis no multiple of 4, and without numba
-        or on another device.
+        There is none where cells are elongated, too few to pay, or along one axis no multiple of 4, and without
+        compiled loops.
         """
-        nx, ny = self._cells
-        if compiled_loops(self._cells) is None or nx % 4 or ny % 4:
+        xp, (nx, ny) = arrays(), self._cells
+        too_few = not isinstance(device(), Cpu) and nx * ny < CONSTANTS.min_gpu_cells
+        if compiled_loops(self._cells) is None or too_few or nx % 4 or ny % 4:
             return None
         aspect_ratio = float(spectrum[0, -1]) / float(spectrum[nx // 2, 0])
         if not 1 / CONSTANTS.aspect_ratio < aspect_ratio < CONSTANTS.aspect_ratio:
             return None
-        low = np.concatenate([spectrum[: nx // 4, :], spectrum[nx - nx // 4 :, :]])
-        return SpectralInverse(
-            low[:, : ny // 4 + 1].copy(), (nx // 2, ny // 2), self._work_array, self.real
-        )
+        low = xp.concat([spectrum[: nx // 4, :], spectrum[nx - nx // 4 :, :]])
+        low = first_cells(low, (nx // 2, ny // 4 + 1))
+        return SpectralInverse(low, (nx // 2, ny // 2), self._work_array, self.real)
 
     def _smoothed(self, field: Array) -> Array:
         """Return `field` convolved with the positive kernel that extends a displacement."""
@@ -301,18 +309,24 @@ class SmoothedExtension(CoveringExtension):
         super().__init__(active, pressure)
         xp = arrays()
         self._smoothed = smoothed
-        weights = smoothed(active)
-        least = CONSTANTS.noise * float(xp.finfo(active.dtype).eps) * float(xp.max(weights))
+        self._outside = weights = smoothed(active)
+        noise = CONSTANTS.noise * float(xp.finfo(active.dtype).eps)
+        if (loops := device_loops()) is not None:
+            loops.outside(active, weights, noise)
+            return
+        least = noise * float(xp.max(weights))
 
         def invert(active: Array, weights: Array) -> None:
             weights[...] = (1 - active) / xp.maximum(weights, least)
 
         in_blocks(invert, active, weights)
-        self._outside = weights
 
     def __call__(self, displacement: Array) -> Array:
         """Return a `displacement` (x, y), which is zero outside the set, extended to all cells."""
         extended = self._smoothed(displacement)
+        if (loops := device_loops()) is not None:
+            loops.combine(extended, self._outside, displacement)
+            return extended
 
         def combine(extended: Array, outside: Array, displacement: Array) -> None:
             extended *= outside
@@ -324,6 +338,9 @@ class SmoothedExtension(CoveringExtension):
     def transposed(self, pressure: Array) -> Array:
         """Restrict a `pressure` (x, y) on all cells to those of the set, in place: the transposed map."""
         gathered = self._smoothed(pressure * self._outside)
+        if (loops := device_loops()) is not None:
+            loops.gather(pressure, gathered, self.active)
+            return pressure
 
         def combine(pressure: Array, gathered: Array, active: Array) -> None:
             pressure += gathered
@@ -350,35 +367,27 @@ class BlockExtension(CoveringExtension):
     def __call__(self, displacement: Array) -> Array:
         """Return a `displacement` (x, y), which is zero outside the set, extended to all cells."""
         blocks = self._extension(self._means(displacement))
-        extended = np.empty_like(displacement)
-        self._in_parts(
-            self._loops.interpolated_outside, blocks, self.active, displacement, extended
-        )
+        extended = arrays().empty_like(displacement)
+        self._loops.interpolated_outside(displacement, blocks, self.active, extended)
         return extended
 
     def transposed(self, pressure: Array) -> Array:
         """Restrict a `pressure` (x, y) on all cells to those of the set, in place: the transposed map."""
         blocks = self._blocks(pressure)
-        self._in_parts(self._loops.interpolated_outside_transposed, pressure, self.active, blocks)
+        self._loops.interpolated_outside_transposed(pressure, self.active, blocks)
         blocks = self._extension.transposed(blocks)
-        weights = self._block_active, self.active
-        self._in_parts(self._loops.block_means_transposed, blocks, *weights, pressure)
+        self._loops.block_means_transposed(pressure, blocks, self._block_active, self.active)
         return pressure
 
     def _means(self, field: Array) -> Array:
         """Return the means of `field` (x, y) over blocks of 2 x 2 cells."""
         means = self._blocks(field)
-        self._in_parts(self._loops.block_means, field, means)
+        self._loops.block_means(field, means)
         return means
 
     def _blocks(self, field: Array) -> Array:
         """Return an empty field of blocks of 2 x 2 cells."""
-        return np.empty((field.shape[0] // 2, field.shape[1] // 2), dtype=field.dtype)
-
-    def _in_parts(self, loop: Callable[..., None], *arguments: Any) -> None:
-        """Run a compiled `loop` over rows of blocks, each of two rows of cells, some for each thread."""
-        rows, columns = self.active.shape
-        in_threads(lambda part: loop(*arguments, part.start, part.stop), (rows // 2, 2 * columns))
+        return arrays().empty((field.shape[0] // 2, field.shape[1] // 2), dtype=field.dtype)
 
 
 def hole_width(active: Array) -> float:
@@ -386,6 +395,9 @@ def hole_width(active: Array) -> float:
 
     It is twice the cells outside over the sides between a cell outside and one of the set, and 0 where there are none.
     """
+    if (loops := device_loops()) is not None:
+        count, ends = loops.sides(active, results=2)[:, 0].tolist()
+        return 2 * (prod(active.shape) - count) / ends if ends else 0.0
     xp, inside = arrays(), active > 0
     ends = int(xp.count_nonzero(inside[1:, :] != inside[:-1, :]))
     ends += int(xp.count_nonzero(inside[:, 1:] != inside[:, :-1]))

@@ -32,7 +32,6 @@ from contactstudy.elasticity.transforms import (
     TRANSFORMS,
     ComplexField,
     even_transform,
-    scale,
     transforms,
 )
 
@@ -97,11 +96,8 @@ class Convolution:
         """
         if pressure.shape != self.cells:
             raise InvalidInput(f"pressure has the shape {pressure.shape}: give it {self.cells}.")
-        pair = transforms()
         work = self.work_array(self.padded, self.spectrum.dtype)
-        waves = pair.forward(pressure, self.padded, work)
-        scale(waves, self.spectrum)
-        return pair.backward(waves, self.cells, self.padded)
+        return transforms().convolved(pressure, self.spectrum, self.padded, work)
 
     @cached_property
     def _work_arrays(self) -> local:
@@ -168,12 +164,15 @@ class Convolution:
 
         On the processor it shares the work arrays of this operator where both have the same precision.
         """
+        if not isinstance(device(), Cpu):  # half of the rows repeat: they are not copied
+            xp, px = arrays(), self.padded[0]
+            half: Array = device().to_device(self.spectrum[: px // 2 + 1]) * factor
+            half = xp.astype(half, precision.on_device, copy=False)
+            repeated = xp.flip(half[1 : (px + 1) // 2, :], axis=0)
+            return replace(self, spectrum=xp.concat([half, repeated]))
         spectrum = np.multiply(self.spectrum, factor, dtype=self.spectrum.dtype)
-        scaled = replace(
-            self, spectrum=device().to_device(spectrum.astype(precision.real, copy=False))
-        )
-        on_processor = isinstance(scaled.spectrum, np.ndarray)
-        if on_processor and scaled.spectrum.dtype == self.spectrum.dtype:
+        scaled = replace(self, spectrum=spectrum.astype(precision.real, copy=False))
+        if scaled.spectrum.dtype == self.spectrum.dtype:
             scaled.__dict__["_work_arrays"] = self._work_arrays
         return scaled
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scipy import fft
 
 from contactstudy.domain.device import Cpu, arrays, device, threads
-from contactstudy.domain.fields import Array, compiled_loops, in_blocks, in_threads
+from contactstudy.domain.fields import Array, compiled_loops, in_blocks
 
 ComplexField = NDArray[np.complexfloating[Any, Any]]
 # Number of cells or points (x, y).
@@ -59,6 +59,12 @@ class Transforms:
         rows = fft.ifft(waves, axis=0, **overwritten)[: cells[0], :]
         field: Array = fft.irfft(rows, n=padded[1], axis=1, **overwritten)[:, : cells[1]]
         return field
+
+    def convolved(self, field: Array, factors: Array, padded: Cells, work: Work) -> Array:
+        """Return `field` (nx, ny), padded with zeros, with its Fourier coefficients multiplied by `factors`."""
+        waves = self.forward(field, padded, work)
+        scale(waves, factors)
+        return self.backward(waves, (field.shape[0], field.shape[1]), padded)
 
     def filtered(self, field: Array, factors: Array, work: ComplexField | None) -> Array:
         """Return `field` (nx, ny), periodic along both axes, with its Fourier coefficients multiplied by `factors`."""
@@ -197,7 +203,7 @@ def even_transform(half: Array, points: tuple[int, int]) -> Array:
 
 def transforms() -> Transforms:
     """Return the transforms for arrays of the device in use."""
-    return TRANSFORMS if isinstance(device(), Cpu) else STANDARD
+    return TRANSFORMS if isinstance(device(), Cpu) else getattr(device(), "transforms", STANDARD)
 
 
 def scale(waves: ComplexField, factors: Array) -> None:
@@ -206,4 +212,4 @@ def scale(waves: ComplexField, factors: Array) -> None:
     if loops is None or factors.dtype.kind != "f":
         in_blocks(imul, waves, factors)
     else:
-        in_threads(lambda rows: loops.scale(waves[rows], factors[rows]), waves.shape)
+        loops.scale(waves, factors, 1.0)

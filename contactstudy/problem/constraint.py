@@ -42,8 +42,8 @@ class Gap:
 
 
 def scaled_in_double(field: Array, factor: float) -> Array:
-    """Return a numpy array `field` times `factor` in double precision, in place if it has that precision."""
-    double = np.asarray(field, dtype=np.float64)
+    """Return `field` times `factor` in double precision, in place if it has that precision."""
+    double = arrays().astype(field, arrays().float64, copy=False)
     double *= factor
     return double
 
@@ -277,7 +277,7 @@ class HardnessLimited:
     def in_unit(self, pressure: Array, unit: float) -> Array:
         """Return `pressure` times `unit`; cells that yielded have this hardness to the last bit."""
         yielding = pressure >= self.scaled(1 / unit).hardness
-        return np.where(yielding, self.hardness, scaled_in_double(pressure, unit))
+        return arrays().where(yielding, self.hardness, scaled_in_double(pressure, unit))
 
     def capacity(self, cells: int) -> float:
         """Return the load of a number of `cells` at the hardness."""

@@ -5,22 +5,20 @@ writes each field once; on 128 x 128 cells and more that makes a solve 1.5 to 1.
 than 3 % of a solve, array operations serve all.
 """
 
-from collections.abc import Callable
-from math import inf, nan, prod
+from math import inf, isnan, nan, prod
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import DTypeLike
 
-from contactstudy.domain.device import Cpu, Precision, arrays, device, threads
+from contactstudy.domain.device import Cpu, Precision, arrays, device
 from contactstudy.domain.fields import (
-    CELLS_PER_THREAD,
     MIN_COMPILED_CELLS,
     Array,
     compiled_loops,
+    device_loops,
     dot,
     in_blocks,
-    in_threads,
     max_abs,
     sums,
     total,
@@ -106,10 +104,11 @@ class ArrayOperations:
 
     def __init__(self, constraint: Constraint, shape: tuple[int, ...]) -> None:
         self.constraint = constraint
-        self._is_large = prod(shape) >= MIN_COMPILED_CELLS and isinstance(device(), Cpu)
+        large_for_cpu = prod(shape) >= MIN_COMPILED_CELLS and isinstance(device(), Cpu)
+        self._is_large = large_for_cpu or device_loops() is not None
 
     def preconditioner_precision(self, undeformed_gap: Array) -> Precision | None:
-        """Return single precision on large fields of a CPU whose largest height it can hold, else None.
+        """Return single precision on large fields whose largest height it can hold, where loops are compiled, else None.
 
         It takes half the time and no more iterations.
         """
@@ -301,11 +300,11 @@ class CompiledOperations(ArrayOperations):
             approach = prescribed_approach
         else:
             heights, cells = (
-                _rows(self._loops.active_gap_sums, *fields, limit, results=2).sum(axis=1).tolist()
+                self._loops.active_gap_sums(*fields, limit, results=2).sum(axis=1).tolist()
             )
             at_limits = self.constraint.approach_without_active_cells
             approach = heights / cells if cells else at_limits(pressure, undeformed + displacement)
-        sums = _rows(self._loops.gap, *fields, approach, limit, height, results=5)
+        sums = self._loops.gap(*fields, approach, limit, height, results=5)
         load, moment, active_load = sums[:3].sum(axis=1).tolist()
         complementarity = moment / active_load if active_load > 0 else 0.0
         violation = largest_of(complementarity, sums[3].max())
@@ -313,8 +312,8 @@ class CompiledOperations(ArrayOperations):
 
     def active_set(self, pressure: Array, height: Array, real: DTypeLike) -> tuple[Array, Array]:
         """Return the active set (1, others 0), and its gap, in `real` numbers."""
-        active, active_gap = (np.empty(pressure.shape, dtype=real) for _ in range(2))
-        _rows(self._loops.active_set, pressure, height, self._limit, active, active_gap)
+        active, active_gap = (arrays().empty(pressure.shape, dtype=real) for _ in range(2))
+        self._loops.active_set(pressure, height, self._limit, active, active_gap)
         return active, active_gap
 
     def add_entering(
@@ -323,19 +322,17 @@ class CompiledOperations(ArrayOperations):
     ) -> bool:  # fmt: skip
         """Add to an active set the cells that enter it after a step, as :meth:`ArrayOperations.add_entering` does."""
         fields = pressure, height, extended, step_length, self._limit, active, active_gap
-        return bool(_rows(self._loops.add_entering, *fields, results=1).any())
+        return bool(self._loops.add_entering(*fields, results=1).any())
 
     def direction_sums(self, active: Array, preconditioned: Array) -> tuple[float, ...]:
         """Return the number of cells in the `active` set, and the sum of the `preconditioned` residual."""
         return tuple(
-            _rows(self._loops.direction_sums, active, preconditioned, results=2)
-            .sum(axis=1)
-            .tolist()
+            self._loops.direction_sums(active, preconditioned, results=2).sum(axis=1).tolist()
         )
 
     def conjugacy_sums(self, *fields: Array) -> ConjugacySums:
         """Return the sums that make a direction conjugate, as :meth:`ArrayOperations.conjugacy_sums` does."""
-        rows = _rows(self._loops.conjugacy_sums, *fields, results=7)
+        rows = self._loops.conjugacy_sums(*fields, results=7)
         return ConjugacySums(*rows.sum(axis=1).tolist())
 
     def trial(
@@ -348,7 +345,7 @@ class CompiledOperations(ArrayOperations):
     ) -> TrialSums:
         """Write the trial pressure as :meth:`ArrayOperations.trial` does, and cut tension off at once."""
         fields = pressure, height, *direction, step_length, self._limit, buffer
-        sums = _rows(self._loops.trial, *fields, results=5)
+        sums = self._loops.trial(*fields, results=5)
         cut, load, loaded, slope = sums[:4].sum(axis=1).tolist()
         return TrialSums(cut > 0, load, slope, loaded, float(sums[4].max()))
 
@@ -368,31 +365,33 @@ class CompiledOperations(ArrayOperations):
         ):
             control.project_to_load(trial, active, self.constraint)
             return self.slope(trial, pressure, height)
+        return self._projected(trial, trial_sums, control.total, pressure, height)
+
+    def _projected(
+        self, trial: Array, sums: TrialSums, load: float, pressure: Array, height: Array
+    ) -> float:
+        """Shift a trial pressure to a `load`, in place, and return the slope of the energy along the step to it."""
 
         def load_above(shift: float) -> tuple[float, float]:
-            load, loaded_cells = (
-                _rows(self._loops.load_above, trial, shift, results=2).sum(axis=1).tolist()
-            )
-            return load, loaded_cells
+            above, loaded = self._loops.load_above(trial, shift, results=2).sum(axis=1).tolist()
+            return above, loaded
 
         epsilon = float(np.finfo(trial.dtype).eps)
-        shift, factor = shift_to_load(
-            control.total, trial_sums.load, trial_sums.loaded, load_above, epsilon
-        )
+        shift, factor = shift_to_load(load, sums.load, sums.loaded, load_above, epsilon)
         fields = trial, shift, factor, pressure, height
-        return float(_rows(self._loops.project, *fields, results=1).sum())
+        return float(self._loops.project(*fields, results=1).sum())
 
     def curvature(
         self, trial: Array, pressure: Array, trial_displacement: Array, displacement: Array
     ) -> float:
         """Return the inner product of the step to `trial` with the change of displacement that it makes."""
         fields = trial, pressure, trial_displacement, displacement
-        return float(_rows(self._loops.curvature, *fields, results=1).sum())
+        return float(self._loops.curvature(*fields, results=1).sum())
 
     def crosses_a_limit(self, trial: Array, pressure: Array, factor: float) -> bool:
         """Return whether `factor` times the step takes a cell beyond a limit."""
         fields = trial, pressure, factor, self._limit
-        return bool(_rows(self._loops.outside_limits, *fields, results=1).any())
+        return bool(self._loops.outside_limits(*fields, results=1).any())
 
     def take_fraction(
         self, trial: Array, pressure: Array, trial_displacement: Array, displacement: Array,
@@ -400,7 +399,39 @@ class CompiledOperations(ArrayOperations):
     ) -> None:  # fmt: skip
         """Take a `fraction` of a step, in place, as :meth:`ArrayOperations.take_fraction` does."""
         fields = trial, pressure, trial_displacement, displacement
-        _rows(self._loops.take_fraction, *fields, fraction, self._limit)
+        self._loops.take_fraction(*fields, fraction, self._limit)
+
+
+class DeviceOperations(CompiledOperations):
+    """Loops of a device that sum over whole fields: the gap, and a projection to the load, are one launch each."""
+
+    def gap(
+        self, undeformed: Array, displacement: Array, pressure: Array, height: Array,
+        prescribed_approach: float | None = None,
+    ) -> Gap:  # fmt: skip
+        """Return the gap, as :meth:`ArrayOperations.gap` does."""
+        given = nan if prescribed_approach is None else prescribed_approach
+        fields = undeformed, displacement, pressure
+        sums = self._loops.gap(*fields, given, self._limit, height, results=7)
+        approach, cells, load, moment, active_load, violation, largest = sums[:, 0].tolist()
+        if prescribed_approach is None and not cells:
+            at_limits = self.constraint.approach_without_active_cells
+            approach = at_limits(pressure, undeformed + displacement)
+            if not isnan(approach):
+                return self.gap(*fields, height, approach)
+        complementarity = moment / active_load if active_load > 0 else 0.0
+        return Gap(height, approach, largest_of(complementarity, violation), load, largest)
+
+    def slope(self, trial: Array, pressure: Array, height: Array) -> float:
+        """Return the slope of the complementary energy along the step to `trial`."""
+        return float(self._loops.slope(trial, pressure, height, results=1)[0, 0])
+
+    def _projected(
+        self, trial: Array, sums: TrialSums, load: float, pressure: Array, height: Array
+    ) -> float:
+        rounding = 16 * float(np.finfo(trial.dtype).eps)
+        numbers = load, sums.load, sums.loaded, rounding
+        return float(self._loops.project(trial, *numbers, pressure, height, results=1)[0, 0])
 
 
 def _sum(field: Array) -> float:
@@ -413,25 +444,6 @@ def operations_for(constraint: Constraint, shape: tuple[int, ...]) -> ArrayOpera
     """Return the operations over fields of that `shape` (x, y): compiled ones where numba is installed and they pay."""
     loops = compiled_loops(shape)
     if loops is not None and isinstance(constraint, Compressive | HardnessLimited):
-        return CompiledOperations(constraint, shape, loops)
+        kind = CompiledOperations if device_loops() is None else DeviceOperations
+        return kind(constraint, shape, loops)
     return ArrayOperations(constraint, shape)
-
-
-def _rows(kernel: Callable[..., object], *arguments: Any, results: int = 0) -> Array:
-    """Run a compiled `kernel` over fields (x, y), its first `arguments`, and return its results by row (`results`, x).
-
-    The kernel is called once a thread. It gets the thread's part of each field, other arguments as they are, and last,
-    if it has `results`, that part of an array for them.
-    """
-    shape = arguments[0].shape
-    values = np.empty((shape[0], results))
-    if shape[0] * shape[1] < 2 * CELLS_PER_THREAD or threads() == 1:
-        kernel(*arguments, *([values] if results else []))
-        return values.T
-
-    def run(rows: slice) -> None:
-        parts = [value[rows] if isinstance(value, np.ndarray) else value for value in arguments]
-        kernel(*parts, *([values[rows]] if results else []))
-
-    in_threads(run, shape)
-    return values.T

@@ -6,7 +6,7 @@ from typing import Any, Protocol, runtime_checkable
 
 from numpy.typing import NDArray
 
-from contactstudy.domain.device import Device, Precision, device
+from contactstudy.domain.device import Device, Precision, arrays, device
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.problem.bare_problem import BareProblem
@@ -192,10 +192,10 @@ class Problem:
 
     def bare(self, precision: Precision = Precision.DOUBLE) -> BareProblem:
         """Return this problem in its own scales, heights counted from its reference height, on the device in use."""
-        heights = self.undeformed_gap - self.reference_height
+        heights = device().to_device(self.undeformed_gap) - self.reference_height
         heights /= self.scales.gap
         return BareProblem(
-            device().to_device(heights.astype(precision.real, copy=False)),
+            arrays().astype(heights, precision.on_device, copy=False),
             self.operator.scaled(self.scales.pressure / self.scales.gap, precision),
             self.constraint.scaled(1 / self.scales.pressure),
             self.control.scaled(1 / self.scales.pressure),

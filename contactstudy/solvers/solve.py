@@ -160,18 +160,18 @@ def solve_contact(
             max_iterations=options.max_iterations,
             start=None if start is None else device.to_device(start),
         )
-    pressure, displacement = device.to_numpy(last.pressure), device.to_numpy(last.displacement)
-    last = replace(last, pressure=pressure, displacement=displacement)
-    status, scales = _status(bare, last, options, problem), problem.scales
-    displacement = scaled_in_double(displacement, scales.gap)
-    approach = last.approach * scales.gap + problem.reference_height
-    gap = problem.undeformed_gap + displacement
-    gap -= approach
+        scales = problem.scales
+        pressure = device.to_numpy(problem.constraint.in_unit(last.pressure, scales.pressure))
+        status = _status(bare, replace(last, pressure=pressure), options, problem)
+        displacement = scaled_in_double(last.displacement, scales.gap)
+        approach = last.approach * scales.gap + problem.reference_height
+        gap = device.to_device(problem.undeformed_gap) + displacement
+        gap -= approach
     return Solution(
         problem=problem,
-        pressure=problem.constraint.in_unit(pressure, scales.pressure),
-        displacement=displacement,
-        gap=gap,
+        pressure=pressure,
+        displacement=device.to_numpy(displacement),
+        gap=device.to_numpy(gap),
         approach=approach,
         status=status,
         iterations=last.iterations,

@@ -1,10 +1,12 @@
 """Every array library there is gives numpy's answers: a strict one, PyTorch and a GPU where they are at hand."""
 
+import subprocess
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from importlib import import_module
 from importlib.util import find_spec
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -12,10 +14,14 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
+from contactstudy.domain import gpu_loops
 from contactstudy.domain.device import Device, Namespace, available_bytes
 from contactstudy.domain.fields import Array
+from contactstudy.elasticity import approximate_inverse
+from contactstudy.solvers import preconditioned_cg
 from contactstudy.solvers.solve import ReportingSolver
 from tests.conftest import LineContact
+from tests.contactstudy.domain import host_gpu
 from tests.contactstudy.solvers.test_preconditioned_cg import problem
 
 # The strict one has nothing beyond the array API standard, so that no call of numpy's alone is left.
@@ -50,6 +56,8 @@ def devices() -> Iterator[Device]:
     for name in LIBRARIES:
         if find_spec(name.partition(".")[0]) and find_spec(name.rpartition(".")[2]):
             yield Library(import_module(name))
+    if host_gpu.COMPILER:
+        yield host_gpu.HostGpu()
     try:
         yield cs.Gpu()
     except cs.InvalidInput:
@@ -57,7 +65,9 @@ def devices() -> Iterator[Device]:
 
 
 def name(device: Device) -> str:
-    return "Cpu" if isinstance(device, cs.Cpu) else str(getattr(device.arrays, "__name__", device))
+    if isinstance(device, cs.Cpu | host_gpu.HostGpu):
+        return type(device).__name__
+    return str(getattr(device.arrays, "__name__", device))
 
 
 @pytest.fixture(autouse=True)
@@ -176,6 +186,42 @@ def test_a_report_gets_numpy_arrays(device: Device, line_contact: LineContact) -
     )
     assert {type(one) for one in seen} == {np.ndarray}
     np.testing.assert_array_equal(seen[-1] * posed.scales.pressure, found.pressure)
+
+
+needs_compiler = pytest.mark.skipif(host_gpu.COMPILER is None, reason="no C++ compiler is here")
+
+
+@needs_compiler
+@pytest.mark.parametrize("grid", ["semi-periodic", "doubly periodic", "free"])
+def test_the_coarser_grids_of_large_contacts_on_a_gpu_give_the_same(
+    grid: str, line_contact: LineContact, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    smaller = replace(approximate_inverse.CONSTANTS, min_gpu_cells=1)
+    monkeypatch.setattr(approximate_inverse, "CONSTANTS", smaller)
+    sooner = replace(preconditioned_cg.CONSTANTS, max_direct_gpu_cells=256)
+    monkeypatch.setattr(preconditioned_cg, "CONSTANTS", sooner)
+    posed = problem(line_contact, 64, "30 %", GRIDS[grid][1])
+    ours = cs.solve(posed, tolerance=1e-10)
+    other = cs.solve(posed, tolerance=1e-10, device=host_gpu.HostGpu())
+    agree(ours, other, 1e-10)
+    assert other.iterations <= ours.iterations + 3
+
+
+@needs_compiler
+def test_sums_over_blocks_of_threads_are_those_of_one_thread(tmp_path: Path) -> None:
+    """Barriers, shuffles and shared memory of the kernels, with one thread of the processor for each of the GPU."""
+    source = gpu_loops.SOURCE.read_text(encoding="utf-8")
+    shared = "__shared__ double parts[SUMS + MAXIMA][32];"
+    assert shared in source
+    own = "auto& parts = *reinterpret_cast<double (*)[SUMS + MAXIMA][32]>(shared_memory[blockIdx.x].data());"
+    emulated = tmp_path / "loops_emulated.cu"
+    emulated.write_text(source.replace(shared, own), encoding="utf-8")
+    program = Path(__file__).with_name("emulate.cpp")
+    options = "-O1", "-std=c++20", "-pthread", "-DREAL=double", "-DPRE=double", f"-I{tmp_path}"
+    made = tmp_path / "emulate"
+    compiler = str(host_gpu.COMPILER)
+    subprocess.run([compiler, *options, str(program), "-o", str(made)], check=True)
+    subprocess.run([str(made)], check=True)
 
 
 class Spring:

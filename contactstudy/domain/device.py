@@ -261,11 +261,6 @@ class Gpu:
         return import_module("contactstudy.domain.gpu_loops").LOOPS
 
     @property
-    def transforms(self) -> Any:
-        """Fourier transforms by cuFFT, with plans that are kept."""
-        return import_module("contactstudy.elasticity.cufft").CUFFT
-
-    @property
     def arrays(self) -> Namespace:
         """Functions of CuPy, with the names of the array API standard."""
         namespace: Namespace = import_module("array_api_compat.cupy")

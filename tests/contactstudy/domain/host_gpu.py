@@ -14,7 +14,7 @@ import numpy as np
 
 from contactstudy.domain import gpu_loops
 from contactstudy.domain.device import Namespace, available_bytes
-from contactstudy.elasticity import cufft
+from contactstudy.elasticity import transforms
 
 COMPILER = shutil.which("g++")
 NAMES = {"d": "double", "f": "float"}
@@ -77,7 +77,7 @@ class PlanNd:
             target[...] = np.fft.rfftn(source, axes=axes)
         elif to_field:
             target[...] = np.fft.irfftn(source, self.shape, axes=axes, norm="forward")
-        elif direction == cufft.FORWARD:
+        elif direction == transforms.FORWARD:
             target[...] = np.fft.fftn(source, axes=axes)
         else:
             target[...] = np.fft.ifftn(source, axes=axes, norm="forward")
@@ -107,10 +107,10 @@ class Library:
 class HostGpu:
     """Device whose loops and transforms are those of a GPU."""
 
-    loops, transforms = Loops(), cufft.CUFFT
+    loops = Loops()
 
     def __init__(self) -> None:
-        cufft.cufft = Library  # type: ignore[assignment]
+        transforms.cufft = Library  # type: ignore[assignment]
 
     @property
     def arrays(self) -> Namespace:

@@ -79,8 +79,10 @@ from .scene.solids.free_faces import FreeFaces
 from .scene.solids.viscoelastic import ViscoelasticHalfSpace
 from .scene.stress import SubsurfaceStress
 from .scene.surfaces.measured_surface import MeasuredSurface
+from .scene.surfaces.measurement import Flip, Reading, Sizes
 from .scene.surfaces.preparation import (
     AsMeasured,
+    GaussianFilter,
     HarmonicFill,
     Mirrored,
     RefuseMissing,
@@ -137,9 +139,11 @@ __all__ = [
     "FilmHeat",
     "FiniteLength",
     "FlatBottomed",
+    "Flip",
     "FreeFaces",
     "Fretting",
     "Gap",
+    "GaussianFilter",
     "Gpu",
     "Grid",
     "Groove",
@@ -176,6 +180,7 @@ __all__ = [
     "Progress",
     "PullOff",
     "Quantity",
+    "Reading",
     "RefuseMissing",
     "ReynoldsCavitation",
     "RmsSlope",
@@ -190,6 +195,7 @@ __all__ = [
     "Scheme",
     "Shape",
     "SineLoad",
+    "Sizes",
     "Sliding",
     "Solution",
     "SolveOptions",

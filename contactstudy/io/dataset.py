@@ -162,7 +162,7 @@ def _hertz(hertz: HertzLine | None) -> dict[str, xr.Variable]:
 def _measured_surfaces(posed: PosedScene) -> dict[str, str]:
     """Return the files of measured surfaces, and the digests of their heights."""
     surfaces = [
-        f"shapes[{number}]: {shape.file or 'no file'}, digest {shape.digest}"
+        f"shapes[{number}]: {shape.file or 'no file'}, digest {shape.digest}: {shape.description}"
         for number, shape in enumerate(posed.scene.shapes)
         if isinstance(shape, MeasuredSurface)
     ]

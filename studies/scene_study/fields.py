@@ -140,7 +140,7 @@ def _names(value: Any) -> list[str]:
     """Return the names of the fields of a dataclass."""
     names = parameters(value)
     if isinstance(value, MeasuredSurface):
-        return [*FILE_KEYS, "missing", "trend", "seam", "extent"]
+        return [*FILE_KEYS, "missing", "trend", "filter", "seam", "extent"]
     return names
 
 

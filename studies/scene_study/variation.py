@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, is_dataclass, make_dataclass, replace
+from dataclasses import dataclass, fields, is_dataclass, make_dataclass, replace
 from glob import glob, has_magic
 from pathlib import Path
 from types import NoneType
@@ -11,7 +11,7 @@ from typing import Any, get_args, get_origin
 import numpy as np
 
 import contactstudy as cs
-from contactstudy import InvalidInput, MeasuredSurface, Tile
+from contactstudy import InvalidInput, MeasuredSurface, Reading, Tile
 from contactstudy.domain.checks import parameters
 from contactstudy.domain.identity import canonical
 from contactstudy.io.scene_files.scene_schema import KINDS, SceneDocument, Turn
@@ -315,10 +315,14 @@ def _surface(item: Any, present: MeasuredSurface) -> MeasuredSurface:
     """Return a surface as it is, or heights or a file prepared like the surface that the scene has."""
     if isinstance(item, MeasuredSurface):
         return item
-    rules = {name: getattr(present, name) for name in ("missing", "trend", "seam", "seam_across")}
+    rules = {
+        name: getattr(present, name)
+        for name in ("missing", "trend", "filter", "seam", "seam_across")
+    }
     is_file = isinstance(item, str | Path)
     if is_file:
-        surface = MeasuredSurface.read(item, extent=present.file_extent, unit=present.unit, **rules)
+        keys = {key.name: getattr(present.reading, key.name) for key in fields(Reading)}
+        surface = MeasuredSurface.read(item, **keys, **rules)
     else:
         surface = MeasuredSurface(item, **rules)
     surface = surface if present.tile is None else surface.cut(present.tile)

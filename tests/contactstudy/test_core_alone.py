@@ -26,7 +26,7 @@ uses = {
     "contactstudy.compare": lambda: cs.compare(solution, solution),
     "Contact.to_dataset": solution.to_dataset,
     "Contact.plot": solution.plot,
-    "MeasuredSurface.read": lambda: cs.MeasuredSurface.read("surface.x3p"),
+    "MeasuredSurface.read": lambda: cs.MeasuredSurface.read(sys.executable),
     "studies.run": lambda: __import__("studies").run,
 }
 for name in cs.__all__:

@@ -1,7 +1,7 @@
 """Keys of a scene file and their types: what :func:`~contactstudy.read_scene` can read."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from enum import Enum
 from math import inf
 from pathlib import Path
@@ -64,8 +64,10 @@ from contactstudy.scene.solids.elastic_plastic import ElasticPlasticHalfSpace
 from contactstudy.scene.solids.viscoelastic import ViscoelasticHalfSpace
 from contactstudy.scene.stress import SubsurfaceStress
 from contactstudy.scene.surfaces.measured_surface import MeasuredSurface
+from contactstudy.scene.surfaces.measurement import Reading
 from contactstudy.scene.surfaces.preparation import (
     AsMeasured,
+    GaussianFilter,
     HarmonicFill,
     Mirrored,
     Missing,
@@ -91,18 +93,17 @@ class Turn(Enum):
     QUARTER = "rotated by 90 degrees: the length of the measurement runs across the contact"
 
 
-@dataclass(frozen=True)
-class MeasuredSurfaceTable:
+@dataclass(frozen=True, kw_only=True)
+class MeasuredSurfaceTable(Reading):
     """Measured surface given by its file; a relative path starts at the folder of the scene file.
 
     In a scene without a curved shape its width is made periodic as its length is, unless `seam_across` says otherwise.
     """
 
     file: str
-    extent: tuple[Metres, Metres] | None = None
-    unit: str | None = None
     missing: Missing = field(default_factory=RefuseMissing)
     trend: Trend = Trend.PLANE
+    filter: GaussianFilter | None = None
     seam: PeriodicExtension = field(default_factory=Tapered)
     seam_across: PeriodicExtension | None = None
     turn: Turn = Turn.NONE
@@ -118,10 +119,10 @@ class MeasuredSurfaceTable:
             )
         surface = MeasuredSurface.read(
             path,
-            extent=self.extent,
-            unit=self.unit,
+            **{member.name: getattr(self, member.name) for member in fields(Reading)},
             missing=self.missing,
             trend=self.trend,
+            filter=self.filter,
             seam=self.seam,
             seam_across=self.seam_across or (None if curvature else self.seam),
         )

@@ -103,10 +103,7 @@ def _measured_surface_table(
     table: dict[str, Any] = {"kind": "MeasuredSurface"}
     if surface.file is not None:
         table["file"] = surface.file
-        if surface.unit is not None:
-            table["unit"] = surface.unit
-        if surface.file_extent is not None:
-            table["extent"] = list(surface.file_extent)
+        table |= _fields(surface.reading, name, scene_path)
         if surface.is_turned:
             table["turn"] = "quarter"
         if surface.tile is not None:
@@ -118,6 +115,8 @@ def _measured_surface_table(
         size = "" if surface.extent is None else "-{!r}x{!r}m".format(*surface.extent)
         table["file"] = f"{scene_path.stem}-surface-{surface.digest}{size}.nc"
         surface.write(scene_path.parent / table["file"])
-    for field in ("missing", "trend", "seam", "seam_across"):
+    for field in ("missing", "trend", "filter", "seam", "seam_across"):
+        if getattr(surface, field) is None:
+            continue
         table[field] = _toml_value(getattr(surface, field), f"{name}.{field}")
     return table

@@ -137,6 +137,7 @@ class _Structure:
         self.converter.register_structure_hook(int, _whole)
         self.converter.register_structure_hook(float, lambda value, _: _number(value, Number))
         self.converter.register_structure_hook(str, _text)
+        self.converter.register_structure_hook(bool, _switch)
         for applies, hook in hooks:
             self.converter.register_structure_hook_func(applies, hook)
 
@@ -245,6 +246,12 @@ def _number(value: object, target: Any) -> float:
 def _whole(value: object, _: Any) -> int:
     if isinstance(value, bool) or not isinstance(value, int):
         raise InvalidInput(f"it is {value!r}: give a whole number.")
+    return value
+
+
+def _switch(value: object, _: Any) -> bool:
+    if not isinstance(value, bool):
+        raise InvalidInput(f"it is {value!r}: give true or false.")
     return value
 
 

@@ -21,8 +21,10 @@ from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import Metres, readable
 from contactstudy.scene.shapes.shape import LengthScales
 from contactstudy.scene.surfaces import measurement
+from contactstudy.scene.surfaces.measurement import Flip, Reading, Sizes
 from contactstudy.scene.surfaces.preparation import (
     AsMeasured,
+    GaussianFilter,
     Missing,
     PeriodicExtension,
     RefuseMissing,
@@ -66,8 +68,12 @@ class MeasuredSurface:
         Whether the surface was rotated by 90 degrees.
     tile
         Tile that was cut from the surface, if any.
-    unit, file_extent
-        Unit and size [m] that were given to :meth:`read`.
+    filter
+        Gaussian filter of the heights, applied after the trend; None for none.
+    reading
+        What was given to :meth:`read` beside the file.
+    notes
+        What was done to the numbers of the file.
 
     Raises
     ------
@@ -86,9 +92,10 @@ class MeasuredSurface:
     file: str | None = field(default=None, compare=False, repr=False)
     is_turned: bool = field(default=False, compare=False, repr=False)
     tile: Tile | None = field(default=None, compare=False, repr=False)
-    unit: str | None = field(default=None, compare=False, repr=False)
-    file_extent: tuple[Metres, Metres] | None = field(default=None, compare=False, repr=False)
     seam_across: PeriodicExtension = field(default_factory=AsMeasured)
+    filter: GaussianFilter | None = None
+    reading: Reading = field(default_factory=Reading, compare=False, repr=False)
+    notes: tuple[str, ...] = field(default=(), compare=False, repr=False)
     digest: str = field(init=False)
 
     def __post_init__(self) -> None:
@@ -120,54 +127,81 @@ class MeasuredSurface:
         trend: Trend = Trend.PLANE,
         seam: PeriodicExtension | None = None,
         seam_across: PeriodicExtension | None = None,
+        filter: GaussianFilter | None = None,  # noqa: A002 (the field's name)
+        invalid: float | None = None,
+        decimal: str | None = None,
+        transpose: bool = False,
+        flip: Flip = Flip.NONE,
+        sizes: Sizes = Sizes.CHECKED,
     ) -> Self:
         """Read a surface from a file; by default its tilt is subtracted and its ends are tapered.
 
         Parameters
         ----------
         path
-            Rows of numbers (npy, csv, txt, asc), points in columns x, y, height (xyz), netCDF, or X3P, OPD, SUR and
-            whatever else the library SurfaceTopography reads (extra ``measured``).
+            Matrix of numbers, points in columns x, y, height, or a profile in columns x, height, as text of any name,
+            encoding and separator, with or without the header of an instrument; npy; netCDF; X3P, OPD, SUR and
+            whatever else the library SurfaceTopography reads (extra ``measured``). A row of a matrix runs along the
+            contact, and the rows follow one another across it; x of named columns and of X3P and the like runs across.
         extent
-            Size (width, length) [m] of a file without sizes. Rows of numbers without it, and a netCDF file that lacks
+            Size (width, length) [m] of a file without sizes. A matrix without it, and a netCDF file that lacks
             coordinates, are heights of the grid's cells.
-        unit
-            Unit of the numbers in a file without units, such as ``"um"``.
-        missing, trend, seam, seam_across
-            As for the class; the defaults are to refuse missing points, ``Trend.PLANE``, ``Tapered()`` and
-            ``AsMeasured()``.
+        unit, invalid, decimal, transpose, flip, sizes
+            As for :class:`~contactstudy.Reading`.
+        missing, trend, seam, seam_across, filter
+            As for the class; the defaults are to refuse missing points, ``Trend.PLANE``, ``Tapered()``,
+            ``AsMeasured()`` and no filter.
 
         Raises
         ------
         InvalidInput
-            If the file cannot be read, has no sizes or units, or others than those given.
+            If the file cannot be read, has no units, others than those given, or implausible sizes.
         """
-        points, sizes = measurement.read(path, extent, unit)
-        named = str(Path(path).absolute())
+        reading = Reading(
+            extent=extent,
+            unit=unit,
+            invalid=invalid,
+            decimal=decimal,
+            transpose=transpose,
+            flip=flip,
+            sizes=sizes,
+        )
+        points, size, notes = measurement.read(path, reading)
         return cls(
             points,
-            sizes,
+            size,
             missing or RefuseMissing(),
             trend,
             seam or Tapered(),
-            named,
-            unit=unit,
-            file_extent=extent,
+            str(Path(path).absolute()),
             seam_across=seam_across or AsMeasured(),
+            filter=filter,
+            reading=reading,
+            notes=notes,
         )
 
     @property
     def description(self) -> str:
         """Sentence on the points, their size, and how they were prepared."""
-        points = " x ".join(str(count) for count in self.heights.shape)
+        across, along = self.heights.shape
         size = "cell for cell on the grid"
         if self.extent is not None:
             size = f"over {readable(self.extent[0])} x {readable(self.extent[1])}"
-        tilt = [1e6 * rise for rise in Trend.rise(self.missing.fill(self.heights))]
-        plane = f"a plane that rises {tilt[0]:.3g} um across and {tilt[1]:.3g} um along"
-        was_subtracted = " was subtracted" * (self.trend.value >= Trend.PLANE.value)
-        ends = f"{self.seam!r} along, {self.seam_across!r} across"
-        return f"{points} points {size}; {plane}{was_subtracted}; ends: {ends}"
+        parts = [f"{across} x {along} points (across x along) {size}", *self.notes]
+        if missing := int(np.isnan(self.heights).sum()):
+            parts.append(
+                f"{missing} missing points ({missing / self.heights.size:.2%}) {self.missing.description}"
+            )
+        parts.append(self.trend.description(self.missing.fill(self.heights), self.extent))
+        if self.filter is not None:
+            parts.append(self.filter.description)
+        parts.append(f"ends along {self.seam.description}, across {self.seam_across.description}")
+        return "; ".join(parts)
+
+    @property
+    def prepared(self) -> Array:
+        """Heights (x, y) [m] without missing points, less their trend, and filtered."""
+        return _completed(self)
 
     def write(self, path: str | PathLike[str]) -> None:
         """Write the heights to a netCDF file that :meth:`read` reads."""
@@ -285,7 +319,11 @@ class MeasuredSurface:
 
 @lru_cache(maxsize=2)
 def _completed(surface: MeasuredSurface) -> Array:
-    """Return heights (x, y) [m] without missing points, less their trend, cached and read-only."""
-    heights = surface.trend.subtracted(surface.missing.fill(surface.heights)).view()
+    """Return heights (x, y) [m] without missing points, less their trend, filtered; cached and read-only."""
+    heights = surface.missing.fill(surface.heights)
+    heights = surface.trend.subtracted(heights, surface.extent)
+    if surface.filter is not None:
+        heights = surface.filter.filtered(heights, surface.extent)
+    heights = heights.view()
     heights.flags.writeable = False
     return heights

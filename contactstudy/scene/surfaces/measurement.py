@@ -1,31 +1,129 @@
 """Heights of points and the sizes they come with, from an array, a DataArray or a file."""
 
-import re
+import logging
 import warnings
-from math import nan
+from dataclasses import dataclass
+from enum import Enum
 from os import PathLike, fspath
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from contactstudy.domain.checks import InvalidInput, width_and_length
+from contactstudy.domain.checks import (
+    InvalidInput,
+    instance,
+    set_fields,
+    suggest_fields,
+    width_and_length,
+)
 from contactstudy.domain.fields import Array
 from contactstudy.domain.imports import import_for
+from contactstudy.domain.units import Metres, Number, readable
+from contactstudy.scene.surfaces.text_file import Header, TextTable, decoded, length_unit, table
 
 # Points and their sizes (x, y) [m], if they have any.
 Measurement = tuple[Array, tuple[float, float] | None]
 
 DIMENSIONS = (("x", "y"), ("width", "length"))
-# Files of plain numbers, and the units that they may be in.
-ROWS = (".npy", ".csv", ".txt", ".asc", ".xyz")
-LENGTHS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "nm": 1e-9}
-# Points of a text file along each side, of which a table of something else has fewer; words for a missing point.
+# Units that a message offers; points along each side of a matrix, of which a table of something else has fewer.
+UNITS = {"nm": 1e-9, "um": 1e-6, "mm": 1e-3, "m": 1.0}
 MIN_POINTS = 8
-MISSING = ("", "nan", "na", "n/a", "null", "none", "bad", "inf")
-NUMERAL = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
-DECIMAL_COMMA = re.compile(r"[-+]?\d+(?:,\d+)?(?:[eE][-+]?\d+)?")
+# Numbers that instruments write for a point that was not measured; any from VOID on is one.
+MARKS = [
+    sign * mark
+    for sign in (1, -1)
+    for mark in (999, 9999, 99999, 999999, 32767, 32768, 65535, 2147483648)
+]
+VOID = 1e30
+# Text files that the library reads: surface data formats of ISO 25178-71 and BCR, and Wyko's.
+OF_LIBRARY = ("aISO", "aBCR", "Wyko ASCII")
+# First words of the names of columns.
+COLUMNS = {
+    "x": ("x", "dx", "lateral", "distance", "position", "length", "weg", "scan"),
+    "y": ("y", "dy"),
+    "z": ("z", "height", "heights", "raw", "profile", "h", "höhe", "value", "level"),
+}
 METRES = (None, "", "m", "metre", "metres", "meter", "meters")
+
+
+class Flip(Enum):
+    """Reversed directions of a measured surface; the value is the reversed axes."""
+
+    NONE = ()
+    ACROSS = (0,)
+    ALONG = (1,)
+    BOTH = (0, 1)
+
+
+class Sizes(Enum):
+    """Whether sizes and heights of a file are checked for plausibility and against the keys beside it."""
+
+    CHECKED = "checked"
+    CONFIRMED = "confirmed"
+
+
+@suggest_fields
+@dataclass(frozen=True, kw_only=True)
+class Reading:
+    """What is said beside a file of a measured surface, where the file itself leaves it open.
+
+    Parameters
+    ----------
+    extent
+        Size (width, length) [m] of all points, of a file without sizes.
+    unit
+        Unit of the numbers, of a file without units, such as ``"um"``.
+    invalid
+        Number in the file that stands for a point that was not measured, such as -9999.
+    decimal
+        Decimal sign of a text file, ``","`` or ``"."``, where it can be read both ways.
+    transpose
+        Whether across and along are exchanged.
+    flip
+        Directions that are reversed.
+    sizes
+        Whether implausible sizes are refused. ``Sizes.CONFIRMED`` takes them, and keys that contradict the file.
+    """
+
+    extent: tuple[Metres, Metres] | None = None
+    unit: str | None = None
+    invalid: Number | None = None
+    decimal: str | None = None
+    transpose: bool = False
+    flip: Flip = Flip.NONE
+    sizes: Sizes = Sizes.CHECKED
+
+    def __post_init__(self) -> None:
+        instance(
+            "MeasuredSurface.flip", self.flip, Flip, "give Flip.ACROSS, Flip.ALONG or Flip.BOTH"
+        )
+        instance(
+            "MeasuredSurface.sizes", self.sizes, Sizes, "give Sizes.CONFIRMED, or leave it out"
+        )
+        if self.decimal not in (None, ",", "."):
+            raise InvalidInput(f'MeasuredSurface.decimal is {self.decimal!r}: give "," or ".".')
+        if self.unit is not None and length_unit(self.unit) is None:
+            raise InvalidInput(
+                f"MeasuredSurface.unit is {self.unit!r}: give a unit of length, such as {', '.join(UNITS)}."
+            )
+        set_fields(self, extent=agreed_extent(None, self.extent))
+
+    @property
+    def metre(self) -> float | None:
+        """The given unit [m], if any."""
+        return None if self.unit is None else length_unit(self.unit)
+
+
+class FileContent(NamedTuple):
+    """Numbers of a file (x, y), nan where one is missing, their unit [m], the sizes [m], and notes on them."""
+
+    values: Array
+    unit: float
+    sizes: tuple[float, float] | None
+    notes: tuple[str, ...] = ()
+    invalid: float | None = None
+    is_own: bool = False
 
 
 def measurement(heights: Any) -> Measurement:
@@ -48,18 +146,38 @@ def measurement(heights: Any) -> Measurement:
 
 
 def read(
-    path: str | PathLike[str], extent: tuple[float, float] | None = None, unit: str | None = None
-) -> Measurement:
-    """Return points and sizes [m] of a file.
+    path: str | PathLike[str], reading: Reading
+) -> tuple[Array, tuple[float, float] | None, tuple[str, ...]]:
+    """Return points (x, y) [m] and sizes [m] of a file, and notes on what was done to them.
 
-    Numbers in rows (npy, csv, txt, asc) and points in columns x, y, height (xyz) are read here, and need a `unit`.
-    X3P, OPD, SUR and some thirty more formats are read by SurfaceTopography; `extent` [m] and `unit` are for files
-    that lack them. Raises :class:`~contactstudy.InvalidInput` for a file that cannot be read or lacks a unit, and for
-    an extent or a unit that is not that of the file.
+    The content decides on the format, not the name. Raises :class:`~contactstudy.InvalidInput` for a file that cannot
+    be read, lacks a unit, contradicts `reading`, or has implausible sizes.
     """
-    extent = agreed_extent(None, extent)
-    points, sizes = _points_and_sizes(path, extent, unit)
-    return points, agreed_extent(sizes, extent)
+    name = fspath(path)
+    with Path(path).open("rb") as file:
+        head = file.read(65536)
+    text = None if head.startswith((b"\x93NUMPY", b"CDF", b"\x89HDF", b"PK")) else decoded(head)
+    if head.startswith(b"\x93NUMPY"):
+        content = FileContent(_array(name), _unit(name, reading), None)
+    elif head.startswith((b"CDF", b"\x89HDF")) and (written := _written(path)) is not None:
+        _unit(name, reading, 1.0)
+        content = FileContent(written[0], 1.0, written[1], is_own=True)
+    elif text is not None and not text.startswith(OF_LIBRARY):
+        text = decoded(Path(path).read_bytes()) or ""
+        content = _of_text(name, table(name, text, reading.decimal), reading)
+    else:
+        content = _of_library(name, reading)
+    values, notes = _measured(name, content, reading)
+    points, sizes = values * content.unit, content.sizes
+    if reading.transpose:
+        points, sizes = points.T, None if sizes is None else (sizes[1], sizes[0])
+    points = np.flip(points, reading.flip.value)
+    if reading.sizes is Sizes.CONFIRMED and reading.extent is not None:
+        sizes = None
+    sizes = agreed_extent(sizes, reading.extent)
+    if reading.sizes is Sizes.CHECKED and not content.is_own:
+        _check_plausible(name, points, sizes, content.unit)
+    return _plane(points), sizes, (*content.notes, *notes, *_steps(points))
 
 
 def agreed_extent(
@@ -80,154 +198,349 @@ def agreed_extent(
     return extent
 
 
-def _points_and_sizes(
-    path: str | PathLike[str], extent: tuple[float, float] | None, unit: str | None
-) -> Measurement:
-    """Return points and sizes [m] of a file as :func:`read`, the sizes None where it has none."""
-    suffix, name = Path(path).suffix.lower(), fspath(path)
-    if suffix == ".nc" and (written := _written(path)) is not None:
-        _check_unit(name, unit, "m")
-        return written
-    if suffix in ROWS and (values := _numbers(name, suffix)) is not None:
-        if unit not in LENGTHS:
-            raise InvalidInput(
-                f"MeasuredSurface.unit of {name!r} is {unit!r}: give the unit of its numbers, one of "
-                f"{', '.join(LENGTHS)}."
-            )
-        points, sizes = _gridded(name, values) if suffix == ".xyz" else (values, None)
-        if sizes is not None:
-            sizes = sizes[0] * LENGTHS[unit], sizes[1] * LENGTHS[unit]
-        return _plane(points * LENGTHS[unit]), sizes
-    with warnings.catch_warnings():
-        # the library warns that MPI is missing, which is not needed
-        warnings.simplefilter("ignore", ImportWarning)
-        topography = import_for("MeasuredSurface.read", "SurfaceTopography")
-    try:
-        with topography.open_topography(name) as file:
-            channel = file.default_channel
-            if channel.dim != 2:
-                raise InvalidInput(f"path is {name!r}: give a file of a surface, not of a profile.")
-            lacking: dict[str, object] = {}
-            if channel.unit is None:
-                lacking["unit"] = unit
-            else:
-                _check_unit(name, unit, channel.unit)
-            if channel.physical_sizes is None:
-                metre = LENGTHS.get(channel.unit or unit or "", 0.0)
-                lacking["physical_sizes"] = (
-                    tuple(side / metre for side in extent) if extent and metre else None
-                )
-            if None in lacking.values():
-                raise InvalidInput(
-                    f"path is {name!r}, which has no sizes or no unit: give MeasuredSurface.extent [m] and unit, "
-                    "such as 'um'."
-                )
-            return _topography(f"path {name!r}", channel.topography(**lacking))
-    except topography.Exceptions.ReadFileError as unreadable:
+def _unit(
+    name: str, reading: Reading, own: float | None = None, unknown: str | None = None
+) -> float:
+    """Return the unit [m] of heights: that of the file, which a given one must not contradict, or the given one."""
+    given = reading.metre
+    if own is None and given is None:
+        fault = "is None" if unknown is None else f"is None, and its heights are in {unknown!r}"
         raise InvalidInput(
-            f"path is {name!r}: give a file in a format that SurfaceTopography reads, or numbers in rows as npy or csv."
-        ) from unreadable
-
-
-def _check_unit(name: str, unit: str | None, own: str) -> None:
-    """Raise :class:`~contactstudy.InvalidInput` if a `unit` is given that is not the file's `own`."""
-    if unit not in (None, own) and LENGTHS.get(unit or "", nan) != LENGTHS.get(own):
-        raise InvalidInput(
-            f"MeasuredSurface.unit of {name!r} is {unit!r}: leave it out, since its heights are in {own!r}."
+            f"MeasuredSurface.unit of {name!r} {fault}: give the unit of its numbers, one of {', '.join(UNITS)}."
         )
-
-
-def _numbers(name: str, suffix: str) -> Array | None:
-    """Return the numbers of a file in rows, nan where one is missing.
-
-    It is None for an ``.asc`` file that is no plain table: such files have one of many kinds of headers, which
-    SurfaceTopography reads. Raises :class:`~contactstudy.InvalidInput` for any other file that is no table of numbers.
-    """
-    if suffix == ".npy":
-        try:
-            return np.asarray(np.load(name, allow_pickle=False))
-        except (OSError, ValueError) as error:
-            raise InvalidInput(f"path is {name!r}: give a file with numbers ({error}).") from None
-    try:
-        values = _table(name)
-        if suffix != ".xyz" and (len(values) < MIN_POINTS or 1 < values.shape[1] < MIN_POINTS):
+    if given is None or (own is not None and reading.sizes is Sizes.CHECKED):
+        assert own is not None
+        if given is not None and not np.isclose(given, own, rtol=1e-9, atol=0):
             raise InvalidInput(
-                f"path is {name!r}, of {len(values)} rows of {values.shape[1]} numbers: give a surface of at least "
-                f"{MIN_POINTS} x {MIN_POINTS} points, or a profile of one column."
+                f"MeasuredSurface.unit of {name!r} is {reading.unit!r}: leave it out, since its heights are in "
+                f'{_named(own)}; or give sizes = "confirmed" too, if the file is wrong.'
             )
-    except InvalidInput:
-        if suffix == ".asc":
-            return None
-        raise
-    return values
+        return own
+    return given
 
 
-def _table(name: str) -> Array:
-    """Return the rows of numbers of a text file, after at most one line of heading."""
+def _named(unit: float) -> str:
+    """Return the name of a unit [m]."""
+    return next((name for name, size in UNITS.items() if np.isclose(size, unit)), readable(unit))
+
+
+def _array(name: str) -> Array:
+    """Return the array of an npy file."""
     try:
-        lines = Path(name).read_text(encoding="utf-8-sig").splitlines()
+        return np.array(_plane(np.load(name, allow_pickle=False)))
     except (OSError, ValueError) as error:
         raise InvalidInput(f"path is {name!r}: give a file with numbers ({error}).") from None
-    lines = [line for line in lines if line.strip() and not line.lstrip().startswith(("#", "%"))]
-    separator = next(
-        (mark for mark in (";", "\t", ",") if any(mark in line for line in lines)), None
-    )
-    words = lines[-1].split() if lines else []
-    if separator == "," and len(words) > 1 and all(map(DECIMAL_COMMA.fullmatch, words)):
-        separator = None
-    if separator != ",":  # as a spreadsheet writes it where the decimal sign is a comma
-        lines = [line.replace(",", ".") for line in lines]
-    rows = [[word.strip() for word in line.split(separator)] for line in lines]
-    if rows and not any(NUMERAL.fullmatch(word) for word in rows[0]):  # names of columns
-        del rows[0]
-    if rows and not any(row[-1] for row in rows):  # each line ends with a separator
-        rows = [row[:-1] for row in rows]
-    uneven = next((number for number, row in enumerate(rows) if len(row) != len(rows[0])), None)
-    if not rows or uneven is not None:
-        fault = (
-            f", whose row {uneven + 1} has {len(rows[uneven])} numbers beside {len(rows[0])}"
-            if uneven
-            else ""
-        )
+
+
+def _of_library(name: str, reading: Reading) -> FileContent:
+    """Return the default channel of a file that the library SurfaceTopography reads."""
+    logging.getLogger("SurfaceTopography").addHandler(logging.NullHandler())
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        library = import_for("MeasuredSurface.read", "SurfaceTopography")
+        try:
+            with library.open_topography(name) as file:
+                if file.format() == "hgt":  # terrain, for which any file of such a length passes
+                    raise ValueError("no known format")
+                channel = file.default_channel
+                known = {"unit": channel.unit, "physical_sizes": channel.physical_sizes}
+                given = {"unit": reading.unit or "m", "physical_sizes": channel.nb_grid_pts}
+                lacking = {key: given[key] for key, value in known.items() if value is None}
+                surface = channel.topography(**lacking)
+                values = np.ma.filled(np.ma.asarray(surface.heights(), dtype=np.float64), np.nan)
+                side = length_unit(str(surface.unit))
+                sizes = tuple(float(size) * (side or 1.0) for size in surface.physical_sizes)
+        except Exception as unreadable:
+            kind = type(unreadable).__name__
+            raise InvalidInput(
+                f"path is {name!r}, in which SurfaceTopography finds no surface ({kind}: {str(unreadable)[:80]}): give "
+                "a file in a format that it reads, complete, or export the heights as x3p, txt or csv."
+            ) from unreadable
+    if values.ndim != 2:
         raise InvalidInput(
-            f"path is {name!r}{fault}: give rows of equally many numbers, separated by commas, semicolons, tabs or "
-            "blanks."
+            f"path is {name!r}, a profile: export it as text, in columns x and z, or give a file of a surface."
         )
-    return np.array([[_value(name, word) for word in row] for row in rows])
+    if channel.unit is not None and side is None:
+        raise InvalidInput(
+            f"path is {name!r}, with heights in {channel.unit!r}: give a file of heights."
+        )
+    unit = _unit(name, reading, None if channel.unit is None else side)
+    return FileContent(values, unit, None if "physical_sizes" in lacking else (sizes[0], sizes[1]))
 
 
-def _value(name: str, word: str) -> float:
-    """Return the number that `word` is, nan where it marks a missing point."""
-    if NUMERAL.fullmatch(word):
-        return float(word)
-    if word.strip("*-").lower() in MISSING:
-        return nan
-    raise InvalidInput(
-        f"path is {name!r}, in which {word[:40]!r} stands for a height: give numbers with a decimal point (a decimal "
-        "comma between semicolons, tabs or blanks), after at most one line of heading."
+def _of_text(name: str, text: TextTable, reading: Reading) -> FileContent:
+    """Return heights and sizes of a text file: a matrix, or points in columns."""
+    header = Header.of(text.header, text.values.shape)
+    columns = _columns(name, text)
+    own = {**header.units, **{axis: unit for axis, (_, unit) in columns.items() if unit}}
+    unit = _unit(name, reading, own.get("z"), header.unknown)
+    content = _matrix(text, header, unit)
+    if columns:
+        places = [
+            (text.values[:, columns[axis][0]], own.get(axis, unit))
+            for axis in "xy"
+            if axis in columns
+        ]
+        content = _gridded(name, places, text.values[:, columns["z"][0]])
+    return content._replace(unit=unit * header.factor, invalid=header.invalid)
+
+
+def _columns(name: str, text: TextTable) -> dict[str, tuple[int, float | None]]:
+    """Return place and unit [m] of the columns x, y and z of a text file; none for a matrix or a single column."""
+    rows, count = text.values.shape
+    named: dict[str, tuple[int, float | None]] = {}
+    for place, label in enumerate(text.names):
+        words = label.lower().replace("[", " ").replace("(", " ").split() or [""]
+        unit = next(filter(None, map(length_unit, reversed(words))), None)
+        for axis, starts in COLUMNS.items():
+            if words[0].strip("-_:").removesuffix("pos") in starts and axis not in named:
+                named[axis] = place, unit
+    if {"x", "z"} <= named.keys():
+        return named
+    units = [
+        next(filter(None, map(length_unit, label.replace("[", " ").split()[::-1])), None)
+        for label in text.names
+    ]
+    if count in (2, 3) and rows >= MIN_POINTS - 4 * (count == 3):
+        return {
+            axis: (place, units[place]) for place, axis in enumerate("xz" if count == 2 else "xyz")
+        }
+    if rows < MIN_POINTS or 1 < count < MIN_POINTS:
+        raise InvalidInput(
+            f"path is {name!r}, of {rows} rows of {count} numbers: give a surface of at least {MIN_POINTS} x "
+            f"{MIN_POINTS} points, columns named x, y and z, columns x and z, or a profile of one column."
+        )
+    return {}
+
+
+def _matrix(text: TextTable, header: Header, unit: float) -> FileContent:
+    """Return a matrix, whose rows run along the contact, with sizes of its header or of places on its margins."""
+    values, above = text.values, np.array(text.above)
+    steps: dict[int, float] = {}
+    for top, left in ((above[-values.shape[1] + 1 :], values), (values[0, 1:], values[1:])):
+        inner = left[:, 1:]
+        if (
+            len(top) == inner.shape[1] > 1
+            and _is_even(top)
+            and _is_even(left[:, 0])
+            and not _is_even(inner[:, 0])
+        ):
+            sides = np.diff(left[:, 0]).mean(), np.diff(top).mean()
+            values = np.flip(inner, tuple(axis for axis in (0, 1) if sides[axis] < 0))
+            lateral = header.units.get("x", unit)
+            steps = {axis: abs(side) * lateral for axis, side in enumerate(sides)}
+            break
+    bare = {axis: unit if axis in header.is_bare else 1.0 for axis in "xy"}
+    rows, columns = values.shape
+    found = {
+        axis: (header.steps[axis] * count if axis in header.steps else header.sizes[axis])
+        * bare[axis]
+        for axis, count in (("x", columns), ("y", rows))
+        if axis in header.steps or axis in header.sizes
+    }
+    if columns == 1 and found:
+        size = header.steps.get("x", 0.0) * rows * bare["x"] or found.get("y") or found["x"]
+        return FileContent(values, unit, (size, size / rows))
+    if len(found) == 2 and not header.steps:
+        # the sides for which points are square, where they are so for one of the two readings
+        ratio = (
+            found["x"] * rows / (found["y"] * columns),
+            found["y"] * rows / (found["x"] * columns),
+        )
+        if abs(ratio[0] - 1) > 0.05 and abs(ratio[1] - 1) < 0.01:
+            found = {"x": found["y"], "y": found["x"]}
+    if len(found) == 1:
+        step = found["x"] / columns if "x" in found else found["y"] / rows
+        found = {"x": step * columns, "y": step * rows}
+    if steps:
+        found = {"x": steps[1] * columns, "y": steps[0] * rows}
+    return FileContent(values, unit, (found["y"], found["x"]) if found else None)
+
+
+def _is_even(places: Array) -> bool:
+    """Return whether numbers rise or fall in equal steps."""
+    steps = np.diff(places)
+    return len(steps) > 0 and bool(np.ptp(steps) <= 0.01 * abs(steps.mean())) and steps.mean() != 0
+
+
+def _gridded(name: str, places: list[tuple[Array, float]], z: Array) -> FileContent:
+    """Return heights (x, y) and sizes [m] of points with places (positions, unit) near those of a regular grid."""
+    remedy = "give points on a rectangular grid, in columns x, y and height, or x and height of a profile"
+    keep = np.isfinite(np.sum([positions for positions, _ in places], axis=0))
+    indices, sizes, shift = [], [], 0.0
+    for positions, unit in places:
+        index, step, off = _on_line(positions[keep])
+        if off > 0.1:
+            raise InvalidInput(
+                f"path is {name!r}, whose points are not equidistant: they are up to {off:.2g} of a step beside a "
+                f"regular grid, and 0.1 is the most: {remedy}."
+            )
+        indices.append(index)
+        sizes.append(step * (index.max() + 1) * unit)
+        shift = max(shift, off * step * unit)
+    if len(places) == 1:
+        indices.append(0 * indices[0])
+        sizes.append(sizes[0] / (indices[0].max() + 1))
+    heights = np.full((indices[0].max() + 1, indices[1].max() + 1), np.nan)
+    if heights.size > 2 * len(z):
+        raise InvalidInput(
+            f"path is {name!r}, whose points fill less than half of a grid: {remedy}."
+        )
+    heights[indices[0], indices[1]] = z[keep]
+    if not np.array_equal(heights[indices[0], indices[1]], z[keep], equal_nan=True):
+        raise InvalidInput(f"path is {name!r}, which has two heights at one place: {remedy}.")
+    notes = (
+        (f"points moved by up to {readable(shift)} onto a regular grid",)
+        if shift > 1e-3 * min(sizes) / max(heights.shape)
+        else ()
+    )
+    return FileContent(heights, 1.0, (sizes[0], sizes[1]), notes)
+
+
+def _on_line(positions: Array) -> tuple[Any, float, float]:
+    """Return the indices of positions on a regular line, its step, and the largest distance from it in steps."""
+    order = np.sort(positions)
+    floor = 1e-6 * (order[-1] - order[0] or 1.0)
+    gaps = np.diff(order)
+    falling = np.append(np.sort(gaps[gaps > floor])[::-1], floor)
+    if len(falling) == 1:
+        return np.zeros(len(positions), dtype=int), 1.0, 0.0
+    # gaps between lines of points are the ones above a limit: the limit, at a jump, that gives the most regular line
+    ratios = falling[:-1] / falling[1:]
+    jumps = [jump for jump in np.argsort(ratios)[::-1][:8] if ratios[jump] > 1.5]
+    lines = [_regular(positions, order, gaps > 1.1 * falling[jump + 1]) for jump in jumps]
+    none = np.zeros(len(positions), dtype=int), 1.0, 1.0
+    return min(lines, key=lambda line: line[2], default=none)
+
+
+def _regular(positions: Array, order: Array, is_between: Any) -> tuple[Any, float, float]:
+    """Return what :func:`_on_line` does, for lines of points that are divided at some of the gaps in their order."""
+    line = np.concatenate([[0], np.cumsum(is_between)])
+    centres = np.bincount(line, order) / np.bincount(line)
+    between = np.diff(centres)
+    number = np.concatenate([[0.0], np.cumsum(np.round(between / np.median(between)))])
+    step, start = np.polyfit(number, centres, 1)
+    index = np.round((positions - start) / step)
+    return (
+        index.astype(int),
+        float(step),
+        float(np.abs(positions - start - step * index).max() / step),
     )
 
 
-def _gridded(name: str, columns: Array) -> Measurement:
-    """Return heights (x, y) and sizes, in the unit of the file, of points in columns x, y, height."""
-    remedy = "give columns x, y and height of points on a rectangular grid"
-    if columns.shape[1] != 3 or len(columns) < 4 or np.isnan(columns[:, :2]).any():
-        raise InvalidInput(f"path is {name!r}, of {columns.shape[1]} columns: {remedy}.")
-    indices, sizes = [], []
-    for positions in columns[:, :2].T:
-        span = float(np.ptp(positions)) or 1.0
-        values = np.unique(np.round(positions / span, 6)) * span
-        step = span / max(len(values) - 1, 1)
-        index = (positions - positions.min()) / step
-        if np.abs(index - np.round(index)).max() > 0.01:
-            raise InvalidInput(f"path is {name!r}, whose points are not equidistant: {remedy}.")
-        indices.append(np.round(index).astype(int))
-        sizes.append(step * len(values))
-    heights = np.full((indices[0].max() + 1, indices[1].max() + 1), np.nan)
-    heights[indices[0], indices[1]] = columns[:, 2]
-    if not np.array_equal(heights[indices[0], indices[1]], columns[:, 2], equal_nan=True):
-        raise InvalidInput(f"path is {name!r}, which has two heights at one place: {remedy}.")
-    return heights, (sizes[0], sizes[1])
+def _measured(name: str, content: FileContent, reading: Reading) -> tuple[Array, list[str]]:
+    """Return the numbers of a file, nan at each point that was not measured, and notes on these."""
+    values, notes = np.array(content.values, dtype=np.float64), []
+    number = content.invalid if reading.invalid is None else reading.invalid
+    if number != content.invalid is not None and reading.sizes is Sizes.CHECKED:
+        raise InvalidInput(
+            f"MeasuredSurface.invalid of {name!r} is {number!r}: leave it out, since the file says {content.invalid!r}."
+        )
+    with np.errstate(invalid="ignore"):
+        values[~(np.abs(values) < VOID)] = np.nan
+        if number is not None:
+            values[np.isclose(values, number, rtol=1e-6, atol=0)] = np.nan
+    while reading.sizes is Sizes.CHECKED:
+        heights, counts = np.unique(values[np.isfinite(values)], return_counts=True)
+        if len(heights) < 4:
+            break
+        gaps = np.diff(heights)
+        spread = heights[-2] - heights[0], heights[-1] - heights[1]
+        lone = [
+            place
+            for place, gap, rest in ((-1, gaps[-1], spread[0]), (0, gaps[0], spread[1]))
+            if gap > rest
+        ]
+        second, most = (int(place) for place in np.argsort(counts)[-2:])
+        marks = [place for place in lone if heights[place] in MARKS]
+        if marks:
+            values[values == heights[marks[0]]] = np.nan
+            notes.append(
+                f"{counts[marks[0]]} points of {heights[marks[0]]:g} in the file count as not measured"
+            )
+            continue
+        repeated = [place for place in lone if counts[place] > 1]
+        if max(8, 10 * counts[second]) <= counts[most] < 0.5 * values.size:
+            repeated.append(most)
+        if repeated:
+            height = heights[repeated[0]]
+            raise InvalidInput(
+                f"path is {name!r}, in which {counts[repeated[0]]} points have the one height {height:g}, as points "
+                f'that were not measured: give invalid = {height:g}, or sizes = "confirmed" if they were measured.'
+            )
+        break
+    return values, notes
+
+
+def _check_plausible(
+    name: str, points: Array, sizes: tuple[float, float] | None, unit: float
+) -> None:
+    """Raise :class:`~contactstudy.InvalidInput` if no rough surface has these sizes, with the unit that is likely."""
+    level = _levelled(points)
+    if not (fault := _fault(level, sizes)):
+        return
+    powers = (1e-3, 1e-6, 1e-9, 1e3, 1e6, 1e9)
+    trials = [(power, 1.0) for power in powers] + [(1.0, power) for power in powers]
+    trials += [(power, power) for power in powers]
+    likely = ""
+    for up, side in trials:
+        if not _fault(level * up, sizes and (sizes[0] * side, sizes[1] * side)):
+            what = (
+                "heights" if side == 1 else "sizes across and along" if up == 1 else "all numbers"
+            )
+            likely = f" (likely {what} {side:g} times these)"
+            if side == 1 or side == up:
+                likely = f" (likely {what} in {_named(unit * up)}, not {_named(unit)})"
+            break
+    raise InvalidInput(
+        f'path is {name!r}, with {fault}{likely}: give unit and extent that are right, with sizes = "confirmed" if the '
+        "file itself is wrong, or if they are right."
+    )
+
+
+def _levelled(points: Array) -> Array:
+    """Return heights less the plane through the measured points."""
+    x, y = np.asarray(np.indices(points.shape), dtype=np.float64)
+    measured: Any = np.isfinite(points)
+    if not measured.any():
+        return points
+    basis = np.stack([np.ones(len(x[measured])), x[measured], y[measured]], axis=1)
+    plane: Array = np.linalg.lstsq(basis, points[measured], rcond=None)[0]
+    level = np.asarray(points - plane[0] - plane[1] * x - plane[2] * y)
+    return np.asarray(np.where(np.abs(level) < 1e-12 * np.nanmax(np.abs(points)), 0.0, level))
+
+
+def _fault(level: Array, sizes: tuple[float, float] | None) -> str:
+    """Return what is implausible about levelled heights and sizes [m], nothing if they are plausible."""
+    height = float(np.nanmax(level) - np.nanmin(level)) if np.isfinite(level).any() else 0.0
+    if 0 < height < 1e-11:
+        return f"heights of {height:.2g} m in all, less than an atom"
+    if sizes is None:
+        return f"heights of {readable(height)} in all" if height > 1e-2 else ""
+    steps = [size / count for size, count in zip(sizes, level.shape, strict=True)]
+    if max(steps) > 1e-3 or max(sizes) > 1:
+        return f"points {readable(max(steps))} apart over {readable(max(sizes))}"
+    if min(steps) < 1e-10:
+        return f"points {readable(min(steps))} apart, closer than atoms"
+    if height > 0.1 * max(sizes):
+        return f"heights of {readable(height)} over {readable(max(sizes))}"
+    slopes = [np.diff(level, axis=axis) / steps[axis] for axis in (0, 1) if level.shape[axis] > 1]
+    slope = sum(float(np.nanmean(each**2)) for each in slopes if np.isfinite(each).any()) ** 0.5
+    return f"an rms slope of {slope:.3g}" if slope > 1 else ""
+
+
+def _steps(points: Array) -> list[str]:
+    """Return a note on steps between neighbours that no surface of these slopes has."""
+    steps = np.concatenate([np.abs(np.diff(points, axis=axis)).ravel() for axis in (0, 1)])
+    steps = steps[np.isfinite(steps)]
+    typical = float(np.median(steps)) if len(steps) else 0.0
+    high = steps > 50 * typical
+    if not typical or not high.any():
+        return []
+    return [
+        f"{high.sum()} steps between neighbours of up to {readable(float(steps.max()))}, where {readable(typical)} is "
+        "typical"
+    ]
 
 
 def _topography(field: str, surface: Any) -> Measurement:

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from enum import Enum
+from math import inf, log, pi, sqrt
 from typing import ClassVar, Literal, Protocol
 
 import numpy as np
@@ -11,6 +12,8 @@ from contactstudy.domain.checks import (
     InvalidInput,
     below_one,
     check_fields,
+    in_range_from_zero,
+    in_range_or_infinite,
     pair,
     set_fields,
     suggest_fields,
@@ -18,6 +21,7 @@ from contactstudy.domain.checks import (
     whole_number,
 )
 from contactstudy.domain.fields import Array
+from contactstudy.domain.units import Metres, readable
 
 
 @suggest_fields
@@ -72,6 +76,10 @@ class Tile:
 class Missing(Protocol):
     """Rule for missing points, the non-measured points of ISO 25178."""
 
+    @property
+    def description(self) -> str:
+        """Words for a sentence on the missing points."""
+
     def check(self, missing: int, points: int) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if the rule refuses that many missing points."""
 
@@ -83,6 +91,8 @@ class Missing(Protocol):
 @dataclass(frozen=True)
 class RefuseMissing:
     """Rule that refuses a surface with missing points."""
+
+    description: ClassVar[str] = "refused"
 
     def check(self, missing: int, points: int) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if any point is missing."""
@@ -109,6 +119,8 @@ class HarmonicFill:
     up_to
         Largest fraction of missing points, above 0 and below 1; a surface with more is refused.
     """
+
+    description: ClassVar[str] = "filled by Laplace's equation from the edges of their holes"
 
     up_to: float = 0.1
 
@@ -159,40 +171,167 @@ def _harmonic_heights(heights: Array, holes: NDArray[np.bool_]) -> Array:
 
 
 class Trend(Enum):
-    """Least-squares polynomial that is subtracted from a measured surface; the value is its total degree."""
+    """Least-squares form that is subtracted from a measured surface; the value of a polynomial is its total degree."""
 
     NONE = -1
     MEAN = 0
     PLANE = 1
     QUADRATIC = 2
+    CUBIC = 3
+    QUARTIC = 4
+    CYLINDER = -2
 
-    def subtracted(self, heights: Array) -> Array:
-        """Return `heights` (x, y) less the polynomial, fitted to all points alike."""
-        return heights if self is Trend.NONE else heights - self._fitted(heights)
+    def subtracted(self, heights: Array, extent: tuple[float, float] | None = None) -> Array:
+        """Return `heights` (x, y) over `extent` [m] less the form, fitted to all points alike."""
+        if self is Trend.NONE:
+            return heights
+        if self is Trend.CYLINDER:
+            return heights - _cylinder(heights, extent)[0]
+        return heights - _polynomial(heights, self.value)[0]
 
-    @staticmethod
-    def rise(heights: Array) -> tuple[float, float]:
-        """Return by how much the best-fitting plane rises across and along all points [m]."""
-        plane = Trend.PLANE._fitted(heights)
-        return float(plane[-1, 0] - plane[0, 0]), float(plane[0, -1] - plane[0, 0])
+    def description(self, heights: Array, extent: tuple[float, float] | None = None) -> str:
+        """Return what is subtracted from `heights` (x, y) over `extent` [m], with its coefficients."""
+        plane = _polynomial(heights, 1)[0]
+        rises = plane[-1, 0] - plane[0, 0], plane[0, -1] - plane[0, 0]
+        across, along = (f"{1e6 * rise:.3g} um" for rise in rises)
+        text = f"a plane that rises {across} across and {along} along"
+        if self is Trend.CYLINDER:
+            curvature, axis = _cylinder(heights, extent)[1:]
+            radius = readable(1 / curvature) if curvature else "infinite"
+            turned = f"its axis at {axis:.1f} degrees to the length"
+            return f"{text} and a cylinder of radius {radius}, {turned}, were subtracted"
+        if self.value < Trend.PLANE.value:
+            return text + " is left" + ", and the mean was subtracted" * (self is Trend.MEAN)
+        if self is Trend.PLANE:
+            return f"{text} was subtracted"
+        powers = _polynomial(heights, self.value)[1].items()
+        terms = ", ".join(f"x^{i} y^{j}: {1e6 * factor:.3g} um" for (i, j), factor in powers)
+        return f"{text}, in a polynomial with {terms} (x and y from -1 to 1 over the points), was subtracted"
 
-    def _fitted(self, heights: Array) -> Array:
-        """Return the least-squares polynomial at the points of `heights` (x, y)."""
-        x, y = (_from_middle(count) for count in heights.shape)
-        powers = [
-            (i, j)
-            for i in range(self.value + 1)
-            for j in range(self.value + 1 - i)
-            if i < heights.shape[0] and j < heights.shape[1]
-        ]
-        basis = np.stack([(x[:, None] ** i * y**j).ravel() for i, j in powers], axis=1)
-        coefficients = np.linalg.lstsq(basis, heights.ravel(), rcond=None)[0]
-        return np.asarray((basis @ coefficients).reshape(heights.shape))
+
+def _polynomial(heights: Array, degree: int) -> tuple[Array, dict[tuple[int, int], float]]:
+    """Return the least-squares polynomial at the points of `heights` (x, y), and its coefficients by powers."""
+    x, y = (_from_middle(count) for count in heights.shape)
+    powers = [
+        (i, j)
+        for i in range(degree + 1)
+        for j in range(degree + 1 - i)
+        if i < heights.shape[0] and j < heights.shape[1]
+    ]
+    basis = np.stack([(x[:, None] ** i * y**j).ravel() for i, j in powers], axis=1)
+    coefficients = np.linalg.lstsq(basis, heights.ravel(), rcond=None)[0]
+    form = np.asarray((basis @ coefficients).reshape(heights.shape))
+    return form, dict(zip(powers, map(float, coefficients), strict=True))
+
+
+def _cylinder(heights: Array, extent: tuple[float, float] | None) -> tuple[Array, float, float]:
+    """Return the least-squares cylinder at the points, its curvature [1/m], and its axis [degrees from the length]."""
+    from scipy.optimize import least_squares  # imported only where it is needed
+
+    if extent is None:
+        raise InvalidInput("MeasuredSurface.trend is a cylinder, which has no size: give extent.")
+    half = [size / 2 * (1 - 1 / count) for size, count in zip(extent, heights.shape, strict=True)]
+    x, y = (
+        half[0] * _from_middle(heights.shape[0])[:, None],
+        half[1] * _from_middle(heights.shape[1]),
+    )
+    # curvatures of the quadratic give the start: the axis lies along the smaller
+    form = _polynomial(heights, 2)[1]
+    xx, xy, yy = (
+        form.get(power, 0.0) / scale
+        for power, scale in (
+            ((2, 0), half[0] ** 2 or 1),
+            ((1, 1), half[0] * half[1] or 1),
+            ((0, 2), half[1] ** 2 or 1),
+        )
+    )
+    curvatures, axes = np.linalg.eigh([[xx, xy / 2], [xy / 2, yy]])
+    steepest = int(np.argmax(np.abs(curvatures)))
+    largest = max(half)
+    first = [-2 * curvatures[steepest] * largest, np.arctan2(axes[1, steepest], axes[0, steepest])]
+
+    def cylinder(values: Array) -> Array:
+        curvature, angle, tilt_x, tilt_y, level = values
+        across = (x * np.cos(angle) + y * np.sin(angle)) / largest
+        root = np.sqrt(np.maximum(1 - (curvature * across) ** 2, 0))
+        drop = curvature * across**2 / (1 + root)
+        return np.asarray(largest * (level + tilt_x * x / largest + tilt_y * y / largest - drop))
+
+    scaled = heights / largest
+    plane = [form.get((1, 0), 0.0) / (half[0] or 1), form.get((0, 1), 0.0) / (half[1] or 1)]
+    fit = least_squares(
+        lambda values: (cylinder(values) / largest - scaled).ravel(),
+        [*first, *plane, scaled.mean()],
+        x_scale=[1.0, 0.1, 1.0, 1.0, 1.0], xtol=1e-14, ftol=1e-14, gtol=1e-14,
+    )  # fmt: skip
+    angle = (np.degrees(fit.x[1]) + 90) % 180 - 90
+    return cylinder(fit.x), float(fit.x[0] / largest), float(angle)
 
 
 def _from_middle(count: int) -> Array:
     """Return positions of points from -1 to 1, which keeps the fit of their powers well conditioned."""
     return np.asarray((2 * np.arange(count) - (count - 1)) / max(count - 1, 1), dtype=np.float64)
+
+
+@suggest_fields
+@dataclass(frozen=True)
+class GaussianFilter:
+    """Gaussian filter of zero phase of a profile (ISO 16610-21) or a surface (ISO 16610-61).
+
+    A wave of the wavelength of a cut-off is passed with half its amplitude. Near the ends the weights of the points
+    within the surface are scaled to the sum 1 (ISO 16610-28).
+
+    Parameters
+    ----------
+    lambda_s
+        Cut-off [m] below which waves are removed (noise); 0 for none.
+    lambda_c
+        Cut-off [m] above which waves are removed (waviness); infinite for none.
+
+    Raises
+    ------
+    InvalidInput
+        If a cut-off is no length, or lambda_c is not above lambda_s.
+    """
+
+    lambda_s: Metres = 0.0
+    lambda_c: Metres = inf
+
+    def __post_init__(self) -> None:
+        remedy = "give a cut-off wavelength [m], lambda_c above lambda_s"
+        check_fields(
+            self, lambda_s=(in_range_from_zero, remedy), lambda_c=(in_range_or_infinite, remedy)
+        )
+        if self.lambda_c <= self.lambda_s:
+            raise InvalidInput(f"GaussianFilter.lambda_c is {self.lambda_c!r}: {remedy}.")
+
+    @property
+    def description(self) -> str:
+        """What the filter removes."""
+        removed = [f"below lambda_s = {readable(self.lambda_s)}"] * (self.lambda_s > 0)
+        removed += [f"above lambda_c = {readable(self.lambda_c)}"] * (self.lambda_c < inf)
+        return f"waves {' and '.join(removed) or 'of no length'} were removed by Gaussian filters"
+
+    def filtered(self, heights: Array, extent: tuple[float, float] | None) -> Array:
+        """Return the heights (x, y) over `extent` [m] between the two cut-offs."""
+        if extent is None:
+            raise InvalidInput("MeasuredSurface.filter has cut-offs in metres: give extent.")
+        steps = [size / count for size, count in zip(extent, heights.shape, strict=True)]
+        smooth = _smoothed(heights, self.lambda_s, steps)
+        return smooth if self.lambda_c == inf else smooth - _smoothed(smooth, self.lambda_c, steps)
+
+
+def _smoothed(heights: Array, cutoff: float, steps: list[float]) -> Array:
+    """Return weighted means by ISO 16610-21: weights exp(-pi (x / (alpha cutoff))^2), alpha = sqrt(ln 2 / pi)."""
+    from scipy.ndimage import gaussian_filter1d  # imported only where it is needed
+
+    for axis, step in enumerate(steps):
+        deviation = cutoff * sqrt(log(2) / 2) / pi / step
+        if heights.shape[axis] > 1 and deviation > 0:
+            weights = gaussian_filter1d(np.ones(heights.shape[axis]), deviation, mode="constant")
+            means = gaussian_filter1d(heights, deviation, axis, mode="constant")
+            heights = means / np.expand_dims(weights, 1 - axis)
+    return heights
 
 
 class PeriodicExtension(Protocol):
@@ -201,6 +340,10 @@ class PeriodicExtension(Protocol):
     @property
     def lengths(self) -> int:
         """Period, in lengths of the surface."""
+
+    @property
+    def description(self) -> str:
+        """Words for a sentence on the ends."""
 
     def periodic(self, heights: Array) -> Array:
         """Return one period (x, y) [m] along the length of the surface `heights` (x, y)."""
@@ -213,6 +356,7 @@ class AsMeasured:
 
     #: Period, in lengths of the surface.
     lengths: ClassVar[int] = 1
+    description: ClassVar[str] = "as measured"
 
     def periodic(self, heights: Array) -> Array:
         """Return the heights unchanged."""
@@ -226,6 +370,7 @@ class Mirrored:
 
     #: Period, in lengths of the surface.
     lengths: ClassVar[int] = 2
+    description: ClassVar[str] = "mirrored"
 
     def periodic(self, heights: Array) -> Array:
         """Return the surface and its mirror image."""
@@ -253,6 +398,11 @@ class Tapered:
     def __post_init__(self) -> None:
         remedy = "give a fraction of the length above 0 and up to 1"
         check_fields(self, fraction=(up_to_one, remedy))
+
+    @property
+    def description(self) -> str:
+        """Words for a sentence on the ends."""
+        return f"tapered over {self.fraction / 2:.3g} of the size at each end"
 
     def periodic(self, heights: Array) -> Array:
         """Return the tapered surface."""

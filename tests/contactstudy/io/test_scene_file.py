@@ -317,13 +317,13 @@ def test_varied_fields_are_kept_in_groups(tmp_path: Path) -> None:
 def test_heights_in_a_table_are_read_from_beside_the_scene_and_written_back(tmp_path: Path) -> None:
     np.savetxt(tmp_path / "heights.csv", np.arange(72.0).reshape(8, 9) ** 2, delimiter=",")
     surface = (
-        '[[shapes]]\nkind = "MeasuredSurface"\nfile = "heights.csv"\nextent = ["1 mm", "2 mm"]\nunit = "um"\n'
+        '[[shapes]]\nkind = "MeasuredSurface"\nfile = "heights.csv"\nextent = ["1 mm", "2 mm"]\nunit = "nm"\n'
         'trend = "none"\n'
     )
     text = STEEL_ROLLER.replace('total = "2 kN"', "per_length = 1e5") + surface
     found = read(text, tmp_path)
     assert found.scene.shapes[1] == cs.MeasuredSurface(
-        np.arange(72.0).reshape(8, 9) ** 2 * 1e-6, (1e-3, 2e-3), seam=cs.Tapered()
+        np.arange(72.0).reshape(8, 9) ** 2 * 1e-9, (1e-3, 2e-3), seam=cs.Tapered()
     )
     cs.write_scene(found, tmp_path / "again.toml")
     assert cs.read_scene(tmp_path / "again.toml").scene == found.scene
@@ -331,7 +331,7 @@ def test_heights_in_a_table_are_read_from_beside_the_scene_and_written_back(tmp_
 
 def test_a_measured_flat_repeats_across_by_the_rule_of_its_length(tmp_path: Path) -> None:
     np.savetxt(tmp_path / "heights.csv", np.arange(72.0).reshape(8, 9) ** 2, delimiter=",")
-    surface = 'kind = "MeasuredSurface"\nfile = "heights.csv"\nextent = [1e-3, 2e-3]\nunit = "um"'
+    surface = 'kind = "MeasuredSurface"\nfile = "heights.csv"\nextent = [1e-3, 2e-3]\nunit = "nm"'
     solids = '[[solids]]\nmaterial = "steel"\n' * 2
     for seam, expected in (
         ("", cs.Tapered()),

@@ -8,9 +8,17 @@ import pytest
 import xarray as xr
 
 import contactstudy as cs
-from contactstudy.scene.surfaces.measurement import measurement, read
+from contactstudy.scene.surfaces import measurement as reader
+from contactstudy.scene.surfaces.measurement import Measurement, measurement
 
 HEIGHTS = np.random.default_rng(0).standard_normal((6, 4)) * 1e-7
+
+
+def read(
+    path: Path, extent: tuple[float, float] | None = None, unit: str | None = None, **keys: Any
+) -> Measurement:
+    """Points and sizes of a file."""
+    return reader.read(path, cs.Reading(extent=extent, unit=unit, **keys))[:2]
 
 
 def labelled(**coordinates: Any) -> xr.DataArray:
@@ -92,9 +100,9 @@ def test_missing_points_of_a_file_are_missing(tmp_path: Path, written: Path) -> 
 @pytest.mark.whole
 def test_a_file_that_is_none_is_refused(tmp_path: Path, written: Path) -> None:
     nothing = tmp_path / "nothing.x3p"
-    nothing.write_bytes(b"nothing")
+    nothing.write_bytes(b"\0nothing")
     with pytest.raises(
-        cs.InvalidInput, match=r"^path is '.*nothing\.x3p': give a file in a format"
+        cs.InvalidInput, match=r"^path is '.*nothing\.x3p', in which .* no surface .*: give a file"
     ):
         read(nothing)
     with pytest.raises(FileNotFoundError):
@@ -147,6 +155,7 @@ def test_an_extent_or_a_unit_other_than_the_file_has_is_refused(
 
 def test_a_missing_library_names_its_extra(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setitem(sys.modules, "SurfaceTopography", None)
+    (tmp_path / "surface.x3p").write_bytes(b"PK\3\4")
     with pytest.raises(ModuleNotFoundError, match=r"pip install 'contactstudy\[measured\]'"):
         read(tmp_path / "surface.x3p")
 
@@ -167,7 +176,7 @@ def rows(separator: str, *, decimal: str = ".", end: str = "") -> str:
         ("heights.csv", rows(",")),
         ("heights.csv", "# heights\n" + rows(";")),
         ("comma.csv", rows(";", decimal=",")),
-        ("blanks.txt", rows("  ", decimal=",")), ("titles.csv", "a,b,c\n" + rows(",")), ("rows.txt", rows(" ")),
+        ("blanks.txt", rows("  ", decimal=",")), ("titles.csv", "a,b,c\na\n" + rows(",")), ("rows.txt", rows(" ")),
         ("rows.asc", rows("\t", end="\t")),
     ],
 )  # fmt: skip
@@ -205,7 +214,7 @@ def test_points_in_columns_make_a_grid_with_sizes(tmp_path: Path) -> None:
         if (i, j) != (1, 1)
     ]
     (tmp_path / "points.xyz").write_text("\n".join(lines))
-    points, extent = read(tmp_path / "points.xyz", None, "mm")
+    points, extent = read(tmp_path / "points.xyz", None, "mm", sizes=cs.Sizes.CONFIRMED)
     expected = TABLE * 1e-3
     expected[1, 1] = np.nan
     np.testing.assert_allclose(points, expected, rtol=1e-12)
@@ -216,14 +225,22 @@ def test_points_in_columns_make_a_grid_with_sizes(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "text", "sentence"),
     [
-        ("words.csv", "not,numbers\nat,all\n", "'at' stands for a height"),
+        ("words.csv", "not,numbers\nat,all\n", "without rows of numbers: give rows"),
         ("small.csv", "a;b;c\n1;2;3\n", "1 rows of 3 numbers: give a surface of at least 8 x 8"),
-        ("headings.csv", "a\nb\n" + rows(";"), "give rows of equally many numbers"),
-        ("units.csv", "a;b\num;um\n1;2\n", "'um' stands for a height: .* one line of heading"),
+        ("word.csv", rows(";").replace("11.75", "um"), "row 6 has 'um', which stands for a height"),
+        (
+            "two.csv",
+            rows(";") + "second\n" + rows(";"),
+            "row 9 has 1 numbers beside 9: .* one table",
+        ),
         ("comma.csv", rows(",") + "1.5 2.5\n", "give rows of equally many numbers"),
-        ("thousands.csv", rows(";").replace("1.75", "1.000,75"), "'1.000.75' stands for a height"),
+        (
+            "thousands.csv",
+            rows(";").replace("1.75", "1.000,75"),
+            "'11.000,75', which stands for a height",
+        ),
         ("ragged.csv", "1,2\n3\n", "row 2 has 1 numbers beside 2: give rows of equally many"),
-        ("two.xyz", "0 0\n1 1\n", "give columns x, y and height"),
+        ("two.xyz", "0 0\n1 1\n", "columns named x, y and z, columns x and z"),
         ("uneven.xyz", "0 0 1\n1 0 1\n3 0 1\n0 1 1\n", "not equidistant"),
         ("twice.xyz", "0 0 1\n1 0 1\n0 1 1\n0 0 2\n", "two heights at one place"),
     ],
@@ -247,4 +264,4 @@ def test_a_surface_says_what_was_subtracted_from_it(tmp_path: Path) -> None:
         for trend in (cs.Trend.PLANE, cs.Trend.NONE)
     )
     assert "a plane that rises 2 um across and 3 um along was subtracted" in freed.description
-    assert "a plane that rises 2 um across and 3 um along;" in kept.description
+    assert "a plane that rises 2 um across and 3 um along is left;" in kept.description

@@ -1,0 +1,324 @@
+"""Numbers and header of a text file, whatever its encoding, separators and decimal sign."""
+
+import codecs
+import re
+import unicodedata
+from collections import Counter
+from dataclasses import dataclass, field
+from math import nan
+
+import numpy as np
+
+from contactstudy.domain.checks import InvalidInput
+from contactstudy.domain.fields import Array
+
+# Units of length [m] by their names in lower case, the micro sign written u.
+LENGTHS = {
+    **dict.fromkeys(("m", "metre", "meter", "metres", "meters"), 1.0),
+    **dict.fromkeys(("mm", "millimetre", "millimeter", "millimetres", "millimeters"), 1e-3),
+    **dict.fromkeys(("um", "micrometre", "micrometer", "micrometres", "micrometers"), 1e-6),
+    **dict.fromkeys(("micron", "microns"), 1e-6),
+    **dict.fromkeys(("nm", "nanometre", "nanometer", "nanometres", "nanometers"), 1e-9),
+    **dict.fromkeys(("å", "angstrom", "ångström"), 1e-10),
+    "pm": 1e-12,
+    "cm": 1e-2,
+    **dict.fromkeys(("inch", "inches"), 25.4e-3),
+    "mil": 25.4e-6,
+    "uin": 25.4e-9,
+}
+# Words for a missing point, without their asterisks, hyphens, signs and quotes.
+MISSING = frozenset(
+    [
+        "nan",
+        "na",
+        "n/a",
+        "#n/a",
+        "null",
+        "none",
+        "bad",
+        "inf",
+        "infinity",
+        "infinite",
+        "nodata",
+        "void",
+        "invalid",
+        "missing",
+        "masked",
+        "undefined",
+        "1.#qnan",
+        "1.#inf",
+        "1.#ind",
+        "nan(ind)",
+        "nan(snan)",
+        "#num!",
+    ]
+) | {"", "no data", "not measured"}
+NUMERAL = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+)?")
+# An integer in groups of three digits, which is a decimal number where the comma is the decimal sign.
+GROUPED = re.compile(r"[-+]?[1-9]\d{0,2}(?:,\d{3})+")
+
+
+# Words of a header, in English and as Gwyddion, MountainsMap and others translate them: axes, then quantities.
+WORDS = {
+    "x": "x dx nx w width columns cols ncols breite largeur ancho anchura larghezza",
+    "y": "y dy ny h height length rows lines profiles nrows höhe hauteur länge altura altezza",
+    "z": "z dz value values data heights wert werte vertical",
+    "unit": "unit units einheit einheiten unité unités unidades",
+    "step": "pixel spacing step increment pitch interval delta dx dy cellsize sampling resolution scale abstand",
+    "size": "size width height length range extent field dimension dimensions breite largeur höhe hauteur länge anchura "
+    "altura larghezza altezza",
+    "factor": "factor scale conversion multiplier mult resolution faktor dz step",
+    "invalid": "nodata invalid missing bad void undefined masked dummy fill novalue",
+    "other": "radius tip speed force cutoff cut wavelength working objective filter offset origin position start date "
+    "time magnification evaluation traverse range min max version intensity xllcorner yllcorner",
+    "number": "points pixels count number percent ratio samples",
+}
+WORDS_OF = {name: frozenset(words.split()) for name, words in WORDS.items()}
+NUMBER = re.compile(r"(?<![\w.])" + NUMERAL.pattern + r"(?![\d.])")
+UNIT = re.compile(r"[\s,;\t]*[\[(]?([^\W\d_]+)[\])]?(?!\s*[=:]|\w|/(?!p))")
+PAIR = re.compile(rf"({NUMERAL.pattern})\s*([^\W\d_]*)\s*[x×*]\s*({NUMERAL.pattern})\s*([^\W\d_]*)")
+
+
+@dataclass
+class Header:
+    """What the header of a text file says, by axis: x (along a row), y (from row to row), z (the height).
+
+    Sizes of all points and steps are in metres, or in a unit that the header leaves open (``is_bare``). `unknown` is a
+    unit of the heights that is no length.
+    """
+
+    counts: dict[str, int] = field(default_factory=dict)
+    sizes: dict[str, float] = field(default_factory=dict)
+    steps: dict[str, float] = field(default_factory=dict)
+    units: dict[str, float] = field(default_factory=dict)
+    is_bare: set[str] = field(default_factory=set)
+    factor: float = 1.0
+    invalid: float | None = None
+    unknown: str | None = None
+
+    @classmethod
+    def of(cls, lines: list[str], shape: tuple[int, ...]) -> "Header":
+        """Return what the lines around a table of that shape say."""
+        header = cls()
+        for line in lines:
+            header._read(re.sub(r"(?<=[a-zß-ÿ])(?=[A-Z])|_", " ", line), shape)
+        if "x" in header.units:
+            header.units.setdefault("y", header.units["x"])
+        for name in header.is_bare & header.units.keys():  # a unit on a line of its own
+            for values in (header.sizes, header.steps):
+                if name in values:
+                    values[name] *= header.units[name]
+        header.is_bare -= header.units.keys()
+        return header
+
+    def _read(self, line: str, shape: tuple[int, ...]) -> None:
+        """Take up what one line says."""
+        line = PAIR.sub(r" x \1 \4 y \3 \4", line)
+        end, before = 0, ""
+        for number in NUMBER.finditer(line):
+            key = line[end : number.start()]
+            if _words(key) == {"y"} and "x" in _words(before):  # of a pair
+                key = re.sub(r"\bx\b", "y", before)
+            following = UNIT.match(line, number.end())
+            unit = length_unit(following[1]) if following else None
+            end, before = following.end() if following and unit else number.end(), key
+            bracketed = map(length_unit, re.findall(r"[\[(](?:->)?([^\])]*)[\])]", key))
+            self._take(
+                _words(key), float(number[0]), unit or next(filter(None, bracketed), None), shape
+            )
+        key, _, word = re.sub(
+            r"[\[(:=,;\t]+|\bin\b", ":", line[end:].strip(" #%\t;,:=")
+        ).rpartition(":")
+        words, unit = _words(key), length_unit(word)
+        if not words & WORDS_OF["other"] and (unit or words & WORDS_OF["unit"]):
+            for axis in _axes(words | {"unit"}) or ["z"]:
+                if unit:
+                    self.units[axis] = unit
+                elif axis == "z" and word.strip():
+                    self.unknown = word.strip()
+
+    def _take(
+        self, words: frozenset[str], value: float, unit: float | None, shape: tuple[int, ...]
+    ) -> None:
+        """Take up one number under the words of a key, in metres if it has a unit."""
+        axes = _axes(words)
+        if words & WORDS_OF["invalid"] or {"no", "data"} <= words or {"no", "value"} <= words:
+            if not words & WORDS_OF["number"]:
+                self.invalid = value
+            return
+        if "z" in axes and words & WORDS_OF["factor"]:
+            self.factor = value
+            self.units |= {"z": unit} if unit else {}
+            return
+        lateral = [axis for axis in axes if axis != "z"] or (["x", "y"] if "z" not in axes else [])
+        is_count = unit is None and value in (*shape, shape[0] * shape[-1]) and value == int(value)
+        if is_count and not {"pixel", "size"} <= words:
+            self.counts |= {axis: int(value) for axis in lateral if axes}
+        elif words & WORDS_OF["other"] - {"range"} or value <= 0:
+            return
+        elif words & (WORDS_OF["step"] | WORDS_OF["size"]):
+            target = self.steps if words & WORDS_OF["step"] else self.sizes
+            target |= {
+                axis: value * (unit or 1.0) for axis in lateral if axes or axis not in target
+            }
+            self.is_bare |= set() if unit else set(lateral)
+
+
+def _words(key: str) -> frozenset[str]:
+    return frozenset(
+        re.findall(
+            r"[^\W\d_]+",
+            re.sub(r"\b([xyz])(?=size|pixel|length|range|unit|scale|step)", r"\1 ", key.lower()),
+        )
+    )
+
+
+def _axes(words: frozenset[str]) -> list[str]:
+    """Return the axes that the words of a key name: a "height unit" is one of z, the "height" of a picture one of y."""
+    heights = words & frozenset(("height", "höhe", "hauteur", "altura", "altezza"))
+    if words & WORDS_OF["z"] or (
+        heights and words & (WORDS_OF["factor"] | {"unit", "units", "range"})
+    ):
+        return ["z"]
+    return ["x", "y"] if "lateral" in words else [axis for axis in "xy" if words & WORDS_OF[axis]]
+
+
+@dataclass(frozen=True)
+class TextTable:
+    """Rows of equally many numbers, nan where one is missing; cells of the lines around them; names of the columns."""
+
+    values: Array
+    header: list[str]
+    names: list[str]
+    above: list[float]
+
+
+def decoded(data: bytes) -> str | None:
+    """Return the text of a file in UTF-8, UTF-16 or Latin-1, look-alike characters as one; None for a binary file."""
+    zeros = [data[start:4096:2].count(0) for start in (0, 1)]
+    if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        text = data.decode("utf-16", errors="replace")
+    elif max(zeros) > 0.7 * len(data[:4096:2]) and min(zeros) == 0:
+        text = data.decode("utf-16-be" if zeros[0] else "utf-16-le", errors="replace")
+    elif any(byte < 7 for byte in data[:65536]):
+        return None
+    else:
+        try:
+            text = data.decode("utf-8-sig")
+        except UnicodeDecodeError:
+            text = data.decode("cp1252", errors="replace")
+    text = re.sub("[\u2010-\u2015\u2212]", "-", unicodedata.normalize("NFKC", text))
+    return text.replace("\u03bc", "u").replace("\ufeff", "").replace("\0", "")
+
+
+def length_unit(text: str) -> float | None:
+    """Return the unit of length [m] that `text` names, None for any other text."""
+    text = unicodedata.normalize("NFKC", text).replace("\u03bc", "u").strip(" []().'\"").lower()
+    return LENGTHS.get(text)
+
+
+def table(name: str, text: str, decimal: str | None) -> TextTable:
+    """Return the table of a text file and its header; `decimal` is the decimal sign where the file leaves it open.
+
+    Raises
+    ------
+    InvalidInput
+        If the file has no table of numbers, several, uneven rows, or two readings.
+    """
+    lines = [line.strip("\r\n") for line in text.splitlines() if line.strip()]
+    separator, decimal = _marks(name, lines, decimal)
+    rows = [_cells(line, separator) for line in lines]
+    if rows and not any(row[-1] for row in rows if len(row) > 1):  # each line ends with a separator
+        rows = [row[:-1] if len(row) > 1 else row for row in rows]
+    values = [[_value(word, decimal) for word in row] for row in rows]
+    whole = [None not in row for row in values]
+    lengths = Counter(
+        len(row)
+        for row, fits, line in zip(rows, whole, lines, strict=True)
+        if fits and re.search(r"\d", line)
+    )
+    if not lengths:
+        raise InvalidInput(
+            f"path is {name!r}, without rows of numbers: give rows of equally many numbers, separated by commas, "
+            "semicolons, tabs or blanks."
+        )
+    count = max(lengths, key=lambda length: (lengths[length] * length, length))
+    table_rows = [n for n, fits in enumerate(whole) if fits and len(rows[n]) == count]
+    first, last = (
+        table_rows[0],
+        max(n for n, line in enumerate(lines) if whole[n] or re.fullmatch(r"[\d\s.,;+-]+", line)),
+    )
+    for number in range(first, last + 1):
+        if whole[number] and len(rows[number]) == count:
+            continue
+        words = zip(rows[number], values[number], strict=True)
+        bad = next((word for word, value in words if value is None), "")
+        fault = f"has {len(rows[number])} numbers beside {count}"
+        if bad and len(rows[number]) == count:
+            fault = f"has {bad[:40]!r}, which stands for a height"
+        raise InvalidInput(
+            f"path is {name!r}, whose row {number + 1} {fault}: give rows of equally many numbers in one table, with "
+            "one decimal sign (a comma between semicolons, tabs or blanks)."
+        )
+    around = [*lines[:first], *lines[last + 1 :]]
+    if decimal == ",":
+        around = [re.sub(r"(?<=\d),(?=\d)", ".", line) for line in around]
+    names = [""] * count
+    for row in rows[max(first - 3, 0) : first]:
+        if len(row) == count:
+            names = [f"{name} {word}".strip() for name, word in zip(names, row, strict=True)]
+    above = [value for value in values[first - 1] if value is not None] if first else []
+    return TextTable(np.array(values[first : last + 1], dtype=float), around, names, above)
+
+
+def _cells(line: str, separator: str | None) -> list[str]:
+    return [cell.strip().strip('"') for cell in line.strip(" ").split(separator)]
+
+
+def _value(word: str, decimal: str) -> float | None:
+    """Return the number that a word is, nan for a missing point, None for any other word."""
+    if decimal == ",":
+        word = word.replace(",", "?" if "." in word else ".")
+    elif GROUPED.fullmatch(word):
+        word = word.replace(",", "")
+    if NUMERAL.fullmatch(word):
+        return float(word.lower().replace("d", "e"))
+    return nan if word.strip("*-+'\" ").lower() in MISSING else None
+
+
+def _marks(name: str, lines: list[str], decimal: str | None) -> tuple[str | None, str]:
+    """Return the separator of a file (None for blanks) and its decimal sign, from its last lines with digits."""
+    sample = [line for line in lines if re.search(r"\d", line)][-80:]
+    best: tuple[int, str | None, str, list[list[str]]] = (0, None, ".", [])
+    for separator in (";", "\t", ", ", ",", None):
+        if separator and not any(separator in line for line in sample):
+            continue
+        rows = [_cells(line, separator) for line in sample]
+        has_comma = any("," in cell for row in rows for cell in row)
+        sign = "," if has_comma and decimal != "." else "."
+        good = sum(all(_value(cell, sign) is not None for cell in row) for row in rows)
+        if good > best[0]:
+            best = good, separator, sign, rows
+    _, separator, sign, rows = best
+    cells = [cell for row in rows for cell in row]
+    remedy = 'give decimal = "," or decimal = "."'
+    if separator == "," and not any("." in cell for cell in cells):
+        second = [cell for row in rows for cell in row[1::2]]
+        is_pair = all(len(row) % 2 == 0 for row in rows) and all(map(str.isdigit, second))
+        positions = np.diff([_value(row[0], ".") or 0.0 for row in rows])
+        is_trace = len(rows[0]) == 2 and np.ptp(positions) < 0.2 * abs(positions.mean())
+        is_open = len(rows[0]) == 2 or any(cell[0] == "0" < cell[1:] for cell in second)
+        if is_pair and is_open and not is_trace and decimal != ".":
+            if decimal == "," and len(rows[0]) == 2:
+                return None, ","
+            raise InvalidInput(
+                f"path is {name!r}, in which {rows[0][0] + ',' + rows[0][1]!r} is two numbers or one with a decimal "
+                f"comma: {remedy}, or separate numbers by semicolons."
+            )
+    grouped = [bool(GROUPED.fullmatch(cell)) for cell in cells if "," in cell]
+    if sign == "," and decimal is None and grouped and all(grouped) and len(grouped) < len(cells):
+        example = next(cell for cell in cells if "," in cell)
+        raise InvalidInput(
+            f"path is {name!r}, in which {example!r} has a decimal comma or one between thousands: {remedy}."
+        )
+    return separator, sign

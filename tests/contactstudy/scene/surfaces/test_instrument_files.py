@@ -1,0 +1,217 @@
+"""Files as instruments and people write them: one map, whose right numbers are known."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import contactstudy as cs
+
+# Heights [um] of 12 points across by 9 along, 2 um and 4 um apart.
+MAP = np.round(np.random.default_rng(3).normal(0, 0.3, (12, 9)), 4)
+EXTENT = (24e-6, 36e-6)
+
+
+def matrix(
+    separator: str = "\t", scale: float = 1.0, heights: Any = MAP, number: str = "%.4f"
+) -> str:
+    return "\n".join(separator.join(number % (scale * z) for z in row) for row in heights)
+
+
+def columns(separator: str = ",", across: float = 2.0, jitter: float = 0.0) -> str:
+    shifts = jitter * np.random.default_rng(0).uniform(-1, 1, (2, *MAP.shape))
+    return "\n".join(
+        separator.join(
+            f"{value:.5f}"
+            for value in (across * (i + shifts[0, i, j]), 4 * (j + shifts[1, i, j]), MAP[i, j])
+        )
+        for j in range(9)
+        for i in range(12)
+    )
+
+
+def surface(
+    folder: Path, text: str | bytes, name: str = "map.txt", **keys: Any
+) -> cs.MeasuredSurface:
+    data = text if isinstance(text, bytes) else text.encode()
+    (folder / name).write_bytes(data)
+    return cs.MeasuredSurface.read(folder / name, trend=cs.Trend.NONE, **keys)
+
+
+GWYDDION = "# Channel: Topography\n# Width: 36.00 µm\n# Height: 24.00 µm\n# Value units: m\n"
+SPREADSHEET = "XPixelSize;4,0;µm\nYPixelSize;2,0;µm\nHeight Unit;nm\n"
+MARGINS = "\n".join(
+    [";".join(["", *(f"{4 * j}" for j in range(9))])]
+    + [";".join([f"{2 * i}", *(f"{z:.4f}" for z in row)]) for i, row in enumerate(MAP)]
+)
+
+
+@pytest.mark.cases(100)
+@pytest.mark.parametrize("name", ["map.txt", "map.csv"])
+@pytest.mark.parametrize(
+    ("text", "unit"),
+    [
+        (GWYDDION + matrix(scale=1e-6, number="%.4e"), None),
+        (GWYDDION.replace("Value units: m", "Value units: μm") + matrix(), None),
+        ("ncols 9\nnrows 12\ndx 4 um\ndy 2 um\n" + matrix(" "), "um"),
+        (SPREADSHEET + matrix(";", 1e3, number="%.1f").replace(".", ","), None),
+        ("w=9 h=12\nScan size: 36 x 24 um\nheight conversion factor (-> m)=1e-9\n" + matrix(" ", 1e3), None),
+        ("X[mm],Y[um],Z[nm]\n" + columns(across=2e-3), "skip"),
+        ("x;y;z\n[um];[um];[um]\n" + columns(";"), None),
+        (columns(" "), "um"),
+        (MARGINS, "um"),
+    ],
+)  # fmt: skip
+def test_one_map_is_one_surface_by_its_content(
+    tmp_path: Path, name: str, text: str, unit: str | None
+) -> None:
+    if unit == "skip":  # heights are in nm there
+        found = surface(tmp_path, text, name)
+        np.testing.assert_allclose(found.heights, MAP * 1e-9, atol=1e-18)
+    else:
+        found = surface(tmp_path, text, name, unit=unit)
+        np.testing.assert_allclose(found.heights, MAP * 1e-6, atol=1e-14)
+    assert found.extent == pytest.approx(EXTENT, rel=1e-6)
+
+
+@pytest.mark.cases(100)
+@pytest.mark.parametrize(
+    "encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "latin-1"]
+)
+def test_a_heading_with_the_micro_sign_is_read_in_any_encoding(
+    tmp_path: Path, encoding: str
+) -> None:
+    text = "Höhe [µm]\r\n" + matrix(";").replace(".", ",").replace(
+        "-", "\u2212" if "utf" in encoding else "-"
+    )
+    found = surface(tmp_path, text.encode(encoding), extent=EXTENT)
+    np.testing.assert_allclose(found.heights, MAP * 1e-6, atol=1e-14)
+
+
+@pytest.mark.cases(100)
+@pytest.mark.parametrize(
+    ("mark", "header", "keys"),
+    [
+        ("-9999", "", {}), ("1e38", "", {}), ("3.4028235e38", "", {}), ("-32768", "", {}), ("-inf", "", {}),
+        ("no data", "", {}), ("#N/A", "", {}), ("0.123", "", {"invalid": 0.123}), ("7.5", "NODATA_value 7.5\n", {}),
+    ],
+)  # fmt: skip
+def test_points_that_were_not_measured_are_missing(
+    tmp_path: Path, mark: str, header: str, keys: dict[str, Any]
+) -> None:
+    holed = matrix(";").split("\n")
+    holed[4] = ";".join([mark, *holed[4].split(";")[1:]])
+    text = header + "\n".join(holed)
+    found = surface(tmp_path, text, unit="um", extent=EXTENT, missing=cs.HarmonicFill(), **keys)
+    assert np.argwhere(np.isnan(found.heights)).tolist() == [[4, 0]]
+    assert "1 missing points (0.93%) filled by Laplace's equation" in found.description
+
+
+@pytest.mark.parametrize(("height", "cells"), [(-77.0, 2), (0.0, 30)])
+def test_repeated_heights_are_refused_until_a_key_says_what_they_are(
+    tmp_path: Path, height: float, cells: int
+) -> None:
+    heights = MAP.copy()
+    heights.flat[:cells] = height
+    with pytest.raises(cs.InvalidInput, match=rf"{cells} points .* give invalid = {height:g}, or"):
+        surface(tmp_path, matrix(heights=heights), unit="um", extent=EXTENT)
+    keys: Any = {"unit": "um", "extent": EXTENT, "missing": cs.HarmonicFill(0.5)}
+    masked = surface(tmp_path, matrix(heights=heights), invalid=height, **keys)
+    assert np.isnan(masked.heights).sum() == cells
+    kept = surface(tmp_path, matrix(heights=heights), sizes=cs.Sizes.CONFIRMED, **keys)
+    np.testing.assert_allclose(kept.heights, heights * 1e-6, atol=1e-14)
+
+
+@pytest.mark.cases(100)
+@pytest.mark.parametrize(
+    ("keys", "sentence"),
+    [
+        ({"unit": "mm", "extent": EXTENT}, r"likely heights in um, not mm"),
+        ({"unit": "um", "extent": (24.0, 36.0)}, r"points 4 m apart .* 1e-06 times these"),
+        ({"unit": "m"}, r"heights of 1.\d+ m in all \(likely heights in mm, not m\)"),
+    ],
+)  # fmt: skip
+def test_implausible_sizes_are_refused_with_the_likely_unit(
+    tmp_path: Path, keys: dict[str, Any], sentence: str
+) -> None:
+    with pytest.raises(cs.InvalidInput, match=sentence):
+        surface(tmp_path, matrix(), **keys)
+    assert surface(tmp_path, matrix(), sizes=cs.Sizes.CONFIRMED, **keys)
+
+
+def test_slopes_above_one_are_refused(tmp_path: Path) -> None:
+    zigzag = 0.5 * (-1.0) ** np.add.outer(np.arange(40), np.arange(40))
+    with pytest.raises(cs.InvalidInput, match=r"an rms slope of 2\.83 \(likely heights in nm"):
+        surface(tmp_path, matrix(heights=zigzag), unit="um", extent=(2e-5, 2e-5))
+
+
+def test_a_key_that_contradicts_the_header_is_refused_until_it_is_confirmed(tmp_path: Path) -> None:
+    text = GWYDDION + "# Invalid: 5\n" + matrix(scale=1e-6, number="%.4e")
+    for key, value, sentence in (
+        ("unit", "um", r"is 'um': leave it out, since its heights are in m"),
+        ("extent", (1e-3, 2e-3), r"is \(0\.001, 0\.002\): leave it out, since .*\(2\.4e-05, 3\.6"),
+        ("invalid", -1.0, r"is -1\.0: leave it out, since the file says 5\.0"),
+    ):
+        given: Any = {key: value}
+        with pytest.raises(cs.InvalidInput, match=sentence):
+            surface(tmp_path, text, **given)
+        assert surface(tmp_path, text, sizes=cs.Sizes.CONFIRMED, **given)
+
+
+@pytest.mark.cases(100)
+@pytest.mark.parametrize(
+    "text",
+    [
+        "\n".join(f"{abs(z):.4f}".replace(".", ",") for z in MAP.ravel()),
+        "\n".join(f"{abs(1e4 * z):,.0f}\t{abs(1e4 * z):,.0f}" for z in MAP.ravel()[:50]).replace("\t", "\t100\t"),
+    ],
+)  # fmt: skip
+def test_a_comma_with_two_readings_needs_the_decimal_sign(tmp_path: Path, text: str) -> None:
+    with pytest.raises(cs.InvalidInput, match=r'give decimal = "," or decimal = "\."'):
+        surface(tmp_path, text, unit="um")
+
+
+def test_a_column_of_decimal_commas_is_a_profile_with_its_key(tmp_path: Path) -> None:
+    text = "\n".join(f"{abs(z):.4f}".replace(".", ",") for z in MAP.ravel())
+    found = surface(tmp_path, text, unit="um", decimal=",")
+    np.testing.assert_allclose(found.heights[:, 0], abs(MAP.ravel()) * 1e-6, atol=1e-14)
+
+
+def test_points_near_a_grid_are_put_onto_it_and_others_refused(tmp_path: Path) -> None:
+    found = surface(tmp_path, "x [um],y [um],z [um]\n" + columns(jitter=0.08))
+    np.testing.assert_allclose(found.heights, MAP * 1e-6, atol=1e-14)
+    assert found.extent == pytest.approx(EXTENT, rel=0.02)
+    assert "points moved by up to" in found.description
+    with pytest.raises(cs.InvalidInput, match="not equidistant"):
+        surface(tmp_path, columns(jitter=0.3), unit="um")
+
+
+def test_a_stylus_trace_runs_across_and_transposed_along(tmp_path: Path) -> None:
+    text = "Lateral um,Raw Micrometer\n" + "\n".join(
+        f"{50.0 * n},{z}" for n, z in enumerate(MAP[:, 0])
+    )
+    trace = surface(tmp_path, text)
+    np.testing.assert_allclose(trace.heights, MAP[:, :1] * 1e-6, atol=1e-14)
+    assert trace.extent is not None
+    assert trace.extent[0] == pytest.approx(6e-4)
+    assert surface(tmp_path, text, transpose=True).heights.shape == (1, 12)
+
+
+def test_a_surface_is_transposed_and_flipped_as_it_is_read_and_written_so(tmp_path: Path) -> None:
+    found = surface(
+        tmp_path, GWYDDION + matrix(scale=1e-6, number="%.4e"), transpose=True, flip=cs.Flip.ACROSS
+    )
+    np.testing.assert_allclose(found.heights, MAP.T[::-1] * 1e-6, atol=1e-14)
+    assert found.extent == pytest.approx(EXTENT[::-1])
+    steel = cs.HalfSpace(210e9, 0.3)
+    scene = cs.SceneFile(cs.Scene(cs.LineLoad(1e3), (steel, steel), (found,)))
+    cs.write_scene(scene, tmp_path / "scene.toml")
+    assert cs.read_scene(tmp_path / "scene.toml").scene == scene.scene
+
+
+def test_a_step_that_no_surface_of_these_slopes_has_is_said(tmp_path: Path) -> None:
+    heights = np.add.outer(np.sin(np.arange(40.0) / 5), np.cos(np.arange(40.0) / 7)) * 0.3
+    heights[20, 20] += 9.0
+    found = surface(tmp_path, matrix(heights=heights), unit="um", extent=(2e-4, 2e-4))
+    assert "4 steps between neighbours of up to 9" in found.description

@@ -66,10 +66,11 @@ class HertzLine:
         scale = 2 * self.load_per_length / (np.pi * self.contact_modulus)
         return np.asarray(scale * (rigid - t**2 + beyond))
 
-    def stress(self, x: ArrayLike, depth: ArrayLike) -> Array:
+    def stress(self, x: ArrayLike, depth: ArrayLike, friction: float = 0.0) -> Array:
         """Return the stress xx, zz and xz (3, ...) [Pa] at `x` from the axis and `depth` [m], tension positive, z down.
 
-        Source: McEwen (1949), by way of Johnson (1985), eqs. 4.49.
+        `friction` is the traction along +x on the body over the pressure, as in full sliding. Source: McEwen (1949), by
+        way of Johnson (1985), eqs. 4.49 and 7.7.
         """
         x, z = np.broadcast_arrays(*(np.asarray(c, dtype=np.float64) for c in (x, depth)))
         x, z = x / self.half_width, z / self.half_width
@@ -79,17 +80,23 @@ class HertzLine:
         root = np.where(root, root, 1.0)  # at the edge of the contact the stress is 0
         fraction = (z**2 + n**2) / root
         xx, zz = 2 * z - m * (1 + fraction), -m * (1 - fraction)
-        return self.peak_pressure * np.stack([xx, zz, -n * (m**2 - z**2) / root])
+        xz = -n * (m**2 - z**2) / root
+        of_traction = np.stack([n * (2 - (z**2 - m**2) / root) - 2 * x, xz, xx])
+        return self.peak_pressure * (np.stack([xx, zz, xz]) + friction * of_traction)
 
 
 def first_yield(
-    radius: float, contact_modulus: float, yield_stress: float, poisson_ratio: float
+    radius: float,
+    contact_modulus: float,
+    yield_stress: float,
+    poisson_ratio: float,
+    friction: float = 0.0,
 ) -> HertzLine:
     """Return the line contact in which a half-space first yields, after von Mises.
 
     The largest von Mises stress of a line contact is on its axis of symmetry, 0.558 of the peak pressure and 0.7
-    half-widths deep at a Poisson's ratio of 0.3 (Johnson 1985, sect. 6.1). The load at first yield is the contact's
-    ``load_per_length``.
+    half-widths deep at a Poisson's ratio of 0.3 (Johnson 1985, sect. 6.1). In sliding it is larger and nearer to the
+    surface. The load at first yield is the contact's ``load_per_length``.
 
     Parameters
     ----------
@@ -101,6 +108,8 @@ def first_yield(
         Tensile stress [Pa] at which the half-space yields.
     poisson_ratio
         Its Poisson's ratio.
+    friction
+        Tangential traction over the pressure.
 
     Raises
     ------
@@ -109,10 +118,12 @@ def first_yield(
     """
     positive("yield_stress", yield_stress, "give a stress above 0")
     unit = HertzLine(1.0, radius, contact_modulus)
-    depth = np.linspace(0, 2, 4001) * unit.half_width
-    xx, zz, _ = unit.stress(0.0, depth)
+    x = np.linspace(-1.2, 1.2, 241 if friction else 1)[:, None] + (0.0 if friction else 1.2)
+    xx, zz, xz = unit.stress(
+        x * unit.half_width, np.linspace(0, 2, 401) * unit.half_width, friction
+    )
     yy = poisson_ratio * (xx + zz)
-    mises = np.sqrt(((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 2)
+    mises = np.sqrt(((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 2 + 3 * xz**2)
     # stresses grow as the square root of the load
     return HertzLine((yield_stress / float(mises.max())) ** 2, radius, contact_modulus)
 

@@ -1,18 +1,25 @@
 """Warnings about implausible solutions, with the unit that was likely mistaken."""
 
-from math import inf, sqrt
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import inf, isinf, pi, sqrt
+from typing import Any
 
 import numpy as np
 
 from contactstudy.analytic import first_yield
 from contactstudy.domain.fields import BLOCK_CELLS, Array
+from contactstudy.problem.problem import Field
 from contactstudy.scene.scene import Scene, scene_of
-from contactstudy.scene.solids.bodies import HalfSpace
+from contactstudy.scene.solids.bodies import Body, HalfSpace, is_layered, modulus_at_own_width
 from contactstudy.solvers.solution import Solution
 
 # Beyond these a contact is not one of elastic half-spaces: peak pressure over E*, slope of the heights, approach over
 # the radius, and width of the grid over that of the contact.
 MAX_PRESSURE, MAX_SLOPE, MAX_APPROACH, MAX_WIDTH = 0.1, 1.0, 1.0, 1e3
+# The substrate's side of an interface, over the thickness, and what to do about a material beyond its strength.
+BELOW_INTERFACE = 1 + 1e-9
+GIVE_STRENGTH = "give an ElasticPlasticHalfSpace, or the strength of your material."
 # A modulus below this [Pa] is softer than any gel: that of a metal or a polymer was given in GPa or MPa.
 MIN_MODULUS = 1e3
 
@@ -22,7 +29,8 @@ def implausible(solution: Solution) -> str:
     scene, grid, pressure = scene_of(solution.problem), solution.problem.grid, solution.pressure
     if scene is None or not np.isfinite(pressure).all():
         return ""
-    peak, modulus, hertz = solution.peak_pressure, scene.contact_modulus, scene.hertz
+    peak, hertz = solution.peak_pressure, scene.hertz
+    modulus = scene.contact_modulus if hertz is None else hertz.contact_modulus
     slope = _slope(solution)
     width = float(np.count_nonzero(pressure.any(axis=1)) * grid.cell_size[0])
     hints = {
@@ -50,54 +58,129 @@ def implausible(solution: Solution) -> str:
 
 
 def beyond_strength(solution: Solution) -> str:
-    """Return a sentence if the peak pressure is beyond the hardness or the first yield of an elastic body, or ``""``.
+    """Return a sentence if the contact is beyond the hardness or the yield stress of an elastic body, or ``""``.
 
-    Hardness and yield stress are those of the bodies, the load at first yield that of the smooth line contact. Nothing
-    is said of a body that yields, nor together with ``Scene.hardness``, which caps the pressure.
+    Hardness and yield stress are those of the bodies, of a coated one of both its materials. The load at first yield is
+    that of the smooth line contact under the traction over the pressure. Nothing is said of a body that yields, nor
+    together with ``Scene.hardness``, which caps the pressure.
     """
     scene, peak = scene_of(solution.problem), solution.peak_pressure
-    if scene is None or scene.hardness < inf:
+    if scene is None or scene.hardness < inf or not peak > 0:
         return ""
-    surfaces = [getattr(body, "coating", body) for body in scene.solids]
-    hardness = [getattr(body, "hardness", inf) for body in surfaces]
-    if peak > min(hardness):
-        softer = hardness.index(min(hardness))
-        return (
-            f"The peak pressure of {peak / 1e9:.3g} GPa is {peak / hardness[softer]:.2g} times the hardness of "
-            f"Scene.solids[{softer}], {hardness[softer] / 1e9:.3g} GPa: give Scene.hardness, or a body that yields."
-        )
+    shear = 0.0 if solution.traction is None else float(np.hypot(*solution.traction.shear).max())
     for number, body in enumerate(scene.solids):
-        # first yield is above the yield stress
-        if not isinstance(body, HalfSpace) or not body.yield_stress < peak:
-            continue
-        limit = body.yield_stress
-        radius = scene.hertz.radius if scene.hertz else 1.0
-        first = first_yield(radius, scene.contact_modulus, limit, body.poisson_ratio)
-        if peak > first.peak_pressure:
-            at = f" at {first.load_per_length / 1e3:.3g} N/mm" if scene.hertz else ""
+        limit = getattr(getattr(body, "coating", body), "hardness", inf)
+        if peak > limit:
             return (
-                f"The peak pressure of {peak / 1e9:.3g} GPa is {peak / first.peak_pressure:.2g} times that at which "
+                f"The peak pressure of {peak / 1e9:.3g} GPa is {peak / limit:.2g} times the hardness of "
+                f"Scene.solids[{number}], {limit / 1e9:.3g} GPa: give Scene.hardness, or a body that yields."
+            )
+        if is_layered(body):
+            if said := _beyond_coated_strength(solution, number, body):
+                return said
+            continue
+        if not isinstance(body, HalfSpace) or isinf(body.yield_stress):
+            continue
+        radius = scene.hertz.radius if scene.hertz else 1.0
+        first = first_yield(
+            radius, scene.contact_modulus, body.yield_stress, body.poisson_ratio, shear / peak
+        )
+        if peak > first.peak_pressure:
+            pressure = first.peak_pressure
+            load = _load_of_peak(pressure, radius, scene.solids)
+            at = f" at {load / 1e3:.3g} N/mm" if scene.hertz else ""
+            return (
+                f"The peak pressure of {peak / 1e9:.3g} GPa is {peak / pressure:.2g} times that at which "
                 f"Scene.solids[{number}] first yields in a smooth line contact{at}: give an ElasticPlasticHalfSpace, or "
                 "the yield_stress of your material."
             )
     return ""
 
 
-def yield_stress_of_outputs(scene: Scene) -> float:
-    """Return the lowest yield stress [Pa] of the elastic bodies whose stress is an output; infinite if none is known."""
-    solids = (scene.solids[out.body] for out in scene.outputs if hasattr(out, "body"))
-    return min((body.yield_stress for body in solids if isinstance(body, HalfSpace)), default=inf)
+def _load_of_peak(pressure: float, radius: float, solids: tuple[Body, ...]) -> float:
+    """Return the load [N/m] of the smooth line contact with this peak `pressure` [Pa], by the modulus at its width."""
+    modulus = modulus_at_own_width(lambda modulus: 2 * pressure * radius / modulus, solids)
+    return pi * radius * pressure**2 / modulus
 
 
-def stress_beyond_yield(scene: Scene, von_mises: float) -> str:
-    """Return a sentence if the von Mises stress [Pa] below the surface is beyond the yield stress, or ``""``."""
-    limit = yield_stress_of_outputs(scene)
-    if von_mises <= limit:
+def _beyond_coated_strength(solution: Solution, number: int, body: Any) -> str:
+    """Return a sentence if a coating or its substrate is beyond its yield stress or hardness, or ``""``.
+
+    The stress is that at the surface, in the middle of the coating, on both sides of the interface, and where that in a
+    half-space is largest. The pressure on the substrate is compared with its hardness.
+    """
+    materials = body.coating, body.substrate
+    if all(isinf(min(one.yield_stress, one.hardness)) for one in materials):
         return ""
-    return (
-        f"The von Mises stress of {von_mises / 1e6:.3g} MPa is {von_mises / limit:.3g} times the yield stress: "
-        "give an ElasticPlasticHalfSpace, or the yield_stress of your material."
-    )
+    from contactstudy.scene.stress import (
+        SubsurfaceStress,
+        von_mises,
+    )  # imported only where it is needed
+
+    problem, thickness = solution.problem, body.thickness
+    assert problem.paddings is not None
+    width = np.count_nonzero(solution.pressure.any(axis=1)) * problem.grid.cell_size[0]
+    below = thickness * BELOW_INTERFACE
+    depths = tuple(sorted({0.0, thickness / 2, thickness, below, max(below, 0.35 * width)}))
+    operator = SubsurfaceStress(depths, number).of((body, body), problem.grid, problem.paddings)
+    if solution.traction is not None:
+        operator = operator.with_shear(solution.traction.shear)
+    stress = operator(solution.net_pressure)
+    pressed, hardness = -float(stress[2, depths.index(below)].min()), body.substrate.hardness
+    if pressed > hardness:
+        return (
+            f"The pressure on the substrate of Scene.solids[{number}] of {pressed / 1e9:.3g} GPa is "
+            f"{pressed / hardness:.2g} times its hardness, {hardness / 1e9:.3g} GPa: {GIVE_STRENGTH}"
+        )
+    margin = yield_margin(body, number, np.array(depths), von_mises(stress))
+    return margin.sentence
+
+
+@dataclass(frozen=True)
+class YieldMargin:
+    """Yield stress over the largest von Mises stress [Pa], of the `part` of a body where that is least; or infinite."""
+
+    ratio: float = inf
+    von_mises: float = 0.0
+    part: str = ""
+
+    @property
+    def sentence(self) -> str:
+        """A sentence if the stress is beyond the yield stress, or ``""``."""
+        if self.ratio >= 1:
+            return ""
+        return (
+            f"The von Mises stress of {self.von_mises / 1e6:.3g} MPa in {self.part} is {1 / self.ratio:.3g} times the "
+            f"yield stress: {GIVE_STRENGTH}"
+        )
+
+
+def stress_margin(scene: Scene, derived: Mapping[str, Field]) -> YieldMargin:
+    """Return the margin to yield by the fields `derived` of the body whose stress is an output of `scene`."""
+    number = next(output.body for output in scene.outputs if hasattr(output, "body"))
+    depths, stress = derived["z"].values, derived["von_mises"].values
+    return yield_margin(scene.solids[number], number, depths, stress)
+
+
+def yield_margin(body: Any, number: int, depths: Array, von_mises: Array) -> YieldMargin:
+    """Return the margin to yield of the elastic body `number` of a scene, of a coated one that of the weaker part.
+
+    The stress `von_mises` (z, x, y) [Pa] is that at `depths` (z,) [m]; a depth of the thickness is in the coating.
+    """
+    name, least = f"Scene.solids[{number}]", YieldMargin()
+    parts = [(name, body, depths >= 0)]
+    if hasattr(body, "coating"):
+        in_coating = depths <= body.thickness
+        parts = [
+            (f"the coating of {name}", body.coating, in_coating),
+            (f"the substrate of {name}", body.substrate, ~in_coating),
+        ]
+    for part, material, inside in parts:
+        largest = float(von_mises[inside].max(initial=0.0))
+        if isinstance(material, HalfSpace) and largest:
+            found = YieldMargin(material.yield_stress / largest, largest, part)
+            least = min(least, found, key=lambda margin: margin.ratio)
+    return least
 
 
 def _slope(solution: Solution) -> float:

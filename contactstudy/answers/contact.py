@@ -104,7 +104,7 @@ class Contact(Answer, Solution):
         Both are compared with those of `coarse`, the contact on cells of twice the size; None where there is none.
         """
         from contactstudy.accuracy.approach_and_stress import approach_error, stress_errors
-        from contactstudy.accuracy.plausibility import beyond_strength, stress_beyond_yield
+        from contactstudy.accuracy.plausibility import beyond_strength, stress_margin
 
         approach = approach_error(self, estimate, coarse)
         if "von_mises" not in self.derived:
@@ -112,7 +112,7 @@ class Contact(Answer, Solution):
         stress, depths = (self.derived[name].values for name in ("von_mises", "z"))
         largest, depth = stress_errors(self, stress, depths, estimate, coarse)
         scene = None if beyond_strength(self) else self.scene
-        yields = "" if scene is None else stress_beyond_yield(scene, float(stress.max()))
+        yields = "" if scene is None else stress_margin(scene, self.derived).sentence
         return replace(
             estimate,
             approach=approach,

@@ -158,3 +158,16 @@ def test_the_film_of_dowson_and_higginson_is_their_formula_in_the_unit_of_moes()
     film = cs.analytic.dowson_higginson_film(load / both**0.5, material * both**0.25)
     smallest = 2.65 * speed**0.7 * material**0.54 * load**-0.13
     assert film * both**0.5 == pytest.approx(smallest, rel=1e-12)
+
+
+def test_the_stress_of_a_sliding_line_contact_is_that_of_its_tractions() -> None:
+    """At the surface Johnson (1985), eqs. 7.6; with friction 0.5 it yields there, below 1.1 times the yield stress."""
+    x = np.array([-1.5, -0.5, 0.5, 1.5]) * LINE.half_width
+    xx, zz, xz = LINE.stress(x, 0.0, friction=0.5) / LINE.peak_pressure
+    pressure = LINE.pressure(x) / LINE.peak_pressure
+    beyond = np.array([-1, 0, 0, 1]) * np.sqrt(1.5**2 - 1)
+    np.testing.assert_allclose(zz, -pressure, atol=1e-12)
+    np.testing.assert_allclose(xz, -0.5 * pressure, atol=1e-12)
+    np.testing.assert_allclose(xx, -pressure - (x / LINE.half_width - beyond), atol=1e-12)
+    slides = cs.analytic.first_yield(0.01, 1.15e11, 1e9, 0.3, friction=0.5)
+    assert 1e9 < slides.peak_pressure < 1.1e9

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from contactstudy.accuracy.plausibility import yield_stress_of_outputs
+from contactstudy.accuracy.plausibility import stress_margin
 from contactstudy.accuracy.range_errors import NO_LIMIT
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.fields import Array
@@ -385,11 +385,12 @@ def _of_stress(
         quantities["largest_von_mises_depth"] = with_bound(
             depth, estimate.largest_von_mises_depth, fallback_reasons
         )
-    strength = yield_stress_of_outputs(scene)
-    if strength < inf and largest:
-        margin = Quantity(strength / largest, "1", f"yield stress over von Mises stress{where}")
+    least = stress_margin(scene, derived)
+    if least.ratio < inf:
+        label = f"yield stress over von Mises stress in {least.part}{where}"
+        margin = Quantity(least.ratio, "1", label)
         error = estimate.largest_von_mises
-        if error is not None and error.total < 1:
+        if error is not None and error.total < 1 and least.von_mises == largest:
             bound = margin.value * error.total / (1 - error.total)
             margin = replace(margin, bound=bound, reason="")
         quantities["safety_factor"] = margin

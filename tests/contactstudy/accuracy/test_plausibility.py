@@ -2,6 +2,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+import pytest
 
 import contactstudy as cs
 from contactstudy.accuracy.estimate import error_estimate
@@ -87,12 +88,54 @@ def test_a_hardness_that_caps_the_pressure_needs_no_warning(line_contact: LineCo
 
 def test_a_stress_below_the_surface_beyond_the_strength_is_said(line_contact: LineContact) -> None:
     """Friction raises the stress above that of the frictionless contact, whose pressure is no reason to warn."""
-    stress = cs.SubsurfaceStress((0.05 * line_contact.hertz.half_width,))
+    stress = cs.SubsurfaceStress()
     scene = replace(line_contact.scene, friction=cs.Sliding(0.5), outputs=(stress,))
     grid = line_contact.grid((32, 1), 1.4)
     largest = cs.solve(scene, grid, cs.ExactPeriodicity()).quantities["largest_von_mises"].value
     for ratio in (0.97, 1.03):
         bodies = tuple(replace(body, yield_stress=ratio * largest) for body in scene.solids)
         contact = cs.solve(replace(scene, solids=bodies), grid, cs.ExactPeriodicity())
-        said = [text for text in contact.error.warnings if "yield stress" in text]
+        said = [text for text in contact.error.warnings if "yields" in text]
         assert len(said) == (ratio < 1)
+
+
+def of_solids(*solids: Any, load: float = 1e5, **effects: Any) -> str:
+    """The warnings of a cylinder of 10 mm on two bodies."""
+    scene = cs.Scene(cs.LineLoad(load), solids, (cs.Cylinder(0.01),), **effects)  # type: ignore[arg-type]
+    return " ".join(cs.solve(scene, error=0.1).error.warnings)
+
+
+def test_the_load_of_first_yield_counts_what_lies_below_a_coat() -> None:
+    polymer, aluminium = cs.HalfSpace(2e9, 0.35), cs.HalfSpace(70e9, 0.33, yield_stress=2e7)
+    coated = cs.CoatedHalfSpace(cs.HalfSpace(400e9, 0.25), 1e-8, polymer)
+    said = [of_solids(aluminium, body) for body in (polymer, coated)]
+    bare, thinly_coated = (
+        float(text.split("smooth line contact at ")[1].split()[0]) for text in said
+    )
+    assert thinly_coated == pytest.approx(bare, rel=0.05)
+
+
+@pytest.mark.parametrize("strength", ["yield_stress", "hardness"])
+@pytest.mark.parametrize("number", [0, 1])
+@pytest.mark.parametrize(
+    ("part", "thickness", "is_beyond"),
+    [("coating", 2e-6, True), ("substrate", 2e-6, True), ("substrate", 1e-2, False)],
+)
+def test_a_coating_or_the_substrate_below_it_beyond_its_strength_is_said(
+    strength: str, number: int, part: str, thickness: float, *, is_beyond: bool
+) -> None:
+    steel = cs.HalfSpace(210e9, 0.3)
+    materials = {"coating": cs.HalfSpace(400e9, 0.25), "substrate": steel}
+    materials[part] = replace(materials[part], **{strength: 5e7})
+    coated = cs.CoatedHalfSpace(materials["coating"], thickness, materials["substrate"])
+    bodies = (coated, steel) if number == 0 else (steel, coated)
+    said = of_solids(*bodies)
+    assert (strength.replace("_", " ") in said) is is_beyond
+    assert (f"Scene.solids[{number}]" in said) is is_beyond
+
+
+@pytest.mark.parametrize(("friction", "is_beyond"), [(None, False), (cs.Sliding(0.5), True)])
+def test_friction_lowers_the_pressure_of_first_yield(friction: Any, *, is_beyond: bool) -> None:
+    steel = cs.HalfSpace(210e9, 0.3, yield_stress=4e8)
+    said = of_solids(steel, steel, friction=friction)  # 0.6 GPa: 1.79 times, in sliding 1.03
+    assert ("first yields" in said) is is_beyond

@@ -37,6 +37,7 @@ from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.reuse import cache_of, caching
 from contactstudy.domain.units import readable
 from contactstudy.scene.scene import scene_of
+from contactstudy.scene.shapes_source import left_out
 from contactstudy.scene.solids.bodies import creeps, is_layered
 from contactstudy.solvers.friction.rolling_traction import RollingTraction
 from contactstudy.solvers.solution import Solution
@@ -133,7 +134,7 @@ def error_estimate(
         If the problem does not say its paddings, or no law is known for them, see
         :func:`~contactstudy.accuracy.image_errors.image_errors`.
     """
-    problem = solution.problem
+    problem, scene = solution.problem, scene_of(solution.problem)
     if not 0 < confidence < 1:
         raise InvalidInput(
             f"error_estimate.confidence is {confidence!r}: give a probability between 0 and 1, such as 0.95."
@@ -219,6 +220,7 @@ def error_estimate(
             *filter(None, (beyond_strength(solution),)),
             *cells.warnings,
             *filter(None, (implausible(solution),)),
+            *left_out(scene.shapes if scene else (), solution.problem.grid),
         ),
         slip_reason=NO_SLIP_OF_IMAGES if slips and l1_images else "",
     )

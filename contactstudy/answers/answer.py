@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from contactstudy.accuracy.image_errors import IMAGES_REMEDY
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.grid import Grid, Padding, Paddings
+from contactstudy.domain.units import readable
 from contactstudy.io.quantities.quantity import Quantities, as_text
 from contactstudy.solvers.solution import Status
 
@@ -114,10 +115,11 @@ class Answer:
         return ", ".join(f"{label} {value:.3g}" for value, label in self.counts.values())
 
     def summary(self) -> str:
-        """Return accuracy, warnings, quantities with their bounds, status and work as text."""
+        """Return accuracy, warnings, quantities with their bounds, status, extent and work as text."""
+        size = "  extent {} x {}".format(*map(readable, self.grid.extent))
         warnings = (f"  warning: {warning}" for warning in self.error.warnings)
         return "\n".join(
-            (self.accuracy, *warnings, as_text(self.quantities), f"  {self.status}", f"  {self.work}")
+            (self.accuracy, *warnings, as_text(self.quantities), f"  {self.status}", size, f"  {self.work}")
         )  # fmt: skip
 
     def __repr__(self) -> str:

@@ -3,6 +3,7 @@
 import shlex
 import sys
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from datetime import UTC, datetime
 from enum import Enum
 from functools import partial
@@ -23,6 +24,7 @@ from contactstudy.problem.problem import DependsOnShear, Field
 from contactstudy.scene.loads.constant_load import ConstantLoad
 from contactstudy.scene.loads.load_history import ChangingLoad
 from contactstudy.scene.scene import PosedScene
+from contactstudy.scene.shapes_source import with_extent_of
 from contactstudy.scene.surfaces.measured_surface import MeasuredSurface
 from contactstudy.solvers.friction.fretting_traction import FrettingTraction
 from contactstudy.solvers.friction.rolling_traction import RollingTraction
@@ -178,9 +180,10 @@ def _status(status: Enum) -> xr.Variable:
 
 
 def scene_attribute(posed: PosedScene) -> str:
-    """Return the scene as TOML, or as Python if a shape or a body is not of this package."""
+    """Return the scene, with extents of surfaces, as TOML, or as Python if a part of it is not of this package."""
+    scene = replace(posed.scene, shapes=with_extent_of(posed.scene.shapes, posed.grid))
     try:
-        return scene_text(posed.scene, grid=posed.grid, padding=posed.padding)
+        return scene_text(scene, grid=posed.grid, padding=posed.padding)
     except InvalidInput as error:
         return f"# {error}\n# {posed!r}\n"
 

@@ -126,7 +126,7 @@ def plan_of_adhesion(
 
 def _grid(base: Grid, requirements: GridRequirements, cell: float, decay_distance: float) -> Grid:
     """Return the grid `base` of the surfaces alone, wider by `decay_distance` [m], with cells of at most `cell` [m]."""
-    width = min(base.extent[0] + 2 * decay_distance, requirements.known_width)
+    width = requirements.width(base.extent[0] + 2 * decay_distance)
     across = halvable_count(width / min(base.cell_size[0], cell))
     along = base.cells[1]
     if along > 1:

@@ -63,10 +63,14 @@ def plan_of_film(
     )
     is_chosen = grid is None
     if grid is None:
-        width = film_grid(scene, error).extent[0]
-        length = requirements.length(period, width)
+        inlet_width = film_grid(scene, error).extent[0]
+        width = requirements.width(inlet_width)
         grid = film_grid(
-            scene, error, length, shortest_wavelengths=requirements.shortest_wavelengths
+            scene,
+            error,
+            requirements.length(period, width),
+            shortest_wavelengths=requirements.shortest_wavelengths,
+            longer=width / inlet_width,
         )
         if grid.cells[0] >= MAX_CELLS:
             warnings.append(

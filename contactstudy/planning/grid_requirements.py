@@ -220,7 +220,7 @@ class GridRequirements:
         period
             Length of the grid [m]; chosen if None.
         """
-        width = min(2 * CONSTANTS.width_factor * self.half_width, self.known_width)
+        width = self.width(2 * CONSTANTS.width_factor * self.half_width)
         length = self.length(period, width)
         # cells for each source of error alone; both are then reduced to the requested error
         step = self.hertz.half_width / l1_factor() ** (1 / CONSTANTS.rough_order)
@@ -236,6 +236,19 @@ class GridRequirements:
         least = CONSTANTS.cells_along_roller if self.roller_length else CONSTANTS.min_cells
         cells = halvable_count(length / (along * reduction), least) if self.varies else 1
         return Grid((halvable_count(width / (across * reduction)), cells), (width, length))
+
+    def width(self, least: float) -> float:
+        """Return the width of the grid [m]: at least `least`, unless the shapes are known over less.
+
+        A random surface without an extent has that of the grid. It is wide enough to be representative, in steps of two,
+        so that a somewhat larger load leaves the surface as it is.
+        """
+        unit = CONSTANTS.waves_per_period * max(
+            (scales.longest_across for scales in self.length_scales), default=0.0
+        )
+        if unit:
+            least = unit * 2 ** max(0, int(np.ceil(log2(least / unit) - 1e-9)))
+        return min(least, self.known_width)
 
     def length(self, period: float | None, width: float) -> float:
         """Return the length of the grid [m]: the period if given, else that of the roller or of the repeating shapes.
@@ -264,7 +277,7 @@ class GridRequirements:
             return width
         repeats = {scales.period for scales in self.length_scales if scales.period}
         waves = CONSTANTS.waves_per_period
-        unit = _common_period(repeats) if repeats else max(self.longest_wavelength, width) / waves
+        unit = _common_period(repeats) if repeats else (self.longest_wavelength or width) / waves
         return unit * max(1, int(np.ceil(waves * self.longest_wavelength / unit * (1 - 1e-12))))
 
     def pressure_error(self, error: float) -> float:

@@ -42,6 +42,7 @@ from contactstudy.planning.grid_requirements import (
 from contactstudy.planning.planned import Plan
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.shapes.shape import LengthScales
+from contactstudy.scene.shapes_source import left_out
 
 if TYPE_CHECKING:
     from contactstudy.evolution.time_steps import TimeSteps
@@ -262,7 +263,7 @@ def _plan_static(
         forecast = forecast_of_refinement(scene, of_cells, target, period, limit)
         grid = forecast.grid
         if width > grid.extent[0]:
-            grid = with_width(grid, min(width, requirements.known_width))
+            grid = with_width(grid, requirements.width(width))
     else:
         target = inf
         smaller = within_memory(grid, padding, limit)
@@ -285,6 +286,7 @@ def _plan_static(
         ),
         warnings=(
             *requirements.warnings(grid),
+            *left_out(scene.shapes, grid),
             *_warnings(requirements, forecast, grid, limit, error=target),
             *images_warning(padding, images, min(target, expected_error)),
         ),

@@ -269,7 +269,7 @@ class GridRefinement:
             return None
         width, widest = solution.problem.grid.extent[0], self.requirements.known_width
         if solution.pressure[[0, -1]].any() and width < widest:
-            return min(CONSTANTS.widening * width, widest)
+            return self.requirements.width(CONSTANTS.widening * width)
         # random heights depend on the extent
         if any(getattr(shape, "extent", ()) is None for shape in self.scene.shapes):
             return None

@@ -1,6 +1,6 @@
 """The shapes of a scene together: their gap on any grid, and the problem made there."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from math import inf
 
@@ -81,6 +81,13 @@ class ShapesSource:
 def summed_gap(shapes: Iterable[Shape], grid: Grid) -> Array:
     """Return the summed gap [m] of `shapes`, of shape (x, y) or (x, 1) if nothing varies along the length."""
     return sum((gap_of(shape, grid) for shape in shapes), start=np.zeros((grid.cells[0], 1)))
+
+
+def left_out(shapes: Iterable[Shape], grid: Grid) -> Iterator[str]:
+    """Yield a sentence for each of `shapes` of which `grid`, or an extent of its own, holds a part alone."""
+    for shape in shapes:
+        if hasattr(shape, "left_out") and (sentence := shape.left_out(grid)):
+            yield sentence
 
 
 def with_extent_of(shapes: tuple[Shape, ...], grid: Grid) -> tuple[Shape, ...]:

@@ -1,8 +1,8 @@
 """Self-affine random roughness, the same surface on every grid."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
-from typing import ClassVar
+from typing import ClassVar, Self
 
 import numpy as np
 from scipy import fft
@@ -22,13 +22,15 @@ from contactstudy.domain.checks import (
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.reuse import cached_array
-from contactstudy.domain.units import Metres, Number
+from contactstudy.domain.units import Metres, Number, readable
 from contactstudy.scene.shapes.shape import LengthScales
 
 # Highest point of a surface over its rms height.
 HEIGHT_OVER_RMS = 4.0
 # Largest number of waves of a surface; their amplitudes take some tens of gigabytes.
 MAX_WAVES = 1e9
+# Fraction of the rms height below which a surface says what its extent leaves out.
+MOST_OF_HEIGHT = 0.95
 # Relative rounding of wave numbers, so that a wave at the cut-off is always one of the surface.
 ROUNDING = 1e-9
 # Waves below so many times the lowest wave number have the mean density of so many points in their cell along each axis.
@@ -154,15 +156,26 @@ class Roughness:
         """Length scales; the height is four times the rms, as in any Gaussian surface of some ten thousand waves."""
         if not self.rms:
             return LengthScales()
-        across, along = max(self.peklenik, 1), max(1 / self.peklenik, 1)
+        across, along = self._stretches
         rms, slope = self._rms_height_and_slope()
         return LengthScales(
             shortest_wavelengths=(self.cut_off * across, self.cut_off * along),
             period=self.extent[1] if self.extent else 0.0,
-            longest_wavelength=self.roll_off * along,
+            longest_wavelength=self._longest_wavelengths[1],
+            longest_across=0.0 if self.extent else self._longest_wavelengths[0],
             height=HEIGHT_OVER_RMS * rms,
             slope=slope,
         )
+
+    @property
+    def _stretches(self) -> tuple[float, float]:
+        """Factors on wavelengths (across, along): 1 across the lay, and more along it."""
+        return max(self.peklenik, 1), max(1 / self.peklenik, 1)
+
+    @property
+    def _longest_wavelengths(self) -> tuple[float, float]:
+        """Wavelengths (across, along) of the roll-off [m]."""
+        return self.roll_off * self._stretches[0], self.roll_off * self._stretches[1]
 
     @property
     def _rms(self) -> float:
@@ -186,6 +199,26 @@ class Roughness:
         if isinstance(self.rms, RmsSlope):
             return self.rms.slope / ratio, self.rms.slope
         return self._rms, self._rms * ratio
+
+    def with_extent_of(self, grid: Grid) -> Self:
+        """Return this surface with the extent that it has on `grid`, so that it can be put on others."""
+        return self if self.extent else replace(self, extent=grid.extent)
+
+    def left_out(self, grid: Grid) -> str:
+        """Return a sentence if the waves that fit the extent hold less than most of the height; else ``""``."""
+        extent = self.extent or grid.extent
+        waves = (side / one for side, one in zip(extent, self._longest_wavelengths, strict=True))
+        if not self.rms or min(waves) >= 2:  # of which 97 % of the height or more is held
+            return ""
+        held = float(np.sqrt(self._fractions(extent).sum()))
+        if held >= MOST_OF_HEIGHT:
+            return ""
+        rms, sides = self._rms_height_and_slope()[0], " x ".join(map(readable, extent))
+        return (
+            f"Roughness.roll_off is {readable(self.roll_off)}: the waves that fit the surface's extent of {sides} hold "
+            f"{held:.2g} of its rms height of {readable(rms)}, give an extent of some roll-offs, or the roll-off and "
+            "the rms height of such an extent."
+        )
 
     def gap(self, grid: Grid) -> Array:
         """Return depths [m] with zero mean over the surface's extent, of shape (nx, ny).
@@ -243,12 +276,9 @@ class Roughness:
         """
         kx, ky = self._wave_numbers(extent)
         # stretched along the lay, so that no wave is shorter than the cut-off
-        stretches = max(self.peklenik, 1), max(1 / self.peklenik, 1)
-        kx, ky = kx * stretches[0], ky * stretches[1]
-        k, cell = (
-            np.hypot(kx, ky),
-            [one / side for one, side in zip(stretches, extent, strict=True)],
-        )
+        kx, ky = kx * self._stretches[0], ky * self._stretches[1]
+        k = np.hypot(kx, ky)
+        cell = [one / side for one, side in zip(self._stretches, extent, strict=True)]
         fractions = self._density(k)
         # the density varies within the cells of the longest waves: their mean
         rows, columns = np.nonzero((k > 0) & (k < NEAR * max(cell)))

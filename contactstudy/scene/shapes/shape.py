@@ -40,6 +40,8 @@ class LengthScales:
         Period [m] of the shape along the length, zero if any will do.
     longest_wavelength
         Longest wavelength along the length [m].
+    longest_across
+        Longest wavelength [m] that the width of the grid has to hold, zero for shapes that take any width.
     roller
         Length [m] of a roller that the shape ends or crowns, infinite if the shape names no length, zero for other
         shapes.
@@ -56,6 +58,7 @@ class LengthScales:
     shortest_wavelengths: tuple[float, float] = (inf, inf)
     period: float = 0.0
     longest_wavelength: float = 0.0
+    longest_across: float = 0.0
     roller: float = 0.0
     height: float = 0.0
     slope: float = 0.0

@@ -69,6 +69,22 @@ def test_a_period_is_checked_against_what_it_has_to_hold() -> None:
     assert roller.warnings(cs.Grid((64, 64), (8.0, 0.4)))[-1] == roller.period_check(0.4)
 
 
+def test_a_random_surface_keeps_its_extent_under_a_somewhat_larger_load() -> None:
+    """Its extent is in steps of two from four roll-offs, wide enough for the contact, or its own."""
+    rough = cs.Roughness(rms=2e-7, hurst=0.8, roll_off=1e-4, cut_off=2e-5, peklenik=0.5)
+
+    def extent(load: float, shape: cs.Roughness, error: float = 0.1) -> tuple[float, float]:
+        scene = cs.Scene(cs.LineLoad(load), (STEEL, STEEL), (cs.Cylinder(0.01), shape))
+        return grid_requirements(scene).grid(error, None).extent
+
+    first = extent(1e5, rough)
+    assert first == pytest.approx((8e-4, 8e-4))
+    assert extent(1.1e5, rough) == extent(1e5, rough, 0.02) == first
+    assert extent(1e3, rough) == pytest.approx((4e-4, 8e-4))
+    own = replace(rough, extent=(2e-3, 1e-3))
+    assert extent(1e5, own)[0] < extent(1.1e5, own)[0] < 8e-4
+
+
 # As wide as a tenth of the radius.
 THICK: Any = SimpleNamespace(half_width=2.0, radius=20.0)
 

@@ -5,6 +5,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.scene.shapes.roughness import RmsSlope, Roughness
+from tests.conftest import STEEL
 
 ROUGH = Roughness(rms=2e-7, hurst=0.8, roll_off=5e-5, cut_off=1e-5, seed=3)
 
@@ -58,6 +59,17 @@ def test_a_roll_off_beyond_the_extent_leaves_the_slopes_as_they_are(roll_off: fl
     assert np.sqrt((np.abs(waves * np.hypot(k[:, None], k)) ** 2).sum()) == pytest.approx(
         slope, rel=0.05
     )
+
+
+def test_an_answer_says_what_part_of_the_height_its_extent_holds() -> None:
+    long, square = replace(ROUGH, roll_off=2e-4), cs.Grid((32, 32), (1e-4, 1e-4))
+    scene = cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL), (cs.Cylinder(0.01), long))
+    held = long.gap(square).std() / 2e-7
+    assert held < 0.9
+    both = cs.solve(scene, square).error, cs.plan(scene, grid=square)
+    for said in both:
+        assert any(f"hold {held:.2g} of its rms height of 200 nm" in text for text in said.warnings)
+    assert not long.left_out(cs.Grid((32, 32), (4e-4, 4e-4)))
 
 
 @pytest.mark.parametrize("narrow", [2e-5, 1e-4])

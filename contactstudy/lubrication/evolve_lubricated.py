@@ -29,7 +29,12 @@ from contactstudy.lubrication.newton.pseudo_time import (
     LinearSolver,
     iterate,
 )
-from contactstudy.lubrication.posed_film import PosedFilm, linear_solver, pose
+from contactstudy.lubrication.posed_film import (
+    PosedFilm,
+    linear_solver,
+    lubricated_scales,
+    pose,
+)
 from contactstudy.lubrication.steady_film import (
     TUNING as STEADY,
 )
@@ -83,12 +88,13 @@ TUNING = StepTuning()
 
 @dataclass(frozen=True, eq=False)
 class _Instant:
-    """Film at a time [a / u_m], its content (x, y), and the iteration that led to it."""
+    """Film at a time [a / u_m], its content (x, y), the iteration that led to it, and its rate (x, y) if it changes."""
 
     time: float
     film: Film
     content: Array
     iteration: FilmIteration
+    rate: Array | None = None
 
 
 def evolve_lubricated(
@@ -362,9 +368,13 @@ class _FilmStepper:
         )
         last = iterate(
             equation, expected, self.solver, controls,
-            squeeze=self._squeeze_term(step), cavitated=self.last.cavitated,
+            squeeze=self._squeeze_term(step, [instant.content for instant in self.past]),
+            cavitated=self.last.cavitated,
         )  # fmt: skip
-        instant = _Instant(end / self.time_unit, last.film, equation.content(last.film), last)
+        of_film = self._squeeze_term(step, [instant.film.thickness for instant in self.past])
+        rate = of_film.rate * last.film.thickness + of_film.history
+        content = equation.content(last.film)
+        instant = _Instant(end / self.time_unit, last.film, content, last, rate)
         inside = np.abs(now.x) < 1
         change = np.abs(
             last.film.thickness - self._extrapolated(end / self.time_unit, "thickness")
@@ -381,9 +391,12 @@ class _FilmStepper:
     @cached_property
     def contact(self) -> FilmSolution:
         """Contact at the last instant."""
+        rate, now = self.past[0].rate, self.now
+        unit = now.scales.film / self.time_unit
         return film_solution(
-            self.scene, self.grid, self.padding, self.now, self.last, self.tolerance
-        )
+            self.scene, self.grid, self.padding, now, self.last, self.tolerance,
+            None if rate is None else unit * rate,
+        )  # fmt: skip
 
     def _posed_at(self, time: float, distance: float, load: float) -> PosedFilm:
         """Return the film equation at a time [s] under a `load` [N/m], when the mean speed has gone a distance [m]."""
@@ -402,16 +415,23 @@ class _FilmStepper:
             load=self.posed.equation.load * load / self.scene.largest_load,
             speed=scales.lubrication.speed_at(time) / scales.lubrication.largest_speed,
         )
-        return replace(posed, equation=equation)
+        speed = scales.lubrication.speed_at(time)
+        here = replace(self.scene, load=LineLoad(load)) if self._load_changes else self.scene
+        return replace(posed, equation=equation, instant=lubricated_scales(here, speed))
 
-    def _squeeze_term(self, step: float) -> SqueezeTerm:
-        """Return the squeeze term of a step [a / u_m] by BDF2, or by backward Euler for the first step."""
-        if len(self.past) == 1:
-            return SqueezeTerm(1 / step, -self.past[0].content / step)
+    @property
+    def _load_changes(self) -> bool:
+        return isinstance(self.scene.load, ChangingLoad)
+
+    def _squeeze_term(self, step: float, past: list[Array]) -> SqueezeTerm:
+        """Return the rate after a step [a / u_m] of a field (x, y), such as the content, from ``past`` instants.
+
+        It is that of BDF2, or of backward Euler for the first step.
+        """
+        if len(past) == 1:
+            return SqueezeTerm(1 / step, -past[0] / step)
         ratio = step / (self.past[0].time - self.past[1].time)
-        history = (
-            -(1 + ratio) * self.past[0].content + ratio**2 / (1 + ratio) * self.past[1].content
-        )
+        history = -(1 + ratio) * past[0] + ratio**2 / (1 + ratio) * past[1]
         return SqueezeTerm((1 + 2 * ratio) / (1 + ratio) / step, history / step)
 
     def _extrapolated(self, time: float, field: str) -> Array:

@@ -44,10 +44,11 @@ Bands = Mapping[tuple[int, int], Array]
 
 @dataclass(frozen=True)
 class FilmScales:
-    """Hertz's units of a lubricated contact and the parameters of Moes (1992), at the largest load and speed."""
+    """Hertz's units of a lubricated contact and the parameters of Moes (1992), at a load and a mean speed [m/s]."""
 
     hertz: HertzLine
     lubrication: Lubrication
+    mean_speed: float
 
     @property
     def film(self) -> float:
@@ -58,13 +59,14 @@ class FilmScales:
     def speed_parameter(self) -> float:
         """Dimensionless speed parameter, ``lambda = 12 eta0 u_m R^2 / (a^3 p_H)`` (Venner & Lubrecht 2000)."""
         hertz, motion = self.hertz, self.lubrication
-        viscous = 12 * motion.lubricant.viscosity * motion.largest_speed * hertz.radius**2
+        viscous = 12 * motion.lubricant.viscosity * self.mean_speed * hertz.radius**2
         return viscous / (hertz.half_width**3 * hertz.peak_pressure)
 
     @property
     def load_parameter(self) -> float:
         """Load parameter, ``M = W / (E' R) (eta0 u_s / (E' R))^(-1/2)`` with E' = 2 E*, u_s = 2 u_m (Moes 1992)."""
-        return sqrt(3 * pi**2 / (8 * self.speed_parameter))
+        resistance = self.speed_parameter
+        return sqrt(3 * pi**2 / (8 * resistance)) if resistance else inf
 
     @property
     def viscosity_parameter(self) -> float:
@@ -78,6 +80,8 @@ class FilmScales:
     @property
     def expected_film(self) -> float:
         """Central film thickness over ``a^2 / R`` by the formula of Moes (1992)."""
+        if not self.mean_speed:
+            return 0.0
         film = moes_film(self.load_parameter, self.viscosity_parameter)
         return film * pi / (8 * self.load_parameter)
 

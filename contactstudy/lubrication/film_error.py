@@ -156,7 +156,12 @@ def _compared(
     longer: FilmSolution,
 ) -> ErrorEstimate:
     """Return the errors of a contact from those on the grids of the estimate."""
-    unresolved = Status.FILM_NOT_CONVERGED, Status.FILM_BELOW_CELL, Status.SEVERAL_FILMS
+    unresolved = (
+        Status.FILM_NOT_CONVERGED,
+        Status.FILM_BELOW_CELL,
+        Status.SEVERAL_FILMS,
+        Status.CONTACT_AT_EDGE,
+    )
     failed = [film for film in (contact, coarse, longer) if film.status in unresolved]
     is_too_coarse = any(film.status is Status.FILM_BELOW_CELL for film in failed)
     is_other = any(film.status is not Status.FILM_BELOW_CELL for film in failed)

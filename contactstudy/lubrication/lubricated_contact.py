@@ -89,6 +89,12 @@ class FilmSolution:
         temperatures.
     wear_depth
         Depth [m] of wear until now, which is part of the gap; None without wear.
+    central_weights
+        Weights (x,) of the cells in the central film.
+    film_rate
+        Rate of the film thickness in time (x, y) [m/s] where there is pressure; None of a steady film.
+    creep_loss
+        Power lost per length [W/m] in bodies that creep.
     """
 
     scene: Scene
@@ -107,15 +113,18 @@ class FilmSolution:
     residual: float
     flow: float
     flux_spread: float
+    central_weights: Array
     estimate: ErrorEstimate | None = None
     contact_pressure: Array | None = None
     temperatures: FilmTemperatures | None = None
     wear_depth: Array | None = None
+    film_rate: Array | None = None
+    creep_loss: float = 0.0
 
     @property
     def central_film(self) -> float:
-        """Film thickness on the axis x = 0, mean over the length [m]."""
-        return float(_on_axis(self.film.mean(axis=1)))
+        """Film thickness on the axis [m], mean over the length; where heights vary, mean over the middle."""
+        return float(self.central_weights @ self.film.mean(axis=1))
 
     @property
     def minimum_film(self) -> float:
@@ -234,14 +243,33 @@ class FilmSolution:
 
     @property
     def power_loss(self) -> float:
-        """Power loss of the film per length [W/m], by sliding and by rolling.
+        """Power loss per length [W/m]: by sliding, of the film by rolling and squeeze, and in bodies that creep.
 
-        The rolling part is the work of the lubricant's pressure on the slope of the film; it converges with few cells,
-        where a sum of the dissipation under a spike does not.
+        That of the film is the work ``-int p (u_m dh/dx + dh/dt) dx`` of the lubricant's pressure, which converges with
+        few cells, where a sum of the dissipation under a spike does not.
         """
-        slope = np.gradient(self.film, self.grid.cell_size[0], axis=0)
-        resistance = -(self.lubricant_pressure * slope).mean(axis=1).sum()
-        return self.sliding_loss + float(resistance) * self.grid.cell_size[0] * self.mean_speed
+        squeeze = 0.0 if self.film_rate is None else -self._work(self.film_rate)
+        return self.sliding_loss + self._film_force * self.mean_speed + squeeze + self.creep_loss
+
+    @property
+    def rolling_resistance(self) -> float:
+        """Coefficient of rolling resistance: power loss by rolling, of film and bodies, over load and mean speed.
+
+        Of an isothermal film in pure rolling it is the moment of the pressure over load and radius.
+        """
+        creep = self.creep_loss / self.mean_speed if self.mean_speed else 0.0
+        return (self._film_force + creep) / self.load_per_length
+
+    @property
+    def _film_force(self) -> float:
+        """Force [N/m] of the lubricant's pressure against rolling, with a heated inlet by the factor of the film."""
+        force = -self._work(np.gradient(self.film, self.grid.cell_size[0], axis=0))
+        return force if self.temperatures is None else self.temperatures.reduction * force
+
+    def _work(self, motion: Array) -> float:
+        """Return the lubricant's pressure times a ``motion`` (x, y) of the film, summed across, mean over the length."""
+        work = (self.lubricant_pressure * motion).mean(axis=1).sum()
+        return float(work) * self.grid.cell_size[0]
 
     @property
     def sliding_loss(self) -> float:
@@ -257,15 +285,6 @@ class FilmSolution:
             float(np.count_nonzero(thin) * self.grid.cell_area / hertz_area),
             float(self.pressure[thin].sum() / self.pressure.sum()),
         )
-
-
-def _on_axis(values: Array) -> float:
-    """Return the value at x = 0 from values at cell centres across, exact for a cubic."""
-    middle = len(values) // 2
-    if len(values) % 2:
-        return float(values[middle])
-    near, far = values[middle - 1 : middle + 1].mean(), values[middle - 2 : middle + 2 : 3].mean()
-    return float(9 * near - far) / 8
 
 
 def rise_beside_lowest(film: Array) -> float:

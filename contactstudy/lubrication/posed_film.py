@@ -1,5 +1,6 @@
 """Film equation of a scene in Hertz units, its coarser grids, and films to start from."""
 
+from collections import defaultdict
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from math import ceil, inf
@@ -11,7 +12,7 @@ from scipy.linalg import solve_banded
 from contactstudy.domain.checks import InvalidInput, NotDefined
 from contactstudy.domain.device import Precision
 from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid, Padding, Paddings, across_and_along
+from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings, across_and_along
 from contactstudy.domain.units import readable
 from contactstudy.elasticity.coefficients import Coefficients
 from contactstudy.elasticity.convolution import (
@@ -27,8 +28,9 @@ from contactstudy.lubrication.newton.direct_solver import DirectSolver
 from contactstudy.lubrication.newton.krylov_solver import KrylovSolver
 from contactstudy.lubrication.newton.pseudo_time import FilmIteration, LinearSolver
 from contactstudy.problem.problem import Problem
-from contactstudy.scene.loads.constant_load import ConstantLoad
+from contactstudy.scene.loads.constant_load import ConstantLoad, LineLoad
 from contactstudy.scene.scene import Scene
+from contactstudy.scene.shapes.roller import Cylinder
 from contactstudy.scene.solids.bodies import creeps, hertz_line, instantaneous, response
 from contactstudy.scene.solids.viscoelastic import rolling_bodies
 from contactstudy.solvers.solve import SolveOptions, solve_contact
@@ -37,6 +39,11 @@ from contactstudy.solvers.solve import SolveOptions, solve_contact
 OUTLET = 0.5
 # Tolerance of the dry contact that a film starts from.
 DRY_TOLERANCE = 1e-4
+# Cells across on which the plan solves the dry contact, and its largest width over Hertz's half-width.
+REACH_CELLS, MAX_REACH = 256, 64
+# The central film is a mean to this fraction of the half-width from the middle of the contact, where the gap there is no
+# parabola up to the fraction SMOOTH of the film.
+MIDDLE, SMOOTH = 0.5, 1e-3
 # Least width of a grid over that of the pressure.
 MIN_WIDTH = 1.2
 # A gap that varies along the length by more than CROWNED [a^2 / R] is that of a crowned roller, by more than SHARP_END
@@ -49,8 +56,8 @@ INLET_FALL = 8.0
 COARSEST, COARSEST_ROUGH, COARSEST_ALONG, ROW_MULTIPLE = 200, 48, 16, 8
 
 
-def lubricated_scales(scene: Scene) -> FilmScales:
-    """Return Hertz's units and Moes' parameters of a lubricated ``scene``.
+def lubricated_scales(scene: Scene, mean_speed: float | None = None) -> FilmScales:
+    """Return Hertz's units and Moes' parameters of a lubricated ``scene``, at its largest load and, if None, speed.
 
     Raises :class:`~contactstudy.NotDefined` for a scene without curvature.
     """
@@ -63,7 +70,25 @@ def lubricated_scales(scene: Scene) -> FilmScales:
     if any(map(creeps, scene.solids)):
         bodies = rolling_bodies(scene.solids, scene.lubrication.contact_speeds)
         hertz = hertz_line(hertz.load_per_length, hertz.radius, bodies)
-    return FilmScales(hertz, scene.lubrication)
+    speed = scene.lubrication.largest_speed if mean_speed is None else mean_speed
+    return FilmScales(hertz, scene.lubrication, speed)
+
+
+def dry_reach(scene: Scene, period: float, cells_along: int) -> float:
+    """Return how far the dry contact reaches from x = 0, over Hertz's half-width and at least that."""
+    if scene.hertz is None or all(isinstance(shape, Cylinder) for shape in scene.shapes):
+        return 1.0
+    load = scene.load if isinstance(scene.load, ConstantLoad) else LineLoad(scene.largest_load)
+    solids, a = instantaneous(scene.solids), scene.hertz.half_width
+    dry = replace(scene, load=load, solids=solids, lubrication=None, wear=None, outputs=())
+    reach, width = 1.0, 2
+    while width < MAX_REACH and width < 2 * MIN_WIDTH * reach:
+        width *= 2
+        grid = Grid((REACH_CELLS, cells_along), (width * a, period))
+        problem = dry.problem(grid, ExactPeriodicity())
+        pressure = solve_contact(problem, SolveOptions(tolerance=DRY_TOLERANCE)).pressure
+        reach = max(1.0, float(np.abs(grid.x[pressure.any(axis=1)]).max()) / a)
+    return reach
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +121,9 @@ class PosedFilm:
 
     ``x`` are the positions across of its cells over a, ``deflection`` is in Hertz units, and ``operator_on`` makes that
     on another grid. ``problem`` is the dry contact on the whole grid, with the even part of ``displacement`` [m] under a
-    pressure [Pa]; ``dry_pressure`` (x, y) [Pa] is its pressure under a crown, else None.
+    pressure [Pa]; ``dry_pressure`` (x, y) [Pa] is its pressure. ``instant`` are the scales of this load and speed, where
+    ``scales`` are those of the largest. ``creep`` is the odd part of the displacement, that of each body times the
+    speed [m/s] of its surface; None without creep.
     """
 
     equation: FilmEquation
@@ -107,7 +134,57 @@ class PosedFilm:
     operator_on: Callable[[Grid], Deflection]
     problem: Problem
     displacement: Deflection
-    dry_pressure: Array | None
+    dry_pressure: Array
+    instant: FilmScales
+    creep: GeneralConvolution | None
+
+    @property
+    def middle(self) -> float:
+        """Middle of the dry contact [m]: the centroid of its pressure, or zero within a cell of that."""
+        grid, load = self.problem.grid, self.dry_pressure.sum(axis=1)
+        middle = float(grid.x @ load / load.sum())
+        return middle if abs(middle) > grid.cell_size[0] else 0.0
+
+    @property
+    def upstream_reach(self) -> float:
+        """How far the dry contact reaches upstream [a], at least one."""
+        return max(
+            1.0,
+            -float(self.problem.grid.x[self.dry_pressure.any(axis=1)][0])
+            / self.scales.hertz.half_width,
+        )
+
+    @property
+    def _from_middle(self) -> Array:
+        """Distance (x,) of the cells of the whole grid from the middle of the dry contact [a]."""
+        return np.asarray((self.problem.grid.x - self.middle) / self.scales.hertz.half_width)
+
+    def _heights(self, distance: float) -> Array:
+        """Return what the gap (x, y) [m] has above a parabola within a ``distance`` [a] of the middle."""
+        x = self._from_middle
+        inside = np.abs(x) < distance
+        if np.count_nonzero(inside) <= 3:
+            return np.zeros((1, 1))
+        powers, gap = np.vander(x[inside], 3), self.problem.undeformed_gap[inside]
+        return np.asarray(gap - powers @ np.linalg.lstsq(powers, gap, rcond=None)[0])
+
+    def central_weights(self, film: float) -> Array:
+        """Return the weights (x,) of the cells in the central film, if that is about ``film`` [m].
+
+        On the axis of a smooth contact they are those of a cubic. Where heights vary, they are a mean over the middle of
+        the contact, in which a wave of any phase hardly counts.
+        """
+        x = self._from_middle
+        if np.abs(self._heights(MIDDLE)).max() > SMOOTH * film:
+            weights = np.clip(1 - (x / MIDDLE) ** 2, 0, None)
+            return np.asarray(weights / weights.sum())
+        first = min(max(int(np.searchsorted(x, 0.0)) - 2, 0), len(x) - 4)
+        near = x[first : first + 4]
+        weights = np.zeros_like(x)
+        for i, node in enumerate(near):
+            others = np.delete(near, i)
+            weights[first + i] = np.prod(others / (others - node))
+        return weights
 
     @property
     def is_crowned(self) -> bool:
@@ -119,9 +196,8 @@ class PosedFilm:
         """Rms height in the contact over the film of Moes; zero where lubricant can flow around heights."""
         if self.upstream.cells[1] > 1:
             return 0.0
-        inside = np.abs(self.x) < 1
-        heights = self.equation.gap[inside] - self.x[inside, None] ** 2 / 2
-        return float(heights.std()) / self.scales.expected_film if heights.size else 0.0
+        heights = self._heights(1.0)
+        return float(heights.std()) / self.scales.film / self.scales.expected_film
 
     def at(self, speed_parameter: float) -> "PosedFilm":
         """Return the same at another speed, to which the speed parameter is proportional, in the same units."""
@@ -174,8 +250,12 @@ def check_film_padding(padding: Padding | Paddings, cells_along: int) -> Padding
     return paddings
 
 
-def pose(scene: Scene, grid: Grid, padding: Padding | Paddings) -> PosedFilm:
+def pose(
+    scene: Scene, grid: Grid, padding: Padding | Paddings, outlet: float = OUTLET
+) -> PosedFilm:
     """Return the film equation of ``scene`` on ``grid``, up to an outlet beyond which there is no pressure.
+
+    The outlet begins ``outlet`` half-widths downstream of the dry contact.
 
     Raises :class:`~contactstudy.InvalidInput` for a grid or a padding on which a film cannot be solved.
     """
@@ -194,16 +274,16 @@ def pose(scene: Scene, grid: Grid, padding: Padding | Paddings) -> PosedFilm:
     weights = response(bodies, problem.scales.length)
     displacement = Deflection.on(grid, paddings, weights, 1.0)
     problem = replace(problem, operator=displacement.even)
-    dry_pressure = None
     opening = float(np.ptp(problem.undeformed_gap, axis=1).max())
     if opening > SHARP_END * scales.film:
         raise InvalidInput(
             f"Scene.shapes open the gap by {readable(opening)} along the length, as a roller's sharp end does: a film "
             "that ends there is not supported, give a Crown or a LundbergProfile, and a longer period."
         )
-    if opening > CROWNED * scales.film:  # a part of the length carries more than the mean load
-        dry_pressure = solve_contact(problem, SolveOptions(tolerance=DRY_TOLERANCE)).pressure
-        half_width = max(half_width, float(np.abs(grid.x[dry_pressure.any(axis=1)]).max()))
+    dry_pressure = solve_contact(problem, SolveOptions(tolerance=DRY_TOLERANCE)).pressure
+    touching = grid.x[dry_pressure.any(axis=1)]
+    end = max(half_width, float(touching.max()))
+    half_width = max(half_width, float(np.abs(touching).max()))
     if grid.extent[0] < 2 * MIN_WIDTH * half_width:
         raise InvalidInput(
             f"Grid.extent[0] is {readable(grid.extent[0])}, too narrow for a film that carries load over "
@@ -211,7 +291,7 @@ def pose(scene: Scene, grid: Grid, padding: Padding | Paddings) -> PosedFilm:
             f"give {readable(2 * MIN_WIDTH * half_width)} at the least, or take contactstudy.plan(scene).grid."
         )
     hertz = scales.hertz
-    upstream_cells = np.count_nonzero(grid.x < half_width + OUTLET * pressure_half_width)
+    upstream_cells = np.count_nonzero(grid.x < end + outlet * pressure_half_width)
     rows = min(ROW_MULTIPLE * ceil(upstream_cells / ROW_MULTIPLE), grid.cells[0])
     oil, peak = scales.lubrication.lubricant, hertz.peak_pressure
 
@@ -226,6 +306,13 @@ def pose(scene: Scene, grid: Grid, padding: Padding | Paddings) -> PosedFilm:
         value, slope = oil.density.ratio(peak * pressure)
         return value, peak * slope
 
+    creep = None
+    if displacement.odd is not None:
+        of_bodies: dict[Coefficients, float] = defaultdict(float)
+        for body, speed in zip(bodies, scales.lubrication.contact_speeds, strict=True):
+            for one, weight in response((body,), problem.scales.length).items():
+                of_bodies[one] -= weight * speed
+        creep = odd_convolution(by_symmetry(of_bodies)[1], grid, paddings)
     boundary, supply = scales.lubrication.boundary, scales.lubrication.supply
     upstream = Grid((rows, grid.cells[1]), (rows * grid.cell_size[0], grid.length))
     deflection = operator_on(upstream)
@@ -252,6 +339,8 @@ def pose(scene: Scene, grid: Grid, padding: Padding | Paddings) -> PosedFilm:
         problem,
         displacement,
         dry_pressure,
+        scales,
+        creep,
     )
 
 
@@ -334,7 +423,7 @@ def hertz_start(posed: PosedFilm) -> Film:
     Hertz's pressure is as wide as the part of a thick film that carries load.
     """
     equation = posed.equation
-    if posed.is_crowned and posed.dry_pressure is not None:
+    if posed.is_crowned:
         nx, ny = posed.upstream.cells
         across = round(posed.upstream.cell_size[0] / posed.problem.grid.cell_size[0])
         dry = posed.dry_pressure[: nx * across].reshape(nx, across, ny, -1)

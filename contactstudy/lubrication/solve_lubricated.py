@@ -10,7 +10,7 @@ from contactstudy.domain.units import readable
 from contactstudy.lubrication.film_error import with_error
 from contactstudy.lubrication.lubricated_contact import FilmSolution
 from contactstudy.lubrication.newton.pseudo_time import FilmControls, FilmIteration
-from contactstudy.lubrication.posed_film import ROW_MULTIPLE, lubricated_scales
+from contactstudy.lubrication.posed_film import ROW_MULTIPLE, dry_reach, lubricated_scales
 from contactstudy.lubrication.steady_film import INLET_ERROR, SWEEP, solve_on
 from contactstudy.scene.scene import Scene
 
@@ -22,6 +22,8 @@ INLET, INLET_SWEEP_FRACTION = 1.25, 0.1
 REFINEMENTS, MAX_CELLS = 6, 3200
 # Length [m] of a grid in plane strain, where none is given: it has no effect.
 PERIOD = 1e-3
+# Cells along the length on which the dry contact of a shape that varies along it is solved.
+DRY_CELLS_ALONG = 16
 # Factor on the cells that the film needs, from which cells are not refined for friction, heat and load fraction.
 REFINED_FOR_MOTION = 2.0
 # Cells for the shortest wavelength of a surface.
@@ -60,7 +62,8 @@ def film_grid(
     """
     scales = lubricated_scales(scene)
     film, a = scales.expected_film, scales.hertz.half_width
-    inlet = longer * max(INLET, 1 + sqrt(2 * INLET_ERROR * film / error))
+    reach = dry_reach(scene, period, DRY_CELLS_ALONG if any(map(varies_along, scene.shapes)) else 1)
+    inlet = longer * max(INLET * reach, reach + sqrt(2 * INLET_ERROR * film / error))
     sweep = min((film / SWEEP) ** (2 / 3), INLET_SWEEP_FRACTION * scales.relative_half_width)
     cell = sweep / 2 * min(1.0, sqrt(error / 2 / HALF_SWEEP_ERROR)) / finer
     cell = min(cell, shortest_wavelengths[0] / a / CELLS_PER_WAVE)

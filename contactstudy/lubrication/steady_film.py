@@ -5,6 +5,7 @@ from math import ceil, inf, log
 
 import numpy as np
 
+from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.lubrication.continuation import SpeedSteps, from_higher_speeds
 from contactstudy.lubrication.film_equation import Film, FilmEquation, Mask
@@ -20,6 +21,7 @@ from contactstudy.lubrication.newton.pseudo_time import (
     iterate,
 )
 from contactstudy.lubrication.posed_film import (
+    OUTLET,
     PosedFilm,
     hertz_start,
     linear_solver,
@@ -77,13 +79,33 @@ def solve_on(
     padding: Padding | Paddings,
     controls: FilmControls,
     start: FilmSolution | None = None,
+    outlet: float = OUTLET,
 ) -> FilmSolution:
     """Return the film on one grid, from another contact where that converges, else from a cold start.
+
+    Where its pressure reaches the outlet, the outlet is moved to the end of the grid.
+    """
+    posed = pose(scene, grid, padding, outlet)
+    contact = _solved(posed, scene, grid, padding, controls, start)
+    is_cut = contact.status is Status.CONTACT_AT_EDGE
+    if is_cut and posed.upstream.cells[0] < grid.cells[0]:
+        return solve_on(scene, grid, padding, controls, start, outlet=inf)
+    return contact
+
+
+def _solved(
+    posed: PosedFilm,
+    scene: Scene,
+    grid: Grid,
+    padding: Padding | Paddings,
+    controls: FilmControls,
+    start: FilmSolution | None,
+) -> FilmSolution:
+    """Return the film of a posed equation, from another contact where that converges, else from a cold start.
 
     In plane strain without a boundary film, where the rms height is more than twice the film, a second film is sought,
     and the status says if it exists.
     """
-    posed = pose(scene, grid, padding)
     if posed.equation.boundary_film:
         warm, before = None, (0, 0)
         if start is not None and start.status is not Status.FILM_NOT_CONVERGED:
@@ -217,8 +239,9 @@ def film_solution(
     posed: PosedFilm,
     last: FilmIteration,
     tolerance: float,
+    film_rate: Array | None = None,
 ) -> FilmSolution:
-    """Return the contact of an iteration on the whole grid, in SI units."""
+    """Return the contact of an iteration on the whole grid, in SI units; ``film_rate`` (x, y) [m/s] is that upstream."""
     equation, scales, rows = posed.equation, posed.scales, posed.upstream.cells[0]
     pressure = np.zeros(grid.cells)
     pressure[:rows] = last.film.total_pressure * scales.hertz.peak_pressure
@@ -249,11 +272,17 @@ def film_solution(
             scales, scales.lubrication.thermal, starved=_is_starved(equation, last)
         )
         shear, temperatures = thermal_shear(scales, grid, mean_speed, *state, reduction)
+    if film_rate is not None:
+        film_rate = np.pad(film_rate, ((0, grid.cells[0] - rows), (0, 0)))
+    creep_loss = 0.0
+    if posed.creep is not None:
+        slope = np.gradient(posed.creep(pressure), grid.cell_size[0], axis=0)
+        creep_loss = float((pressure * slope).mean(axis=1).sum()) * grid.cell_size[0]
     return FilmSolution(
         scene=scene,
         grid=grid,
         padding=padding,
-        scales=scales,
+        scales=posed.instant,
         pressure=pressure,
         film=film,
         film_fraction=film_fraction,
@@ -261,12 +290,15 @@ def film_solution(
         temperatures=temperatures,
         mean_speed=mean_speed,
         separation=separation,
-        status=_status(posed, last, tolerance),
+        status=_status(posed, last, tolerance, film),
         iterations=last.iterations,
         linear_iterations=last.linear_iterations,
         residual=last.residual,
         flow=float(flow.mean()) * scales.film * scales.lubrication.largest_speed,
         contact_pressure=asperities,
+        central_weights=posed.central_weights(float(film.min())),
+        film_rate=film_rate,
+        creep_loss=creep_loss,
         flux_spread=float(np.ptp(flow) / abs(flow.mean())) if flow.any() else inf,
     )
 
@@ -276,18 +308,21 @@ def _is_starved(equation: FilmEquation, last: FilmIteration) -> bool:
     return equation.supplied_film < inf and bool((last.film.void[2] > 0).all())
 
 
-def _status(posed: PosedFilm, last: FilmIteration, tolerance: float) -> Status:
+def _status(posed: PosedFilm, last: FilmIteration, tolerance: float, thickness: Array) -> Status:
     if not last.converged(tolerance):
         return Status.FILM_NOT_CONVERGED
     equation = posed.equation
-    axis = int(np.argmin(np.abs(posed.x)))
+    if last.film.total_pressure[-2].any() or thickness.min() <= 0:
+        return Status.CONTACT_AT_EDGE
+    axis = int(np.argmin(np.abs(posed.x - posed.middle / posed.scales.hertz.half_width)))
     # a crowned film matters where it carries load
     load = last.film.total_pressure.sum(axis=0)
     film = float(last.film.thickness[axis] @ load / load.sum())
     steep = not equation.boundary_film and rise_beside_lowest(last.film.thickness) > UNRESOLVED_RISE
     if film < SWEEP * equation.cell[0] ** 1.5 or steep:
         return Status.FILM_BELOW_CELL
+    inlet = -posed.x[0] - (posed.upstream_reach - 1)
     # a longer inlet has no effect where the supplied layer fills the gap inside the grid
-    if not _is_starved(equation, last) and INLET_ERROR * film > STARVED * posed.x[0] ** 2:
+    if not _is_starved(equation, last) and INLET_ERROR * film > STARVED * inlet**2:
         return Status.STARVED_INLET
     return Status.CONVERGED

@@ -1,5 +1,6 @@
 """Quantities of a lubricated contact."""
 
+from dataclasses import replace
 from math import inf, pi
 from typing import TYPE_CHECKING
 
@@ -14,6 +15,7 @@ from contactstudy.scene.shapes.shape import LengthScales
 if TYPE_CHECKING:
     from contactstudy.lubrication.lubricated_contact import FilmSolution
 
+OF_HEATED_INLET = "No bound: the factor of the heated inlet is that of a formula."
 NO_BOUND_OF_FLOW = "No bound: the error of the rolling resistance is not estimated."
 
 
@@ -25,7 +27,10 @@ def film_quantities(contact: "FilmSolution", estimate: ErrorEstimate) -> dict[st
         "minimum_film": Quantity(contact.minimum_film, "m", "minimum film thickness"),
         "peak_pressure": Quantity(contact.peak_pressure, "Pa", "peak pressure"),
         "friction_coefficient": Quantity(contact.friction, "1", "friction force over load"),
-        "power_loss": Quantity(contact.power_loss, "W m-1", "power lost in the film per length", inf, NO_BOUND_OF_FLOW),
+        "power_loss": Quantity(contact.power_loss, "W m-1", "power lost per length", inf, NO_BOUND_OF_FLOW),
+        "rolling_resistance": Quantity(
+            contact.rolling_resistance, "1", "coefficient of rolling resistance", inf, NO_BOUND_OF_FLOW
+        ),
         "sliding_loss": Quantity(
             contact.sliding_loss, "W m-1", "power lost by sliding per length"
         ),
@@ -39,6 +44,7 @@ def film_quantities(contact: "FilmSolution", estimate: ErrorEstimate) -> dict[st
             scales.expected_film * scales.film, "m", "central film thickness by Moes", reason=FORMULA
         ),
         **_of_formulas(contact),
+        **_lambda_ratio(contact),
         "flux_spread": Quantity(contact.flux_spread, "1", "relative imbalance of the mass flow"),
     }  # fmt: skip
     if scales.lubrication.supply is not None:
@@ -61,6 +67,8 @@ def film_quantities(contact: "FilmSolution", estimate: ErrorEstimate) -> dict[st
             temperatures.reduction, "1", "film with a heated inlet over the isothermal one"
         )
     errors = dict(estimate)
+    if "lambda_ratio" in quantities and quantities["lambda_ratio"].reason != OF_HEATED_INLET:
+        errors["lambda_ratio"] = errors["central_film"]
     # the loss by sliding is that of the friction, at a known speed
     if "friction_coefficient" in errors:
         slides = scales.lubrication.slide_roll_ratio
@@ -72,25 +80,31 @@ def film_quantities(contact: "FilmSolution", estimate: ErrorEstimate) -> dict[st
 
 
 def _of_formulas(contact: "FilmSolution") -> dict[str, Quantity]:
-    """Return the film thickness by Dowson and Higginson, the asymptotes of Moes' film, and the lambda ratio if rough."""
+    """Return the film thickness by Dowson and Higginson, and the asymptotes of Moes' film."""
     scales = contact.scales
     load, viscosity = scales.load_parameter, scales.viscosity_parameter
     unit = pi / (8 * load) * scales.film
     label = "minimum film thickness by Dowson and Higginson"
-    film = dowson_higginson_film(load, viscosity) * unit
+    film = dowson_higginson_film(load, viscosity) * unit if scales.mean_speed else 0.0
     quantities = {"dowson_higginson_film": Quantity(film, "m", label, reason=FORMULA)}
     for regime, asymptote in film_asymptotes(load, viscosity).items():
         name = f"{regime.replace(', ', '_')}_film"
         quantities[name] = Quantity(asymptote * unit, "m", f"asymptote {regime}", reason=FORMULA)
+    return quantities
+
+
+def _lambda_ratio(contact: "FilmSolution") -> dict[str, Quantity]:
+    """Return the central film, with its heated inlet, over the rms height of both surfaces; none if smooth."""
     rough = [shape for shape in contact.scene.shapes if _rough(shape)]
     heights = sum((shape.gap(contact.grid) for shape in rough), start=np.zeros((1, 1)))
-    if rough and (rms := float(np.std(heights))):
-        detail = f", film by Moes over the rms height of {readable(rms, digits=3)}"
-        ratio = scales.expected_film * scales.film / rms
-        quantities["lambda_ratio"] = Quantity(
-            ratio, "1", "lambda ratio", reason=FORMULA, detail=detail
-        )
-    return quantities
+    if not rough or not (rms := float(np.std(heights))):
+        return {}
+    film, temperatures = contact.central_film, contact.temperatures
+    detail = f", central film over the rms height of {readable(rms, digits=3)}"
+    ratio = Quantity(film / rms, "1", "lambda ratio", detail=detail)
+    if temperatures is not None and temperatures.reduction < 1:
+        ratio = replace(ratio, value=temperatures.reduction * film / rms, reason=OF_HEATED_INLET)
+    return {"lambda_ratio": ratio}
 
 
 def _rough(shape: object) -> bool:

@@ -3,7 +3,7 @@ import pytest
 import xarray as xr
 
 from contactstudy.analytic import moes_film
-from contactstudy.lubrication.film_equation import FilmScales
+from contactstudy.lubrication.posed_film import lubricated_scales
 from studies.definitions.lubrication import case_at, measures
 from tests.studies.report.drawings.drawn import findings
 
@@ -12,7 +12,7 @@ POINT = {"load": 20.0, "viscosity": 5.0, "rms": 0.0, "cavitation": "elrod-adams"
 
 def test_a_scene_has_the_load_and_viscosity_of_its_point() -> None:
     case = case_at(POINT)
-    scales = FilmScales(case.scene.hertz, case.scene.lubrication)
+    scales = lubricated_scales(case.scene)
     assert scales.load_parameter == pytest.approx(20, rel=1e-12)
     assert scales.viscosity_parameter == pytest.approx(5, rel=1e-12)
 

@@ -1,0 +1,187 @@
+"""Numbers of a film mean what their names say: where the outlet lies, of which instant, and what is lost."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+
+import contactstudy as cs
+from contactstudy.domain.fields import Array
+from contactstudy.lubrication.evolve_lubricated import evolve_lubricated
+from contactstudy.lubrication.newton.pseudo_time import FilmControls
+from contactstudy.lubrication.posed_film import pose
+from contactstudy.lubrication.solve_lubricated import film_grid, solve_lubricated
+from contactstudy.lubrication.steady_film import continued, film_solution, solve_on
+from tests.contactstudy.lubrication.scenes import (
+    DRY,
+    STEEL,
+    by_moes,
+    grid,
+    in_moes_units,
+    with_motion,
+)
+
+A = DRY.hertz.half_width
+
+
+@dataclass(frozen=True)
+class Own:
+    """Two cylinders beside each other, with any declared curvature."""
+
+    curvature: float
+    length_scales: cs.LengthScales = cs.LengthScales()  # noqa: RUF009
+
+    def gap(self, grid: cs.Grid) -> Array:
+        return (50 * grid.x**2 + 2e-6 * np.cos(2 * np.pi * grid.x / 1e-3))[:, None]
+
+
+def test_the_outlet_follows_the_dry_contact_and_not_the_declared_curvature() -> None:
+    films = [
+        solve_lubricated(
+            replace(by_moes(20, 2), shapes=(Own(curvature),)), cs.Grid((400, 1), (2e-3, 1e-3))
+        )
+        for curvature in (100.0, 20.0)
+    ]
+    assert films[0].minimum_film == pytest.approx(films[1].minimum_film, rel=0.02)
+    reaches = [
+        film_grid(replace(by_moes(20, 2), shapes=(Own(c),))).extent[0] for c in (100.0, 20.0)
+    ]
+    wide = np.abs(films[0].grid.x[films[0].pressure[:, 0] > 1e-3 * films[0].peak_pressure]).max()
+    assert min(reaches) > 2 * wide
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+def test_a_contact_beside_the_axis_has_the_film_of_one_on_it(side: int) -> None:
+    """A wave fifty times as long as the contact moves it by 0.9 half-widths, and changes its curvature by a tenth."""
+    wave = cs.Waviness(7e-6, across=5e-3, phase=side * np.pi / 2)
+    central, shifted = (
+        solve_lubricated(by_moes(20, 5, *shapes), grid(320, 6.0)) for shapes in ((), (wave,))
+    )
+    assert shifted.status is cs.Status.CONVERGED
+    assert abs(shifted.grid.x @ shifted.pressure[:, 0]) > 0.5 * A * shifted.pressure.sum()
+    assert shifted.minimum_film == pytest.approx(central.minimum_film, rel=0.02)
+    assert shifted.central_film == pytest.approx(central.central_film, rel=0.02)
+
+
+def test_an_outlet_that_cuts_the_pressure_off_is_no_answer_and_moves_to_the_end_of_the_grid() -> (
+    None
+):
+    scene, cells, controls = by_moes(5, 2), grid(96, 4.0), FilmControls()
+    posed = pose(scene, cells, cs.ExactPeriodicity(), outlet=-0.3)
+    last = continued(posed, controls)
+    cut = film_solution(scene, cells, cs.ExactPeriodicity(), posed, last, controls.tolerance)
+    assert cut.status is cs.Status.CONTACT_AT_EDGE
+    moved = solve_on(scene, cells, cs.ExactPeriodicity(), controls, outlet=-0.3)
+    assert moved.status is cs.Status.CONVERGED
+    assert moved.film == pytest.approx(solve_lubricated(scene, cells).film, rel=1e-6)
+
+
+def test_the_central_film_is_a_mean_over_the_middle_where_heights_vary_and_on_the_axis_if_smooth() -> (
+    None
+):
+    cells = grid(240, 4.0)
+    waves, smooth = (
+        pose(by_moes(20, 5, cs.Waviness(height, across=0.4 * A)), cells, cs.ExactPeriodicity())
+        for height in (2e-8, 0.0)
+    )
+    mean = waves.central_weights(1e-7)
+    assert mean.sum() == pytest.approx(1, rel=1e-12)
+    for phase in (0.0, 1.0, 2.0):
+        assert abs(mean @ np.cos(2 * np.pi * cells.x / (0.4 * A) + phase)) < 0.03
+    on_axis = smooth.central_weights(1e-7)
+    assert on_axis @ (1 + cells.x + (cells.x / A) ** 3) == pytest.approx(1, rel=1e-12)
+
+
+def test_a_frame_has_the_groups_of_its_load_and_speed() -> None:
+    """Moes: M grows with W and u^(-1/2), L with u^(1/4)."""
+    scene = by_moes(20, 5)
+    speed = scene.lubrication.largest_speed
+    passage = A / speed
+    slow = with_motion(scene, mean_speed=cs.SpeedHistory((0.0, passage), (0.25 * speed, speed)))
+    lighter = replace(slow, load=cs.LoadHistory((0.0, passage), (5e4, 1e5)))
+    first, last = cs.solve(lighter, grid(96, 5.0), times=[0.0, passage], error=0.05).frames
+    assert first.quantities["load_parameter"].value == pytest.approx(20, rel=1e-9)
+    assert first.quantities["viscosity_parameter"].value == pytest.approx(5 / 2**0.5, rel=1e-9)
+    assert last.quantities["load_parameter"].value == pytest.approx(20, rel=1e-9)
+    assert last.quantities["viscosity_parameter"].value == pytest.approx(5, rel=1e-9)
+    formula = cs.analytic.moes_film(20, 5 / 2**0.5)
+    unit = in_moes_units(first, 1.0)
+    assert first.quantities["moes_film"].value * unit == pytest.approx(formula, rel=1e-9)
+
+
+def test_at_a_halt_the_formulas_give_no_film() -> None:
+    scene = by_moes(20, 0)
+    speed = scene.lubrication.largest_speed
+    stop = cs.SpeedHistory((0.0, 2 * A / speed), (speed, 0.0))
+    halted = cs.solve(
+        with_motion(scene, mean_speed=stop), grid(64, 4.0), times=[0, 2 * A / speed]
+    ).frames[-1]
+    assert halted.central_film > 0
+    assert halted.quantities["load_parameter"].value == np.inf
+    for name in ("moes_film", "dowson_higginson_film", "elastic_isoviscous_film"):
+        assert halted.quantities[name].value == 0
+
+
+def test_the_lambda_ratio_is_that_of_the_starved_film() -> None:
+    waves = cs.Waviness(1e-8, across=A / 4)
+    flooded = cs.solve(by_moes(20, 5, waves), grid(240, 4.0))
+    layer = 0.2 * flooded.flow / flooded.mean_speed
+    starved = cs.solve(with_motion(flooded.scene, supply=layer), grid(240, 4.0))
+    ratios = [one.quantities["lambda_ratio"].value for one in (flooded, starved)]
+    assert ratios[1] / ratios[0] == pytest.approx(0.2, rel=0.05)
+
+
+def test_a_film_under_a_load_that_grows_loses_the_work_of_the_squeeze() -> None:
+    scene = by_moes(20, 0)
+    passage = A / scene.lubrication.largest_speed
+    grown = replace(scene, load=cs.LoadHistory((0.0, passage), (1e5, 3e5)))
+    step = passage / 50
+    *_, before, last = evolve_lubricated(grown, grid(96, 4.0), times=None, step=step).contacts
+    rate = (last.film - before.film) / step
+    dx = last.grid.cell_size[0]
+    rolling = -(last.pressure * np.gradient(last.film, dx, axis=0)).sum() * dx * last.mean_speed
+    squeeze = -(last.pressure * rate).sum() * dx
+    assert abs(squeeze) > 0.1 * rolling
+    assert last.power_loss - last.sliding_loss == pytest.approx(rolling + squeeze, rel=0.02)
+
+
+@pytest.mark.parametrize("slide", [0.0, 1.0])
+def test_a_body_that_creeps_loses_its_own_power_as_when_it_rolls_dry(slide: float) -> None:
+    """A thin film over a body that creeps at its own speed; in pure rolling it is the moment of the pressure."""
+    body, rigid = cs.ViscoelasticHalfSpace(5e8, 0.4, ((1.5e9, 3e-4),)), STEEL
+    oil = cs.Lubricant(1e-3, 1e-8)
+    film = cs.Scene(
+        cs.LineLoad(1e4), (body, rigid), DRY.shapes, lubrication=cs.Lubrication(oil, 1.0, slide)
+    )
+    cells = cs.Grid((160, 1), (3e-3, 1e-3))
+    found = solve_lubricated(film, cells)
+    dry = cs.solve(
+        replace(film, lubrication=None, rolling=cs.Rolling(1.0 + slide / 2)),
+        cells,
+        cs.ExactPeriodicity(),
+    )
+    lost = dry.quantities["rolling_resistance"].value * 1e4 * (1.0 + slide / 2)
+    assert found.creep_loss == pytest.approx(lost, rel=0.05)
+    assert found.power_loss > found.creep_loss + found.sliding_loss
+    if not slide:
+        moment = -(found.pressure[:, 0] @ cells.x) * cells.cell_size[0] / (0.01 * 1e4)
+        assert found.rolling_resistance == pytest.approx(moment, rel=0.01)
+    swapped = solve_lubricated(
+        replace(
+            film,
+            solids=(rigid, body),
+            lubrication=replace(film.lubrication, slide_roll_ratio=-slide),
+        ),
+        cells,
+    )
+    assert swapped.power_loss == pytest.approx(found.power_loss, rel=1e-6)
+
+
+def test_the_rolling_loss_has_the_factor_of_the_heated_inlet() -> None:
+    scene = with_motion(by_moes(20, 5), slide_roll_ratio=0.0, mean_speed=5.0)
+    cold, hot = (
+        solve_lubricated(with_motion(scene, thermal=heat), grid(160, 8.0))
+        for heat in (None, cs.FilmHeat())
+    )
+    assert hot.temperatures.reduction < 0.99
+    assert hot.power_loss == pytest.approx(hot.temperatures.reduction * cold.power_loss, rel=1e-9)

@@ -119,9 +119,8 @@ def _film_start(posed: PosedFilm) -> Film:
 def _dry_start(posed: PosedFilm) -> Film:
     """Return the dry contact on the boundary film, in a gap full of lubricant without pressure."""
     equation = posed.equation
-    dry = solve_contact(posed.problem, SolveOptions(tolerance=TUNING.dry_residual)).pressure[
-        : len(posed.x)
-    ]
+    options = SolveOptions(tolerance=TUNING.dry_residual)
+    dry = solve_contact(posed.problem, options, posed.dry_pressure).pressure[: len(posed.x)]
     asperity_pressure = np.asarray(dry / posed.scales.hertz.peak_pressure)
     zeros = np.zeros_like(asperity_pressure)
     below = (equation.gap + equation.deflection(asperity_pressure)).min()

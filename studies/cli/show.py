@@ -11,6 +11,7 @@ from contactstudy import InvalidInput
 from contactstudy.domain.imports import import_for
 from contactstudy.domain.units import display_unit_of
 from studies.cli.options import PLOT, figures_option, names_in, out_option, refuse
+from studies.cli.surfaces import drawn_surfaces, surfaces_of
 from studies.model.outcome import is_time
 
 if TYPE_CHECKING:
@@ -38,6 +39,12 @@ FORMATS = ("png", "pdf", "svg", "vtk")
     is_flag=True,
     help="Print the numbers of FILE as CSV instead: a row for each point of a study, units in the header.",
 )
+@click.option("--unit", help="Unit of the heights of a measured surface, of a file without one.")
+@click.option(
+    "--extent",
+    help="Width and length of a measured surface without sizes, such as '1 mm, 2 mm'.",
+)
+@click.option("--raw", is_flag=True, help="Draw a measured surface as it was measured beside.")
 @click.pass_context
 def show(
     context: click.Context,
@@ -48,15 +55,26 @@ def show(
     figures: str,
     plot: str,
     as_table: bool,  # noqa: FBT001 (click's own way)
+    unit: str | None,
+    extent: str | None,
+    raw: bool,  # noqa: FBT001 (click's own way)
 ) -> None:
-    """Draw what is in FILE, a solution or a study."""
-    from contactstudy.domain.files import replacing
+    """Draw what is in FILE: a solution, a study, or a measured surface.
+
+    A measured surface is drawn with its parameters, also those of a scene in a TOML file, prepared as the scene says.
+    """
     from studies.store.netcdf import open_folder, read_any
 
     chosen = [name.strip().lower().lstrip(".") for name in formats.split(",")]
     for name in chosen:
         if name not in FORMATS:
             raise InvalidInput(f"--format is {name!r}: give one or more of {', '.join(FORMATS)}.")
+    if surfaces := surfaces_of(file, unit, extent):
+        refuse(context, "a study, and not for a surface", "figures", "plot", "as_table")
+        drawn = drawn_surfaces(surfaces, with_raw=raw)
+        _save(drawn, open_folder(out or file.parent), [name for name in chosen if name != "vtk"])
+        return
+    refuse(context, "a measured surface", "unit", "extent", "raw")
     dataset = read_any(file)
     if as_table:
         refuse(context, "pictures, and not for --csv", "out", "formats", "figures", "plot")
@@ -85,8 +103,15 @@ def show(
         refuse(context, "a study, and not for a solution", "figures", "plot")
         if set(chosen) - {"vtk"}:
             drawn = {file.stem: _picture(dataset, file)}
+    _save(drawn, folder, [name for name in chosen if name != "vtk"])
+
+
+def _save(drawn: "dict[str, Figure]", folder: Path, formats: list[str]) -> None:
+    """Write figures by the stems of their files, in each format."""
+    from contactstudy.domain.files import replacing
+
     for stem, figure in drawn.items():
-        for suffix in (name for name in chosen if name != "vtk"):
+        for suffix in formats:
             with replacing(folder / f"{stem}.{suffix}") as partial:
                 figure.savefig(partial, format=suffix)
             click.echo(f"wrote {folder / stem}.{suffix}")

@@ -247,25 +247,39 @@ def _cylinder(heights: Array, extent: tuple[float, float] | None) -> tuple[Array
     )
     curvatures, axes = np.linalg.eigh([[xx, xy / 2], [xy / 2, yy]])
     steepest = int(np.argmax(np.abs(curvatures)))
-    largest = max(half)
-    first = [-2 * curvatures[steepest] * largest, np.arctan2(axes[1, steepest], axes[0, steepest])]
+    largest, gradient = (
+        max(half),
+        [form.get((1, 0), 0.0) / (half[0] or 1), form.get((0, 1), 0.0) / (half[1] or 1)],
+    )
+    across = axes[:, steepest]
+    start = [
+        -2 * curvatures[steepest] * largest,
+        np.arctan2(across[1], across[0]),
+        across @ gradient,
+    ]
+    start += [gradient[1] * across[0] - gradient[0] * across[1], heights.mean() / largest]
 
     def cylinder(values: Array) -> Array:
-        curvature, angle, tilt_x, tilt_y, level = values
-        across = (x * np.cos(angle) + y * np.sin(angle)) / largest
-        root = np.sqrt(np.maximum(1 - (curvature * across) ** 2, 0))
-        drop = curvature * across**2 / (1 + root)
-        return np.asarray(largest * (level + tilt_x * x / largest + tilt_y * y / largest - drop))
+        curvature, angle, slope, rise, level = values
+        u = (x * np.cos(angle) + y * np.sin(angle)) / largest
+        v = (y * np.cos(angle) - x * np.sin(angle)) / largest
+        roots = np.sqrt(np.maximum(1 - (curvature * u - slope) ** 2, 0)) + sqrt(
+            max(1 - slope**2, 0)
+        )
+        return np.asarray(
+            level + rise * v + u * (2 * slope - curvature * u) / np.maximum(roots, 1e-9)
+        )
 
     scaled = heights / largest
-    plane = [form.get((1, 0), 0.0) / (half[0] or 1), form.get((0, 1), 0.0) / (half[1] or 1)]
     fit = least_squares(
-        lambda values: (cylinder(values) / largest - scaled).ravel(),
-        [*first, *plane, scaled.mean()],
-        x_scale=[1.0, 0.1, 1.0, 1.0, 1.0], xtol=1e-14, ftol=1e-14, gtol=1e-14,
-    )  # fmt: skip
+        lambda values: (cylinder(values) - scaled).ravel(),
+        start,
+        xtol=1e-14,
+        ftol=1e-14,
+        gtol=1e-14,
+    )
     angle = (np.degrees(fit.x[1]) + 90) % 180 - 90
-    return cylinder(fit.x), float(fit.x[0] / largest), float(angle)
+    return largest * cylinder(fit.x), float(fit.x[0] / largest), float(angle)
 
 
 def _from_middle(count: int) -> Array:

@@ -271,3 +271,19 @@ def test_a_march_is_a_row_for_each_instant(tmp_path: Path) -> None:
         {"time [s]": "0", "load [N/m]": "1"},
         {"time [s]": "0.5", "load [N/m]": "2"},
     ]
+
+
+def test_a_measured_surface_is_shown_with_its_parameters_before_any_contact(tmp_path: Path) -> None:
+    heights = 0.1 * np.sin(np.arange(64.0) / 2)[:, None] * np.ones(48)
+    np.savetxt(tmp_path / "map.csv", heights, delimiter=";", fmt="%.5f")
+    text = said("show", tmp_path / "map.csv", "--unit", "um", "--extent", "64 um, 48 um", "--raw")
+    assert "64 x 48 points (across x along) over 64 µm x 48 µm" in text
+    assert "Sq   70." in text
+    assert (tmp_path / "map.png").stat().st_size > 10_000
+    surface = '[[shapes]]\nkind = "MeasuredSurface"\nfile = "map.csv"\nunit = "um"\nextent = ["64 um", "48 um"]\n'
+    solids = '[[solids]]\nmaterial = "steel"\n' * 2
+    filtered = 'filter = { lambda_s = "25 um" }\n'
+    (tmp_path / "scene.toml").write_text(f"load.per_length = 1e3\n{solids}{surface}{filtered}")
+    text = said("show", tmp_path / "scene.toml")
+    assert "waves below lambda_s = 25 µm were removed" in text
+    assert (tmp_path / "scene-shapes-0.png").is_file()

@@ -1,0 +1,62 @@
+"""Measured surfaces for ``contactstudy show``: of a file, or of a scene."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+import contactstudy as cs
+from contactstudy import InvalidInput
+from contactstudy.domain.units import Unit
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+LENGTH = Unit("m", "a length", "1 mm")
+
+
+def surfaces_of(file: Path, unit: str | None, extent: str | None) -> dict[str, cs.MeasuredSurface]:
+    """Return the measured surfaces of a file or of a scene by the stems of their pictures; none for another file."""
+    from contactstudy.io.scene_files.structuring import in_si
+
+    if file.suffix == ".toml":
+        shapes = enumerate(cs.read_scene(file).scene.shapes)
+        found = {
+            f"{file.stem}-shapes-{number}": shape
+            for number, shape in shapes
+            if isinstance(shape, cs.MeasuredSurface)
+        }
+        if not found:
+            raise InvalidInput(f"{str(file)!r} has no measured surface: give a scene that has one.")
+        return found
+    if not file.is_file() or (file.suffix == ".nc" and not _holds_heights(file)):
+        return {}
+    sides = None if extent is None else [side.strip() for side in extent.split(",")]
+    if sides is not None and len(sides) != 2:
+        raise InvalidInput(f"--extent is {extent!r}: give width and length, such as '1 mm, 2 mm'.")
+    lengths = None if sides is None else tuple(in_si("--extent", side, LENGTH) for side in sides)
+    missing = cs.HarmonicFill(up_to=0.5)
+    keys: Any = {"unit": unit, "extent": lengths, "missing": missing, "seam": cs.AsMeasured()}
+    return {file.stem: cs.MeasuredSurface.read(file, **keys)}
+
+
+def _holds_heights(file: Path) -> bool:
+    """Return whether a netCDF file holds heights alone, and no solution or study."""
+    from studies.store.netcdf import read_any
+
+    dataset = read_any(file)
+    return "heights" in dataset and not {"gap", "case_status"} & set(dataset.variables)
+
+
+def drawn_surfaces(
+    surfaces: dict[str, cs.MeasuredSurface], *, with_raw: bool
+) -> "dict[str, Figure]":
+    """Print what was done to surfaces, and their parameters; return their pictures."""
+    from contactstudy.io.pictures.surface import surface_picture
+    from contactstudy.io.quantities.surface_quantities import parameters_text, surface_parameters
+
+    for name, surface in surfaces.items():
+        click.echo(f"{name}: {surface.description}")
+        for line in parameters_text(surface_parameters(surface)):
+            click.echo(f"  {line}")
+    return {name: surface_picture(surface, raw=with_raw) for name, surface in surfaces.items()}

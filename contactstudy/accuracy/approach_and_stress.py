@@ -9,13 +9,17 @@ import numpy as np
 from contactstudy.accuracy.discretisation.bound import CONSTANTS as ONE_GRID
 from contactstudy.accuracy.discretisation.bound import has_isolated_cells
 from contactstudy.accuracy.discretisation.coarser import FIRST_ORDER_MARGIN
+from contactstudy.accuracy.estimate import CONSTANTS as COATING
 from contactstudy.accuracy.image_errors import IMAGES_REMEDY, with_all_images
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Paddings
 from contactstudy.solvers.friction.rolling_traction import RollingTraction
-from contactstudy.solvers.solution import Solution, TangentialTraction, net_pressure
+from contactstudy.solvers.solution import Solution, TangentialTraction
 
+# Error of the shear stress at an interface over its change from cells of twice the size: at most 1.5 on five thin and
+# thick coatings, of 0.25 to 5 times the stiffness, on cells of half the thickness and less.
+INTERFACE_MARGIN = 2.0
 # Error of the largest stress over the L1 error of the pressure.
 STRESS_ERROR = 0.5
 # Error of the approach by a range that was chosen for the grid, over that range times the relative error of the area by
@@ -193,17 +197,64 @@ def _parabola_excess(values: Array, index: int, *, wraps: bool) -> float:
     return (after - before) ** 2 / (8 * bend) if bend > 0 else 0.0
 
 
+def interface_error(
+    solution: Solution,
+    thickness: float,
+    shear: float,
+    estimate: ErrorEstimate,
+    coarse: Solution | None,
+) -> ErrorParts:
+    """Return the relative error of the largest `shear` stress [Pa] at the interface of a coating.
+
+    It lies beside an edge of the contact, over a length of the `thickness` [m], so that it has a bound on cells of up to
+    half of that.
+    """
+    cell, extent = solution.problem.grid.cell_size[0], solution.problem.grid.extent[0]
+    largest = thickness * COATING.cell_at_interface
+    reason = ""
+    if cell > largest * (1 + 1e-9):
+        reason = (
+            f"No bound for the shear stress at the interface: the grid has {thickness / cell:.2g} cells in the coating, "
+            f"give {int(np.ceil(extent / largest))} cells across."
+        )
+    elif solution.regularised:
+        reason = NO_STRESS_LIMIT
+    elif coarse is None or not shear or has_isolated_cells(solution):
+        reason = NO_COARSER
+    if reason:
+        return ErrorParts(discretisation=inf, reason=reason)
+    assert coarse is not None
+    stress = _stress_at(coarse, thickness)
+    change = INTERFACE_MARGIN * abs(float(interface_shear(stress).max()) / shear - 1)
+    l1 = estimate.l1
+    at_steps = _error_at_steps(solution.traction) / shear * np.exp(-np.pi * thickness / cell)
+    cells = change + STRESS_ERROR * (l1.discretisation or 0.0) + float(at_steps)
+    return ErrorParts(l1.images, cells, l1.residual, reason=l1.reason)
+
+
+def interface_shear(stress: Array) -> Array:
+    """Return the shear stress (x, y) on planes of constant depth, from stress (component, x, y)."""
+    return np.asarray(np.hypot(stress[3], stress[4]))
+
+
 def _largest_at(solution: Solution, depth: float, paddings: Paddings | None = None) -> float:
-    """Return the largest von Mises stress [Pa] at a `depth` [m] below a solution; 0 if its scene names no stress.
+    """Return the largest von Mises stress [Pa] at a `depth` [m] below a solution; 0 if its scene names no stress."""
+    from contactstudy.scene.stress import von_mises  # imported only where it is named
+
+    return float(von_mises(_stress_at(solution, depth, paddings)).max())
+
+
+def _stress_at(solution: Solution, depth: float, paddings: Paddings | None = None) -> Array:
+    """Return the stress (component, x, y) [Pa] at a `depth` [m] below a solution; 0 if its scene names none.
 
     The images are those of `paddings`; None takes the solution's own.
     """
-    from contactstudy.scene.stress import SubsurfaceStressOperator, von_mises
+    from contactstudy.scene.stress import SubsurfaceStressOperator
 
     for output in solution.problem.outputs:
         if isinstance(output, SubsurfaceStressOperator):
             below = replace(output, depths=(depth,), paddings=paddings or output.paddings)
             if solution.traction is not None:
                 below = below.with_shear(solution.traction.shear)
-            return float(von_mises(below(net_pressure(solution.pressure, solution.adhesion))).max())
-    return 0.0
+            return below(solution.net_pressure)[:, 0]
+    return np.zeros((6, *solution.problem.grid.cells))

@@ -71,6 +71,8 @@ class CoatingConstants:
     stiff_coating
         Stiffness of a coating over that of its substrate, above which the pressure rises at the edges over part of the
         thickness t.
+    cell_at_interface
+        Largest cell over the thickness with which the grid resolves the shear stress at the interface.
     cells_in_coating
         Cells in the thickness of such a coating with which the grid resolves the rise.
     edge_rise
@@ -79,6 +81,7 @@ class CoatingConstants:
     """
 
     stiff_coating: float = 2.0
+    cell_at_interface: float = 0.5
     cells_in_coating: int = 2
     edge_rise: float = 2 / 3
 
@@ -185,10 +188,8 @@ def error_estimate(
             warnings=(*cells.warnings, reason),
         )
     of_net, peak_of_net = over_net(solution)
-    l1 = ErrorParts(l1_images * of_net, cells.l1, residual.l1 * of_net)
-    peak = ErrorParts(
-        peak_images * peak_of_net, cells.peak_pressure, residual.peak_pressure * peak_of_net
-    )
+    l1 = ErrorParts(l1_images, cells.l1, residual.l1 * of_net)
+    peak = ErrorParts(peak_images, cells.peak_pressure, residual.peak_pressure * peak_of_net)
     area = ErrorParts(l1_images, cells.contact_area, residual.contact_area)
     gap = ErrorParts(
         _gap_by_images(solution, l1_images),

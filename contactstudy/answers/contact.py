@@ -6,6 +6,8 @@ from functools import cached_property
 from math import inf, isfinite
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from contactstudy.accuracy.discretisation.coarser import coarse_solution, comparable
 from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.answers.answer import Answer, Counts
@@ -17,6 +19,7 @@ from contactstudy.io.quantities.contact_quantities import contact_quantities
 from contactstudy.io.quantities.quantity import Quantities
 from contactstudy.problem.problem import DependsOnShear, Field
 from contactstudy.scene.scene import PosedScene, Scene, scene_of
+from contactstudy.scene.solids.bodies import is_layered
 from contactstudy.solvers.solution import Solution, net_pressure
 
 if TYPE_CHECKING:
@@ -26,9 +29,10 @@ if TYPE_CHECKING:
     from contactstudy.evolution.rolling.steady_rolling import SteadyRolling
 
 
-# Quantities of the tangential traction, whose error the accuracy of the pressure does not show.
-OF_TRACTION = (
+# Quantities of the tangential traction and of the stress in a coated body, whose error the pressure does not show.
+NOT_SHOWN_BY_PRESSURE = (
     "traction_coefficient", "stick_fraction", "energy_per_cycle", "largest_slip", "creepage", "frictional_power",
+    "coating_von_mises", "substrate_von_mises", "interface_shear",
 )  # fmt: skip
 
 
@@ -113,13 +117,43 @@ class Contact(Answer, Solution):
         largest, depth = stress_errors(self, stress, depths, estimate, coarse)
         scene = None if beyond_strength(self) else self.scene
         yields = "" if scene is None else stress_margin(scene, self.derived).sentence
+        of_coating = self._of_coating(estimate, coarse)
+        unresolved = of_coating["interface_shear"].reason if "interface_shear" in of_coating else ""
         return replace(
             estimate,
             approach=approach,
             largest_von_mises=largest,
             largest_von_mises_depth=depth,
-            warnings=(*filter(None, (yields,)), *estimate.warnings),
+            warnings=(*filter(None, (yields, unresolved)), *estimate.warnings),
+            **of_coating,
         )
+
+    def _of_coating(self, estimate: ErrorEstimate, coarse: Solution | None) -> dict[str, Any]:
+        """Return the errors of the largest stresses of a coated body, each as that of the whole; none of another."""
+        from contactstudy.accuracy.approach_and_stress import (
+            interface_error,
+            interface_shear,
+            stress_errors,
+        )
+
+        assert self.scene is not None
+        body = next(
+            self.scene.solids[out.body] for out in self.scene.outputs if hasattr(out, "body")
+        )
+        if not is_layered(body):
+            return {}
+        stress, depths, mises = (self.derived[name].values for name in ("stress", "z", "von_mises"))
+        in_coating, errors = depths <= body.thickness, {}
+        for name, inside in (("coating", in_coating), ("substrate", ~in_coating)):
+            if inside.any():
+                found = stress_errors(self, mises[inside], depths[inside], estimate, coarse)
+                errors[f"{name}_von_mises"] = found[0]
+        if (at := np.flatnonzero(depths == body.thickness)).size:
+            shear = float(interface_shear(stress[:, at[0]]).max())
+            errors["interface_shear"] = interface_error(
+                self, body.thickness, shear, estimate, coarse
+            )
+        return errors
 
     @cached_property
     def derived(self) -> Mapping[str, Field]:
@@ -145,11 +179,15 @@ class Contact(Answer, Solution):
 
     @property
     def accuracy(self) -> str:
-        """Sentence on the accuracy of the pressure, and on the least accurate quantity of the tangential traction."""
+        """Sentence on the accuracy of the pressure, and on the least accurate quantity that it does not show."""
         pressed = super().accuracy
-        if self.traction is None or self.requested is None:
+        if self.requested is None or (self.traction is None and not self.problem.outputs):
             return pressed
-        numbers = [self.quantities[name] for name in OF_TRACTION if name in self.quantities]
+        numbers = [
+            self.quantities[name] for name in NOT_SHOWN_BY_PRESSURE if name in self.quantities
+        ]
+        if not numbers:
+            return pressed
         least = max(numbers, key=lambda number: number.relative_bound if number.value else 0.0)
         relative_bound = least.relative_bound
         if relative_bound <= self.requested or not least.value:

@@ -64,6 +64,8 @@ class ErrorEstimate:
         Error of the pressure in L1.
     peak_pressure, contact_area, mean_gap, approach, largest_von_mises, largest_von_mises_depth
         Errors of the numbers of a contact; None where the answer does not have the number.
+    coating_von_mises, substrate_von_mises, interface_shear
+        Errors of the largest stresses of a coated body; None for another.
     central_film, minimum_film, friction_coefficient
         Errors of the numbers of a film; None for a dry contact.
     contact_load_fraction, contact_area_fraction
@@ -87,6 +89,9 @@ class ErrorEstimate:
     approach: ErrorParts | None = None
     largest_von_mises: ErrorParts | None = None
     largest_von_mises_depth: ErrorParts | None = None
+    coating_von_mises: ErrorParts | None = None
+    substrate_von_mises: ErrorParts | None = None
+    interface_shear: ErrorParts | None = None
     central_film: ErrorParts | None = None
     minimum_film: ErrorParts | None = None
     friction_coefficient: ErrorParts | None = None

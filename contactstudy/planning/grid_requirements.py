@@ -51,6 +51,8 @@ class GridConstants:
         Least cell over the half-width that is planned for the stick-slip boundary.
     max_width_over_radius
         A half-width above this fraction of the radius is not that of half-spaces.
+    max_cells_for_stress
+        Maximum number of cells across for the stress in a thin coating.
     """
 
     rough_error: float = 0.35
@@ -63,6 +65,7 @@ class GridConstants:
     cell_fraction: float = 0.5
     least_cell_at_boundary: float = 1e-3
     max_width_over_radius: float = 0.1
+    max_cells_for_stress: int = 2**14
 
 
 CONSTANTS = GridConstants()
@@ -88,6 +91,8 @@ class GridRequirements:
         Whether a part of the contact sticks, and the rest slips.
     given_padding
         Boundary conditions that are given, or None.
+    stress_cell
+        Largest cell across with which the stress at the interface of a coating is resolved [m], where it is asked for.
     """
 
     hertz: HertzLine
@@ -97,6 +102,7 @@ class GridRequirements:
     friction: str = ""
     sticks: bool = False
     given_padding: Padding | Paddings | None = None
+    stress_cell: float = inf
 
     @property
     def point_spacing(self) -> tuple[float, float] | None:
@@ -210,6 +216,10 @@ class GridRequirements:
         rough = [(size / wave) ** CONSTANTS.rough_order for size, wave in steps]
         return total * rough[0] / sum(rough), total * rough[1] / sum(rough)
 
+    def cells_for_stress(self, width: float) -> float:
+        """Return the cells across a `width` [m] that resolve the stress at the interface of a coating."""
+        return min(width / self.stress_cell, CONSTANTS.max_cells_for_stress)
+
     def grid(self, error: float, period: float | None) -> Grid:
         """Return the coarsest grid whose expected error is `error`.
 
@@ -235,7 +245,8 @@ class GridRequirements:
             reduction *= (error / expected) ** (1 / CONSTANTS.rough_order)
         least = CONSTANTS.cells_along_roller if self.roller_length else CONSTANTS.min_cells
         cells = halvable_count(length / (along * reduction), least) if self.varies else 1
-        return Grid((halvable_count(width / (across * reduction)), cells), (width, length))
+        count = max(width / (across * reduction), self.cells_for_stress(width) if cells == 1 else 0)
+        return Grid((halvable_count(count), cells), (width, length))
 
     def width(self, least: float) -> float:
         """Return the width of the grid [m]: at least `least`, unless the shapes are known over less.
@@ -448,8 +459,15 @@ def grid_requirements(scene: Scene, padding: Padding | Paddings | None = None) -
     ):
         length_scales += (LengthScales(roller=length or inf),)
     coatings = tuple(solid for solid in scene.solids if isinstance(solid, Layered))
+    asked = (scene.solids[output.body] for output in scene.outputs if hasattr(output, "body"))
+    thickness = min((body.thickness for body in asked if isinstance(body, Layered)), default=inf)
     requirements = GridRequirements(
-        scene.hertz, length_scales, scene.hardness, coatings, given_padding=padding
+        scene.hertz,
+        length_scales,
+        scene.hardness,
+        coatings,
+        given_padding=padding,
+        stress_cell=thickness * ESTIMATE.cell_at_interface,
     )
     if scene.friction is None:
         return requirements

@@ -242,6 +242,7 @@ class GridRefinement:
         )
         if self.requirements.roller_length:
             along = max(along, extent[1] / self.requirements.hertz.half_width)
+        across = max(across, self.requirements.cells_for_stress(extent[0]))
         return ceil(across), ceil(along) if self.requirements.varies else 1
 
     def grid_of_fast_lengths(

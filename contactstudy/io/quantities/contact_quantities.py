@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from contactstudy.accuracy.approach_and_stress import interface_shear
 from contactstudy.accuracy.plausibility import stress_margin
 from contactstudy.accuracy.range_errors import NO_LIMIT
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
@@ -17,7 +18,7 @@ from contactstudy.domain.units import readable
 from contactstudy.io.quantities.quantity import Quantity, per_length, roller_length, with_bound
 from contactstudy.problem.problem import Field
 from contactstudy.scene.scene import PosedScene, Scene, scene_of
-from contactstudy.scene.solids.bodies import creeps
+from contactstudy.scene.solids.bodies import creeps, is_layered
 from contactstudy.solvers.friction.fretting_traction import FrettingTraction
 from contactstudy.solvers.friction.rolling_traction import RollingTraction
 from contactstudy.solvers.solution import AdhesiveTraction, Solution, TangentialTraction
@@ -370,56 +371,65 @@ def _of_stress(
     if scene is None or "von_mises" not in derived:
         return {}
     is_given = any(isinstance(getattr(output, "depths", None), tuple) for output in scene.outputs)
-    where = " at the depths given" if is_given else ""
+    at_depths = " at the depths given" if is_given else ""
     stress = derived["von_mises"]
     axes = dict(coordinates)
     axes |= {axis: derived[axis].values for axis in stress.dimensions if axis in derived}
     largest, position = _largest(stress.values, axes, stress.dimensions)
     fallback_reasons = estimate.warnings
-    value = Quantity(largest, "Pa", f"largest von Mises stress{where}", position=position)
+    number = next(output.body for output in scene.outputs if hasattr(output, "body"))
+    where = f"Scene.solids[{number}]{at_depths}"
+    value = Quantity(largest, "Pa", f"largest von Mises stress in {where}", position=position)
     quantities = {
         "largest_von_mises": with_bound(value, estimate.largest_von_mises, fallback_reasons)
     }
     if "z" in position:
-        depth = Quantity(position["z"], "m", f"depth of the largest von Mises stress{where}")
+        depth = Quantity(position["z"], "m", f"depth of the largest von Mises stress in {where}")
         quantities["largest_von_mises_depth"] = with_bound(
             depth, estimate.largest_von_mises_depth, fallback_reasons
         )
     least = stress_margin(scene, derived)
     if least.ratio < inf:
-        label = f"yield stress over von Mises stress in {least.part}{where}"
+        label = f"yield stress over von Mises stress in {least.part}{at_depths}"
         margin = Quantity(least.ratio, "1", label)
         error = estimate.largest_von_mises
         if error is not None and error.total < 1 and least.von_mises == largest:
             bound = margin.value * error.total / (1 - error.total)
             margin = replace(margin, bound=bound, reason="")
         quantities["safety_factor"] = margin
-    return quantities | _of_coating(scene, derived, axes, where)
+    return quantities | _of_coating(scene.solids[number], where, derived, axes, estimate)
 
 
 def _of_coating(
-    scene: Scene, derived: Mapping[str, Field], axes: Mapping[str, Array], where: str
+    body: object,
+    name: str,
+    derived: Mapping[str, Field],
+    axes: Mapping[str, Array],
+    estimate: ErrorEstimate,
 ) -> dict[str, Quantity]:
-    """Return the largest von Mises stress in the coating of a body and the largest shear stress at its interface.
+    """Return the largest von Mises stress in coating and substrate, and the largest shear stress at their interface.
 
-    Each needs a depth there: down to the thickness, and equal to it.
+    Each needs a depth there: down to the thickness, below it, and equal to it. The `name` is that of the body, with what
+    is said of given depths.
     """
-    bodies = (scene.solids[output.body] for output in scene.outputs if hasattr(output, "body"))
-    thickness = next((body.thickness for body in bodies if hasattr(body, "thickness")), -1.0)
-    depths = derived["z"].values
-    in_coating, at_interface = depths <= thickness, depths == thickness
-    quantities = {}
-    if in_coating.any():
-        stress, dimensions = derived["von_mises"].values[in_coating], ("z", "x", "y")
-        largest, position = _largest(stress, {**axes, "z": depths[in_coating]}, dimensions)
-        label = f"largest von Mises stress in the coating{where}"
-        quantities["coating_von_mises"] = Quantity(largest, "Pa", label, position=position)
+    if not is_layered(body):
+        return {}
+    depths, quantities = derived["z"].values, {}
+    in_coating, at_interface = depths <= body.thickness, depths == body.thickness
+    for part, inside in (("coating", in_coating), ("substrate", ~in_coating)):
+        if inside.any():
+            stress, dimensions = derived["von_mises"].values[inside], ("z", "x", "y")
+            largest, position = _largest(stress, {**axes, "z": depths[inside]}, dimensions)
+            label = f"largest von Mises stress in the {part} of {name}"
+            found = Quantity(largest, "Pa", label, position=position)
+            error = getattr(estimate, f"{part}_von_mises")
+            quantities[f"{part}_von_mises"] = with_bound(found, error, estimate.warnings)
     if at_interface.any():
-        components = dict(zip(derived["component"].values, derived["stress"].values, strict=True))
-        shear = np.hypot(*(components[name][at_interface][0] for name in ("xz", "yz")))
+        shear = interface_shear(derived["stress"].values[:, at_interface][:, 0])
         largest, position = _largest(shear, axes)
-        label = "largest shear stress between coating and substrate"
-        quantities["interface_shear"] = Quantity(largest, "Pa", label, position=position)
+        label = f"largest shear stress at the interface of {name.split(' at ')[0]}"
+        found = Quantity(largest, "Pa", label, position=position)
+        quantities["interface_shear"] = with_bound(found, estimate.interface_shear)
     return quantities
 
 

@@ -257,3 +257,31 @@ def test_a_body_without_a_coating_or_depths_at_its_bond_has_no_numbers_of_them()
             "coating_von_mises",
             "interface_shear",
         }
+
+
+@pytest.mark.parametrize("number", [0, 1])
+@pytest.mark.parametrize(("modulus", "shear"), [(250e9, 44.17e6), (50e9, 21.87e6)])
+def test_the_shear_at_the_interface_of_a_thin_coat_is_resolved_where_it_is_asked_for(
+    modulus: float, shear: float, number: int
+) -> None:
+    """Reference on cells of a sixteenth of the thickness."""
+    coated = cs.CoatedHalfSpace(cs.HalfSpace(modulus, 0.22), 2e-6, STEEL)
+    bodies = (coated, STEEL) if number == 0 else (STEEL, coated)
+    scene = cs.Scene(
+        cs.LineLoad(1e5),
+        bodies,
+        (cs.Cylinder(0.01),),
+        outputs=(cs.SubsurfaceStress((1e-6, 2e-6, 2.001e-6, 5e-5), number),),
+    )
+    planned = cs.solve(scene, error=0.05)
+    numbers = planned.quantities
+    found = numbers["interface_shear"]
+    assert abs(found.value - shear) <= found.bound < 0.1 * shear
+    largest = max(numbers[f"{part}_von_mises"].value for part in ("coating", "substrate"))
+    assert numbers["largest_von_mises"].value == largest
+    for name in ("coating_von_mises", "substrate_von_mises", "largest_von_mises"):
+        assert f"Scene.solids[{number}]" in numbers[name].label
+        assert numbers[name].bound < 0.1 * numbers[name].value
+    coarse = cs.solve(scene, cs.Grid((48, 1), (2.5e-4, 1e-3)), cs.ExactPeriodicity())
+    assert coarse.quantities["interface_shear"].bound == inf
+    assert any("shear stress at the interface" in said for said in coarse.error.warnings)

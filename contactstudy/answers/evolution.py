@@ -277,7 +277,9 @@ def _of_worn_coating(scene: Scene, depths: Sequence[Array], times: Array) -> tup
         The instants [s].
     """
     body = 0 if scene.wear is None else scene.wear.body
-    thickness = getattr(scene.solids[body], "thickness", inf)
+    solid = scene.solids[body]
+    is_coated = getattr(solid, "coating", None) != getattr(solid, "substrate", None)
+    thickness = getattr(solid, "thickness", inf) if is_coated else inf
     sentences: list[str] = []
     for number, worn in enumerate(depths):
         deepest = float(worn.max())

@@ -2,10 +2,12 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property, partial
 from math import inf
 
 import numpy as np
 
+from contactstudy.accuracy.discretisation.coarser import halved
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings
@@ -78,12 +80,20 @@ class RepeatedRolling:
         The half-space after the last pass, with the load removed.
     description
         The scene, grid and padding.
+    solve_on
+        Rolls the same scene on another grid.
     """
 
     passes: tuple[RollingPass, ...]
     track: Track
     unloaded: Track
     description: PosedScene
+    solve_on: "Callable[[Grid], RepeatedRolling]"
+
+    @cached_property
+    def coarse(self) -> "RepeatedRolling":
+        """The same passes on cells of twice the size, which estimate the errors; rolled on first access."""
+        return self.solve_on(halved(self.grid))
 
     @property
     def grid(self) -> Grid:
@@ -246,7 +256,9 @@ def roll_repeatedly(
         track, rolling_pass = roller.one_pass(track, () if finished else (pressed,), report)
         finished.append(rolling_pass)
     released, _ = track.solve_step(FixedContact(unloaded(problem)), options.tolerance, length)
-    return RepeatedRolling(tuple(finished), track, released, PosedScene(scene, grid, padding))
+    solve_on = partial(roll_repeatedly, scene, padding=padding, options=options)
+    posed = PosedScene(scene, grid, padding)
+    return RepeatedRolling(tuple(finished), track, released, posed, solve_on)
 
 
 # The strain behind the moving grid is a mean over about half of its width: the distance from the contact to its edge.

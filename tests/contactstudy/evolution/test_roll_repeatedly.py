@@ -9,6 +9,7 @@ import pytest
 import contactstudy as cs
 from contactstudy.evolution.rolling.repeated_rolling import RepeatedRolling, roll_repeatedly
 from contactstudy.io.evolution_dataset import passes_dataset
+from contactstudy.io.quantities.evolution_quantities import _by_pass, passes_quantities
 
 E, NU, Y = 500.0, 0.3, 1.0
 K = Y / 3**0.5
@@ -116,6 +117,74 @@ def test_numbers_of_a_pass_follow_from_the_plastic_strain_that_it_leaves() -> No
         edges.append(2 * middle - edges[-1])
     moved = 2 * np.diff(xz, axis=0, prepend=0.0) @ np.diff(edges)
     np.testing.assert_allclose(found.forward_displacement, moved, atol=1e-12)
+
+
+def merwin_johnson(peak: float, depths: np.ndarray, passes: int) -> np.ndarray:
+    """Shear strain (pass, z) that each pass adds, of strains that are those of the elastic cycle.
+
+    Merwin & Johnson (1963), Proc. Inst. Mech. Eng. 177, 676; Hertz's stress by Johnson (1985), eqs. 4.49.
+    """
+    x, z = np.linspace(8, -8, 1601)[:, None], depths
+    root = np.sqrt((1 - x * x + z * z) ** 2 + 4 * x * x * z * z)
+    m, n = (
+        np.sqrt((root + 1 - x * x + z * z) / 2),
+        np.sign(x) * np.sqrt((root - 1 + x * x - z * z) / 2),
+    )
+    ratio = (z * z + n * n) / (m * m + n * n)
+    across, down = -peak * (m * (1 + ratio) - 2 * z), -peak * m * (1 - ratio)
+    shear = -peak * n * (m * m - z * z) / (m * m + n * n)
+    tensor = np.stack([across, NU * (across + down), down, shear], axis=1)
+    tensor[:, :3] -= tensor[:, :3].mean(axis=1, keepdims=True)
+    double = E / (1 + NU)
+    stress, plastic, left = np.zeros_like(tensor[0]), np.zeros_like(tensor[0]), []
+    for _ in range(passes):
+        for change in np.diff(tensor, axis=0, prepend=0.0):
+            trial = stress + change
+            size = np.sqrt((trial[:3] ** 2).sum(axis=0) + 2 * trial[3] ** 2)
+            stress = trial * np.minimum(1, 2**0.5 * K / np.maximum(size, 1e-99))
+            plastic += (trial - stress) / double
+        xx, yy = (-MODULUS * (plastic[i] + NU * plastic[1 - i]) for i in (0, 1))
+        mean = (xx + yy) / 3
+        stress = np.stack([xx - mean, yy - mean, -mean, 0 * mean])
+        left.append(2 * plastic[3])
+    return np.diff(left, axis=0, prepend=0.0)
+
+
+def test_passes_shear_as_merwin_and_johnson_say_but_several_times_as_much() -> None:
+    """The first pass moves material forward above, back below; later ones forward, some five times as far.
+
+    That is what finite elements found without their assumption: Bhargava, Hahn & Rubin (1985), J. Appl. Mech. 52.
+    """
+    found = rolled(4.6 * K, 2)
+    first, second = found.shear_strain_increment
+    ours, depths = np.array([first, second]), found.depths
+    known = merwin_johnson(4.6 * K, depths, 2)
+    for shear in (ours[0], known[0]):
+        assert shear.min() < 0 < shear.max()
+        assert depths[shear.argmax()] < 0.7 < 0.8 < depths[shear.argmin()]
+    for shear in (ours[1], known[1]):
+        assert shear.max() > 10 * -shear.min()
+    assert depths[second.argmax()] == pytest.approx(depths[known[1].argmax()], abs=0.2)
+    assert 3 < second.max() / known[1].max() < 8
+
+
+def fixed(cells: int) -> RepeatedRolling:
+    grid, elastic = cs.Grid((cells, 1), (4.8, 1.0)), cs.RollingPressure.ELASTIC
+    return roll(scene(4.6 * K), grid, EXACT, passes=2, pressure=elastic, steady=2e-2)
+
+
+def test_numbers_of_passes_have_bounds_on_five_cells_in_a_half_width() -> None:
+    for rolled_on, is_bounded in ((rolled(4.6 * K, 2), True), (fixed(12), False)):
+        numbers = passes_quantities(rolled_on).values()
+        assert [number.bound < inf for number in numbers] == [is_bounded] * 4
+
+
+@pytest.mark.whole
+def test_numbers_of_passes_are_within_their_bounds() -> None:
+    """Against cells of two thirds of the size."""
+    numbers = passes_quantities(rolled(4.6 * K, 2))
+    for name, (values, _, _) in _by_pass(fixed(36)).items():
+        assert abs(numbers[name].value - values[-1]) <= numbers[name].bound
 
 
 def test_a_first_pass_over_a_finite_distance_is_that_of_finite_elements() -> None:

@@ -141,8 +141,9 @@ class MeasuredSurface:
         path
             Matrix of numbers, points in columns x, y, height, or a profile in columns x, height, as text of any name,
             encoding and separator, with or without the header of an instrument; npy; netCDF; X3P, OPD, SUR and
-            whatever else the library SurfaceTopography reads (extra ``measured``). A row of a matrix runs along the
-            contact, and the rows follow one another across it; x of named columns and of X3P and the like runs across.
+            whatever else the library SurfaceTopography reads (extra ``measured``). x of named columns and of X3P and
+            the like runs across the contact. A matrix is one of heights (x, y), with or without a header: a row runs
+            along the contact, and the rows follow one another across it.
         extent
             Size (width, length) [m] of a file without sizes. A matrix without it, and a netCDF file that lacks
             coordinates, are heights of the grid's cells.

@@ -1,6 +1,7 @@
 """Heights of points and the sizes they come with, from an array, a DataArray or a file."""
 
 import logging
+import re
 import warnings
 from dataclasses import dataclass
 from enum import Enum
@@ -177,7 +178,16 @@ def read(
     sizes = agreed_extent(sizes, reading.extent)
     if reading.sizes is Sizes.CHECKED and not content.is_own:
         _check_plausible(name, points, sizes, content.unit)
-    return _plane(points), sizes, (*content.notes, *notes, *_steps(points))
+    notes = [*content.notes, *notes, *_steps(points)]
+    if content.sizes is None and sizes is not None and 1 not in points.shape:
+        steps = sizes[0] / points.shape[0], sizes[1] / points.shape[1]
+        turned = sizes[0] / points.shape[1], sizes[1] / points.shape[0]
+        if not np.isclose(*steps, rtol=0.05) and np.isclose(*turned, rtol=0.01):
+            square = f"{readable(turned[0])} apart both ways with transpose = true"
+            notes.append(
+                f"points {readable(steps[0])} apart across and {readable(steps[1])} along, but {square}"
+            )
+    return _plane(points), sizes, tuple(notes)
 
 
 def agreed_extent(
@@ -193,9 +203,13 @@ def agreed_extent(
     extent = width_and_length("MeasuredSurface.extent", extent, remedy)
     if sizes is not None and not np.allclose(extent, sizes, rtol=1e-6, atol=0):
         raise InvalidInput(
-            f"MeasuredSurface.extent is {extent!r}: leave it out, since the heights come with the sizes {sizes!r} m."
+            f"MeasuredSurface.extent is {_sides(extent)}: leave it out, since the heights come with {_sides(sizes)}."
         )
     return extent
+
+
+def _sides(sizes: tuple[float, float]) -> str:
+    return f"{readable(sizes[0])} x {readable(sizes[1])} (across x along)"
 
 
 def _unit(
@@ -290,17 +304,13 @@ def _columns(name: str, text: TextTable) -> dict[str, tuple[int, float | None]]:
     rows, count = text.values.shape
     named: dict[str, tuple[int, float | None]] = {}
     for place, label in enumerate(text.names):
-        words = label.lower().replace("[", " ").replace("(", " ").split() or [""]
-        unit = next(filter(None, map(length_unit, reversed(words))), None)
+        words = re.split(r"[\s/\[\](),]+", label.lower())
         for axis, starts in COLUMNS.items():
             if words[0].strip("-_:").removesuffix("pos") in starts and axis not in named:
-                named[axis] = place, unit
+                named[axis] = place, _column_unit(label)
     if {"x", "z"} <= named.keys():
         return named
-    units = [
-        next(filter(None, map(length_unit, label.replace("[", " ").split()[::-1])), None)
-        for label in text.names
-    ]
+    units = [_column_unit(label) for label in text.names]
     if count in (2, 3) and rows >= MIN_POINTS - 4 * (count == 3):
         return {
             axis: (place, units[place]) for place, axis in enumerate("xz" if count == 2 else "xyz")
@@ -311,6 +321,11 @@ def _columns(name: str, text: TextTable) -> dict[str, tuple[int, float | None]]:
             f"{MIN_POINTS} points, columns named x, y and z, columns x and z, or a profile of one column."
         )
     return {}
+
+
+def _column_unit(label: str) -> float | None:
+    """Return the last unit of length [m] in the name of a column, if any."""
+    return next(filter(None, map(length_unit, reversed(re.split(r"[\s/\[\](),]+", label)))), None)
 
 
 def _matrix(text: TextTable, header: Header, unit: float) -> FileContent:

@@ -132,8 +132,8 @@ class HarmonicFill:
         if missing > self.up_to * points:
             raise InvalidInput(
                 f"MeasuredSurface.heights has {missing} missing points of {points}, a fraction of "
-                f"{missing / points:.2g}: give missing=HarmonicFill(up_to=...) with a larger fraction, or "
-                "another surface."
+                f"{missing / points:.2g}: give another surface, or fill them from their edges nevertheless with "
+                f'missing = {{ kind = "HarmonicFill", up_to = {min(missing / points + 0.01, 0.999):.2g} }}.'
             )
 
     def fill(self, heights: Array) -> Array:

@@ -1,6 +1,7 @@
 """Numbers and header of a text file, whatever its encoding, separators and decimal sign."""
 
 import codecs
+import csv
 import re
 import unicodedata
 from collections import Counter
@@ -64,7 +65,8 @@ WORDS = {
     "y": "y dy ny h height length rows lines profiles nrows höhe hauteur länge altura altezza",
     "z": "z dz value values data heights wert werte vertical",
     "unit": "unit units einheit einheiten unité unités unidades",
-    "step": "pixel spacing step increment pitch interval delta dx dy cellsize sampling resolution scale abstand",
+    "step": "pixel spacing step increment pitch interval delta dx dy cellsize sampling resolution scale abstand "
+    "calibration",
     "size": "size width height length range extent field dimension dimensions breite largeur höhe hauteur länge anchura "
     "altura larghezza altezza",
     "factor": "factor scale conversion multiplier mult resolution faktor dz step",
@@ -101,6 +103,7 @@ class Header:
         """Return what the lines around a table of that shape say."""
         header = cls()
         for line in lines:
+            line = line.replace('"', " ")
             header._read(re.sub(r"(?<=[a-zß-ÿ])(?=[A-Z])|_", " ", line), shape)
         if "x" in header.units:
             header.units.setdefault("y", header.units["x"])
@@ -272,7 +275,13 @@ def table(name: str, text: str, decimal: str | None) -> TextTable:
 
 
 def _cells(line: str, separator: str | None) -> list[str]:
-    return [cell.strip().strip('"') for cell in line.strip(" ").split(separator)]
+    """Return the cells of a line; a separator within quotes is none."""
+    if separator and '"' in line:
+        return [
+            cell.strip()
+            for cell in next(csv.reader([line], delimiter=separator[0], skipinitialspace=True))
+        ]
+    return [cell.strip() for cell in line.strip(" ").split(separator)]
 
 
 def _value(word: str, decimal: str) -> float | None:
@@ -302,7 +311,7 @@ def _marks(name: str, lines: list[str], decimal: str | None) -> tuple[str | None
     _, separator, sign, rows = best
     cells = [cell for row in rows for cell in row]
     remedy = 'give decimal = "," or decimal = "."'
-    if separator == "," and not any("." in cell for cell in cells):
+    if separator == "," and not any("." in cell or "," in cell for cell in cells):
         second = [cell for row in rows for cell in row[1::2]]
         is_pair = all(len(row) % 2 == 0 for row in rows) and all(map(str.isdigit, second))
         positions = np.diff([_value(row[0], ".") or 0.0 for row in rows])

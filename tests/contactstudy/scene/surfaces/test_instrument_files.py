@@ -8,7 +8,7 @@ import pytest
 
 import contactstudy as cs
 
-# Heights [um] of 12 points across by 9 along, 2 um and 4 um apart.
+# Heights [um] of 12 points across by 9 along, 2 um and 4 um apart; a row of a matrix runs along.
 MAP = np.round(np.random.default_rng(3).normal(0, 0.3, (12, 9)), 4)
 EXTENT = (24e-6, 36e-6)
 
@@ -150,7 +150,7 @@ def test_a_key_that_contradicts_the_header_is_refused_until_it_is_confirmed(tmp_
     text = GWYDDION + "# Invalid: 5\n" + matrix(scale=1e-6, number="%.4e")
     for key, value, sentence in (
         ("unit", "um", r"is 'um': leave it out, since its heights are in m"),
-        ("extent", (1e-3, 2e-3), r"is \(0\.001, 0\.002\): leave it out, since .*\(2\.4e-05, 3\.6"),
+        ("extent", (1e-3, 2e-3), r"is 1 mm x 2 mm .*: leave it out, since .* 24 µm x 36 µm"),
         ("invalid", -1.0, r"is -1\.0: leave it out, since the file says 5\.0"),
     ):
         given: Any = {key: value}

@@ -46,6 +46,11 @@ class FaceConstants:
         First and last distance of the table, in units of 1 / k.
     first_node
         First distance from the face on a grid, over the length of a cell.
+    coupling
+        Length and power p. What a load adds at its own face, it takes from the other face in the ratio ``exp(-(k L /
+        length)^p)``, in a body of the length L. So both faces together sink over the middle as finite elements of such
+        bodies under waves do, within 6 % for Poisson's ratio 0.3 and k L from 0.4 to 10, where two quarter-spaces sink
+        1 to 6 times as much.
     widths
         Widths of the grid after which the response across repeats where it is summed from waves.
     """
@@ -55,6 +60,7 @@ class FaceConstants:
     nearest: float = 1e-8
     farthest: float = 30.0
     first_node: float = 0.0625
+    coupling: tuple[float, float] = 2.0, 1.15
     widths: int = 8
 
 
@@ -114,7 +120,8 @@ class Faces:
     weights
         Value at each cell along y of a function that is 1 at one distance from the first face, 0 at others (ny, m).
     kernel
-        Displacement at these distances over the load at them [m/Pa], for each wave across (px // 2 + 1, m, m).
+        Displacement at these distances over the load at them [m/Pa], for each wave across and for loads that are equal,
+        then opposite, at both faces (px // 2 + 1, 2, m, m).
     """
 
     weights: Array
@@ -122,15 +129,16 @@ class Faces:
 
     @cached_property
     def of_both(self) -> Array:
-        """Weights (ny, 2 m) of the distances from the first face, then from the second."""
-        return np.concatenate([self.weights, self.weights[::-1]], axis=1)
+        """Weights (ny, 2 m) of the equal and of the opposite parts at both faces."""
+        first, second = self.weights / np.sqrt(2), self.weights[::-1] / np.sqrt(2)
+        return np.concatenate([first + second, first - second], axis=1)
 
     def __call__(self, pressure: Array, across: int) -> Array:
         """Return the displacement (x, y) under `pressure`, with transforms of `across` points."""
         waves = fft.rfft(pressure @ self.of_both, across, axis=0)
         count, m = len(waves), self.weights.shape[1]
         parts = waves.view(pressure.dtype).reshape(count, 2, m, 2)
-        waves = (self.kernel[:, None] @ parts).reshape(count, -1).view(waves.dtype)
+        waves = (self.kernel @ parts).reshape(count, -1).view(waves.dtype)
         return np.asarray(fft.irfft(waves, across, axis=0)[: len(pressure)] @ self.of_both.T)
 
     def scaled(self, factor: float, precision: Precision) -> "Faces":
@@ -144,7 +152,7 @@ class Faces:
         if across == 2:
             half = len(kernel) // 2
             low = np.cos(np.pi / (2 * (len(kernel) - 1)) * np.arange(half + 1)) ** 2
-            low = low[:, None, None]
+            low = low[:, None, None, None]
             kernel = low * kernel[: half + 1] + (1 - low) * kernel[len(kernel) - half - 1 :][::-1]
         return Faces(self.weights.reshape(ny // along, along, m).mean(axis=1), kernel)
 
@@ -242,7 +250,7 @@ def between_faces(
         to_face = (body.length - grid.length) / 2
         spectrum += weight * _images(body, 0.0, grid, padded)
         mirrored += weight * _images(body, 2 * to_face, grid, padded)
-        added = faces_on(grid, to_face, body.poisson_ratio, padded[0])
+        added = faces_on(body, grid, padded[0])
         faces.append(added.scaled(np.pi * weight, Precision.DOUBLE))
     return EndedConvolution(spectrum, grid.cells, padded, mirrored, tuple(faces))
 
@@ -260,12 +268,14 @@ def _images(
     return cached_array((body, offset, grid), spectrum)
 
 
-def faces_on(grid: Grid, to_face: float, poisson_ratio: float, across: int) -> Faces:
-    """Return what faces `to_face` [m] beyond the ends of `grid` add, of E* = 1 Pa; transforms have `across` points.
+def faces_on(body: FreeFaceCoefficients, grid: Grid, across: int) -> Faces:
+    """Return what the faces of `body` add on `grid`, for E* = 1 Pa; transforms have `across` points.
 
     At a distance x across it is the cosine transform of the table over wave numbers, which are summed in equal steps,
-    and whose values lie between those of the table.
+    and whose values lie between those of the table. Of waves longer than the body, a load at one face also acts on the
+    other, see `FaceConstants.coupling`.
     """
+    to_face = (body.length - grid.length) / 2
     (nx, ny), (dx, dy) = grid.cells, grid.cell_size
     stride = CONSTANTS.stride
     step = stride * np.log(CONSTANTS.ratio)
@@ -281,7 +291,7 @@ def faces_on(grid: Grid, to_face: float, poisson_ratio: float, across: int) -> F
         points = 2 * CONSTANTS.widths * nx
         k = 2 * np.pi / (points * dx) * np.arange(points // 2 + 1)
         k[0] = k[1] / (2 * np.e)  # the mean of a logarithm over half a step is its value there
-        distances, table = face_table(poisson_ratio)
+        distances, table = face_table(body.poisson_ratio)
         index = np.log(k * first / distances[0]) / np.log(CONSTANTS.ratio) - stride
         lowest = int(index[0]) - 1
         levels = int(index[-1]) + 3 - lowest
@@ -290,14 +300,18 @@ def faces_on(grid: Grid, to_face: float, poisson_ratio: float, across: int) -> F
         offsets = np.arange(across // 2 + 1)
         waves = fft.dct(response[np.minimum(offsets, nx - 1)], 1, axis=0)
         # rows and columns of the table at each level, zero beyond it
-        last = lowest + levels + stride * count
+        steps = lowest + np.arange(levels)
+        last = steps[-1] + 1 + stride * count
         whole = np.pad(table, (0, max(last - len(table), 0)))
-        blocks = [
-            whole[n:last:stride, n:last:stride][:count, :count] for n in lowest + np.arange(levels)
-        ]
-        return np.asarray(np.tensordot(waves, np.stack(blocks), axes=1) * dy)
+        blocks = np.stack([whole[n:last:stride, n:last:stride][:count, :count] for n in steps])
+        levels_of_k = distances[0] / first * CONSTANTS.ratio ** (steps + stride)
+        length, power = CONSTANTS.coupling
+        equal = -np.expm1(-((levels_of_k * body.length / length) ** power))
+        share = np.stack([equal, 2 - equal], axis=1)
+        parts = share[:, :, None, None] * blocks[:, None]
+        return np.asarray(np.tensordot(waves, parts, axes=1) * dy)
 
-    return Faces(weights, cached_array(("faces", grid, to_face, poisson_ratio), kernel))
+    return Faces(weights, cached_array(("faces", body, grid), kernel))
 
 
 def _cardinal(index: Array, count: int) -> Array:

@@ -8,9 +8,9 @@ from contactstudy.domain.units import readable
 from contactstudy.scene.shapes.roller import FiniteLength
 from contactstudy.scene.solids.bodies import HalfSpace, SceneContext, creeps, yields
 
-# Least length between two faces over the half-width of the contact: each is that of a quarter-space, which the other is
-# too far away to load.
-SHORTEST = 8.0
+# Least length between two faces over the half-width of the contact: what a load at one adds at the other is known to
+# within a few per cent of the whole, down to bodies as long as two contacts are wide.
+SHORTEST = 4.0
 
 
 def FreeFaces(solid: HalfSpace, length: float) -> HalfSpace:
@@ -27,7 +27,7 @@ def FreeFaces(solid: HalfSpace, length: float) -> HalfSpace:
     solid
         Elastic half-space, whose fields it keeps.
     length
-        Length between the faces [m], above zero, in a scene at least 8 half-widths of the contact.
+        Length between the faces [m], above zero, in a scene at least 4 half-widths of the contact.
 
     Raises
     ------

@@ -35,10 +35,10 @@ def between(field: np.ndarray, k: int) -> np.ndarray:
 @pytest.mark.cases(3)
 @pytest.mark.parametrize("poisson_ratio", QUARTER_SPACE)
 def test_a_patch_beside_a_face_sinks_as_in_a_quarter_space(poisson_ratio: float) -> None:
-    grid = cs.Grid((32, 384), (2.0, 24.0))
+    grid = cs.Grid((32, 640), (2.0, 40.0))
     pressure = np.zeros(grid.cells)
     pressure[8:24, :16] = 1
-    displacement = ended(grid, (24.0, poisson_ratio))(pressure)
+    displacement = ended(grid, (40.0, poisson_ratio))(pressure)
     line = between(displacement, 16)
     at_face = 1.5 * line[0] - 0.5 * line[1]
     found = np.array([at_face, *(between(line[:, None], k)[0] for k in (8, 16, 48))])

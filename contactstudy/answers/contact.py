@@ -109,10 +109,12 @@ class Contact(Answer, Solution):
         """
         from contactstudy.accuracy.approach_and_stress import approach_error, stress_errors
         from contactstudy.accuracy.plausibility import beyond_strength, stress_margin
+        from contactstudy.accuracy.roller_end import end_of_half_space
 
+        warnings = (*filter(None, (end_of_half_space(self),)), *estimate.warnings)
         approach = approach_error(self, estimate, coarse)
         if "von_mises" not in self.derived:
-            return replace(estimate, approach=approach)
+            return replace(estimate, approach=approach, warnings=warnings)
         stress, depths = (self.derived[name].values for name in ("von_mises", "z"))
         largest, depth = stress_errors(self, stress, depths, estimate, coarse)
         scene = None if beyond_strength(self) else self.scene
@@ -124,7 +126,7 @@ class Contact(Answer, Solution):
             approach=approach,
             largest_von_mises=largest,
             largest_von_mises_depth=depth,
-            warnings=(*filter(None, (yields, unresolved)), *estimate.warnings),
+            warnings=(*filter(None, (yields, unresolved)), *warnings),
             **of_coating,
         )
 

@@ -16,6 +16,7 @@ k y' alone, the distances from the face, so that one table for each Poisson's ra
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from scipy import fft
@@ -69,12 +70,25 @@ CONSTANTS = FaceConstants()
 ROWS = 8
 
 
-@lru_cache(maxsize=8)
-def face_table(poisson_ratio: float) -> tuple[Array, Array]:
-    """Return distances from a face (n,) and E* times what it adds to the displacement (n, n), of waves across.
+class FaceTable(NamedTuple):
+    """What a face adds under a line of unit load along a wave across (n, n), by the distances of the point and the line.
 
-    Rows and columns are distances in units of 1 / k, of the point and of a line of unit load along the wave. S is the
-    transform across of Boussinesq's stress on the face; loads are constant between the geometric means of distances.
+    Distances (n,) are in units of 1 / k. The point is on the surface, or on the face for its `pressure`.
+    """
+
+    distances: Array
+    #: E* times the displacement of the surface.
+    displacement: Array
+    #: Additional load P - p on the surface [k], and the load q on the face.
+    load: Array
+    pressure: Array
+
+
+@lru_cache(maxsize=8)
+def face_table(poisson_ratio: float) -> FaceTable:
+    """Return the table of a material, in which loads are constant between the geometric means of distances.
+
+    S is the transform across of Boussinesq's stress on the face.
     """
     from scipy.special import iti0k0, k0, k1  # imported late, since it is slow
 
@@ -107,13 +121,15 @@ def face_table(poisson_ratio: float) -> tuple[Array, Array]:
     integral = np.sign(points[:, None] - edges) * iti0k0(near)[1] - iti0k0(far)[1]
     displacement = 2 / np.pi * means(-np.diff(integral, axis=1), 0)
     squared = s @ s
-    table = displacement @ np.linalg.solve(np.eye(count) - squared, squared) / widths
-    return np.sqrt(edges[1:] * edges[:-1]), (table + table.T) / 2
+    load = np.linalg.solve(np.eye(count) - squared, squared) / widths
+    table = displacement @ load
+    distances = np.sqrt(edges[1:] * edges[:-1])
+    return FaceTable(distances, (table + table.T) / 2, load, s / widths + s @ load)
 
 
 @dataclass(frozen=True, eq=False)
 class Faces:
-    """What two faces add to the displacement of cells between them.
+    """What two faces add to the displacement of cells between them, or to their load.
 
     Attributes
     ----------
@@ -135,11 +151,16 @@ class Faces:
 
     def __call__(self, pressure: Array, across: int) -> Array:
         """Return the displacement (x, y) under `pressure`, with transforms of `across` points."""
+        waves = self.parts(pressure, across).reshape(across // 2 + 1, -1)
+        return np.asarray(fft.irfft(waves, across, axis=0)[: len(pressure)] @ self.of_both.T)
+
+    def parts(self, pressure: Array, across: int) -> ComplexField:
+        """Return the transform across (wave, 2, m) of the equal and of the opposite part, at the distances."""
         waves = fft.rfft(pressure @ self.of_both, across, axis=0)
         count, m = len(waves), self.weights.shape[1]
-        parts = waves.view(pressure.dtype).reshape(count, 2, m, 2)
-        waves = (self.kernel @ parts).reshape(count, -1).view(waves.dtype)
-        return np.asarray(fft.irfft(waves, across, axis=0)[: len(pressure)] @ self.of_both.T)
+        parts = self.kernel @ waves.view(pressure.dtype).reshape(count, 2, m, 2)
+        of_parts: ComplexField = parts.view(waves.dtype)[..., 0]
+        return of_parts
 
     def scaled(self, factor: float, precision: Precision) -> "Faces":
         """Return this times `factor`, in `precision`."""
@@ -268,8 +289,10 @@ def _images(
     return cached_array((body, offset, grid), spectrum)
 
 
-def faces_on(body: FreeFaceCoefficients, grid: Grid, across: int) -> Faces:
-    """Return what the faces of `body` add on `grid`, for E* = 1 Pa; transforms have `across` points.
+def faces_on(
+    body: FreeFaceCoefficients, grid: Grid, across: int, added: str = "displacement"
+) -> Faces:
+    """Return what the faces of `body` add on `grid`, a field of :class:`FaceTable`; transforms have `across` points.
 
     At a distance x across it is the cosine transform of the table over wave numbers, which are summed in equal steps,
     and whose values lie between those of the table. Of waves longer than the body, a load at one face also acts on the
@@ -279,23 +302,24 @@ def faces_on(body: FreeFaceCoefficients, grid: Grid, across: int) -> Faces:
     (nx, ny), (dx, dy) = grid.cells, grid.cell_size
     stride = CONSTANTS.stride
     step = stride * np.log(CONSTANTS.ratio)
-    first = max(to_face, 0.0) + CONSTANTS.first_node * dy
+    first = first_distance(body, grid)
     # means over the cells of functions that are cubic in the logarithm of the distance
     fine = (np.arange(16) + 0.5) / 16
     distance = to_face + (np.arange(ny)[:, None] + fine) * dy
     index = np.log(np.maximum(distance / first, 1)) / step + 1
     count = int(index.max()) + 3
-    weights = _cardinal(index.ravel(), count).reshape(ny, len(fine), count).mean(axis=1)
+    weights = cardinal(index.ravel(), count).reshape(ny, len(fine), count).mean(axis=1)
 
     def kernel() -> Array:
         points = 2 * CONSTANTS.widths * nx
         k = 2 * np.pi / (points * dx) * np.arange(points // 2 + 1)
         k[0] = k[1] / (2 * np.e)  # the mean of a logarithm over half a step is its value there
-        distances, table = face_table(body.poisson_ratio)
+        of_material = face_table(body.poisson_ratio)
+        distances, table = of_material.distances, getattr(of_material, added)
         index = np.log(k * first / distances[0]) / np.log(CONSTANTS.ratio) - stride
         lowest = int(index[0]) - 1
         levels = int(index[-1]) + 3 - lowest
-        of_load = np.sinc(k * dx / (2 * np.pi))[:, None] * _cardinal(index - lowest, levels)
+        of_load = np.sinc(k * dx / (2 * np.pi))[:, None] * cardinal(index - lowest, levels)
         response = fft.irfft(of_load, points, axis=0)[:nx]
         offsets = np.arange(across // 2 + 1)
         waves = fft.dct(response[np.minimum(offsets, nx - 1)], 1, axis=0)
@@ -308,13 +332,20 @@ def faces_on(body: FreeFaceCoefficients, grid: Grid, across: int) -> Faces:
         length, power = CONSTANTS.coupling
         equal = -np.expm1(-((levels_of_k * body.length / length) ** power))
         share = np.stack([equal, 2 - equal], axis=1)
+        if added != "displacement":
+            share *= levels_of_k[:, None]
         parts = share[:, :, None, None] * blocks[:, None]
         return np.asarray(np.tensordot(waves, parts, axes=1) * dy)
 
-    return Faces(weights, cached_array(("faces", body, grid), kernel))
+    return Faces(weights, cached_array((added, body, grid), kernel))
 
 
-def _cardinal(index: Array, count: int) -> Array:
+def first_distance(body: FreeFaceCoefficients, grid: Grid) -> float:
+    """Return the first distance [m] from the faces of `body` that is used on `grid`."""
+    return max((body.length - grid.length) / 2, 0.0) + CONSTANTS.first_node * grid.cell_size[1]
+
+
+def cardinal(index: Array, count: int) -> Array:
     """Return the weights of `count` values (points, count) in cubic interpolation at `index`, from the nearest four."""
     t = np.abs(index[:, None] - np.arange(count))
     near, far = (1 - t**2) * (2 - t) / 2, (1 - t) * (2 - t) * (3 - t) / 6

@@ -3,7 +3,8 @@
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
-from math import inf, isinf
+from math import inf, isclose, isinf
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,14 +17,18 @@ from contactstudy.domain.checks import (
     suggest_fields,
 )
 from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid, Paddings
-from contactstudy.domain.units import Metres
+from contactstudy.domain.grid import ExactPeriodicity, Grid, Paddings, ZeroPadding
+from contactstudy.domain.units import Metres, readable
+from contactstudy.elasticity.coefficients import FreeFaceCoefficients
 from contactstudy.elasticity.convolution import on_padded_grid, padded_cells
 from contactstudy.elasticity.kernels.stress_cell import COMPONENTS
 from contactstudy.elasticity.transforms import TRANSFORMS
 from contactstudy.problem.problem import Field, ResidualStress
 from contactstudy.scene.solids.bodies import Body, Homogeneous
 from contactstudy.scene.solids.stress_model import HalfSpaceStress, HasStressModel, StressModel
+
+if TYPE_CHECKING:
+    from contactstudy.elasticity.face_stress import StressByFaces
 
 Z = {"axis": "Z", "positive": "down"}
 # Value of `depths` that chooses them.
@@ -75,11 +80,6 @@ class SubsurfaceStress:
     def check(self, solids: tuple[Body, ...]) -> None:
         """Raise :class:`~contactstudy.InvalidInput` for a rigid body, or one that is no half-space."""
         body = solids[self.body]
-        if getattr(body, "free_faces", inf) < inf:
-            raise InvalidInput(
-                f"SubsurfaceStress.body is {self.body}, whose free_faces change the stress below: give "
-                f"{1 - self.body}, or leave this output out."
-            )
         if isinstance(body, HasStressModel):
             return
         if not isinstance(body, Homogeneous):
@@ -103,7 +103,20 @@ class SubsurfaceStress:
             assert isinstance(body, Homogeneous)
             medium = HalfSpaceStress(body.poisson_ratio)
         depths = () if isinstance(self.depths, str) else self.depths
-        return SubsurfaceStressOperator(grid, paddings, medium, depths, 1 - 2 * self.body)
+        below = SubsurfaceStressOperator(grid, paddings, medium, depths, 1 - 2 * self.body)
+        if (length := getattr(body, "free_faces", inf)) == inf:
+            return below
+        # imported only for bodies with faces
+        from contactstudy.elasticity.face_stress import StressByFaces
+
+        if not isclose(length, grid.length):
+            raise InvalidInput(
+                f"SubsurfaceStress.body is {self.body}, whose free_faces are {readable(length)} apart on a grid of the "
+                f"length {readable(grid.length)}: give a grid as long as the body, or leave this output out."
+            )
+        assert isinstance(medium, HalfSpaceStress)
+        coefficients = FreeFaceCoefficients.of(length, medium.poisson_ratio)
+        return replace(below, faces=StressByFaces(coefficients, grid))
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,6 +140,8 @@ class SubsurfaceStressOperator:
         Tangential traction (component, x, y) on the body, or None.
     residual
         Returns the residual stress of the body, None if it does not yield; or None.
+    faces
+        Loads by the body's free faces, or None.
     """
 
     grid: Grid
@@ -136,6 +151,7 @@ class SubsurfaceStressOperator:
     sign: int = 1
     shear: Array | None = None
     residual: Callable[[], ResidualStress | None] | None = None
+    faces: "StressByFaces | None" = None
 
     def with_residual_stress(
         self, residual: Callable[[int, float], ResidualStress | None]
@@ -165,6 +181,13 @@ class SubsurfaceStressOperator:
 
     def _stress_of(self, traction: str, values: Array) -> Array:
         """Return the stress due to the `values` (x, y) of one component of the surface `traction`."""
+        if (faces := self.faces) is not None:
+            endless = ZeroPadding(), ExactPeriodicity()
+            twice = replace(self, grid=faces.continued_grid, paddings=endless, faces=None)
+            (nx, ny), start = self.grid.cells, faces.beside
+            stress = twice._stress_of(traction, faces.continued_load(values))
+            by_faces = faces.stress(values, self.depths)
+            return np.asarray(by_faces + stress[:, :, start : start + nx, :ny])
         padded = padded_cells(self.grid, self.paddings)
         spectrum = TRANSFORMS.forward(values, padded)
         buffer = np.empty((padded[0], padded[1] // 2 + 1), dtype=np.complex128)

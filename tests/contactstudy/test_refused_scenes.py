@@ -119,6 +119,9 @@ BESIDE: list[tuple[str, cs.Scene, dict[str, Any]]] = [
         ("Scene.lubrication is given together with free_faces", oiled()),
         ("Scene.friction is a Sliding together with free_faces", {"friction": cs.Sliding(0.1)}),
         ("Scene.solids[0]*its free_faces change", {"friction": SLIP, "solids": (ENDED, ENDED)}),
+        ("Scene.outputs are given together with friction and free_faces", {
+            "solids": (ENDED, ENDED), "friction": cs.Sliding(0.1), "outputs": (cs.SubsurfaceStress(),),
+        }),
         ("Scene.rolling is given together with free_faces", {"rolling": cs.Rolling(1.0)}),
         ("HalfSpace.free_faces is 400*the faces load each other", {"solids": (cs.FreeFaces(STEEL, 4e-4), STEEL)}),
     )),
@@ -312,6 +315,9 @@ SOLVES: list[tuple[str, Callable[[], object]]] = [
     *(("padding is *have no images, give ZeroPadding", lambda padding=padding: cs.solve(
         replace(SMOOTH, solids=(ENDED, STEEL)), cs.Grid((16, 16), (3e-4, 1e-2)), padding,
     )) for padding in (EXACT, (EXACT, FREE), cs.Superposition(2))),
+    ("SubsurfaceStress.body is 0*a grid as long as the body", lambda: cs.solve(
+        replace(SMOOTH, solids=(ENDED, STEEL), outputs=(cs.SubsurfaceStress(),)), cs.Grid((16, 16), (3e-4, 2e-2)), FREE,
+    )),
     # plans
     ("*no curvature", lambda: cs.plan(replace(SMOOTH, shapes=()))),
     ("*without a length", lambda: cs.plan(replace(SMOOTH, shapes=(CYLINDER, cs.Crown(1.0))))),

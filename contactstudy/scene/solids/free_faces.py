@@ -70,6 +70,11 @@ def check_free_faces(scene: SceneContext) -> None:
             f"Scene.friction is a {type(scene.friction).__name__} together with free_faces of two unequal bodies, "
             f"whose displacement under tangential traction is not computed: give two equal ones, {instead}."
         )
+    if scene.friction is not None and scene.outputs:
+        raise InvalidInput(
+            "Scene.outputs are given together with friction and free_faces, and the stress of tangential traction "
+            f"beside faces is not computed: {instead}."
+        )
     if scene.rolling is not None:
         raise InvalidInput(f"Scene.rolling is given together with free_faces: {instead}.")
     hertz = scene.hertz

@@ -103,3 +103,45 @@ def test_a_scene_file_names_free_faces_beside_a_material(tmp_path: Path) -> None
     file.write_text(text.replace("material", coated, 1))
     with pytest.raises(cs.InvalidInput, match=r"solids\[0\].free_faces is given to a Coated"):
         cs.read_scene(file)
+
+
+@pytest.mark.parametrize("body", [0, 1])
+def test_stress_below_leaves_the_faces_free_and_is_the_pressure_at_the_surface(body: int) -> None:
+    depths = HERTZ.half_width * np.array([0.001, 0.25, 0.78])
+    stress = (cs.SubsurfaceStress(tuple(depths), body),)
+    solids = (ENDED, STEEL) if body == 0 else (STEEL, ENDED)
+    fields = {}
+    for name, bodies in (("faces", solids), ("without", (STEEL, STEEL))):
+        scene = replace(ROLLER, solids=bodies, outputs=stress, load=cs.LineLoad(LOAD.per_length))
+        lundberg = cs.LundbergProfile.for_load(
+            LOAD.per_length, contact_modulus=HERTZ.contact_modulus, radius=0.005, length=LENGTH
+        )
+        solution = cs.solve(replace(scene, shapes=(CYLINDER, lundberg)).problem(GRID, FREE))
+        fields[name] = solution.problem.outputs[0].fields(solution.pressure)["stress"].values
+        at_surface = fields[name][2, 0] + solution.pressure
+        assert np.abs(at_surface[:, 2:-2]).max() < 0.01 * HERTZ.peak_pressure
+    # normal and shear traction on the face, by a parabola through the three cells beside it
+    beside, weights = slice(0, 3), (1.875, -1.25, 0.375)
+    on_face = {
+        name: np.abs(field[[1, 3, 5], 1:][..., beside] @ weights).max()
+        for name, field in fields.items()
+    }
+    assert on_face["faces"] < 0.02 * HERTZ.peak_pressure
+    assert on_face["without"] > 0.05 * HERTZ.peak_pressure
+    middle = fields["faces"][[2, 4], :, 16, 80] - fields["without"][[2, 4], :, 16, 80]
+    assert np.abs(middle).max() < 0.05 * HERTZ.peak_pressure
+
+
+def test_without_faces_the_first_warning_says_how_much_they_lower_the_end() -> None:
+    free = cs.ZeroPadding()
+    answer = cs.solve(WITHOUT, cs.Grid((16, 80), GRID.extent), free)
+    assert not any("free_faces" in warning for warning in answer.error.warnings)  # no end is named
+    ended = replace(WITHOUT, shapes=(CYLINDER, cs.FiniteLength(LENGTH)))
+    first = cs.solve(ended, cs.Grid((16, 80), GRID.extent), free).error.warnings[0]
+    lower = float(first.split("it is ")[1].split("%")[0]) / 100
+    ends = [
+        cs.solve(scene, cs.Grid((16, 80), GRID.extent), free).pressure[:, 0].max()
+        for scene in (ROLLER, ended)
+    ]
+    assert f'free_faces = "{LENGTH * 1e3:.4g} mm" of Scene.solids[0]' in first
+    assert lower == pytest.approx(1 - ends[0] / ends[1], abs=0.01)

@@ -1,0 +1,111 @@
+"""Stress below the surface of a body with two free faces: that of three half-spaces, one of them for each face."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import fft
+
+from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Grid
+from contactstudy.elasticity.coefficients import FreeFaceCoefficients
+from contactstudy.elasticity.free_faces import CONSTANTS, Faces, cardinal, faces_on, first_distance
+from contactstudy.elasticity.kernels.stress_cell import COMPONENTS, CellKernel
+
+# Component in the half-space of a face, whose depth is along y, for each of the body; and its sign at the second face.
+ON_FACE = {
+    "xx": ("xx", 1), "yy": ("zz", 1), "zz": ("yy", 1), "yz": ("yz", -1), "xz": ("xy", 1), "xy": ("xz", -1),
+}  # fmt: skip
+# Ratio of the sizes of neighbouring cells on a face.
+GROWTH = 1.3
+
+
+@dataclass(frozen=True, eq=False)
+class StressByFaces:
+    """Loads on the surface and on the faces of `body` under a pressure on `grid`, whose ends are the faces.
+
+    The load on the surface is continued evenly about both faces, with what the faces add to it; that on each face is
+    continued evenly about the surface. Each acts on a half-space, and the stresses add up.
+    """
+
+    body: FreeFaceCoefficients
+    grid: Grid
+
+    @property
+    def beside(self) -> int:
+        """Cells beside the contact, on either side across, on which the faces add to the load as well."""
+        return self.grid.cells[0] // 2
+
+    @property
+    def continued_grid(self) -> Grid:
+        """Grid of the load that is continued beside the contact and, evenly about a face, to twice the length."""
+        (nx, ny), dx = self.grid.cells, self.grid.cell_size[0]
+        across = nx + 2 * self.beside
+        return Grid((across, 2 * ny), (across * dx, 2 * self.grid.length))
+
+    def continued_load(self, pressure: Array) -> Array:
+        """Return the load on the surface (x, 2 y) on the continued grid under a `pressure` (x, y)."""
+        pressure = np.pad(pressure, ((self.beside, self.beside), (0, 0)))
+        load = pressure + self._on_wide_grid("load")(pressure, self._across)
+        return np.concatenate([load, load[:, ::-1]], axis=1)
+
+    @property
+    def _across(self) -> int:
+        """Points of the transforms across."""
+        return 2 * int(fft.next_fast_len(self.continued_grid.cells[0]))
+
+    def _on_wide_grid(self, added: str) -> Faces:
+        """Return what the faces add, on the grid with the cells beside the contact."""
+        (nx, _), (width, _) = self.continued_grid.cells, self.continued_grid.extent
+        grid = Grid((nx, self.grid.cells[1]), (width, self.grid.length))
+        return faces_on(self.body, grid, self._across, added)
+
+    def stress(self, pressure: Array, depths: tuple[float, ...]) -> Array:
+        """Return the stress (component, z, x, y) at some `depths` [m] by the loads on both faces."""
+        pressure = np.pad(pressure, ((self.beside, self.beside), (0, 0)))
+        faces = self._on_wide_grid("pressure")
+        equal, opposite = np.moveaxis(faces.parts(pressure, self._across), 1, 0) / np.sqrt(2)
+        waves = np.stack([equal + opposite, equal - opposite], axis=1)
+        stress = np.empty((len(COMPONENTS), len(depths), *self.grid.cells))
+        inside = slice(self.beside, self.beside + self.grid.cells[0])
+        for level, depth in enumerate(depths):
+            edges = self._edges(depth)
+            of_cells = self._interpolation(np.abs(edges[1:] + edges[:-1]) / 2, waves.shape[2])
+            on_cells = waves @ of_cells.T  # (wave, face, cell)
+            for number, name in enumerate(COMPONENTS):
+                on_face, sign = ON_FACE[name]
+                at_nodes = on_cells @ self._kernel(
+                    COMPONENTS[on_face], depth, edges, waves.shape[2]
+                )
+                fields = fft.irfft(at_nodes, self._across, axis=0)[inside]
+                first, second = fields[:, 0] @ faces.weights.T, fields[:, 1] @ faces.weights[::-1].T
+                stress[number, level] = first + sign * second
+        return stress
+
+    def _edges(self, depth: float) -> Array:
+        """Return the edges [m] of cells down a face and its mirror image, finest at the surface and at `depth`."""
+        finest = self.grid.cell_size[1] / 4
+        count = int(np.ceil(np.log(4 * self.body.length / finest) / np.log(GROWTH)))
+        steps = np.append(0, finest * GROWTH ** np.arange(count))
+        edges = np.concatenate(
+            [steps, -steps, depth + steps, depth - steps, -depth + steps, -depth - steps]
+        )
+        kept = np.unique(edges)
+        return np.asarray(kept[np.append(True, np.diff(kept) > finest / 8)])
+
+    def _interpolation(self, distance: Array, count: int) -> Array:
+        """Return the weights (distances, count) of the nodes at some `distance` [m] from the surface."""
+        step = CONSTANTS.stride * np.log(CONSTANTS.ratio)
+        index = np.log(np.maximum(distance / first_distance(self.body, self.grid), 1)) / step + 1
+        return cardinal(np.minimum(index, count - 2), count)
+
+    def _kernel(self, component: CellKernel, depth: float, edges: Array, count: int) -> Array:
+        """Return the transform (wave, cell, node) of a stress `component` in the half-space of a face over the load."""
+        dx, step = self.grid.cell_size[0], CONSTANTS.ratio**CONSTANTS.stride
+        nodes = first_distance(self.body, self.grid) * step ** (np.arange(count) - 1.0)
+        x = (np.arange(self._across // 2 + 1) - 0.5) * dx
+        u, v, y = np.broadcast_arrays(x[:, None, None], (depth - edges)[:, None], nodes)
+        point = u, v, y, np.sqrt(u * u + v * v + y * y)  # at many depths y at once
+        corners = component.corner(*point, self.body.poisson_ratio)  # type: ignore[arg-type]
+        half = -np.diff(np.diff(corners, axis=0), axis=1) / (2 * np.pi)
+        opposite = np.zeros_like(half[:1]), component.parity[0] * half[:0:-1]
+        return np.asarray(fft.rfft(np.concatenate([half, *opposite]), axis=0))

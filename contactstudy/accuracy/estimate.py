@@ -37,7 +37,7 @@ from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.reuse import cache_of, caching
 from contactstudy.domain.units import readable
 from contactstudy.scene.scene import scene_of
-from contactstudy.scene.shapes_source import left_out
+from contactstudy.scene.shapes_source import left_out, standing_heights
 from contactstudy.scene.solids.bodies import creeps, is_layered
 from contactstudy.solvers.friction.rolling_traction import RollingTraction
 from contactstudy.solvers.solution import Solution
@@ -221,6 +221,7 @@ def error_estimate(
             *filter(None, (beyond_strength(solution),)),
             *cells.warnings,
             *filter(None, (implausible(solution),)),
+            *filter(None, (standing_heights(scene.shapes) if scene and scene.rolls else "",)),
             *left_out(scene.shapes if scene else (), solution.problem.grid),
         ),
         slip_reason=NO_SLIP_OF_IMAGES if slips and l1_images else "",

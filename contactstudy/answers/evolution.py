@@ -25,6 +25,7 @@ from contactstudy.io.quantities.evolution_quantities import (
 from contactstudy.io.quantities.quantity import Quantities
 from contactstudy.problem.problem import Field
 from contactstudy.scene.scene import PosedScene, Scene
+from contactstudy.scene.shapes_source import standing_heights
 from contactstudy.solvers.solution import Status, worst
 
 if TYPE_CHECKING:
@@ -378,7 +379,9 @@ def _with_steps(contact: Contact, by_steps: Mapping[str, float]) -> Contact:
 def passes_answer(rolled: "RepeatedRolling", requested: float | None = None) -> Evolution:
     """Return the passes of a contact under repeated rolling as an answer."""
     unknown = ErrorParts(discretisation=inf, reason=NO_BOUND_OF_PASSES)
-    estimate = ErrorEstimate(unknown, unknown, unknown, unknown, warnings=(NO_BOUND_OF_PASSES,))
+    slides = standing_heights(rolled.description.scene.shapes)
+    warnings = (NO_BOUND_OF_PASSES, *filter(None, (slides,)))
+    estimate = ErrorEstimate(unknown, unknown, unknown, unknown, warnings=warnings)
     frames = tuple(
         contact_answer(replace(each_pass.solution, status=each_pass.status), estimate=estimate)
         for each_pass in rolled.passes

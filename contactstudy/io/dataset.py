@@ -20,6 +20,7 @@ from contactstudy.domain.grid import across_and_along
 from contactstudy.domain.version import VERSION
 from contactstudy.io.quantities.quantity import Quantities
 from contactstudy.io.scene_files.scene_writer import scene_text
+from contactstudy.problem.constraint import HardnessLimited
 from contactstudy.problem.problem import DependsOnShear, Field
 from contactstudy.scene.loads.constant_load import ConstantLoad
 from contactstudy.scene.loads.load_history import ChangingLoad
@@ -96,6 +97,8 @@ def contact_fields(solution: Solution) -> xr.Dataset:
     effects = traction_variables(solution.traction) | _adhesion_variables(
         solution.adhesion, solution.pressure
     )
+    if isinstance(solution.problem.constraint, HardnessLimited):
+        effects["dent"] = _plane(solution.dent, "m", "depth of yielding under the hardness")
     return dataset.assign(effects)
 
 

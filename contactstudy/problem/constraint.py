@@ -6,6 +6,7 @@ from math import inf, isnan, nan, prod
 from typing import ClassVar, Protocol, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contactstudy.domain.device import arrays
 from contactstudy.domain.fields import Array, dot, in_blocks, inner, replace_blocks
@@ -154,6 +155,11 @@ def project_capped_simplex(trial: Array, total: float, limit: float) -> Array:
     depths += shift
     trial[...] = xp.astype(xp.clip(depths, 0.0, limit), trial.dtype, copy=False)
     return trial
+
+
+def yielded(constraint: Constraint, pressure: Array) -> NDArray[np.bool_]:
+    """Return the cells (x, y) at an upper limit of their `pressure` [Pa]."""
+    return np.asarray((pressure > 0) & (constraint.active(pressure) == 0))
 
 
 @dataclass(frozen=True)

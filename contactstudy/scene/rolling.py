@@ -34,7 +34,7 @@ class RollingPressure(Enum):
 class Rolling:
     """Rolling: the contact moves to larger x, steadily over both bodies, or repeatedly over one that yields.
 
-    Heights move with the contact.
+    Heights stand still in the frame of the contact: those that vary across slide over the body that creeps or yields.
 
     Parameters
     ----------

@@ -31,7 +31,7 @@ from contactstudy.problem.constraint import (
 from contactstudy.problem.memory import refuse_too_large
 from contactstudy.problem.problem import AdhesionSolver, Derived, Problem, Scales
 from contactstudy.scene.loads.constant_load import ConstantLoad, LineLoad, TotalLoad
-from contactstudy.scene.loads.load_history import ChangingLoad
+from contactstudy.scene.loads.load_history import ChangingLoad, falls
 from contactstudy.scene.loads.resulting_load import DATUM_OVER_RADIUS, Approach, PullOff
 from contactstudy.scene.shapes.roller import FiniteLength
 from contactstudy.scene.shapes.shape import Shape, length_scales_of
@@ -53,7 +53,13 @@ if TYPE_CHECKING:
     from contactstudy.scene.wear import Wear
     from contactstudy.solvers.adhesion import AdhesiveSolver
 
-from contactstudy.scene.shapes_source import ShapesSource, ends_along, summed_gap, with_extent_of
+from contactstudy.scene.shapes_source import (
+    ShapesSource,
+    check_width,
+    ends_along,
+    summed_gap,
+    with_extent_of,
+)
 
 AnyLoad = ConstantLoad | ChangingLoad | Approach | PullOff
 
@@ -90,8 +96,9 @@ class Scene:
     shapes
         Contributions to the undeformed gap, which add up.
     hardness
-        Largest pressure [Pa] that the softer body carries, infinite for no limit. Where it is reached the body yields,
-        and the gap of the solution is negative by the depth of yielding.
+        Largest pressure [Pa] that the softer body carries, infinite for no limit. Where it is reached the body yields
+        by the ``dent`` of the solution, without a gap. The dent is not remembered, so that scenes in which pressures
+        fall again are refused.
     outputs
         Further results, such as :class:`~contactstudy.SubsurfaceStress`, one of each kind.
     wear
@@ -138,6 +145,7 @@ class Scene:
         self._check_load()
         self._check_outputs()
         self._check_effects()
+        self._check_hardness()
         self._check_approach()
         for solid in self.solids:
             if isinstance(solid, RestrictedBody):
@@ -192,6 +200,27 @@ class Scene:
         if conflicting is not None:
             raise InvalidInput(
                 f"Scene.load is an Approach together with {conflicting}, which needs a given load: give a LineLoad."
+            )
+
+    def _check_hardness(self) -> None:
+        """Refuse a hardness where pressures fall: yielding under it is not remembered."""
+        if self.hardness == inf:
+            return
+        changing = None
+        if isinstance(self.load, PullOff) or (
+            isinstance(self.load, ChangingLoad) and falls(self.load)
+        ):
+            changing = "Scene.load, which falls"
+        elif self.rolls or getattr(self.friction, "is_steady", False):
+            changing = "a contact that rolls"
+        elif self.wear:
+            changing = "Scene.wear"
+        elif any(map(creeps, self.solids)):
+            changing = "a body that creeps"
+        if changing is not None:
+            raise InvalidInput(
+                f"Scene.hardness is {self.hardness!r} together with {changing}: a hardness does not remember the dent "
+                "where pressures fall, give an ElasticPlasticHalfSpace, or leave the hardness out."
             )
 
     def _check_outputs(self) -> None:
@@ -364,6 +393,8 @@ class Scene:
             )
         paddings = across_and_along(padding)
         refuse_too_large(grid, paddings)
+        if paddings[0].wraps:
+            check_width(self.shapes, grid.extent[0])
         heights = summed_gap(self.ended_shapes, grid)
         gap = (
             heights if heights.shape == grid.cells else np.broadcast_to(heights, grid.cells).copy()

@@ -6,6 +6,7 @@ from math import inf
 
 import numpy as np
 
+from contactstudy.domain.checks import whole_quotient
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.problem.problem import Problem
@@ -81,6 +82,28 @@ class ShapesSource:
 def summed_gap(shapes: Iterable[Shape], grid: Grid) -> Array:
     """Return the summed gap [m] of `shapes`, of shape (x, y) or (x, 1) if nothing varies along the length."""
     return sum((gap_of(shape, grid) for shape in shapes), start=np.zeros((grid.cells[0], 1)))
+
+
+def check_width(shapes: Iterable[Shape], width: float) -> None:
+    """Raise InvalidInput unless a grid of this `width` [m], which is periodic across, holds `shapes` without a seam."""
+    for number, shape in enumerate(shapes):
+        for scales in length_scales_of([shape]):
+            if scales.period_across:
+                field = f"The length after which Scene.shapes[{number}] repeats across"
+                whole_quotient(field, scales.period_across, width)
+
+
+def standing_heights(shapes: Iterable[Shape]) -> str:
+    """Return what it means that heights which vary across do not travel with a body; empty for other `shapes`."""
+    if (
+        min((scales.shortest_wavelengths[0] for scales in length_scales_of(shapes)), default=inf)
+        == inf
+    ):
+        return ""
+    return (
+        "The heights stand still in the frame of the contact: they slide over what moves through it, where the "
+        "resistance of bodies that creep or yield is that of hysteretic sliding (Persson 2001), not of rolling."
+    )
 
 
 def left_out(shapes: Iterable[Shape], grid: Grid) -> Iterator[str]:

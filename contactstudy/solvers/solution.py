@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from contactstudy.domain.checks import NotDefined
 from contactstudy.domain.fields import Array
-from contactstudy.problem.constraint import largest_of
+from contactstudy.problem.constraint import largest_of, yielded
 from contactstudy.problem.problem import Problem
 
 
@@ -211,7 +211,8 @@ class Solution:
     """Solved contact: fields (x, y) and a status.
 
     ``gap = undeformed gap + displacement - approach`` holds to rounding, so that `gap` in the contact shows the
-    remaining error of the solver.
+    remaining error of the solver. Where the pressure is limited it is negative by the depth of yielding, `dent`, and
+    the gap is 0.
 
     Parameters
     ----------
@@ -279,6 +280,13 @@ class Solution:
     def regularised(self) -> bool:
         """Return whether the range of adhesion was chosen for the grid, in place of the JKR limit of short ranges."""
         return self.adhesion is not None and self.adhesion.regularised
+
+    @property
+    def dent(self) -> Array:
+        """Depth (x, y) [m] by which a body yields where a hardness limits the pressure, else 0."""
+        overlap = self.approach - self.problem.undeformed_gap - self.displacement
+        cells = yielded(self.problem.constraint, self.pressure)
+        return np.where(cells, np.maximum(overlap, 0.0), 0.0)
 
     @property
     def mean_gap(self) -> float:

@@ -20,7 +20,13 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.units import Number, readable
 from contactstudy.elasticity.convolution import Convolution
 from contactstudy.problem.bare_problem import BareProblem
-from contactstudy.problem.constraint import Compressive, Gap, HardnessLimited, scaled_in_double
+from contactstudy.problem.constraint import (
+    Compressive,
+    Gap,
+    HardnessLimited,
+    scaled_in_double,
+    yielded,
+)
 from contactstudy.problem.memory import refuse_on, refuse_solve
 from contactstudy.problem.problem import Problem
 from contactstudy.solvers.iterate import Iterate
@@ -167,11 +173,14 @@ def solve_contact(
         approach = last.approach * scales.gap + problem.reference_height
         gap = device.to_device(problem.undeformed_gap) + displacement
         gap -= approach
+    gap = device.to_numpy(gap)
+    if not isinstance(problem.constraint, Compressive):  # what yields conforms
+        np.maximum(gap, 0.0, out=gap, where=yielded(problem.constraint, pressure))
     return Solution(
         problem=problem,
         pressure=pressure,
         displacement=device.to_numpy(displacement),
-        gap=device.to_numpy(gap),
+        gap=gap,
         approach=approach,
         status=status,
         iterations=last.iterations,

@@ -92,11 +92,11 @@ def measures(case: SceneCase, result: TimedAnswer) -> Mapping[str, xr.Variable]:
     }
     limited = _hardness_limited(case)
     difference = np.abs(limited.pressure - loaded.pressure).sum() / loaded.pressure.sum()
-    dent = max(-float(limited.gap.min()), 0.0) / STRAIN
+    dent = float(limited.dent.max()) / STRAIN
     capped = {
         "pressure": (limited.pressure.max() / peak, "peak pressure over Hertz's"),
         "half_width": (_half_width(limited.pressure, x), "half-width over Hertz's"),
-        "dent": (dent, "largest negative gap over a Y / E"),
+        "dent": (dent, "largest depth of yielding over a Y / E"),
         "difference": (difference, "relative L1 difference from the elastoplastic pressure"),
     }
     cap = {

@@ -125,6 +125,16 @@ BESIDE: list[tuple[str, cs.Scene, dict[str, Any]]] = [
         ("Scene.rolling is given together with free_faces", {"rolling": cs.Rolling(1.0)}),
         ("HalfSpace.free_faces is 400*the faces load each other", {"solids": (cs.FreeFaces(STEEL, 4e-4), STEEL)}),
     )),
+    # a hardness, which does not remember
+    *((f"Scene.hardness is 1000000000.0 together with *{said}*give an ElasticPlasticHalfSpace", SMOOTH,
+       {"hardness": 1e9} | changes) for said, changes in (
+        ("falls", {"load": cs.LoadHistory((0.0, 1.0, 2.0), (1e5, 2e5, 1.9e5))}),
+        ("falls", {"load": cs.SineLoad(1e5, 1e4, frequency=1.0)}),
+        ("rolls", {"rolling": cs.Rolling(1.0)}),
+        ("rolls", {"solids": (CREEPING, STEEL), "rolling": cs.Rolling(1.0)}),
+        ("creeps", {"solids": (CREEPING, STEEL)}),
+        ("Scene.wear", {"wear": cs.Wear(1e-17, 1.0)}),
+    )),
     # bodies that yield
     ("Scene.hardness is 1000000000.0", SMOOTH, {"solids": (YIELDING, RIGID), "hardness": 1e9}),
     ("Scene.rolling is Rolling", SMOOTH, {"solids": (YIELDING, RIGID), "rolling": cs.Rolling(1.0)}),

@@ -18,6 +18,7 @@ from contactstudy.domain.units import readable
 from contactstudy.io.quantities.quantity import Quantity, per_length, roller_length, with_bound
 from contactstudy.problem.problem import Field
 from contactstudy.scene.scene import PosedScene, Scene, scene_of
+from contactstudy.scene.shapes_source import standing_heights
 from contactstudy.scene.solids.bodies import creeps, is_layered
 from contactstudy.solvers.friction.fretting_traction import FrettingTraction
 from contactstudy.solvers.friction.rolling_traction import RollingTraction
@@ -349,7 +350,10 @@ def _with_slip_bound(quantity: Quantity, bound: float, estimate: ErrorEstimate) 
 
 def _of_rolling(rolling: "SteadyRolling", estimate: ErrorEstimate) -> dict[str, Quantity]:
     """Return the coefficient of rolling resistance, and the distance of the pressure's centroid from the axis."""
-    resistance = Quantity(rolling.resistance_coefficient, "1", "coefficient of rolling resistance")
+    scene = scene_of(rolling.solution.problem)
+    slides = scene is not None and standing_heights(scene.shapes)
+    label = f"coefficient of {'hysteretic sliding friction' if slides else 'rolling resistance'}"
+    resistance = Quantity(rolling.resistance_coefficient, "1", label)
     return {
         "rolling_resistance": with_bound(
             resistance, estimate.rolling_resistance, estimate.warnings

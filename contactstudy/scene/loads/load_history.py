@@ -71,6 +71,12 @@ def loads_between(load: ChangingLoad, start: float, end: float) -> list[float]:
     ]
 
 
+def falls(load: ChangingLoad) -> bool:
+    """Return whether `load` falls at any time up to its end."""
+    values = [load.at(load.start), *loads_between(load, load.start, load.end)]
+    return any(later < earlier for earlier, later in pairwise([*values, load.at(load.end)]))
+
+
 class PiecewiseLinear:
     """Values at `times` [s], which may jump there: linear between them, zero before the first, held after the last.
 

@@ -161,6 +161,7 @@ class Roughness:
         return LengthScales(
             shortest_wavelengths=(self.cut_off * across, self.cut_off * along),
             period=self.extent[1] if self.extent else 0.0,
+            period_across=self.extent[0] if self.extent else 0.0,
             longest_wavelength=self._longest_wavelengths[1],
             longest_across=0.0 if self.extent else self._longest_wavelengths[0],
             height=HEIGHT_OVER_RMS * rms,

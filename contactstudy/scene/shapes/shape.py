@@ -38,6 +38,8 @@ class LengthScales:
         Shortest wavelengths (across, along) [m], infinite where the shape is smooth.
     period
         Period [m] of the shape along the length, zero if any will do.
+    period_across
+        Period [m] of the shape across, zero if any will do.
     longest_wavelength
         Longest wavelength along the length [m].
     longest_across
@@ -58,6 +60,7 @@ class LengthScales:
     shortest_wavelengths: tuple[float, float] = (inf, inf)
     period: float = 0.0
     longest_wavelength: float = 0.0
+    period_across: float = 0.0
     longest_across: float = 0.0
     roller: float = 0.0
     height: float = 0.0

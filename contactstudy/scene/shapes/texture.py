@@ -220,7 +220,9 @@ class Texture:
         period = along if along < inf else 0.0
         # a depth over half the size, on the textured fraction of the surface
         slope = 2 * self.feature.depth / size * self.area_density**0.5
-        return LengthScales(finest, period, slope=slope)
+        return LengthScales(
+            finest, period, period_across=across if across < inf else 0.0, slope=slope
+        )
 
     def gap(self, grid: Grid) -> Array:
         """Return depths [m] at the cell centres, of shape (x, y), or (nx, 1) for grooves along the length."""
@@ -298,7 +300,11 @@ class Waviness:
         period = self.along if self.along < inf else 0.0
         slope = np.sqrt(2) * np.pi * abs(self.amplitude) * np.hypot(1 / self.across, 1 / self.along)
         return LengthScales(
-            (self.across, self.along), period, height=abs(self.amplitude), slope=float(slope)
+            (self.across, self.along),
+            period,
+            period_across=self.across if self.across < inf else 0.0,
+            height=abs(self.amplitude),
+            slope=float(slope),
         )
 
     def gap(self, grid: Grid) -> Array:

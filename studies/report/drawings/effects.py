@@ -322,7 +322,7 @@ def _plastic_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
         "A hardness is no substitute for plastic strain below the surface.",
         f"At p_{{H}} = {float(last['pressure']):g} Y, where the peak pressure is "
         f"{float(last['peak_pressure'] * last['pressure']):.2f} Y, a hardness of {HARDNESS_OVER_YIELD:g} Y gives a "
-        f"pressure that differs by {percent(last['hardness_limited_difference'])} in L1, and a largest negative gap of "
+        f"pressure that differs by {percent(last['hardness_limited_difference'])} in L1, and a largest depth of "
         f"{float(last['hardness_limited_dent']):.2g} a Y / E in the place of a dent of {float(last['dent']):.2g}. At "
         f"{float(first['pressure']):g} Y it differs by {percent(first['hardness_limited_difference'])}. The body "
         "yields from p_{H} = 1.79 Y on, below the surface, long before any pressure reaches the hardness.",

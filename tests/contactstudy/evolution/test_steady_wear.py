@@ -76,13 +76,6 @@ def test_a_gap_that_wears_evenly_has_no_bound_either() -> None:
     assert all(frame.error.l1.by_cause["steps"] < 1e-6 for frame in found.frames[1:])
 
 
-def test_a_load_that_the_hardness_does_not_carry_ends_the_wear_with_its_status() -> None:
-    found = cs.solve(replace(ROLLER, hardness=1e8), GRID, EXACT, times=(0.0, 1e3))
-    assert found.status is cs.Status.NO_ADMISSIBLE_PRESSURE
-    assert found.times.tolist() == [0.0]
-    assert found.error.l1.total == inf
-
-
 def test_without_creepage_a_drive_does_not_wear() -> None:
     drive = cs.TractiveRolling(0.3, longitudinal=0.0)
     wear = cs.Wear(1e-13, 0.0, circumference=AROUND)

@@ -169,9 +169,9 @@ def test_no_wear_is_the_scene_without_it() -> None:
         assert not found.frames[0].fields
 
 
-def test_wear_spreads_the_pressure_of_a_rough_hard_limited_creeping_contact() -> None:
+def test_wear_spreads_the_pressure_of_a_rough_creeping_contact() -> None:
     grid = cs.Grid((96, 32), (0.6, 0.2))
-    scene = rolling_cylinder(SOLID, wear=cs.Wear(0.2, 1.0), hardness=0.05)
+    scene = rolling_cylinder(SOLID, wear=cs.Wear(0.2, 1.0))
     rough = cs.Roughness(5e-4, hurst=0.8, roll_off=0.1, cut_off=0.025, seed=3)
     scene = replace(scene, shapes=(*scene.shapes, rough))
     found = evolved(scene, grid, [0.0, 0.5, 2.0])
@@ -179,7 +179,6 @@ def test_wear_spreads_the_pressure_of_a_rough_hard_limited_creeping_contact() ->
     worn = found.frames[-1].fields["wear_depth"].values
     assert worn.sum() * grid.cell_area == pytest.approx(0.2 * 2 * LOAD * grid.length, rel=1e-12)
     first, *_, last = found.frames
-    assert last.pressure.max() <= 0.05 == first.pressure.max()
     assert last.pressure.std() < first.pressure.std()
 
 

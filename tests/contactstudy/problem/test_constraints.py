@@ -87,6 +87,20 @@ def test_both_solvers_agree_under_a_hardness(
     assert np.abs(ours - reference).max() < 64 * 1e-10 * 10
 
 
+def test_a_body_that_yields_under_a_hardness_conforms(line_contact: LineContact) -> None:
+    """Its dent is what the gap would be below zero; the mean gap is that of the open cells."""
+    hard = replace(line_contact.scene, hardness=0.6 * line_contact.hertz.peak_pressure)
+    contact = cs.solve(hard, line_contact.grid((128, 1), 1.0, 4.0), cs.ExactPeriodicity())
+    identity = contact.problem.undeformed_gap + contact.displacement - contact.approach
+    yields = contact.pressure == hard.hardness
+    np.testing.assert_allclose(contact.gap - contact.dent, identity, rtol=0, atol=1e-20)
+    assert (contact.gap[yields] == 0).all()
+    assert contact.dent[yields].min() > 0 == np.abs(contact.dent[~yields]).max()
+    open_gap = identity[contact.pressure == 0].sum() / identity.size
+    assert contact.quantities["mean_gap"].value == pytest.approx(open_gap, rel=1e-6)
+    assert contact.to_dataset()["dent"].max() == contact.dent.max()
+
+
 def test_a_hardness_costs_no_more_iterations(line_contact: LineContact) -> None:
     for heights in ROUGH:
         free = problem(line_contact, 128, heights)

@@ -1,7 +1,7 @@
 import math
 from dataclasses import replace
 from itertools import pairwise
-from math import asin, pi, sin
+from math import asin, inf, pi, sin
 from typing import Any
 
 import numpy as np
@@ -227,3 +227,35 @@ def test_a_maxwell_fluid_needs_what_relaxes() -> None:
     fluid = cs.ViscoelasticHalfSpace(0.0, 0.5, ((3e9, 2.0),))
     assert (fluid.youngs_modulus, fluid.creeps) == (3e9, True)
     assert not cs.ViscoelasticHalfSpace(1.0, 0.3).creeps
+
+
+@pytest.mark.parametrize(
+    "shape",
+    [
+        cs.Waviness(1e-7, across=3e-4),
+        cs.Texture(cs.Groove(1e-6, 1e-4), (3e-4, inf)),
+        cs.Roughness(2e-7, 0.8, roll_off=3e-4, cut_off=1e-4, extent=(7e-4, 1e-3)),
+    ],
+)
+def test_what_does_not_fit_a_width_that_wraps_is_refused(shape: Any) -> None:
+    scene = cs.Scene(cs.LineLoad(1e4), (STEEL, STEEL), (shape,))
+    grid, wraps = cs.Grid((64, 64), (1e-3, 1e-3)), cs.ExactPeriodicity()
+    with pytest.raises(cs.InvalidInput, match=r"Scene.shapes\[0\] repeats across is"):
+        scene.problem(grid, (wraps, wraps))
+    scene.problem(grid, wraps)
+    period = shape.length_scales.period_across
+    scene.problem(cs.Grid((64, 64), (2 * period, 1e-3)), (wraps, wraps))
+
+
+def test_heights_that_stand_still_in_a_rolling_contact_are_said_to_slide() -> None:
+    rubber = cs.ViscoelasticHalfSpace(5e6, 0.45, ((1e7, 1e-2),))
+    shapes: tuple[Any, ...] = (cs.Cylinder(0.01), cs.Waviness(1e-6, along=1e-3))
+    rolling = cs.Scene(cs.LineLoad(1e3), (rubber, STEEL), shapes, rolling=cs.Rolling(0.1))
+    grid = cs.Grid((48, 8), (6e-3, 1e-3))
+    found = cs.solve(rolling, grid)
+    assert "rolling resistance" in found.quantities["rolling_resistance"].label
+    assert not any("stand still" in text for text in found.error.warnings)
+    wavy = replace(rolling, shapes=(shapes[0], cs.Waviness(1e-6, across=1e-3)))
+    found = cs.solve(wavy, grid)
+    assert "hysteretic sliding" in found.quantities["rolling_resistance"].label
+    assert any("stand still in the frame" in text for text in found.error.warnings)

@@ -242,12 +242,14 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
         )
     if plastic is not None:
         half_width = max(half_width, plastic.half_extent / GRID.width_factor)
-    if scene.wear is not None and scene.wear.coefficient and hertz is not None and duration:
-        slid = scene.wear.speed * duration
+    wear = scene.wear
+    wears_in_place = wear is not None and wear.coefficient and wear.circumference is None
+    if wear is not None and wears_in_place and hertz is not None and duration:
+        slid = wear.speed * duration
         if isinstance(scene.friction, Fretting):
             widening, slid = _fretting(scene.friction, scene.load, hertz)
             half_width *= widening
-        worn_area = scene.wear.coefficient * elastic.largest_load * slid
+        worn_area = wear.coefficient * elastic.largest_load * slid
         half_width = float(np.cbrt(half_width**3 + 1.5 * hertz.radius * worn_area))
     narrow = elastic
     reasons: tuple[str, ...] = ()

@@ -532,6 +532,12 @@ class Scene:
         return self.friction.speed if drives else None  # type: ignore[union-attr]
 
     @property
+    def contact_speeds(self) -> tuple[float, float]:
+        """Speed [m/s] along x of a steady contact over each body; 0 over the one on which it stands still in sliding."""
+        standing, speed = getattr(self.friction, "standing", None), self.rolling_speed or 0.0
+        return 0.0 if standing == 0 else speed, 0.0 if standing == 1 else speed
+
+    @property
     def rolls(self) -> bool:
         """True for `Rolling`, and for `TractiveRolling` of a body that creeps, which take more than one problem."""
         return self.rolling is not None or self.rolling_speed is not None
@@ -547,7 +553,8 @@ class Scene:
     def wears_steadily(self) -> bool:
         """True for a contact that wears and is steady at each instant, as in rolling, tractive rolling, or a film."""
         steady = self.rolling_speed is not None or getattr(self.friction, "is_steady", False)
-        return self.wear is not None and (steady or self.lubrication is not None)
+        turns = getattr(self.wear, "circumference", None) is not None
+        return self.wear is not None and (steady or turns or self.lubrication is not None)
 
     @property
     def evolves_without_states(self) -> bool:
@@ -560,7 +567,9 @@ class Scene:
     def supports_checkpoints(self) -> bool:
         """True if a folder can keep the frames, as of a dry scene that changes in time with state variables."""
         effects = self.lubrication, self.rolling, self.adhesion
-        stateful = self.time_dependent_field is not None and not self.evolves_without_states
+        stateful = self.time_dependent_field is not None and not (
+            self.evolves_without_states or self.wears_steadily
+        )
         return stateful and all(effect is None for effect in effects)
 
     def _open_ends(self, gap: Array, grid: Grid, along: Padding) -> tuple[int, ...]:

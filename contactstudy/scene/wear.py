@@ -13,7 +13,7 @@ from contactstudy.domain.checks import (
 )
 from contactstudy.domain.units import Metres, MetresPerSecond, PerPascal
 from contactstudy.scene.loads.load_history import ChangingLoad
-from contactstudy.scene.solids.bodies import SceneContext
+from contactstudy.scene.solids.bodies import SceneContext, creeps, yields
 
 
 @suggest_fields
@@ -36,7 +36,9 @@ class Wear:
     body
         Index (0 or 1) of the wearing body in ``Scene.solids``.
     circumference
-        Circumference [m] of the wearing body where it rolls through the contact; None where it does not.
+        Circumference [m] of the wearing body, or length of its track, where it moves through the contact, as in rolling
+        and as a ring below a block; None where the contact stands still on it. Beside friction that says which body
+        that is (:class:`~contactstudy.Sliding`), and beside rolling or a film, both must agree.
 
     Raises
     ------
@@ -62,8 +64,11 @@ class Wear:
     def check(self, scene: SceneContext) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if the motion of `scene` gives another sliding or turning."""
         film, drives = scene.lubrication, getattr(scene.friction, "is_steady", False)
-        turns = drives or scene.rolling is not None
-        why = "Scene.friction" if drives else "Scene.rolling"
+        standing = getattr(scene.friction, "standing", None)
+        turns = self.circumference is not None or drives or scene.rolling is not None
+        why = "Scene.rolling" if standing is None and not drives else "Scene.friction"
+        if standing is not None:
+            turns = standing != self.body
         if film is not None:
             if film.boundary is None:
                 raise InvalidInput(
@@ -82,10 +87,23 @@ class Wear:
             raise InvalidInput(
                 f"Wear.speed is {self.speed!r} together with {why}, which gives the sliding: give a speed of 0 m/s."
             )
-        if (turns or film is not None) and isinstance(scene.load, ChangingLoad):
+        if turns or film is not None:
+            self._check_steady(scene)
+
+    @staticmethod
+    def _check_steady(scene: SceneContext) -> None:
+        """Raise InvalidInput for what is not steady while a body turns or a film wears."""
+        changing = "load" if isinstance(scene.load, ChangingLoad) else ""
+        if getattr(scene.friction, "times", None) is not None:
+            changing = "friction"
+        rolls = scene.rolling is not None or scene.rolls or scene.lubrication is not None
+        if not rolls and any(creeps(solid) or yields(solid) for solid in scene.solids):
+            changing = "solids"
+        if changing:
             raise InvalidInput(
-                f"Scene.load changes in time together with Scene.wear and {why}: wear is followed from one steady "
-                "contact to the next, give a LineLoad."
+                f"Scene.{changing} changes in time together with Scene.wear of a body that turns or in a film: wear is "
+                "followed from one steady contact to the next, give a LineLoad, no times, and bodies that are elastic "
+                "or roll."
             )
 
     @property

@@ -144,7 +144,13 @@ BESIDE: list[tuple[str, cs.Scene, dict[str, Any]]] = [
     ),
     # wear of bodies that turn
     ("*circumference is None, * turns by Scene.rolling", WORN, {"wear": cs.Wear(1e-15, 0.1)}),
-    ("*does not turn: leave it out", WORN, {"rolling": None}),
+    *(("*does not turn: leave it out", WORN, {"rolling": rolling, "friction": cs.Sliding(0.1, standing=0)})
+      for rolling in (None, WORN.rolling)),
+    ("*turns by Scene.friction", WORN, {"friction": cs.Sliding(0.1, standing=1), "wear": cs.Wear(1e-15, 0.1)}),
+    ("Scene.solids changes in time * turns", WORN, {"rolling": None, "solids": (CREEPING, RIGID)}),
+    ("Scene.friction changes in time * turns", WORN, {
+        "rolling": None, "friction": FRETS, "wear": replace(WEARS, speed=0.0),
+    }),
     ("*give a LineLoad", WORN, {"load": HISTORY}),
     ("*gives the sliding: give a speed of 0 m/s", WORN, {"rolling": None, "friction": DRIVEN.friction}),
     (

@@ -195,7 +195,7 @@ def solve_rolling(
     assert speed is not None
     elastic = replace(scene, solids=instantaneous(scene.solids), rolling=None)
     problem = elastic.problem(grid, padding)
-    weights = response(rolling_bodies(scene.solids, (speed, speed)), scene.datum(grid))
+    weights = response(rolling_bodies(scene.solids, scene.contact_speeds), scene.datum(grid))
     symmetric_weights, antisymmetric_weights = by_symmetry(weights)
 
     def rolling(problem: Problem) -> Problem:

@@ -5,8 +5,10 @@ from math import log
 
 from contactstudy.domain.checks import (
     InvalidInput,
+    body_index,
     check_fields,
     in_range_from_zero,
+    set_fields,
     suggest_fields,
 )
 from contactstudy.domain.fields import Array
@@ -24,8 +26,9 @@ from contactstudy.solvers.friction.laws import FullSliding
 @suggest_fields
 @dataclass(frozen=True)
 class Sliding:
-    """Full sliding: the tangential traction is the coefficient times the pressure, on the first body along +x.
+    """Full sliding: the second body slides to larger x over the first one.
 
+    The tangential traction is the coefficient times the pressure, along +x on the first body, along -x on the second.
     Between elastically dissimilar bodies (Dundurs' beta) traction makes the pressure asymmetric; between similar ones
     the pressure is that without friction.
 
@@ -33,6 +36,9 @@ class Sliding:
     ----------
     coefficient
         Coefficient of friction, at least 0 and below 1.
+    standing
+        Index (0 or 1) in ``Scene.solids`` of the body on which the contact stands still, such as a slider or a block: it
+        wears in place, and does not creep from one place to the next. None for a contact that moves over both bodies.
 
     Raises
     ------
@@ -42,8 +48,11 @@ class Sliding:
     """
 
     coefficient: Number
+    standing: int | None = None
 
     def __post_init__(self) -> None:
+        if self.standing is not None:
+            set_fields(self, standing=body_index("Sliding.standing", self.standing))
         value, remedy = self.coefficient, "give a coefficient of friction from 0, and below 1"
         check_fields(self, coefficient=(in_range_from_zero, remedy))
         if self.coefficient >= 1:

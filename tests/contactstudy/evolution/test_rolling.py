@@ -256,3 +256,16 @@ def test_rolling_under_a_load_that_changes_slowly_is_steady_at_each_instant() ->
     fast = replace(load, times=(0.0, 1.0, 3.0, 500.0))
     with pytest.raises(cs.InvalidInput, match=r"rolls by .* of its widths"):
         cs.solve(replace(scene, load=fast), grid, EXACT, times=[0.0, 3.0])
+
+
+def test_a_smooth_slider_that_creeps_loses_nothing_on_a_rigid_track() -> None:
+    """The contact stands still on it; a rigid slider on such a track loses what a rolling contact does."""
+    rubber = replace(SOLID, poisson_ratio=0.5)
+    grid = cs.Grid((50, 1), (0.6, 1.0))
+    slider, track, rolls = (
+        solve_rolling(replace(rolling(rubber, A), friction=friction), grid, EXACT)
+        for friction in (cs.Sliding(0.3, standing=0), cs.Sliding(0.3, standing=1), None)
+    )
+    assert slider.resistance_coefficient == 0
+    assert abs(slider.shift) < 1e-12 * A
+    assert track.resistance_coefficient == rolls.resistance_coefficient > 0

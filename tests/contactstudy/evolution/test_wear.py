@@ -217,3 +217,37 @@ def test_a_contact_whose_coating_is_worn_through_ends_with_the_time(
     assert "is thinner by up to" in found.frames[1].error.l1.reason
     other = replace(scene, wear=replace(wear, body=1))
     assert cs.solve(other, grid, EXACT, times=times).status is cs.Status.CONVERGED
+
+
+@pytest.mark.parametrize(("body", "circumference"), [(0, None), (1, 0.1)])
+def test_a_block_wears_in_place_and_the_ring_below_it_along_its_track(
+    body: int, circumference: float | None
+) -> None:
+    """``k P s`` of either; the depth of the ring is that over its circumference, and leaves the pressure as it is."""
+    steel = cs.HalfSpace(210e9, 0.3)
+    scene = cs.Scene(
+        cs.LineLoad(1e5), (steel, steel), (cs.Cylinder(0.01),),
+        friction=cs.Sliding(0.1, standing=0), wear=cs.Wear(1e-15, 0.1, body, circumference),
+    )  # fmt: skip
+    found = cs.solve(scene, cs.Grid((32, 1), (6e-4, 1e-3)), EXACT, times=[0, 50])
+    assert found.quantities["wear_volume"].value == pytest.approx(1e-15 * 1e5 * 5)
+    depth, (first, last) = (
+        found.quantities["largest_wear_depth"].value,
+        found.over_time("peak_pressure"),
+    )
+    if circumference:
+        assert depth == pytest.approx(1e-15 * 1e5 * 5 / circumference)
+    assert (last == pytest.approx(first, rel=1e-6)) == (circumference is not None)
+
+
+def test_a_coating_of_its_substrates_material_wears_as_it_does() -> None:
+    steel = cs.HalfSpace(210e9, 0.3)
+    bodies = steel, cs.CoatedHalfSpace(steel, 1e-6, steel)
+    found = [
+        cs.solve(
+            cs.Scene(cs.LineLoad(1e5), (body, steel), (cs.Cylinder(0.01),), wear=cs.Wear(1e-15, 0.3)),
+            cs.Grid((32, 1), (8e-4, 1e-3)), EXACT, times=[0, 20],
+        ).pressure
+        for body in bodies
+    ]  # fmt: skip
+    np.testing.assert_allclose(*found, atol=1e-6 * found[0].max())

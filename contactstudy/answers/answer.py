@@ -13,6 +13,7 @@ from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.domain.units import readable
 from contactstudy.io.quantities.quantity import Quantities, as_text
+from contactstudy.scene.scene import Scene
 from contactstudy.solvers.solution import Status
 
 if TYPE_CHECKING:
@@ -115,11 +116,13 @@ class Answer:
         return ", ".join(f"{label} {value:.3g}" for value, label in self.counts.values())
 
     def summary(self) -> str:
-        """Return accuracy, warnings, quantities with their bounds, status, extent and work as text."""
+        """Return accuracy, warnings, quantities with their bounds, status, extent, surfaces and work as text."""
         size = "  extent {} x {}".format(*map(readable, self.grid.extent))
         warnings = (f"  warning: {warning}" for warning in self.error.warnings)
+        surfaces = (f"  {note}" for note in surface_notes(getattr(self, "scene", None)))
+        status = f"  {self.status}"
         return "\n".join(
-            (self.accuracy, *warnings, as_text(self.quantities), f"  {self.status}", size, f"  {self.work}")
+            (self.accuracy, *warnings, as_text(self.quantities), status, size, *surfaces, f"  {self.work}")
         )  # fmt: skip
 
     def __repr__(self) -> str:
@@ -132,6 +135,16 @@ class Answer:
     def _repr_html_(self) -> str:
         """Return the representation beside a small picture, for notebooks."""
         return f"<pre>{escape(repr(self))}</pre>{_image(self)}"
+
+
+def surface_notes(scene: Scene | None) -> list[str]:
+    """Return a sentence for each measured surface of a scene, on how it was prepared."""
+    shapes = scene.shapes if scene else ()
+    return [
+        f"shapes[{number}]: {getattr(shape, 'description', '')}"
+        for number, shape in enumerate(shapes)
+        if hasattr(shape, "digest")
+    ]
 
 
 def _image(answer: Answer) -> str:

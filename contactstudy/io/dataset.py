@@ -133,7 +133,7 @@ def contact_dataset(
         # Hertz's values are those of the load, which neither an approach nor an attraction gives
         if scene.adhesion is None and isinstance(scene.load, ConstantLoad | ChangingLoad):
             dataset = dataset.assign(_hertz(scene.hertz))
-        dataset.attrs |= _measured_surfaces(description) | {"scene": scene_attribute(description)}
+        dataset.attrs |= scene_attributes(description)
     dataset = dataset.assign({name: field_variable(field) for name, field in derived.items()})
     return with_quantities(_with_errors(dataset, error), quantities)
 
@@ -164,16 +164,6 @@ def _hertz(hertz: HertzLine | None) -> dict[str, xr.Variable]:
     }
 
 
-def _measured_surfaces(posed: PosedScene) -> dict[str, str]:
-    """Return the files of measured surfaces, and the digests of their heights."""
-    surfaces = [
-        f"shapes[{number}]: {shape.file or 'no file'}, digest {shape.digest}: {shape.description}"
-        for number, shape in enumerate(posed.scene.shapes)
-        if isinstance(shape, MeasuredSurface)
-    ]
-    return {"measured_surfaces": "\n".join(surfaces)} if surfaces else {}
-
-
 def _status(status: Enum) -> xr.Variable:
     """Return the status of a solve as a CF flag, with its sentence as the comment."""
     kind = type(status)
@@ -182,13 +172,22 @@ def _status(status: Enum) -> xr.Variable:
     return flag
 
 
-def scene_attribute(posed: PosedScene) -> str:
-    """Return the scene, with extents of surfaces, as TOML, or as Python if a part of it is not of this package."""
+def scene_attributes(posed: PosedScene) -> dict[str, str]:
+    """Return the scene, with extents of surfaces, as TOML, or as Python if a part of it is not of this package.
+
+    Beside it is what was done to its measured surfaces, with their files and digests.
+    """
     scene = replace(posed.scene, shapes=with_extent_of(posed.scene.shapes, posed.grid))
     try:
-        return scene_text(scene, grid=posed.grid, padding=posed.padding)
+        text = scene_text(scene, grid=posed.grid, padding=posed.padding)
     except InvalidInput as error:
-        return f"# {error}\n# {posed!r}\n"
+        text = f"# {error}\n# {posed!r}\n"
+    surfaces = [
+        f"shapes[{number}]: {shape.file or 'no file'}, digest {shape.digest}: {shape.description}"
+        for number, shape in enumerate(posed.scene.shapes)
+        if isinstance(shape, MeasuredSurface)
+    ]
+    return {"scene": text} | ({"measured_surfaces": "\n".join(surfaces)} if surfaces else {})
 
 
 def traction_variables(traction: TangentialTraction | None) -> dict[str, xr.Variable]:
@@ -308,5 +307,5 @@ def film_fields(contact: "FilmSolution") -> xr.Dataset:
         },
         coords={"x": ("x", grid.x, X), "y": ("y", grid.y, Y)},
         attrs=title_attributes("lubricated line contact")
-        | {"scene": scene_attribute(PosedScene(contact.scene, grid, contact.padding))},
+        | scene_attributes(PosedScene(contact.scene, grid, contact.padding)),
     )

@@ -15,7 +15,7 @@ from contactstudy.io.dataset import (
     field_variable,
     flags,
     labelled,
-    scene_attribute,
+    scene_attributes,
     title_attributes,
     traction_variables,
     with_quantities,
@@ -89,7 +89,7 @@ def evolution_dataset(evolution: "Trajectory", quantities: Quantities) -> xr.Dat
             "y": ("y", grid.y, Y),
         },
         attrs=title_attributes("evolution of a line contact")
-        | {"scene": scene_attribute(evolution.description)},
+        | scene_attributes(evolution.description),
     )
     for fields in (_states, _tractions, _outputs):
         dataset = dataset.assign(fields(evolution))
@@ -188,7 +188,7 @@ def passes_dataset(rolling: "RepeatedRolling", quantities: Quantities) -> xr.Dat
             "x": ("x", volume.grid.x, X),
         },
         attrs=title_attributes("repeated rolling of a line contact")
-        | {"scene": scene_attribute(rolling.description)},
+        | scene_attributes(rolling.description),
     )
     return with_quantities(dataset, quantities)
 

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import click
 
 import contactstudy as cs
+from contactstudy.answers.answer import surface_notes
 from contactstudy.domain.units import readable
 from studies.cli.options import FORMAT, JSON, SCENE, out_option, with_png
 from studies.model.plain_text import thread_count, two_digits
@@ -121,14 +122,13 @@ def solve(
     answer = solve_with_progress(described, scene, out, start, chosen)
     files = _stored(answer, open_folder(out) / f"{scene.stem}.nc", with_png(formats))
     seconds = perf_counter() - begin
-    notes = _notes(described)
     if as_json:
-        click.echo(_as_json(scene, answer, seconds, notes, files))
+        click.echo(_as_json(scene, answer, seconds, surface_notes(described.scene), files))
     else:
         click.echo(f"{scene}: {answer.summary()}")
         cells = " x ".join(map(str, answer.grid.cells))
         wrote = f"wrote {', '.join(map(str, files))}"
-        for line in (f"{cells} cells, {two_digits(seconds)} s", *notes, wrote):
+        for line in (f"{cells} cells, {two_digits(seconds)} s", wrote):
             click.echo(f"  {line}")
     if answer.status.name != "CONVERGED":
         sys.exit(1)
@@ -165,15 +165,6 @@ def _rollers(scene: cs.Scene, grid: cs.Grid) -> list[str]:
                 f"shapes[{number}] ends where the grid ends, so that no FiniteLength is needed"
             )
     return notes
-
-
-def _notes(described: cs.SceneFile) -> list[str]:
-    """Return a sentence for each measured surface, on how it was prepared."""
-    return [
-        f"shapes[{number}]: {shape.description}"
-        for number, shape in enumerate(described.scene.shapes)
-        if isinstance(shape, cs.MeasuredSurface)
-    ]
 
 
 def _stored(answer: Answer, path: Path, formats: tuple[str, ...]) -> list[Path]:

@@ -12,6 +12,7 @@ from typing import Any
 
 import contactstudy as cs
 from contactstudy import InvalidInput, MeasuredSurface, Roughness, Scene
+from contactstudy.answers.answer import surface_notes
 from contactstudy.domain.checks import whole_quotient
 from contactstudy.domain.device import available_bytes
 from contactstudy.domain.units import readable
@@ -254,6 +255,8 @@ def study_of(
     ]
     placed, notes = on_shared_grids(files)
     cases = dict(zip(points, placed, strict=True))
+    is_same = len({_digests(file.scene.shapes) for file in files}) == 1
+    surfaces = surface_notes(files[0].scene) if is_same else []
     if name is None:
         # not the name of the scene, which contactstudy solve gives to its file
         name = f"{Path(scene).stem}-sweep" if isinstance(scene, str | PathLike) else "scene"
@@ -264,9 +267,14 @@ def study_of(
         _SceneAt(tuple(varied.axis.name for varied in axes), cases),
         measures,
         times="none",
-        notes=(*notes, *(note for varied in axes for note in varied.notes)),
+        notes=(*notes, *surfaces, *(note for varied in axes for note in varied.notes)),
         attributes={"scene": _text(scene, described)},
     )
+
+
+def _digests(shapes: Sequence[cs.Shape]) -> tuple[str, ...]:
+    """Return the digests of the measured surfaces among shapes."""
+    return tuple(shape.digest for shape in shapes if isinstance(shape, MeasuredSurface))
 
 
 def _variation(described: SceneFile, group: Mapping[str, object], folder: Path) -> Variation:

@@ -289,6 +289,12 @@ def _of_text(name: str, text: TextTable, reading: Reading) -> FileContent:
     own = {**header.units, **{axis: unit for axis, (_, unit) in columns.items() if unit}}
     unit = _unit(name, reading, own.get("z"), header.unknown)
     content = _matrix(text, header, unit)
+    said = header.counts.get("x", 0) * header.counts.get("y", 0)
+    if said not in (0, content.values.size) and not columns and reading.sizes is Sizes.CHECKED:
+        raise InvalidInput(
+            f"path is {name!r}, of {content.values.size} numbers, where its header says {said}: give the whole file, or "
+            'sizes = "confirmed" if the header is wrong.'
+        )
     if columns:
         places = [
             (text.values[:, columns[axis][0]], own.get(axis, unit))
@@ -304,9 +310,12 @@ def _columns(name: str, text: TextTable) -> dict[str, tuple[int, float | None]]:
     rows, count = text.values.shape
     named: dict[str, tuple[int, float | None]] = {}
     for place, label in enumerate(text.names):
-        words = re.split(r"[\s/\[\](),]+", label.lower())
+        words = re.split(r"[\s/\[\](),_]+", label.lower())
+        kind = next(
+            (word for word in words if word in COLUMNS), words[0].strip("-:#").removesuffix("pos")
+        )
         for axis, starts in COLUMNS.items():
-            if words[0].strip("-_:").removesuffix("pos") in starts and axis not in named:
+            if kind in starts and axis not in named:
                 named[axis] = place, _column_unit(label)
     if {"x", "z"} <= named.keys():
         return named
@@ -325,51 +334,56 @@ def _columns(name: str, text: TextTable) -> dict[str, tuple[int, float | None]]:
 
 def _column_unit(label: str) -> float | None:
     """Return the last unit of length [m] in the name of a column, if any."""
-    return next(filter(None, map(length_unit, reversed(re.split(r"[\s/\[\](),]+", label)))), None)
+    return next(filter(None, map(length_unit, reversed(re.split(r"[\s/\[\](),_]+", label)))), None)
 
 
 def _matrix(text: TextTable, header: Header, unit: float) -> FileContent:
     """Return a matrix, whose rows run along the contact, with sizes of its header or of places on its margins."""
-    values, above = text.values, np.array(text.above)
-    steps: dict[int, float] = {}
-    for top, left in ((above[-values.shape[1] + 1 :], values), (values[0, 1:], values[1:])):
-        inner = left[:, 1:]
-        if (
-            len(top) == inner.shape[1] > 1
-            and _is_even(top)
-            and _is_even(left[:, 0])
-            and not _is_even(inner[:, 0])
-        ):
-            sides = np.diff(left[:, 0]).mean(), np.diff(top).mean()
-            values = np.flip(inner, tuple(axis for axis in (0, 1) if sides[axis] < 0))
-            lateral = header.units.get("x", unit)
-            steps = {axis: abs(side) * lateral for axis, side in enumerate(sides)}
-            break
-    bare = {axis: unit if axis in header.is_bare else 1.0 for axis in "xy"}
+    values, places = _without_margins(text.values, np.array(text.above))
+    pair = header.counts.get("y", 0), header.counts.get("x", 0)
+    if pair[0] * pair[1] == values.size and sorted(pair) != sorted(values.shape):
+        values = values.reshape(pair)  # lines that are broken, or one number a line
     rows, columns = values.shape
-    found = {
-        axis: (header.steps[axis] * count if axis in header.steps else header.sizes[axis])
-        * bare[axis]
-        for axis, count in (("x", columns), ("y", rows))
-        if axis in header.steps or axis in header.sizes
-    }
+    counts, notes = {"x": columns, "y": rows}, []
+    found: dict[str, float] = {}
+    for axis, count in counts.items():
+        bare = unit if axis in header.is_bare else 1.0
+        step = abs(np.diff(places[axis]).mean()) if len(places[axis]) else 0.0
+        if step and (step != 1 or places[axis][0] not in (0, 1)):
+            found[axis] = float(step) * count * header.units.get(axis, unit)
+        elif axis in header.steps or axis in header.sizes:
+            found[axis] = header.steps.get(axis, 0.0) * count * bare or header.sizes[axis] * bare
+        if step and axis not in found:
+            notes.append(f"numbers that count the points in {axis} are left out")
     if columns == 1 and found:
-        size = header.steps.get("x", 0.0) * rows * bare["x"] or found.get("y") or found["x"]
-        return FileContent(values, unit, (size, size / rows))
-    if len(found) == 2 and not header.steps:
-        # the sides for which points are square, where they are so for one of the two readings
-        ratio = (
-            found["x"] * rows / (found["y"] * columns),
-            found["y"] * rows / (found["x"] * columns),
-        )
-        if abs(ratio[0] - 1) > 0.05 and abs(ratio[1] - 1) < 0.01:
-            found = {"x": found["y"], "y": found["x"]}
+        found["y"] = header.steps.get("x", 0.0) * rows or found.get("y") or found["x"]
+        found["x"] = found["y"] / rows
+    ratio = (
+        [found["x"] / found["y"] * rows / columns] if len(found) == 2 and not header.steps else []
+    )
+    if ratio and abs(ratio[0] - 1) > 0.05 and abs(ratio[0] * (columns / rows) ** 2 - 1) < 0.01:
+        found = {"x": found["y"], "y": found["x"]}  # points are square for x from row to row
     if len(found) == 1:
-        step = found["x"] / columns if "x" in found else found["y"] / rows
-        found = {"x": step * columns, "y": step * rows}
-    if steps:
-        found = {"x": steps[1] * columns, "y": steps[0] * rows}
-    return FileContent(values, unit, (found["y"], found["x"]) if found else None)
+        step = next(size / counts[axis] for axis, size in found.items())
+        found = {axis: step * count for axis, count in counts.items()}
+        notes.append("points are taken as square")
+    return FileContent(values, unit, (found["y"], found["x"]) if found else None, tuple(notes))
+
+
+def _without_margins(values: Array, above: Array) -> tuple[Array, dict[str, Array]]:
+    """Return a matrix without positions in its first column and first row or above it, and these, by axis."""
+    left = top = np.array([])
+    if min(values.shape) > 2 and _is_even(values[1:, 0]) and not _is_even(values[1:, 1]):
+        left, values = values[:, 0], values[:, 1:]
+    count = values.shape[1]
+    if 2 < count <= len(above) and _is_even(above[-count:]):
+        top = above[-count:]
+    elif min(values.shape) > 2 and _is_even(values[0]) and not _is_even(values[1]):
+        top, left, values = values[0], left[1:], values[1:]
+    falling = [
+        axis for axis, places in ((0, left), (1, top)) if len(places) and places[0] > places[-1]
+    ]
+    return np.flip(values, tuple(falling)), {"x": top, "y": left}
 
 
 def _is_even(places: Array) -> bool:

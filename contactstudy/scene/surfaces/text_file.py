@@ -70,9 +70,11 @@ WORDS = {
     "size": "size width height length range extent field dimension dimensions breite largeur höhe hauteur länge anchura "
     "altura larghezza altezza",
     "factor": "factor scale conversion multiplier mult resolution faktor dz step",
+    "times": "factor faktor multiplier mult conversion",
     "invalid": "nodata invalid missing bad void undefined masked dummy fill novalue",
     "other": "radius tip speed force cutoff cut wavelength working objective filter offset origin position start date "
     "time magnification evaluation traverse range min max version intensity xllcorner yllcorner",
+    "count": "nx ny points pixels lines rows columns cols ncols nrows profiles w h",
     "number": "points pixels count number percent ratio samples",
 }
 WORDS_OF = {name: frozenset(words.split()) for name, words in WORDS.items()}
@@ -149,15 +151,18 @@ class Header:
             if not words & WORDS_OF["number"]:
                 self.invalid = value
             return
-        if "z" in axes and words & WORDS_OF["factor"]:
+        if ("z" in axes and words & WORDS_OF["factor"]) or (not axes and words & WORDS_OF["times"]):
             self.factor = value
             self.units |= {"z": unit} if unit else {}
             return
         lateral = [axis for axis in axes if axis != "z"] or (["x", "y"] if "z" not in axes else [])
-        is_count = unit is None and value in (*shape, shape[0] * shape[-1]) and value == int(value)
+        is_whole = unit is None and value == int(value)
+        is_count = is_whole and (
+            value in (*shape, shape[0] * shape[-1]) or words & WORDS_OF["count"]
+        )
         if is_count and not {"pixel", "size"} <= words:
             self.counts |= {axis: int(value) for axis in lateral if axes}
-        elif words & WORDS_OF["other"] - {"range"} or value <= 0:
+        elif words & WORDS_OF["other"] - {"range"} or {"sampling", "length"} <= words or value <= 0:
             return
         elif words & (WORDS_OF["step"] | WORDS_OF["size"]):
             target = self.steps if words & WORDS_OF["step"] else self.sizes
@@ -183,6 +188,8 @@ def _axes(words: frozenset[str]) -> list[str]:
         heights and words & (WORDS_OF["factor"] | {"unit", "units", "range"})
     ):
         return ["z"]
+    if {"per", "line"} <= words:
+        return ["x"]
     return ["x", "y"] if "lateral" in words else [axis for axis in "xy" if words & WORDS_OF[axis]]
 
 
@@ -267,9 +274,15 @@ def table(name: str, text: str, decimal: str | None) -> TextTable:
     if decimal == ",":
         around = [re.sub(r"(?<=\d),(?=\d)", ".", line) for line in around]
     names = [""] * count
-    for row in rows[max(first - 3, 0) : first]:
-        if len(row) == count:
-            names = [f"{name} {word}".strip() for name, word in zip(names, row, strict=True)]
+    for line in lines[max(first - 3, 0) : first]:
+        bare = line.strip("#%/ \t")
+        for row in (
+            _cells(bare, separator),
+            re.findall(r"[^\s\[(,;]+\s*(?:[\[(][^\])]*[\])])?", bare),
+        ):
+            if len(row) == count:
+                names = [f"{name} {word}".strip() for name, word in zip(names, row, strict=True)]
+                break
     above = [value for value in values[first - 1] if value is not None] if first else []
     return TextTable(np.array(values[first : last + 1], dtype=float), around, names, above)
 

@@ -59,8 +59,11 @@ MARGINS = "\n".join(
         ("w=9 h=12\nScan size: 36 x 24 um\nheight conversion factor (-> m)=1e-9\n" + matrix(" ", 1e3), None),
         ("X[mm],Y[um],Z[nm]\n" + columns(across=2e-3), "skip"),
         ("x;y;z\n[um];[um];[um]\n" + columns(";"), None),
+        ("# X [mm]  Y [mm]  Z [um]\n" + columns("  ", across=2.0).replace("\n", "\n\n"), "in mm"),
         (columns(" "), "um"),
         (MARGINS, "um"),
+        ("nx: 9\nny: 12\nX spacing 4 um\nY spacing 2 um\nUnit: um\n" + matrix("\n"), None),
+        ("Sampling length 0.8 mm\nScale factor: 0.001\ndx = 4 um\ndy = 2 um\n" + matrix(scale=1e3), "um"),
     ],
 )  # fmt: skip
 def test_one_map_is_one_surface_by_its_content(
@@ -70,9 +73,11 @@ def test_one_map_is_one_surface_by_its_content(
         found = surface(tmp_path, text, name)
         np.testing.assert_allclose(found.heights, MAP * 1e-9, atol=1e-18)
     else:
-        found = surface(tmp_path, text, name, unit=unit)
+        given: Any = {"sizes": cs.Sizes.CONFIRMED} if unit == "in mm" else {"unit": unit}
+        found = surface(tmp_path, text, name, **given)
         np.testing.assert_allclose(found.heights, MAP * 1e-6, atol=1e-14)
-    assert found.extent == pytest.approx(EXTENT, rel=1e-6)
+    scale = 1e3 if unit == "in mm" else 1.0
+    assert found.extent == pytest.approx([scale * side for side in EXTENT], rel=1e-6)
 
 
 @pytest.mark.cases(100)
@@ -185,6 +190,19 @@ def test_points_near_a_grid_are_put_onto_it_and_others_refused(tmp_path: Path) -
     assert "points moved by up to" in found.description
     with pytest.raises(cs.InvalidInput, match="not equidistant"):
         surface(tmp_path, columns(jitter=0.3), unit="um")
+
+
+def test_a_file_shorter_than_its_header_says_is_refused(tmp_path: Path) -> None:
+    text = "ncols 9\nnrows 12\n" + "\n".join(matrix(" ").split("\n")[:9])
+    with pytest.raises(cs.InvalidInput, match="of 81 numbers, where its header says 108"):
+        surface(tmp_path, text, unit="um")
+
+
+def test_a_column_that_counts_the_rows_is_no_height_and_said(tmp_path: Path) -> None:
+    text = "\n".join(f"{i};{row}" for i, row in enumerate(matrix(";").split("\n")))
+    found = surface(tmp_path, text, unit="um", extent=EXTENT)
+    np.testing.assert_allclose(found.heights, MAP * 1e-6, atol=1e-14)
+    assert "numbers that count the points in y are left out" in found.description
 
 
 def test_a_stylus_trace_runs_across_and_transposed_along(tmp_path: Path) -> None:

@@ -14,6 +14,7 @@ from contactstudy.planning.grid_requirements import CONSTANTS as GRID
 from contactstudy.scene.friction.fretting import Fretting
 from contactstudy.scene.loads.constant_load import LineLoad
 from contactstudy.scene.loads.load_history import ChangingLoad
+from contactstudy.scene.loads.resulting_load import DATUM_OVER_RADIUS
 from contactstudy.scene.scene import AnyLoad, Scene
 from contactstudy.scene.solids.bodies import Body, contact_modulus, instantaneous, yields
 from contactstudy.scene.solids.viscoelastic import creeping, relaxed
@@ -268,14 +269,15 @@ def _fretting(friction: Fretting, load: AnyLoad, hertz: HertzLine) -> tuple[floa
 
     Under a force Q a middle of the half-width c, ``c^2 = a^2 (1 - Q / (mu P))``, then bears all of the load. The gap
     beside it, of the slope ``(x^2 - (a^2 + c^2) / 2) / (R (x^2 - c^2)^(1/2))``, is zero again at ``x = c cosh t`` with
-    ``sinh 2t / 2t = a^2 / c^2``. Under a displacement d from a datum at one half-width ``Q / (mu P)`` is at most
-    ``pi E* d / (2 ln 2 mu P)``, and from that on the contact may slide fully.
+    ``sinh 2t / 2t = a^2 / c^2``. Under a displacement d from a datum D ``Q / (mu P)`` is at most ``pi E* d /
+    (2 ln(2 D / a) mu P)``, and from that on the contact may slide fully.
     """
     history = friction.history
     assert history is not None
     limit = friction.coefficient
     if friction.displacements is not None:
-        limit *= 2 * log(2) / (pi * hertz.contact_modulus)
+        datum = DATUM_OVER_RADIUS * hertz.radius
+        limit *= 2 * log(2 * datum / hertz.half_width) / (pi * hertz.contact_modulus)
     loads = {
         time: load.at(time) if isinstance(load, ChangingLoad) else hertz.load_per_length
         for time in history.compared_with(load)

@@ -423,7 +423,7 @@ class Scene:
             description=PosedScene(self, grid, padding),
             friction=None
             if self.friction is None
-            else self.friction.solver(self, gap, grid, paddings, scales.length),
+            else self.friction.solver(self, gap, grid, paddings, self.datum(grid)),
             adhesion=self._adhesion_solver(solver),
             covered_fractions=source.covered_fractions(grid),
         )

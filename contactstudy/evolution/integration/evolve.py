@@ -246,7 +246,7 @@ def _fretting_state(scene: Scene, problem: Problem, options: SolveOptions) -> St
     return FrettingState(
         coefficient=fretting.coefficient,
         wear=0.0 if scene.wear is None else scene.wear.coefficient,
-        response=fretting.response(scene, problem.grid, paddings, problem.scales.length),
+        response=fretting.response(scene, problem.grid, paddings, scene.datum(problem.grid)),
         forces=None if fretting.forces is None else fretting.history,
         displacements=None if fretting.displacements is None else fretting.history,
         period=inf if fretting.period is None else fretting.period,
@@ -255,7 +255,7 @@ def _fretting_state(scene: Scene, problem: Problem, options: SolveOptions) -> St
         compliances_proportional=has_proportional_compliances(
             scene.solids, varies=bool((gap != gap[:, :1]).any()), paddings=paddings
         ),
-        creep=_relative_creep(scene, problem.scales.length),
+        creep=_relative_creep(scene, scene.datum(problem.grid)),
         grid=problem.grid,
         loaded_length=scene.loaded_length(problem.grid, paddings),
         tolerance=options.tolerance,

@@ -207,7 +207,7 @@ def solve_rolling(
             friction=None
             if friction is None
             else friction.solver(
-                scene, problem.undeformed_gap, problem.grid, paddings, problem.scales.length
+                scene, problem.undeformed_gap, problem.grid, paddings, scene.datum(problem.grid)
             ),
         )
 

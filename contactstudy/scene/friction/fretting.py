@@ -75,8 +75,8 @@ class Fretting:
         Rigid displacements along x [m] of the second against the first body in place of the forces, with `times` and
         under a constant load: a positive one makes a positive tangential traction on the first body. Above a limit the
         contact slides fully (gross slip, ``stick_fraction`` 0). They are relative to the datum, a point at the distance
-        of Hertz's half-width (without a curved shape the width of the grid), or with images along both axes to the
-        mean.
+        of twice the equivalent radius (without a curved shape the width of the grid), or with images along both axes to
+        the mean.
     period
         Duration of one cycle [s], with `times`. A force step that takes n half periods stands for n half cycles: slip
         and wear of one are counted n times (cycle jump). None counts each force once.

@@ -11,6 +11,7 @@ from contactstudy import InvalidInput
 from studies.model.axis import Axis
 from studies.model.plain_text import one_line, quoted, shortened
 from studies.model.study import Study
+from studies.store.program import content, look
 
 NEEDED = ("axes", "case_at", "measures")
 FUNCTIONS = ("case_at", "measures", "figure", "findings", "tables")
@@ -35,6 +36,7 @@ def module_in(path: Path) -> ModuleType:
         raise InvalidInput(
             f"Study file {quoted(path)} cannot be read: give the path of a Python file."
         )
+    look()
     module = ModuleType(name)
     sys.modules[name] = module
     with _blaming(path):
@@ -73,11 +75,13 @@ def study_in(path: Path) -> Study:
     description = module.__doc__ if isinstance(module.__doc__, str) else path.stem
     title = one_line(description.strip().split("\n")[0], 300)
     times = getattr(module, "times", "taken")
-    depends = _depends(path, module)
+    depends, folder = _depends(path, module), path.absolute().parent
+    # what the file may have read when it was loaded
+    vars(module)["__depends__"] = {name: content(folder / name) for name in depends}
     try:
         return Study(
             path.stem, title, tuple(module.axes), module.case_at, module.measures, times,
-            depends=depends, folder=path.absolute().parent,
+            depends=depends, folder=folder,
         )  # fmt: skip
     except InvalidInput as error:
         blamed = "times" if str(error).startswith("times") else "axes"

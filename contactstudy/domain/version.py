@@ -1,10 +1,13 @@
-"""The version of this program, and a hash of its code."""
+"""The version of this program, when it was loaded, and a hash of its code."""
 
 import hashlib
+import time
 from functools import cache
 from pathlib import Path
 
 VERSION = "0.1.0"
+# instant at which its first module was loaded [s since the epoch]
+LOADED = time.time()
 # folders of the core that cannot change a number
 NOT_NUMERICAL = ("io", "planning")
 

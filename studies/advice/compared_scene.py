@@ -9,7 +9,7 @@ import contactstudy as cs
 from contactstudy.domain.device import available_bytes
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.fields import Array
-from contactstudy.domain.identity import canonical, key
+from contactstudy.domain.identity import digest
 from contactstudy.domain.reuse import caching
 from contactstudy.io.quantities.contact_quantities import contact_quantities
 from contactstudy.io.quantities.film_quantities import film_quantities
@@ -205,7 +205,7 @@ class SceneText:
         """Text that is equal for equal scenes alone."""
         file = self.file
         solved = file.scene, file.grid, file.padding, file.options, file.time_steps
-        return key(canonical((*solved, file.plan_settings.period)))
+        return digest((*solved, file.plan_settings.period))
 
     def subject(self, error: float = QUICK_ERROR) -> "ComparedScene":
         """Return the scene on its extent, for a relative error; one below 0.2 gives the extent that 0.2 gives."""

@@ -166,13 +166,6 @@ def report(
     default="kept",
     help="Time the cases again, even if their times are stored.",
 )
-@click.option(
-    "--only",
-    "table",
-    flag_value="requested",
-    default="stored",
-    help="Write only the requested points to the file, not all stored points of the study.",
-)
 @click.option("--yes", is_flag=True, help="Run even more than a million points.")
 @click.option(
     "--scene",
@@ -212,11 +205,10 @@ def run(
 
     STUDY is a built-in name, a .py file or a scene in a .toml file. What is stored in the folder is not computed again.
     """
+    from studies.engine.cost import estimate_cost
     from studies.engine.options import RETRIES, RunOptions
-    from studies.engine.run import estimate_cost
     from studies.engine.run import run as run_study
     from studies.model.outcome import CaseStatus
-    from studies.store.table import points_of
 
     max_points = None if yes else MAX_POINTS
     chosen = load_scene_study(study, vary, context.args)
@@ -248,7 +240,7 @@ def run(
         estimate_cost(chosen, out, options=options, log=click.echo)
         return
     dataset = run_study(chosen, out, options=options, log=click.echo)
-    statuses = points_of(dataset, chosen)["case_status"]
+    statuses = dataset["case_status"]
     if not (statuses == CaseStatus.OK).any():
         click.echo(f"{chosen.name}: no case gave numbers, so there is nothing to draw.", err=True)
         sys.exit(1)

@@ -1,6 +1,5 @@
 """Options of a run."""
 
-import signal
 from dataclasses import dataclass
 
 from contactstudy import InvalidInput
@@ -27,7 +26,7 @@ class RunOptions:
     scheduler
         Address of a dask scheduler to compute through, in place of the workers.
     time_limit
-        Longest time of a case [s].
+        Longest time of a case in a worker process [s].
     repeats
         Timed runs of each case.
     old_times
@@ -38,8 +37,6 @@ class RunOptions:
         "continue", or "stop".
     fields
         "kept" to store the fields of every case, such as pressure and gap, or "none".
-    table
-        "stored" for a file with all stored points, or "requested".
     max_points
         Largest number of points; None for no limit.
 
@@ -57,7 +54,6 @@ class RunOptions:
     retry: frozenset[CaseStatus] = frozenset()
     after_failure: str = "continue"
     fields: str = "none"
-    table: str = "stored"
     max_points: int | None = MAX_POINTS
 
     def __post_init__(self) -> None:
@@ -65,7 +61,6 @@ class RunOptions:
             ("old_times", ("kept", "dropped")),
             ("after_failure", ("continue", "stop")),
             ("fields", ("none", "kept")),
-            ("table", ("stored", "requested")),
         ):
             one_of(name, getattr(self, name), choices)
         for name in ("workers", "repeats"):
@@ -76,8 +71,8 @@ class RunOptions:
             )
         if self.time_limit is not None and not self.time_limit > 0:
             raise InvalidInput(f"time_limit is {self.time_limit!r}: give seconds above 0.")
-        if self.time_limit and not (self.workers or self.scheduler or hasattr(signal, "setitimer")):
+        if self.time_limit and not (self.workers or self.scheduler):
             raise InvalidInput(
-                f"time_limit is {self.time_limit!r} and workers is 0: this system cannot interrupt a case in its "
-                "own process; give workers=1 or more."
+                f"time_limit is {self.time_limit!r} and workers is 0: a case in this process cannot be ended alone; "
+                "give workers=1 or more."
             )

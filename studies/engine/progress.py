@@ -3,27 +3,87 @@
 import shutil
 import sys
 from contextlib import suppress
-from typing import Any
+from time import monotonic
+from typing import Any, Self
 
 from tqdm import tqdm
 
-from studies.model.plain_text import Log
+from studies.model.plain_text import Log, two_digits
 
 LINE_INTERVAL = 30.0  # seconds between two lines
 
 
-def progress_of(name: str, what: str, total: int, unit: str, log: Log) -> "tqdm[Any]":
-    """Return the progress of a job `what` of a study, over `total` items that are called `unit`: rate, remaining time.
+def progress_of(name: str, what: str, total: int, unit: str, log: Log) -> "Progress":
+    """Return the progress of a job `what` of a study, over `total` items that are called `unit`.
 
     Lines go to `log` where there is no terminal.
     """
     shown: dict[str, Any] = {"total": total, "unit": unit, "disable": not total}
     if _is_terminal():
         columns, rows = shutil.get_terminal_size()  # 80 and 24 where it does not know
-        return tqdm(**shown, desc=f"{name}: {what}", ncols=columns, nrows=rows)
-    line = "{desc}, {n_fmt} of {total_fmt} {unit}s, {rate_fmt}, {remaining} left{postfix}"
+        line = "{desc}: {percentage:3.0f}%|{bar}| {n_fmt}/{total_fmt} [{elapsed}{postfix}]"
+        return Progress(
+            tqdm(**shown, desc=f"{name}: {what}", bar_format=line, ncols=columns, nrows=rows)
+        )
+    line = "{desc}, {n_fmt} of {total_fmt} {unit}s in {elapsed}{postfix}"
     times = {"delay": LINE_INTERVAL, "mininterval": LINE_INTERVAL, "maxinterval": LINE_INTERVAL}
-    return tqdm(**shown, **times, desc=what, file=_Lines(log), bar_format=line, leave=False)
+    return Progress(
+        tqdm(**shown, **times, desc=what, file=_Lines(log), bar_format=line, leave=False)
+    )
+
+
+class Progress:
+    """Progress over the items of a `bar`, to be used in a ``with`` statement.
+
+    Attributes
+    ----------
+    count
+        Items that are done.
+    further
+        Seconds that another job will take after this one.
+    """
+
+    def __init__(self, bar: "tqdm[Any]") -> None:
+        self.bar, self.count, self.further = bar, 0, 0.0
+        self._instants = [monotonic()]  # of each item
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *raised: object) -> None:
+        self.bar.close()
+
+    def update(self) -> None:
+        """Count an item that is done."""
+        self.count += 1
+        self._instants.append(monotonic())
+        left = seconds_left(self._instants, int(self.bar.total or 0))
+        texts = [f"about {two_digits(left)} s left"] if left is not None else []
+        texts += [f"then {two_digits(self.further)} s timing"] if self.further else []
+        self.bar.set_postfix_str(", ".join(texts), refresh=False)
+        self.bar.update()
+
+
+def seconds_left(instants: list[float], total: int) -> float | None:
+    """Return the seconds that the remaining items of `total` will take; None where that is not known within a factor 2.
+
+    Parameters
+    ----------
+    instants
+        Instant of the beginning, and of the end of each item so far [s].
+    total
+        Number of all items.
+
+    The last half of the items tells the time of one, without the start of processes, if the last quarter agrees.
+    """
+    done = len(instants) - 1
+    half, quarter = done // 2, done // 4
+    if quarter < 2:
+        return None
+    slope, last_slope = ((instants[-1] - instants[-1 - of]) / of for of in (half, quarter))
+    if not slope / 2 < last_slope < 2 * slope:
+        return None
+    return slope * (total - done)
 
 
 class _Lines:

@@ -1,34 +1,46 @@
 """Run the missing cases of a study, each distinct one once, then time them one at a time."""
 
-from collections.abc import Sequence
-from contextlib import suppress
-from dataclasses import replace
+import random
+import sys
+from collections import Counter
+from collections.abc import Generator, Iterator, Mapping, Sequence
+from contextlib import closing, suppress
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
 from pathlib import Path
 from time import monotonic
-from typing import Any
 
+import cloudpickle
+import numpy as np
 import xarray as xr
+from threadpoolctl import threadpool_limits
 
-import contactstudy as cs
 from contactstudy import InvalidInput
-from contactstudy.domain.files import locked, remove_partial_files
+from contactstudy.domain.files import is_damaged, remove_partial_files
+from contactstudy.domain.files import set_aside as set_damaged_aside
+from contactstudy.domain.identity import digest
+from studies.engine.compute import Task, failed, perform, warm_up
 from studies.engine.options import RunOptions
 from studies.engine.progress import progress_of
-from studies.engine.results import Results, save_fields
-from studies.engine.timing import take_times
-from studies.model.case import Computation
-from studies.model.outcome import CaseStatus, OnFinished, Outcome, RunSettings, summary_messages
-from studies.model.plain_text import Log, two_digits
+from studies.engine.request import Request
+from studies.model.outcome import CaseStatus, Outcome, RunSettings, TimedRun, summary_messages
+from studies.model.plain_text import Log, one_line
 from studies.model.study import Study
-from studies.store.fingerprint.modules import listed
-from studies.store.netcdf import check_kind, open_folder, read
-from studies.store.provenance import provenance
-from studies.store.request import Request
+from studies.store.journal import Journal, Key, set_aside
+from studies.store.netcdf import check_kind, open_folder, read, write
+from studies.store.program import differences
+from studies.store.provenance import machine, provenance
 from studies.store.stop import Stop, StopRun
-from studies.store.table import points_of
+from studies.store.table import PointTable, assemble
 
-MAX_PLANNED = 16  # cases that are planned at most, evenly spaced
+JOURNAL = "cases.jsonl"
+MIN_WRITE_INTERVAL = 60.0  # least seconds between two writes of the file while cases are computed
+WRITE_INTERVAL_FACTOR = 20  # least ratio of the time between two writes to the time of one
+CHECK_SECONDS = (
+    0.25  # seconds after which it is checked that the program in this process is the same
+)
 MANY_POINTS = 50_000  # points whose cases take more than a moment to make
+Outcomes = Generator[tuple[Task, Outcome], None, None]
 
 
 class _FirstFailureError(Exception):
@@ -46,15 +58,15 @@ def run(
 ) -> xr.Dataset:
     """Compute the missing cases of a study, write ``<out>/<study>.nc``, and return its Dataset.
 
-    Every finished case is in ``<out>/<study>.journal.jsonl`` before it is reported, and is not computed again.
+    Every finished case is in ``<out>/cases.jsonl`` before it is reported, and is not computed again: not by another
+    study in the folder either, if it has the same measures.
 
     Parameters
     ----------
     study
         The study.
     out
-        Folder of the results, made if need be. The file also holds other stored points of the study, unless
-        `options` say otherwise.
+        Folder of the results, made if need be.
     workers, repeats
         Processes that compute, and timed runs of each case, in place of those of the `options`.
     log
@@ -65,7 +77,8 @@ def run(
     Raises
     ------
     InvalidInput
-        For bad points and for a folder that cannot be written to, before anything runs or is written.
+        For bad points and for a folder that cannot be written to, before anything runs or is written; if a file of the
+        program changes meanwhile.
     """
     chosen = options or RunOptions()
     chosen = replace(
@@ -74,77 +87,135 @@ def run(
         repeats=chosen.repeats if repeats is None else repeats,
     )
     study.check_size(chosen.max_points)
-    named_log = _with_name(study, log)
-    request = _request(study, named_log)
+    named_log = with_name(study, log)
+    if study.size > MANY_POINTS:
+        named_log(f"making the cases of {study.size} points")
+    request = Request.of(study)
     folder = open_folder(out.absolute())
-    with locked(folder / f".{study.name}.lock", log), Stop() as stop:
-        remove_partial_files(folder)
-        results = Results.of(study, request, folder, chosen, named_log)
-        with results.journal:
-            return _Run(results, stop).execute()
+    remove_partial_files(folder)
+    with Stop() as stop, Journal(folder / JOURNAL, machine()) as journal:
+        return _Run(Results(study, request, journal, chosen, named_log), stop).execute()
 
 
-def estimate_cost(
-    study: Study, out: Path, *, options: RunOptions, log: Log = print
-) -> float | None:
-    """Report what :func:`run` would do, and return the seconds to compute; None where the plan of a case fails.
-
-    No case is computed and nothing is stored: the plans of some cases solve coarse grids. Of a large study some points
-    are looked at, evenly spaced. A damaged file of fields is set aside, as in a run.
-    """
-    study.check_size(options.max_points)
-    every, log = study.size, _with_name(study, log)
-    while study.size > MANY_POINTS:
-        longest = max(study.axes, key=lambda axis: len(axis.values))
-        thinned = replace(longest, values=longest.values[::2])
-        points = tuple(thinned if axis is longest else axis for axis in study.axes)
-        study = replace(study, axes=points)
-    scale = every / study.size
-    if scale > 1:
-        log(f"{every} points, estimated from {study.size} of them in proportion")
-    results = Results.of(study, _request(study, log), out, options, log)
-    cases, missing = results.request.cases, results.missing()
-    runs = sum(results.missing_timed_runs().values()) + results.repeats * len(missing)
-    counts = (len(results.request.keys), len(cases), len(cases) - len(missing), len(missing), runs)
-    text = "{} points, {} distinct cases, {} stored, {} to compute, {} timed runs to take"
-    log(text.format(*(round(scale * count) for count in counts)))
-    try:
-        seconds = planned_seconds([cases[name] for name in missing])
-    except AttributeError:
-        log("the time is not known: its cases are not scenes on a grid, and have no plan")
-        return None
-    except Exception as error:  # noqa: BLE001 (a study's own computation is anything)
-        log(f"the time is not known: the plan of a case failed ({type(error).__name__}: {error})")
-        return None
-    if missing:
-        timing = f", {two_digits(scale * seconds * runs / len(missing))} s to time" if runs else ""
-        log(f"about {two_digits(scale * seconds)} s to compute (shared by the workers){timing}")
-    return scale * seconds
-
-
-def planned_seconds(cases: Sequence[Computation]) -> float:
-    """Return the seconds of all cases, one after the other on one thread, from the plans of a few of them."""
-    chosen: Sequence[Any] = cases[:: -(-len(cases) // MAX_PLANNED) or 1]
-    planned = [
-        cs.plan(
-            case.scene, grid=case.grid, padding=case.padding,
-            times=getattr(case, "time_steps", None),
-        ).seconds
-        for case in chosen
-    ]  # fmt: skip
-    return sum(planned) * len(cases) / max(len(planned), 1)
-
-
-def _with_name(study: Study, log: Log) -> Log:
+def with_name(study: Study, log: Log) -> Log:
     """Return a log whose messages begin with the name of a study."""
     return lambda text: log(f"{study.name}: {text}")
 
 
-def _request(study: Study, log: Log) -> Request:
-    """Return the cases of a study."""
-    if study.size > MANY_POINTS:
-        log(f"making the cases of {study.size} points")
-    return Request.of(study)
+@dataclass(eq=False)
+class Results:
+    """Results of a study in the folder of a `journal`: what is stored, what is missing, and the netCDF file of it."""
+
+    study: Study
+    request: Request
+    journal: Journal
+    options: RunOptions
+    log: Log
+
+    def __post_init__(self) -> None:
+        self.program, folder = self.request.program, self.journal.path.parent
+        self.path = folder / f"{self.study.name}.nc"
+        self.fields_folder = folder / f"{self.study.name}.fields"
+        self.repeats = self.options.repeats if self.study.times == "taken" else 0
+        self.provenance: Mapping[str, str] = {}
+        # cases that a stopped run left out; instant (of ``monotonic``) before which the file is not written again
+        self.skipped, self.next_write = set[str](), 0.0
+
+    def key(self, case: str) -> Key:
+        """Return the key of a case in the journal."""
+        return case, self.program.key
+
+    def missing(self) -> list[str]:
+        """Return the keys of the cases to compute."""
+        return [key for key in self.request.cases if not self._is_sufficient(key)]
+
+    def _is_sufficient(self, case: str) -> bool:
+        """Return whether what is stored of a case is enough for the options."""
+        status = self.journal.status(self.key(case))
+        if status is None or status in self.options.retry:
+            return False
+        if self.options.fields != "kept" or status is not CaseStatus.OK:
+            return True
+        path = self.fields_path(case)
+        if path.is_file() and is_damaged(path):
+            self.log(f"{path} is damaged: it is set aside as {set_damaged_aside(path).name}")
+        return path.is_file()
+
+    def timed_tasks(self) -> list[Task]:
+        """Return the missing timed runs of all cases: every case once, then every case again."""
+        tasks: list[tuple[int, Task]] = []
+        for case, computation in self.request.cases.items() if self.repeats else ():
+            key, samples = self.key(case), self.samples(case)
+            if self.journal.status(key) is CaseStatus.OK and key not in self.journal.untimed:
+                task = Task(case, computation, self.journal.cases[key]["seconds"])
+                tasks += [(repeat, task) for repeat in range(len(samples), self.repeats)]
+        return [task for _, task in sorted(tasks, key=lambda entry: entry[0])]
+
+    def fields_path(self, case: str) -> Path:
+        """Return the path of the file of a case's fields."""
+        return self.fields_folder / f"{case}-{self.program.key[:8]}.nc"
+
+    def write(self, *, fields: str = "none") -> None:
+        """Write the file, with a group for every case that has fields if these are "kept"."""
+        start, table = monotonic(), PointTable(self.study.axes, self.request.keys)
+        dataset = assemble(table, self._outcome, self.samples, self._attributes())
+        write(dataset, self.path, self._groups() if fields == "kept" else ())
+        end = monotonic()
+        self.next_write = end + max(MIN_WRITE_INTERVAL, WRITE_INTERVAL_FACTOR * (end - start))
+
+    def _groups(self) -> Iterator[tuple[str, xr.Dataset]]:
+        """Yield the fields of every case that has some, read one at a time."""
+        for case in self.request.cases:
+            if self.fields_path(case).is_file():
+                yield f"fields/case_{case}", read(self.fields_path(case), "File of fields")
+
+    def dataset(self) -> xr.Dataset:
+        """Return the Dataset in the file, which is written where it does not show all that is stored."""
+        if self.options.fields == "none":
+            with suppress(InvalidInput):
+                dataset = read(self.path)
+                if dataset.attrs.get("content") == self._content():
+                    return dataset
+        self.write(fields=self.options.fields)
+        return read(self.path)
+
+    def _outcome(self, case: str) -> Outcome | None:
+        """Return the outcome of a case; None if there is none."""
+        outcome = self.journal.outcome(self.key(case))
+        return Outcome(CaseStatus.SKIPPED) if outcome is None and case in self.skipped else outcome
+
+    def samples(self, case: str) -> Sequence[TimedRun]:
+        """Return the timed runs of a case on this machine."""
+        return self.journal.samples.get(self.key(case), ())
+
+    def _attributes(self) -> dict[str, str]:
+        """Return the attributes of the file."""
+        history, digests = self.journal.history[self.study.name], self.program.digests
+        notes = {"notes": "\n".join(self.study.notes)} if self.study.notes else {}
+        return {
+            **notes, **self.study.attributes, **self.provenance,
+            "study": self.study.name,
+            "title": one_line(self.study.title),
+            "first_case": one_line(next(iter(self.request.cases.values()))),
+            "history": "\n".join(history),
+            "date_created": history[0].split()[0],
+            "date_modified": datetime.now(UTC).isoformat(timespec="seconds"),
+            "program": self.program.key,
+            "versions": ", ".join(f"{name} {of}" for name, of in digests.items() if "." in of),
+            "content": self._content(),
+            "timing": "wall time, least of the repeats, one case at a time, on one thread where no axis says more",
+        }  # fmt: skip
+
+    def _content(self) -> str:
+        """Return a digest of all that the file shows."""
+        keys, study = [self.key(case) for case in self.request.keys], self.study
+        axes = [(axis.name, axis.values, axis.long_name, axis.units) for axis in study.axes]
+        stored = [
+            self.journal.cases[key]["sum"] if key in self.journal.cases else "" for key in keys
+        ]
+        times = [repr(self.journal.samples[key]) for key in keys if key in self.journal.samples]
+        about = [study.title, *study.notes, sorted(self.skipped), dict(study.attributes)]
+        return digest([about, axes, "".join(stored), "".join(times)])
 
 
 class _Run:
@@ -154,142 +225,208 @@ class _Run:
         self.results, self.stop = results, stop
         self.study, self.request, self.journal = results.study, results.request, results.journal
         self.options, self.log = results.options, results.log
-        self._has_warned = False
-        axes, keeps_fields = {axis.name for axis in self.study.axes}, self.options.fields == "kept"
-        limit = self.options.time_limit
-        self.settings = RunSettings(self.study.measures, keeps_fields, limit, frozenset(axes))
+        axes = frozenset(axis.name for axis in self.study.axes)
+        self.settings = RunSettings(self.study.measures, self.options.fields == "kept", axes)
 
     def execute(self) -> xr.Dataset:
         """Compute, time and write the missing cases, and return the Dataset."""
-        missing = self._begin()
-        activity = "solving"
+        results, cases, activity = self.results, self.request.cases, "solving"
+        missing = results.missing()
+        self._begin(missing)
         try:
-            if missing:
-                self._solve(missing)
-                if self.results.missing_timed_runs():
-                    self.results.write()
+            self._solve([Task(key, cases[key]) for key in missing])
             activity = "timing"
-            take_times(self.results, self.settings, self.stop)
+            self._time(results.timed_tasks())
         except _FirstFailureError:
-            self.results.skipped = {name for name in missing if self.results.record(name) is None}
+            results.skipped = {key for key in missing if results.key(key) not in self.journal.cases}
             self.log("stopped at the first failure; the remaining cases are marked as skipped")
         except StopRun:
-            self._write_once_more()
-            stored = sum(self.results.record(name) is not None for name in self.request.cases)
-            times = sum(self.results.missing_timed_runs().values())
+            results.write(fields=self.options.fields)
+            stored = sum(results.key(key) in self.journal.cases for key in cases)
+            times = len(results.timed_tasks())
             untimed = f", {times} timed runs are missing" if times else ""
             self.log(
-                f"stopped while {activity}; {stored} of {len(self.request.cases)} cases are stored{untimed}; "
+                f"stopped while {activity}; {stored} of {len(cases)} cases are stored{untimed}; "
                 "run the same command to go on"
             )
             raise
         except BaseException:
             # after any error the netCDF file has what the journal has, if the disk has room
             with suppress(Exception):
-                self._write_once_more()
+                results.write(fields=self.options.fields)
             raise
         return self._end()
 
-    def _begin(self) -> list[str]:
-        """Report what is to be done, open journal and file, and return the missing cases."""
-        cases = self.request.cases
-        self.log(f"{len(self.request.keys)} points, {len(cases)} distinct cases")
-        missing = self.results.missing()
-        if len(missing) < len(cases):
-            self.log(f"{len(cases) - len(missing)} cases are stored, {len(missing)} to compute")
-        check_kind(self.results.path, "study", self.log)
-        self.results.provenance = provenance()
-        axes = {axis.name: axis.values for axis in self.study.axes}
-        self.journal.start(self.results.provenance["history"], axes)
-        missing = self.results.copy_from_other_studies(missing)
-        self.results.extend_table()
-        if missing:
-            self.results.write()
-        return missing
-
-    def _solve(self, missing: Sequence[str]) -> None:
-        """Compute the ``missing`` cases, each in the journal before it counts as done."""
-        unsynced, solved_seconds = 0, 0.0
-        repeats = self.results.repeats
-
-        def finished(name: str, outcome: Outcome) -> None:
-            nonlocal unsynced, solved_seconds
-            self._check_program(outcome)
-            identity = self.request.identities[name]
-            if outcome.fields:
-                stamp = self.journal.stamp(identity.state, outcome.loaded)
-                save_fields(self.results.fields_folder, name, stamp, outcome.fields)
-                outcome = replace(outcome, fields={})
-            is_on_disk = self.journal.add(identity, outcome)
-            unsynced += 1
-            solved_seconds += outcome.seconds
-            if is_on_disk:
-                progress.update(unsynced)
-                unsynced = 0
-                timing = repeats * solved_seconds / progress.n * len(missing)
-                text = f"then {timing:.0f} s timing" if timing else ""
-                progress.set_postfix_str(text, refresh=False)
-            if outcome.case_status is not CaseStatus.OK and self.options.after_failure == "stop":
-                self.log(f"a case failed: {outcome.error}")
-                raise _FirstFailureError
-            if monotonic() > self.results.next_write:
-                self.results.write()
-
-        with progress_of(self.study.name, "solving", len(missing), "case", self.log) as progress:
-            self._compute(missing, finished)
-            self.journal.sync()
-            progress.update(unsynced)
-
-    def _compute(self, missing: Sequence[str], finished: OnFinished) -> None:
-        """Compute the missing cases as the options ask for."""
-        workers, scheduler = min(self.options.workers, len(missing)), self.options.scheduler
-        if not workers and not scheduler and self.journal.interrupted in missing:
+    def _begin(self, missing: Sequence[str]) -> None:
+        """Report what is to be done and why, and begin a run in the journal; keep a file of other numbers."""
+        results, journal, request = self.results, self.journal, self.request
+        for note in (*journal.notes(), *self.study.notes):
+            self.log(note)
+        for axis in self.study.axes:
+            if axis.merged:
+                self.log(
+                    f"{axis.merged} values of {axis.name} differ from others by rounding alone, and are replaced by them"
+                )
+        self.log(f"{len(request.keys)} points, {len(request.cases)} distinct cases")
+        last = journal.firsts[self.study.name][-1:]
+        changes = next(
+            (of for of in (request.changes(self.study, first) for first in last) if of), ""
+        )
+        if changes:
+            self.log(f"{changes}: cases that are stored with the old value are kept, and not used")
+        for change, count in self._other_programs(missing).items():
+            self.log(f"{count} stored cases are computed again, since {change} changed")
+        if len(missing) < len(request.cases):
             self.log(
-                "the last run ended during a case: cases are computed in a process of their own"
+                f"{len(request.cases) - len(missing)} cases are stored, {len(missing)} to compute"
             )
-            workers = 1
-        cases = {name: self.request.cases[name] for name in missing}
-        arguments = cases, self.settings, finished, self.stop
-        # what computes is imported where it is needed
-        if workers or scheduler:
-            from studies.engine.cluster import DaskRun
+        check_kind(results.path, "study", self.log)
+        for path in (
+            results.path.with_name(f"{self.study.name}.journal.jsonl"),  # of an older version
+            *(
+                [results.path]
+                if changes or [of["program"] for of in last] != [results.program.key]
+                else []
+            ),
+        ):
+            if path.is_file():
+                self.log(f"{path.name} holds other results: it is kept as {set_aside(path).name}")
+        results.provenance = provenance()
+        journal.start(
+            self.study.name, results.provenance["history"], results.program.key,
+            results.program.digests, request.first(),
+        )  # fmt: skip
+        if self.options.old_times == "dropped":
+            journal.drop_times(map(results.key, request.cases))
 
-            DaskRun(*arguments, workers=workers, address=scheduler, log=self.log).run()
-        else:
-            from studies.engine.in_process import compute_here
+    def _other_programs(self, missing: Sequence[str]) -> Counter[str]:
+        """Return the number of missing cases that are stored of another program, by what differs in it."""
+        wanted, program = set(missing), self.results.program
+        counts = Counter(
+            of for case, of in self.journal.cases if case in wanted and of != program.key
+        )
+        named = Counter[str]()
+        for of, count in counts.items():
+            named[differences(self.journal.programs.get(of, {}), program.digests)] += count
+        return named
 
-            compute_here(*arguments, self.journal.begin)
-
-    def _check_program(self, outcome: Outcome) -> None:
-        """Refuse an outcome of another program on another machine; report that a file here has been edited meanwhile."""
-        changes = self.request.context.modules.changes(outcome.loaded)
-        if changes and outcome.worker:
-            raise InvalidInput(
-                f"{listed(changes)} {'differs' if len(changes) == 1 else 'differ'} on worker {outcome.worker}, whose "
-                "results are not stored: install the same there, and run the same command again."
-            )
-        if changes and not self._has_warned:
-            self.log(
-                f"{listed(changes)} changed since this program loaded it: the next run recomputes what depends on it"
-            )
-            self._has_warned = True
-
-    def _write_once_more(self) -> None:
-        """Write journal and file before the run ends."""
+    def _solve(self, tasks: Sequence[Task]) -> None:
+        """Compute the cases of tasks, each in the journal before it counts as done."""
+        if not tasks:
+            return
+        results, solved_seconds = self.results, 0.0
+        with (
+            closing(self._outcomes(tasks)) as outcomes,
+            progress_of(self.study.name, "solving", len(tasks), "case", self.log) as progress,
+        ):
+            for task, outcome in outcomes:
+                if outcome.fields:
+                    write(xr.Dataset(dict(outcome.fields)), results.fields_path(task.key))
+                point = self.request.points[task.key]
+                self.journal.add(results.key(task.key), self.study.name, point, outcome)
+                solved_seconds += outcome.seconds
+                progress.update()
+                progress.further = results.repeats * solved_seconds / progress.count * len(tasks)
+                is_failed = outcome.case_status is not CaseStatus.OK
+                if is_failed and self.options.after_failure == "stop":
+                    self.log(f"a case failed: {outcome.error}")
+                    raise _FirstFailureError
+                if monotonic() > results.next_write:
+                    results.write()
         self.journal.sync()
-        self.results.write(fields=self.options.fields)
+
+    def _time(self, tasks: Sequence[Task]) -> None:
+        """Take the missing timed runs, one at a time."""
+        if not tasks:
+            return
+        outcomes = self._timed(tasks) if self._has_workers else self._here(tasks)
+        with (
+            closing(outcomes),
+            progress_of(self.study.name, "timing", len(tasks), "run", self.log) as progress,
+        ):
+            for task, outcome in outcomes:
+                self.journal.add_time(self.results.key(task.key), outcome)
+                progress.update()
+        self.journal.sync()
+
+    @property
+    def _has_workers(self) -> bool:
+        return bool(self.options.workers or self.options.scheduler)
+
+    def _outcomes(self, tasks: Sequence[Task]) -> Outcomes:
+        """Return an iterator over the tasks with their outcomes, as the options ask for."""
+        if not self._has_workers:
+            return self._here(tasks)
+        # what computes is imported where it is needed
+        from studies.engine.cluster import perform_on_workers
+        from studies.engine.slot import pickled_settings
+
+        return perform_on_workers(
+            tasks, pickled_settings(self.settings, self.results.program), self.options.time_limit,
+            self.stop, workers=min(self.options.workers, len(tasks)),
+            address=self.options.scheduler, log=self.log,
+        )  # fmt: skip
+
+    def _here(self, tasks: Sequence[Task]) -> Outcomes:
+        """Yield tasks with their outcomes, performed in this process; a signal is noticed between two.
+
+        What is computed can be another program's only where something was imported, or a file read.
+        """
+        warm_up()
+        program, checked, loaded = self.results.program, 0.0, len(sys.modules)
+        seeds = random.getstate(), np.random.get_state()  # noqa: NPY002
+        try:
+            with threadpool_limits(1):
+                for task in tasks:
+                    if self.results.key(task.key) in self.journal.untimed:
+                        continue
+                    with self.stop.interruptible():
+                        outcome = perform(task, self.settings)
+                    if (
+                        len(sys.modules) != loaded
+                        or self.study.depends
+                        or monotonic() > checked + CHECK_SECONDS
+                    ):
+                        program.check()
+                        checked, loaded = monotonic(), len(sys.modules)
+                    yield task, outcome
+            program.check()
+        finally:
+            random.setstate(seeds[0])
+            np.random.set_state(seeds[1])  # noqa: NPY002
+
+    def _timed(self, tasks: Sequence[Task]) -> Outcomes:
+        """Yield the outcomes of timed runs in one process apart, since a case may die there although it did not before.
+
+        There is no dask meanwhile: an idle one takes 3 % of a core.
+        """
+        from studies.engine.slot import Slot, pickled_settings
+
+        with Slot(pickled_settings(self.settings, self.results.program)) as slot:
+            for task in tasks:
+                if self.results.key(task.key) in self.journal.untimed:
+                    continue
+                # far beyond what a busy machine adds, so that only a case that hangs is given up
+                limit = min(
+                    5 + 10 * (task.expected or 0.0), self.options.time_limit or float("inf")
+                )
+                try:
+                    pickled = cloudpickle.dumps([task])
+                except Exception as error:  # noqa: BLE001 (a study's class may do anything)
+                    yield task, failed(error, "setup")
+                    continue
+                with self.stop.interruptible():
+                    (outcome,) = slot.perform(pickled, 1, limit, "")
+                yield task, outcome
 
     def _end(self) -> xr.Dataset:
         """Write the file, report the outcomes, and return the Dataset."""
-        dataset = self.results.stored() if self.options.fields == "none" else None
-        if dataset is None:
-            self.results.write(fields=self.options.fields)
-            dataset = read(self.results.path)
+        dataset = self.results.dataset()
         if "left_out" in dataset.attrs:
             self.log(f"left out: {dataset.attrs['left_out']}")
-        for sentence in summary_messages(points_of(dataset, self.study)):
+        for sentence in summary_messages(dataset):
             self.log(sentence)
-        untimed = map(self.journal.reason_without_times, self.request.cases)
+        untimed = (self.journal.untimed.get(self.results.key(case)) for case in self.request.cases)
         if reasons := [reason for reason in untimed if reason]:
             self.log(
                 f"{len(reasons)} cases have no times, the first since {reasons[0]}; --retime tries again"

@@ -164,17 +164,6 @@ class Axis:
             raise InvalidInput(f"{self.name} is {shortened(values)}: {FORMS[self.kind]}.")
         return Axis(self.name, tuple(parsed), self.long_name, self.units)
 
-    def with_stored(self, stored: Iterable[Value]) -> "Axis":
-        """Return this axis with `stored` values in place of those that differ from them by rounding alone."""
-        if self.kind is not float:
-            return self
-        first = [value for value in stored if isinstance(value, float)]
-        values = _without_rounding([*first, *self.values])[len(first) :]
-        changed = sum(old != new for old, new in zip(self.values, values, strict=True))
-        axis = Axis(self.name, tuple(dict.fromkeys(values)), self.long_name, self.units)
-        object.__setattr__(axis, "merged", self.merged + changed)
-        return axis
-
     def _convert(self, value: Value) -> Value:
         """Return a value as the type of this axis."""
         try:

@@ -1,6 +1,6 @@
 """Outcomes of computations, and their times, as variables of a Dataset."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import Any, Protocol, runtime_checkable
@@ -56,10 +56,6 @@ class Outcome:
         Wall time of the whole computation [s].
     fields
         Fields of the contact, where they are stored.
-    loaded
-        Fingerprints of what its process had imported, see :class:`~studies.store.fingerprint.modules.ImportRecorder`.
-    worker
-        Address of the dask worker that computed it; empty for this machine.
     sample
         Times of a timed run.
     """
@@ -69,8 +65,6 @@ class Outcome:
     failure: Failure | None = None
     seconds: float = 0.0
     fields: Mapping[str, xr.Variable] = field(default_factory=dict)
-    loaded: Mapping[str, str] = field(default_factory=dict)
-    worker: str = ""
     sample: "TimedRun | None" = None
 
     @property
@@ -131,17 +125,12 @@ class HasFields(Protocol):
 class RunSettings:
     """Settings of a run that every case needs.
 
-    `measures` returns the measured variables of a case and its result, which have no name of the `axes`; `time_limit`
-    is the longest time of a case [s].
+    `measures` returns the measured variables of a case and its result, which have no name of the `axes`.
     """
 
     measures: Measures
     keeps_fields: bool = False
-    time_limit: float | None = None
     axes: frozenset[str] = frozenset()
-
-
-OnFinished = Callable[[str, Outcome], None]
 
 
 # A neighbour on the core takes CPU time away; one on the memory bus, or a slower clock, makes repeats
@@ -196,15 +185,18 @@ def timing_variables(
 ) -> Mapping[str, xr.Variable]:
     """Return least, median and CPU time of each case, every sample along ``repeat``, and whether it can be trusted.
 
-    The variables are over the axes `names`; `index` has the number of the case at each point.
+    The variables are over the axes `names`; `index` has the number of the case at each point. There are none where no
+    case was timed.
     """
     data = {}
     repeats = max((len(runs) for runs in samples), default=0)
+    if not repeats:
+        return {}
 
     def seconds(attribute: str) -> np.ndarray:
         rows = [[getattr(sample, attribute) for sample in runs] for runs in samples]
-        filled = [row + [np.nan] * (max(repeats, 1) - len(row)) for row in rows]
-        return np.array(filled, dtype=float).reshape(len(samples), max(repeats, 1))
+        filled = [row + [np.nan] * (repeats - len(row)) for row in rows]
+        return np.array(filled, dtype=float).reshape(len(samples), repeats)
 
     def variable(values: np.ndarray, what: str, *further_dims: str) -> xr.Variable:
         return xr.Variable(names + further_dims, values[index], {"units": "s", "long_name": what})
@@ -218,8 +210,7 @@ def timing_variables(
         data[f"{name}_median"] = variable(middle, f"wall time {what}, median of the repeats")
         of_least = f"CPU time {what}, in the repeat of least wall time"
         data[f"{name}_cpu"] = variable(least_cpu, of_least)
-        if repeats:
-            data[f"{name}_all"] = variable(wall.data, f"wall time {what}, every repeat", "repeat")
+        data[f"{name}_all"] = variable(wall.data, f"wall time {what}, every repeat", "repeat")
     calibrations = [sample.calibration_time for runs in samples for sample in runs]
     fastest, not_timed = min(calibrations, default=np.inf), CONTENDED.index("not_timed")
     flag_values = [int(is_contended(runs, fastest)) if runs else not_timed for runs in samples]

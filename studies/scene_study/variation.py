@@ -13,7 +13,7 @@ import numpy as np
 import contactstudy as cs
 from contactstudy import InvalidInput, MeasuredSurface, Reading, Tile
 from contactstudy.domain.checks import parameters
-from contactstudy.domain.identity import canonical
+from contactstudy.domain.identity import digest
 from contactstudy.io.scene_files.scene_schema import KINDS, SceneDocument, Turn
 from contactstudy.io.scene_files.structuring import structured
 from studies.model.axis import Axis, Value
@@ -154,7 +154,7 @@ def variation(
     for entry in raw:
         made = _converted(field, entry)
         label = _label(made, entry)
-        if isinstance(label, str) and canonical(values.get(label, made)) != canonical(made):
+        if isinstance(label, str) and digest(values.get(label, made)) != digest(made):
             label = f"{label} ({len(values)})"  # of an array that its representation shortens
         values.setdefault(label, made)
     # an infinite value, such as a rigid body's modulus, has no place on a scale: such values are names

@@ -1,21 +1,16 @@
 """Outcomes as one labelled Dataset."""
 
 from collections import defaultdict
-from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import astuple, dataclass, replace
-from itertools import product
-from math import prod
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
+from dataclasses import astuple, dataclass
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from contactstudy.io.dataset import flags
-from studies.model.axis import MAX_POINTS, Axis, Value
+from studies.model.axis import Axis
 from studies.model.outcome import CaseStatus, Failure, Outcome, TimedRun, timing_variables
-from studies.model.study import Study
-from studies.store.journal import Journal
-from studies.store.request import CaseStates, Request
 
 # a table of all points may take this many times the bytes stored of a variable, and this many bytes more
 MAX_FILL_FACTOR, FREE_BYTES = 4, 2**28
@@ -26,10 +21,7 @@ Variables = Mapping[int, xr.Variable]  # by the number of the case
 
 @dataclass(frozen=True, eq=False)
 class PointTable:
-    """Axes of a table, and the key of the case at every point, in the order of the axes (last one fastest).
-
-    The key is empty where a case neither is requested nor stored.
-    """
+    """Axes of a table, and the key of the case at every point, in the order of the axes (last one fastest)."""
 
     axes: tuple[Axis, ...]
     keys: Sequence[str]
@@ -170,60 +162,3 @@ def _about_cases(
         column = np.array(values, dtype=object)[index]
         data[name] = xr.Variable(names, column, {"long_name": long_name})
     return data
-
-
-def points_of(dataset: xr.Dataset, study: Study) -> xr.Dataset:
-    """Return the points of `dataset` that `study` requests; for numbers, those nearest to its values."""
-    for axis in study.axes:
-        method = None if axis.kind is str else "nearest"  # which is found among sorted values
-        dataset = dataset.sortby(axis.name).sel({axis.name: list(axis.values)}, method=method)
-    return dataset
-
-
-def stored_table(study: Study, request: Request, journal: Journal) -> PointTable:
-    """Return the requested points, with every value of an axis at which a case is stored.
-
-    A combination of values at which nothing is stored is NOT_RUN. Where this table would be too
-    large, it has the requested points only.
-    """
-    axes = tuple(_grown(axis, journal.axes.get(axis.name, ())) for axis in study.axes)
-    shape = tuple(len(axis.values) for axis in axes)
-    if axes == study.axes or prod(shape) > MAX_POINTS:
-        return PointTable(study.axes, request.keys)
-    points = product(*(axis.values for axis in study.axes))
-    keys, states = dict(zip(points, request.keys, strict=True)), CaseStates()
-    case_keys = [
-        keys.get(values) or _stored_key(study, values, journal, states)
-        for values in product(*(axis.values for axis in axes))
-    ]
-    table = np.array(case_keys, dtype=object).reshape(shape)
-    chosen = [np.unique(indices) for indices in (table != "").nonzero()]
-    axes_in_use = tuple(
-        replace(axis, values=tuple(axis.values[index] for index in indices))
-        for axis, indices in zip(axes, chosen, strict=True)
-    )
-    return PointTable(axes_in_use, table[np.ix_(*chosen)].ravel().tolist())
-
-
-def _stored_key(study: Study, values: Sequence[Value], journal: Journal, states: CaseStates) -> str:
-    """Return the key of the case at these values; empty where it is not stored."""
-    point = dict(zip((axis.name for axis in study.axes), values, strict=True))
-    try:
-        identity = states.identity(point, study.case_at(point))
-    except Exception:  # noqa: BLE001 (a point that was not requested may be invalid)
-        return ""
-    record = journal.records.get(identity.key)
-    return identity.key if record is not None and record.is_of(identity) else ""
-
-
-def _grown(axis: Axis, stored: Iterable[Value]) -> Axis:
-    """Return the axis with stored values of its type added; numbers in rising order stay in rising order."""
-    kind = axis.kind
-    alike = (float, int) if kind is float else (kind,)
-    before = [kind(value) for value in stored if type(value) in alike]
-    values = list(dict.fromkeys([*before, *axis.values]))
-    if kind is not str and list(axis.values) == sorted(axis.values):
-        values.sort()
-    if set(values) == set(axis.values):
-        return axis
-    return replace(axis, values=tuple(values))

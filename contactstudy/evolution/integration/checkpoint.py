@@ -20,7 +20,7 @@ from contactstudy.domain.files import (
     remove_partial_files,
     write_with_checksum,
 )
-from contactstudy.domain.identity import canonical, key
+from contactstudy.domain.identity import digest
 from contactstudy.domain.imports import import_for
 from contactstudy.domain.version import VERSION, source_hash
 
@@ -62,8 +62,8 @@ class Checkpoint:
             damaged files.
         """
         self.folder.mkdir(parents=True, exist_ok=True)
-        identity = {"request": canonical(request), "version": VERSION, "source": source_hash()}
-        self.request_hash = key(identity)
+        identity = {"request": digest(request), "version": VERSION, "source": source_hash()}
+        self.request_hash = digest(identity)
 
         def refuse(holder: str) -> None:
             raise InvalidInput(

@@ -1,0 +1,143 @@
+"""Computation and timing of one case, where any error is an outcome of the case."""
+
+import contextvars
+import os
+import random
+from dataclasses import dataclass, replace
+from time import perf_counter, process_time
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from contactstudy.domain.reuse import ArrayCache, caching
+from studies.model import measured
+from studies.model.case import Computation
+from studies.model.measured import check_size, measured_variables
+from studies.model.outcome import (
+    RESERVED_NAMES,
+    CaseStatus,
+    Failure,
+    HasFields,
+    Outcome,
+    RunSettings,
+    TimedRun,
+)
+from studies.model.plain_text import one_line, place_of
+from studies.store.stop import StopRun
+
+# Arrays that cases of this process share, such as the coefficients of equal grids: up to so many bytes. Timed runs
+# compute their own.
+SHARED_ARRAYS = ArrayCache(2**26)
+REFERENCE_FIELD = np.outer(np.cos(np.arange(128.0)), np.sin(np.arange(128.0)))
+# Seconds. A first timed run of a kind of case that takes less is preceded by an untimed one, so that imports and the
+# first allocation of memory are not timed; in a longer case they are negligible.
+MAX_WARM_UP = 0.3
+WARM: set[type] = set()
+
+
+@dataclass(frozen=True, eq=False)
+class Task:
+    """A case to compute; or to time once, where it is expected to take so many seconds."""
+
+    key: str
+    case: Computation
+    expected: float | None = None
+
+
+@dataclass
+class Stage:
+    """Name of the stage that a case has reached."""
+
+    name: str
+
+
+def perform(task: Task, settings: RunSettings) -> Outcome:
+    """Return the outcome of a task: a case computed and measured, or timed; its errors are outcomes, too.
+
+    It does not depend on the tasks before it, unless these change their process: generators of random numbers start
+    from the key of the case, and what is set for a context (such as numpy's error state) ends with it.
+    """
+    start, process = perf_counter(), os.getpid()
+    act, stage = (_computed, Stage("setup")) if task.expected is None else (_timed, Stage("timing"))
+    seed = int(task.key[:8], 16)
+    random.seed(seed)
+    np.random.seed(seed)  # noqa: NPY002 (for cases that use numpy's own generator)
+    try:
+        outcome = contextvars.copy_context().run(act, task, settings, stage)
+        outcome = replace(outcome, seconds=perf_counter() - start)
+    except StopRun:
+        raise
+    except BaseException as error:  # noqa: BLE001 (whatever a study's own code raises is data)
+        outcome = failed(error, stage.name, perf_counter() - start)
+    if os.getpid() != process:
+        # a case has forked, and this is its child, which must not go on with the run
+        os._exit(0)
+    return outcome
+
+
+def _computed(task: Task, settings: RunSettings, stage: Stage) -> Outcome:
+    """Return the outcome of a case, computed and measured."""
+    case: Any = task.case
+    with caching(SHARED_ARRAYS):
+        prepared = case.prepare()
+        stage.name = "solve"
+        result = case.run(prepared)
+        stage.name = "measure"
+        reserved, fields = RESERVED_NAMES | settings.axes, {}
+        variables = measured_variables(settings.measures(case, result), reserved)
+        if recorded := measured_variables(case.record(result), reserved, "record"):
+            variables = measured_variables(variables | recorded, reserved)
+        check_size(variables)
+        if settings.keeps_fields and isinstance(case, HasFields):
+            fields = measured_variables(case.fields(result), (), "fields")
+    return Outcome(CaseStatus.OK, variables, fields=fields)
+
+
+def _timed(task: Task, _: RunSettings, __: Stage) -> Outcome:
+    """Return the outcome of a timed run of a case, which has its wall and CPU times."""
+    case, expected = task.case, task.expected or 0.0
+    if type(case) not in WARM and expected < MAX_WARM_UP:
+        WARM.add(type(case))
+        case.run(case.prepare())
+    return Outcome(CaseStatus.OK, sample=time_once(case))
+
+
+def time_once(case: Computation) -> TimedRun:
+    """Return the wall and CPU time of one run of a case."""
+    before = _reference_time()
+    wall, cpu = perf_counter(), process_time()
+    prepared = case.prepare()
+    ready, ready_cpu = perf_counter(), process_time()
+    case.run(prepared)
+    finished, finished_cpu = perf_counter(), process_time()
+    times = ready - wall, finished - ready, ready_cpu - cpu, finished_cpu - ready_cpu
+    return TimedRun(*times, max(before, _reference_time()))
+
+
+def _reference_time() -> float:
+    """Return the wall time [s] of a fixed piece of work, a transform of 128 x 128 cells: the least of three."""
+    least = np.inf
+    for _ in range(3):
+        start = perf_counter()
+        np.fft.irfft2(np.fft.rfft2(REFERENCE_FIELD))
+        least = min(least, perf_counter() - start)
+    return float(least)
+
+
+def failed(error: BaseException, stage: str, seconds: float = 0.0) -> Outcome:
+    """Return the outcome of a case that raised `error`, with its place in the study's code."""
+    name = one_line(type(error).__name__, 100)
+    place = place_of(error, __file__, measured.__file__)
+    failure = Failure(name, f"{name}{place}: {one_line(error)}", stage)
+    return Outcome(CaseStatus.FAILED, {}, failure, seconds)
+
+
+def ended(status: CaseStatus, kind: str, sentence: str, seconds: float) -> Outcome:
+    """Return the outcome of a case whose process ended during it."""
+    return Outcome(status, {}, Failure(kind, f"{kind}: {sentence}", "unknown"), seconds)
+
+
+def warm_up() -> None:
+    """Make xarray look for optional packages, which takes 0.3 s at its first variable, before a case is timed."""
+    xr.Variable((), 0.0)

@@ -1,0 +1,74 @@
+"""What a run would compute and how long that would take, from the plans of some of its cases."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import contactstudy as cs
+from studies.engine.options import RunOptions
+from studies.engine.request import Request
+from studies.engine.run import JOURNAL, MANY_POINTS, Results, with_name
+from studies.model.case import Computation
+from studies.model.plain_text import Log, two_digits
+from studies.model.study import Study
+from studies.store.journal import Journal
+from studies.store.provenance import machine
+
+MAX_PLANNED = 16  # cases that are planned at most, evenly spaced
+
+
+def estimate_cost(
+    study: Study, out: Path, *, options: RunOptions, log: Log = print
+) -> float | None:
+    """Report what :func:`run` would do, and return the seconds to compute; None where the plan of a case fails.
+
+    No case is computed and nothing is stored: the plans of some cases solve coarse grids. Of a large study some points
+    are looked at, evenly spaced. A damaged file of fields is set aside, as in a run.
+    """
+    study.check_size(options.max_points)
+    every, log = study.size, with_name(study, log)
+    while study.size > MANY_POINTS:
+        longest = max(study.axes, key=lambda axis: len(axis.values))
+        thinned = replace(longest, values=longest.values[::2])
+        points = tuple(thinned if axis is longest else axis for axis in study.axes)
+        study = replace(study, axes=points)
+    scale = every / study.size
+    if scale > 1:
+        log(f"{every} points, estimated from {study.size} of them in proportion")
+    results = Results(study, Request.of(study), Journal(out / JOURNAL, machine()), options, log)
+    for note in study.notes:
+        log(note)
+    if options.old_times == "dropped":
+        results.journal.samples.clear()
+        results.journal.untimed.clear()
+    cases, missing = results.request.cases, results.missing()
+    runs = len(results.timed_tasks()) + results.repeats * len(missing)
+    counts = (len(results.request.keys), len(cases), len(cases) - len(missing), len(missing), runs)
+    text = "{} points, {} distinct cases, {} stored, {} to compute, {} timed runs to take"
+    log(text.format(*(round(scale * count) for count in counts)))
+    try:
+        seconds = planned_seconds([cases[name] for name in missing])
+    except AttributeError:
+        log("the time is not known: its cases are not scenes on a grid, and have no plan")
+        return None
+    except Exception as error:  # noqa: BLE001 (a study's own computation is anything)
+        log(f"the time is not known: the plan of a case failed ({type(error).__name__}: {error})")
+        return None
+    if missing:
+        timing = f", {two_digits(scale * seconds * runs / len(missing))} s to time" if runs else ""
+        log(f"about {two_digits(scale * seconds)} s to compute (shared by the workers){timing}")
+    return scale * seconds
+
+
+def planned_seconds(cases: Sequence[Computation]) -> float:
+    """Return the seconds of all cases, one after the other on one thread, from the plans of a few of them."""
+    chosen: Sequence[Any] = cases[:: -(-len(cases) // MAX_PLANNED) or 1]
+    planned = [
+        cs.plan(
+            case.scene, grid=case.grid, padding=case.padding,
+            times=getattr(case, "time_steps", None),
+        ).seconds
+        for case in chosen
+    ]  # fmt: skip
+    return sum(planned) * len(cases) / max(len(planned), 1)

@@ -1,1 +1,0 @@
-"""Worker processes, which compute cases, and the messages between them and their supervisors."""

@@ -1,1 +1,0 @@
-"""Fingerprints of code: modules, functions and study files that a number was computed with. May import `model`."""

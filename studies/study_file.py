@@ -44,6 +44,7 @@ def module_in(path: Path) -> ModuleType:
         source = path.read_bytes()
         vars(module).update(__file__=str(path.absolute()), __source__=source)
         exec(compile(source, str(path.absolute()), "exec"), vars(module))
+    look()
     for part in NEEDED:
         if not hasattr(module, part):
             raise InvalidInput(

@@ -56,7 +56,7 @@ def _parts(value: Any, memo: Memo) -> Any:
             return name, repr(value.dtype), value.shape, strides, content
     elif is_dataclass(value) and not isinstance(value, type):
         if id(value) not in memo:
-            memo[id(value)] = value, digest((name, repr(_of_dataclass(value, memo))))
+            memo[id(value)] = value, hashed(repr((name, _of_dataclass(value, memo))).encode())
         return memo[id(value)][1]
     elif kind in (tuple, list):
         return name, tuple(_parts(item, memo) for item in value)
@@ -91,9 +91,10 @@ def _name(kind: type, memo: Memo) -> str:
 
 def _of_dataclass(value: Any, memo: Memo) -> Any:
     """Return the compared fields of a dataclass, and its further attributes, by their names."""
-    compared, known = _fields(type(value))
-    further = [name for name in getattr(value, "__dict__", ()) if name not in known]
-    return tuple((name, _parts(getattr(value, name), memo)) for name in (*compared, *further))
+    kind: Any = type(value)
+    compared, known = _fields(kind)
+    further = getattr(value, "__dict__", {}).keys() - known
+    return [(name, _parts(getattr(value, name), memo)) for name in (*compared, *sorted(further))]
 
 
 @cache

@@ -74,16 +74,17 @@ def seconds_left(instants: list[float], total: int) -> float | None:
     total
         Number of all items.
 
-    The last half of the items tells the time of one, without the start of processes, if the last quarter agrees.
+    The last half of the items tells the time of one, without the start of processes, if its two halves agree.
     """
     done = len(instants) - 1
     half, quarter = done // 2, done // 4
     if quarter < 2:
         return None
-    slope, last_slope = ((instants[-1] - instants[-1 - of]) / of for of in (half, quarter))
-    if not slope / 2 < last_slope < 2 * slope:
+    begin, middle, end = (instants[done - of] for of in (half, quarter, 0))
+    before, after = (middle - begin) / (half - quarter), (end - middle) / quarter
+    if not before / 2 < after < 2 * before:
         return None
-    return slope * (total - done)
+    return (end - begin) / half * (total - done)
 
 
 class _Lines:

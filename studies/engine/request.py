@@ -10,6 +10,7 @@ from studies.model.case import Computation
 from studies.model.outcome import RESERVED_NAMES
 from studies.model.plain_text import shortened
 from studies.model.study import Point, Study
+from studies.store.journal import without_garbage_collection
 from studies.store.program import Program
 
 
@@ -23,6 +24,7 @@ class Request:
     program: Program
 
     @classmethod
+    @without_garbage_collection()
     def of(cls, study: Study) -> "Request":
         """Return the request of a study; each distinct case is made once.
 

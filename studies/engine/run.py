@@ -16,9 +16,9 @@ import xarray as xr
 from threadpoolctl import threadpool_limits
 
 from contactstudy import InvalidInput
-from contactstudy.domain.files import is_damaged, remove_partial_files
+from contactstudy.domain.files import read_verified, remove_partial_files
 from contactstudy.domain.files import set_aside as set_damaged_aside
-from contactstudy.domain.identity import digest
+from contactstudy.domain.identity import hashed
 from studies.engine.compute import Task, failed, perform, warm_up
 from studies.engine.options import RunOptions
 from studies.engine.progress import progress_of
@@ -137,7 +137,7 @@ class Results:
         if self.options.fields != "kept" or status is not CaseStatus.OK:
             return True
         path = self.fields_path(case)
-        if path.is_file() and is_damaged(path):
+        if path.is_file() and read_verified(path) is None:
             self.log(f"{path} is damaged: it is set aside as {set_damaged_aside(path).name}")
         return path.is_file()
 
@@ -215,7 +215,7 @@ class Results:
         ]
         times = [repr(self.journal.samples[key]) for key in keys if key in self.journal.samples]
         about = [study.title, *study.notes, sorted(self.skipped), dict(study.attributes)]
-        return digest([about, axes, "".join(stored), "".join(times)])
+        return hashed(repr((about, axes, stored, times)).encode())
 
 
 class _Run:

@@ -23,7 +23,7 @@ from threadpoolctl import threadpool_limits
 from contactstudy import InvalidInput
 from studies.engine.compute import failed, perform, warm_up
 from studies.model.outcome import RunSettings
-from studies.store.program import Program, own_digests
+from studies.store.program import Program, look, own_digests
 
 IDLE_TIMEOUT = 120.0  # seconds without a request after which it ends
 BATCH_SECONDS = 0.25  # seconds of work after which no further task of a batch is begun
@@ -73,6 +73,7 @@ def _serve(connection: Connection, settings: bytes, where: str) -> None:
     problem = ""
     try:
         run, program = pickle.loads(settings)
+        look()
     except Exception as error:  # noqa: BLE001 (a study's module may do anything)
         problem = failed(error, "setup").error
     connection.send(problem)

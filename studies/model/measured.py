@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from contactstudy import InvalidInput
-from studies.model.plain_text import is_storable, name_problem, one_line, shortened
+from studies.model.plain_text import is_storable, name_problem, shortened
 
 # Attributes by which netCDF, CF or xarray change values, hide them or move them elsewhere.
 RESERVED = frozenset(
@@ -90,7 +90,8 @@ def _variable(name: object, value: object, source: str, reserved: frozenset[str]
             _check_scalar(value, invalid)
         elif np.ndim(value) != 0 or isinstance(value, Mapping | set | frozenset):  # type: ignore[arg-type]
             raise invalid(value, "give xarray.Variable(dims, values) for more than one number")
-        value = xr.Variable((), value, {"long_name": one_line(name.replace("_", " "))})
+        scalar = _values(name, np.asarray(value), invalid)
+        return xr.Variable((), scalar, {"long_name": name.replace("_", " ")})
     for dim in value.dims:
         if problem := name_problem(dim):
             raise InvalidInput(f"{source} gives {name!r} along {shortened(dim)}: {problem}.")

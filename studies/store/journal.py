@@ -74,7 +74,7 @@ class Journal:
         # of a program that was killed, or of a full disk
         self._is_torn = bool(content) and not content.endswith(b"\n")
         self._is_of_other_format = False
-        with _without_garbage_collection():
+        with without_garbage_collection():
             for raw in content.split(b"\n"):
                 line = decoded(raw) if raw else None
                 if line is None or not self._try_apply(line):
@@ -257,7 +257,7 @@ def set_aside(path: Path) -> Path:
 
 
 @contextmanager
-def _without_garbage_collection() -> Iterator[None]:
+def without_garbage_collection() -> Iterator[None]:
     """Disable garbage collection in a block that makes many lasting objects, where it would take a third of the time."""
     was_enabled = gc.isenabled()
     gc.disable()

@@ -11,7 +11,8 @@ import site
 import sys
 import sysconfig
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache, cached_property
 from importlib.metadata import PackageNotFoundError, packages_distributions, version
@@ -41,7 +42,15 @@ INSTALLED = tuple(
         *site.getsitepackages(), site.getusersitepackages(),
     }
 )  # fmt: skip
-IMPORT = re.compile(rb"^[ \t]*(?:from[ \t]+(\w+)|import[ \t]+([^#\n]+))", re.MULTILINE)
+IMPORT = re.compile(
+    rb"(?:^|[;:])[ \t]*(?:from[ \t]+([.\w]+)[ \t]+import\b[ \t]*(\([^)]*\)|[^#;\n]*)|import[ \t]+([^#;\n]+))",
+    re.MULTILINE,
+)
+WORD = re.compile(rb"\w+")
+# words of a source that may import any module
+AT_RUN_TIME = re.compile(
+    rb"\b(?:import_module|__import__|spec_from_file_location|pkgutil|runpy|exec)\b"
+)
 UNREADABLE, MEASURES = "cannot be read", "the study's measures"
 
 Digests = Mapping[str, str]  # of files and versions, by their names
@@ -79,26 +88,23 @@ class Program:
         }
         modules = {name: vars(sys.modules[name]) for name in named if name in sys.modules}
         users = {name: module for name, module in modules.items() if _is_users(name, module)}
-        sources = list[bytes]()
+        sources = {name: of["__source__"] for name, of in users.items() if "__source__" in of}
         for name, module in users.items():
-            if (
-                "__source__" in module
-            ):  # a study file, whose bytes were read once, and are sent to workers
-                about[Path(module["__file__"]).name] = hashed(module["__source__"])
-                sources.append(module["__source__"])
+            if name in sources:  # a study file, whose bytes were read once, and are sent to workers
+                about[Path(module["__file__"]).name] = hashed(sources[name])
             elif (
                 "__file__" not in module
             ):  # typed at a prompt or in a notebook: known in this session alone
                 kinds = [of for of, _ in memo.values() if getattr(of, "__module__", "") == name]
                 about["typed code"] = hashed(_pickled((study.measures, type(case), kinds)))
         if users:
-            files = user_files()
-            main = users.get("__main__", {}).get("__file__")
-            files |= {"__main__": Path(main)} if main else {}
+            look()
+            files = _imported(users, sources)
             about |= {name: content(path) for name, path in files.items()}
-            sources += [source for path in files.values() if (source := _bytes(path))]
-            about |= _versions_imported(sources, files)
-            _refuse([name for name, path in files.items() if _is_newer(path, _not_loaded_at(name))])
+            _refuse([name for name in files if _LOADED.get(name, about[name]) != about[name]])
+            texts = [*sources.values(), *(_bytes(path) or b"" for path in files.values())]
+            names = [name for text in texts for name in imported_names(text)]
+            about |= _versions_imported(names, files)
         loaded = modules.get(getattr(study.case_at, "__module__", ""), {}).get("__depends__", {})
         paths = {name: study.folder / name for name in study.depends}
         about |= {name: content(path) for name, path in paths.items()}
@@ -114,7 +120,7 @@ class Program:
     @cached_property
     def key(self) -> str:
         """Digest of all of it."""
-        return digest(dict(self.digests))
+        return digest(sorted(self.digests.items()))
 
     def check(self, where: str = "") -> None:
         """Raise InvalidInput if the program in this process, `where` it is said to be, is not this one.
@@ -122,18 +128,15 @@ class Program:
         Its files are looked at as they are now; that takes half a millisecond.
         """
         files = user_files() if self._has_users else {}
-        if unknown := sorted(files.keys() - self.digests.keys()):
+        if unknown := sorted(files.keys() - self.digests.keys() - _LOADED.keys()):
             raise InvalidInput(
                 f"{_listed(unknown)} was imported while a case was computed: import it at the top of the study's file."
             )
-        own = own_digests()
+        files = {name: path for name, path in files.items() if name in self.digests}
         now = {
-            **own,
-            **{
-                name: _content_now(path)
-                for name, path in {**_own_files(), **files, **self.paths}.items()
-            },
+            name: _content_now(of) for name, of in ({**_own_files(), **files, **self.paths}).items()
         }
+        now = {**own_digests(), **now}
         differing = [name for name in now if now[name] != self.digests.get(name)]
         if differing:
             what = f"{_listed(differing)} changed since the run was started"
@@ -204,7 +207,7 @@ def user_files() -> dict[str, Path]:
         name: Path(module["__file__"])
         for name, module in modules
         if module.get("__file__") and "__source__" not in module and _is_users(name, module)
-        and name not in ("__main__", "__mp_main__")
+        and name != "__mp_main__"
     }  # fmt: skip
 
 
@@ -216,37 +219,80 @@ def _is_users(name: str, module: Mapping[str, Any]) -> bool:
     return not str(file).startswith(INSTALLED) if file else name == "__main__"
 
 
-def _versions_imported(sources: Iterable[bytes], files: Mapping[str, Path]) -> dict[str, str]:
-    """Return the versions of further distributions that sources of the user's import by name, also in a function."""
-    named = set[str]()
-    for source in sources:
-        for origin, several in IMPORT.findall(source):
-            parts = [origin] if origin else several.split(b",")
-            named |= {part.strip().partition(b" ")[0].partition(b".")[0].decode() for part in parts}
-    known = {*sys.stdlib_module_names, *PACKAGES, *(name.partition(".")[0] for name in files)}
-    if not (named := named - known):
-        return {}
-    distributions = packages_distributions()
-    return {of: version(of) for name in named for of in distributions.get(name, ())}
+def _imported(start: Iterable[str], sources: Mapping[str, bytes]) -> dict[str, Path]:
+    """Return the files of the user's loaded modules that the modules of some names import, these included.
+
+    `sources` are those of study files by the names of their modules. A name that is imported need not be a module.
+    """
+    loaded, found = user_files(), dict[str, Path]()
+    queue = list(start)
+    seen = set(queue)
+    while queue:
+        name = queue.pop()
+        source = sources.get(name, b"")
+        if name in loaded:
+            found[name] = loaded[name]
+            source = _bytes(loaded[name]) or b""
+        named = set(imported_names(source, name, loaded.get(name)))
+        if AT_RUN_TIME.search(source):
+            named |= loaded.keys()
+        queue += named - seen
+        seen |= named
+    return found
 
 
-# instants at which modules were looked for in vain before they were loaded, by name [s since the epoch]
-_NOT_LOADED_AT: dict[str, float] = {}
+def imported_names(source: bytes, module: str = "", path: Path | None = None) -> Iterator[str]:
+    """Yield the dotted names that a source imports, also in its functions, and those of the packages that they are in.
+
+    Relative ones are those of the module with a name and a path.
+    """
+    package = module.split(".") if path and path.stem == "__init__" else module.split(".")[:-1]
+    yield from _with_parents(module)
+    for origin, names, modules in IMPORT.findall(source.replace(b"\\\n", b" ")):
+        base = origin.decode().lstrip(".")
+        if dots := len(origin) - len(base):
+            base = ".".join([*package[: len(package) - dots + 1], *filter(None, [base])])
+        several = [part.split()[0].decode() for part in modules.split(b",") if part.split()]
+        for name in (*several, base, *(f"{base}.{part.decode()}" for part in WORD.findall(names))):
+            yield from _with_parents(name)
+
+
+def _with_parents(name: str) -> Iterator[str]:
+    """Yield a dotted name and those of the packages that it is in."""
+    parts = name.split(".")
+    for end in range(1, len(parts) + 1):
+        yield ".".join(parts[:end])
+
+
+def _versions_imported(names: Iterable[str], files: Mapping[str, Path]) -> dict[str, str]:
+    """Return the versions of the further distributions that have modules of some names."""
+    known = {*sys.stdlib_module_names, *PACKAGES, "", *(name.partition(".")[0] for name in files)}
+    named = {name.partition(".")[0] for name in names} - known
+    return {of: version(of) for name in named for of in _distributions(name)}
+
+
+@cache
+def _distributions(module: str) -> list[str]:
+    """Return the names of the distributions that have a module; most have one of their own name, which is quick."""
+    with suppress(PackageNotFoundError):
+        version(module)
+        return [module]
+    return list(packages_distributions().get(module, ()))
+
+
+# digests of the user's modules as they were loaded, by name; empty where that is not certain
+_LOADED: dict[str, str] = {}
 _looked = LOADED
 
 
 def look() -> None:
-    """Note which modules are loaded now: others will have been loaded later."""
+    """Note the digests of the user's modules that were loaded since the last look."""
     global _looked
-    for name in list(sys.modules):
-        _NOT_LOADED_AT.setdefault(name, _looked)
-    _looked = time.time()
-
-
-def _not_loaded_at(name: str) -> float:
-    """Return an instant [s since the epoch] before which the module of a name was not loaded."""
-    look()
-    return _NOT_LOADED_AT[name]
+    now = time.time()
+    for name, path in user_files().items():
+        if name not in _LOADED:
+            _LOADED[name] = "" if _is_newer(path, _looked) else content(path)
+    _looked = now
 
 
 def _is_newer(path: Path, instant: float) -> bool:

@@ -10,7 +10,6 @@ from studies.engine.options import RunOptions
 from studies.engine.run import run
 from studies.store.journal import Journal
 from studies.store.provenance import machine
-from studies.store.request import Request
 from tests.campaigns.conftest import case_count
 from tests.studies.conftest import quiet
 from tests.studies.engine import trouble
@@ -21,25 +20,24 @@ Said = dict[str, object]
 
 
 @pytest.fixture(scope="module")
-def whole(tmp_path_factory: pytest.TempPathFactory) -> tuple[bytes, Request]:
+def whole(tmp_path_factory: pytest.TempPathFactory) -> bytes:
     folder = tmp_path_factory.mktemp("whole")
-    sweep = trouble.study(NUMBERS)
-    run(sweep, folder, options=ALONE, log=quiet)
-    return (folder / "trouble.journal.jsonl").read_bytes(), Request.of(sweep)
+    run(trouble.study(NUMBERS), folder, options=ALONE, log=quiet)
+    return (folder / "cases.jsonl").read_bytes()
 
 
-def content(path: Path, request: Request) -> Said:
-    records = Journal(path, request.context, machine()).records
+def content(path: Path) -> Said:
+    journal = Journal(path, machine())
     return {
-        key: (
-            record.case_status,
-            dict(record.identity.point),
+        str(key): (
+            outcome.case_status,
             [
                 (name, v.dims, v.dtype.str, v.values.tolist(), dict(v.attrs))
-                for name, v in record.outcome.variables.items()
+                for name, v in outcome.variables.items()
             ],
         )
-        for key, record in records.items()
+        for key in journal.cases
+        if (outcome := journal.outcome(key)) is not None
     }
 
 
@@ -65,17 +63,16 @@ def damages(raw: bytes) -> Iterator[bytes]:
         yield b"".join(rng.sample(lines, len(lines)))
 
 
-def test_no_damage_makes_a_wrong_value(whole: tuple[bytes, Request], tmp_path: Path) -> None:
-    raw, request = whole
-    path = tmp_path / "trouble.journal.jsonl"
-    path.write_bytes(raw)
-    right = content(path, request)
+def test_no_damage_makes_a_wrong_value(whole: bytes, tmp_path: Path) -> None:
+    path = tmp_path / "cases.jsonl"
+    path.write_bytes(whole)
+    right = content(path)
     assert len(right) == len(NUMBERS)
     found: Said = {}
-    for damaged in damages(raw):
+    for damaged in damages(whole):
         path.write_bytes(damaged)
         with suppress(InvalidInput):  # nothing of it is a journal
-            found = content(path, request)
+            found = content(path)
         assert found.items() <= right.items()
 
 
@@ -83,20 +80,19 @@ def test_no_damage_makes_a_wrong_value(whole: tuple[bytes, Request], tmp_path: P
     "foreign", ["precious without newline", "a\nb\n", "\0" * 100, "{}\n", "[1]\n"]
 )
 def test_a_file_that_is_no_journal_is_left_as_it_is(foreign: str, tmp_path: Path) -> None:
-    path = tmp_path / "trouble.journal.jsonl"
+    path = tmp_path / "cases.jsonl"
     path.write_text(foreign)
     with pytest.raises(InvalidInput, match="is not a journal of this program: move the file away"):
         run(trouble.study([1]), tmp_path, options=ALONE, log=quiet)
     assert path.read_text(encoding="utf-8") == foreign
 
 
-@pytest.mark.parametrize("name", ["trouble.journal.jsonl", ".trouble.lock"])
-def test_a_link_is_not_followed(name: str, tmp_path: Path) -> None:
+def test_a_link_is_not_followed(tmp_path: Path) -> None:
     victim = tmp_path / "precious"
     victim.write_text("precious")
     folder = tmp_path / "out"
     folder.mkdir()
-    (folder / name).symlink_to(victim)
+    (folder / "cases.jsonl").symlink_to(victim)
     with pytest.raises(InvalidInput, match="it is a symbolic link, which is not followed"):
         run(trouble.study([1]), folder, options=ALONE, log=quiet)
     assert victim.read_text(encoding="utf-8") == "precious"

@@ -31,7 +31,7 @@ from tests.studies.engine.trouble import Square, study_of
 CASES = 24
 # whom, at which event of which phase, with how many workers
 PLACES = (
-    ("parent", "solving", CASES, 2), ("worker", "solving", CASES, 2), ("server", "solving", CASES, 2),
+    ("parent", "solving", CASES, 2), ("worker", "solving", CASES, 2), ("keeper", "solving", CASES, 2),
     ("parent", "timing", CASES, 2), ("worker", "timing", CASES, 2), ("parent", "writing", 3, 2),
     ("parent", "drawing", 1, 2), ("parent", "solving", CASES, 0), ("parent", "writing", 3, 0),
 )  # fmt: skip
@@ -57,7 +57,7 @@ def event(phase: str) -> None:
         return
     with suppress(FileExistsError):
         Path(folder, "killed").touch(exist_ok=False)
-        victims = {"parent": parent(), "worker": os.getpid(), "server": os.getppid()}
+        victims = {"parent": parent(), "worker": os.getpid(), "keeper": os.getppid()}
         os.kill(victims[target], signal.Signals[name])
 
 
@@ -124,8 +124,8 @@ def test_after_a_kill_the_same_command_ends_with_every_number(
         for _ in range(2)
     )  # fmt: skip
     assert (events / "killed").exists()
-    # the run itself goes on without a worker or a server
-    assert (first.returncode == 0) == (target in ("worker", "server")), first.stdout
+    # the run itself goes on without a worker or its keeper
+    assert (first.returncode == 0) == (target in ("worker", "keeper")), first.stdout
     # the script lets KeyboardInterrupt pass, as any script does
     assert name == "SIGINT" or "Traceback" not in first.stdout
     assert second.returncode == 0, second.stdout

@@ -41,7 +41,7 @@ from studies.cli.commands import cli
 assert CliRunner().invoke(cli, ["studies"]).exit_code == 0
 assert drawing() == []
 import cloudpickle, pickle
-import studies.engine.workers.preload
+import studies.engine.serving
 from studies.model.outcome import RunSettings
 from studies.registry import BUILT_IN, load
 for name in BUILT_IN:

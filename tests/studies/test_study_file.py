@@ -1,10 +1,10 @@
 from pathlib import Path
 
 import pytest
+from studies.engine.request import Request
 
 from contactstudy import InvalidInput
 from studies.registry import load
-from studies.store.request import Request
 
 GOOD = '''"""Plain numbers."""
 from dataclasses import dataclass

@@ -80,7 +80,7 @@ def statuses():
     return run(study, folder, options=options, log=said.append)["case_status"].values.tolist()
 
 found["statuses"] = statuses()
-journal = folder / "trouble.journal.jsonl"
+journal = folder / "cases.jsonl"
 journal.write_bytes(journal.read_bytes().replace(b"square", b"squire", 1))
 found["again"] = statuses()
 
@@ -115,8 +115,8 @@ def test_a_study_runs_goes_on_and_labels_its_failures_without_posix(tmp_path: Pa
     found = json.loads(done.stdout.splitlines()[-1])
     ok, failed, timeout = CaseStatus.OK, CaseStatus.FAILED, CaseStatus.TIMEOUT
     assert found["statuses"] == found["again"] == [ok, ok, failed, timeout]
-    assert any("1 damaged lines of the journal are set aside" in line for line in found["said"])
+    assert any("1 lines of cases.jsonl are damaged" in line for line in found["said"])
     assert any("3 cases are stored, 1 to compute" in line for line in found["said"])
     assert "waiting for process" in found["holder"]
-    assert found["refused"].startswith("time_limit is 1.0 and workers is 0: this system cannot")
+    assert found["refused"].startswith("time_limit is 1.0 and workers is 0: a case in this process")
     assert 0 < found["bytes"] < float("inf")

@@ -10,16 +10,14 @@ from threadpoolctl import threadpool_info, threadpool_limits
 
 import contactstudy as cs
 from contactstudy.domain.checks import InvalidInput
-from studies.engine.in_process import compute_here
+from studies.engine.cost import estimate_cost
 from studies.engine.options import RunOptions
-from studies.engine.run import estimate_cost, run
+from studies.engine.run import run
 from studies.model.case import Case, TimedAnswer
-from studies.model.outcome import Outcome, RunSettings
 from studies.model.study import Study
 from studies.reference.line_contact import HERTZ, measures
 from studies.registry import load
 from studies.store.netcdf import read
-from studies.store.stop import Stop
 from tests.studies.conftest import quiet
 from tests.studies.engine import trouble
 
@@ -119,7 +117,7 @@ def test_a_case_that_another_study_in_the_folder_has_is_not_computed_again(tmp_p
         repeats=1,
         log=lines.append,
     )
-    assert "grid: 4 cases are taken over from other studies in the folder" in lines
+    assert "grid: 4 cases are stored, 2 to compute" in lines
     for name in (*NUMBERS, "setup_time_all"):  # to the last bit, and the very same times
         np.testing.assert_array_equal(second[name].isel(grid=[0, 1]), first[name])
     assert np.isfinite(second["solve_time"]).all()
@@ -141,14 +139,13 @@ class Threads(trouble.Square):
         return max(library["num_threads"] for library in threadpool_info())
 
 
-def test_a_case_has_one_thread_whatever_the_process_had() -> None:
-    outcomes: dict[str, Outcome] = {}
-    work = RunSettings(lambda case, result: {"threads": xr.Variable((), result)})
-    with threadpool_limits(2), Stop() as stop:
+def test_a_case_has_one_thread_whatever_the_process_had(tmp_path: Path) -> None:
+    study = trouble.study_of(Threads, [1.0], lambda case, result: {"threads": result}, "none")
+    with threadpool_limits(2):
         assert Threads(0.0).run(0.0) == 2
-        compute_here({"a": Threads(0.0)}, work, outcomes.__setitem__, stop)
+        dataset = run(study, tmp_path, workers=0, log=quiet)
         assert Threads(0.0).run(0.0) == 2
-    assert int(outcomes["a"].variables["threads"]) == 1
+    assert dataset["threads"].values.tolist() == [1]
 
 
 def test_computations_without_a_plan_are_said_to_be_unknown(tmp_path: Path) -> None:

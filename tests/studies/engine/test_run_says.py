@@ -4,9 +4,10 @@ from pathlib import Path
 
 import pytest
 
-from studies.engine import run as module
+from studies.engine import cost as module
+from studies.engine.cost import estimate_cost
 from studies.engine.options import RunOptions
-from studies.engine.run import estimate_cost, run
+from studies.engine.run import run
 from tests.studies.engine import trouble
 from tests.studies.engine.trouble import RAISES
 

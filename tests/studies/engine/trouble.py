@@ -12,10 +12,13 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from studies.engine.cluster import DaskRun
+from studies.engine.cluster import perform_on_workers
+from studies.engine.compute import Task
+from studies.engine.slot import pickled_settings
 from studies.model.axis import Axis
 from studies.model.outcome import Outcome, RunSettings
 from studies.model.study import Study
+from studies.store.program import Program
 from studies.store.stop import Stop
 
 RAISES, NAN, HANGS, DIES = 3, 7, 11, 15
@@ -104,12 +107,19 @@ def study_of(
     )
 
 
-def compute(cases: Sequence[Square], **options: Any) -> list[Outcome]:
+def compute(
+    cases: Sequence[Square], time_limit: float | None = None, **options: Any
+) -> list[Outcome]:
     """By dask: here, or at an address."""
-    outcomes: dict[str, Outcome] = {}
-    named = {str(place): case for place, case in enumerate(cases)}
-    DaskRun(named, RunSettings(measures), outcomes.__setitem__, Stop(), **options).run()
-    return [outcomes[name] for name in named]
+    tasks = [Task(f"{place:08x}", case) for place, case in enumerate(cases)]
+    with Stop() as stop:
+        done = perform_on_workers(tasks, settings_of(measures), time_limit, stop, **options)
+        outcomes = {task.key: outcome for task, outcome in done}
+    return [outcomes[task.key] for task in tasks]
+
+
+def settings_of(measures: Callable[..., Any]) -> bytes:
+    return pickled_settings(RunSettings(measures), Program.of(study([1]), Trouble(1.0), {}))
 
 
 RAISING_LINE = 1 + Path(__file__).read_text(encoding="utf-8").split("\n").index(

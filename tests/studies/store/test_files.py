@@ -9,7 +9,6 @@ import xarray as xr
 
 from contactstudy import InvalidInput
 from studies.engine.options import RunOptions
-from studies.engine.results import load_fields, save_fields
 from studies.engine.run import run
 from studies.registry import load
 from studies.store import provenance
@@ -37,16 +36,6 @@ def test_fields_are_groups_by_the_key_of_the_case(out: Path) -> None:
         assert pressure.attrs["units"] == "Pa"
         load_per_length = float(pressure.sum() * (pressure["x"][1] - pressure["x"][0]) / 24)
         assert load_per_length == pytest.approx(1e5, rel=1e-8)
-
-
-def test_fields_of_one_case_come_back_with_their_coordinates(tmp_path: Path) -> None:
-    x = xr.Variable(("x",), [1.5, 2.5, 3.5], {"units": "m"})
-    pressure = xr.Variable(("x",), [0.0, 2.0, 1.0], {"units": "Pa"})
-    save_fields(tmp_path / "kept", "abc", "program", {"x": x, "pressure": pressure})
-    assert load_fields(tmp_path / "kept", "abd", "program", pytest.fail) is None
-    assert load_fields(tmp_path / "kept", "abc", "another", pytest.fail) is None
-    found = load_fields(tmp_path / "kept", "abc", "program", pytest.fail)
-    xr.testing.assert_identical(found, xr.Dataset({"pressure": pressure}, {"x": x}))
 
 
 def test_a_damaged_file_of_fields_is_set_aside_and_its_case_recomputed(tmp_path: Path) -> None:

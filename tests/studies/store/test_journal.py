@@ -12,137 +12,76 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from contactstudy import InvalidInput
-from contactstudy.domain.identity import keys
-from studies.model.outcome import CaseStatus, Outcome, TimedRun
-from studies.store.fingerprint.modules import RECORDER
-from studies.store.journal import FORMAT, Journal
-from studies.store.records import (
-    CaseIdentity,
-    Context,
-    decoded_variable,
-    encoded,
-    encoded_variable,
-)
-
-CONTEXT = {"code": "1"}
+from studies.model.outcome import CaseStatus, Failure, Outcome, TimedRun
+from studies.store.journal import FORMAT, Journal, decoded_variable, encoded, encoded_variable
 
 SAMPLE = TimedRun(1.0, 2.0, 0.5, 1.5, 0.1)
+FIRST = {"point": {"number": 1}, "program": "p", "fields": {}}
 
 
-def identity(name: str, **more: str) -> CaseIdentity:
-    tree = {"": "Case", "number": name} | more
-    return CaseIdentity(name, keys(tree)[1], tree, {"number": name})
+def outcome(value: float = 1.0) -> Outcome:
+    return Outcome(CaseStatus.OK, {"square": xr.Variable((), value)}, None, 3.0)
 
 
-def outcome(seconds: float = 0.0, value: float = 1.0) -> Outcome:
-    return Outcome(CaseStatus.OK, {"square": xr.Variable((), value)}, None, seconds)
+def opened(path: Path, machine: str = "here") -> Journal:
+    return Journal(path / "cases.jsonl", machine)
 
 
-def opened(path: Path, context: dict[str, str] | None = None, machine: str = "here") -> Journal:
-    part = CONTEXT if context is None else context
-    return Journal(path / "x.journal.jsonl", Context(part), machine)
+def add(journal: Journal, *cases: str, value: float = 1.0) -> None:
+    for case in cases:
+        journal.add((case, "p"), "study", {"number": 1}, outcome(value))
 
 
 def test_a_case_comes_back_with_its_numbers(tmp_path: Path) -> None:
+    failure = Failure("KeyError", "why", "solve")
     with opened(tmp_path) as journal:
-        journal.start("now", {"number": [1, 2]})
-        journal.begin("a")
-        assert journal.interrupted == "a"
-        journal.add(identity("a"), outcome(3.0, value=7.5))
-        journal.begin("b")
+        journal.start("study", "now", "p", {"numpy": "1.0"}, FIRST)
+        add(journal, "a", value=7.5)
+        journal.add(("b", "p"), "study", {}, Outcome(CaseStatus.FAILED, {}, failure))
+        add(journal, "a", value=8.5)  # once more, as after --retry
     found = opened(tmp_path)
-    record = found.records["a"]
-    assert (record.seconds, record.case_status) == (3.0, CaseStatus.OK)
-    assert float(record.outcome.variables["square"]) == 7.5
-    assert record.is_of(identity("a"))
-    assert not record.is_of(identity("a", offset="1"))
-    assert found.interrupted == "b"
-    assert list(found.axes["number"]) == [1, 2]
-    assert found.history == ["now"]
-
-
-def test_what_changed_in_a_case_or_at_its_point_is_said(tmp_path: Path) -> None:
-    with opened(tmp_path) as journal:
-        journal.start("now", {})
-        journal.add(identity("a"), outcome())
-        assert journal.reason_to_recompute(identity("a")) == ""
-        changed = replace(identity("a"), tree={"": "Case", "number": "z"})
-        assert journal.reason_to_recompute(changed) == "case.number was a and is z"
-        moved = replace(identity("z"), key="other", point={"number": "a"})
-        assert "number was" in journal.reason_to_recompute(moved)
-        assert journal.reason_to_recompute(identity("new")) == ""
-    other = opened(tmp_path, {"code": "2"})
-    assert other.reason_to_recompute(identity("a")) == "code changed"
-    classes = replace(identity("a"), state="of other classes")
-    assert (
-        opened(tmp_path).reason_to_recompute(classes) == "the state of the case's classes changed"
-    )
-
-
-def test_a_case_of_which_anything_loaded_has_changed_is_of_another_program(tmp_path: Path) -> None:
-    right = RECORDER.scan()
-    for name, value in {
-        "module studies.model.case": "0",
-        "module gone": "1",
-        "python": "2",
-    }.items():
-        (tmp_path / name).mkdir()
-        with opened(tmp_path / name) as journal:
-            journal.start("now", {})
-            journal.add(identity("a"), replace(outcome(), loaded=right))
-            journal.add(identity("b"), replace(outcome(), loaded={**right, name: value}))
-        found = opened(tmp_path / name)
-        assert (set(found.records), set(found.other_records)) == ({"a"}, {"b"})
-        assert found.reason_to_recompute(identity("b")) == f"{name.removeprefix('module ')} changed"
+    stored = found.outcome(("a", "p"))
+    assert (stored.case_status, stored.seconds) == (CaseStatus.OK, 3.0)
+    assert float(stored.variables["square"]) == 8.5
+    assert found.outcome(("b", "p")).failure == failure
+    assert found.outcome(("a", "of another program")) is None
+    assert (found.history["study"], found.firsts["study"]) == (["now"], [FIRST])
+    assert found.programs == {"p": {"numpy": "1.0"}}
 
 
 def test_times_are_of_one_machine_until_they_are_dropped(tmp_path: Path) -> None:
+    a, b, c = ((name, "p") for name in "abc")
+    failed = Outcome(CaseStatus.FAILED, {}, Failure("E", "too short", "timing"))
     with opened(tmp_path) as journal:
-        journal.start("now", {})
-        for name in "abc":
-            journal.add(identity(name), outcome())
-        journal.add_timed_run("c", SAMPLE)
-        journal.add_timed_run("a", SAMPLE)
-        journal.add_timed_run("a", replace(SAMPLE, solve=3.0))
-        journal.add_timing_failure("b", "too short")
+        journal.add_time(c, Outcome(CaseStatus.OK, sample=SAMPLE))
+        journal.add_time(a, Outcome(CaseStatus.OK, sample=SAMPLE))
+        journal.add_time(a, Outcome(CaseStatus.OK, sample=replace(SAMPLE, solve=3.0)))
+        journal.add_time(b, failed)
     found = opened(tmp_path)
-    assert found.samples_of("a") == [SAMPLE, replace(SAMPLE, solve=3.0)]
-    assert found.reason_without_times("b") == "too short"
-    elsewhere = opened(tmp_path, machine="there")
-    assert (elsewhere.samples, elsewhere.untimed) == ({}, {})
-    assert set(elsewhere.records) == {"a", "b", "c"}
-    with opened(tmp_path, machine="there") as journal:
-        journal.drop_times("abc")
+    assert found.samples == {a: [SAMPLE, replace(SAMPLE, solve=3.0)], c: [SAMPLE]}
+    assert found.untimed == {b: "too short"}
+    with opened(tmp_path, machine="there") as elsewhere:
+        assert (elsewhere.samples, elsewhere.untimed) == ({}, {})
+        elsewhere.drop_times([a, b, c])
     with opened(tmp_path) as journal:
-        journal.start("now", {})
-        journal.drop_times("ab")
-        assert (journal.samples_of("a"), journal.untimed) == ([], {})
-        journal.add_timed_run("a", replace(SAMPLE, solve=4.0))
+        journal.drop_times([a, b])
     again = opened(tmp_path)
-    assert again.samples_of("a") == [replace(SAMPLE, solve=4.0)]
-    assert again.samples_of("c") == [SAMPLE]
-    assert again.untimed == {}
+    assert (again.samples, again.untimed) == ({c: [SAMPLE]}, {})
 
 
-def test_cases_of_another_context_are_kept_apart(tmp_path: Path) -> None:
-    with opened(tmp_path) as journal:
-        journal.start("now", {"number": [1]})
-        journal.add(identity("a"), outcome())
-    with opened(tmp_path, {"code": "2"}) as journal:
-        journal.start("later", {"number": [5]})
-        journal.add(identity("b"), outcome())
-    now = opened(tmp_path, {"code": "2"})
-    assert (set(now.records), set(now.other_records)) == ({"b"}, {"a"})
-    assert list(now.axes["number"]) == [5]
-    assert now.history == ["now", "later"]
+def test_two_processes_may_write_at_the_same_time(tmp_path: Path) -> None:
+    with opened(tmp_path) as one, opened(tmp_path) as other:
+        for number in range(20):
+            add(one if number % 3 else other, str(number), value=float(number))
+    found = opened(tmp_path)
+    assert {float(found.outcome(key).variables["square"]) for key in found.cases} == set(range(20))
 
 
 def test_a_journal_removed_or_replaced_while_it_was_written_is_said(tmp_path: Path) -> None:
-    path = tmp_path / "x.journal.jsonl"
+    path = tmp_path / "cases.jsonl"
     for replacement in (None, b""):
         journal = opened(tmp_path)
         with suppress(InvalidInput), journal:
-            journal.start("now", {})
             path.unlink()
             if replacement is not None:
                 path.write_bytes(replacement)
@@ -150,56 +89,48 @@ def test_a_journal_removed_or_replaced_while_it_was_written_is_said(tmp_path: Pa
                 journal.sync()
 
 
-CASE = {
-    "case": "a", "status": "ok", "point": {"number": "a"}, "tree": {"": "Case"}, "exact": "e",
-    "seconds": 1.0,
-}  # fmt: skip
-
-MALFORMED: dict[str, dict[str, object]] = {
-    "no seconds": {name: value for name, value in CASE.items() if name != "seconds"},
-    "unknown status": CASE | {"status": "bogus"},
-    "values that are text": CASE | {"values": "x"},
-    "more in a failure": CASE | {"failure": {"kind": "a", "sentence": "b", "stage": "c", "d": 1}},
-    "a sample of others": {"time": "a", "epoch": 0, "machine": "here", "sample": {"x": 1}},
-    "a run without a study": {"run": "b", "format": FORMAT},
-    "a case of an unknown program": CASE | {"program": "b"},
-    "nothing known": {"hello": 1},
+CASE = {"case": "b", "program": "p", "study": "s", "point": {}, "status": "OK", "seconds": 1.0,
+        "failure": None, "values": {}}  # fmt: skip
+ODD: dict[str, bytes] = {
+    "torn": encoded(CASE)[:-9],
+    "damaged": encoded(CASE).replace(b"seconds", b"secants"),
+    "no seconds": encoded({name: value for name, value in CASE.items() if name != "seconds"}),
+    "unknown status": encoded(CASE | {"status": "bogus"}),
+    "values that are text": encoded(CASE | {"values": "x"}),
+    "more in a failure": encoded(CASE | {"failure": {"kind": "a", "d": 1}}),
+    "a sample of others": encoded({"time": "a", "program": "p", "sample": {"x": 1}}),
+    "nothing known": encoded({"hello": 1}),
+    "no JSON": b"nothing at all\n",
 }
 
 
-@pytest.mark.parametrize("kind", MALFORMED)
-def test_a_line_that_no_version_wrote_is_set_aside_though_its_checksum_is_right(
+@pytest.mark.cases(9)
+@pytest.mark.parametrize("kind", ODD)
+def test_a_line_that_cannot_be_read_counts_as_not_stored_and_stays(
     kind: str, tmp_path: Path
 ) -> None:
     with opened(tmp_path) as journal:
-        journal.start("now", {"number": [1]})
-        journal.add(identity("b"), outcome(value=7.0))
-        stamp = journal.records["b"].stamp
-        path = journal.path
-    with path.open("ab") as file:
-        file.write(encoded({"program": stamp, "values": {}} | MALFORMED[kind]))
-    with opened(tmp_path) as journal:
-        assert list(journal.records) == ["b"]
-        assert float(journal.records["b"].outcome.variables["square"]) == 7
-        assert "1 damaged lines" in journal.notes[0]
-        assert journal.samples == {}
-    assert opened(tmp_path).notes == []
+        add(journal, "a")
+    with journal.path.open("ab") as file:
+        file.write(ODD[kind])
+    for _ in range(2):
+        with opened(tmp_path) as journal:
+            assert "1 lines of cases.jsonl are damaged" in " ".join(journal.notes())
+            assert set(journal.cases) - {("c", "p")} == {("a", "p")}
+            add(journal, "c", value=4.0)
+    assert float(opened(tmp_path).outcome(("c", "p")).variables["square"]) == 4.0
 
 
 def test_a_journal_of_another_format_is_set_aside_with_a_sentence(tmp_path: Path) -> None:
-    path = tmp_path / "x.journal.jsonl"
-    old = encoded({"run": "a", "format": 3, "context": {}, "machine": "here"})
+    path = tmp_path / "cases.jsonl"
+    old = encoded({"format": FORMAT + 1, "study": "s"}) + encoded(CASE)
     path.write_bytes(old)
-    assert opened(tmp_path).records == {}
-    assert path.read_bytes() == old
     with opened(tmp_path) as journal:
-        journal.start("now", {})
-        journal.add(identity("a"), outcome())
-        assert journal.notes == [
-            "the journal was written by another version: it is set aside as x.journal.jsonl.damaged"
-        ]
-    assert path.with_name("x.journal.jsonl.damaged").read_bytes() == old
-    assert set(opened(tmp_path).records) == {"a"}
+        assert journal.cases == {}
+        assert "is of another version of this program: it is set aside" in next(journal.notes())
+        add(journal, "a")
+    assert (tmp_path / "cases.before.jsonl").read_bytes() == old
+    assert set(opened(tmp_path).cases) == {("a", "p")}
 
 
 def there_and_back(variables: dict[str, xr.Variable]) -> dict[str, xr.Variable]:

@@ -1,0 +1,150 @@
+"""What makes a stored case unusable, each edit in processes of their own, as a user makes it."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from contactstudy import InvalidInput
+from studies.store import program
+
+STUDY = '''"""Numbers."""
+from dataclasses import dataclass
+import helper, tomllib
+from studies import Axis
+axes = Axis("number", (1, 2), "a number")
+depends = ("table.toml",)
+times = "none"
+LOAD = 3.0
+@dataclass(frozen=True)
+class Number:
+    number: int
+    load: float = 0.0
+    def prepare(self): return self.number
+    def run(self, prepared): return helper.factor() * prepared
+    def record(self, result): return {}
+def case_at(point):
+    return Number(point["number"], LOAD)
+def measures(case, result):
+    with open("table.toml", "rb") as file:
+        return {"value": result * tomllib.load(file)["scale"]}
+'''
+HELPER = "import far\nfrom deep.inner import exact\ndef factor(): return far.FACTOR\n"
+FILES = {
+    "numbers_here.py": STUDY, "helper.py": HELPER, "far.py": "FACTOR = 2\n", "table.toml": "scale = 10\n",
+    "deep/__init__.py": "", "deep/inner.py": "import distributed_here\nexact = 1\n",
+    "site/distributed_here.py": "", "site/distributed_here-1.0.dist-info/METADATA":
+    "Metadata-Version: 2.1\nName: distributed_here\nVersion: 1.0\n",
+}  # fmt: skip
+SCRIPT = """
+import sys
+from pathlib import Path
+from studies import load, run
+from contactstudy import InvalidInput
+from studies.store import program
+program.INSTALLED += (str(Path("site").absolute()) + "/",)
+from studies.engine.options import RunOptions
+study = load("numbers_here.py")
+exec(sys.argv[2])
+dataset = run(study, Path("out"), options=RunOptions(workers=int(sys.argv[1])))
+print(dataset["value"].values.tolist())
+"""
+
+
+class Work:
+    """A folder with a study and what it imports."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        for name, text in FILES.items():
+            (folder / name).parent.mkdir(exist_ok=True, parents=True)
+            (folder / name).write_text(text)
+
+    def edit(self, name: str, old: str, new: str) -> None:
+        text = (self.folder / name).read_text(encoding="utf-8")
+        assert old in text
+        (self.folder / name).write_text(text.replace(old, new), encoding="utf-8")
+
+    def run(self, workers: int = 0, then: str = "") -> str:
+        """What a run says, and its values in the last line; `then` is done between the load and the run."""
+        paths = map(str, (self.folder, self.folder / "site", program.ROOT))
+        done = subprocess.run(
+            [sys.executable, "-c", SCRIPT, str(workers), then], cwd=self.folder, capture_output=True, text=True,
+            env=os.environ | {"PYTHONPATH": os.pathsep.join(paths), "PYTHONDONTWRITEBYTECODE": "1"},
+        )  # fmt: skip
+        return done.stdout + done.stderr
+
+    @property
+    def stored(self) -> int:
+        return (self.folder / "out" / "cases.jsonl").read_text(encoding="utf-8").count('"status":')
+
+
+@pytest.fixture
+def work(tmp_path: Path) -> Work:
+    return Work(tmp_path)
+
+
+def test_an_edit_of_anything_that_computes_is_named_and_nothing_stale_is_used(work: Work) -> None:
+    assert work.run().endswith("[20, 40]\n")
+    assert "2 cases are stored, 0 to compute" in work.run()
+    for name, old, new, said, values in (
+        ("far.py", "2", "3", "since far changed", "[30, 60]"),
+        ("deep/inner.py", "exact = 1", "exact = 2", "since deep.inner changed", "[30, 60]"),
+        ("table.toml", "10", "20", "since table.toml changed", "[60, 120]"),
+        ("numbers_here.py", "scale", "scale", "2 cases are stored", "[60, 120]"),
+        ("numbers_here.py", "result *", "2 * result *", "since numbers_here.py changed", "[120, 240]"),
+        ("site/distributed_here-1.0.dist-info/METADATA", "n: 1.0", "n: 1.1",
+         "since distributed_here 1.0 -> 1.1 changed", "[120, 240]"),
+        ("numbers_here.py", "LOAD = 3.0", "LOAD = 4.0", "load was 3 and is 4: ", "[120, 240]"),
+    ):  # fmt: skip
+        work.edit(name, old, new)
+        text = work.run()
+        assert said in text, (name, text)
+        assert text.endswith(f"{values}\n"), (name, text)
+    # the file of the other load is kept
+    kept = sorted(path.name for path in (work.folder / "out").glob("*.nc"))
+    assert kept[-1] == "numbers_here.nc"
+    assert "numbers_here.before.nc" in kept
+
+
+@pytest.mark.cases(2)
+@pytest.mark.parametrize("workers", [0, 1])
+def test_a_module_that_a_case_imports_first_is_refused_with_the_remedy(
+    work: Work, workers: int
+) -> None:
+    work.edit("helper.py", "import far\n", "")
+    work.edit("numbers_here.py", "return helper.", "import far; helper.far = far; return helper.")
+    text = work.run(workers)
+    assert "far was imported while a case was computed: import it at the top" in text
+    assert work.stored == 0
+
+
+@pytest.mark.cases(2)
+@pytest.mark.parametrize("workers", [0, 1])
+def test_a_file_that_changes_while_cases_are_computed_ends_the_run(
+    work: Work, workers: int
+) -> None:
+    work.edit("helper.py", "():", "():\n    open(__file__, 'a').write('# more')\n   ")
+    text = work.run(workers)
+    assert "helper changed since the run was started: what was computed with it is not" in text
+    assert work.stored == 0
+
+
+@pytest.mark.cases(2)
+@pytest.mark.parametrize(("file", "changed"), [("far.py", "far"), ("table.toml", "table.toml")])
+def test_a_file_that_has_changed_since_it_was_loaded_is_refused(
+    work: Work, file: str, changed: str
+) -> None:
+    text = work.run(then=f"open({file!r}, 'a').write('# more')")
+    assert f"{changed} changed since this program loaded it: start the program" in text
+
+
+def test_a_worker_with_another_program_is_refused_by_name() -> None:
+    right = program.own_digests()
+    there = program.Program({**right, "studies/model/case.py": "0", "numpy": "1.0"}, {})
+    refusal = r"^studies/model/case.py, numpy on worker tcp://a:1 is not what the run was started"
+    with pytest.raises(InvalidInput, match=refusal):
+        there.check("worker tcp://a:1")
+    program.Program(right, {}).check()

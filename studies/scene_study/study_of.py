@@ -1,14 +1,11 @@
 """A study of a scene: its fields that vary, its cases, and the grids that they share."""
 
-from bisect import bisect
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from itertools import product
-from math import isclose, prod
+from math import prod
 from os import PathLike
 from pathlib import Path
-from typing import Any
 
 import contactstudy as cs
 from contactstudy import InvalidInput, MeasuredSurface, Roughness, Scene
@@ -27,7 +24,7 @@ from contactstudy.planning.grid_requirements import (
 from contactstudy.planning.plan import DEFAULT_ERROR, MEMORY_FRACTION
 from contactstudy.scene_file import SceneFile, read_scene, scene_file_from
 from studies.advice.reference_error import ReferencedCase
-from studies.model.axis import EQUAL_WITHIN, Value, check_count
+from studies.model.axis import Value, check_count
 from studies.model.case import Computation
 from studies.model.study import Point, Study
 from studies.scene_study.fields import document_of
@@ -305,33 +302,11 @@ class _SceneAt:
 
     def __call__(self, point: Point) -> Computation:
         values = tuple(point[name] for name in self.names)
-        # stored values stand for those that differ from them by rounding
-        if values not in self.cases:
-            columns = zip(values, self._sorted, strict=True)
-            values = tuple(_nearest(value, numbers) for value, numbers in columns)
         if values not in self.cases:
             raise InvalidInput(
                 f"The point {dict(point)!r} is not one of the study: give its values when the study is made."
             )
         return self.cases[values]
-
-    @cached_property
-    def _sorted(self) -> list[list[Any]]:
-        """Values of each axis in rising order."""
-        return [sorted(set(column)) for column in zip(*self.cases, strict=True)]
-
-
-def _nearest(value: Value, numbers: list[Any]) -> Value:
-    """Return the one of rising `numbers` that is equal to a value up to rounding; the value where there is none."""
-    if not isinstance(value, float):
-        return value
-    place = bisect(numbers, value)
-    alike = (
-        number
-        for number in numbers[max(place - 1, 0) : place + 1]
-        if isclose(number, value, rel_tol=EQUAL_WITHIN)
-    )
-    return next(alike, value)
 
 
 def _read(scene: Scene | SceneFile | str | PathLike[str]) -> tuple[SceneFile, Path]:

@@ -1,9 +1,9 @@
 from pathlib import Path
 
 import pytest
-from studies.engine.request import Request
 
 from contactstudy import InvalidInput
+from studies.engine.request import Request
 from studies.registry import load
 
 GOOD = '''"""Plain numbers."""

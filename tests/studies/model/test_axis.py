@@ -68,12 +68,6 @@ def test_of_numbers_that_differ_by_rounding_the_first_stands(
     assert (axis.values, axis.merged) == (distinct, merged)
 
 
-def test_a_stored_value_stands_for_one_that_differs_by_rounding() -> None:
-    axis = Axis("a", (3 * 0.1, 1.0, 2.0), "a").with_stored([0.3, 5.0])
-    assert (axis.values, axis.merged) == ((0.3, 1.0, 2.0), 1)
-    assert Axis("a", (1, 2), "a").with_stored([1.0]).values == (1, 2)
-
-
 def test_whole_numbers_are_those_that_a_double_holds() -> None:
     assert Axis("a", (2**53,), "a").values == (2**53,)
     with pytest.raises(InvalidInput, match=r"give whole numbers up to 2\^53\.$"):

@@ -193,11 +193,6 @@ def test_a_chapter_is_run_with_a_line_a_study_and_later_drawn_by_itself(tmp_path
     assert report.write_outdated(tmp_path, [], lines.append) == [page]
     assert lines[-1].startswith("cost: its page is not drawn: File")
     assert "A chapter of" in page.read_text(encoding="utf-8")
-    # a point that is run for itself, on another grid, leaves no gaps in the page
-    one = {"padding": "exact", "period": "0.6", "images": "1", "grid": "24"}
-    run(load("period").override(one), tmp_path, workers=0, repeats=0, log=quiet)
-    text = report.draw_and_write(chapter, tmp_path).read_text(encoding="utf-8")
-    assert text.count("cells across the width: 16.") == 2
 
 
 def test_a_failed_case_is_told_in_the_log(tmp_path: Path) -> None:
@@ -205,7 +200,7 @@ def test_a_failed_case_is_told_in_the_log(tmp_path: Path) -> None:
     chapter = chapter_of_study("stability")
     part = replace(chapter.parts[0], axes={"case": "faint load", "solver": "Polonsky-Keer"})
     chapter = replace(chapter, parts=(part,))
-    options = RunOptions(workers=0, time_limit=1e-6, repeats=1)
+    options = RunOptions(workers=1, time_limit=1e-6, repeats=1)
     page = report.run_and_write(chapter, tmp_path, options=options, log=lines.append)
     assert len(lines) > 1
     assert any("not done after" in line for line in lines)

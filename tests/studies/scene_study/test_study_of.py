@@ -56,17 +56,6 @@ def test_every_field_is_an_axis_in_si_units(
     assert study.axes[0].long_name.endswith(" [Pa]") == ("inf" in expected)
 
 
-def test_a_value_that_differs_from_a_stored_one_by_rounding_is_of_the_study(
-    smooth: Path, tmp_path: Path
-) -> None:
-    smooth.write_text(SMOOTH + given(16, "0.4 mm"), encoding="utf-8")
-    for load in (1e5, 1e5 * (1 + 5e-14)):
-        study = studies.study_of(smooth, {"load.per_length": [load, 2e5]})
-        stored = studies.run(study, tmp_path, workers=0, repeats=0, log=lambda _: None)
-        assert stored["load_per_length"].values.tolist() == [1e5, 2e5]
-        assert (stored["case_status"] == 1).all()
-
-
 def test_values_reach_the_case_that_is_solved(smooth: Path) -> None:
     varied = {
         "load.per_length": "20 N/mm,40 N/mm",

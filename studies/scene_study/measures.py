@@ -22,6 +22,8 @@ from studies.model.case import TimedAnswer, dimensionless, error_estimates
 RTOL, MAXITER = 3e-2, 60
 # The same with adhesion, relative to the norm of the indefinite operator.
 ADHESIVE_RTOL, ADHESIVE_MAXITER = 1e-10, 1000
+# Factor on a range that was chosen for the grid: its cohesive zone then has 24 cells.
+LONGER_RANGE = 2.0
 # Bound of a stiffness over the error that the law of a line contact gives for its area: by 60 contacts at random,
 # smooth, wavy, rough, coated or as hard as their peak, the largest true error was 0.99 of that.
 STIFFNESS_MARGIN = 1.25
@@ -68,8 +70,11 @@ def _adhesive_stiffness(contact: cs.Contact, active: Array) -> float:
     Beside the contact the attraction rises by s = -d attraction / d gap as the gap closes: the increment q of the net
     pressure under a unit of approach fulfils ``K q = 1`` in contact and ``K q - q / s = 1`` beside it. It is symmetric
     in ``q / root(s)``, and indefinite: at pull-off the stiffness is zero, and where a given approach loses stability it
-    is infinite.
+    is infinite. Where the grid chose the range, six cells in the cohesive zone hold the edge between two cells for a
+    while, where the stiffness is up to a sixth too high: the contact is solved once more with a longer range.
     """
+    if contact.regularised:
+        contact = _with_longer_range(contact)
     problem, traction = contact.problem, contact.adhesion
     assert traction is not None
     assert contact.scene is not None
@@ -90,6 +95,21 @@ def _adhesive_stiffness(contact: cs.Contact, active: Array) -> float:
     increment, failed = minres(matrix, root.ravel(), rtol=ADHESIVE_RTOL, maxiter=ADHESIVE_MAXITER)
     total = float("nan") if failed else float(root.ravel() @ increment)
     return total * problem.grid.cell_area / problem.grid.length
+
+
+def _with_longer_range(contact: cs.Contact) -> cs.Contact:
+    """Return an adhesive contact with a multiple of its range, or as it is where there is no such state."""
+    scene, traction = contact.scene, contact.adhesion
+    assert scene is not None
+    assert scene.adhesion is not None
+    assert traction is not None
+    assert contact.padding is not None
+    if isinstance(scene.load, cs.PullOff):
+        return contact
+    adhesion = replace(scene.adhesion, range=LONGER_RANGE * traction.range)
+    longer = replace(scene, adhesion=adhesion).problem(contact.grid, contact.padding)
+    found = cs.solve(longer, start=contact)
+    return found if found.status.has_converged else contact
 
 
 def _stiffness_error(contact: cs.Contact, stiffness: float) -> float:

@@ -129,9 +129,9 @@ def stress_errors(
     if images:
         assert solution.problem.paddings is not None
         every_image = with_all_images(solution.problem.paddings)
-        whole = [_largest_at(solution, float(depth), every_image) for depth in depths]
+        whole = [_largest_at(solution, float(depth), solution, every_image) for depth in depths]
         images += float(np.abs(whole - largest).max()) / peak
-    change = abs(_largest_at(coarse, float(depths[level])) / peak - 1)
+    change = abs(_largest_at(solution, float(depths[level]), coarse) / peak - 1)
     paddings = solution.problem.paddings
     wraps_x, wraps_y = (False, False) if paddings is None else [axis.wraps for axis in paddings]
     between = (
@@ -224,7 +224,7 @@ def interface_error(
     if reason:
         return ErrorParts(discretisation=inf, reason=reason)
     assert coarse is not None
-    stress = _stress_at(coarse, thickness)
+    stress = _stress_at(solution, thickness, coarse)
     change = INTERFACE_MARGIN * abs(float(interface_shear(stress).max()) / shear - 1)
     l1 = estimate.l1
     at_steps = _error_at_steps(solution.traction) / shear * np.exp(-np.pi * thickness / cell)
@@ -237,24 +237,31 @@ def interface_shear(stress: Array) -> Array:
     return np.asarray(np.hypot(stress[3], stress[4]))
 
 
-def _largest_at(solution: Solution, depth: float, paddings: Paddings | None = None) -> float:
-    """Return the largest von Mises stress [Pa] at a `depth` [m] below a solution; 0 if its scene names no stress."""
+def _largest_at(
+    solution: Solution, depth: float, on: Solution, paddings: Paddings | None = None
+) -> float:
+    """Return the largest von Mises stress [Pa] at a `depth` [m], see :func:`_stress_at`."""
     from contactstudy.scene.stress import von_mises  # imported only where it is named
 
-    return float(von_mises(_stress_at(solution, depth, paddings)).max())
+    return float(von_mises(_stress_at(solution, depth, on, paddings)).max())
 
 
-def _stress_at(solution: Solution, depth: float, paddings: Paddings | None = None) -> Array:
-    """Return the stress (component, x, y) [Pa] at a `depth` [m] below a solution; 0 if its scene names none.
+def _stress_at(
+    solution: Solution, depth: float, on: Solution, paddings: Paddings | None = None
+) -> Array:
+    """Return the stress (component, x, y) [Pa] at a `depth` [m] below a contact `on` a grid.
 
-    The images are those of `paddings`; None takes the solution's own.
+    It is that of the body whose stress `solution` names, and 0 if it names none. The images are those of `paddings`; None
+    takes those of the contact.
     """
     from contactstudy.scene.stress import SubsurfaceStressOperator
 
-    for output in solution.problem.outputs:
-        if isinstance(output, SubsurfaceStressOperator):
+    kind = SubsurfaceStressOperator
+    signs = [each.sign for each in solution.problem.outputs if isinstance(each, kind)]
+    for output in on.problem.outputs:
+        if isinstance(output, kind) and output.sign in signs[:1]:
             below = replace(output, depths=(depth,), paddings=paddings or output.paddings)
-            if solution.traction is not None:
-                below = below.with_shear(solution.traction.shear)
-            return below(solution.net_pressure)[:, 0]
-    return np.zeros((6, *solution.problem.grid.cells))
+            if on.traction is not None:
+                below = below.with_shear(on.traction.shear)
+            return below(on.net_pressure)[:, 0]
+    return np.zeros((6, *on.problem.grid.cells))

@@ -20,7 +20,7 @@ from contactstudy.io.quantities.quantity import Quantities
 from contactstudy.problem.problem import DependsOnShear, Field
 from contactstudy.scene.scene import PosedScene, Scene, scene_of
 from contactstudy.scene.solids.bodies import is_layered
-from contactstudy.solvers.solution import Solution, net_pressure
+from contactstudy.solvers.solution import Solution
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -33,6 +33,12 @@ if TYPE_CHECKING:
 NOT_SHOWN_BY_PRESSURE = (
     "traction_coefficient", "stick_fraction", "energy_per_cycle", "largest_slip", "creepage", "frictional_power",
     "coating_von_mises", "substrate_von_mises", "interface_shear",
+)  # fmt: skip
+
+
+# Quantities of the stress in one body.
+OF_STRESS = (
+    "largest_von_mises", "largest_von_mises_depth", "safety_factor", *NOT_SHOWN_BY_PRESSURE[-3:],
 )  # fmt: skip
 
 
@@ -161,16 +167,45 @@ class Contact(Answer, Solution):
     def derived(self) -> Mapping[str, Field]:
         """Fields of the outputs that the scene names, such as stress below the surface."""
         fields: dict[str, Field] = {}
-        for output in self.problem.outputs:
+        for number, output in enumerate(self.problem.outputs):
             sheared = self.traction is not None and isinstance(output, DependsOnShear)
             with_shear = output.with_shear(self.traction.shear) if sheared else output  # type: ignore[union-attr, attr-defined]
-            fields |= with_shear.fields(net_pressure(self.pressure, self.adhesion))
+            for name, found in with_shear.fields(self.net_pressure).items():
+                suffix = self._suffix(number) if name != "component" else ""
+                axes = [f"{axis}{suffix}" if axis == "z" else axis for axis in found.dimensions]
+                fields[f"{name}{suffix}"] = replace(found, dimensions=tuple(axes))
         return fields
+
+    def _suffix(self, number: int) -> str:
+        """Return what the names of the output `number` end with: the index of its body if it is the second of a kind."""
+        if self.scene is None or number == 0:
+            return ""
+        output = self.scene.outputs[number]
+        is_first = type(output) not in map(type, self.scene.outputs[:number])
+        return "" if is_first else f"_{output.body}"  # type: ignore[attr-defined]
+
+    def _with_output_alone(self, number: int) -> "Contact":
+        """Return the contact with one of its outputs, for the numbers of its body."""
+        posed = self.problem.description
+        assert isinstance(posed, PosedScene)
+        alone = replace(posed.scene, outputs=(posed.scene.outputs[number],))
+        problem = replace(
+            self.problem,
+            outputs=(self.problem.outputs[number],),
+            description=replace(posed, scene=alone),
+        )
+        return replace(self, problem=problem)
 
     @cached_property
     def quantities(self) -> Quantities:
         """Numbers of the contact by name, with unit and bound."""
-        return contact_quantities(self, self.error, self.derived, self.rolling)
+        found = contact_quantities(self, self.error, self.derived, self.rolling)
+        for number in range(1, len(self.problem.outputs) if found else 0):
+            if suffix := self._suffix(number):
+                of_body = self._with_output_alone(number).quantities
+                names = [name for name in OF_STRESS if name in of_body]
+                found |= {f"{name}{suffix}": of_body[name] for name in names}
+        return found
 
     @property
     def judged_error(self) -> tuple[str, ErrorParts]:

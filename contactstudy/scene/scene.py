@@ -100,7 +100,8 @@ class Scene:
         by the ``dent`` of the solution, without a gap. The dent is not remembered, so that scenes in which pressures
         fall again are refused.
     outputs
-        Further results, such as :class:`~contactstudy.SubsurfaceStress`, one of each kind.
+        Further results, such as :class:`~contactstudy.SubsurfaceStress`, one of each kind; of a contact at rest also one
+        of each body. Fields and quantities of the second end with the index of its body, such as ``von_mises_1``.
     wear
         Sliding wear, or None.
     rolling
@@ -143,8 +144,8 @@ class Scene:
             instance(f"Scene.shapes[{number}]", shape, Shape, remedy)
             finite(f"Scene.shapes[{number}].curvature", shape.curvature, "give a curvature in 1/m")
         self._check_load()
-        self._check_outputs()
         self._check_effects()
+        self._check_outputs()
         self._check_hardness()
         self._check_approach()
         for solid in self.solids:
@@ -224,13 +225,17 @@ class Scene:
             )
 
     def _check_outputs(self) -> None:
-        """Check the outputs, of each kind of which there may be one."""
+        """Check the outputs, of each kind of which there may be one, in a contact at rest one of each body."""
         for number, output in enumerate(self.outputs):
             remedy = "give an output, such as SubsurfaceStress(depths=(1e-4,))"
             instance(f"Scene.outputs[{number}]", output, Output, remedy)
-            if type(output) in map(type, self.outputs[:number]):
+            alike = [other for other in self.outputs[:number] if type(other) is type(output)]
+            at_rest = not (self.takes_times or self.rolls or self.lubrication is not None)
+            bodies = {getattr(other, "body", None) for other in (*alike, output)}
+            if alike and not (at_rest and len(bodies) > len(alike)):
                 raise InvalidInput(
-                    f"Scene.outputs[{number}] is {output!r}, the second of its kind: give one."
+                    f"Scene.outputs[{number}] is {output!r}, the second of its kind: give one, or in a contact at rest "
+                    "one of each body."
                 )
             output.check(self.solids)
 

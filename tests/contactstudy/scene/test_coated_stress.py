@@ -285,3 +285,21 @@ def test_the_shear_at_the_interface_of_a_thin_coat_is_resolved_where_it_is_asked
     coarse = cs.solve(scene, cs.Grid((48, 1), (2.5e-4, 1e-3)), cs.ExactPeriodicity())
     assert coarse.quantities["interface_shear"].bound == inf
     assert any("shear stress at the interface" in said for said in coarse.error.warnings)
+
+
+def test_the_stresses_of_both_coated_bodies_are_given_under_their_names() -> None:
+    hard, soft = (
+        cs.CoatedHalfSpace(cs.HalfSpace(modulus, 0.25), 1e-5, STEEL) for modulus in (400e9, 100e9)
+    )
+    scene = cs.Scene(cs.LineLoad(1e5), (hard, soft), (cs.Cylinder(0.01),))
+    outputs = cs.SubsurfaceStress(), cs.SubsurfaceStress(body=1)
+    grid = cs.Grid((96, 1), (2.6e-4, 1e-3))
+    both = cs.solve(replace(scene, outputs=outputs), grid, cs.ExactPeriodicity())
+    for output, suffix in zip(outputs, ("", "_1"), strict=True):
+        one = cs.solve(replace(scene, outputs=(output,)), grid, cs.ExactPeriodicity()).quantities
+        for name in ("largest_von_mises", "coating_von_mises", "interface_shear"):
+            assert str(both.quantities[name + suffix]) == str(one[name])
+            assert both.quantities[name + suffix].label == one[name].label
+    assert both.to_dataset()["von_mises_1"].dims == ("z_1", "x", "y")
+    with pytest.raises(cs.InvalidInput, match="second of its kind"):
+        replace(scene, outputs=(outputs[0], outputs[0]))

@@ -251,8 +251,8 @@ def _stress_at(
 ) -> Array:
     """Return the stress (component, x, y) [Pa] at a `depth` [m] below a contact `on` a grid.
 
-    It is that of the body whose stress `solution` names, and 0 if it names none. The images are those of `paddings`; None
-    takes those of the contact.
+    It is that of the body whose stress `solution` names, and 0 if it names none. The images are those of `paddings`;
+    None takes those of the contact.
     """
     from contactstudy.scene.stress import SubsurfaceStressOperator
 

@@ -16,7 +16,7 @@ from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.domain.imports import needed_for
 from contactstudy.io.quantities.contact_quantities import contact_quantities
-from contactstudy.io.quantities.quantity import Quantities
+from contactstudy.io.quantities.quantity import Quantities, roller_length
 from contactstudy.problem.problem import DependsOnShear, Field
 from contactstudy.scene.scene import PosedScene, Scene, scene_of
 from contactstudy.scene.solids.bodies import is_layered
@@ -81,6 +81,12 @@ class Contact(Answer, Solution):
         """Boundary conditions; None for an operator that has none."""
         posed = self.problem.description
         return posed.padding if isinstance(posed, PosedScene) else self.problem.paddings
+
+    @property
+    def loaded_length(self) -> float:
+        """Length [m] that carries the load: that of a roller, else the period of the grid."""
+        posed = self.problem.description
+        return (roller_length(posed) if isinstance(posed, PosedScene) else None) or self.grid.length
 
     @cached_property
     def error(self) -> ErrorEstimate:

@@ -258,12 +258,13 @@ class Solution:
 
     @property
     def load_per_length(self) -> float:
-        """Load per length that the pressure carries, less the adhesive traction [N/m]."""
-        grid = self.problem.grid
+        """Load that the pressure carries, less the adhesive traction, per length that both bodies share [N/m]."""
+        grid, lengths = self.problem.grid, self.problem.covered_fractions
         load = self.pressure.sum()
         if self.adhesion is not None:
             load -= self.adhesion.attraction.sum()
-        return float(load * grid.cell_area / grid.length)
+        rows = grid.cells[1] if lengths is None else lengths.sum()
+        return float(load * grid.cell_size[0] / rows)
 
     @property
     def net_pressure(self) -> Array:

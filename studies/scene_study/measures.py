@@ -131,6 +131,8 @@ def _stiffness_error(contact: cs.Contact, stiffness: float) -> float:
 def measures(case: ReferencedCase, result: TimedAnswer) -> Mapping[str, xr.Variable]:
     """Return the quantities of an answer with their bounds, its error estimates, and further ones of a dry contact."""
     answer = result.answer
+    if answer.status.is_failure:  # which has no numbers
+        raise cs.NotDefined(f"{answer.status.name}: {answer.status}")
     measured: dict[str, xr.Variable] = {}
     for name, quantity in answer.quantities.items():
         if name in NAMED_BY_AXES:
@@ -156,7 +158,10 @@ def _of_contact(case: ReferencedCase, contact: cs.Contact) -> dict[str, xr.Varia
     area_error = contact.quantities["contact_area"].relative_bound
     area = float(np.count_nonzero(touching) * grid.cell_area)
     perimeter = contact_perimeter(touching, grid, contact.problem.paddings)
-    load, is_given = contact.load_per_length, contact.problem.control.approach is not None
+    load = contact.quantities["load_per_length"].value
+    is_given = contact.problem.control.approach is not None
+    # a roller carries it on its own length, whatever that of the grid
+    length = contact.loaded_length
     measured = {
         "load": labelled((), load, "N m-1", "load per length"),
         "contact_fraction": dimensionless(float(touching.mean()), "fraction of the grid in contact"),
@@ -167,11 +172,11 @@ def _of_contact(case: ReferencedCase, contact: cs.Contact) -> dict[str, xr.Varia
     if (hertz := scene.hertz) is not None:
         # that of a scene whose approach is given is under an estimated load
         hertz = replace(hertz, load_per_length=load) if is_given and load > 0 else hertz
-        ratio = area / (2 * hertz.half_width * grid.length)
+        ratio = area / (2 * hertz.half_width * length)
         measured["contact_area_over_hertz"] = dimensionless(ratio, "contact area over Hertz's")
     errors = dict.fromkeys(("contact_fraction", "contact_area_over_hertz"), area_error)
     if contact.pressure.any() or contact.adhesion is not None:
-        stiffness = normal_stiffness(contact)
+        stiffness = normal_stiffness(contact) * grid.length / length
         what = {"description": "d load / d approach"}
         measured["stiffness"] = labelled((), stiffness, "N m-2", "normal stiffness", **what)
         errors["stiffness"] = _stiffness_error(contact, stiffness)

@@ -40,8 +40,8 @@ def on_shared_grids(points: Sequence[SceneFile]) -> tuple[list[ReferencedCase], 
     """Return every point on its grid, and notes on the grids.
 
     Points with the same grid and plan settings in their file share a grid, with the width of the widest and the
-    cells of the finest. Random surfaces without an extent get the largest width and the shortest period, so that each is
-    the same surface at all points.
+    cells of the finest; rollers of other lengths have their own. Random surfaces without an extent get the largest
+    width and the shortest period, so that each is the same surface at all points.
 
     Raises
     ------
@@ -51,7 +51,7 @@ def on_shared_grids(points: Sequence[SceneFile]) -> tuple[list[ReferencedCase], 
     groups: dict[object, list[int]] = {}
     for number, point in enumerate(points):
         settings = point.plan_settings if point.grid is None else None
-        groups.setdefault((settings, point.grid), []).append(number)
+        groups.setdefault((settings, point.grid, _own_length(point)), []).append(number)
     grids: dict[int, cs.Grid] = {}
     notes: list[str] = []
     for numbers in groups.values():
@@ -101,6 +101,12 @@ def _check(name: str, shape: object, grid: cs.Grid) -> None:
     period = shape.seam.lengths * length
     if grid.length > period * (1 + 1e-9) and grid.cells[1] > 1:
         whole_quotient(f"The period of {name}", period, grid.length)
+
+
+def _own_length(point: SceneFile) -> float | None:
+    """Return the length of the roller of a point, for which it is planned; None of one with a random surface."""
+    is_random = any(isinstance(shape, Roughness) for shape in point.scene.shapes)
+    return None if is_random else point.scene.roller_length
 
 
 def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:

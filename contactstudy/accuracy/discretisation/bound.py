@@ -152,7 +152,7 @@ def discretisation_bound(
         assert changes.load is not None
         load = max(load, changes.load, _flattening_load(solution, inside)) if l1 < inf else inf
         if adheres:
-            net = abs(solution.load_per_length) * problem.grid.length / problem.grid.cell_area
+            net = abs(float(solution.net_pressure.sum()))
             load = max(load, hidden_error / net) if net else inf
         if problem.control.approach is not None and gap < inf:
             # the load moves the mean surface, which on two periodic axes is at rest

@@ -64,7 +64,7 @@ def contact_quantities(
     rolling
         The steadily rolling contact that it belongs to, or None.
     """
-    pressure, gap, grid = solution.net_pressure, solution.gap, solution.problem.grid
+    pressure, grid = solution.net_pressure, solution.problem.grid
     if not np.isfinite(pressure).all():
         return {}
     scene, touching, fallback_reasons = (
@@ -130,9 +130,9 @@ def contact_quantities(
         # it falls with the logarithm of the speed, since points far behind the contact relax while those ahead do not
         del quantities["approach"]
     if scene is not None and scene.hardness < inf:
-        depth = max(-float(gap.min()), 0.0)
+        depth = float(solution.dent.max())
         quantities["yielded_depth"] = Quantity(depth, "m", "largest plastic indentation")
-    load, load_parts = solution.load_per_length * grid.length, estimate.load or solved
+    load, load_parts = float(solution.net_pressure.sum()) * grid.cell_area, estimate.load or solved
     quantities["load_per_length"] = with_bound(
         Quantity(load / (length or grid.length), "N m-1", "load per length"), load_parts
     )

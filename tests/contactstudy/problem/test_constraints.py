@@ -99,6 +99,7 @@ def test_a_body_that_yields_under_a_hardness_conforms(line_contact: LineContact)
     open_gap = identity[contact.pressure == 0].sum() / identity.size
     assert contact.quantities["mean_gap"].value == pytest.approx(open_gap, rel=1e-6)
     assert contact.to_dataset()["dent"].max() == contact.dent.max()
+    assert contact.quantities["yielded_depth"].value == contact.dent.max()
 
 
 def test_a_hardness_costs_no_more_iterations(line_contact: LineContact) -> None:

@@ -8,7 +8,9 @@ import xarray as xr
 import contactstudy as cs
 import studies
 from contactstudy.accuracy.discretisation.cells import contact_perimeter
+from contactstudy.io.scene_files.scene_schema import PlanSettings
 from studies.engine.run import run
+from studies.model.outcome import CaseStatus
 from studies.scene_study.measures import measures, normal_stiffness
 from tests.studies.conftest import quiet
 from tests.studies.scene_study.conftest import SMOOTH, given
@@ -191,3 +193,44 @@ def test_a_perimeter_counts_the_edges_of_cells_round_the_ends_that_repeat(
     touching[0, 0] = touching[1, 0] = touching[2, 3] = True
     # along x an edge is 3 m: one behind the two, and two of the one; along y it is 2 m: two and two
     assert contact_perimeter(touching, GRID, paddings) == 3 * 3 + 2 * 4 + round_the_ends
+
+
+@pytest.mark.parametrize("load", [cs.LineLoad(1.5e5), cs.TotalLoad(1.2e3)])
+def test_a_sweep_of_rollers_holds_what_a_solve_of_each_says(
+    load: cs.LineLoad | cs.TotalLoad, tmp_path: Path
+) -> None:
+    """The load per length is that of the roller, and each has a grid of its own."""
+    lengths = np.array([8e-3, 12e-3])
+    steel = cs.HalfSpace(210e9, 0.3)
+    first = cs.Scene(load, (steel, steel), (cs.Cylinder(5e-3), cs.FiniteLength(8e-3)))
+    described = cs.SceneFile(first, plan_settings=PlanSettings(error=0.2))
+    study = studies.study_of(described, {"shapes.1.length": list(lengths)})
+    found = run(study, tmp_path, workers=0, log=quiet)
+    alone = [
+        cs.solve(replace(first, shapes=(first.shapes[0], cs.FiniteLength(length))), error=0.2)
+        for length in lengths
+    ]
+    expected = load.total / lengths if isinstance(load, cs.TotalLoad) else load.per_length
+    np.testing.assert_allclose(found["load"], np.broadcast_to(expected, 2), rtol=1e-9)
+    carried = found["mean_pressure"] * found["contact_area"]
+    np.testing.assert_allclose(carried, expected * lengths, rtol=1e-9)
+    for name in ("mean_pressure", "contact_area", "mean_gap"):
+        of_solves = [answer.quantities[name].value for answer in alone]
+        np.testing.assert_allclose(found[name], of_solves, rtol=0.15, err_msg=name)
+
+
+def test_a_load_that_no_pressure_carries_is_a_failed_point_without_numbers(tmp_path: Path) -> None:
+    steel = cs.HalfSpace(210e9, 0.3)
+    wave = cs.Waviness(1e-7, across=1e-4)
+    both = cs.ExactPeriodicity(), cs.ExactPeriodicity()
+    file = cs.SceneFile(
+        cs.Scene(cs.LineLoad(2e4), (steel, steel), (wave,)),
+        grid=cs.Grid((24, 1), (1e-4, 1e-4)),
+        padding=both,
+    )
+    study = studies.study_of(file, {"hardness": [1e8, 1e9]})
+    found = run(study, tmp_path, workers=0, log=quiet)
+    assert found["case_status"].values.tolist() == [CaseStatus.FAILED, CaseStatus.OK]
+    assert "NO_ADMISSIBLE_PRESSURE" in str(found["error"].values[0])
+    for name in ("peak_pressure", "contact_area", "mean_gap", "approach"):
+        assert np.isnan(found[name].values).tolist() == [True, False]

@@ -108,7 +108,7 @@ def contact_quantities(
         if isinstance(solution.traction, FrettingTraction):
             quantities |= _of_cycle(solution, solution.traction, estimate, length)
     if solution.adhesion is not None:
-        quantities |= _of_adhesion(solution, solution.adhesion, estimate, highest)
+        quantities |= _of_adhesion(solution, solution.adhesion, estimate, highest, length)
     in_contact = per_length(area, "m2", "contact area", length, grid.length)
     mean = Quantity(total / area if area else 0.0, "Pa", "mean pressure in contact")
     mean_error = area_error
@@ -166,14 +166,19 @@ def approach_datum(solution: Solution) -> float | None:
 
 
 def _of_adhesion(
-    solution: Solution, adhesion: AdhesiveTraction, estimate: ErrorEstimate, peak: Quantity
+    solution: Solution,
+    adhesion: AdhesiveTraction,
+    estimate: ErrorEstimate,
+    peak: Quantity,
+    length: float | None,
 ) -> dict[str, Quantity]:
     """Return pull-off load, attraction, its energy and range, cells in its zone, Tabor parameter, 1 if detached.
 
     In contact the repulsive part of the pressure is the strength above the net one, whose `peak` has the same error.
     """
     grid = solution.problem.grid
-    attraction = float(adhesion.attraction.sum() * grid.cell_area / grid.length)
+    on_length = grid.length / (length or grid.length)
+    attraction = float(adhesion.attraction.sum() * grid.cell_area / grid.length) * on_length
     touching, total = bool(solution.pressure.any()), float(adhesion.attraction.sum())
     repulsive = Quantity(
         float(solution.pressure.max()), "Pa", "peak of the repulsive part", peak.bound, peak.reason
@@ -190,7 +195,7 @@ def _of_adhesion(
         "attraction": with_bound(
             Quantity(attraction, "N m-1", "adhesive force per length"), error, estimate.warnings
         ),
-        "energy": Quantity(adhesion.energy / grid.length, "J m-1", "energy per length"),
+        "energy": per_length(adhesion.energy, "J", "energy", length, grid.length),
         "attraction_range": Quantity(adhesion.range, "m", "range of the attraction", 0.0, ""),
         "cells_in_zone": Quantity(adhesion.cells_in_zone, "1", "cells in the cohesive zone", 0.0, ""),
         "detached": Quantity(float(not touching), "1", "1 if the bodies do not touch", 0.0, ""),
@@ -198,7 +203,7 @@ def _of_adhesion(
     if adhesion.tabor is not None:
         quantities["tabor_parameter"] = Quantity(adhesion.tabor, "1", "Tabor parameter", 0.0, "")
     if adhesion.first_unstable_load is not None:
-        pull_off = Quantity(-solution.load_per_length, "N m-1", "pull-off load")
+        pull_off = Quantity(-solution.load_per_length * on_length, "N m-1", "pull-off load")
         quantities = {
             "pull_off": with_bound(pull_off, estimate.pull_off, estimate.warnings)
         } | quantities

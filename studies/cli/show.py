@@ -44,6 +44,10 @@ FORMATS = ("png", "pdf", "svg", "vtk")
     "--extent",
     help="Width and length of a measured surface without sizes, such as '1 mm, 2 mm'.",
 )
+@click.option("--invalid", type=float, help="Number of points that were not measured in a surface.")
+@click.option(
+    "--decimal", type=click.Choice([",", "."]), help="Decimal sign of the text file of a surface."
+)
 @click.option("--raw", is_flag=True, help="Draw a measured surface as it was measured beside.")
 @click.pass_context
 def show(
@@ -57,6 +61,8 @@ def show(
     as_table: bool,  # noqa: FBT001 (click's own way)
     unit: str | None,
     extent: str | None,
+    invalid: float | None,
+    decimal: str | None,
     raw: bool,  # noqa: FBT001 (click's own way)
 ) -> None:
     """Draw what is in FILE: a solution, a study, or a measured surface.
@@ -69,12 +75,12 @@ def show(
     for name in chosen:
         if name not in FORMATS:
             raise InvalidInput(f"--format is {name!r}: give one or more of {', '.join(FORMATS)}.")
-    if surfaces := surfaces_of(file, unit, extent):
+    if surfaces := surfaces_of(file, extent, unit=unit, invalid=invalid, decimal=decimal):
         refuse(context, "a study, and not for a surface", "figures", "plot", "as_table")
         drawn = drawn_surfaces(surfaces, with_raw=raw)
         _save(drawn, open_folder(out or file.parent), [name for name in chosen if name != "vtk"])
         return
-    refuse(context, "a measured surface", "unit", "extent", "raw")
+    refuse(context, "a measured surface", "unit", "extent", "invalid", "decimal", "raw")
     dataset = read_any(file)
     if as_table:
         refuse(context, "pictures, and not for --csv", "out", "formats", "figures", "plot")

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 LENGTH = Unit("m", "a length", "1 mm")
 
 
-def surfaces_of(file: Path, unit: str | None, extent: str | None) -> dict[str, cs.MeasuredSurface]:
+def surfaces_of(file: Path, extent: str | None, **keys: Any) -> dict[str, cs.MeasuredSurface]:
     """Return the measured surfaces of a file or of a scene by the stems of their pictures; none for another file."""
     from contactstudy.io.scene_files.structuring import in_si
 
@@ -36,8 +36,8 @@ def surfaces_of(file: Path, unit: str | None, extent: str | None) -> dict[str, c
         raise InvalidInput(f"--extent is {extent!r}: give width and length, such as '1 mm, 2 mm'.")
     lengths = None if sides is None else tuple(in_si("--extent", side, LENGTH) for side in sides)
     missing = cs.HarmonicFill(up_to=0.5)
-    keys: Any = {"unit": unit, "extent": lengths, "missing": missing, "seam": cs.AsMeasured()}
-    return {file.stem: cs.MeasuredSurface.read(file, **keys)}
+    given: Any = {"extent": lengths, "missing": missing, "seam": cs.AsMeasured(), **keys}
+    return {file.stem: cs.MeasuredSurface.read(file, **given)}
 
 
 def _holds_heights(file: Path) -> bool:

@@ -145,6 +145,15 @@ def test_implausible_sizes_are_refused_with_the_likely_unit(
     assert surface(tmp_path, matrix(), sizes=cs.Sizes.CONFIRMED, **keys)
 
 
+def test_a_flat_with_dimples_has_a_height_that_most_points_share(tmp_path: Path) -> None:
+    heights = np.minimum(MAP - np.quantile(MAP, 0.3), 0)
+    found = surface(tmp_path, matrix(heights=heights), unit="um", extent=EXTENT)
+    np.testing.assert_allclose(found.heights, heights * 1e-6, atol=1e-10)
+    masked = np.where(np.arange(12)[:, None] < 4, MAP, 0)
+    with pytest.raises(cs.InvalidInput, match="give invalid = 0, or"):
+        surface(tmp_path, matrix(heights=masked), unit="um", extent=EXTENT)
+
+
 def test_slopes_above_one_are_refused(tmp_path: Path) -> None:
     zigzag = 0.5 * (-1.0) ** np.add.outer(np.arange(40), np.arange(40))
     with pytest.raises(cs.InvalidInput, match=r"an rms slope of 2\.83 \(likely heights in nm"):

@@ -146,7 +146,7 @@ class Faces:
     @cached_property
     def of_both(self) -> Array:
         """Weights (ny, 2 m) of the equal and of the opposite parts at both faces."""
-        first, second = self.weights / np.sqrt(2), self.weights[::-1] / np.sqrt(2)
+        first, second = self.weights * 0.5**0.5, self.weights[::-1] * 0.5**0.5
         return np.concatenate([first + second, first - second], axis=1)
 
     def __call__(self, pressure: Array, across: int) -> Array:
@@ -173,7 +173,7 @@ class Faces:
         if across == 2:
             half = len(kernel) // 2
             low = np.cos(np.pi / (2 * (len(kernel) - 1)) * np.arange(half + 1)) ** 2
-            low = low[:, None, None, None]
+            low = low[:, None, None, None].astype(kernel.dtype)
             kernel = low * kernel[: half + 1] + (1 - low) * kernel[len(kernel) - half - 1 :][::-1]
         return Faces(self.weights.reshape(ny // along, along, m).mean(axis=1), kernel)
 

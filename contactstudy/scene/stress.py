@@ -4,7 +4,6 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from math import inf, isclose, isinf
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -26,9 +25,6 @@ from contactstudy.elasticity.transforms import TRANSFORMS
 from contactstudy.problem.problem import Field, ResidualStress
 from contactstudy.scene.solids.bodies import Body, Homogeneous
 from contactstudy.scene.solids.stress_model import HalfSpaceStress, HasStressModel, StressModel
-
-if TYPE_CHECKING:
-    from contactstudy.elasticity.face_stress import StressByFaces
 
 Z = {"axis": "Z", "positive": "down"}
 # Value of `depths` that chooses them.
@@ -106,9 +102,6 @@ class SubsurfaceStress:
         below = SubsurfaceStressOperator(grid, paddings, medium, depths, 1 - 2 * self.body)
         if (length := getattr(body, "free_faces", inf)) == inf:
             return below
-        # imported only for bodies with faces
-        from contactstudy.elasticity.face_stress import StressByFaces
-
         if not isclose(length, grid.length):
             raise InvalidInput(
                 f"SubsurfaceStress.body is {self.body}, whose free_faces are {readable(length)} apart on a grid of the "
@@ -116,7 +109,7 @@ class SubsurfaceStress:
             )
         assert isinstance(medium, HalfSpaceStress)
         coefficients = FreeFaceCoefficients.of(length, medium.poisson_ratio)
-        return replace(below, faces=StressByFaces(coefficients, grid))
+        return replace(below, ended=coefficients)
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,8 +133,8 @@ class SubsurfaceStressOperator:
         Tangential traction (component, x, y) on the body, or None.
     residual
         Returns the residual stress of the body, None if it does not yield; or None.
-    faces
-        Loads by the body's free faces, or None.
+    ended
+        Coefficients of the body if it has free faces, else None.
     """
 
     grid: Grid
@@ -151,7 +144,7 @@ class SubsurfaceStressOperator:
     sign: int = 1
     shear: Array | None = None
     residual: Callable[[], ResidualStress | None] | None = None
-    faces: "StressByFaces | None" = None
+    ended: FreeFaceCoefficients | None = None
 
     def with_residual_stress(
         self, residual: Callable[[int, float], ResidualStress | None]
@@ -181,9 +174,13 @@ class SubsurfaceStressOperator:
 
     def _stress_of(self, traction: str, values: Array) -> Array:
         """Return the stress due to the `values` (x, y) of one component of the surface `traction`."""
-        if (faces := self.faces) is not None:
+        if self.ended is not None:
+            # imported only for bodies with faces
+            from contactstudy.elasticity.face_stress import StressByFaces
+
+            faces = StressByFaces(self.ended, self.grid)
             endless = ZeroPadding(), ExactPeriodicity()
-            twice = replace(self, grid=faces.continued_grid, paddings=endless, faces=None)
+            twice = replace(self, grid=faces.continued_grid, paddings=endless, ended=None)
             (nx, ny), start = self.grid.cells, faces.beside
             stress = twice._stress_of(traction, faces.continued_load(values))
             by_faces = faces.stress(values, self.depths)

@@ -118,7 +118,7 @@ BESIDE: list[tuple[str, cs.Scene, dict[str, Any]]] = [
         ("*creeps together with free_faces", {"solids": (ENDED, CREEPING)}),
         ("Scene.lubrication is given together with free_faces", oiled()),
         ("Scene.friction is a Sliding together with free_faces", {"friction": cs.Sliding(0.1)}),
-        ("Scene.solids[0]*its free_faces change", {"friction": SLIP, "solids": (ENDED, ENDED)}),
+        ("Scene.solids[0]*how its faces change*without free_faces", {"friction": SLIP, "solids": (ENDED, ENDED)}),
         ("Scene.outputs are given together with friction and free_faces", {
             "solids": (ENDED, ENDED), "friction": cs.Sliding(0.1), "outputs": (cs.SubsurfaceStress(),),
         }),

@@ -162,14 +162,14 @@ def check_tangential_response(
             continue
         reason = "its response to tangential traction is not known"
         if has_faces:
-            reason = "its free_faces change the response to tangential traction, leave free_faces out, or"
+            reason = "how its faces change its response to tangential traction is not computed"
         if yields(solid):
             reason = "tangential traction makes it flow along its surface, which is not computed"
         elif creeps(solid):
             reason = "it keeps displacement by earlier traction, which is not computed"
         raise InvalidInput(
             f"Scene.solids[{number}] is of the type {type(solid).__name__} together with {name}: {reason}, give a "
-            f"HalfSpace or a CoatedHalfSpace{alternative}."
+            f"HalfSpace or a CoatedHalfSpace{' without free_faces' * has_faces}{alternative}."
         )
 
 

@@ -30,6 +30,7 @@ EFFECTS: dict[str, dict[str, Any]] = {
     "adhesion": {"adhesion": cs.Adhesion(work=5.0)},
     "roughness": {"shapes": (CYLINDER, cs.Waviness(1e-7, across=1e-4, along=2e-4))},
     "finite length": {"shapes": (CYLINDER, cs.FiniteLength(3e-4))},
+    "free faces": {"solids": (cs.FreeFaces(STEEL, 1e-3),) * 2},
 }
 SLOT = "A contact has one law of friction."
 HEAD = """# Which effects work together
@@ -86,10 +87,13 @@ def refusal(first: str, second: str) -> str:
     padding: Any = cs.ExactPeriodicity()
     if "tractive rolling" in (first, second):
         padding = (cs.ZeroPadding(), cs.ExactPeriodicity())
+    length = 4e-4
+    if "free faces" in (first, second):
+        along, length, padding = 2, 1e-3, cs.ZeroPadding()
     try:
         scene = cs.Scene(**scene_with(first, second))
         times = [0.0, 1.0] if scene.takes_times else None
-        answer = cs.solve(scene, cs.Grid((24, along), (1.2e-3, 4e-4)), padding, times=times)
+        answer = cs.solve(scene, cs.Grid((24, along), (1.2e-3, length)), padding, times=times)
     except cs.InvalidInput as refused:
         return str(refused)
     assert not answer.status.is_failure

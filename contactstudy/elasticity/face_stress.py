@@ -83,14 +83,17 @@ class StressByFaces:
 
     def _edges(self, depth: float) -> Array:
         """Return the edges [m] of cells down a face and its mirror image, finest at the surface and at `depth`."""
-        finest = self.grid.cell_size[1] / 4
-        count = int(np.ceil(np.log(4 * self.body.length / finest) / np.log(GROWTH)))
+        finest, farthest = self.grid.cell_size[1] / 4, 4 * self.body.length
+        count = int(np.ceil(np.log(farthest / finest) / np.log(GROWTH)))
         steps = np.append(0, finest * GROWTH ** np.arange(count))
-        edges = np.concatenate(
-            [steps, -steps, depth + steps, depth - steps, -depth + steps, -depth - steps]
-        )
-        kept = np.unique(edges)
-        return np.asarray(kept[np.append(True, np.diff(kept) > finest / 8)])
+        centres = np.array([0, depth, -depth])
+        candidates = np.unique(np.add.outer(centres, [*steps, *-steps]))
+        edges = [candidates[0]]
+        for edge in candidates:  # without slivers where the cells of two centres overlap
+            size = max(finest, (GROWTH - 1) * np.abs(edge - centres).min()) / 2
+            if edge - edges[-1] > size:
+                edges.append(edge)
+        return np.array(edges)
 
     def _interpolation(self, distance: Array, count: int) -> Array:
         """Return the weights (distances, count) of the nodes at some `distance` [m] from the surface."""

@@ -44,7 +44,8 @@ class SubsurfaceStress:
     it and z into the body, and ``von_mises`` (z, x, y) [Pa]. They are computed when the Dataset is made. Poisson's
     ratio of the body sets xx, yy and xy. In a coated body these three jump at the interface: a depth equal to the
     thickness is the coating's side, any larger one is in the substrate. In a body that yields they include the residual
-    stress, interpolated between the middles of its layers.
+    stress, interpolated between the middles of its layers. Where the domain repeats along both axes, mean lateral strain
+    is prevented, whatever the images: the mean of xx and yy is ``-nu / (1 - nu)`` of the mean pressure.
 
     Parameters
     ----------
@@ -117,7 +118,8 @@ class SubsurfaceStressOperator:
     """Linear map from pressure to stress on one grid, with the images of `paddings`.
 
     Pressure is padded and summed as for the displacement. Where a window of images ends at two cells that are equally
-    far on either side, each of them counts half.
+    far on either side, each of them counts half. The mean of a domain that repeats along both axes is that of infinitely
+    many images.
 
     Parameters
     ----------
@@ -196,8 +198,24 @@ class SubsurfaceStressOperator:
                 around = on_padded_grid(terms, self.grid, self.paddings)
                 waves = TRANSFORMS.forward(around, padded, buffer)
                 waves *= spectrum
-                stress[number, level] = TRANSFORMS.backward(waves, self.grid.cells, padded)
+                found = TRANSFORMS.backward(waves, self.grid.cells, padded)
+                if self._lacks_mean:
+                    # both halves of the domain under a uniform load, as cells of the lattice
+                    halves, exact = Grid((2, 1), self.grid.extent), ExactPeriodicity()
+                    uniform = float(on_padded_grid(terms, halves, (exact, exact)).sum())
+                    found += uniform * float(values.mean()) - found.mean()
+                stress[number, level] = found
         return stress
+
+    @property
+    def _repeats(self) -> bool:
+        """True where the domain repeats along both axes."""
+        return all(one.window is None or len(one.window) > 1 for one in self.paddings)
+
+    @property
+    def _lacks_mean(self) -> bool:
+        """True where the mean stress would depend on the order or the number of images that are summed."""
+        return self._repeats and any(one.window is not None for one in self.paddings)
 
     def searched_depths(self, width: float) -> list[float]:
         """Return the depths [m] from the surface to below a contact of this `width` [m] at which a search begins."""
@@ -252,8 +270,9 @@ class SubsurfaceStressOperator:
             depths, stress = tuple(chosen), np.stack(list(chosen.values()), axis=1)
         dimensions = ("component", "z", "x", "y")
         names = np.array(list(COMPONENTS))
+        named = {"comment": "mean lateral strain is prevented"} if self._repeats else {}
         return {
-            "stress": Field(dimensions, stress, "Pa", "stress, tension positive"),
+            "stress": Field(dimensions, stress, "Pa", "stress, tension positive", named),
             "von_mises": Field(dimensions[1:], von_mises(stress), "Pa", "von Mises stress"),
             "component": Field(
                 ("component",), names, "1", "x across the contact line, y along it, z into the body"

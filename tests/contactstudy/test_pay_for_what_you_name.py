@@ -1,7 +1,7 @@
 import subprocess
 import sys
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from importlib.util import find_spec
 from math import inf
@@ -12,6 +12,7 @@ import pytest
 from scipy import fft
 
 import contactstudy as cs
+from contactstudy.domain.reuse import caching
 from contactstudy.elasticity.transforms import TRANSFORMS
 from tests.conftest import LineContact
 
@@ -34,8 +35,8 @@ NOTHING: dict[str, cs.Shape] = {
 
 
 @pytest.fixture
-def counted(monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
-    """Calls of every transform there is, from here on."""
+def counted(monkeypatch: pytest.MonkeyPatch) -> Iterator[Counter[str]]:
+    """Calls of every transform there is, from here on; nothing of one solve is kept for the next."""
     calls: Counter[str] = Counter()
 
     def counting(name: str, transform: Callable[..., Any]) -> Callable[..., Any]:
@@ -50,7 +51,8 @@ def counted(monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
 
     for name in ("forward", "backward", "cosines"):
         monkeypatch.setattr(TRANSFORMS, name, counting(name, getattr(TRANSFORMS, name)))
-    return calls
+    with caching(None):
+        yield calls
 
 
 def solved(

@@ -69,6 +69,10 @@ class LubricatedContact(Answer, FilmSolution):
             "residual": (self.residual, "residual of the film"),
         }
 
+    def summary(self) -> str:
+        """Return accuracy, warnings, quantities with their bounds, status, work and a note as text."""
+        return super().summary() + f"\n  note: {self.note}" * bool(self.note)
+
     def to_dataset(self) -> "xr.Dataset":
         """Return fields (x, y) and quantities with units, long names, bounds, errors by cause and the scene."""
         with needed_for("LubricatedContact.to_dataset"):

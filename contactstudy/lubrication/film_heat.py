@@ -14,9 +14,10 @@
    have no bound. A starved film is as thick as its supply, unless a flooded film with a heated inlet were thinner.
 """
 
-from typing import NamedTuple
+from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.linalg import toeplitz
 from scipy.special import k0e, k1e
 
@@ -25,78 +26,79 @@ from contactstudy.domain.grid import Grid
 from contactstudy.lubrication.film_equation import FilmScales
 from contactstudy.lubrication.lubricated_contact import (
     FilmTemperatures,
-    shear_stress,
+    ShearedFilm,
 )
 from contactstudy.scene.lubrication.film_heat import FilmHeat, ThermalBody
+from contactstudy.scene.solids.bodies import Body, Layered
 
+Waves = NDArray[np.complex128]
 # Newton's steps at most; relative residual where they stop; difference [K] for the derivative of the heat.
 MAX_STEPS, TOLERANCE, TEMPERATURE_STEP = 100, 1e-9, 1e-3
+# Passes over temperatures and slip at most, the change of the slip over the sliding speed where they stop, and that
+# above which Newton's method begins anew.
+MAX_PASSES, SLIP_TOLERANCE, NEW_START = 20, 1e-6, 0.01
+# Points in a cell, and widths of the grid, for the waves of heat in a coating.
+FINE_CELLS, FINE_PERIODS = 16, 8
 
 
 def thermal_shear(
-    scales: FilmScales,
-    grid: Grid,
-    mean_speed: float,
-    pressure: Array,
-    film: Array,
-    film_fraction: Array,
-    contact: Array | None,
-    reduction: float,
+    sheared: ShearedFilm, solids: tuple[Body, Body], grid: Grid, reduction: float
 ) -> tuple[Array, FilmTemperatures]:
-    """Return the shear stress (x, y) [Pa] of a heated film, and its temperatures.
+    """Return the size of the shear stress (x, y) [Pa] of a heated film, and its temperatures.
 
-    Fields are those of :func:`~contactstudy.lubrication.lubricated_contact.shear_stress`. The film is thinner by the
-    factor ``reduction``.
+    The film is thinner by the factor ``reduction``.
     """
+    scales, mean_speed = sheared.scales, sheared.mean_speed
     motion = scales.lubrication
     heat = motion.thermal
     assert heat is not None
-    ratio = motion.slide_roll_ratio
-    sliding = abs(mean_speed * ratio)
     influence = [
-        moving_source(grid, body, mean_speed * (1 + side * ratio / 2))
-        for side, body in ((1, heat.first), (-1, heat.second))
+        moving_source(
+            grid,
+            body,
+            mean_speed * (1 + side * motion.slide_roll_ratio / 2),
+            solid.thickness if isinstance(solid, Layered) else 0.0,
+        )
+        for side, body, solid in zip((1, -1), heat.bodies, solids, strict=True)
     ]
+    pressure, contact = sheared.pressure, sheared.contact
     shear, surface = np.zeros_like(pressure), np.zeros((2, *pressure.shape))
     mean, largest_residual = np.zeros_like(pressure), 0.0
     boundary = 0.0 if motion.boundary is None else motion.boundary.film
     for column in range(pressure.shape[1]):
-        heated = np.maximum(reduction * film[:, column], boundary)
-        line = _Line(
-            scales,
-            mean_speed,
-            pressure[:, column],
-            heated,
-            film_fraction[:, column],
-            None if contact is None else contact[:, column],
+        heated = np.maximum(reduction * sheared.film[:, column], boundary)
+        line = replace(
+            sheared,
+            pressure=pressure[:, column],
+            film=heated,
+            film_fraction=sheared.film_fraction[:, column],
+            contact=None if contact is None else contact[:, column],
         )
         surfaces, of_film = _temperature_influence(influence, heat.conductivity / heated)
-        mean[:, column], residual = _solve_temperature(of_film, sliding, line)
-        shear[:, column] = line.stress(mean[:, column])
-        largest_residual = max(largest_residual, residual)
-        surface[:, :, column] = surfaces @ (sliding * np.abs(shear[:, column]))
+        rise: Array = np.zeros(len(heated))
+        slip: Array = np.full(len(heated), line.sliding)
+        for _ in range(MAX_PASSES):
+            rise, residual = _solve_temperature(of_film, line, slip, rise)
+            stress, elastic = line.elastic(_viscosity_ratio(line, rise))
+            change = float(np.abs(elastic - slip).max()) / (line.sliding or 1.0)
+            slip = elastic
+            if change <= SLIP_TOLERANCE:
+                break
+            if change > NEW_START:
+                rise = np.zeros_like(rise)
+        mean[:, column], shear[:, column] = rise, stress
+        largest_residual = max(largest_residual, residual, change)
+        surface[:, :, column] = surfaces @ (slip * stress)
     loading = thermal_loading(scales, heat)
     return shear, FilmTemperatures(surface, mean, reduction, loading, largest_residual)
 
 
-class _Line(NamedTuple):
-    """Fields (x,) of a line along the motion, from which its shear stress follows."""
-
-    scales: FilmScales
-    mean_speed: float
-    pressure: Array
-    film: Array
-    film_fraction: Array
-    contact: Array | None
-
-    def stress(self, rise: Array) -> Array:
-        """Return the shear stress (x,) [Pa] at a temperature rise (x,) [K]."""
-        motion = self.scales.lubrication
-        assert motion.thermal is not None
-        pressure = self.pressure if self.contact is None else self.pressure - self.contact
-        factor = motion.lubricant.law.temperature_factor(pressure)
-        thinning = motion.thermal.thinning(rise, motion.lubricant.viscosity)
-        return shear_stress(*self, np.exp(factor * thinning))
+def _viscosity_ratio(line: ShearedFilm, rise: Array) -> Array:
+    """Return the viscosity (x,) at a temperature rise (x,) [K] over that at the supply."""
+    oil, heat = line.scales.lubrication.lubricant, line.scales.lubrication.thermal
+    assert heat is not None
+    factor = oil.law.temperature_factor(line.lubricant_pressure)
+    return np.asarray(np.exp(factor * heat.thinning(rise, oil.viscosity)))
 
 
 def thermal_loading(scales: FilmScales, heat: FilmHeat) -> float:
@@ -123,16 +125,46 @@ def thermal_reduction(scales: FilmScales, heat: FilmHeat, *, starved: bool = Fal
     return min(1.0, reduction * max(1.0, scales.expected_film * scales.film / supply))
 
 
-def moving_source(grid: Grid, body: ThermalBody, speed: float) -> Array:
+def moving_source(grid: Grid, body: ThermalBody, speed: float, thickness: float = 0.0) -> Array:
     """Return the temperature rise (x, x') [K] at x by a unit heat flux [W/m^2] into the cell at x'.
 
-    The surface moves at ``speed`` [m/s] towards larger x.
+    The surface moves at ``speed`` [m/s] towards larger x. A coating has a ``thickness`` [m].
     """
     nx, cell = grid.cells[0], grid.cell_size[0]
     rate = speed * body.heat_capacity / (2 * body.conductivity)
     edges = (np.arange(-nx, nx) + 0.5) * cell
     between = np.diff(_source_integral(rate * edges)) / (np.pi * body.conductivity * rate)
+    if body.coating is not None:
+        between += _of_coating(grid, body, body.coating, speed, thickness)
     return np.asarray(toeplitz(between[nx - 1 :], between[nx - 1 :: -1]))
+
+
+def _of_coating(
+    grid: Grid, body: ThermalBody, coating: ThermalBody, speed: float, thickness: float
+) -> Array:
+    """Return what a coating adds to the temperature rise (2 nx - 1,) [K] of a substrate around a unit heat flux.
+
+    In each wave along x heat is conducted as ``exp(-m z)``, ``m^2 = w^2 + i w u rho c / k``, through coating and
+    substrate, with flux and temperature continuous between them (Carslaw & Jaeger 1959).
+    """
+    (nx, _), (cell, _) = grid.cells, grid.cell_size
+    fine = FINE_CELLS * FINE_PERIODS * nx
+    # the rise times exp(-shift x), so that what the period wraps is small
+    slowest = min(abs(speed) * one.heat_capacity / one.conductivity for one in (body, coating))
+    shift = np.sign(speed) * min(1 / (nx * cell), slowest / 4)
+    wave = 2 * np.pi * np.fft.rfftfreq(fine, cell / FINE_CELLS) - 1j * shift
+
+    def admittance(material: ThermalBody) -> tuple[Waves, Waves]:
+        rate = speed * material.heat_capacity / material.conductivity
+        decay: Waves = np.sqrt(wave**2 + 1j * wave * rate)
+        return decay, material.conductivity * decay
+
+    (decay, of_coating), (_, of_body) = admittance(coating), admittance(body)
+    reflected = (of_coating - of_body) / (of_coating + of_body) * np.exp(-2 * decay * thickness)
+    added = (1 + reflected) / (1 - reflected) / of_coating - 1 / of_body
+    added *= np.sinc(wave * cell / (2 * np.pi)) * FINE_CELLS
+    rise = np.roll(np.fft.irfft(added, fine)[::FINE_CELLS], nx - 1)[: 2 * nx - 1]
+    return np.asarray(rise * np.exp(shift * cell * np.arange(1 - nx, nx)))
 
 
 def _source_integral(distance: Array) -> Array:
@@ -160,15 +192,16 @@ def _temperature_influence(influence: list[Array], conductance: Array) -> tuple[
     return surfaces, surfaces.mean(axis=0) + np.diag(1 / (12 * conductance))
 
 
-def _solve_temperature(of_film: Array, sliding: float, line: _Line) -> tuple[Array, float]:
-    """Return the temperature rise (x,) [K] of a film that slides [m/s], consistent with its heat, and the residual.
+def _solve_temperature(
+    of_film: Array, line: ShearedFilm, slip: Array, rise: Array
+) -> tuple[Array, float]:
+    """Return the temperature rise (x,) [K] of a film that slips [m/s], consistent with its heat, and the residual.
 
     The residual is relative. Newton's method from no rise converges from below, as the heat is a convex function of it.
     """
-    rise = np.zeros(len(of_film))
 
     def heat(rise: Array) -> Array:
-        return sliding * np.abs(line.stress(rise))
+        return np.asarray(slip * line.stress(slip, _viscosity_ratio(line, rise)))
 
     for _ in range(MAX_STEPS):
         made = heat(rise)

@@ -1,20 +1,32 @@
 """Result of a lubricated contact: fields, film thickness, friction, and a status that says how far to trust them."""
 
 from dataclasses import dataclass
+from functools import cached_property
+from math import isfinite
 
 import numpy as np
+from scipy.linalg import solve_banded
 
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings
+from contactstudy.domain.units import readable
 from contactstudy.lubrication.film_equation import FilmScales
 from contactstudy.scene.lubrication.lubricant import LimitingShear
 from contactstudy.scene.scene import Scene
+from contactstudy.scene.shapes.shape import LengthScales
 from contactstudy.solvers.solution import Status
 
 # Largest known shear stress of a lubricant: at zero pressure [Pa], and over the pressure; and the largest fraction of
 # the friction above it that is accepted.
 SHEAR_LIMIT, SHEAR_LIMIT_OVER_PRESSURE, FRICTION_BEYOND_LIMIT = 1e7, 0.15, 0.01
+# Least slip at which a stress is evaluated, and below which asperities stick, over the sliding speed; relative step for
+# the derivative of the stress by slip; steps of Newton's method at most, and the relative change where they stop.
+LEAST_SLIP, STICK, SLIP_STEP, MAX_STEPS, SHEAR_TOLERANCE = 1e-9, 1e-6, 1e-5, 100, 1e-9
+# Size of the slide-roll ratio at which a surface stands still.
+STANDS_STILL = 2.0
+# Largest logarithm of the viscosity over that at rest for the friction.
+MAX_GROWTH = 300.0
 # Largest thermal loading at which the inlet heating is known, and the largest residual of converged temperatures.
 MAX_THERMAL_LOADING, TEMPERATURE_RESIDUAL = 10.0, 1e-6
 
@@ -202,6 +214,29 @@ class FilmSolution:
         return float(self.shear.sum() / self.pressure.sum())
 
     @property
+    def note(self) -> str:
+        """Sentences on what stands still: heights while surfaces roll, and a surface that brings no lubricant."""
+        motion, sentences = self.scales.lubrication, []
+        still = abs(motion.slide_roll_ratio) == STANDS_STILL
+        standing = [
+            f"Scene.shapes[{number}]"
+            for number, shape in enumerate(self.scene.shapes)
+            if varies_across(shape) and not hasattr(shape, "gap_after")
+        ]
+        if standing and not still:
+            sentences.append(
+                f"The heights of {', '.join(standing)} stand still while both surfaces move: give MovingShape(...) for "
+                "heights that a surface carries."
+            )
+        if still and motion.supply is not None:
+            moving = "first" if motion.slide_roll_ratio > 0 else "second"
+            sentences.append(
+                f"The {moving} surface alone moves and brings lubricant: a layer of {readable(motion.supply / 2)}, half "
+                "of Lubrication.supply."
+            )
+        return " ".join(sentences)
+
+    @property
     def friction_reason(self) -> str:
         """Why the friction cannot be that of a lubricant; empty where it can.
 
@@ -210,7 +245,7 @@ class FilmSolution:
         """
         if isinstance(self.scales.lubrication.lubricant.shear, LimitingShear):
             return ""
-        stress = np.abs(self.shear - _asperity_friction(self.scales, self.contact_pressure))
+        stress = np.abs(self.shear) - _asperity_friction(self.scales, self.contact_pressure)
         limit = SHEAR_LIMIT + SHEAR_LIMIT_OVER_PRESSURE * self.lubricant_pressure
         total = np.abs(self.shear).sum()
         excess = np.clip(stress - limit, 0, None).sum()
@@ -287,6 +322,12 @@ class FilmSolution:
         )
 
 
+def varies_across(shape: object) -> bool:
+    """Return whether a shape has heights with a wavelength across, by its length scales; False if it has none."""
+    scales = getattr(shape, "length_scales", LengthScales())
+    return scales.height > 0 and isfinite(scales.shortest_wavelengths[0])
+
+
 def rise_beside_lowest(film: Array) -> float:
     """Return the relative rise of the film (x, y) from its lowest cell to the higher of its neighbours across."""
     row, column = np.unravel_index(np.argmin(film), film.shape)
@@ -294,35 +335,94 @@ def rise_beside_lowest(film: Array) -> float:
     return float(beside.max() / film[row, column] - 1)
 
 
-def shear_stress(
-    scales: FilmScales,
-    mean_speed: float,
-    pressure: Array,
-    film: Array,
-    film_fraction: Array,
-    contact: Array | None = None,
-    viscosity_ratio: Array | float = 1.0,
-) -> Array:
-    """Return the shear stress (x, y) [Pa] at mid-film by sliding, by the shear law of the lubricant.
+@dataclass(frozen=True, eq=False)
+class ShearedFilm:
+    """Fields (x,) or (x, y) of a film, from which its shear stress by sliding follows, by the lubricant's shear law.
 
-    ``pressure`` is that of lubricant and asperities together, of which asperities carry ``contact``; they add their
-    boundary friction. Only the fraction of the gap that lubricant fills is sheared. ``viscosity_ratio`` is the
-    viscosity over that at the temperature of the supply.
+    ``pressure`` [Pa] is that of lubricant and asperities together, of which asperities carry ``contact``; they add their
+    boundary friction. Only the fraction ``film_fraction`` of the gap that lubricant fills is sheared. ``cell`` is the
+    size of a cell across [m].
     """
-    motion = scales.lubrication
-    oil = motion.lubricant
-    pressure = pressure if contact is None else pressure - contact
-    log_viscosity, _ = oil.law.log_ratio(pressure, oil.pressure_viscosity)
-    with np.errstate(over="ignore"):  # by Barus' law
-        sliding = mean_speed * motion.slide_roll_ratio
-        newtonian = viscosity_ratio * oil.viscosity * np.exp(log_viscosity) * sliding / film
-    lubricant = film_fraction * oil.shear.stress(newtonian, pressure)
-    return np.asarray(lubricant + _asperity_friction(scales, contact))
+
+    scales: FilmScales
+    mean_speed: float
+    cell: float
+    pressure: Array
+    film: Array
+    film_fraction: Array
+    contact: Array | None = None
+
+    @property
+    def sliding(self) -> float:
+        """Size of the sliding speed of the surfaces [m/s]."""
+        return abs(self.mean_speed * self.scales.lubrication.slide_roll_ratio)
+
+    @property
+    def lubricant_pressure(self) -> Array:
+        """Pressure [Pa] of the lubricant."""
+        return self.pressure if self.contact is None else self.pressure - self.contact
+
+    @cached_property
+    def _unit_stress(self) -> Array:
+        """Newtonian stress over the slip [Pa s/m]."""
+        oil = self.scales.lubrication.lubricant
+        growth = oil.law.log_ratio(self.lubricant_pressure, oil.pressure_viscosity)[0]
+        # Barus' law leaves the range of numbers
+        return np.asarray(oil.viscosity * np.exp(np.minimum(growth, MAX_GROWTH)) / self.film)
+
+    def stress(self, slip: Array | float, viscosity_ratio: Array | float = 1.0) -> Array:
+        """Return the size of the stress [Pa] where the surfaces slip [m/s] past each other, at least zero.
+
+        ``viscosity_ratio`` is the viscosity over that at the temperature of the supply.
+        """
+        motion = self.scales.lubrication
+        newtonian = viscosity_ratio * self._unit_stress * slip
+        lubricant = self.film_fraction * motion.lubricant.shear.stress(
+            newtonian, self.lubricant_pressure
+        )
+        if self.contact is None or motion.boundary is None:
+            return np.asarray(lubricant)
+        sticking = np.minimum(1, slip / (STICK * self.sliding))
+        return np.asarray(lubricant + motion.boundary.coefficient * self.contact * sticking)
+
+    def elastic(self, viscosity_ratio: Array | float = 1.0) -> tuple[Array, Array]:
+        """Return stress [Pa] and slip [m/s], both at least zero, in series with the bodies' tangential compliance.
+
+        Surfaces enter unsheared, and ``slip = du - u_m C dtau/dx`` (Johnson & Tevaarwerk 1977). C is that of a Winkler
+        foundation, ``4 a / (pi E*)``, on which bodies that stick have Carter's (1926) friction 2 S R / a.
+        Newton's method converges from above, as the stress is a concave function of the slip.
+        """
+        hertz, sliding = self.scales.hertz, self.sliding
+        if not sliding:
+            return np.zeros_like(self.pressure), np.zeros_like(self.pressure)
+        compliance = 4 * hertz.half_width / (np.pi * hertz.contact_modulus)
+        rate = abs(self.mean_speed) * compliance / self.cell
+        # the bodies stick everywhere at first
+        cells = np.arange(1, len(self.pressure) + 1).reshape(-1, *[1] * (self.pressure.ndim - 1))
+        shear, least = sliding / rate * cells + 0 * self.pressure, LEAST_SLIP * sliding
+        for _ in range(MAX_STEPS):
+            slip = sliding - rate * np.diff(shear, axis=0, prepend=0)
+            at = np.maximum(slip, least)
+            stress = self.stress(at, viscosity_ratio)
+            slope = (self.stress(at * (1 + SLIP_STEP), viscosity_ratio) - stress) / (SLIP_STEP * at)
+            # linear below the least slip, also where it is below zero
+            slope = np.where(slip > least, slope, stress / at)
+            residual = shear - np.where(slip > least, stress, slope * slip)
+            weight = rate * slope
+            below = np.roll(-weight, -1, axis=0)
+            below[-1] = 0
+            bands = np.stack([(1 + weight).T.ravel(), below.T.ravel()])
+            change = solve_banded((1, 0), bands, -residual.T.ravel())
+            change = change.reshape(shear.T.shape).T
+            shear = shear + change
+            if np.abs(change).max() <= SHEAR_TOLERANCE * np.abs(shear).max():
+                break
+        return shear, np.maximum(sliding - rate * np.diff(shear, axis=0, prepend=0), 0)
 
 
 def _asperity_friction(scales: FilmScales, contact: Array | None) -> Array | float:
-    """Return the shear stress (x, y) [Pa] of asperities that carry the pressure ``contact`` [Pa]; 0 without them."""
+    """Return the shear stress (x, y) [Pa] of asperities that slip under a pressure ``contact`` [Pa]; 0 if None."""
     motion = scales.lubrication
     if contact is None or motion.boundary is None:
         return 0.0
-    return np.asarray(np.sign(motion.slide_roll_ratio) * motion.boundary.coefficient * contact)
+    return np.asarray(motion.boundary.coefficient * contact)

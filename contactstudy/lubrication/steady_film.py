@@ -11,8 +11,8 @@ from contactstudy.lubrication.continuation import SpeedSteps, from_higher_speeds
 from contactstudy.lubrication.film_equation import Film, FilmEquation, Mask
 from contactstudy.lubrication.lubricated_contact import (
     FilmSolution,
+    ShearedFilm,
     rise_beside_lowest,
-    shear_stress,
 )
 from contactstudy.lubrication.mixed import solve_mixed
 from contactstudy.lubrication.newton.pseudo_time import (
@@ -262,16 +262,18 @@ def film_solution(
     if not equation.conserves:  # beyond the last pressure any flow may appear
         flow = flow[: np.flatnonzero((last.film.pressure > 0).any(axis=1))[-1] - 1]
     mean_speed = equation.speed * scales.lubrication.largest_speed
-    state = pressure, film, film_fraction, asperities
+    sheared = ShearedFilm(
+        posed.instant, mean_speed, grid.cell_size[0], pressure, film, film_fraction, asperities
+    )
     if scales.lubrication.thermal is None:
-        shear, temperatures = shear_stress(scales, mean_speed, *state), None
+        shear, temperatures = sheared.elastic()[0], None
     else:
         from contactstudy.lubrication.film_heat import thermal_reduction, thermal_shear
 
         reduction = thermal_reduction(
             scales, scales.lubrication.thermal, starved=_is_starved(equation, last)
         )
-        shear, temperatures = thermal_shear(scales, grid, mean_speed, *state, reduction)
+        shear, temperatures = thermal_shear(sheared, scene.solids, grid, reduction)
     if film_rate is not None:
         film_rate = np.pad(film_rate, ((0, grid.cells[0] - rows), (0, 0)))
     creep_loss = 0.0
@@ -286,7 +288,7 @@ def film_solution(
         pressure=pressure,
         film=film,
         film_fraction=film_fraction,
-        shear=shear,
+        shear=np.sign(scales.lubrication.slide_roll_ratio) * shear,
         temperatures=temperatures,
         mean_speed=mean_speed,
         separation=separation,

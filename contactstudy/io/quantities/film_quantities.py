@@ -10,11 +10,14 @@ from contactstudy.analytic import dowson_higginson_film, film_asymptotes
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.units import readable
 from contactstudy.io.quantities.quantity import FORMULA, Quantity, with_bound
+from contactstudy.scene.lubrication.lubricant import LimitingShear
 from contactstudy.scene.shapes.shape import LengthScales
 
 if TYPE_CHECKING:
     from contactstudy.lubrication.lubricated_contact import FilmSolution
+    from contactstudy.scene.lubrication.lubrication import Lubrication
 
+ISOTHERMAL = ", isothermal"
 OF_HEATED_INLET = "No bound: the factor of the heated inlet is that of a formula."
 NO_BOUND_OF_FLOW = "No bound: the error of the rolling resistance is not estimated."
 
@@ -23,10 +26,12 @@ def film_quantities(contact: "FilmSolution", estimate: ErrorEstimate) -> dict[st
     """Return the quantities of a lubricated contact with the `estimate` of its errors."""
     scales, fallback_reasons = contact.scales, estimate.warnings
     quantities = {
-        "central_film": Quantity(contact.central_film, "m", "central film thickness"),
-        "minimum_film": Quantity(contact.minimum_film, "m", "minimum film thickness"),
+        "central_film": Quantity(contact.central_film, "m", "central film thickness", detail=ISOTHERMAL),
+        "minimum_film": Quantity(contact.minimum_film, "m", "minimum film thickness", detail=ISOTHERMAL),
         "peak_pressure": Quantity(contact.peak_pressure, "Pa", "peak pressure"),
-        "friction_coefficient": Quantity(contact.friction, "1", "friction force over load"),
+        "friction_coefficient": Quantity(
+            contact.friction, "1", "friction force over load", detail=_of_friction(scales.lubrication)
+        ),
         "power_loss": Quantity(contact.power_loss, "W m-1", "power lost per length", inf, NO_BOUND_OF_FLOW),
         "rolling_resistance": Quantity(
             contact.rolling_resistance, "1", "coefficient of rolling resistance", inf, NO_BOUND_OF_FLOW
@@ -77,6 +82,14 @@ def film_quantities(contact: "FilmSolution", estimate: ErrorEstimate) -> dict[st
         name: with_bound(quantity, errors.get(name), fallback_reasons)
         for name, quantity in quantities.items()
     }
+
+
+def _of_friction(motion: "Lubrication") -> str:
+    """Return what is said of a friction: that it is isothermal, and the limit of its stress."""
+    detail = "" if motion.thermal is not None else ISOTHERMAL
+    if isinstance(law := motion.lubricant.shear, LimitingShear):
+        detail += f", limiting stress {readable(law.ambient, 'Pa', 2)} + {law.coefficient:g} p"
+    return detail
 
 
 def _of_formulas(contact: "FilmSolution") -> dict[str, Quantity]:

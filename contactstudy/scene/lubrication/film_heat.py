@@ -20,10 +20,13 @@ from contactstudy.domain.units import (
     ThermalConductivity,
     VolumetricHeatCapacity,
 )
+from contactstudy.scene.solids.bodies import Body, Layered
 
 # Viscosity [Pa s] of Roelands' pole, the limit at high temperature, and the temperature [K] at which his viscosity
 # diverges (Roelands 1966).
 LEAST_VISCOSITY, LEAST_TEMPERATURE = exp(-9.67), 138.0
+# Young's moduli [Pa] of steel.
+OF_STEEL = (1.9e11, 2.2e11)
 SUPPLY = "give the temperature of the supply, above 138 K, such as 313"
 
 
@@ -38,6 +41,8 @@ class ThermalBody:
         Thermal conductivity [W/(m K)], above 0.
     heat_capacity
         Heat capacity per volume [J/(m^3 K)], density times specific heat, above 0.
+    coating
+        Properties of the coating of a :class:`~contactstudy.CoatedHalfSpace`; None without one.
 
     Raises
     ------
@@ -47,8 +52,13 @@ class ThermalBody:
 
     conductivity: ThermalConductivity = 46.0
     heat_capacity: VolumetricHeatCapacity = 3.6e6
+    coating: "ThermalBody | None" = None
 
     def __post_init__(self) -> None:
+        remedy = "give the ThermalBody of one coating, or None"
+        instance("ThermalBody.coating", self.coating, ThermalBody | None, remedy)
+        if self.coating is not None:
+            instance("ThermalBody.coating.coating", self.coating.coating, type(None), remedy)
         check_fields(
             self,
             conductivity=(in_range, "must be above 0 W/(m K), such as 46"),
@@ -72,7 +82,7 @@ class FilmHeat:
     conductivity
         Thermal conductivity of the lubricant [W/(m K)], above 0.
     first, second
-        :class:`ThermalBody` of each body.
+        :class:`ThermalBody` of each body; None for steel, without a coating.
     supply_temperature
         Temperature of the lubricant's supply [K], above 138, at which viscosity and beta are given.
 
@@ -84,8 +94,8 @@ class FilmHeat:
 
     temperature_viscosity: PerKelvin = 0.04
     conductivity: ThermalConductivity = 0.14
-    first: ThermalBody = ThermalBody()
-    second: ThermalBody = ThermalBody()
+    first: ThermalBody | None = None
+    second: ThermalBody | None = None
     supply_temperature: Kelvins = 313.15
 
     def __post_init__(self) -> None:
@@ -98,8 +108,30 @@ class FilmHeat:
         if (supply := self.supply_temperature) <= LEAST_TEMPERATURE:
             raise InvalidInput(f"FilmHeat.supply_temperature is {supply:g} K: {SUPPLY}.")
         for name in ("first", "second"):
-            remedy = "give a ThermalBody(conductivity=...)"
-            instance(f"FilmHeat.{name}", getattr(self, name), ThermalBody, remedy)
+            remedy = "give a ThermalBody(conductivity=...), or None for steel"
+            instance(f"FilmHeat.{name}", getattr(self, name), ThermalBody | None, remedy)
+
+    @property
+    def bodies(self) -> tuple[ThermalBody, ThermalBody]:
+        """Properties of both bodies."""
+        return self.first or ThermalBody(), self.second or ThermalBody()
+
+    def check(self, solids: tuple[Body, Body]) -> None:
+        """Raise :class:`~contactstudy.InvalidInput` where a body or its coating has no properties of its own."""
+        for number, (name, solid) in enumerate(zip(("first", "second"), solids, strict=True)):
+            body, coated = getattr(self, name), isinstance(solid, Layered)
+            modulus = getattr(solid, "youngs_modulus", 0.0)
+            if body is None and (coated or not OF_STEEL[0] <= modulus <= OF_STEEL[1]):
+                raise InvalidInput(
+                    f"FilmHeat.{name} is None, the properties of steel, and Scene.solids[{number}] is {solid!r}: give "
+                    "ThermalBody(conductivity=..., heat_capacity=...), with its coating if it has one."
+                )
+            if body is not None and (body.coating is None) == coated:
+                has = "no coating" if coated else "a coating"
+                raise InvalidInput(
+                    f"FilmHeat.{name} has {has}, unlike Scene.solids[{number}]: give ThermalBody.coating for a coated "
+                    "body alone."
+                )
 
     def thinning(self, rise: Array, viscosity: float) -> Array:
         """Return the change of ``ln(eta)`` at a temperature rise [K] of a lubricant of ``viscosity`` [Pa s].

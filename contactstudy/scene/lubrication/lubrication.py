@@ -266,6 +266,8 @@ class Lubrication:
                 raise InvalidInput(
                     f"{field} is not supported together with Scene.lubrication, since {reason}."
                 )
+        if self.thermal is not None:
+            self.thermal.check(scene.solids)
         for number, solid in enumerate(scene.solids):
             if yields(solid):
                 self._check_yielding(scene, number)

@@ -1,3 +1,4 @@
+from dataclasses import replace
 from math import pi, sqrt
 from pathlib import Path
 
@@ -7,7 +8,7 @@ import pytest
 import contactstudy as cs
 from contactstudy.lubrication.film_heat import moving_source, thermal_reduction
 from contactstudy.lubrication.solve_lubricated import solve_lubricated
-from tests.contactstudy.lubrication.scenes import by_moes, grid, total, with_motion
+from tests.contactstudy.lubrication.scenes import STEEL, by_moes, grid, total, with_motion
 
 OF_STEEL = cs.FilmHeat()
 
@@ -121,6 +122,59 @@ def test_a_starved_film_is_as_thick_as_its_supply_with_heat_too() -> None:
     assert factors[2] == flooded.temperatures.reduction <= factors[1] < 1
 
 
+def test_heat_is_that_of_the_slip_that_the_bodies_leave() -> None:
+    layer = cs.Boundary(5e-9)
+    slow = _at(with_motion(heated(1e-4, viscosity_law=cs.Roelands()), boundary=layer), 1e-4)
+    contact = solve_lubricated(slow, grid(160, 4.5))
+    assert contact.temperatures.reason == ""
+    rubbed = 0.12 * contact.contact_load_fraction
+    assert contact.friction < 0.2 * rubbed
+
+
+def test_a_coating_conducts_heat_between_its_own_values_and_those_of_the_substrate() -> None:
+    """Of the substrate's material, without thickness or endlessly thick it is one material; glass on steel is warmer."""
+    cells, steel, glass = (
+        cs.Grid((160, 1), (8e-4, 1e-3)),
+        cs.ThermalBody(),
+        cs.ThermalBody(1.1, 2e6),
+    )
+    band = np.abs(cells.x) < 1e-4
+
+    def rise(coating: cs.ThermalBody, thickness: float, speed: float = 0.5) -> np.ndarray:
+        coated = cs.ThermalBody(steel.conductivity, steel.heat_capacity, coating)
+        return moving_source(cells, coated, speed, thickness) @ band
+
+    plain, soft = (moving_source(cells, one, 0.5) @ band for one in (steel, glass))
+    assert rise(steel, 1e-6) == pytest.approx(plain, rel=1e-6)
+    assert rise(glass, 1e-12) == pytest.approx(plain, rel=1e-3, abs=1e-3 * plain.max())
+    assert rise(glass, 1e-3) == pytest.approx(soft, rel=0.03, abs=0.03 * soft.max())
+    # a layer thinner than heat diffuses is a resistance, d / k
+    assert rise(glass, 1e-8)[80] - plain[80] == pytest.approx(1e-8 / 1.1, rel=0.05)
+    assert rise(glass, 1e-6, -0.5) == pytest.approx(rise(glass, 1e-6)[::-1], rel=1e-9)
+
+
+def test_steel_is_the_default_of_steel_alone() -> None:
+    ceramic = cs.HalfSpace(310e9, 0.26)
+    coated = cs.CoatedHalfSpace(ceramic, 1e-6, STEEL)
+    layer = cs.ThermalBody(coating=cs.ThermalBody(2.0, 2e6))
+
+    def between(first: cs.Body, second: cs.Body, heat: cs.FilmHeat) -> cs.Scene:
+        cold = heated(1.0)
+        motion = replace(cold.lubrication, thermal=heat)
+        return replace(cold, solids=(first, second), lubrication=motion)
+
+    for solid in (ceramic, coated):
+        with pytest.raises(cs.InvalidInput, match=r"FilmHeat.first is None, .* Scene.solids\[0\]"):
+            replace(heated(), solids=(solid, STEEL))
+    for solid, body in ((coated, cs.ThermalBody()), (STEEL, layer)):
+        with pytest.raises(cs.InvalidInput, match=r"FilmHeat.second has .* coating, unlike Scene"):
+            between(STEEL, solid, cs.FilmHeat(second=body))
+    hot = solve_lubricated(between(coated, STEEL, cs.FilmHeat(first=layer)), grid(160, 4.5))
+    first = hot.temperatures.surface[0].max()
+    bare = solve_lubricated(heated(1.0), grid(160, 4.5)).temperatures.surface.max(axis=(1, 2))
+    assert first > 1.1 * bare[0]
+
+
 def test_equal_bodies_at_nearly_equal_speeds_share_the_heat_evenly() -> None:
     contact = solve_lubricated(heated(1e-3), grid(160, 4.5))
     first, second = contact.temperatures.surface
@@ -147,7 +201,8 @@ def test_the_film_is_hotter_than_its_surfaces_by_conduction_over_its_heated_thic
     thickness = np.maximum(temperatures.reduction * contact.film, boundary.film if boundary else 0)
     above = heat * thickness / (12 * OF_STEEL.conductivity)
     rise = temperatures.film - temperatures.surface.mean(axis=0)
-    assert rise == pytest.approx(above, abs=1e-6 * float(rise.max()))
+    # the surfaces slip by a part less where their shear grows
+    assert rise == pytest.approx(above, abs=2e-3 * float(rise.max()))
 
 
 def test_a_heated_inlet_thins_the_film_by_more_at_higher_speeds() -> None:

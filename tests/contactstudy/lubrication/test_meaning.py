@@ -185,3 +185,48 @@ def test_the_rolling_loss_has_the_factor_of_the_heated_inlet() -> None:
     )
     assert hot.temperatures.reduction < 0.99
     assert hot.power_loss == pytest.approx(hot.temperatures.reduction * cold.power_loss, rel=1e-9)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_friction_of_small_slip_is_that_of_bodies_that_stick(sign: int) -> None:
+    """Carter (1926): 2 S R / a where all sticks, with a friction mu at most ``mu (1 - (1 - S R / mu a)^2)``."""
+    layer, oil = cs.Boundary(5e-9, coefficient=0.12), cs.Lubricant(0.04, 0.0)
+    for fraction, expected in ((1e-6, 2e-6), (0.5, 0.75), (1e3, 1.0)):
+        slide = sign * fraction * 0.12 * A / DRY.hertz.radius
+        motion = cs.Lubrication(oil, 1e-6, slide, boundary=layer)
+        contact = solve_lubricated(replace(DRY, lubrication=motion), grid(240, 2.0))
+        assert contact.contact_load_fraction > 0.99
+        # of a Winkler foundation it is 0.73 in place of 0.75
+        assert contact.friction == pytest.approx(sign * 0.12 * expected, rel=0.04)
+        assert contact.sliding_loss > 0
+
+
+@pytest.mark.parametrize(
+    "shear", [cs.Newtonian(), cs.Eyring(5e6), cs.Carreau(), cs.LimitingShear(0.07)], ids=repr
+)
+def test_traction_of_a_thick_oil_is_limited_by_the_bodies(shear: object) -> None:
+    oil = cs.Lubricant(0.1, 2e-8, shear=shear)  # type: ignore[arg-type]
+    heavy = replace(DRY, load=cs.LineLoad(1e6))
+    cells = cs.Grid((200, 1), (3 * heavy.hertz.half_width, 1e-3))
+    ratios = []
+    for slide in (1e-7, 1e-5):
+        motion = cs.Lubrication(oil, 0.3, slide)
+        contact = solve_lubricated(replace(heavy, lubrication=motion), cells)
+        ratios.append(contact.friction / (2 * slide * 0.01 / heavy.hertz.half_width))
+    assert 0.7 < ratios[0] < 1.05
+    assert 0 < ratios[1] <= ratios[0] * (1 + 1e-9)
+
+
+def test_the_note_says_what_stands_still() -> None:
+    waves = cs.Waviness(1e-8, across=A)
+    along = cs.Waviness(1e-8, across=np.inf, along=A)
+    answer = cs.solve(by_moes(20, 5, waves), grid(64, 4.0))
+    assert "Scene.shapes[1] stand still" in answer.note
+    assert "MovingShape" in answer.summary()
+    assert "isothermal" in answer.summary()
+    limited = cs.solve(by_moes(20, 5, shear=cs.LimitingShear(0.07)), grid(64, 4.0))
+    assert "limiting stress 3 MPa + 0.07 p" in limited.summary()
+    for shape in (along, cs.MovingShape(waves)):
+        assert replace(answer, scene=by_moes(20, 5, shape)).note == ""
+    layer = with_motion(by_moes(20, 5), supply=1e-8, slide_roll_ratio=-2.0)
+    assert "second surface alone moves" in cs.solve(layer, grid(64, 4.0)).note

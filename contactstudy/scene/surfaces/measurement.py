@@ -30,12 +30,8 @@ DIMENSIONS = (("x", "y"), ("width", "length"))
 # Units that a message offers; points along each side of a matrix, of which a table of something else has fewer.
 UNITS = {"nm": 1e-9, "um": 1e-6, "mm": 1e-3, "m": 1.0}
 MIN_POINTS = 8
-# Numbers that instruments write for a point that was not measured; any from VOID on is one.
-MARKS = [
-    sign * mark
-    for sign in (1, -1)
-    for mark in (999, 9999, 99999, 999999, 32767, 32768, 65535, 2147483648)
-]
+# Numbers, of either sign, that instruments write for a point that was not measured; any from VOID on is one.
+MARKS = (999, 9999, 99999, 999999, 32767, 32768, 65535, 2147483648)
 VOID = 1e30
 # Text files that the library reads: surface data formats of ISO 25178-71 and BCR, and Wyko's.
 OF_LIBRARY = ("aISO", "aBCR", "Wyko ASCII")
@@ -96,12 +92,10 @@ class Reading:
     sizes: Sizes = Sizes.CHECKED
 
     def __post_init__(self) -> None:
-        instance(
-            "MeasuredSurface.flip", self.flip, Flip, "give Flip.ACROSS, Flip.ALONG or Flip.BOTH"
-        )
-        instance(
-            "MeasuredSurface.sizes", self.sizes, Sizes, "give Sizes.CONFIRMED, or leave it out"
-        )
+        for kind, value in ((Flip, self.flip), (Sizes, self.sizes)):
+            name = kind.__name__
+            remedy = f"give a member of {name}, such as {name}.{list(kind)[1].name}"
+            instance(f"MeasuredSurface.{name.lower()}", value, kind, remedy)
         if self.decimal not in (None, ",", "."):
             raise InvalidInput(f'MeasuredSurface.decimal is {self.decimal!r}: give "," or ".".')
         if self.unit is not None and length_unit(self.unit) is None:
@@ -355,18 +349,22 @@ def _matrix(text: TextTable, header: Header, unit: float) -> FileContent:
             found[axis] = header.steps.get(axis, 0.0) * count * bare or header.sizes[axis] * bare
         if step and axis not in found:
             notes.append(f"numbers that count the points in {axis} are left out")
-    if columns == 1 and found:
-        found["y"] = header.steps.get("x", 0.0) * rows or found.get("y") or found["x"]
-        found["x"] = found["y"] / rows
+    if columns == 1 and found:  # a profile, whose places may be called x
+        size = found.get("x", 0.0) * (rows if "x" in header.steps else 1) or found["y"]
+        found = {"y": size, "x": size / rows}
     ratio = (
         [found["x"] / found["y"] * rows / columns] if len(found) == 2 and not header.steps else []
     )
     if ratio and abs(ratio[0] - 1) > 0.05 and abs(ratio[0] * (columns / rows) ** 2 - 1) < 0.01:
         found = {"x": found["y"], "y": found["x"]}  # points are square for x from row to row
-    if len(found) == 1:
-        step = next(size / counts[axis] for axis, size in found.items())
-        found = {axis: step * count for axis, count in counts.items()}
-        notes.append("points are taken as square")
+    if len(found) == 1:  # a lone width or length may be that of the part
+        steps = [
+            found[axis] / counts[axis]
+            for axis in found
+            if axis in header.steps or any(places[axis])
+        ]
+        found = {axis: step * count for step in steps for axis, count in counts.items()}
+        notes += ["points are taken as square"] * len(steps)
     return FileContent(values, unit, (found["y"], found["x"]) if found else None, tuple(notes))
 
 
@@ -450,11 +448,8 @@ def _regular(positions: Array, order: Array, is_between: Any) -> tuple[Any, floa
     number = np.concatenate([[0.0], np.cumsum(np.round(between / np.median(between)))])
     step, start = np.polyfit(number, centres, 1)
     index = np.round((positions - start) / step)
-    return (
-        index.astype(int),
-        float(step),
-        float(np.abs(positions - start - step * index).max() / step),
-    )
+    off = np.abs(positions - start - step * index).max() / step
+    return index.astype(int), float(step), float(off)
 
 
 def _measured(name: str, content: FileContent, reading: Reading) -> tuple[Array, list[str]]:
@@ -481,7 +476,7 @@ def _measured(name: str, content: FileContent, reading: Reading) -> tuple[Array,
             if gap > rest
         ]
         second, most = (int(place) for place in np.argsort(counts)[-2:])
-        marks = [place for place in lone if heights[place] in MARKS]
+        marks = [place for place in lone if abs(heights[place]) in MARKS]
         if marks:
             values[values == heights[marks[0]]] = np.nan
             notes.append(

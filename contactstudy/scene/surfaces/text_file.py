@@ -5,6 +5,7 @@ import csv
 import re
 import unicodedata
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from math import nan
 
@@ -13,47 +14,21 @@ import numpy as np
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 
-# Units of length [m] by their names in lower case, the micro sign written u.
-LENGTHS = {
-    **dict.fromkeys(("m", "metre", "meter", "metres", "meters"), 1.0),
-    **dict.fromkeys(("mm", "millimetre", "millimeter", "millimetres", "millimeters"), 1e-3),
-    **dict.fromkeys(("um", "micrometre", "micrometer", "micrometres", "micrometers"), 1e-6),
-    **dict.fromkeys(("micron", "microns"), 1e-6),
-    **dict.fromkeys(("nm", "nanometre", "nanometer", "nanometres", "nanometers"), 1e-9),
-    **dict.fromkeys(("å", "angstrom", "ångström"), 1e-10),
-    "pm": 1e-12,
-    "cm": 1e-2,
-    **dict.fromkeys(("inch", "inches"), 25.4e-3),
+# Units of length [m] by their names in lower case, the micro sign written u, "metres" and the like written m.
+LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "nm": 1e-9, "pm": 1e-12, "å": 1e-10}
+LENGTHS |= {
+    "inch": 25.4e-3,
+    "inche": 25.4e-3,
     "mil": 25.4e-6,
     "uin": 25.4e-9,
+    "micron": 1e-6,
+    "angstrom": 1e-10,
 }
 # Words for a missing point, without their asterisks, hyphens, signs and quotes.
-MISSING = frozenset(
-    [
-        "nan",
-        "na",
-        "n/a",
-        "#n/a",
-        "null",
-        "none",
-        "bad",
-        "inf",
-        "infinity",
-        "infinite",
-        "nodata",
-        "void",
-        "invalid",
-        "missing",
-        "masked",
-        "undefined",
-        "1.#qnan",
-        "1.#inf",
-        "1.#ind",
-        "nan(ind)",
-        "nan(snan)",
-        "#num!",
-    ]
-) | {"", "no data", "not measured"}
+MISSING = re.compile(
+    r"|nan(\(\w+\))?|#?n/?a|null|none|bad|inf(inity|inite)?|no ?data|not measured|void|invalid|missing|masked|"
+    r"undefined|1\.#(qnan|inf|ind)|#num!"
+)
 NUMERAL = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+)?")
 # An integer in groups of three digits, which is a decimal number where the comma is the decimal sign.
 GROUPED = re.compile(r"[-+]?[1-9]\d{0,2}(?:,\d{3})+")
@@ -224,7 +199,8 @@ def decoded(data: bytes) -> str | None:
 def length_unit(text: str) -> float | None:
     """Return the unit of length [m] that `text` names, None for any other text."""
     text = unicodedata.normalize("NFKC", text).replace("\u03bc", "u").strip(" []().'\"").lower()
-    return LENGTHS.get(text)
+    text = re.sub(r"met(re|er)$", "m", text.removesuffix("s")).replace("microm", "um")
+    return LENGTHS.get(re.sub(r"^(milli|nano|centi)m$", lambda prefix: f"{prefix[1][0]}m", text))
 
 
 def table(name: str, text: str, decimal: str | None) -> TextTable:
@@ -240,7 +216,7 @@ def table(name: str, text: str, decimal: str | None) -> TextTable:
     rows = [_cells(line, separator) for line in lines]
     if rows and not any(row[-1] for row in rows if len(row) > 1):  # each line ends with a separator
         rows = [row[:-1] if len(row) > 1 else row for row in rows]
-    values = [[_value(word, decimal) for word in row] for row in rows]
+    values = [_values(row, decimal) for row in rows]
     whole = [None not in row for row in values]
     lengths = Counter(
         len(row)
@@ -297,6 +273,14 @@ def _cells(line: str, separator: str | None) -> list[str]:
     return [cell.strip() for cell in line.strip(" ").split(separator)]
 
 
+def _values(row: list[str], decimal: str) -> Sequence[float | None]:
+    """Return the numbers of a row, as :func:`_value` does; most rows hold nothing else."""
+    try:
+        return [float(word) for word in row]
+    except ValueError:
+        return [_value(word, decimal) for word in row]
+
+
 def _value(word: str, decimal: str) -> float | None:
     """Return the number that a word is, nan for a missing point, None for any other word."""
     if decimal == ",":
@@ -305,7 +289,7 @@ def _value(word: str, decimal: str) -> float | None:
         word = word.replace(",", "")
     if NUMERAL.fullmatch(word):
         return float(word.lower().replace("d", "e"))
-    return nan if word.strip("*-+'\" ").lower() in MISSING else None
+    return nan if MISSING.fullmatch(word.strip("*-+'\" ").lower()) else None
 
 
 def _marks(name: str, lines: list[str], decimal: str | None) -> tuple[str | None, str]:

@@ -201,6 +201,14 @@ def test_points_near_a_grid_are_put_onto_it_and_others_refused(tmp_path: Path) -
         surface(tmp_path, columns(jitter=0.3), unit="um")
 
 
+def test_the_length_of_a_part_is_no_size_of_the_map(tmp_path: Path) -> None:
+    text = "Roller, diameter 10 mm, length 12 mm\n" + matrix()
+    assert surface(tmp_path, text, unit="um").extent is None
+    assert surface(tmp_path, "Pixel size: 2 µm\n" + text, unit="um").extent == pytest.approx(
+        (24e-6, 18e-6)
+    )
+
+
 def test_a_file_shorter_than_its_header_says_is_refused(tmp_path: Path) -> None:
     text = "ncols 9\nnrows 12\n" + "\n".join(matrix(" ").split("\n")[:9])
     with pytest.raises(cs.InvalidInput, match="of 81 numbers, where its header says 108"):

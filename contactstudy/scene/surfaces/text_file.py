@@ -260,7 +260,8 @@ def table(name: str, text: str, decimal: str | None) -> TextTable:
                 names = [f"{name} {word}".strip() for name, word in zip(names, row, strict=True)]
                 break
     above = [value for value in values[first - 1] if value is not None] if first else []
-    return TextTable(np.array(values[first : last + 1], dtype=float), around, names, above)
+    numbers = np.array(values[first : last + 1], dtype=float)
+    return TextTable(np.where(np.isfinite(numbers), numbers, nan), around, names, above)
 
 
 def _cells(line: str, separator: str | None) -> list[str]:

@@ -1,8 +1,8 @@
 """The ``contactstudy`` command."""
 
 import sys
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, suppress
+from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NoReturn
@@ -16,11 +16,11 @@ from studies.cli.new import new
 from studies.cli.options import FORMAT, PLOT, is_given, names_in, out_option, refuse, with_png
 from studies.cli.recommend import BUDGET, ERROR, measured_scene, recommendation
 from studies.cli.scenes import plan, solve
-from studies.cli.show import compare, show
+from studies.cli.show import REMEDY_IN_CODE, REMEDY_IN_TIMES, compare, drawing, show
 from studies.cli.study_help import StudyCommand
 from studies.cli.vary import FIGURES, REFERENCE, VARY, load_scene_study, with_reference
 from studies.model.axis import MAX_POINTS
-from studies.model.plain_text import one_line, place_of
+from studies.model.plain_text import one_line
 from studies.model.study import Study
 from studies.registry import BUILT_IN, OPTIONAL, has_own_figures, load, load_drawing
 from studies.scene_study.values import MAX_VALUES
@@ -248,9 +248,9 @@ def run(
         sys.exit(1)
     from studies.report import page as reporting
 
-    with _drawing(chosen.name, REMEDY_IN_TIMES if no_times else REMEDY_IN_CODE):
-        drawing = load_drawing(study, figures, names_in(plot))
-        reporting.draw_figures(chosen, drawing, out, with_png(formats))
+    with drawing(chosen.name, REMEDY_IN_TIMES if no_times else REMEDY_IN_CODE):
+        figures_of = load_drawing(study, figures, names_in(plot))
+        reporting.draw_figures(chosen, figures_of, out, with_png(formats))
     click.echo(f"{chosen.name}: drew {out / chosen.name}")
 
 
@@ -273,11 +273,11 @@ def draw(study: tuple[str, ...], out: Path, formats: tuple[str, ...]) -> None:
                 f"{out / Path(name).stem}-sweep.nc."
             )
         chosen = load(name)
-        with _drawing(chosen.name):
+        with drawing(chosen.name):
             reporting.draw_figures(chosen, load_drawing(name), out, with_png(formats))
         click.echo(f"{name}: drew {out / chosen.name}")
     if not study:
-        with _drawing("report"):
+        with drawing("report"):
             page = reporting.draw_and_write(MAIN, out, with_png(formats))
             pages = [page, *reporting.write_outdated(out, [MAIN], click.echo)]
         for path in pages:
@@ -295,31 +295,6 @@ def studies() -> None:
         study = load(name)
         axes = ", ".join(f"{axis.name} ({len(axis.values)})" for axis in study.axes)
         click.echo(f"{name:<12} {study.title} Axes: {axes}.")
-
-
-# Remedies where a figure fails.
-REMEDY_IN_CODE = (
-    "the stored variables do not fit the figure, or its code is wrong; correct it and run draw."
-)
-REMEDY_IN_TIMES = "its figures may need times: run without --no-times."
-
-
-@contextmanager
-def _drawing(name: str, remedy: str = REMEDY_IN_CODE) -> Iterator[None]:
-    """Report an error of a figure in one sentence with its `remedy`: the numbers are stored."""
-    try:
-        yield
-    except InvalidInput:
-        raise
-    except OSError as error:
-        raise click.ClickException(
-            f"{name} cannot be drawn ({error.strerror or error}): make room or give another folder with --out, "
-            "and run draw."
-        ) from None
-    except Exception as error:  # noqa: BLE001 (a study file may do anything)
-        raise click.ClickException(
-            f"{name} cannot be drawn ({type(error).__name__}{place_of(error)}: {one_line(error, 300)}): {remedy}"
-        ) from None
 
 
 def _named(name: str, scene: Path | None) -> Study:

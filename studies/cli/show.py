@@ -1,6 +1,8 @@
 """The commands on stored files: ``contactstudy show FILE.nc`` and ``contactstudy compare A.nc B.nc``."""
 
 import tomllib
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,6 +15,7 @@ from contactstudy.domain.units import display_unit_of
 from studies.cli.options import PLOT, figures_option, names_in, out_option, refuse
 from studies.cli.surfaces import drawn_surfaces, surfaces_of
 from studies.model.outcome import is_time
+from studies.model.plain_text import one_line, place_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -84,9 +87,21 @@ def show(
     dataset = read_any(file)
     if as_table:
         refuse(context, "pictures, and not for --csv", "out", "formats", "figures", "plot")
-        click.echo(_csv(dataset), nl=False)
+        with drawing(str(file), "its variables do not fit a table."):
+            table = _csv(dataset)
+        click.echo(table, nl=False)
         return
     folder = open_folder(out or file.parent)
+    with drawing(str(file), "its variables do not fit a figure; --csv prints them."):
+        drawn = _drawn(context, dataset, file, folder, chosen, figures, plot)
+    _save(drawn, folder, [name for name in chosen if name != "vtk"])
+
+
+def _drawn(
+    context: click.Context, dataset: "xr.Dataset", file: Path, folder: Path, chosen: list[str],
+    figures: str, plot: str,
+) -> "dict[str, Figure]":  # fmt: skip
+    """Return the figures of a dataset in a file by their names, and write it for VTK if that is chosen."""
     is_study = "case_status" in dataset
     if "vtk" in chosen:
         if is_study or "gap" not in dataset or "time" in dataset.dims:
@@ -94,22 +109,43 @@ def show(
                 "--format has vtk, which is for a dry contact at rest: leave it out for other files."
             )
         click.echo(f"wrote {_vtk(dataset, folder / file.stem)}")
-    drawn = {}
-    if is_study:
-        from studies.registry import BUILT_IN, OPTIONAL, default_drawing, load_drawing
-
-        name = str(dataset.attrs.get("study", file.stem))
-        if name in (*BUILT_IN, *OPTIONAL):
-            refuse(context, "a study without figures of its own", "figures", "plot")
-            drawing = load_drawing(name)
-        else:
-            drawing = default_drawing(figures, names_in(plot))
-        drawn = {f"{file.stem}-{item.name}": item.figure for item in drawing.figure(dataset)}
-    else:
+    if not is_study:
         refuse(context, "a study, and not for a solution", "figures", "plot")
-        if set(chosen) - {"vtk"}:
-            drawn = {file.stem: _picture(dataset, file)}
-    _save(drawn, folder, [name for name in chosen if name != "vtk"])
+        return {file.stem: _picture(dataset, file)} if set(chosen) - {"vtk"} else {}
+    from studies.registry import BUILT_IN, OPTIONAL, default_drawing, load_drawing
+
+    name = str(dataset.attrs.get("study", file.stem))
+    if name in (*BUILT_IN, *OPTIONAL):
+        refuse(context, "a study without figures of its own", "figures", "plot")
+        figures_of = load_drawing(name)
+    else:
+        figures_of = default_drawing(figures, names_in(plot))
+    return {f"{file.stem}-{item.name}": item.figure for item in figures_of.figure(dataset)}
+
+
+# Remedies where a figure fails.
+REMEDY_IN_CODE = (
+    "the stored variables do not fit the figure, or its code is wrong; correct it and run draw."
+)
+REMEDY_IN_TIMES = "its figures may need times: run without --no-times."
+
+
+@contextmanager
+def drawing(name: str, remedy: str = REMEDY_IN_CODE) -> Iterator[None]:
+    """Report an error of a figure in one sentence with its `remedy`: the numbers are stored."""
+    try:
+        yield
+    except (InvalidInput, click.ClickException, ModuleNotFoundError):
+        raise
+    except OSError as error:
+        raise click.ClickException(
+            f"{name} cannot be drawn ({error.strerror or error}): make room or give another folder with --out, "
+            "and run draw."
+        ) from None
+    except Exception as error:  # noqa: BLE001 (a study file may do anything)
+        raise click.ClickException(
+            f"{name} cannot be drawn ({type(error).__name__}{place_of(error)}: {one_line(error, 300)}): {remedy}"
+        ) from None
 
 
 def _save(drawn: "dict[str, Figure]", folder: Path, formats: list[str]) -> None:

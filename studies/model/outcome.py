@@ -92,10 +92,9 @@ def summary_messages(dataset: xr.Dataset) -> Iterator[str]:
     if "accuracy_met" in dataset and dataset["accuracy_met"].shape == statuses.shape:
         met = dataset["accuracy_met"].values.ravel()[places]
         if missed := np.count_nonzero(met == 0):
-            yield (
-                f"{missed} of {places.size} cases miss the requested accuracy; see 'accuracy_met' and their bounds, and "
-                "request a smaller error, or vary the grid"
-            )
+            why = dataset.get("accuracy_missed", dataset["accuracy_met"]).values.ravel()
+            first = f", the first with {why[places][met == 0][0]}" if why.dtype.kind in "OU" else ""
+            yield f"{missed} of {places.size} cases miss the requested accuracy{first}"
     unbounded = {}
     for name, bound in dataset.data_vars.items():
         value = dataset.get(str(name).removesuffix("_bound"))

@@ -16,6 +16,7 @@ from contactstudy.scene.adhesion import LAWS
 from contactstudy.solvers.conjugate_gradients import conjugate_gradients
 from studies.advice.reference_error import ReferencedCase, pressure_error
 from studies.model.case import TimedAnswer, dimensionless, error_estimates
+from studies.model.plain_text import one_line
 
 # Relative residual, of whose square the error of the stiffness is a fraction, and the largest number of operator
 # applications.
@@ -144,6 +145,9 @@ def measures(case: ReferencedCase, result: TimedAnswer) -> Mapping[str, xr.Varia
     if answer.met is not None:
         description = "1 if the bound meets the requested accuracy"
         measured["accuracy_met"] = dimensionless(float(answer.met), description)
+        if not answer.met:
+            about = {"long_name": "requested and reached accuracy, and what limits it"}
+            measured["accuracy_missed"] = xr.Variable((), one_line(answer.accuracy), about)
     if isinstance(answer, cs.Contact):
         measured |= _of_contact(case, answer)
     description = "wall time of set-up and solve, beside other cases"

@@ -271,7 +271,10 @@ def study_of(
         measures,
         times="none",
         notes=(*notes, *surfaces, *(note for varied in axes for note in varied.notes)),
-        attributes={"scene": _text(scene, described)},
+        attributes={
+            "scene": f"# Along the axes vary {', '.join(path for group in groups for path in group)}, which are "
+            f"here as in the scene that is varied.\n{_text(scene, described)}"
+        },
     )
 
 

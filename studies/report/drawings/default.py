@@ -206,7 +206,11 @@ def _curve(
     """
     values, bound = dataset[name], dataset.get(f"{name}_bound")
     y, label = _scaled(values)
-    bars = None if bound is None else bound.where(np.isfinite(bound)) / _scale(values)[0]
+    bars = (
+        None
+        if bound is None
+        else bound.where(np.isfinite(bound) & (bound >= 0)) / _scale(values)[0]
+    )
     if not shown:
         ax.plot([0], [float(y)], marker="o")
         if doubtful.notnull():

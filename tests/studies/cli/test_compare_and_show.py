@@ -8,9 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from click.testing import CliRunner
 
 import contactstudy as cs
+from contactstudy import InvalidInput
 from contactstudy.solvers.solve import ReportingSolver
+from studies.cli.commands import cli
 from tests.studies.cli.conftest import ended, said
 from tests.studies.scene_study.conftest import ROUGH, SMOOTH, given
 
@@ -287,3 +290,21 @@ def test_a_measured_surface_is_shown_with_its_parameters_before_any_contact(tmp_
     text = said("show", tmp_path / "scene.toml")
     assert "waves below lambda_s = 25 µm were removed" in text
     assert (tmp_path / "scene-shapes-0.png").is_file()
+
+
+def test_no_file_makes_show_end_in_a_traceback(tmp_path: Path) -> None:
+    points = {"case_status": ("load", [1, 1]), "stiffness": ("load", [-1.0, 2.0]),
+              "stiffness_bound": ("load", [-1.0, np.inf])}  # fmt: skip
+    odd = {
+        "negative": (xr.Dataset(points, {"load": [1.0, 2.0]}), {0}),
+        "three axes": (xr.Dataset({"pressure": (("x", "y", "z"), np.zeros((2, 1, 2)))}), {0, 1, 2}),
+        "nothing": (xr.Dataset(), {0, 1, 2}),
+        "statuses": (xr.Dataset({"case_status": ("load", [1, 1])}), {0, 1, 2}),
+    }
+    for name, (dataset, codes) in odd.items():
+        dataset.to_netcdf(tmp_path / f"{name}.nc")
+        for words in ([], ["--csv"]):
+            done = CliRunner().invoke(cli, ["show", str(tmp_path / f"{name}.nc"), *words])
+            is_said = isinstance(done.exception, SystemExit | InvalidInput | None)
+            assert is_said, (name, words, done.exception)
+            assert done.exit_code in codes, (name, done.output)

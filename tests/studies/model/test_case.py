@@ -60,6 +60,7 @@ def test_a_run_says_which_cases_miss_their_accuracy_and_which_have_no_bound() ->
     dataset = ended(
         *[cs.Status.CONVERGED] * 3,
         accuracy_met=[1, 0, 1],
+        accuracy_missed=["", "1 % not met: 3 % in L1", ""],
         peak_pressure=[1.0, 2.0, nan],
         peak_pressure_bound=[0.1, inf, inf],
         approach=[1.0, 2.0, 3.0],
@@ -68,8 +69,7 @@ def test_a_run_says_which_cases_miss_their_accuracy_and_which_have_no_bound() ->
         kind_bound=["d", "e", "f"],  # text of the study's own
     )
     assert list(summary_messages(dataset)) == [
-        "1 of 3 cases miss the requested accuracy; see 'accuracy_met' and their bounds, and request a smaller error, or "
-        "vary the grid",
+        "1 of 3 cases miss the requested accuracy, the first with 1 % not met: 3 % in L1",
         "no bound of peak_pressure in 1 of 3 cases",
     ]
 

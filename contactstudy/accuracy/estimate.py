@@ -46,8 +46,9 @@ NO_DATUM = (
     "No bound at a given approach: it counts from a place that depends on the images that the padding leaves out, "
     f"{IMAGES_REMEDY}."
 )
-# Largest relative change of an attraction from cells of twice the size with which either grid resolves it.
-RESOLVED_CHANGE = 0.5
+# Relative change of an attraction that its last outer iteration may leave at least, and the largest one from cells of
+# twice the size with which either grid resolves it.
+LEAST_CHANGE, RESOLVED_CHANGE = 1e-7, 0.5
 NO_ATTRACTION = (
     "No bound for the attraction: it is cut off at the edge of the grid, or not resolved by its cells, give a wider "
     "grid or more cells."
@@ -233,7 +234,8 @@ def _attraction_error(solution: Solution, coarse: Solution | None) -> ErrorParts
 
     It is that of a smooth function at the centres of cells, by its change from cells of twice the size.
     """
-    from contactstudy.solvers.adhesion import is_cut_off  # imported only where it is named
+    from contactstudy.solvers.adhesion import CONSTANTS as OUTER  # imported only where it is named
+    from contactstudy.solvers.adhesion import is_cut_off
 
     assert solution.adhesion is not None
     if solution.problem.control.approach is None or solution.status.is_failure:
@@ -244,7 +246,8 @@ def _attraction_error(solution: Solution, coarse: Solution | None) -> ErrorParts
         changed = abs(coarse.load_per_length / load - 1)
     if changed > RESOLVED_CHANGE:
         return ErrorParts(discretisation=inf, reason=NO_ATTRACTION)
-    return ErrorParts(discretisation=FIRST_ORDER_MARGIN * changed, residual=solution.residual)
+    left = max(OUTER.change_in_tolerances * solution.residual, LEAST_CHANGE)
+    return ErrorParts(discretisation=FIRST_ORDER_MARGIN * changed, residual=left)
 
 
 def _edge_rise(solution: Solution) -> tuple[float, float, str]:

@@ -46,4 +46,5 @@ print(f"smooth: {smooth}; closed form {closed:.4g} N/m")
 print(f"ridges: {rough}; net work {lost}")
 assert abs(smooth.value - closed) < smooth.bound < 0.05 * closed
 assert rough.value < smooth.value
-assert 1.2e-5 < lost.value < 1.6e-5
+# the elastic work from the first load to separation, counted from twice the radius, is part of it
+assert 2.6e-5 < lost.value < 3.3e-5

@@ -95,7 +95,8 @@ def contact_quantities(
     wraps = paddings is not None and paddings[0].wraps
     width_note = "" if wraps else f", over the grid's width of {readable(grid.extent[0], 'm')}"
     mirrored = _mirrored(pressure, grid.y, place)
-    highest = Quantity(peak, "Pa", "peak pressure", position=place, detail=mirrored)
+    label = "peak pressure" if solution.adhesion is None else "peak net pressure"
+    highest = Quantity(peak, "Pa", label, position=place, detail=mirrored)
     highest = with_bound(highest, estimate.peak_pressure, fallback_reasons)
     quantities = {"peak_pressure": highest}
     quantities |= _of_stress(scene, derived, coordinates, estimate)

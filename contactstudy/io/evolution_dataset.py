@@ -91,6 +91,8 @@ def evolution_dataset(evolution: "Trajectory", quantities: Quantities) -> xr.Dat
         attrs=title_attributes("evolution of a line contact")
         | scene_attributes(evolution.description),
     )
+    if not evolution.description.scene.has_approach:
+        dataset = dataset.drop_vars("approach")
     for fields in (_states, _tractions, _outputs):
         dataset = dataset.assign(fields(evolution))
     return with_quantities(dataset, quantities)

@@ -548,6 +548,14 @@ class Scene:
         return self.rolling is not None or self.rolling_speed is not None
 
     @property
+    def has_approach(self) -> bool:
+        """False for bodies that creep as they roll: points far behind the contact relax, while those ahead do not.
+
+        Their approach falls without limit with the logarithm of the speed.
+        """
+        return not (self.rolls and any(map(creeps, self.solids)))
+
+    @property
     def takes_times(self) -> bool:
         """True if it is solved at several instants, since it or the load of its steady rolling changes in time."""
         if self.rolling_speed is not None:

@@ -19,7 +19,7 @@ from contactstudy.io.quantities.quantity import Quantity, per_length, roller_len
 from contactstudy.problem.problem import Field
 from contactstudy.scene.scene import PosedScene, Scene, scene_of
 from contactstudy.scene.shapes_source import standing_heights
-from contactstudy.scene.solids.bodies import creeps, is_layered
+from contactstudy.scene.solids.bodies import is_layered
 from contactstudy.solvers.friction.fretting_traction import FrettingTraction
 from contactstudy.solvers.friction.rolling_traction import RollingTraction
 from contactstudy.solvers.solution import AdhesiveTraction, Solution, TangentialTraction
@@ -127,8 +127,7 @@ def contact_quantities(
         "mean_gap": with_bound(mean_gap, estimate.mean_gap, fallback_reasons),
         "approach": _approach(solution, estimate),
     }
-    if scene is not None and scene.rolls and any(map(creeps, scene.solids)):
-        # it falls with the logarithm of the speed, since points far behind the contact relax while those ahead do not
+    if scene is not None and not scene.has_approach:
         del quantities["approach"]
     if scene is not None and scene.hardness < inf:
         depth = float(solution.dent.max())

@@ -42,13 +42,19 @@ EXTREMES: tuple[tuple[str, Callable[[list[float]], float], str], ...] = (
     ("minimum_film", min, "minimum film thickness in time"),
     ("friction_coefficient", partial(max, key=abs), "largest friction force over load in time"),
     ("traction_coefficient", partial(max, key=abs), "largest tangential force over load in time"),
+    (
+        "lateral_traction_coefficient",
+        partial(max, key=abs),
+        "largest lateral force over load in time",
+    ),
     ("frictional_power", max, "largest frictional power in time"),
     ("rolling_resistance", max, "largest coefficient of rolling resistance in time"),
 )
 # Quantities of an instant whose last value is reported.
 FINAL = (
     "peak_pressure", "contact_area", "approach", "central_film", "minimum_film", "friction_coefficient",
-    "traction_coefficient", "stick_fraction", "creepage", "frictional_power", "rolling_resistance",
+    "traction_coefficient", "lateral_traction_coefficient", "stick_fraction", "creepage", "frictional_power",
+    "rolling_resistance",
 )  # fmt: skip
 
 

@@ -71,11 +71,13 @@ class StressByFaces:
             edges = self._edges(depth)
             of_cells = self._interpolation(np.abs(edges[1:] + edges[:-1]) / 2, waves.shape[2])
             on_cells = waves @ of_cells.T  # (wave, face, cell)
+            parts = np.concatenate([on_cells.real, on_cells.imag], axis=1)  # kernels are real
             for number, name in enumerate(COMPONENTS):
                 on_face, sign = ON_FACE[name]
-                at_nodes = on_cells @ self._kernel(
-                    COMPONENTS[on_face], depth, edges, waves.shape[2]
-                )
+                component = COMPONENTS[on_face]
+                kernel = self._kernel(component, depth, edges, waves.shape[2])
+                real, imaginary = np.split(parts @ kernel, 2, axis=1)
+                at_nodes = (real + 1j * imaginary) * (1 if component.parity[0] > 0 else -1j)
                 fields = fft.irfft(at_nodes, self._across, axis=0)[inside]
                 first, second = fields[:, 0] @ faces.weights.T, fields[:, 1] @ faces.weights[::-1].T
                 stress[number, level] = first + sign * second
@@ -102,7 +104,10 @@ class StressByFaces:
         return cardinal(np.minimum(index, count - 2), count)
 
     def _kernel(self, component: CellKernel, depth: float, edges: Array, count: int) -> Array:
-        """Return the transform (wave, cell, node) of a stress `component` in the half-space of a face over the load."""
+        """Return the transform (wave, cell, node) of a stress `component` in the half-space of a face over the load.
+
+        Times -i for a component that is odd across.
+        """
         dx, step = self.grid.cell_size[0], CONSTANTS.ratio**CONSTANTS.stride
         nodes = first_distance(self.body, self.grid) * step ** (np.arange(count) - 1.0)
         x = (np.arange(self._across // 2 + 1) - 0.5) * dx
@@ -110,5 +115,6 @@ class StressByFaces:
         point = u, v, y, np.sqrt(u * u + v * v + y * y)  # at many depths y at once
         corners = component.corner(*point, self.body.poisson_ratio)  # type: ignore[arg-type]
         half = -np.diff(np.diff(corners, axis=0), axis=1) / (2 * np.pi)
-        opposite = np.zeros_like(half[:1]), component.parity[0] * half[:0:-1]
-        return np.asarray(fft.rfft(np.concatenate([half, *opposite]), axis=0))
+        if component.parity[0] > 0:
+            return np.asarray(fft.dct(np.concatenate([half, 0 * half[:1]]), 1, axis=0))
+        return np.pad(fft.dst(half[1:], 1, axis=0), ((1, 1), (0, 0), (0, 0)))

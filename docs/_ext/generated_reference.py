@@ -184,7 +184,7 @@ def _type(wanted: Any) -> str:
         return "one of " + ", ".join(f'`"{one.name.lower()}"`' for one in wanted)
     if args := [one for one in get_args(wanted) if one is not type(None)]:
         return " or ".join(_type(one) for one in args)
-    return {int: "a whole number", float: "a number", str: "a text"}.get(
+    return {int: "a whole number", float: "a number", str: "a text", bool: "true or false"}.get(
         wanted, f"a table: `{getattr(wanted, '__name__', wanted)}`"
     )
 

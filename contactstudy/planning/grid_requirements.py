@@ -4,6 +4,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import acosh, erf, inf, lcm, log2, sqrt
+from operator import is_
 
 import numpy as np
 
@@ -475,6 +476,17 @@ def grid_requirements(scene: Scene, padding: Padding | Paddings | None = None) -
         scene, varies=requirements.varies, paddings=across_and_along(requirements.padding())
     )
     return replace(requirements, friction=friction, sticks=getattr(scene.friction, "sticks", False))
+
+
+def with_random_extents(scene: Scene, extent: tuple[float, float]) -> Scene:
+    """Return `scene`, whose random surfaces without an extent get this one [m]."""
+    shapes = tuple(
+        shape.with_extent_of(Grid((2, 1), extent))  # type: ignore[attr-defined]
+        if any(scales.longest_across for scales in length_scales_of([shape]))
+        else shape
+        for shape in scene.shapes
+    )
+    return scene if all(map(is_, shapes, scene.shapes)) else replace(scene, shapes=shapes)
 
 
 def measured_length_scales(scene: Scene) -> LengthScales | None:

@@ -16,7 +16,11 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings, on_cells
 from contactstudy.domain.reuse import cache_of, caching
 from contactstudy.planning.grid_requirements import CONSTANTS as GRID
-from contactstudy.planning.grid_requirements import GridRequirements, grid_requirements
+from contactstudy.planning.grid_requirements import (
+    GridRequirements,
+    grid_requirements,
+    with_random_extents,
+)
 from contactstudy.scene.scene import Scene
 from contactstudy.solvers.solution import Solution
 from contactstudy.solvers.solve import SolveOptions, solve_contact
@@ -136,6 +140,9 @@ def solve_to(
     InvalidInput
         If the scene does not determine a grid, see :func:`~contactstudy.plan`.
     """
+    requirements = grid_requirements(scene)
+    # a random surface keeps the extent of its plan on the grids of other widths
+    scene = with_random_extents(scene, requirements.grid(0.1, period).extent)
     requirements = grid_requirements(scene)
     refinement = GridRefinement(
         scene,

@@ -20,8 +20,10 @@ from contactstudy.planning.grid_requirements import (
     GridRequirements,
     grid_requirements,
     halvable_count,
+    with_random_extents,
 )
 from contactstudy.planning.plan import DEFAULT_ERROR, MEMORY_FRACTION
+from contactstudy.scene.shapes.shape import length_scales_of
 from contactstudy.scene_file import SceneFile, read_scene, scene_file_from
 from studies.advice.reference_error import ReferencedCase
 from studies.model.axis import Value, check_count
@@ -48,12 +50,12 @@ def on_shared_grids(points: Sequence[SceneFile]) -> tuple[list[ReferencedCase], 
     InvalidInput
         If a surface does not fit its grid.
     """
+    points, notes = _with_random_extents(points)
     groups: dict[object, list[int]] = {}
     for number, point in enumerate(points):
         settings = point.plan_settings if point.grid is None else None
         groups.setdefault((settings, point.grid, _own_length(point)), []).append(number)
     grids: dict[int, cs.Grid] = {}
-    notes: list[str] = []
     for numbers in groups.values():
         chosen, about = _shared([points[number] for number in numbers])
         grids.update(zip(numbers, chosen, strict=True))
@@ -64,6 +66,26 @@ def on_shared_grids(points: Sequence[SceneFile]) -> tuple[list[ReferencedCase], 
         notes += about
     placed = [_case_on(point, grids[number], extent) for number, point in enumerate(points)]
     return placed, tuple(dict.fromkeys(notes))
+
+
+def _with_random_extents(points: Sequence[SceneFile]) -> tuple[Sequence[SceneFile], list[str]]:
+    """Return `points` whose random surfaces have one extent, that of the widest plan, if all can; and a note on it."""
+    is_planned = all(
+        point.grid is None and point.scene.lubrication is None and point.scene.hertz is not None
+        for point in points
+    )
+    shapes = [shape for point in points for shape in point.scene.shapes]
+    if not is_planned or not any(scales.longest_across for scales in length_scales_of(shapes)):
+        return points, []
+    extents = [
+        grid_requirements(point.scene).grid(0.1, point.plan_settings.period).extent
+        for point in points
+    ]
+    extent = max(width for width, _ in extents), min(length for _, length in extents)
+    if any(abs(length / extent[1] - round(length / extent[1])) > 1e-9 for _, length in extents):
+        return points, []
+    placed = [replace(point, scene=with_random_extents(point.scene, extent)) for point in points]
+    return placed, [_extent_note(extent)]
 
 
 def _case_on(point: SceneFile, grid: cs.Grid, extent: tuple[float, float] | None) -> ReferencedCase:
@@ -192,8 +214,13 @@ def _extent(grids: Sequence[cs.Grid]) -> tuple[tuple[float, float] | None, list[
             "random surfaces differ between grids, because the shortest of their periods does not divide all: give "
             "Roughness an extent whose length divides all periods for one surface"
         ]
-    extent = f"{readable(width)} x {readable(period)}"
-    return (width, period), [f"random surfaces have the extent {extent} at all points"]
+    return (width, period), [_extent_note((width, period))]
+
+
+def _extent_note(extent: tuple[float, float]) -> str:
+    """Return the extent of random surfaces in words."""
+    size = " x ".join(map(readable, extent))
+    return f"random surfaces have the extent {size} at all points"
 
 
 def _size_text(grid: cs.Grid) -> str:

@@ -77,7 +77,7 @@ def test_the_findings_of_yield_are_of_the_most_steps_and_the_finest_grid() -> No
     assert "by 1.9 % in L1" in cap
     assert "At 2 Y it differs by 1.7 %" in cap
     # the 20th after 144, and a hundred times the 20th after 48
-    assert "gap of 0.016 a Y / E in the place of a dent of 0.68." in cap
+    assert "depth of 0.016 a Y / E in the place of a dent of 0.68." in cap
     # the 12th after 192, 216 and 240, and after 264
     assert "accurate to 2.0 %" in cost
     assert "8 steps and 48 cells (276 layers)" in cost

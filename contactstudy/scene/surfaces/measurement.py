@@ -484,8 +484,7 @@ def _measured(name: str, content: FileContent, reading: Reading) -> tuple[Array,
             )
             continue
         repeated = [place for place in lone if counts[place] > 1]
-        is_flat = most in (0, len(heights) - 1) and counts[most] >= 0.5 * values.size
-        if counts[most] >= max(8, 10 * counts[second]) and not is_flat:
+        if counts[most] >= max(8, 10 * counts[second]) and 0 < most < len(heights) - 1:
             repeated.append(most)
         if repeated:
             height = heights[repeated[0]]

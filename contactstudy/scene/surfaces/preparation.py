@@ -230,56 +230,43 @@ def _cylinder(heights: Array, extent: tuple[float, float] | None) -> tuple[Array
 
     if extent is None:
         raise InvalidInput("MeasuredSurface.trend is a cylinder, which has no size: give extent.")
-    half = [size / 2 * (1 - 1 / count) for size, count in zip(extent, heights.shape, strict=True)]
+    sides = zip(extent, heights.shape, strict=True)
+    half = np.array([size / 2 * (1 - 1 / count) or size / 2 for size, count in sides])
+    largest = half.max()
     x, y = (
-        half[0] * _from_middle(heights.shape[0])[:, None],
-        half[1] * _from_middle(heights.shape[1]),
+        _from_middle(count) * side / largest
+        for count, side in zip(heights.shape, half, strict=True)
     )
     # curvatures of the quadratic give the start: the axis lies along the smaller
     form = _polynomial(heights, 2)[1]
-    xx, xy, yy = (
-        form.get(power, 0.0) / scale
-        for power, scale in (
-            ((2, 0), half[0] ** 2 or 1),
-            ((1, 1), half[0] * half[1] or 1),
-            ((0, 2), half[1] ** 2 or 1),
-        )
+    second = np.array(
+        [[2 * form.get((2, 0), 0.0), form.get((1, 1), 0.0)], [0.0, 2 * form.get((0, 2), 0.0)]]
     )
-    curvatures, axes = np.linalg.eigh([[xx, xy / 2], [xy / 2, yy]])
-    steepest = int(np.argmax(np.abs(curvatures)))
-    largest, gradient = (
-        max(half),
-        [form.get((1, 0), 0.0) / (half[0] or 1), form.get((0, 1), 0.0) / (half[1] or 1)],
-    )
-    across = axes[:, steepest]
-    start = [
-        -2 * curvatures[steepest] * largest,
-        np.arctan2(across[1], across[0]),
-        across @ gradient,
-    ]
-    start += [gradient[1] * across[0] - gradient[0] * across[1], heights.mean() / largest]
+    curvatures, axes = np.linalg.eigh((second + second.T) / 2 / np.outer(half, half))
+    across = axes[:, np.argmax(np.abs(curvatures))]
+    tilt = np.array([form.get((1, 0), 0.0), form.get((0, 1), 0.0)]) / half
+    start = [-curvatures[np.argmax(np.abs(curvatures))] * largest, np.arctan2(across[1], across[0])]
+    start += [across @ tilt, across[0] * tilt[1] - across[1] * tilt[0], heights.mean() / largest]
 
-    def cylinder(values: Array) -> Array:
+    def cylinder(values: Array, x: Array, y: Array) -> Array:
         curvature, angle, slope, rise, level = values
-        u = (x * np.cos(angle) + y * np.sin(angle)) / largest
-        v = (y * np.cos(angle) - x * np.sin(angle)) / largest
-        roots = np.sqrt(np.maximum(1 - (curvature * u - slope) ** 2, 0)) + sqrt(
-            max(1 - slope**2, 0)
-        )
-        return np.asarray(
-            level + rise * v + u * (2 * slope - curvature * u) / np.maximum(roots, 1e-9)
-        )
+        angle = start[1] if 1 in heights.shape else angle  # a profile does not show its axis
+        u = x[:, None] * np.cos(angle) + y * np.sin(angle)
+        v = y * np.cos(angle) - x[:, None] * np.sin(angle)
+        root = np.sqrt(np.maximum(1 - (curvature * u - slope) ** 2, 0))
+        roots = np.maximum(root + sqrt(max(1 - slope**2, 0)), 1e-9)
+        return np.asarray(level + rise * v + u * (2 * slope - curvature * u) / roots)
 
-    scaled = heights / largest
-    fit = least_squares(
-        lambda values: (cylinder(values) - scaled).ravel(),
-        start,
-        xtol=1e-14,
-        ftol=1e-14,
-        gtol=1e-14,
-    )
-    angle = (np.degrees(fit.x[1]) + 90) % 180 - 90
-    return largest * cylinder(fit.x), float(fit.x[0] / largest), float(angle)
+    # of many points every n-th is fitted, some 200 a side
+    some = tuple(slice(None, None, max(1, count // 200)) for count in heights.shape)
+    scaled = heights[some] / largest
+
+    def misfit(values: Array) -> Array:
+        return np.asarray(cylinder(values, x[some[0]], y[some[1]]) - scaled).ravel()
+
+    fit = least_squares(misfit, start, xtol=1e-14, ftol=1e-14, gtol=1e-14)
+    angle = (np.degrees(start[1] if 1 in heights.shape else fit.x[1]) + 90) % 180 - 90
+    return largest * cylinder(fit.x, x, y), float(fit.x[0] / largest), float(angle)
 
 
 def _from_middle(count: int) -> Array:

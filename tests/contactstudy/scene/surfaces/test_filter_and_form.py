@@ -46,3 +46,13 @@ def test_a_cylinder_is_taken_off_with_its_radius_and_its_axis(angle: float, radi
     assert found is not None, said
     assert float(found[1]) == pytest.approx(1e3 * radius, rel=1e-3)
     assert abs(float(found[2])) == pytest.approx(angle, abs=0.1)
+
+
+def test_a_cylinder_is_taken_off_a_profile() -> None:
+    x = np.linspace(-5e-4, 5e-4, 200)
+    form = np.sqrt(5e-3**2 - x**2)[:, None]
+    left = cs.Trend.CYLINDER.subtracted(form, (1e-3 * 200 / 199, 1e-6))
+    np.testing.assert_allclose(left, 0, atol=1e-12)
+    assert "a cylinder of radius 5 mm, its axis at 0.0 degrees" in cs.Trend.CYLINDER.description(
+        form, (1e-3 * 200 / 199, 1e-6)
+    )

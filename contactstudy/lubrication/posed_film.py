@@ -40,7 +40,7 @@ OUTLET = 0.5
 # Tolerance of the dry contact that a film starts from.
 DRY_TOLERANCE = 1e-4
 # Cells across on which the plan solves the dry contact, and its largest width over Hertz's half-width.
-REACH_CELLS, MAX_REACH = 256, 64
+REACH_CELLS, MAX_REACH, LIGHTLY_LOADED = 256, 64, 1e-3
 # The central film is a mean to this fraction of the half-width from the middle of the contact, where the gap there is no
 # parabola up to the fraction SMOOTH of the film.
 MIDDLE, SMOOTH = 0.5, 1e-3
@@ -75,7 +75,10 @@ def lubricated_scales(scene: Scene, mean_speed: float | None = None) -> FilmScal
 
 
 def dry_reach(scene: Scene, period: float, cells_along: int) -> float:
-    """Return how far the dry contact reaches from x = 0, over Hertz's half-width and at least that."""
+    """Return how far the dry contact reaches from x = 0, over Hertz's half-width and at least that.
+
+    Asperities further out that carry less than the fraction ``LIGHTLY_LOADED`` of the load do not count.
+    """
     if scene.hertz is None or all(isinstance(shape, Cylinder) for shape in scene.shapes):
         return 1.0
     load = scene.load if isinstance(scene.load, ConstantLoad) else LineLoad(scene.largest_load)
@@ -87,7 +90,10 @@ def dry_reach(scene: Scene, period: float, cells_along: int) -> float:
         grid = Grid((REACH_CELLS, cells_along), (width * a, period))
         problem = dry.problem(grid, ExactPeriodicity())
         pressure = solve_contact(problem, SolveOptions(tolerance=DRY_TOLERANCE)).pressure
-        reach = max(1.0, float(np.abs(grid.x[pressure.any(axis=1)]).max()) / a)
+        load = pressure.sum(axis=1)
+        outside = np.cumsum(load + load[::-1])[: REACH_CELLS // 2]
+        light = np.count_nonzero(outside < LIGHTLY_LOADED * load.sum())
+        reach = max(1.0, float(grid.x[-1 - light]) / a)
     return reach
 
 

@@ -8,8 +8,8 @@ from contactstudy.domain.units import readable
 from contactstudy.scene.shapes.roller import FiniteLength
 from contactstudy.scene.solids.bodies import HalfSpace, SceneContext, creeps, yields
 
-# Least length between two faces over the half-width of the contact: what a load at one adds at the other is known to
-# within a few per cent of the whole, down to bodies as long as two contacts are wide.
+# Least length between two faces over the half-width of the contact, down to which the pressure was compared with finite
+# elements.
 SHORTEST = 4.0
 
 
@@ -18,9 +18,10 @@ def FreeFaces(solid: HalfSpace, length: float) -> HalfSpace:
 
     The faces are at ``|y| = length / 2``, at right angles to the surface, and contact ends there: no
     :class:`~contactstudy.FiniteLength` is needed. Beside the faces the body is softer, up to two and a half times. Each
-    face is that of a quarter-space, with the load mirrored evenly about both. Displacement counts from points at three
-    lengths from the axis. Sources: Hetenyi (1970), Journal of Applied Mechanics 37, 89; Wang, Guo, Wong & Zhang (2017),
-    Tribology International 114, 358.
+    face is that of a quarter-space, with the load mirrored evenly about both. Of long waves a load at one also acts on
+    the other, by a fit whose error is not in the bounds: 0.4 % of the pressure in L1 in bodies of 20 half-widths, 1.4 %
+    in those of 4. Displacement counts from points at three lengths from the axis. Sources: Hetenyi (1970), Journal of
+    Applied Mechanics 37, 89; Wang, Guo, Wong & Zhang (2017), Tribology International 114, 358.
 
     Parameters
     ----------

@@ -72,10 +72,6 @@ class Status(Enum):
         "converged, but the plastic strain that a pass leaves at the edge of the grid did not become steady: "
         "give a longer Rolling.distance, or none, or a larger Rolling.steady"
     )
-    WORN_THROUGH = (
-        "a coating is worn through, and what is below it bears the load from here on: end before, or give a body of the "
-        "substrate alone"
-    )
     DETACHED = (
         "the bodies do not touch: under this load there is no equilibrium in contact, or at this approach they only "
         "attract each other across the gap, or nothing holds the tangential force: give a larger load or approach"
@@ -87,6 +83,10 @@ class Status(Enum):
     NOT_FINITE = (
         "the iteration left the range of floating-point numbers: "
         "check the heights for nan and for values far beyond the contact's own scale"
+    )
+    WORN_THROUGH = (
+        "a coating is worn through, and what is below it bears the load from here on: end before, or give a body of the "
+        "substrate alone"
     )
 
     def __str__(self) -> str:

@@ -27,6 +27,7 @@ SURFACE_KEYS = ("file", "tile", "turn")
 LONG_NAMES = {
     "load.per_length": "load per length",
     "friction.tangential": "tangential force per length",
+    "friction.total": "tangential force",
     "friction.longitudinal": "longitudinal creepage",
     "friction.lateral": "lateral creepage",
     "friction.coefficient": "coefficient of friction",

@@ -106,3 +106,17 @@ def test_an_accuracy_says_which_number_of_the_shear_misses_it(line_contact: Line
         )
         assert answer.met
         assert ("sticks is known to" in answer.accuracy) is is_said
+
+
+def test_a_random_surface_stays_where_the_grid_is_as_narrow_as_the_contact() -> None:
+    rough = cs.Roughness(rms=1e-7, hurst=0.8, roll_off=1e-4, cut_off=5e-5, seed=1)
+    scene = cs.Scene(cs.LineLoad(1e4), (STEEL, STEEL), (cs.Cylinder(0.01), rough))
+    light, heavier = (
+        cs.solve(replace(scene, load=cs.LineLoad(load)), error=0.3) for load in (1e4, 5e4)
+    )
+    assert light.grid.extent[0] < heavier.grid.extent[0] <= 4e-4
+    for answer in (light, heavier):
+        surface = answer.scene.shapes[1]
+        assert surface == replace(rough, extent=cs.plan(scene, error=0.3).grid.extent)
+        heights = answer.problem.undeformed_gap - scene.shapes[0].gap(answer.grid)
+        np.testing.assert_allclose(heights, surface.gap(answer.grid), rtol=0, atol=1e-20)

@@ -262,6 +262,8 @@ def evolution_answer(trajectory: "Trajectory", requested: float | None = None) -
     frames = [
         _unbounded(*pair) if pair[1] else pair[0] for pair in zip(frames, sentences, strict=True)
     ]
+    if is_through:  # the stress in a coating that is gone
+        frames[-1] = replace(frames[-1], problem=replace(frames[-1].problem, outputs=()))
     return Evolution(tuple(frames), trajectory.times, posed, requested, trajectory=trajectory)
 
 

@@ -204,7 +204,7 @@ def test_a_contact_whose_coating_is_worn_through_ends_with_the_time(
     wear = cs.Wear(1e-15, 0.1, circumference=None if rolling is None else 0.06)
     scene = cs.Scene(
         cs.LineLoad(1e5), (cs.CoatedHalfSpace(hard, 1e-6, steel), steel), (cs.Cylinder(0.01),), rolling=rolling,
-        wear=wear,
+        wear=wear, outputs=(cs.SubsurfaceStress((5e-7, 1e-6)),),
     )  # fmt: skip
     grid, times = cs.Grid((32, 1), (8e-4, 1e-3)), np.array([0.0, 4.0, 100.0, 200.0])
     times[1:] *= 1 if rolling is None else 500
@@ -213,6 +213,7 @@ def test_a_contact_whose_coating_is_worn_through_ends_with_the_time(
     assert len(found.frames) == len(found.to_dataset()["time"]) == 3
     through = f"worn through between {times[1]:g} s and {times[2]:g} s"
     assert any(through in sentence for sentence in found.error.warnings)
+    assert ["interface_shear" in frame.quantities for frame in found.frames] == [True, True, False]
     assert found.frames[0].error.l1.total < inf
     assert "is thinner by up to" in found.frames[1].error.l1.reason
     other = replace(scene, wear=replace(wear, body=1))

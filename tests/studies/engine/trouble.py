@@ -118,8 +118,9 @@ def compute(
     return [outcomes[task.key] for task in tasks]
 
 
-def settings_of(measures: Callable[..., Any]) -> bytes:
-    return pickled_settings(RunSettings(measures), Program.of(study([1]), Trouble(1.0), {}))
+def settings_of(measures: Callable[..., Any], case: Square | None = None) -> bytes:
+    program = Program.of(study([1]), case or Trouble(1.0), {})
+    return pickled_settings(RunSettings(measures), program)
 
 
 RAISING_LINE = 1 + Path(__file__).read_text(encoding="utf-8").split("\n").index(

@@ -5,7 +5,7 @@ from dataclasses import fields, is_dataclass
 from enum import Enum, Flag
 from functools import cache, cached_property, partial
 from pathlib import PurePath
-from types import BuiltinFunctionType, FunctionType, MappingProxyType, MethodType
+from types import BuiltinFunctionType, CodeType, FunctionType, MappingProxyType, MethodType
 from typing import Any
 
 import numpy as np
@@ -22,8 +22,9 @@ def digest(value: object, memo: Memo | None = None) -> str:
     """Return 24 hexadecimal digits that identify `value`: dataclasses, arrays, numbers, text, and containers of them.
 
     Numbers count with all their digits and with their types: 1, 1.0, True, "1" and numpy's 1 differ, as do 0.0 and
-    -0.0. Fields that a dataclass does not compare are left out. A function counts by its name, its defaults and what
-    it encloses; its code is the program's (``studies/store/program.py``).
+    -0.0. Fields that a dataclass does not compare are left out. A function counts by its name, its own code, its
+    defaults and what it encloses, and so do the methods of a class made in a function. A memo also gets these functions
+    and the classes of all values.
 
     Raises
     ------
@@ -73,9 +74,11 @@ def _parts(value: Any, memo: Memo) -> Any:
     elif kind is MethodType:
         return name, _parts((value.__func__, value.__self__), memo)
     elif kind is FunctionType:
+        known = f"{value.__module__}.{value.__qualname__}"
+        memo[f"def {known}"] = value, ""
         enclosed = tuple(cell.cell_contents for cell in value.__closure__ or ())
         held = value.__defaults__, value.__kwdefaults__, enclosed
-        return name, f"{value.__module__}.{value.__qualname__}", _parts(held, memo)
+        return name, known, _code(value.__code__), _parts(held, memo)
     raise InvalidInput(
         f"A case or its measures hold {value!r:.100}, whose state cannot be seen: make its class a frozen dataclass."
     )
@@ -94,7 +97,25 @@ def _of_dataclass(value: Any, memo: Memo) -> Any:
     kind: Any = type(value)
     compared, known = _fields(kind)
     further = getattr(value, "__dict__", {}).keys() - known
-    return [(name, _parts(getattr(value, name), memo)) for name in (*compared, *sorted(further))]
+    parts = [(name, _parts(getattr(value, name), memo)) for name in (*compared, *sorted(further))]
+    if "<locals>" in kind.__qualname__:
+        methods = (member for member in vars(kind).values() if isinstance(member, FunctionType))
+        # not those that dataclasses makes
+        parts += [("", _parts(of, memo)) for of in methods if of.__code__.co_filename != "<string>"]
+    return parts
+
+
+def _code(code: CodeType) -> tuple[object, ...]:
+    """Return what of the code of a function does not depend on its place in a file."""
+    constants = (
+        _code(of)
+        if isinstance(of, CodeType)
+        else sorted(map(repr, of))
+        if isinstance(of, frozenset)
+        else repr(of)
+        for of in code.co_consts
+    )
+    return code.co_code, code.co_names, tuple(constants)
 
 
 @cache

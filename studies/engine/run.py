@@ -302,9 +302,8 @@ class _Run:
     def _other_programs(self, missing: Sequence[str]) -> Counter[str]:
         """Return the number of missing cases that are stored of another program, by what differs in it."""
         wanted, program = set(missing), self.results.program
-        counts = Counter(
-            of for case, of in self.journal.cases if case in wanted and of != program.key
-        )
+        last = {case: of for case, of in self.journal.cases if case in wanted}
+        counts = Counter(of for of in last.values() if of != program.key)
         named = Counter[str]()
         for of, count in counts.items():
             named[differences(self.journal.programs.get(of, {}), program.digests)] += count

@@ -82,21 +82,19 @@ class Program:
             For a file that cannot be read, that changed since it was loaded, and measures whose state cannot be seen.
         """
         about = {MEASURES: digest(study.measures, memo)}
-        # classes and functions by the names of their modules
-        named = {name for name in memo if isinstance(name, str)} | {
-            getattr(of, "__module__", "") for of in (study.case_at, type(case))
-        }
+        held = (study.case_at, case, *(of for of, _ in memo.values()))
+        named = {getattr(of, "__module__", "") for of in held}
         modules = {name: vars(sys.modules[name]) for name in named if name in sys.modules}
         users = {name: module for name, module in modules.items() if _is_users(name, module)}
         sources = {name: of["__source__"] for name, of in users.items() if "__source__" in of}
         for name, module in users.items():
             if name in sources:  # a study file, whose bytes were read once, and are sent to workers
                 about[Path(module["__file__"]).name] = hashed(sources[name])
-            elif (
-                "__file__" not in module
-            ):  # typed at a prompt or in a notebook: known in this session alone
-                kinds = [of for of, _ in memo.values() if getattr(of, "__module__", "") == name]
-                about["typed code"] = hashed(_pickled((study.measures, type(case), kinds)))
+            elif "__file__" not in module:
+                # typed at a prompt or in a notebook: known in this session alone
+                kinds = {of for of in held if isinstance(of, type) and of.__module__ == name}
+                kinds_by_name = sorted(kinds, key=lambda of: of.__qualname__)
+                about["typed code"] = hashed(_pickled((study.measures, kinds_by_name)))
         if users:
             look()
             files = _imported(users, sources)

@@ -50,17 +50,25 @@ def test_different_values_have_different_digests() -> None:
     assert digest(again) == digest(CASE)
 
 
+def made(number: int) -> type:
+    @dataclass(frozen=True)
+    class Model:
+        factor: float = 1.0
+
+        def value(self) -> int:
+            return number
+
+    return Model
+
+
+def test_functions_and_classes_of_one_name_differ_by_their_code_and_what_it_encloses() -> None:
+    functions = [lambda x: x, lambda x: 2 * x, lambda x: 3 * x, lambda x: x in {"a", "b"}]
+    assert len({digest(function) for function in functions}) == 4
+    assert digest(made(1)()) != digest(made(2)())
+    assert digest(made(1)()) == digest(made(1)())
+
+
 def test_two_classes_of_one_name_are_refused() -> None:
-    def made(number: int) -> type:
-        @dataclass(frozen=True)
-        class Model:
-            factor: float = 1.0
-
-            def value(self) -> int:
-                return number
-
-        return Model
-
     memo: Memo = {}
     digest(made(1)(), memo)
     with pytest.raises(InvalidInput, match="give each a name of its own"):

@@ -159,11 +159,11 @@ def test_a_study_of_ones_own_runs_under_any_name_and_fails_in_a_sentence(
 
 @POSIX
 @pytest.mark.whole
-@pytest.mark.parametrize("written", ["case", "time"], ids=["solving", "timing"])
+@pytest.mark.parametrize("written", ["status", "time"], ids=["solving", "timing"])
 def test_an_interrupt_ends_in_one_sentence_and_leaves_nothing_half_written(
     written: str, tmp_path: Path
 ) -> None:
-    journal = tmp_path / "here" / "grid.journal.jsonl"
+    journal = tmp_path / "here" / "cases.jsonl"
     axes = ["--padding", "exact", "--grid", "64,512"]
     running = subprocess.Popen(
         [COMMAND, "run", "grid", *axes, "--repeats", "99", "--out", "here"], cwd=tmp_path,

@@ -29,7 +29,7 @@ NO_BOUND_OF_STRAIN = "No bound: the error of plastic strain is not estimated; so
 
 NO_BOUND_OF_PASS = "No bound: on cells of twice the size nothing yields in the last pass."
 # Bound of what a pass leaves behind over its change from cells of twice the size, and least cells in a half-width: the
-# error was at most 1.9 of that change with elastic pressures of 4.3 to 5 k on 5 to 20 cells.
+# error was at most 1.9 of that change with elastic pressures of 4.3 and 4.6 k on 5 to 20 cells.
 PASS_MARGIN, CELLS_OF_PASS = 2.0, 5
 NO_BOUND_OF_FEW_CELLS = f"No bound: a half-width has fewer than {CELLS_OF_PASS} cells, give more."
 

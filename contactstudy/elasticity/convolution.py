@@ -1,7 +1,7 @@
 """Operator from pressure to displacement, by one pruned, real transform pair."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from math import ceil
 from threading import local
@@ -80,11 +80,14 @@ class Convolution:
         Cells of the grid (across, along).
     padded
         Points (px, py) of the transforms.
+    ends
+        Whether each axis ends, without images beyond: near its ends the preconditioner has a margin.
     """
 
     spectrum: Array
     cells: tuple[int, int]
     padded: tuple[int, int]
+    ends: tuple[bool, bool] = field(default=(False, False), kw_only=True)
 
     def __call__(self, pressure: Array) -> Array:
         """Return the displacement (x, y) [m] under a `pressure` (x, y) [Pa].
@@ -194,14 +197,14 @@ class Convolution:
         (px, py), blocks = self.padded, self.blocks
         cells = self.cells[0] // blocks[0], self.cells[1] // blocks[1]
         spectrum = coarsened_spectrum(self.spectrum, self.padded, blocks)
-        return Convolution(spectrum, cells, (px // blocks[0], py // blocks[1]))
+        return Convolution(spectrum, cells, (px // blocks[0], py // blocks[1]), ends=self.ends)
 
     def approximate_inverse(
         self, precision: Precision | None = None
     ) -> SpectralInverse | FreeEndsInverse | ExactInverse:
         """Return a preconditioner: division by the spectrum on the unpadded grid, as if it were periodic.
 
-        Near an end of an axis that does not wrap the grid has a margin. It works in the operator's own precision, unless
+        Near an end of an axis without images the grid has a margin. It works in the operator's own precision, unless
         another `precision` is given and can hold the spectrum's range. For few cells in plane strain it solves the
         equations of the contact exactly.
         """
@@ -224,10 +227,10 @@ class Convolution:
 
     @property
     def _beyond_free_ends(self) -> tuple[int, int]:
-        """Cells (across, along) with a margin beyond the ends of each axis that does not wrap, a multiple of 4."""
+        """Cells (across, along) with a margin beyond each axis that ends, a multiple of 4."""
         across, along = (
-            n if n in (1, padded) else 4 * fft.next_fast_len(ceil(n * (1 + MARGIN) / 4))
-            for n, padded in zip(self.cells, self.padded, strict=True)
+            4 * fft.next_fast_len(ceil(n * (1 + MARGIN) / 4)) if ends and n > 1 else n
+            for n, ends in zip(self.cells, self.ends, strict=True)
         )
         return across, along
 
@@ -359,7 +362,8 @@ def superposed(
         spectrum = np.multiply(transform, weight, out=target)
         spectrum[0, 0] += weight * shift * padded[0] * padded[1]
         spectra.append(spectrum)
-    return Convolution(sum(spectra[1:], start=spectra[0]), grid.cells, padded)
+    ends = paddings[0].window == range(1), paddings[1].window == range(1)
+    return Convolution(sum(spectra[1:], start=spectra[0]), grid.cells, padded, ends=ends)
 
 
 def _spectrum(coefficients: Coefficients, grid: Grid, paddings: Paddings) -> Array:

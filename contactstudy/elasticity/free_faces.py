@@ -244,6 +244,7 @@ class EndedConvolution(Convolution):
             coarse.padded,
             coarsened_spectrum(self.mirrored, self.padded, blocks),
             tuple(faces.coarsened(*blocks) for faces in self.faces),
+            ends=self.ends,
         )
 
 
@@ -273,7 +274,8 @@ def between_faces(
         mirrored += weight * _images(body, 2 * to_face, grid, padded)
         added = faces_on(body, grid, padded[0])
         faces.append(added.scaled(np.pi * weight, Precision.DOUBLE))
-    return EndedConvolution(spectrum, grid.cells, padded, mirrored, tuple(faces))
+    ends = True, True
+    return EndedConvolution(spectrum, grid.cells, padded, mirrored, tuple(faces), ends=ends)
 
 
 def _images(

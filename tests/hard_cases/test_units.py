@@ -52,7 +52,7 @@ SIZES: dict[str, Callable[[float], object]] = {
     "Crown end_drop": lambda size: cs.Crown.of_drop(size, A),
     "Crown length": lambda size: cs.Crown.of_drop(1e-6, size),
     "LundbergProfile.amplitude": lambda size: cs.LundbergProfile(size, 1e-6, 1.2 * A),
-    "LundbergProfile.end_drop": lambda size: cs.LundbergProfile(1e-7, size, A),
+    "LundbergProfile.end_drop": lambda size: cs.LundbergProfile(1e-7, size, 1.2 * A),
     "LundbergProfile.length": lambda size: cs.LundbergProfile(1e-7, 1e-6, size),
     "FiniteLength.length": cs.FiniteLength,
     "Waviness.amplitude": lambda size: cs.Waviness(-size, along=0.6 * A),

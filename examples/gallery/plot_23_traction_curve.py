@@ -71,7 +71,7 @@ def curve(speed):
 def formula(speed, slip, film):
     """Friction by eq. 13 at the mean pressure and temperature, of eqs. 26 to 28 with the heat shared evenly."""
     mean, temperature = pi / 4 * peak, supply
-    body = heat.first
+    body, _ = heat.bodies
     for _ in range(200):
         steepness = pressure_viscosity(temperature, peak)
         stress = exp(log_viscosity(temperature, mean)) * speed * slip / film

@@ -196,7 +196,7 @@ def test_options_of_a_run_do_what_they_say(tmp_path: Path) -> None:
     dry = said(*here, "--grid", "16,24", "--dry-run")
     assert "2 distinct cases, 0 stored, 2 to compute" in dry
     assert list(tmp_path.iterdir()) == []
-    said(*here, "--grid", "16", "--repeats", "1", "--fields", "--time-limit", "60")
+    said(*here, "--grid", "16", "--repeats", "1", "--fields")
     assert len(list((tmp_path / "period.fields").iterdir())) == 1
     dry = said(*here, "--grid", "16,24", "--dry-run")
     assert "1 stored, 1 to compute" in dry

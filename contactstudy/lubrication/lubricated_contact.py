@@ -22,7 +22,7 @@ from contactstudy.solvers.solution import Status
 SHEAR_LIMIT, SHEAR_LIMIT_OVER_PRESSURE, FRICTION_BEYOND_LIMIT = 1e7, 0.15, 0.01
 # Least slip at which a stress is evaluated, and below which asperities stick, over the sliding speed; relative step for
 # the derivative of the stress by slip; steps of Newton's method at most, and the relative change where they stop.
-LEAST_SLIP, STICK, SLIP_STEP, MAX_STEPS, SHEAR_TOLERANCE = 1e-9, 1e-6, 1e-5, 100, 1e-9
+LEAST_SLIP, STICK, SLIP_STEP, MAX_STEPS, SHEAR_TOLERANCE = 1e-9, 1e-6, 1e-5, 100, 1e-7
 # Size of the slide-roll ratio at which a surface stands still.
 STANDS_STILL = 2.0
 # Largest logarithm of the viscosity over that at rest for the friction.

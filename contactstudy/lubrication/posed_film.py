@@ -286,7 +286,10 @@ def pose(
             f"Scene.shapes open the gap by {readable(opening)} along the length, as a roller's sharp end does: a film "
             "that ends there is not supported, give a Crown or a LundbergProfile, and a longer period."
         )
-    dry_pressure = solve_contact(problem, SolveOptions(tolerance=DRY_TOLERANCE)).pressure
+    smooth = np.repeat(scales.hertz.pressure(grid.x)[:, None], grid.cells[1], axis=1)
+    # a contact may be narrower than a cell
+    start, options = smooth if smooth.any() else None, SolveOptions(tolerance=DRY_TOLERANCE)
+    dry_pressure = solve_contact(problem, options, start).pressure
     touching = grid.x[dry_pressure.any(axis=1)]
     end = max(half_width, float(touching.max()))
     half_width = max(half_width, float(np.abs(touching).max()))

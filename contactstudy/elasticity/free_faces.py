@@ -171,10 +171,11 @@ class Faces:
         """Return the same on larger cells: mean displacement of blocks under a pressure constant in each."""
         kernel, (ny, m) = self.kernel * along, self.weights.shape
         if across == 2:
-            half = len(kernel) // 2
-            low = np.cos(np.pi / (2 * (len(kernel) - 1)) * np.arange(half + 1)) ** 2
+            shortest = len(kernel) - 1
+            waves = np.arange(shortest // 2 + 1)
+            low = np.cos(np.pi / (2 * shortest) * waves) ** 2
             low = low[:, None, None, None].astype(kernel.dtype)
-            kernel = low * kernel[: half + 1] + (1 - low) * kernel[len(kernel) - half - 1 :][::-1]
+            kernel = low * kernel[waves] + (1 - low) * kernel[shortest - waves]
         return Faces(self.weights.reshape(ny // along, along, m).mean(axis=1), kernel)
 
 

@@ -94,4 +94,4 @@ assert all(one.status is not cs.Status.FILM_NOT_CONVERGED for one in contacts)
 assert fraction[0] == 0
 assert (np.diff(fraction) >= 0).all()
 assert np.count_nonzero((fraction > 0.05) & (fraction < 0.9)) >= 4
-assert abs(fraction[-1] - 0.988) < 2e-3
+assert abs(fraction[-1] - 0.992) < 2e-3

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 import numpy as np
 
-from contactstudy import InvalidInput
+from contactstudy import InvalidInput, Sizes
 from contactstudy.domain.imports import import_for
 from contactstudy.domain.units import display_unit_of
 from studies.cli.options import PLOT, figures_option, names_in, out_option, refuse
@@ -51,6 +51,11 @@ FORMATS = ("png", "pdf", "svg", "vtk")
 @click.option(
     "--decimal", type=click.Choice([",", "."]), help="Decimal sign of the text file of a surface."
 )
+@click.option(
+    "--sizes",
+    type=click.Choice(["checked", "confirmed"]),
+    help="Whether sizes, units and heights of a surface that are not plausible are refused.  [default: checked]",
+)
 @click.option("--raw", is_flag=True, help="Draw a measured surface as it was measured beside.")
 @click.pass_context
 def show(
@@ -66,6 +71,7 @@ def show(
     extent: str | None,
     invalid: float | None,
     decimal: str | None,
+    sizes: str | None,
     raw: bool,  # noqa: FBT001 (click's own way)
 ) -> None:
     """Draw what is in FILE: a solution, a study, or a measured surface.
@@ -78,12 +84,18 @@ def show(
     for name in chosen:
         if name not in FORMATS:
             raise InvalidInput(f"--format is {name!r}: give one or more of {', '.join(FORMATS)}.")
-    if surfaces := surfaces_of(file, extent, unit=unit, invalid=invalid, decimal=decimal):
+    keys = {
+        "unit": unit,
+        "invalid": invalid,
+        "decimal": decimal,
+        "sizes": Sizes(sizes or "checked"),
+    }
+    if surfaces := surfaces_of(file, extent, **keys):
         refuse(context, "a study, and not for a surface", "figures", "plot", "as_table")
         drawn = drawn_surfaces(surfaces, with_raw=raw)
         _save(drawn, open_folder(out or file.parent), [name for name in chosen if name != "vtk"])
         return
-    refuse(context, "a measured surface", "unit", "extent", "invalid", "decimal", "raw")
+    refuse(context, "a measured surface", "unit", "extent", "invalid", "decimal", "sizes", "raw")
     dataset = read_any(file)
     if as_table:
         refuse(context, "pictures, and not for --csv", "out", "formats", "figures", "plot")

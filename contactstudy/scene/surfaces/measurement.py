@@ -41,6 +41,11 @@ COLUMNS = {
     "y": ("y", "dy"),
     "z": ("z", "height", "heights", "raw", "profile", "h", "höhe", "value", "level"),
 }
+# A column of angles, times or voltages, by its unit or its name.
+NO_LENGTH = re.compile(
+    r"°|[\[(](?!(?:[xyz]|lateral|unitless)?[\])])[^\])]+[\])]|\b(deg\w*|grad|m?rad|sec\w*|[mu]?s|m?v|angle|winkel|time|zeit)\b",
+    re.I,
+)
 METRES = (None, "", "m", "metre", "metres", "meter", "meters")
 
 
@@ -111,7 +116,10 @@ class Reading:
 
 
 class FileContent(NamedTuple):
-    """Numbers of a file (x, y), nan where one is missing, their unit [m], the sizes [m], and notes on them."""
+    """Numbers of a file (x, y), nan where one is missing, their unit [m], the sizes [m], and notes on them.
+
+    `assumed` is a note on sizes that the file leaves open, which a given extent replaces.
+    """
 
     values: Array
     unit: float
@@ -119,6 +127,7 @@ class FileContent(NamedTuple):
     notes: tuple[str, ...] = ()
     invalid: float | None = None
     is_own: bool = False
+    assumed: str = ""
 
 
 def measurement(heights: Any) -> Measurement:
@@ -167,8 +176,13 @@ def read(
     if reading.transpose:
         points, sizes = points.T, None if sizes is None else (sizes[1], sizes[0])
     points = np.flip(points, reading.flip.value)
-    if reading.sizes is Sizes.CONFIRMED and reading.extent is not None:
+    notes += ["across and along were exchanged (transpose)"] * reading.transpose
+    if reading.flip is not Flip.NONE:
+        notes.append(f"reversed (flip {reading.flip.name.lower()})")
+    if reading.extent is not None and (reading.sizes is Sizes.CONFIRMED or content.assumed):
         sizes = None
+    elif content.assumed:
+        notes.append(content.assumed)
     sizes = agreed_extent(sizes, reading.extent)
     if reading.sizes is Sizes.CHECKED and not content.is_own:
         _check_plausible(name, points, sizes, content.unit)
@@ -229,7 +243,9 @@ def _unit(
 
 def _named(unit: float) -> str:
     """Return the name of a unit [m]."""
-    return next((name for name, size in UNITS.items() if np.isclose(size, unit)), readable(unit))
+    return next(
+        (name for name, size in UNITS.items() if np.isclose(size, unit, atol=0)), readable(unit)
+    )
 
 
 def _array(name: str) -> Array:
@@ -259,10 +275,10 @@ def _of_library(name: str, reading: Reading) -> FileContent:
                 side = length_unit(str(surface.unit))
                 sizes = tuple(float(size) * (side or 1.0) for size in surface.physical_sizes)
         except Exception as unreadable:
-            kind = type(unreadable).__name__
+            why = f"{type(unreadable).__name__}: {' '.join(str(unreadable).split())[:80]}"
             raise InvalidInput(
-                f"path is {name!r}, in which SurfaceTopography finds no surface ({kind}: {str(unreadable)[:80]}): give "
-                "a file in a format that it reads, complete, or export the heights as x3p, txt or csv."
+                f"path is {name!r}, in which SurfaceTopography finds no surface ({why}): give a "
+                "file in a format that it reads, complete, or export the heights as x3p, txt or csv."
             ) from unreadable
     if values.ndim != 2:
         raise InvalidInput(
@@ -281,8 +297,10 @@ def _of_text(name: str, text: TextTable, reading: Reading) -> FileContent:
     header = Header.of(text.header, text.values.shape)
     columns = _columns(name, text)
     own = {**header.units, **{axis: unit for axis, (_, unit) in columns.items() if unit}}
-    unit = _unit(name, reading, own.get("z"), header.unknown)
+    unit = _unit(name, reading, own.get("z"), header.unknown.get("z"))
     content = _matrix(text, header, unit)
+    if reading.sizes is Sizes.CHECKED:
+        _check_header(name, text, header, unit, reading, is_matrix=not columns)
     said = header.counts.get("x", 0) * header.counts.get("y", 0)
     if said not in (0, content.values.size) and not columns and reading.sizes is Sizes.CHECKED:
         raise InvalidInput(
@@ -290,13 +308,47 @@ def _of_text(name: str, text: TextTable, reading: Reading) -> FileContent:
             'sizes = "confirmed" if the header is wrong.'
         )
     if columns:
+        for place, own_unit in (columns[axis] for axis in "xy" if axis in columns):
+            other = NO_LENGTH.search(text.names[place])
+            if other and not own_unit:
+                raise InvalidInput(
+                    f"path is {name!r}, whose column {text.names[place]!r} is no length: give positions in mm "
+                    "or the like."
+                )
         places = [
             (text.values[:, columns[axis][0]], own.get(axis, unit))
             for axis in "xy"
             if axis in columns
         ]
         content = _gridded(name, places, text.values[:, columns["z"][0]])
-    return content._replace(unit=unit * header.factor, invalid=header.invalid)
+    notes = list(content.notes)
+    if header.factor != 1:
+        notes.append(f"numbers times the factor {header.factor:g} of the header")
+    if header.unused:
+        notes.append(
+            f"these lines of the header were not used: {', '.join(map(repr, header.unused))}"
+        )
+    return content._replace(unit=unit * header.factor, invalid=header.invalid, notes=tuple(notes))
+
+
+def _check_header(
+    name: str, text: TextTable, header: Header, unit: float, reading: Reading, *, is_matrix: bool
+) -> None:
+    """Raise :class:`~contactstudy.InvalidInput` for a header or a table with two readings."""
+    remedy = 'give the right one, or extent and sizes = "confirmed"'
+    fault = ""
+    if is_matrix and text.blocks > 1 and header.counts.get("x", 0) * header.counts.get("y", 0) == 0:
+        fault = f"with {text.blocks} blocks of numbers between blank lines"
+        remedy = 'give a file of one map, or sizes = "confirmed" if they are one'
+    elif header.doubts:
+        fault = f"whose header has two sizes for one: {header.doubts[0]} m"
+    elif lost := [axis for axis in "xy" if axis in header.unknown]:
+        fault = f"whose {lost[0]} is in {header.unknown[lost[0]]!r}, which is no length"
+    elif is_matrix and header.is_bare and reading.extent is None and unit < 1e-7:
+        fault = f"whose header has sizes without a unit, and heights in {_named(unit)}"
+        remedy = "give extent, or the unit of the sizes in the header"
+    if fault:
+        raise InvalidInput(f"path is {name!r}, {fault}: {remedy}.")
 
 
 def _columns(name: str, text: TextTable) -> dict[str, tuple[int, float | None]]:
@@ -328,7 +380,10 @@ def _columns(name: str, text: TextTable) -> dict[str, tuple[int, float | None]]:
 
 def _column_unit(label: str) -> float | None:
     """Return the last unit of length [m] in the name of a column, if any."""
-    return next(filter(None, map(length_unit, reversed(re.split(r"[\s/\[\](),_]+", label)))), None)
+    words = [word for word in re.split(r"[\s/\[\](),_]+", label) if word]
+    if words[-1:] != ["in"]:  # which is no unit between words
+        words = [word for word in words if word != "in"]
+    return next(filter(None, map(length_unit, reversed(words))), None)
 
 
 def _matrix(text: TextTable, header: Header, unit: float) -> FileContent:
@@ -339,6 +394,9 @@ def _matrix(text: TextTable, header: Header, unit: float) -> FileContent:
         values = values.reshape(pair)  # lines that are broken, or one number a line
     rows, columns = values.shape
     counts, notes = {"x": columns, "y": rows}, []
+    assumed = f"sizes of the header, which have no unit, count in {_named(unit)}" * bool(
+        header.is_bare
+    )
     found: dict[str, float] = {}
     for axis, count in counts.items():
         bare = unit if axis in header.is_bare else 1.0
@@ -364,8 +422,9 @@ def _matrix(text: TextTable, header: Header, unit: float) -> FileContent:
             if axis in header.steps or any(places[axis])
         ]
         found = {axis: step * count for step in steps for axis, count in counts.items()}
-        notes += ["points are taken as square"] * len(steps)
-    return FileContent(values, unit, (found["y"], found["x"]) if found else None, tuple(notes))
+        assumed = "points are taken as square" * len(steps)
+    sizes = (found["y"], found["x"]) if found else None
+    return FileContent(values, unit, sizes, tuple(notes), assumed=assumed)
 
 
 def _without_margins(values: Array, above: Array) -> tuple[Array, dict[str, Array]]:
@@ -487,7 +546,7 @@ def _measured(name: str, content: FileContent, reading: Reading) -> tuple[Array,
         if counts[most] >= max(8, 10 * counts[second]) and 0 < most < len(heights) - 1:
             repeated.append(most)
         if repeated:
-            height = heights[repeated[0]]
+            height = heights[repeated[0]] + 0.0
             raise InvalidInput(
                 f"path is {name!r}, in which {counts[repeated[0]]} points have the one height {height:g}, as points "
                 f'that were not measured: give invalid = {height:g}, or sizes = "confirmed" if they were measured.'
@@ -507,6 +566,10 @@ def _check_plausible(
     trials = [(power, 1.0) for power in powers] + [(1.0, power) for power in powers]
     trials += [(power, power) for power in powers]
     likely = ""
+    calm = np.clip(level, *np.nanquantile(level, (0.005, 0.995)))
+    if not _fault(calm, sizes):
+        steps = "; ".join(_steps(points)) or "a few points far from the others"
+        likely, trials = f" ({steps}: spikes, or points that were not measured)", []
     for up, side in trials:
         if not _fault(level * up, sizes and (sizes[0] * side, sizes[1] * side)):
             what = (
@@ -555,15 +618,15 @@ def _fault(level: Array, sizes: tuple[float, float] | None) -> str:
 
 def _steps(points: Array) -> list[str]:
     """Return a note on steps between neighbours that no surface of these slopes has."""
-    steps = np.concatenate([np.abs(np.diff(points, axis=axis)).ravel() for axis in (0, 1)])
-    steps = steps[np.isfinite(steps)]
-    typical = float(np.median(steps)) if len(steps) else 0.0
-    high = steps > 50 * typical
-    if not typical or not high.any():
+    steps = [np.abs(np.diff(points, axis=axis)).ravel() for axis in (0, 1)]
+    steps = [step[np.isfinite(step)] for step in steps]
+    typical = [float(np.median(step)) if len(step) else 0.0 for step in steps]
+    high = [step[step > 50 * usual] for step, usual in zip(steps, typical, strict=True) if usual]
+    if not sum(map(len, high)):
         return []
     return [
-        f"{high.sum()} steps between neighbours of up to {readable(float(steps.max()))}, where {readable(typical)} is "
-        "typical"
+        f"{sum(map(len, high))} steps between neighbours of up to {readable(float(np.concatenate(high).max()))}, where "
+        f"{readable(max(typical))} is typical"
     ]
 
 

@@ -7,6 +7,7 @@ import unicodedata
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import zip_longest
 from math import nan
 
 import numpy as np
@@ -17,6 +18,7 @@ from contactstudy.domain.fields import Array
 # Units of length [m] by their names in lower case, the micro sign written u, "metres" and the like written m.
 LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "nm": 1e-9, "pm": 1e-12, "å": 1e-10}
 LENGTHS |= {
+    "in": 25.4e-3,
     "inch": 25.4e-3,
     "inche": 25.4e-3,
     "mil": 25.4e-6,
@@ -27,24 +29,26 @@ LENGTHS |= {
 # Words for a missing point, without their asterisks, hyphens, signs and quotes.
 MISSING = re.compile(
     r"|nan(\(\w+\))?|#?n/?a|null|none|bad|inf(inity|inite)?|no ?data|not measured|void|invalid|missing|masked|"
-    r"undefined|1\.#(qnan|inf|ind)|#num!"
+    r"undefined|1\.#(qnan|inf|ind)|#[a-z/]+[!?]?|n\.a\.?|\?"
 )
 NUMERAL = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+)?")
-# An integer in groups of three digits, which is a decimal number where the comma is the decimal sign.
-GROUPED = re.compile(r"[-+]?[1-9]\d{0,2}(?:,\d{3})+")
+# An integer in groups of three digits, which is a decimal number where the mark between them is the decimal sign.
+GROUPED = {mark: re.compile(rf"[-+]?[1-9]\d{{0,2}}(?:\{mark}\d{{3}})+") for mark in ",."}
 
 
 # Words of a header, in English and as Gwyddion, MountainsMap and others translate them: axes, then quantities.
 WORDS = {
-    "x": "x dx nx w width columns cols ncols breite largeur ancho anchura larghezza",
-    "y": "y dy ny h height length rows lines profiles nrows höhe hauteur länge altura altezza",
-    "z": "z dz value values data heights wert werte vertical",
+    "x": "x dx nx w width columns cols ncols breite largeur ancho anchura larghezza horizontal fast "
+    "column point punkt spalten",
+    "y": "y dy ny h height length rows lines profiles nrows höhe hauteur länge altura altezza vertical slow "
+    "row line zeilen",
+    "z": "z dz value values data heights wert werte",
     "unit": "unit units einheit einheiten unité unités unidades",
-    "step": "pixel spacing step increment pitch interval delta dx dy cellsize sampling resolution scale abstand "
-    "calibration",
+    "step": "pixel spacing step pas paso passo increment pitch interval delta dx dy cellsize sampling resolution scale "
+    "abstand calibration",
     "size": "size width height length range extent field dimension dimensions breite largeur höhe hauteur länge anchura "
-    "altura larghezza altezza",
-    "factor": "factor scale conversion multiplier mult resolution faktor dz step",
+    "altura larghezza altezza fov größe grösse taille tamaño feld champ",
+    "factor": "factor scale conversion multiplier mult faktor dz step",
     "times": "factor faktor multiplier mult conversion",
     "invalid": "nodata invalid missing bad void undefined masked dummy fill novalue",
     "other": "radius tip speed force cutoff cut wavelength working objective filter offset origin position start date "
@@ -53,8 +57,9 @@ WORDS = {
     "number": "points pixels count number percent ratio samples",
 }
 WORDS_OF = {name: frozenset(words.split()) for name, words in WORDS.items()}
+COUNTED = re.compile(r"\s*(?:/|\bper )\s*(?:count|lsb|bit|digit|inc)\w*", re.I)
 NUMBER = re.compile(r"(?<![\w.])" + NUMERAL.pattern + r"(?![\d.])")
-UNIT = re.compile(r"[\s,;\t]*[\[(]?([^\W\d_]+)[\])]?(?!\s*[=:]|\w|/(?!p))")
+UNIT = re.compile(r"[\s,;\t]*[\[(]?(?!in\s+(?:\d|\w\w))([^\W\d_]+)[\])]?(?!\s*[=:]|\w|/(?!p))")
 PAIR = re.compile(rf"({NUMERAL.pattern})\s*([^\W\d_]*)\s*[x×*]\s*({NUMERAL.pattern})\s*([^\W\d_]*)")
 
 
@@ -62,8 +67,8 @@ PAIR = re.compile(rf"({NUMERAL.pattern})\s*([^\W\d_]*)\s*[x×*]\s*({NUMERAL.patt
 class Header:
     """What the header of a text file says, by axis: x (along a row), y (from row to row), z (the height).
 
-    Sizes of all points and steps are in metres, or in a unit that the header leaves open (``is_bare``). `unknown` is a
-    unit of the heights that is no length.
+    Sizes of all points and steps are in metres, or in a unit that the header leaves open (``is_bare``). `unknown` are
+    units that are no length, `doubts` lines that contradict others, `unused` lines with lengths that nothing uses.
     """
 
     counts: dict[str, int] = field(default_factory=dict)
@@ -73,15 +78,23 @@ class Header:
     is_bare: set[str] = field(default_factory=set)
     factor: float = 1.0
     invalid: float | None = None
-    unknown: str | None = None
+    unknown: dict[str, str] = field(default_factory=dict)
+    doubts: list[str] = field(default_factory=list)
+    unused: list[str] = field(default_factory=list)
 
     @classmethod
     def of(cls, lines: list[str], shape: tuple[int, ...]) -> "Header":
         """Return what the lines around a table of that shape say."""
         header = cls()
-        for line in lines:
+        for line in _keyed(lines):
             line = line.replace('"', " ")
+            if len(_axes(_words(line))) == 1:  # 2,5 um is one number
+                line = re.sub(r"(?<=\d),(?=\d+\s*[\[(]?[num]?m\b)", ".", line)
+            before = repr(header)
             header._read(re.sub(r"(?<=[a-zß-ÿ])(?=[A-Z])|_", " ", line), shape)
+            lengths = [UNIT.match(line, number.end()) for number in NUMBER.finditer(line)]
+            if repr(header) == before and any(unit and length_unit(unit[1]) for unit in lengths):
+                header.unused.append(" ".join(line.split())[:60])
         if "x" in header.units:
             header.units.setdefault("y", header.units["x"])
         for name in header.is_bare & header.units.keys():  # a unit on a line of its own
@@ -93,6 +106,7 @@ class Header:
 
     def _read(self, line: str, shape: tuple[int, ...]) -> None:
         """Take up what one line says."""
+        line, counted = COUNTED.subn("", line)
         line = PAIR.sub(r" x \1 \4 y \3 \4", line)
         end, before = 0, ""
         for number in NUMBER.finditer(line):
@@ -104,7 +118,10 @@ class Header:
             end, before = following.end() if following and unit else number.end(), key
             bracketed = map(length_unit, re.findall(r"[\[(](?:->)?([^\])]*)[\])]", key))
             self._take(
-                _words(key), float(number[0]), unit or next(filter(None, bracketed), None), shape
+                _words(key + " factor" * (counted > 0)),
+                float(number[0]),
+                unit or next(filter(None, bracketed), None),
+                shape,
             )
         key, _, word = re.sub(
             r"[\[(:=,;\t]+|\bin\b", ":", line[end:].strip(" #%\t;,:=")
@@ -114,8 +131,8 @@ class Header:
             for axis in _axes(words | {"unit"}) or ["z"]:
                 if unit:
                     self.units[axis] = unit
-                elif axis == "z" and word.strip():
-                    self.unknown = word.strip()
+                elif word.strip():
+                    self.unknown[axis] = word.strip()
 
     def _take(
         self, words: frozenset[str], value: float, unit: float | None, shape: tuple[int, ...]
@@ -141,41 +158,68 @@ class Header:
             return
         elif words & (WORDS_OF["step"] | WORDS_OF["size"]):
             target = self.steps if words & WORDS_OF["step"] else self.sizes
-            target |= {
-                axis: value * (unit or 1.0) for axis in lateral if axes or axis not in target
-            }
+            for axis in lateral:
+                size = value * (unit or 1.0)
+                if abs(target.setdefault(axis, size) - size) > 0.01 * size:
+                    self.doubts.append(f"{axis} {target[axis]:g} and {size:g}")
             self.is_bare |= set() if unit else set(lateral)
+
+
+def _keyed(lines: list[str]) -> list[str]:
+    """Return the lines of a header, a line of keys above one of their values as a line for each key."""
+    keyed: list[str] = []
+    keys: list[str] = []
+    for line in lines:
+        cells = [
+            cell.strip() for cell in re.split(r"[;\t]" if re.search(r"[;\t]", line) else ",", line)
+        ]
+        if 1 < len(cells) == len(keys) and NUMERAL.fullmatch(cells[0]):
+            keyed[-1:] = [f"{key}: {value}" for key, value in zip(keys, cells, strict=True)]
+        else:
+            keyed.append(line)
+        keys = [] if re.search(r"\d", line) else cells
+    return keyed
 
 
 def _words(key: str) -> frozenset[str]:
     return frozenset(
         re.findall(
             r"[^\W\d_]+",
-            re.sub(r"\b([xyz])(?=size|pixel|length|range|unit|scale|step)", r"\1 ", key.lower()),
+            re.sub(
+                r"\b([xyz](?=size|pixel|length|range|unit|scale|step)|(?:pixel|punkt|zeilen|spalten|bild|mess|scan)(?=\w{4}))",
+                r"\1 ",
+                key.lower(),
+            ),
         )
     )
 
 
 def _axes(words: frozenset[str]) -> list[str]:
     """Return the axes that the words of a key name: a "height unit" is one of z, the "height" of a picture one of y."""
-    heights = words & frozenset(("height", "höhe", "hauteur", "altura", "altezza"))
+    heights = words & frozenset(("height", "höhe", "hauteur", "altura", "altezza", "vertical"))
     if words & WORDS_OF["z"] or (
-        heights and words & (WORDS_OF["factor"] | {"unit", "units", "range"})
+        heights and words & (WORDS_OF["factor"] | {"unit", "units", "range", "resolution"})
     ):
         return ["z"]
-    if {"per", "line"} <= words:
+    if "line" in words and words & {"per", "length"}:
         return ["x"]
-    return ["x", "y"] if "lateral" in words else [axis for axis in "xy" if words & WORDS_OF[axis]]
+    named = words - WORDS_OF["size"] or words  # x in "x length"
+    if words & {"lateral", "xy"} and not named & (WORDS_OF["x"] | WORDS_OF["y"]):
+        return ["x", "y"]
+    if not named & (WORDS_OF["x"] | WORDS_OF["y"]):
+        named = words
+    return [axis for axis in "xy" if named & WORDS_OF[axis]]
 
 
 @dataclass(frozen=True)
 class TextTable:
-    """Rows of equally many numbers, nan where one is missing; cells of the lines around them; names of the columns."""
+    """Rows of equally many numbers, nan where one is missing, in blocks; lines around them; names of the columns."""
 
     values: Array
     header: list[str]
     names: list[str]
     above: list[float]
+    blocks: int = 1
 
 
 def decoded(data: bytes) -> str | None:
@@ -193,6 +237,7 @@ def decoded(data: bytes) -> str | None:
         except UnicodeDecodeError:
             text = data.decode("cp1252", errors="replace")
     text = re.sub("[\u2010-\u2015\u2212]", "-", unicodedata.normalize("NFKC", text))
+    text = re.sub(r'(?<=[\[(])"(?=[\])])', "in", text)
     return text.replace("\u03bc", "u").replace("\ufeff", "").replace("\0", "")
 
 
@@ -211,7 +256,8 @@ def table(name: str, text: str, decimal: str | None) -> TextTable:
     InvalidInput
         If the file has no table of numbers, several, uneven rows, or two readings.
     """
-    lines = [line.strip("\r\n") for line in text.splitlines() if line.strip()]
+    every = text.splitlines()
+    lines = [line.strip("\r\n") for line in every if line.strip()]
     separator, decimal = _marks(name, lines, decimal)
     rows = [_cells(line, separator) for line in lines]
     if rows and not any(row[-1] for row in rows if len(row) > 1):  # each line ends with a separator
@@ -241,7 +287,7 @@ def table(name: str, text: str, decimal: str | None) -> TextTable:
         bad = next((word for word, value in words if value is None), "")
         fault = f"has {len(rows[number])} numbers beside {count}"
         if bad and len(rows[number]) == count:
-            fault = f"has {bad[:40]!r}, which stands for a height"
+            fault = f"has {bad[:40]!r}, which stands for a height (a missing one is nan or empty)"
         raise InvalidInput(
             f"path is {name!r}, whose row {number + 1} {fault}: give rows of equally many numbers in one table, with "
             "one decimal sign (a comma between semicolons, tabs or blanks)."
@@ -261,7 +307,17 @@ def table(name: str, text: str, decimal: str | None) -> TextTable:
                 break
     above = [value for value in values[first - 1] if value is not None] if first else []
     numbers = np.array(values[first : last + 1], dtype=float)
-    return TextTable(np.where(np.isfinite(numbers), numbers, nan), around, names, above)
+    # a blank line within the table, where not every line has one after it
+    starts = [n for n in range(1, len(every)) if every[n].strip() and not every[n - 1].strip()]
+    starts = [n - sum(not line.strip() for line in every[:n]) for n in starts]
+    blocks = 1 + sum(first < n <= last for n in starts)
+    return TextTable(
+        np.where(np.isfinite(numbers), numbers, nan),
+        around,
+        names,
+        above,
+        blocks if blocks <= len(numbers) / 2 else 1,
+    )
 
 
 def _cells(line: str, separator: str | None) -> list[str]:
@@ -277,17 +333,19 @@ def _cells(line: str, separator: str | None) -> list[str]:
 def _values(row: list[str], decimal: str) -> Sequence[float | None]:
     """Return the numbers of a row, as :func:`_value` does; most rows hold nothing else."""
     try:
-        return [float(word) for word in row]
+        return [float("?" if decimal == "," and "." in word else word) for word in row]
     except ValueError:
         return [_value(word, decimal) for word in row]
 
 
 def _value(word: str, decimal: str) -> float | None:
     """Return the number that a word is, nan for a missing point, None for any other word."""
+    word = re.sub(r"(?<=\d)['’ ](?=\d{3}(?!\d))", "", word)
+    between = "." if decimal == "," else ","
+    if GROUPED[between].fullmatch(word.partition(decimal)[0]):
+        word = word.replace(between, "")
     if decimal == ",":
-        word = word.replace(",", "?" if "." in word else ".")
-    elif GROUPED.fullmatch(word):
-        word = word.replace(",", "")
+        word = word.replace(".", "?").replace(",", ".")
     if NUMERAL.fullmatch(word):
         return float(word.lower().replace("d", "e"))
     return nan if MISSING.fullmatch(word.strip("*-+'\" ").lower()) else None
@@ -302,10 +360,10 @@ def _marks(name: str, lines: list[str], decimal: str | None) -> tuple[str | None
             continue
         rows = [_cells(line, separator) for line in sample]
         has_comma = any("," in cell for row in rows for cell in row)
-        sign = "," if has_comma and decimal != "." else "."
-        good = sum(all(_value(cell, sign) is not None for cell in row) for row in rows)
-        if good > best[0]:
-            best = good, separator, sign, rows
+        for sign in (decimal,) if decimal else (",", ".") if has_comma else (".",):
+            good = sum(all(_value(cell, sign) is not None for cell in row) for row in rows)
+            if good > best[0]:
+                best = good, separator, sign, rows
     _, separator, sign, rows = best
     cells = [cell for row in rows for cell in row]
     remedy = 'give decimal = "," or decimal = "."'
@@ -322,10 +380,20 @@ def _marks(name: str, lines: list[str], decimal: str | None) -> tuple[str | None
                 f"path is {name!r}, in which {rows[0][0] + ',' + rows[0][1]!r} is two numbers or one with a decimal "
                 f"comma: {remedy}, or separate numbers by semicolons."
             )
-    grouped = [bool(GROUPED.fullmatch(cell)) for cell in cells if "," in cell]
-    if sign == "," and decimal is None and grouped and all(grouped) and len(grouped) < len(cells):
-        example = next(cell for cell in cells if "," in cell)
-        raise InvalidInput(
-            f"path is {name!r}, in which {example!r} has a decimal comma or one between thousands: {remedy}."
+    for mark, what in ((",", "comma"), (".", "point")):
+        marked = [cell for cell in cells if mark in cell]
+        if decimal or not marked or not all(map(GROUPED[mark].fullmatch, marked)):
+            continue
+        is_mixed = any(
+            len({mark in cell for cell in column if cell.strip("+-").isdigit() or mark in cell}) > 1
+            for column in zip_longest(*rows, fillvalue="")
         )
+        if (
+            is_mixed
+            and (mark == "." or sign == ",")
+            and not any({",": ".", ".": ","}[mark] in cell for cell in cells)
+        ):
+            raise InvalidInput(
+                f"path is {name!r}, in which {marked[0]!r} has a decimal {what} or one between thousands: {remedy}."
+            )
     return separator, sign

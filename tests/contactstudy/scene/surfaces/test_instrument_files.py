@@ -1,5 +1,6 @@
 """Files as instruments and people write them: one map, whose right numbers are known."""
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +30,17 @@ def columns(separator: str = ",", across: float = 2.0, jitter: float = 0.0) -> s
         for j in range(9)
         for i in range(12)
     )
+
+
+def inches() -> str:
+    points = np.array([row.split(",") for row in columns().split("\n")], dtype=float)
+    lines = points * [1 / 25400, 1 / 25400, 1 / 25.4e-3]
+    return "\n".join(",".join(f"{value:.10f}" for value in line) for line in lines)
+
+
+# Whole numbers with a point between thousands.
+THOUSANDS = matrix(heights=MAP, scale=1e4, number="%.0f")
+THOUSANDS = re.sub(r"(?<=\d)(?=\d{3}\b)", ".", THOUSANDS)
 
 
 def surface(
@@ -63,6 +75,13 @@ MARGINS = "\n".join(
         (columns(" "), "um"),
         (MARGINS, "um"),
         ("nx: 9\nny: 12\nX spacing 4 um\nY spacing 2 um\nUnit: um\n" + matrix("\n"), None),
+        ("Horizontal pixel size: 4 µm\nVertical pixel size: 2 µm\nZ resolution: 1 nm\nUnit: µm\n" + matrix(), None),
+        ("Lateral resolution X: 4 µm\nLateral resolution Y: 2 µm\nUnit: µm\n" + matrix(), None),
+        ("Slow axis size: 24 µm\nFast axis size: 36 µm\nUnit: µm\n" + matrix(), None),
+        ("Pixelabstand X: 4,0 µm\nPixelabstand Y: 2,0 µm\nEinheit: µm\n" + matrix(), None),
+        ("Width,Height,XY unit,Z unit\n36,24,um,nm\n" + matrix(",", 1e3, number="%.1f"), None),
+        ("FOV: 36 x 24 um\nZ sensitivity: 0.1 nm/count\nValue units: counts\n" + matrix(" ", 1e4, number="%.0f"), None),
+        ("X (in),Y (in),Z (µin)\n" + inches(), None),
         ("Sampling length 0.8 mm\nScale factor: 0.001\ndx = 4 um\ndy = 2 um\n" + matrix(scale=1e3), "um"),
     ],
 )  # fmt: skip
@@ -134,6 +153,7 @@ def test_repeated_heights_are_refused_until_a_key_says_what_they_are(
     [
         ({"unit": "mm", "extent": EXTENT}, r"likely heights in um, not mm"),
         ({"unit": "um", "extent": (24.0, 36.0)}, r"points 4 m apart .* 1e-06 times these"),
+        ({"unit": "nm", "extent": (1e-9, 1e-9)}, r"likely sizes across and along"),
         ({"unit": "m"}, r"heights of 1.\d+ m in all \(likely heights in mm, not m\)"),
     ],
 )  # fmt: skip
@@ -179,6 +199,7 @@ def test_a_key_that_contradicts_the_header_is_refused_until_it_is_confirmed(tmp_
     [
         "\n".join(f"{abs(z):.4f}".replace(".", ",") for z in MAP.ravel()),
         "\n".join(f"{abs(1e4 * z):,.0f}\t{abs(1e4 * z):,.0f}" for z in MAP.ravel()[:50]).replace("\t", "\t100\t"),
+        THOUSANDS,
     ],
 )  # fmt: skip
 def test_a_comma_with_two_readings_needs_the_decimal_sign(tmp_path: Path, text: str) -> None:
@@ -239,6 +260,7 @@ def test_a_surface_is_transposed_and_flipped_as_it_is_read_and_written_so(tmp_pa
     )
     np.testing.assert_allclose(found.heights, MAP.T[::-1] * 1e-6, atol=1e-14)
     assert found.extent == pytest.approx(EXTENT[::-1])
+    assert "exchanged (transpose); reversed (flip across)" in found.description
     steel = cs.HalfSpace(210e9, 0.3)
     scene = cs.SceneFile(cs.Scene(cs.LineLoad(1e3), (steel, steel), (found,)))
     cs.write_scene(scene, tmp_path / "scene.toml")
@@ -250,3 +272,49 @@ def test_a_step_that_no_surface_of_these_slopes_has_is_said(tmp_path: Path) -> N
     heights[20, 20] += 9.0
     found = surface(tmp_path, matrix(heights=heights), unit="um", extent=(2e-4, 2e-4))
     assert "4 steps between neighbours of up to 9" in found.description
+
+
+def test_thousands_are_read_with_the_decimal_sign(tmp_path: Path) -> None:
+    found = surface(tmp_path, THOUSANDS, unit="nm", extent=(1e-3, 2e-3), decimal=",")
+    np.testing.assert_allclose(found.heights, np.round(MAP * 1e4) * 1e-9, atol=1e-14)
+
+
+@pytest.mark.cases(100)
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("Angle [deg]\tZ [µm]\n" + "\n".join(f"{n}\t{z}" for n, z in enumerate(MAP[:, 0])), "Angle .* is no length"),
+        ("t\tZ\ns\tµm\n" + "\n".join(f"{n}\t{z}" for n, z in enumerate(MAP[:, 0])), "'t s' is no length"),
+        ("Unit: µm\n" + matrix() + "\n\n" + matrix(), "2 blocks of numbers between blank lines: give a file of one map"),
+        ("Pixel size: 2\nUnit: nm\n" + matrix(), "sizes without a unit, and heights in nm: give extent"),
+        ("Pixel size 1: 2 µm\nPixel size 2: 4 µm\nUnit: µm\n" + matrix(), "two sizes for one"),
+    ],
+)  # fmt: skip
+def test_a_file_with_two_readings_is_refused(tmp_path: Path, text: str, sentence: str) -> None:
+    with pytest.raises(cs.InvalidInput, match=sentence):
+        surface(tmp_path, text)
+
+
+def test_sizes_that_were_assumed_give_way_to_an_extent(tmp_path: Path) -> None:
+    lines = "\n".join(f"{2 * i}\t{row}" for i, row in enumerate(matrix().split("\n")))
+    for text in (lines, "Pixel size: 2\n" + matrix()):
+        assert surface(tmp_path, text, unit="um", extent=EXTENT).extent == pytest.approx(EXTENT)
+    assert "taken as square" in surface(tmp_path, lines, unit="um").description
+
+
+def test_lines_of_a_header_that_are_not_used_are_said(tmp_path: Path) -> None:
+    found = surface(tmp_path, "Sample: 10 mm wide\n" + GWYDDION + matrix(scale=1e-6, number="%.4e"))
+    assert "these lines of the header were not used: 'Sample: 10 mm wide'" in found.description
+
+
+def test_spikes_are_named_before_another_unit(tmp_path: Path) -> None:
+    heights = np.add.outer(np.sin(np.arange(40.0) / 5), np.cos(np.arange(40.0) / 7)) * 0.3
+    heights[20, 20] += 30.0
+    with pytest.raises(cs.InvalidInput, match=r"4 steps .*: spikes, or points that were not"):
+        surface(tmp_path, matrix(heights=heights), unit="um", extent=(2e-4, 2e-4))
+
+
+def test_grooves_have_no_steps(tmp_path: Path) -> None:
+    grooves = np.sin(np.arange(40.0) / 3)[:, None] + 1e-3 * MAP[:8, :8].ravel()[:40]
+    found = surface(tmp_path, matrix(heights=grooves), unit="um", extent=(2e-4, 2e-4))
+    assert "steps" not in found.description

@@ -287,7 +287,7 @@ def table(name: str, text: str, decimal: str | None) -> TextTable:
         bad = next((word for word, value in words if value is None), "")
         fault = f"has {len(rows[number])} numbers beside {count}"
         if bad and len(rows[number]) == count:
-            fault = f"has {bad[:40]!r}, which stands for a height (a missing one is nan or empty)"
+            fault = f"has {bad[:40]!r}, which stands for a height (nan if missing)"
         raise InvalidInput(
             f"path is {name!r}, whose row {number + 1} {fault}: give rows of equally many numbers in one table, with "
             "one decimal sign (a comma between semicolons, tabs or blanks)."

@@ -50,7 +50,8 @@ def test_a_wave_that_passes_is_reduced_as_known(
         scene, grid(cells, 3.0), times=np.linspace(0, 7 * period, 169), step=period / per_wave
     )
     assert evolution.status is cs.Status.CONVERGED
-    last_wave = evolution.central_film[-25:]
+    middle = slice(cells // 2 - 1, cells // 2 + 1)
+    last_wave = [contact.film[middle].mean() for contact in evolution.contacts[-25:]]
     # two digits: the reference has another grid, whose ratios fall by 2 % with twice the steps
     assert np.ptp(last_wave) / 2 / height == pytest.approx(expected, rel=0.02)
 

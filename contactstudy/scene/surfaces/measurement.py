@@ -43,7 +43,7 @@ COLUMNS = {
 }
 # A column of angles, times or voltages, by its unit or its name.
 NO_LENGTH = re.compile(
-    r"°|[\[(](?!(?:[xyz]|lateral|unitless)?[\])])[^\])]+[\])]|\b(deg\w*|grad|m?rad|sec\w*|[mu]?s|m?v|angle|winkel|time|zeit)\b",
+    r"°|[\[(](?!(?:[xyz]|lateral|unitless)?[\])])[^\])]+[\])]|\b(deg\w*|grad|m?rad|sec\w*|[mu]?s|m?v|angle|winkel|time|zeit|index|frame)\b",
     re.I,
 )
 METRES = (None, "", "m", "metre", "metres", "meter", "meters")
@@ -300,6 +300,12 @@ def _of_text(name: str, text: TextTable, reading: Reading) -> FileContent:
     unit = _unit(name, reading, own.get("z"), header.unknown.get("z"))
     content = _matrix(text, header, unit)
     if reading.sizes is Sizes.CHECKED:
+        if len(header.sizes) == len(header.steps) == 2 and not header.is_bare and not columns:
+            header.doubts += [
+                f"{axis} {header.sizes[axis]:g} and {count} times {header.steps[axis]:g}"
+                for axis, count in zip("yx", content.values.shape, strict=True)
+                if abs(header.steps[axis] * count - header.sizes[axis]) > 1.5 * header.steps[axis]
+            ]
         _check_header(name, text, header, unit, reading, is_matrix=not columns)
     said = header.counts.get("x", 0) * header.counts.get("y", 0)
     if said not in (0, content.values.size) and not columns and reading.sizes is Sizes.CHECKED:

@@ -47,8 +47,8 @@ WORDS = {
     "step": "pixel spacing step pas paso passo increment pitch interval delta dx dy cellsize sampling resolution scale "
     "abstand calibration",
     "size": "size width height length range extent field dimension dimensions breite largeur höhe hauteur länge anchura "
-    "altura larghezza altezza fov größe grösse taille tamaño feld champ",
-    "factor": "factor scale conversion multiplier mult faktor dz step",
+    "altura larghezza altezza fov größe grösse taille tamaño feld champ real",
+    "factor": "factor scale conversion multiplier mult faktor dz",
     "times": "factor faktor multiplier mult conversion",
     "invalid": "nodata invalid missing bad void undefined masked dummy fill novalue",
     "other": "radius tip speed force cutoff cut wavelength working objective filter offset origin position start date "
@@ -61,6 +61,10 @@ COUNTED = re.compile(r"\s*(?:/|\bper )\s*(?:count|lsb|bit|digit|inc)\w*", re.I)
 NUMBER = re.compile(r"(?<![\w.])" + NUMERAL.pattern + r"(?![\d.])")
 UNIT = re.compile(r"[\s,;\t]*[\[(]?(?!in\s+(?:\d|\w\w))([^\W\d_]+)[\])]?(?!\s*[=:]|\w|/(?!p))")
 PAIR = re.compile(rf"({NUMERAL.pattern})\s*([^\W\d_]*)\s*[x×*]\s*({NUMERAL.pattern})\s*([^\W\d_]*)")
+# Two numbers after one key, such as "size X/Y: 2 um / 3 um" and "size: 2 um (X), 3 um (Y)" without X and Y.
+TWO = re.compile(
+    rf"({NUMERAL.pattern}[^\W\d_]*(?:\s*[num]?m\b)?)(?:/[a-z]+)?(?:\s*/\s*|(?:\s*\(\))?,?\s+)(?={NUMERAL.pattern})"
+)
 
 
 @dataclass
@@ -107,6 +111,12 @@ class Header:
     def _read(self, line: str, shape: tuple[int, ...]) -> None:
         """Take up what one line says."""
         line, counted = COUNTED.subn("", line)
+        if len(_axes(_words(line))) != 1:
+            line = (
+                TWO.sub(r"\1 x ", both)
+                if TWO.search(both := re.sub(r"\b[XYxy]\b", "", line))
+                else line
+            )
         line = PAIR.sub(r" x \1 \4 y \3 \4", line)
         end, before = 0, ""
         for number in NUMBER.finditer(line):
@@ -175,6 +185,9 @@ def _keyed(lines: list[str]) -> list[str]:
         ]
         if 1 < len(cells) == len(keys) and NUMERAL.fullmatch(cells[0]):
             keyed[-1:] = [f"{key}: {value}" for key, value in zip(keys, cells, strict=True)]
+        elif 1 < len(cells) == len(keys) and all(map(length_unit, cells)):
+            keys = [f"{key} [{unit}]" for key, unit in zip(keys, cells, strict=True)]
+            continue
         else:
             keyed.append(line)
         keys = [] if re.search(r"\d", line) else cells
@@ -186,7 +199,7 @@ def _words(key: str) -> frozenset[str]:
         re.findall(
             r"[^\W\d_]+",
             re.sub(
-                r"\b([xyz](?=size|pixel|length|range|unit|scale|step)|(?:pixel|punkt|zeilen|spalten|bild|mess|scan)(?=\w{4}))",
+                r"\b([xyz](?=size|pixel|length|range|unit|scale|step|spacing|calibration|res|real)|(?:pixel|punkt|zeilen|spalten|bild|mess|scan)(?=\w{4}))",
                 r"\1 ",
                 key.lower(),
             ),
@@ -244,7 +257,7 @@ def decoded(data: bytes) -> str | None:
 def length_unit(text: str) -> float | None:
     """Return the unit of length [m] that `text` names, None for any other text."""
     text = unicodedata.normalize("NFKC", text).replace("\u03bc", "u").strip(" []().'\"").lower()
-    text = re.sub(r"met(re|er)$", "m", text.removesuffix("s")).replace("microm", "um")
+    text = re.sub(r"met(re|er)$", "m", re.sub(r"(?<=\w{3})s$", "", text)).replace("microm", "um")
     return LENGTHS.get(re.sub(r"^(milli|nano|centi)m$", lambda prefix: f"{prefix[1][0]}m", text))
 
 

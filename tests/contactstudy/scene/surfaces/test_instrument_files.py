@@ -77,6 +77,9 @@ MARGINS = "\n".join(
         ("nx: 9\nny: 12\nX spacing 4 um\nY spacing 2 um\nUnit: um\n" + matrix("\n"), None),
         ("Horizontal pixel size: 4 µm\nVertical pixel size: 2 µm\nZ resolution: 1 nm\nUnit: µm\n" + matrix(), None),
         ("Lateral resolution X: 4 µm\nLateral resolution Y: 2 µm\nUnit: µm\n" + matrix(), None),
+        ("Pixel size X/Y: 4 µm / 2 µm\nUnit: µm\n" + matrix(), None),
+        ("Lateral calibration: 4 µm/px (X), 2 µm/px (Y)\nUnit: µm\n" + matrix(), None),
+        ("Width;Height\nµm;µm\n36;24\nUnit: µm\n" + matrix(), None),
         ("Slow axis size: 24 µm\nFast axis size: 36 µm\nUnit: µm\n" + matrix(), None),
         ("Pixelabstand X: 4,0 µm\nPixelabstand Y: 2,0 µm\nEinheit: µm\n" + matrix(), None),
         ("Width,Height,XY unit,Z unit\n36,24,um,nm\n" + matrix(",", 1e3, number="%.1f"), None),
@@ -284,10 +287,12 @@ def test_thousands_are_read_with_the_decimal_sign(tmp_path: Path) -> None:
     ("text", "sentence"),
     [
         ("Angle [deg]\tZ [µm]\n" + "\n".join(f"{n}\t{z}" for n, z in enumerate(MAP[:, 0])), "Angle .* is no length"),
+        ("Time [ms]\tZ [µm]\n" + "\n".join(f"{n}\t{z}" for n, z in enumerate(MAP[:, 0])), "'Time .* is no length"),
         ("t\tZ\ns\tµm\n" + "\n".join(f"{n}\t{z}" for n, z in enumerate(MAP[:, 0])), "'t s' is no length"),
         ("Unit: µm\n" + matrix() + "\n\n" + matrix(), "2 blocks of numbers between blank lines: give a file of one map"),
         ("Pixel size: 2\nUnit: nm\n" + matrix(), "sizes without a unit, and heights in nm: give extent"),
         ("Pixel size 1: 2 µm\nPixel size 2: 4 µm\nUnit: µm\n" + matrix(), "two sizes for one"),
+        (GWYDDION + "Pixel size: 5 µm\n" + matrix(), r"two sizes for one: y 2.4e-05 and 12 times 5e-06 m"),
     ],
 )  # fmt: skip
 def test_a_file_with_two_readings_is_refused(tmp_path: Path, text: str, sentence: str) -> None:

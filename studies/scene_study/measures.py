@@ -170,7 +170,7 @@ def _of_contact(case: ReferencedCase, contact: cs.Contact) -> dict[str, xr.Varia
         "load": labelled((), load, "N m-1", "load per length"),
         "contact_fraction": dimensionless(float(touching.mean()), "fraction of the grid in contact"),
         "contact_perimeter": labelled(
-            (), perimeter, "m", "contact perimeter", description="edges of cells at which contact ends"
+            (), perimeter, "m", "contact perimeter on the grid", description="edges of cells at which contact ends"
         ),
     }  # fmt: skip
     if (hertz := scene.hertz) is not None:

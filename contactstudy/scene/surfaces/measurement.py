@@ -346,7 +346,7 @@ def _check_header(
     if is_matrix and text.blocks > 1 and header.counts.get("x", 0) * header.counts.get("y", 0) == 0:
         fault = f"with {text.blocks} blocks of numbers between blank lines"
         remedy = 'give a file of one map, or sizes = "confirmed" if they are one'
-    elif header.doubts:
+    elif is_matrix and header.doubts:
         fault = f"whose header has two sizes for one: {header.doubts[0]} m"
     elif lost := [axis for axis in "xy" if axis in header.unknown]:
         fault = f"whose {lost[0]} is in {header.unknown[lost[0]]!r}, which is no length"

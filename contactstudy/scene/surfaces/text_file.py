@@ -51,7 +51,7 @@ WORDS = {
     "factor": "factor scale conversion multiplier mult faktor dz",
     "times": "factor faktor multiplier mult conversion",
     "invalid": "nodata invalid missing bad void undefined masked dummy fill novalue",
-    "other": "radius tip speed force cutoff cut wavelength working objective filter offset origin position start date "
+    "other": "optical radius tip speed force cutoff cut wavelength working objective filter offset origin position start date "
     "time magnification evaluation traverse range min max version intensity xllcorner yllcorner",
     "count": "nx ny points pixels lines rows columns cols ncols nrows profiles w h",
     "number": "points pixels count number percent ratio samples",
@@ -110,13 +110,10 @@ class Header:
 
     def _read(self, line: str, shape: tuple[int, ...]) -> None:
         """Take up what one line says."""
-        line, counted = COUNTED.subn("", line)
-        if len(_axes(_words(line))) != 1:
-            line = (
-                TWO.sub(r"\1 x ", both)
-                if TWO.search(both := re.sub(r"\b[XYxy]\b", "", line))
-                else line
-            )
+        line, counted = COUNTED.subn("", re.sub(r"\bbit2(\w+)", r"z factor [\1]", line))
+        both = re.sub(r"\b[XYxy]\b", "", line)
+        if TWO.search(both) and len(_axes(_words(line))) != 1:
+            line = TWO.sub(r"\1 x ", both)
         line = PAIR.sub(r" x \1 \4 y \3 \4", line)
         end, before = 0, ""
         for number in NUMBER.finditer(line):

@@ -84,6 +84,7 @@ MARGINS = "\n".join(
         ("Pixelabstand X: 4,0 µm\nPixelabstand Y: 2,0 µm\nEinheit: µm\n" + matrix(), None),
         ("Width,Height,XY unit,Z unit\n36,24,um,nm\n" + matrix(",", 1e3, number="%.1f"), None),
         ("FOV: 36 x 24 um\nZ sensitivity: 0.1 nm/count\nValue units: counts\n" + matrix(" ", 1e4, number="%.0f"), None),
+        ("Pixel size: 4 x 2 µm\nOptical resolution: 0.4 µm\nbit2nm = 0.1\n" + matrix(" ", 1e4, number="%.0f"), None),
         ("X (in),Y (in),Z (µin)\n" + inches(), None),
         ("Sampling length 0.8 mm\nScale factor: 0.001\ndx = 4 um\ndy = 2 um\n" + matrix(scale=1e3), "um"),
     ],

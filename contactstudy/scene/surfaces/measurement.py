@@ -416,6 +416,8 @@ def _matrix(text: TextTable, header: Header, unit: float) -> FileContent:
     if columns == 1 and found:  # a profile, whose places may be called x
         size = found.get("x", 0.0) * (rows if "x" in header.steps else 1) or found["y"]
         found = {"y": size, "x": size / rows}
+    if len(found) == 2 and found["x"] == found["y"] and rows != columns and not header.steps:
+        notes.append("the one size of the header counts both ways")
     ratio = (
         [found["x"] / found["y"] * rows / columns] if len(found) == 2 and not header.steps else []
     )

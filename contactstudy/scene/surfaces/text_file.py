@@ -51,8 +51,8 @@ WORDS = {
     "factor": "factor scale conversion multiplier mult faktor dz",
     "times": "factor faktor multiplier mult conversion",
     "invalid": "nodata invalid missing bad void undefined masked dummy fill novalue",
-    "other": "optical radius tip speed force cutoff cut wavelength working objective filter offset origin position start date "
-    "time magnification evaluation traverse range min max version intensity xllcorner yllcorner",
+    "other": "radius tip speed force cutoff cut wavelength working objective filter offset origin position start date "
+    "time optical magnification evaluation traverse range min max version intensity xllcorner yllcorner",
     "count": "nx ny points pixels lines rows columns cols ncols nrows profiles w h",
     "number": "points pixels count number percent ratio samples",
 }

@@ -318,9 +318,9 @@ def table(name: str, text: str, decimal: str | None) -> TextTable:
     above = [value for value in values[first - 1] if value is not None] if first else []
     numbers = np.array(values[first : last + 1], dtype=float)
     # a blank line within the table, where not every line has one after it
-    starts = [n for n in range(1, len(every)) if every[n].strip() and not every[n - 1].strip()]
-    starts = [n - sum(not line.strip() for line in every[:n]) for n in starts]
-    blocks = 1 + sum(first < n <= last for n in starts)
+    kept = [bool(line.strip()) for line in every]
+    starts = (np.cumsum(kept) - 1)[1:][np.diff(np.array(kept, dtype=int)) > 0]
+    blocks = 1 + int(((starts > first) & (starts <= last)).sum())
     return TextTable(
         np.where(np.isfinite(numbers), numbers, nan),
         around,

@@ -46,6 +46,7 @@ NO_LENGTH = re.compile(
     r"°|[\[(](?!(?:[xyz]|lateral|unitless)?[\])])[^\])]+[\])]|\b(deg\w*|grad|m?rad|sec\w*|[mu]?s|m?v|angle|winkel|time|zeit|index|frame)\b",
     re.I,
 )
+SQUARE = "points are taken as square"
 METRES = (None, "", "m", "metre", "metres", "meter", "meters")
 
 
@@ -179,7 +180,11 @@ def read(
     notes += ["across and along were exchanged (transpose)"] * reading.transpose
     if reading.flip is not Flip.NONE:
         notes.append(f"reversed (flip {reading.flip.name.lower()})")
-    if reading.extent is not None and (reading.sizes is Sizes.CONFIRMED or content.assumed):
+    is_open = reading.sizes is Sizes.CONFIRMED
+    if reading.extent is not None and sizes is not None and content.assumed:
+        agrees = np.isclose(sizes, reading.extent, rtol=0.01, atol=0)
+        is_open = is_open or content.assumed != SQUARE or bool(agrees.any())
+    if reading.extent is not None and is_open:
         sizes = None
     elif content.assumed:
         notes.append(content.assumed)
@@ -430,9 +435,9 @@ def _matrix(text: TextTable, header: Header, unit: float) -> FileContent:
             if axis in header.steps or any(places[axis])
         ]
         found = {axis: step * count for step in steps for axis, count in counts.items()}
-        assumed = "points are taken as square" * len(steps)
+        assumed = SQUARE * len(steps)
     sizes = (found["y"], found["x"]) if found else None
-    return FileContent(values, unit, sizes, tuple(notes), assumed=assumed)
+    return FileContent(values, unit, sizes, tuple(notes), assumed=assumed * bool(found))
 
 
 def _without_margins(values: Array, above: Array) -> tuple[Array, dict[str, Array]]:

@@ -306,6 +306,8 @@ def test_sizes_that_were_assumed_give_way_to_an_extent(tmp_path: Path) -> None:
     for text in (lines, "Pixel size: 2\n" + matrix()):
         assert surface(tmp_path, text, unit="um", extent=EXTENT).extent == pytest.approx(EXTENT)
     assert "taken as square" in surface(tmp_path, lines, unit="um").description
+    with pytest.raises(cs.InvalidInput, match="leave it out"):
+        surface(tmp_path, lines, unit="um", extent=(1e-5, 36e-6))
 
 
 def test_lines_of_a_header_that_are_not_used_are_said(tmp_path: Path) -> None:

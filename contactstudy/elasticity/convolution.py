@@ -362,7 +362,8 @@ def superposed(
         spectrum = np.multiply(transform, weight, out=target)
         spectrum[0, 0] += weight * shift * padded[0] * padded[1]
         spectra.append(spectrum)
-    ends = paddings[0].window == range(1), paddings[1].window == range(1)
+    across, along = (axis.window == range(1) and not axis.wraps for axis in paddings)
+    ends = across, along
     return Convolution(sum(spectra[1:], start=spectra[0]), grid.cells, padded, ends=ends)
 
 

@@ -28,8 +28,9 @@ from contactstudy.domain.version import LOADED
 from studies.model.study import Study
 
 ROOT, PACKAGES = Path(__file__).parents[2], ("contactstudy", "studies")
+FOLDERS = tuple(f"{package}/" for package in PACKAGES)
 # folders of this program that show numbers and change none
-NOT_NUMERICAL = ("studies/cli", "studies/report", "contactstudy/io/pictures")
+NOT_NUMERICAL = ("studies/cli/", "studies/report/", "contactstudy/io/pictures/")
 # distributions that compute; those that are missing do not count
 LIBRARIES = (
     "numpy", "scipy", "ducc0", "numba", "cupy-cuda12x", "SurfaceTopography", "ContactMechanics", "aspher", "tamaas",
@@ -123,7 +124,8 @@ class Program:
     def check(self, where: str = "") -> None:
         """Raise InvalidInput if the program in this process, `where` it is said to be, is not this one.
 
-        Its files are looked at as they are now; that takes half a millisecond.
+        Its files are looked at as they are now, and whether they changed since they were loaded. A library that is
+        missing here counts.
         """
         files = user_files() if self._has_users else {}
         if unknown := sorted(files.keys() - self.digests.keys() - _LOADED.keys()):
@@ -135,7 +137,11 @@ class Program:
             name: _content_now(of) for name, of in ({**_own_files(), **files, **self.paths}).items()
         }
         now = {**own_digests(), **now}
-        differing = [name for name in now if now[name] != self.digests.get(name)]
+        own = {name for name in self.digests if name in LIBRARIES or name.startswith(FOLDERS)}
+        stale = {name for name, path in _own_files().items() if _is_newer(path, LOADED)}
+        differing = sorted(
+            {name for name in own | now.keys() if now.get(name) != self.digests.get(name)} | stale
+        )
         if differing:
             what = f"{_listed(differing)} changed since the run was started"
             remedy = "start it again"

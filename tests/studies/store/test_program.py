@@ -149,8 +149,18 @@ def test_a_file_that_has_changed_since_it_was_loaded_is_refused(
 
 def test_a_worker_with_another_program_is_refused_by_name() -> None:
     right = program.own_digests()
-    there = program.Program({**right, "studies/model/case.py": "0", "numpy": "1.0"}, {})
-    refusal = r"^studies/model/case.py, numpy on worker tcp://a:1 is not what the run was started"
+    others = {"studies/model/case.py": "0", "numpy": "1.0", "tamaas": "9.0", "studies/more.py": "1"}
+    there = program.Program({**right, **others}, {})
+    refusal = r"^numpy, studies/model/case.py, studies/more.py, tamaas on worker tcp://a:1 is not what the run"
     with pytest.raises(InvalidInput, match=refusal):
         there.check("worker tcp://a:1")
     program.Program(right, {}).check()
+
+
+def test_a_worker_whose_files_changed_since_it_loaded_them_is_refused(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    here = program.Program(program.own_digests(), {})
+    monkeypatch.setattr(program, "LOADED", 0.0)
+    with pytest.raises(InvalidInput, match=r"^contactstudy/.* on worker tcp://a:1 is not what the"):
+        here.check("worker tcp://a:1")

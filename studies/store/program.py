@@ -137,7 +137,7 @@ class Program:
             name: _content_now(of) for name, of in ({**_own_files(), **files, **self.paths}).items()
         }
         now = {**own_digests(), **now}
-        own = {name for name in self.digests if name in LIBRARIES or name.startswith(FOLDERS)}
+        own = set(filter(_is_own, self.digests))
         stale = {name for name, path in _own_files().items() if _is_newer(path, LOADED)}
         differing = sorted(
             {name for name in own | now.keys() if now.get(name) != self.digests.get(name)} | stale
@@ -153,7 +153,12 @@ class Program:
     @cached_property
     def _has_users(self) -> bool:
         """Whether modules of the user's count."""
-        return any(name not in own_digests() for name in self.digests if name != MEASURES)
+        return any(not _is_own(name) for name in self.digests if name != MEASURES)
+
+
+def _is_own(name: str) -> bool:
+    """Return whether a name of a digest is that of this program's source, of Python or of a library that computes."""
+    return name == "Python" or name in LIBRARIES or name.startswith(FOLDERS)
 
 
 def _refuse(changed: list[str]) -> None:

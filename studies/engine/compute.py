@@ -67,7 +67,8 @@ def perform(task: Task, settings: RunSettings) -> Outcome:
         outcome = contextvars.copy_context().run(act, task, settings, stage)
         outcome = replace(outcome, seconds=perf_counter() - start)
     except StopRun:
-        raise
+        if os.getpid() == process:
+            raise
     except BaseException as error:  # noqa: BLE001 (whatever a study's own code raises is data)
         outcome = failed(error, stage.name, perf_counter() - start)
     if os.getpid() != process:

@@ -59,7 +59,7 @@ def run(
     """Compute the missing cases of a study, write ``<out>/<study>.nc``, and return its Dataset.
 
     Every finished case is in ``<out>/cases.jsonl`` before it is reported, and is not computed again: not by another
-    study in the folder either, if it has the same measures.
+    study in the folder either, if it has the same measures and sources.
 
     Parameters
     ----------
@@ -377,7 +377,8 @@ class _Run:
         try:
             with threadpool_limits(1):
                 for task in tasks:
-                    if self.results.key(task.key) in self.journal.untimed:
+                    is_timed = task.expected is not None
+                    if is_timed and self.results.key(task.key) in self.journal.untimed:
                         continue
                     with self.stop.interruptible():
                         outcome = perform(task, self.settings)

@@ -1,4 +1,4 @@
-"""A slot: one supervised process that performs tasks, and is started again whenever a task ends or outlives it.
+"""A slot: one supervised process that performs tasks, and is started again when a task has ended it or exceeds its time.
 
 A task that hangs, also in compiled code, or dies affects no other. Pools of libraries are not used, since they limit and
 lose a whole batch, and accept answers from a process that a case has forked.

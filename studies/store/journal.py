@@ -126,7 +126,9 @@ class Journal:
             yield f"{self.damaged} lines of {self.path.name} are damaged, and count as not stored"
 
     def append(self, line: Line) -> None:
-        """Append a line, and apply it; it is in the file when this returns, and on the disk a second later.
+        """Append a line, and apply it.
+
+        It is in the file when this returns, and on the disk with the next line after a second.
 
         Raises
         ------

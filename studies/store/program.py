@@ -1,7 +1,8 @@
 """The program that computes a case: what must be equal for a stored case to be used again.
 
 A stored case is used again if its fields, its study's measures, every numerical source file of the program, the user's
-modules that the study imports, and the versions of Python and of the libraries that compute are the same.
+modules that the study imports, the files that it depends on, and the versions of Python and of the libraries that
+compute are the same.
 """
 
 import os

@@ -2,7 +2,7 @@
 
 from itertools import product
 from math import inf
-from typing import TYPE_CHECKING, Literal, Protocol, runtime_checkable
+from typing import Literal, Protocol, runtime_checkable
 
 from contactstudy.domain.checks import InvalidInput, below_one
 from contactstudy.domain.fields import Array
@@ -27,10 +27,6 @@ from contactstudy.scene.solids.bodies import (
     yields,
 )
 from contactstudy.scene.solids.coated import CoatedHalfSpace
-
-if TYPE_CHECKING:
-    from contactstudy.scene.friction.partial_slip import PartialSlip
-    from contactstudy.scene.friction.tractive_rolling import TractiveRolling
 
 # Check of a coefficient of friction, and its remedy.
 COEFFICIENT = below_one, "give a coefficient of friction above 0, and below 1"
@@ -192,9 +188,7 @@ def transmitted_force(scene: SceneContext, coefficient: float, load: float) -> f
     return inf if follows else coefficient * load
 
 
-def check_force(
-    scene: SceneContext, law: "PartialSlip | TractiveRolling", load: float, remedy: str
-) -> None:
+def check_force(scene: SceneContext, law: "TransmittedForce", load: float, remedy: str) -> None:
     """Raise InvalidInput for a force of `law` that is more than friction transmits under a `load` [N/m]."""
     limit, force = transmitted_force(scene, law.coefficient, load), force_per_length(law, scene)
     if force is not None and not abs(force) < limit:
@@ -207,7 +201,23 @@ def check_force(
         )
 
 
-def force_per_length(law: "PartialSlip | TractiveRolling", scene: SceneContext) -> float | None:
+class TransmittedForce(Protocol):
+    """Law of friction that may give the tangential force, per length [N/m] or in total [N]."""
+
+    @property
+    def coefficient(self) -> float:
+        """Coefficient of friction."""
+
+    @property
+    def tangential(self) -> float | None:
+        """Tangential force per length [N/m]; None where the law gives none."""
+
+    @property
+    def total(self) -> float | None:
+        """Tangential force [N]; None where the law gives none."""
+
+
+def force_per_length(law: "TransmittedForce", scene: SceneContext) -> float | None:
     """Return the tangential force of a law [N/m] over the length that the load acts on; None where it gives none."""
     if law.total is None:
         return law.tangential

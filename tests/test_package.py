@@ -60,8 +60,11 @@ def test_modules_above_are_found_by_name_in_one_place() -> None:
 
 
 def test_the_files_that_contributors_are_led_to_are_there() -> None:
-    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
-    paths = re.findall(r"`((?:contactstudy|studies|tests)/[\w/.]+)`", text.replace("NAME.py", ""))
+    pages = [ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs/development").glob("*.md"))]
+    text = "\n".join(page.read_text(encoding="utf-8") for page in pages)
+    paths = re.findall(
+        r"`((?:contactstudy|studies|tests|docs)/[\w/.]+)`", text.replace("NAME.py", "")
+    )
     for path in paths:
         assert (ROOT / path).exists(), path
     for name, path in re.findall(r"`(\w+)` (?:in|of) `([\w/]+\.py)`", text):

@@ -84,7 +84,7 @@ class Contact(Answer, Solution):
 
     @property
     def loaded_length(self) -> float:
-        """Length [m] that carries the load: that of a roller, else the period of the grid."""
+        """Length [m] that carries the load. It is that of a roller, or else the period of the grid."""
         posed = self.problem.description
         return (roller_length(posed) if isinstance(posed, PosedScene) else None) or self.grid.length
 

@@ -279,8 +279,11 @@ class Scene:
 
     @property
     def roller_length(self) -> float | None:
-        """Length of the roller [m]: that of the shortest body with free faces, else that of its total load, or of the
-        shortest that the shapes end; None if endless."""
+        """Length of the roller [m], None if it is endless.
+
+        It is that of the shortest body with free faces, else that of its total load, or of the shortest that the
+        shapes end.
+        """
         lengths = [d.roller for d in length_scales_of(self.shapes) if 0 < d.roller < inf]
         if self.free_length < inf:
             lengths = [self.free_length]
@@ -549,9 +552,9 @@ class Scene:
 
     @property
     def has_approach(self) -> bool:
-        """False for bodies that creep as they roll: points far behind the contact relax, while those ahead do not.
+        """False for bodies that creep as they roll.
 
-        Their approach falls without limit with the logarithm of the speed.
+        Points far behind the contact relax, while those ahead do not. Their approach falls without limit with the logarithm of the speed.
         """
         return not (self.rolls and any(map(creeps, self.solids)))
 

@@ -135,7 +135,7 @@ def coarse_solution(
     """Return the solution on cells of twice the size, as accurate as a comparison needs where it converges.
 
     It begins with the means of a `pressure` and an `attraction` (x, y) [Pa] on the grid of `problem`, if they are given.
-    It is None where :func:`coarser_problem` is.
+    It is None where `coarser_problem` is.
     """
     coarse = coarser_problem(problem)
     if coarse is None:

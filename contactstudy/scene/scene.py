@@ -554,7 +554,8 @@ class Scene:
     def has_approach(self) -> bool:
         """False for bodies that creep as they roll.
 
-        Points far behind the contact relax, while those ahead do not. Their approach falls without limit with the logarithm of the speed.
+        Points far behind the contact relax, while those ahead do not. Their approach falls without limit with the
+        logarithm of the speed.
         """
         return not (self.rolls and any(map(creeps, self.solids)))
 

@@ -110,6 +110,19 @@ def read_scene(path: str | PathLike[str]) -> SceneFile:
         With a line for every key that cannot be used.
     """
     path = Path(path)
+    raw, groups = tables_of(path)
+    document = document_from(raw, str(path))
+    try:
+        return replace(scene_file_from(document, path.parent), vary=groups)
+    except InvalidInput as error:
+        raise InvalidInput(f"{path}: {error}") from error
+
+
+def tables_of(path: Path) -> tuple[dict[str, Any], tuple[Mapping[str, object], ...]]:
+    """Return the tables of a scene file, and the fields that it varies in groups.
+
+    Raises :class:`~contactstudy.InvalidInput` for a file that cannot be read or is not TOML.
+    """
     try:
         raw = tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except (OSError, UnicodeDecodeError) as error:
@@ -118,17 +131,24 @@ def read_scene(path: str | PathLike[str]) -> SceneFile:
     except (ValueError, RecursionError) as error:  # also a number of thousands of digits
         raise InvalidInput(f"{path} is not valid TOML: {error}.") from error
     try:
-        groups = _groups(raw.pop("vary", {}))
+        return raw, _groups(raw.pop("vary", {}))
+    except InvalidInput as error:
+        raise InvalidInput(f"{path}: {error}") from error
+
+
+def document_from(raw: Mapping[str, Any], source: str) -> SceneDocument:
+    """Return the tables of a scene file, in which Python objects may stand, as its keys with their types.
+
+    Raises :class:`~contactstudy.InvalidInput`, which begins with the `source`, with a line for every key that cannot be
+    used.
+    """
+    try:
         raw = with_materials(raw)
     except InvalidInput as error:
-        raise InvalidInput(f"{path}: {error}") from error
+        raise InvalidInput(f"{source}: {error}") from error
     if "evolve" in raw:
-        raise InvalidInput(f"{path}: [evolve] is named [time_steps] now: rename the table.")
-    document = structured(raw, SceneDocument, KINDS, str(path))
-    try:
-        return replace(scene_file_from(document, path.parent), vary=groups)
-    except InvalidInput as error:
-        raise InvalidInput(f"{path}: {error}") from error
+        raise InvalidInput(f"{source}: [evolve] is named [time_steps] now: rename the table.")
+    return structured(raw, SceneDocument, KINDS, source)
 
 
 def write_scene(described: Scene | SceneFile, path: str | PathLike[str]) -> None:

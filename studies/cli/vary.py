@@ -81,9 +81,8 @@ def with_reference(study: "Study", name: str, reference: str) -> "Study":
 
     Raises :class:`~contactstudy.InvalidInput` for a value that the study does not vary.
     """
-    from contactstudy import read_scene
     from studies.advice.reference_error import against
-    from studies.scene_study.variation import variation
+    from studies.scene_study.study_of import study_of
 
     field, equals, value = (part.strip() for part in reference.partition("="))
     if not name.endswith(".toml") or not equals or not field or not value:
@@ -91,7 +90,7 @@ def with_reference(study: "Study", name: str, reference: str) -> "Study":
             f"--reference is {reference!r}: give a varied field of a scene file and one of its values, such as "
             "padding=ExactPeriodicity."
         )
-    axis = variation(read_scene(name), field, value, Path(name).parent).axis
+    (axis,) = study_of(Path(name), {field: value}).axes
     values = {varied.name: varied.values for varied in study.axes}.get(axis.name, ())
     if len(axis.values) != 1 or axis.values[0] not in values:
         raise InvalidInput(

@@ -2,8 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import product
-from math import prod
 from os import PathLike
 from pathlib import Path
 
@@ -24,15 +22,13 @@ from contactstudy.planning.grid_requirements import (
 )
 from contactstudy.planning.plan import DEFAULT_ERROR, MEMORY_FRACTION
 from contactstudy.scene.shapes.shape import length_scales_of
-from contactstudy.scene_file import SceneFile, read_scene, scene_file_from
+from contactstudy.scene_file import SceneFile, tables_of
 from studies.advice.reference_error import ReferencedCase
-from studies.model.axis import Value, check_count
+from studies.model.axis import Value
 from studies.model.case import Computation
 from studies.model.study import Point, Study
-from studies.scene_study.fields import document_of
+from studies.scene_study.document import Table, tables, varied_scenes
 from studies.scene_study.measures import measures
-from studies.scene_study.values import MAX_VALUES
-from studies.scene_study.variation import Variation, joint_variation, variation, with_values
 
 # Number of points that are all planned. Of more, every n-th by width is, up to 13; the others take their finest cells.
 MAX_PLANNED = 8
@@ -262,29 +258,21 @@ def study_of(
     InvalidInput
         For a field that the scene lacks and values that it cannot have.
     """
-    described, place = _read(scene)
+    raw, given, text = _read(scene)
+    source = str(scene) if isinstance(scene, str | PathLike) else "scene"
+    place = Path(scene).parent if isinstance(scene, str | PathLike) else Path()
     folder = Path(folder) if folder is not None else place
     if vary is None:
-        vary = described.vary
+        vary = given
     groups = [{field: vary[field]} for field in vary] if isinstance(vary, Mapping) else list(vary)
     if not groups:
         raise InvalidInput(
             'vary is empty: give a field and its values, such as {"load.per_length": "50 N/mm,100 N/mm"}.'
         )
-    axes = [_variation(described, group, folder) for group in groups]
-    names = [varied.axis.name for varied in axes]
-    for axis in names:
-        if names.count(axis) > 1:
-            raise InvalidInput(f"{axis} is varied twice: write all its values in one list.")
-    axes.sort(key=lambda varied: varied.is_load)
-    check_count("vary", prod(len(varied.axis.values) for varied in axes), "points", MAX_VALUES)
-    points = list(product(*(varied.axis.values for varied in axes)))
-    document = document_of(described)
-    files = [
-        scene_file_from(with_values(document, zip(axes, point, strict=True))) for point in points
-    ]
+    found = varied_scenes(raw, groups, folder, source)
+    files = list(found.points.values())
     placed, notes = on_shared_grids(files)
-    cases = dict(zip(points, placed, strict=True))
+    cases = dict(zip(found.points, placed, strict=True))
     is_same = len({_digests(file.scene.shapes) for file in files}) == 1
     surfaces = surface_notes(files[0].scene) if is_same else []
     if name is None:
@@ -292,15 +280,15 @@ def study_of(
         name = f"{Path(scene).stem}-sweep" if isinstance(scene, str | PathLike) else "scene"
     return Study(
         name,
-        f"{name}: {', '.join(varied.axis.long_name for varied in axes)}",
-        tuple(varied.axis for varied in axes),
-        _SceneAt(tuple(varied.axis.name for varied in axes), cases),
+        f"{name}: {', '.join(axis.long_name for axis in found.axes)}",
+        found.axes,
+        _SceneAt(tuple(axis.name for axis in found.axes), cases),
         measures,
         times="none",
-        notes=(*notes, *surfaces, *(note for varied in axes for note in varied.notes)),
+        notes=(*notes, *surfaces, *found.notes),
         attributes={
             "scene": f"# Along the axes vary {', '.join(path for group in groups for path in group)}, which are "
-            f"here as in the scene that is varied.\n{_text(scene, described)}"
+            f"here as in the scene that is varied.\n{text}"
         },
     )
 
@@ -308,25 +296,6 @@ def study_of(
 def _digests(shapes: Sequence[cs.Shape]) -> tuple[str, ...]:
     """Return the digests of the measured surfaces among shapes."""
     return tuple(shape.digest for shape in shapes if isinstance(shape, MeasuredSurface))
-
-
-def _variation(described: SceneFile, group: Mapping[str, object], folder: Path) -> Variation:
-    """Return the axis of one field, or of several that change together."""
-    order = "rising" if len(group) == 1 else "given"
-    varied = [
-        variation(described, field, values, folder, order=order) for field, values in group.items()
-    ]
-    return varied[0] if len(varied) == 1 else joint_variation(varied)
-
-
-def _text(scene: object, described: SceneFile) -> str:
-    """Return the scene as TOML: the text of its file, if it has one."""
-    if isinstance(scene, str | PathLike):
-        return Path(scene).read_text(encoding="utf-8")
-    try:
-        return scene_text(described.scene)
-    except InvalidInput as error:  # a shape or a body that is not of the core
-        return f"# {error}\n# {described.scene!r}\n"
 
 
 @dataclass(frozen=True, eq=False)
@@ -345,12 +314,20 @@ class _SceneAt:
         return self.cases[values]
 
 
-def _read(scene: Scene | SceneFile | str | PathLike[str]) -> tuple[SceneFile, Path]:
-    """Return the scene file, and the folder at which its paths start."""
-    if isinstance(scene, Scene | SceneFile):
-        return SceneFile(scene) if isinstance(scene, Scene) else scene, Path()
+def _read(
+    scene: Scene | SceneFile | str | PathLike[str],
+) -> tuple[Table, Sequence[Mapping[str, object]], str]:
+    """Return the tables of a scene, what it varies itself, and its text, which of Python objects may be their names."""
     if isinstance(scene, str | PathLike):
-        return read_scene(scene), Path(scene).parent
-    raise InvalidInput(
-        f"scene is {scene!r}: give a Scene, a SceneFile or the path of a scene file."
-    )
+        raw, groups = tables_of(Path(scene))
+        return raw, groups, Path(scene).read_text(encoding="utf-8")
+    if not isinstance(scene, Scene | SceneFile):
+        raise InvalidInput(
+            f"scene is {scene!r}: give a Scene, a SceneFile or the path of a scene file."
+        )
+    described = SceneFile(scene) if isinstance(scene, Scene) else scene
+    try:
+        text = scene_text(described.scene)
+    except InvalidInput as error:  # a shape or a body that is not of the core
+        text = f"# {error}\n# {described.scene!r}\n"
+    return tables(described), described.vary, text

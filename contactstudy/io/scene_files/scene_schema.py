@@ -1,7 +1,7 @@
 """Keys of a scene file and their types: what :func:`~contactstudy.read_scene` can read."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from enum import Enum
 from math import inf
 from pathlib import Path
@@ -97,10 +97,12 @@ class Turn(Enum):
 class MeasuredSurfaceTable(Reading):
     """Measured surface given by its file; a relative path starts at the folder of the scene file.
 
+    In Python a surface without rules of its own may stand in place of the file.
+
     In a scene without a curved shape its width is made periodic as its length is, unless `seam_across` says otherwise.
     """
 
-    file: str
+    file: str | MeasuredSurface
     missing: Missing = field(default_factory=RefuseMissing)
     trend: Trend = Trend.PLANE
     filter: GaussianFilter | None = None
@@ -112,20 +114,22 @@ class MeasuredSurfaceTable(Reading):
     def shape(self, folder: Path, context: ProfileContext) -> MeasuredSurface:
         """Return the surface, read from the file."""
         curvature, _ = context
-        path = folder / self.file
-        if not path.is_file():
+        rules: dict[str, Any] = {
+            "missing": self.missing,
+            "trend": self.trend,
+            "filter": self.filter,
+            "seam": self.seam,
+            "seam_across": self.seam_across or (AsMeasured() if curvature else self.seam),
+        }
+        reading = {member.name: getattr(self, member.name) for member in fields(Reading)}
+        if isinstance(self.file, MeasuredSurface):
+            surface = replace(self.file, extent=self.file.extent or self.extent, **rules)
+        elif (path := folder / self.file).is_file():
+            surface = MeasuredSurface.read(path, **reading, **rules)
+        else:
             raise InvalidInput(
                 f"MeasuredSurface.file is {self.file!r}: give the path of an existing file."
             )
-        surface = MeasuredSurface.read(
-            path,
-            **{member.name: getattr(self, member.name) for member in fields(Reading)},
-            missing=self.missing,
-            trend=self.trend,
-            filter=self.filter,
-            seam=self.seam,
-            seam_across=self.seam_across or (None if curvature else self.seam),
-        )
         surface = surface if self.tile is None else surface.cut(self.tile)
         return surface.turned() if self.turn is Turn.QUARTER else surface
 

@@ -101,7 +101,7 @@ def structured(raw: object, target: type[Target], kinds: Kinds, source: str) -> 
     Parameters
     ----------
     raw
-        Tables as a TOML file has them.
+        Tables as a TOML file has them. In them may stand dataclasses that are made already.
     target
         Dataclass of all of them.
     kinds
@@ -116,7 +116,9 @@ def structured(raw: object, target: type[Target], kinds: Kinds, source: str) -> 
         With a line for every key that cannot be used.
     """
     try:
-        return _Structure(kinds).converter.structure(raw, target)
+        if id(kinds) not in _STRUCTURES:
+            _STRUCTURES[id(kinds)] = _Structure(kinds)
+        return _STRUCTURES[id(kinds)].converter.structure(raw, target)
     except cattrs.BaseValidationError as error:
         raise InvalidInput(_messages(source, error)) from error
 
@@ -151,8 +153,8 @@ class _Structure:
             raise InvalidInput(
                 "it is one table: write its name in double brackets, once for each entry."
             )
-        if not isinstance(value, list):
-            raise InvalidInput(f"it is {value!r}: give a list.")
+        if not isinstance(value, list | tuple):
+            raise InvalidInput(f"it is {value!r}: give a list in brackets.")
         if following != [...] and len(value) != 1 + len(following):
             raise InvalidInput(f"it has {len(value)} entries: give {1 + len(following)}.")
         if following != [...] and len({first, *following}) > 1:
@@ -163,6 +165,8 @@ class _Structure:
 
     def _of_kind(self, value: object, target: Any) -> Any:
         """Return a table, or the name of a kind, as the dataclass that its kind or its keys choose."""
+        if is_dataclass(value):
+            return value
         kinds = dict(self.kinds.get(target, {}))
         plain = []
         for option in get_args(target):
@@ -186,6 +190,8 @@ class _Structure:
         base: Any = make_dict_structure_fn(target, self.converter)
 
         def read(value: object, _: Any) -> Any:
+            if is_dataclass(value):
+                return value
             if not isinstance(value, Mapping):
                 raise InvalidInput(f"it is {value!r}: give a table.")
             # the kind may be given although there is only one
@@ -206,6 +212,10 @@ class _Structure:
             raise cattrs.ClassValidationError(target.__name__, errors, target)
 
         return read
+
+
+# By the id of the kinds, which each holds: a converter takes milliseconds to make.
+_STRUCTURES: dict[int, _Structure] = {}
 
 
 def _kind_of(table: Mapping[str, object], kinds: Mapping[str, type]) -> type:
@@ -263,6 +273,8 @@ def _text(value: object, _: Any) -> str:
 
 def _enum_member(value: object, target: Any) -> Enum:
     """Return the member of an enumeration with that name, in any case."""
+    if isinstance(value, Enum) and value in target:
+        return value
     names: dict[str, Enum] = {member.name.lower(): member for member in target}
     if not isinstance(value, str) or value.lower() not in names:
         raise InvalidInput(f"it is {value!r}: {suggestion(str(value), names)}.")
@@ -282,7 +294,10 @@ def _sentence(error: BaseException, target: type | None) -> str:
     if isinstance(error, ForbiddenExtraKeysError):
         names = parameters(error.cl)
         unknown = sorted(error.extra_fields)
-        return "; ".join(f"unknown key {key!r}: {suggestion(key, names)}" for key in unknown) + "."
+        remedies = {
+            k: suggestion(k, names) if names else "it has no keys, leave it out" for k in unknown
+        }
+        return "; ".join(f"unknown key {key!r}: {remedies[key]}" for key in unknown) + "."
     if isinstance(error, KeyError):
         choices = get_args(target) if get_origin(target) in (Union, UnionType) else (target,)
         notes = (note for choice in choices for note in getattr(choice, "__metadata__", ()))

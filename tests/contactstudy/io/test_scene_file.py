@@ -131,7 +131,7 @@ def test_either_axis_has_its_padding(tmp_path: Path) -> None:
         ("hurst = 0.8", 'hurst = "much"', "shapes[1].hurst: it is 'much': give a number"),
         ("hurst = 0.8", "hurst = 1.5", "shapes[1]: Roughness.hurst is 1.5: give an exponent"),
         ('["50 um", "50 um"]', '["50 um"]', "shapes[2].pitch: it has 1 entries: give 2."),
-        ('["50 um", "50 um"]', "50", "shapes[2].pitch: it is 50: give a list."),
+        ('["50 um", "50 um"]', "50", "shapes[2].pitch: it is 50: give a list in brackets."),
         ('"Cosine"', "3", "shapes[2].feature.profile: it is 3: give a table with a kind."),
         ('"single"', '"half"', "solve.precision: it is 'half': choose from single, double."),
         ("images = 3", "images = 3.5", "padding.images: it is 3.5: give a whole number."),

@@ -8,12 +8,9 @@ import pytest
 import contactstudy as cs
 import studies
 from contactstudy import InvalidInput
-from contactstudy.io.scene_files.scene_schema import SceneDocument, Turn
 from contactstudy.planning.cost import memory
 from studies.model.case import SceneCase
 from studies.scene_study import study_of as grids
-from studies.scene_study.variation import _with_surface
-from tests import conftest
 from tests.studies.scene_study.conftest import CYLINDER, ROUGH, SMOOTH, STEEL, given
 
 
@@ -143,24 +140,23 @@ def test_tiles_of_a_surface_are_an_axis(smooth: Path) -> None:
     assert {case.scene.shapes[1].extent for case in scenes(study)} == {(1e-3, 1.5e-3)}  # type: ignore[attr-defined]
 
 
-def test_a_surface_is_as_measured_cut_or_turned_whatever_the_scene_has() -> None:
+def test_a_surface_is_as_measured_cut_or_turned_whatever_the_scene_has(smooth: Path) -> None:
     measured = cs.MeasuredSurface(np.arange(24.0).reshape(4, 6) * 1e-9, extent=(1e-3, 2e-3))
     upper = cs.Tile((2, 1), 1)
+    scene = cs.read_scene(smooth).scene
     for present in (measured, measured.turned()):
-        document = SceneDocument(
-            cs.LineLoad(1e5), (conftest.STEEL,) * 2, (cs.Cylinder(0.01), present)
+        file = cs.SceneFile(
+            replace(scene, shapes=(*scene.shapes, present)), grid=cs.Grid((8, 8), (1e-4, 1e-4))
         )
+        cut = measured.cut(upper)
         for key, value, wanted in (
-            ("turn", Turn.NONE, measured),
-            ("turn", Turn.QUARTER, measured.turned()),
-            (
-                "tile",
-                upper,
-                measured.cut(upper).turned() if present.is_turned else measured.cut(upper),
-            ),
+            ("turn", "none", measured),
+            ("turn", "quarter", measured.turned()),
+            ("tile", upper, cut.turned() if present.is_turned else cut),
         ):
-            found: Any = _with_surface(document, ("shapes", "1", key), value)
-            assert (found.shapes[1], found.shapes[1].is_turned) == (wanted, wanted.is_turned)
+            study = studies.study_of(file, {f"shapes.1.{key}": [value]})
+            [found] = [case.scene.shapes[1] for case in scenes(study)]
+            assert (found, found.is_turned) == (wanted, wanted.is_turned)  # type: ignore[attr-defined]
 
 
 @pytest.mark.parametrize(
@@ -181,11 +177,11 @@ def test_the_fields_of_a_part_are_set_in_every_order(
     file = replace(cs.read_scene(smooth), padding=cs.Superposition(6))
     for vary in (first | second, second | first):
         assert {case.padding for case in scenes(studies.study_of(file, vary))} == expected
-    with pytest.raises(InvalidInput, match=r"padding\.images = 1: ExactPeriodicity\(\) has no"):
+    with pytest.raises(InvalidInput, match="padding: unknown key 'images': it has no keys"):
         studies.study_of(file, {"images": [1], "padding": [cs.ExactPeriodicity()]})
-    with pytest.raises(InvalidInput, match=r"^friction\.coefficient: it is missing"):
+    with pytest.raises(InvalidInput, match=r"friction\.coefficient: it is missing"):
         studies.study_of(file, {"friction": "Sliding"})
-    with pytest.raises(InvalidInput, match="'Sphere': give each value as a list of tables"):
+    with pytest.raises(InvalidInput, match="shapes: it is 'Sphere': give a list in brackets"):
         studies.study_of(file, {"shapes": "Sphere"})
 
 
@@ -209,7 +205,7 @@ def test_surfaces_are_an_axis_of_names(smooth: Path, tmp_path: Path) -> None:
 
 def test_the_axes_that_a_person_writes_twice_or_wrongly_are_named(rough: Path) -> None:
     for vary, said in (
-        ({"load": "50 N/mm"}, "load.per_length"),
+        ({"load": "50 N/mm"}, "load: its kind is '50 N/mm': choose from LineLoad"),
         ({"load.per_lenght": "50 N/mm"}, "did you mean"),
         ({"load.per_length": "50 MPa"}, "a load per length"),
         ({"load.per_length": "50 N/mm,"}, "lacks a value"),
@@ -220,9 +216,9 @@ def test_the_axes_that_a_person_writes_twice_or_wrongly_are_named(rough: Path) -
         ({"load.per_length": "50 N/mm,100,200 N/mm"}, "some have none"),
         ({"load.per_length": "-5 N/mm"}, "above 0"),
         ({"shapes.2.rms": "1 um"}, "0 Cylinder, 1 Roughness"),
-        ({"shapes.0.rms": "1 um"}, "Cylinder|has no"),
-        ({"padding.images": "1,2"}, "give padding in the file"),
-        ({"grid.cells": "[32, 1]"}, "give grid in the file"),
+        ({"shapes.0.rms": "1 um"}, r"shapes\[0\]: unknown key 'rms': choose from radius"),
+        ({"padding.images": "1,2"}, "padding: it has no kind"),
+        ({"grid.cells": "[32, 1]"}, "grid.extent: it is missing"),
         ({"padding": "Duplicated"}, "DuplicatedPadding"),
         ({"surfaces": "*.x3p"}, "MeasuredSurface"),
         ({"tiles": "12"}, "MeasuredSurface|2x6"),
@@ -235,7 +231,7 @@ def test_the_axes_that_a_person_writes_twice_or_wrongly_are_named(rough: Path) -
 
 def test_numbers_for_a_field_of_lists_are_answered_with_lists(smooth: Path) -> None:
     smooth.write_text(SMOOTH + given(32, "0.4 mm"), encoding="utf-8")
-    with pytest.raises(cs.InvalidInput, match=r"as a list in brackets, such as \[48, 48\]"):
+    with pytest.raises(cs.InvalidInput, match=r"grid.cells: it is 48: give a list in brackets"):
         studies.study_of(smooth, {"grid.cells": "48,96"})
 
 
@@ -361,3 +357,25 @@ substrate.material = "steel"
     study = studies.study_of(smooth, {"solids.0.coating.youngs_modulus": "0.5,400 GPa"})
     for case in scenes(study):
         assert cs.solve(case.scene, case.grid, case.padding).status is cs.Status.CONVERGED
+
+
+@pytest.mark.parametrize(
+    ("text", "vary", "found"),
+    [
+        (SMOOTH + '[[shapes]]\nkind = "Crown"\nend_drop = "5 um"\nlength = "10 mm"\n',
+         {"end_drop": "5,10 um"}, lambda case: case.scene.shapes[1].radius),
+        (SMOOTH.replace('youngs_modulus = "210 GPa"\npoisson_ratio = 0.3', 'material = "steel"', 1),
+         {"solids.0.material": "steel,bronze"}, lambda case: case.scene.solids[0].youngs_modulus),
+        (SMOOTH + WEAR + "[time_steps]\nend = 1.0\n", {"time_steps.instants": "2:3"},
+         lambda case: case.time_steps.instants),
+        (SMOOTH, {"hardness": "2,3 GPa"}, lambda case: case.scene.hardness),
+        (SMOOTH, {"images": "1:2", "padding": "Superposition"}, lambda case: case.padding),
+    ],
+    ids=["drop of a crown", "material", "instants", "left out", "of a part left out"],
+)  # fmt: skip
+def test_a_key_is_varied_that_only_a_file_has(
+    text: str, vary: dict[str, object], found: Any, tmp_path: Path
+) -> None:
+    (tmp_path / "scene.toml").write_text(text)
+    first, second = map(found, scenes(studies.study_of(tmp_path / "scene.toml", vary)))
+    assert first != second

@@ -17,14 +17,14 @@ from studies.registry import load
 from tests.readme_blocks import BLOCK, SAID
 
 ROOT = Path(__file__).parent.parent
-# Pages that the site makes from the program are not written by hand.
-MADE = ("_build", "gallery", "reference")
+# Pages that the site makes from the program, and those for developers, whose commands test and build.
+LEFT_OUT = ("_build", "gallery", "reference", "development")
 PAGES = (
     "README.md",
     *sorted(
         str(page.relative_to(ROOT))
         for page in (ROOT / "docs").rglob("*.md")
-        if page.relative_to(ROOT / "docs").parts[0] not in MADE
+        if page.relative_to(ROOT / "docs").parts[0] not in LEFT_OUT
     ),
 )
 # Set-up, and what CI does with the README's own commands; two that want all studies, or other programs.

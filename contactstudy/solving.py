@@ -1,8 +1,8 @@
 """Function solve, which chooses the method from the scene: static, time-dependent, rolling or lubricated."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from math import isclose, isfinite, prod
+from math import inf, isclose, isfinite, prod
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
@@ -10,10 +10,12 @@ from typing import TYPE_CHECKING, Any, overload
 from numpy.typing import ArrayLike
 
 from contactstudy.answers.contact import Contact, contact_answer
-from contactstudy.domain.checks import InvalidInput, checked_relative_error
+from contactstudy.answers.judgement import finer_grid
+from contactstudy.domain.checks import InvalidInput, checked_errors
 from contactstudy.domain.device import ONE_THREAD, Cpu, Device, using
+from contactstudy.domain.errors import DEFAULT_ERROR, Request, pressure_request
 from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
+from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings, on_cells
 from contactstudy.problem.problem import Problem
 from contactstudy.progress import (
     Progress,
@@ -24,7 +26,7 @@ from contactstudy.progress import (
     of_passes,
     of_time,
 )
-from contactstudy.scene.scene import Scene
+from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.scene.solids.bodies import yields
 from contactstudy.solvers.solve import ReportingSolver, SolveOptions, solve_contact
 
@@ -35,6 +37,9 @@ if TYPE_CHECKING:
 
 # Most iterations of a film by default, and the fraction of the requested error for its steps in time.
 FILM_ITERATIONS, STEP_FRACTION = 300, 0.5
+# Cells times convolutions that a further grid may take for the numbers of an answer, its estimate left out: about a
+# second by default, and half a minute where an error is requested; and cells that take as long as the call for them.
+DEFAULT_WORK, REQUESTED_WORK, CELLS_OF_A_CALL = 1.5e7, 5e8, 1500
 # Refinements of a scene that is not static, whose error is at least of first order: their number, the margin on the
 # cells that this gives, the largest factor on the cells along an axis, and the most cells of a grid.
 REFINEMENTS, MARGIN, MAX_REFINEMENT, MAX_CELLS = 3, 1.05, 3.0, 2_000_000
@@ -44,7 +49,7 @@ REFINEMENTS, MARGIN, MAX_REFINEMENT, MAX_CELLS = 3, 1.05, 3.0, 2_000_000
 def solve(
     scene: Problem,
     *,
-    error: float | str | None = None,
+    error: Request | str | None = None,
     start: Array | Contact | None = None,
     progress: Callable[[Progress], object] | None = None,
     device: Device = Cpu(),  # noqa: B008 (a frozen value)
@@ -57,7 +62,7 @@ def solve(
     grid: Grid | None = None,
     padding: Padding | Paddings | None = None,
     *,
-    error: float | str | None = None,
+    error: Request | str | None = None,
     period: float | None = None,
     times: "ArrayLike | TimeSteps | None" = None,
     start: "Array | Contact | LubricatedContact | None" = None,
@@ -72,7 +77,7 @@ def solve(
     grid: Grid | None = None,
     padding: Padding | Paddings | None = None,
     *,
-    error: float | str | None = None,
+    error: Request | str | None = None,
     period: float | None = None,
     times: "ArrayLike | TimeSteps | None" = None,
     start: "Array | Contact | LubricatedContact | None" = None,
@@ -91,9 +96,10 @@ def solve(
     grid, padding
         Where to solve; chosen for the `error` if None. ``grid`` alone keeps the grid.
     error
-        Relative L1 error of the pressure not to exceed, of cells and steps together; of a film, that of its thickness,
-        friction, temperatures and load fraction. Such as ``1e-2`` or ``"1 %"``, the default without a grid. The answer
-        says whether its bound meets it.
+        Relative error not to exceed, such as ``1e-2`` or ``"1 %"``, the default without a grid: of the pressure in L1,
+        and of every number of the answer that has a bound. ``{"peak_pressure": "2 %", "von_mises": "5 %"}`` names some,
+        ``pressure`` is that in L1. Where a number would take many more cells, the answer says which and how many: by
+        default beyond some seconds, where an error is given beyond a minute.
     period
         Length [m] of the grid that is chosen.
     times
@@ -124,7 +130,7 @@ def solve(
     """
     if named:
         options = replace(options, **named) if options else SolveOptions(**named)
-    requested = None if error is None else checked_relative_error("solve.error", error)
+    requested = None if error is None else checked_errors("solve.error", error)
     request = _Request(
         scene, grid, padding, requested, period, times, start, folder, progress, device, options or SolveOptions()
     )  # fmt: skip
@@ -140,7 +146,7 @@ class _Request:
     scene: Any
     grid: Grid | None
     padding: Padding | Paddings | None
-    error: float | None
+    error: Request | None
     period: float | None
     times: "ArrayLike | TimeSteps | None"
     start: Any
@@ -240,14 +246,20 @@ class _Request:
             )
 
     @property
-    def requested(self) -> float | None:
+    def requested(self) -> Request | None:
         """Relative error not to exceed: the requested one, or the default without a grid."""
-        from contactstudy.planning.plan import DEFAULT_ERROR
-
         return DEFAULT_ERROR if self.error is None and self.grid is None else self.error
 
-    def planned(self, error: float | None) -> tuple[Grid, Padding | Paddings]:
-        """Return grid and padding: those that are given, else planned for an `error`."""
+    @property
+    def target(self) -> float | None:
+        """Relative error that the first grid is planned for: of the pressure in L1, of a film that of its numbers."""
+        requested = self.requested
+        if self.scene.lubrication is not None and isinstance(requested, Mapping):
+            return min(requested.values())
+        return None if requested is None else pressure_request(requested)
+
+    def planned(self) -> tuple[Grid, Padding | Paddings]:
+        """Return grid and padding: those that are given, else planned for the error."""
         if self.grid is not None and self.padding is not None:
             return self.grid, self.padding
         # imported only where something is left to be chosen
@@ -255,7 +267,7 @@ class _Request:
 
         planned = plan_grid(
             self.scene,
-            error=error,
+            error=None if self.error is None else self.target,
             period=self.period,
             grid=self.grid,
             padding=self.padding,
@@ -304,30 +316,39 @@ class _Request:
         on_own_points = at_own_points and measured_length_scales(self.scene) is not None
         # a short attraction has its range from the grid, which is therefore not refined
         if self.grid is not None or on_own_points or self.scene.adhesion is not None:
-            problem = self.scene.problem(
-                *self.planned(requested if self.scene.adhesion is not None else self.error)
-            )
+            problem = self.scene.problem(*self.planned())
             return replace(self.solve_problem(problem), requested=requested)
         from contactstudy.planning.refinement import solve_to  # only where the grid is chosen
 
-        assert requested is not None  # it has a default without a grid
+        target = self.target
+        assert target is not None  # it has a default without a grid
         refined = solve_to(
             self.scene,
-            requested,
+            target,
             period=self.period,
             padding=self.padding,
             options=self.options,
             start=self.first_pressure,
             device=self.device,
-            progress=self.progress and of_grids(self.progress, requested),
+            progress=self.progress and of_grids(self.progress, target),
         )
-        return contact_answer(refined.solution, estimate=refined.estimate, requested=requested)
+        answer = contact_answer(refined.solution, estimate=refined.estimate, requested=requested)
+        posed = refined.solution.problem.description  # with the extent of random surfaces
+        assert isinstance(posed, PosedScene)
+
+        def solve_on(grid: Grid) -> Contact:
+            start = on_cells(refined.solution.pressure, grid.cells)
+            problem = posed.scene.problem(grid, posed.padding)
+            return contact_answer(solve_contact(problem, self.options, start, self.device))
+
+        kept: Contact = self._with_numbers(answer, solve_on)
+        return kept
 
     def steady_rolling(self) -> Contact:
         """Solve a contact that rolls steadily."""
         from contactstudy.evolution.rolling.steady_rolling import solve_rolling
 
-        grid, padding = self.planned(self.requested)
+        grid, padding = self.planned()
 
         def solve_on(grid: Grid) -> Contact:
             rolling = solve_rolling(
@@ -349,7 +370,7 @@ class _Request:
         from contactstudy.answers.evolution import passes_answer
         from contactstudy.evolution.rolling.repeated_rolling import roll_repeatedly
 
-        grid, padding = self.planned(self.requested)
+        grid, padding = self.planned()
         rolled = roll_repeatedly(
             self.scene,
             grid,
@@ -366,10 +387,10 @@ class _Request:
         from contactstudy.evolution.time_steps import ErrorEstimator
         from contactstudy.planning.grid_requirements import CONSTANTS as GRID
 
-        requested, steps = self.requested, self.steps
+        requested, target, steps = self.requested, self.target, self.steps
         by_error = steps.error_estimator is ErrorEstimator.STEP_DOUBLING
-        fraction = (1 - GRID.cell_fraction) * requested if requested and by_error else None
-        first, padding = self.planned(requested)
+        fraction = (1 - GRID.cell_fraction) * target if target and by_error else None
+        first, padding = self.planned()
 
         def solve_on(grid: Grid) -> "Evolution":
             folder = self.folder
@@ -397,7 +418,7 @@ class _Request:
         """Return what `follow` finds on the grid at the instants to record, with further arguments `named`."""
         named = {"options": self.options, "progress": self._report_time} | named
         times = self.steps.instants_of(*self.scene.histories)
-        return follow(self.scene, *self.planned(self.requested), times=times, **named)
+        return follow(self.scene, *self.planned(), times=times, **named)
 
     @property
     def _film_options(self) -> SolveOptions:
@@ -435,7 +456,7 @@ class _Request:
         """Largest error of a step in time: the given one, or a fraction of the requested error."""
         if self.steps.error is not None:
             return self.steps.error
-        return self.requested and STEP_FRACTION * self.requested
+        return self.target and STEP_FRACTION * self.target
 
     def film(self) -> "LubricatedContact":
         """Solve a steady film."""
@@ -443,13 +464,13 @@ class _Request:
         from contactstudy.lubrication.solve_lubricated import solve_lubricated, varies_along
 
         smooth = self.grid is None and not any(map(varies_along, self.scene.shapes))
-        grid, padding = (None, self.padding) if smooth else self.planned(self.requested)
+        grid, padding = (None, self.padding) if smooth else self.planned()
         contact = solve_lubricated(
             self.scene,
             grid,
             ExactPeriodicity() if padding is None else padding,
             period=self.period,
-            error=self.requested if smooth else self.error,
+            error=self.target if smooth or self.error is not None else None,
             tolerance=self.options.tolerance,
             max_iterations=self._film_options.max_iterations,
             start=self.start,
@@ -470,7 +491,7 @@ class _Request:
             return replace(films_answer(films, requested), yielding_films=films)
         films = evolve_lubricated(
             self.scene,
-            *self.planned(requested),
+            *self.planned(),
             times=steps.instants_of(*self.scene.histories),
             error=None if steps.step else self._error_of_a_step,
             step=steps.step,
@@ -480,22 +501,36 @@ class _Request:
         return films_answer(films, requested)
 
     def _refined(self, answer: Any, solve_on: Callable[[Grid], Any]) -> Any:
-        """Solve again on finer grids until the bound of the answer meets the requested error, where that is possible."""
-        requested = answer.requested
+        """Solve again on finer grids until the bounds of the answer meet the requested error, where that is possible."""
+        requested, target = answer.requested, self.target
         for _ in range(REFINEMENTS):
             parts = answer.error.l1.by_cause
-            other_causes = sum(parts.values()) - parts["discretisation"]
-            if answer.met or not isfinite(parts["discretisation"]) or other_causes >= requested:
+            discretisation = parts["discretisation"]
+            other_causes = sum(parts.values()) - discretisation
+            if not isfinite(discretisation) or other_causes >= target:
                 break
-            factor = parts["discretisation"] / (requested - other_causes)
-            grid = _finer(answer.grid, min(MARGIN * factor, MAX_REFINEMENT))
+            factor = discretisation / (target - other_causes)
+            if factor <= 1:
+                break
+            grid = finer_grid(answer.grid, min(MARGIN * factor, MAX_REFINEMENT))
             if prod(grid.cells) > MAX_CELLS:
                 break
             answer = replace(solve_on(grid), requested=requested)
+        return self._with_numbers(answer, solve_on)
+
+    def _with_numbers(self, answer: Any, solve_on: Callable[[Grid], Any]) -> Any:
+        """Solve again on finer grids for the numbers whose bounds are above the request, within the work for them."""
+        most = DEFAULT_WORK if self.error is None else REQUESTED_WORK
+        for _ in range(REFINEMENTS):
+            parts = answer.error.l1.by_cause
+            if not parts or max(parts, key=parts.__getitem__) != "discretisation":
+                break
+            cells = min(MAX_CELLS, most / answer.counts["convolutions"][0] - CELLS_OF_A_CALL)
+            missed = (number for number in answer.judged.values() if 1 < number.ratio < inf)
+            factors = sorted((MARGIN * number.finer for number in missed), reverse=True)
+            grids = (finer_grid(answer.grid, factor) for factor in factors if factor < inf)
+            grid = next((grid for grid in grids if prod(grid.cells) <= cells), None)
+            if grid is None:
+                break
+            answer = replace(solve_on(grid), requested=answer.requested)
         return answer
-
-
-def _finer(grid: Grid, factor: float) -> Grid:
-    """Return a grid of the same extent with `factor` times the cells along each axis that has several."""
-    across, along = (count if count == 1 else round(count * factor) for count in grid.cells)
-    return Grid((across, along), grid.extent)

@@ -2,14 +2,21 @@
 
 from base64 import b64encode
 from collections.abc import Mapping
+from functools import cached_property
 from html import escape
 from io import BytesIO
 from itertools import islice
-from math import isfinite
+from math import inf, isfinite
 from typing import TYPE_CHECKING
 
 from contactstudy.accuracy.image_errors import IMAGES_REMEDY
-from contactstudy.domain.errors import ErrorEstimate, ErrorParts
+from contactstudy.answers.judgement import (
+    Judged,
+    finer_grid,
+    judged_numbers,
+    without_bound,
+)
+from contactstudy.domain.errors import PRESSURE, ErrorEstimate, ErrorParts, Request
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.domain.units import readable
 from contactstudy.io.quantities.quantity import Quantities, as_text
@@ -43,7 +50,7 @@ class Answer:
     Attributes
     ----------
     requested
-        Requested relative error; None without a request.
+        Requested relative error of every number, or errors by name; None without a request.
     status
         Outcome, with cause and remedy.
     grid, padding
@@ -59,7 +66,7 @@ class Answer:
     if TYPE_CHECKING:
 
         @property
-        def requested(self) -> float | None: ...  # noqa: D102
+        def requested(self) -> Request | None: ...  # noqa: D102
         @property
         def status(self) -> Status: ...  # noqa: D102
         @property
@@ -83,32 +90,96 @@ class Answer:
 
     @property
     def judged_error(self) -> tuple[str, ErrorParts]:
-        """Name of the error measure of the requested accuracy, and its bound by cause."""
+        """Name of the main error measure, and its bound by cause."""
         return "in L1", self.error.l1
+
+    @cached_property
+    def judged(self) -> dict[str, Judged]:
+        """Numbers that the request speaks of with their bounds, by name; all without a request, or with one for all."""
+        numbers = judged_numbers(self.quantities, self.requested)
+        if (
+            isinstance(self.requested, Mapping)
+            and (asked := self.requested.get(PRESSURE)) is not None
+        ):
+            l1 = self.error.l1
+            numbers[PRESSURE] = Judged("pressure in L1", l1.total, asked, l1.reason)
+        return numbers
 
     @property
     def met(self) -> bool | None:
-        """True if the bound meets the requested accuracy; None without a request."""
+        """True if every number that has a bound, or is named, keeps the requested error; None without a request."""
         if self.requested is None:
             return None
-        return self.judged_error[1].total <= self.requested
+        numbers = self.judged.values()
+        if isinstance(self.requested, Mapping):
+            return all(number.ratio <= 1 for number in numbers)
+        return self._l1_ratio <= 1 and not self._missed
+
+    @property
+    def _missed(self) -> list[Judged]:
+        """Numbers whose bound is above the request, the worst first."""
+        missed = (number for number in self.judged.values() if 1 < number.ratio < inf)
+        return sorted(missed, key=lambda number: -number.ratio)
+
+    @property
+    def _l1_ratio(self) -> float:
+        """Bound of the main error measure over the request for all numbers; 0 without one."""
+        if self.requested is None or isinstance(self.requested, Mapping):
+            return 0.0
+        return self.judged_error[1].total / self.requested
 
     @property
     def accuracy(self) -> str:
-        """Sentence on the accuracy, such as ``1 % met: 0.7 % in L1``."""
+        """Sentence on the accuracy, such as ``1 % met by every number: 0.2 % in L1, 0.7 % in the half-width``."""
+        numbers = list(self.judged.values())
         measure, parts = self.judged_error
-        bound = parts.total
-        reached = f"{100 * bound:.2g} % {measure}" if isfinite(bound) else f"no bound {measure}"
-        if self.requested is None:
-            return f"error at most {reached}" if isfinite(bound) else reached
-        why = "" if self.met else parts.reason or self.error.l1.reason
-        if not (why or isfinite(bound)):
-            why = next(iter(self.error.warnings), "")
-        elif not (why or self.met):
-            cause = max(parts.by_cause, key=parts.by_cause.__getitem__)
-            why = f"most of it is by {REMEDIES[cause]}"
-        verdict = "met" if self.met else "not met"
-        return f"{100 * self.requested:g} % {verdict}: {reached}{f'; {why}' * bool(why)}"
+        reached = (
+            f"{100 * parts.total:.2g} % {measure}"
+            if isfinite(parts.total)
+            else f"no bound {measure}"
+        )
+        bounded = [number for number in numbers if isfinite(number.bound)]
+        worst = max(bounded, key=lambda number: number.bound, default=None)
+        if worst is not None and worst.bound > parts.total:
+            reached += f", {worst}"
+        unknown = without_bound(numbers) if isfinite(parts.total) else ""
+        if isinstance(self.requested, Mapping):
+            asked = ", ".join(f"{number} of {100 * number.requested:g} %" for number in numbers)
+            head = f"request {'met' if self.met else 'not met'}: {asked}"
+        elif self.requested is None:
+            head = f"error at most {reached}" if isfinite(parts.total) else reached
+            return "; ".join(
+                filter(None, (head, unknown or (self._why if parts.total == inf else "")))
+            )
+        else:
+            if self.met:
+                verdict = "met by every number" + " with a bound" * bool(unknown)
+            elif self._l1_ratio > 1:
+                verdict = "not met"
+            else:
+                count = f"{len(self._missed)} of {len(bounded)}"
+                verdict = f"met {measure}, not by {count} numbers"
+            head = f"{100 * self.requested:g} % {verdict}: {reached}"
+        return "; ".join(filter(None, (head, "" if self.met else self._why, unknown)))
+
+    @property
+    def _why(self) -> str:
+        """What stands in the way of the request, and what it would take."""
+        parts = self.judged_error[1]
+        if reason := parts.reason or self.error.l1.reason:
+            return reason
+        if not isfinite(parts.total):
+            return next(iter(self.error.warnings), "")
+        cause = max(parts.by_cause, key=parts.by_cause.__getitem__)
+        missed = [number for number in self._missed if number.by_cells]
+        if self._missed and not missed and self._l1_ratio <= 1:
+            return "it is known to the distance of depths, give closer ones"
+        factor = max((number.finer for number in missed), default=1.0)
+        factor = max(factor, self._l1_ratio)
+        if cause != "discretisation" or factor <= 1:
+            return f"most of it is by {REMEDIES[cause]}"
+        cells = " x ".join(map(str, finer_grid(self.grid, factor).cells))
+        return f"about {cells} cells would meet it"
 
     @property
     def work(self) -> str:

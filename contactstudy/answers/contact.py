@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
-from math import inf, isfinite
+from math import inf
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,7 +12,7 @@ from contactstudy.accuracy.discretisation.coarser import coarse_solution, compar
 from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.answers.answer import Answer, Counts
 from contactstudy.domain.checks import NotDefined
-from contactstudy.domain.errors import ErrorEstimate, ErrorParts
+from contactstudy.domain.errors import ErrorEstimate, ErrorParts, Request
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.domain.imports import needed_for
 from contactstudy.io.quantities.contact_quantities import contact_quantities
@@ -29,16 +29,10 @@ if TYPE_CHECKING:
     from contactstudy.evolution.rolling.steady_rolling import SteadyRolling
 
 
-# Quantities of the tangential traction and of the stress in a coated body, whose error the pressure does not show.
-NOT_SHOWN_BY_PRESSURE = (
-    "traction_coefficient", "stick_fraction", "energy_per_cycle", "largest_slip", "creepage", "frictional_power",
-    "coating_von_mises", "substrate_von_mises", "interface_shear",
-)  # fmt: skip
-
-
 # Quantities of the stress in one body.
 OF_STRESS = (
-    "largest_von_mises", "largest_von_mises_depth", "safety_factor", *NOT_SHOWN_BY_PRESSURE[-3:],
+    "largest_von_mises", "largest_von_mises_depth", "safety_factor", "coating_von_mises", "substrate_von_mises",
+    "interface_shear",
 )  # fmt: skip
 
 
@@ -49,7 +43,7 @@ class Contact(Answer, Solution):
     Parameters
     ----------
     requested
-        Requested relative error.
+        Requested relative error of every number, or errors by name.
     estimate
         Estimate of its errors, where it is known already; None computes it on first access.
     rolling
@@ -60,7 +54,7 @@ class Contact(Answer, Solution):
         Fields that a frame keeps from one instant to the next, such as the wear depth, by name.
     """
 
-    requested: float | None = None
+    requested: Request | None = None
     estimate: ErrorEstimate | None = None
     rolling: "SteadyRolling | None" = None
     time: float | None = None
@@ -219,28 +213,6 @@ class Contact(Answer, Solution):
         if self.error.pull_off is not None:
             return "in the pull-off load", self.error.pull_off
         return super().judged_error
-
-    @property
-    def accuracy(self) -> str:
-        """Sentence on the accuracy of the pressure, and on the least accurate quantity that it does not show."""
-        pressed = super().accuracy
-        if self.requested is None or (self.traction is None and not self.problem.outputs):
-            return pressed
-        numbers = [
-            self.quantities[name] for name in NOT_SHOWN_BY_PRESSURE if name in self.quantities
-        ]
-        if not numbers:
-            return pressed
-        least = max(numbers, key=lambda number: number.relative_bound if number.value else 0.0)
-        relative_bound = least.relative_bound
-        if relative_bound <= self.requested or not least.value:
-            return pressed
-        text = (
-            f"is known to {100 * relative_bound:.2g} %"
-            if isfinite(relative_bound)
-            else "has no bound"
-        )
-        return f"{pressed}; the {least.label} {text}"
 
     @property
     def counts(self) -> Counts:

@@ -12,7 +12,7 @@ import numpy as np
 from contactstudy.accuracy.range_errors import NO_LIMIT
 from contactstudy.answers.answer import Answer, Counts
 from contactstudy.answers.contact import Contact, contact_answer
-from contactstudy.domain.errors import ErrorEstimate, ErrorParts
+from contactstudy.domain.errors import ErrorEstimate, ErrorParts, Request
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.domain.imports import needed_for
@@ -66,7 +66,7 @@ class Evolution(Answer):
     posed
         The scene with grid and padding.
     requested
-        Requested relative error, of cells and steps together.
+        Requested relative error of every number, or errors by name, of cells and steps together.
     trajectory
         Recorded frames of a dry contact; None for others.
     films
@@ -80,7 +80,7 @@ class Evolution(Answer):
     frames: "tuple[Contact | LubricatedContact, ...]"
     times: Array
     posed: PosedScene
-    requested: float | None = None
+    requested: Request | None = None
     trajectory: "Trajectory | None" = None
     films: "FilmTrajectory | None" = None
     passes: "RepeatedRolling | None" = None
@@ -249,7 +249,7 @@ class Evolution(Answer):
         return pictures.evolution_picture(dataset)
 
 
-def evolution_answer(trajectory: "Trajectory", requested: float | None = None) -> Evolution:
+def evolution_answer(trajectory: "Trajectory", requested: Request | None = None) -> Evolution:
     """Return the frames of a dry contact as an answer, up to that in which a coating is worn through."""
     posed, fields = trajectory.description, [frame.fields for frame in trajectory.frames]
     depths = [of["wear_depth"].values if "wear_depth" in of else np.zeros(1) for of in fields]
@@ -378,7 +378,7 @@ def _with_steps(contact: Contact, by_steps: Mapping[str, float]) -> Contact:
     return replace(contact, estimate=replace(estimate, **with_steps))
 
 
-def passes_answer(rolled: "RepeatedRolling", requested: float | None = None) -> Evolution:
+def passes_answer(rolled: "RepeatedRolling", requested: Request | None = None) -> Evolution:
     """Return the passes of a contact under repeated rolling as an answer."""
     unknown = ErrorParts(discretisation=inf, reason=NO_BOUND_OF_PASSES)
     slides = standing_heights(rolled.description.scene.shapes)
@@ -392,7 +392,7 @@ def passes_answer(rolled: "RepeatedRolling", requested: float | None = None) -> 
     return Evolution(frames, numbers, rolled.description, requested, passes=rolled)
 
 
-def films_answer(films: "FilmTrajectory", requested: float | None = None) -> Evolution:
+def films_answer(films: "FilmTrajectory", requested: Request | None = None) -> Evolution:
     """Return the instants of a film as an answer."""
     from contactstudy.answers.lubricated_contact import film_answer
 

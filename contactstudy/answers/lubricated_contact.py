@@ -6,7 +6,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
 from contactstudy.answers.answer import Answer, Counts
-from contactstudy.domain.errors import ErrorEstimate, ErrorParts
+from contactstudy.domain.errors import ErrorEstimate, ErrorParts, Request
 from contactstudy.domain.imports import needed_for
 from contactstudy.io.quantities.film_quantities import film_quantities
 from contactstudy.io.quantities.quantity import Quantities
@@ -32,13 +32,12 @@ class LubricatedContact(Answer, FilmSolution):
     Parameters
     ----------
     requested
-        Requested relative error of the film thickness, and of friction, temperatures and load fraction where the scene
-        has them.
+        Requested relative error of every number, or errors by name.
     time
         Time [s] of a frame of an evolution; None for others.
     """
 
-    requested: float | None = None
+    requested: Request | None = None
     time: float | None = None
 
     @cached_property

@@ -1,7 +1,7 @@
 """Checks of user input; the message of each error is one sentence."""
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import fields
 from difflib import get_close_matches
 from functools import wraps
@@ -62,6 +62,18 @@ def checked_relative_error(field: str, value: object) -> float:
     if positive(field, number, remedy) >= 1:
         raise InvalidInput(f"{field} is {value!r}: {remedy}.")
     return float(number)  # type: ignore[arg-type]
+
+
+def checked_errors(field: str, value: object) -> float | dict[str, float]:
+    """Return a relative error, or those of the numbers that are named, as a table or a text ``"name = 2 %, ..."``."""
+    if isinstance(value, str) and "=" in value:
+        parts = (part.partition("=") for part in value.split(","))
+        value = {name.strip(): error for name, _, error in parts}
+    if not isinstance(value, Mapping):
+        return checked_relative_error(field, value)
+    if not value:
+        raise InvalidInput(f"{field} is empty: give an error, or some by the names of numbers.")
+    return {name: checked_relative_error(f"{field}[{name!r}]", one) for name, one in value.items()}
 
 
 def finite(field: str, value: object, remedy: str) -> float:

@@ -1,7 +1,21 @@
 """Estimated errors by quantity and by cause, the one measure of accuracy of every answer."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, replace
+
+# A requested relative error: of every number, or of those that are named.
+Request = float | Mapping[str, float]
+# Name of the pressure in L1 in a request.
+PRESSURE = "pressure"
+# Relative error that is requested where neither an error nor a grid is given.
+DEFAULT_ERROR = 1e-2
+
+
+def pressure_request(request: Request) -> float:
+    """Return the relative L1 error of the pressure to begin with, from which the named numbers refine the cells."""
+    if not isinstance(request, Mapping):
+        return request
+    return request.get(PRESSURE, max(DEFAULT_ERROR, min(request.values())))
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contactstudy.domain.checks import InvalidInput, checked_relative_error, positive
+from contactstudy.domain.checks import InvalidInput, checked_errors, positive
 from contactstudy.domain.device import ONE_THREAD, Device, available_bytes, checked
+from contactstudy.domain.errors import DEFAULT_ERROR, Request, pressure_request
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
 from contactstudy.domain.units import readable
 from contactstudy.planning.cost import CONSTANTS as TIMING
@@ -48,8 +49,6 @@ if TYPE_CHECKING:
     from contactstudy.evolution.time_steps import TimeSteps
     from contactstudy.planning.transient_requirements import TransientRequirements
 
-# Relative error that is planned where none is requested: of the pressure in L1, of a lubricated scene that of the film.
-DEFAULT_ERROR = 1e-2
 # Factor on a width that is too small for the contact.
 WIDENING = 1.5
 # Fraction of the machine's free memory that a plan may take.
@@ -59,7 +58,7 @@ MEMORY_FRACTION = 0.8
 def plan(
     scene: Scene,
     *,
-    error: float | str | None = None,
+    error: Request | str | None = None,
     period: float | None = None,
     grid: Grid | None = None,
     padding: Padding | Paddings | None = None,
@@ -77,8 +76,9 @@ def plan(
         The scene, which may change in time or roll.
     error
         Relative L1 error of the pressure, above 0 and below 1, or a text such as ``"1 %"``; of a film, that of its
-        thickness, friction, temperatures and the fraction of the load that asperities carry. If it is None, a measured
-        surface of a static dry contact without adhesion is solved at its own points, and any other scene to 1 %.
+        thickness, friction, temperatures and the fraction of the load that asperities carry. Errors by the names of
+        numbers plan the first of the grids that :func:`~contactstudy.solve` takes. If it is None, a measured surface
+        of a static dry contact without adhesion is solved at its own points, and any other scene to 1 %.
     period
         Length of the grid [m]; chosen if None.
     grid
@@ -112,7 +112,7 @@ def plan(
         scene,
         planned.grid,
         planned.padding,
-        None if requested is None else checked_relative_error("plan.error", requested),
+        None if requested is None else pressure_request(checked_errors("plan.error", requested)),
         _time_steps(times),
         refines=grid is None,
     )
@@ -127,7 +127,7 @@ def plan(
 def plan_grid(
     scene: Scene,
     *,
-    error: float | str | None = None,
+    error: Request | str | None = None,
     period: float | None = None,
     grid: Grid | None = None,
     padding: Padding | Paddings | None = None,
@@ -140,7 +140,7 @@ def plan_grid(
     """
     checked(device, "plan.device")
     if error is not None:
-        error = checked_relative_error("plan.error", error)
+        error = pressure_request(checked_errors("plan.error", error))
     if grid is not None and period is not None and not isclose(period, grid.length):
         raise InvalidInput(f"plan.period is {period!r}: leave it out, since the grid has its own.")
     if times is not None and not scene.takes_times:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import sys
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from math import inf, isinf
 from pathlib import Path
 from time import perf_counter
@@ -15,6 +15,8 @@ import click
 
 import contactstudy as cs
 from contactstudy.answers.answer import surface_notes
+from contactstudy.domain.checks import checked_errors
+from contactstudy.domain.errors import Request
 from contactstudy.domain.units import readable
 from studies.cli.options import FORMAT, JSON, SCENE, out_option, with_png
 from studies.model.plain_text import thread_count, two_digits
@@ -34,21 +36,33 @@ DEVICE = click.option(
     show_default=True,
     help="What to solve on: this machine's CPU, or its GPU (extra gpu).",
 )
+REQUEST = click.option(
+    "--error",
+    callback=lambda _context, _option, value: value and checked_errors("--error", value),
+    help="Relative error of every number, such as '2 %', or of some: 'peak_pressure = 2 %, von_mises = 5 %'.",
+)
 # A plan that takes longer or more memory than this is announced before it runs.
 LONG, LARGE = 60.0, 4e9
 
 
 @click.command()
 @SCENE
+@REQUEST
 @THREADS
 @DEVICE
 @JSON
-def plan(scene: Path, threads: int | None, device: str, as_json: bool) -> None:  # noqa: FBT001 (click's own way)
+def plan(
+    scene: Path,
+    error: Request | None,
+    threads: int | None,
+    device: str,
+    as_json: bool,  # noqa: FBT001 (click's own way)
+) -> None:
     """Print the grid and padding that SCENE needs, and the cost.
 
     SCENE is a TOML file.
     """
-    described = cs.read_scene(scene)
+    described = _with_error(cs.read_scene(scene), error)
     planned = described.plan(device=_device(device, threads))
     if as_json:
         texts = {"padding": repr(planned.padding), "device": repr(planned.device)}
@@ -67,10 +81,10 @@ def plan(scene: Path, threads: int | None, device: str, as_json: bool) -> None: 
     chosen = planned.device
     processor = thread_count(chosen.threads) if isinstance(chosen, cs.Cpu) else repr(chosen)
     is_unknown = isinf(planned.error)
-    error = "the error is known after the solve" if is_unknown else f"error {planned.error:.1g}"
+    expected = "the error is known after the solve" if is_unknown else f"error {planned.error:.1g}"
     seconds = "a time not known" if isinf(planned.seconds) else f"{two_digits(planned.seconds)} s"
     click.echo(
-        f"  estimated: {error}, {seconds} on {processor} without files and pictures, {planned.bytes / 1e6:.3g} MB"
+        f"  estimated: {expected}, {seconds} on {processor} without files and pictures, {planned.bytes / 1e6:.3g} MB"
     )
     for warning in planned.warnings:
         click.echo(f"  warning: {warning}")
@@ -90,6 +104,7 @@ def plan(scene: Path, threads: int | None, device: str, as_json: bool) -> None: 
 @out_option("Folder for the netCDF file and the picture.")
 @THREADS
 @DEVICE
+@REQUEST
 @click.option(
     "--start",
     type=click.Path(path_type=Path),
@@ -102,6 +117,7 @@ def solve(
     out: Path,
     threads: int | None,
     device: str,
+    error: Request | None,
     start: Path | None,
     formats: tuple[str, ...],
     as_json: bool,  # noqa: FBT001 (click's own way)
@@ -114,7 +130,7 @@ def solve(
     from studies.store.netcdf import check_kind, open_folder
 
     chosen = _device(device, threads)
-    described = cs.read_scene(scene)
+    described = _with_error(cs.read_scene(scene), error)
     check_kind(out / f"{scene.stem}.nc", "solution")
     if isinstance(chosen, cs.Cpu):  # the solve reports whether another device can solve the scene
         _announce(scene, described, chosen)
@@ -132,6 +148,13 @@ def solve(
             click.echo(f"  {line}")
     if answer.status.name != "CONVERGED":
         sys.exit(1)
+
+
+def _with_error(described: cs.SceneFile, error: Request | None) -> cs.SceneFile:
+    """Return a scene file with the error of the command line, if one is given, in place of its own."""
+    if error is None:
+        return described
+    return replace(described, plan_settings=replace(described.plan_settings, error=error))
 
 
 def _announce(scene: Path, described: cs.SceneFile, device: cs.Cpu | cs.Gpu) -> None:

@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 import contactstudy as cs
+from contactstudy.domain.errors import Request
 from contactstudy.evolution.trajectory import Trajectory
 from contactstudy.io.dataset import contact_fields, flags
 
@@ -102,11 +103,12 @@ class SceneCase(PosedCase):
     time_steps
         Instants and steps of a scene that changes in time; None for others.
     error
-        Requested relative error, of which steps in time take a part; None without a request.
+        Requested relative error of every number, or errors by name, of which steps in time take a part; None without a
+        request.
     """
 
     time_steps: cs.TimeSteps | None = None
-    error: float | None = None
+    error: Request | None = field(default=None, hash=False)
 
     def prepare(self) -> None:
         """Do nothing: a scene sets up its problems while it is solved."""

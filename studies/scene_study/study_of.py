@@ -10,6 +10,7 @@ from contactstudy import InvalidInput, MeasuredSurface, Roughness, Scene
 from contactstudy.answers.answer import surface_notes
 from contactstudy.domain.checks import whole_quotient
 from contactstudy.domain.device import available_bytes
+from contactstudy.domain.errors import DEFAULT_ERROR
 from contactstudy.domain.units import readable
 from contactstudy.io.scene_files.scene_writer import scene_text
 from contactstudy.planning.cost import memory
@@ -20,7 +21,7 @@ from contactstudy.planning.grid_requirements import (
     halvable_count,
     with_random_extents,
 )
-from contactstudy.planning.plan import DEFAULT_ERROR, MEMORY_FRACTION
+from contactstudy.planning.plan import MEMORY_FRACTION
 from contactstudy.scene.shapes.shape import length_scales_of
 from contactstudy.scene_file import SceneFile, tables_of
 from studies.advice.reference_error import ReferencedCase

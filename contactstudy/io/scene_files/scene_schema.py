@@ -210,9 +210,9 @@ class MovingShapeTable:
 
 @dataclass(frozen=True)
 class PlanSettings:
-    """Error to plan or solve for, and the period of a grid that is chosen."""
+    """Error to plan or solve for, or some by the names of numbers, and the period of a grid that is chosen."""
 
-    error: Number | None = None
+    error: Number | Mapping[str, Number] | None = None
     period: Metres | None = None
 
 

@@ -178,6 +178,8 @@ class _Structure:
                 plain.append(option)
         if not kinds or (plain and not isinstance(value, Mapping)):
             option = str if isinstance(value, str) and str in plain else plain[0]
+            if isinstance(value, Mapping):
+                option = next((kind for kind in plain if get_origin(kind) is Mapping), option)
             return self.converter.structure(value, option)
         if isinstance(value, str):
             value = {"kind": value}

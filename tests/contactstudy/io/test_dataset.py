@@ -92,7 +92,7 @@ def test_an_answer_is_shown_in_ten_lines_with_its_accuracy_first_and_a_picture(
     contact = cs.solve(line_contact.scene, grid, cs.ExactPeriodicity(), error="2 %")
     lines = repr(contact).splitlines()
     assert len(lines) <= 10
-    assert lines[0] == f"Contact: 2 % met: {100 * contact.error.l1.total:.2g} % in L1"
+    assert lines[0] == f"Contact: {contact.accuracy}"
     assert lines[1] == "  CONVERGED, 32 x 16 cells"
     assert "peak pressure" in lines[2]
     shown = contact._repr_html_()

@@ -343,3 +343,22 @@ def test_a_measured_flat_repeats_across_by_the_rule_of_its_length(tmp_path: Path
         assert found.scene.shapes[0].seam_across == expected
         cs.write_scene(found, tmp_path / "again.toml")
         assert cs.read_scene(tmp_path / "again.toml").scene == found.scene
+
+
+def test_a_file_requests_the_errors_of_some_numbers(tmp_path: Path) -> None:
+    path = tmp_path / "scene.toml"
+    path.write_text(
+        "load.per_length = 1e5\nsolids = [{youngs_modulus = 2e11, poisson_ratio = 0.3}, "
+        "{youngs_modulus = 2e11, poisson_ratio = 0.3}]\nshapes = [{kind = 'Cylinder', radius = 0.01}]\n"
+        "plan.error = {peak_pressure = '2 %', half_width = 0.05}\n"
+    )
+    described = cs.read_scene(path)
+    assert described.plan_settings.error == {"peak_pressure": 0.02, "half_width": 0.05}
+    cs.write_scene(described, tmp_path / "again.toml")
+    assert cs.read_scene(tmp_path / "again.toml") == described
+    answer = described.solve()
+    assert answer.met
+    assert list(answer.judged) == ["peak_pressure", "half_width"]
+    path.write_text(path.read_text().replace("'2 %'", "'much'"))
+    with pytest.raises(cs.InvalidInput, match=r"plan.error.*'much'"):
+        cs.read_scene(path)

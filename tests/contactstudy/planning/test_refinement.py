@@ -96,18 +96,6 @@ def test_a_line_contact_that_slips_in_part_is_solved_on_cells_that_show_where(
     assert answer.met
 
 
-def test_an_accuracy_says_which_number_of_the_shear_misses_it(line_contact: LineContact) -> None:
-    load = line_contact.scene.load
-    assert isinstance(load, cs.LineLoad)
-    scene = replace(line_contact.scene, friction=cs.PartialSlip(0.3, 0.1 * load.per_length))
-    for cells, is_said in ((40, True), (2000, False)):
-        answer = cs.solve(
-            scene, line_contact.grid((cells, 1), 1.0), cs.ExactPeriodicity(), error=1e-2
-        )
-        assert answer.met
-        assert ("sticks is known to" in answer.accuracy) is is_said
-
-
 def test_a_random_surface_stays_where_the_grid_is_as_narrow_as_the_contact() -> None:
     rough = cs.Roughness(rms=1e-7, hurst=0.8, roll_off=1e-4, cut_off=5e-5, seed=1)
     scene = cs.Scene(cs.LineLoad(1e4), (STEEL, STEEL), (cs.Cylinder(0.01), rough))

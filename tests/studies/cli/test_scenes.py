@@ -112,3 +112,15 @@ def test_numbers_come_first_and_json_has_the_same(tmp_path: Path) -> None:
     assert found["quantities"]["peak_pressure"]["value"] == float(dataset["pressure"].max())
     assert found["quantities"]["approach"]["value"] == float(dataset["approach"])
     assert all(Path(file).is_file() for file in found["files"])
+
+
+def test_errors_of_some_numbers_are_requested_on_the_command_line(tmp_path: Path) -> None:
+    scene, out = EXAMPLES / "smooth.toml", ("--out", tmp_path)
+    request = "peak_pressure = 2 %, half_width = 0.05"
+    shown = said("solve", scene, "--error", request, *out)
+    assert "request met" in shown
+    assert "in the half-width of 5 %" in shown
+    assert "12 % met by every number" in said("solve", scene, "--error", "12 %", *out)
+    assert "give a relative error" in said(
+        "solve", scene, "--error", "half_width = big", *out, code=1
+    )

@@ -1,0 +1,127 @@
+"""Whether the bounds of an answer keep a requested error, and which of its numbers keep it least."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from math import ceil, inf, isfinite
+from re import sub
+
+from contactstudy.domain.checks import InvalidInput
+from contactstudy.domain.errors import PRESSURE, Request
+from contactstudy.domain.grid import Grid
+from contactstudy.io.quantities.quantity import RELATIVE_TO_ZERO, Quantities, Quantity
+
+# Numbers that are known to the distance of depths, whatever the cells.
+OF_DEPTHS = ("largest_von_mises_depth",)
+# Components, whose errors are relative to those of the whole.
+WHOLE = {"lateral_traction_coefficient": "traction_coefficient"}
+
+
+@dataclass(frozen=True)
+class Judged:
+    """One number of an answer, as a request sees it.
+
+    Attributes
+    ----------
+    label
+        Name for display.
+    bound
+        Bound of its relative error; of a fraction, of its error. Infinite where it has none.
+    requested
+        Error not to exceed; infinite without a request.
+    reason
+        Why it has no bound; empty where it has one.
+    by_cells
+        Whether finer cells lessen the bound.
+    """
+
+    label: str
+    bound: float
+    requested: float
+    reason: str = ""
+    by_cells: bool = True
+
+    @property
+    def ratio(self) -> float:
+        """Bound over the requested error, or the bound itself without a request."""
+        return self.bound / self.requested if isfinite(self.requested) else self.bound
+
+    @property
+    def finer(self) -> float:
+        """Factor on the cells along an axis with which a bound of first order meets the request."""
+        return self.ratio if self.by_cells else inf
+
+    def __str__(self) -> str:
+        """Return the bound and the name, such as ``0.7 % in the half-width``."""
+        bound = f"{100 * self.bound:.2g} %" if isfinite(self.bound) else "no bound"
+        return f"{bound} in the {self.label}"
+
+
+def judged_numbers(quantities: Quantities, request: Request | None) -> dict[str, Judged]:
+    """Return the numbers that a request speaks of, by name; of all that have an error if none are named.
+
+    A name of the request stands for the number of that name and for all that end with it, so that ``von_mises`` is the
+    largest stress of the body, of its coating and of its substrate.
+
+    Raises
+    ------
+    InvalidInput
+        For a name that no number has.
+    """
+    uncertain = {name: quantity for name, quantity in quantities.items() if _is_uncertain(quantity)}
+    if not isinstance(request, Mapping):
+        requested = inf if request is None else request
+        return {name: _judged(name, quantities, requested) for name in uncertain}
+    found: dict[str, Judged] = {}
+    for key, requested in request.items():
+        if key == PRESSURE:
+            continue
+        names = [name for name in quantities if _is_named(name, key)]
+        if not names:
+            known = ", ".join((PRESSURE, *uncertain))
+            raise InvalidInput(
+                f"error names {key!r}, which this answer does not have: give some of {known}."
+            )
+        # the closest name is the one that is meant
+        if key in names:
+            names = [key]
+        found |= {name: _judged(name, quantities, requested) for name in names if name in uncertain}
+    return found
+
+
+def _is_named(name: str, key: str) -> bool:
+    """Return whether `key` names a number, which may end with the index of its body."""
+    return sub(r"_\d$", "", name).endswith(f"_{key}") or name == key
+
+
+def _is_uncertain(quantity: Quantity) -> bool:
+    """Return whether a number has a relative error: it is neither exact, nor a formula, nor zero."""
+    is_zero = quantity.reason == RELATIVE_TO_ZERO or (
+        isfinite(quantity.bound) and not quantity.value
+    )
+    return not (quantity.is_formula or not quantity.bound or is_zero)
+
+
+def _judged(name: str, quantities: Quantities, requested: float) -> Judged:
+    quantity = quantities[name]
+    whole = quantities.get(WHOLE.get(name, name), quantity)
+    scale = 1.0 if name.endswith("_fraction") else max(abs(quantity.value), abs(whole.value))
+    bound = quantity.bound / scale if scale else inf
+    label, reason = quantity.label.split(" (")[0], quantity.reason
+    return Judged(label, bound, requested, reason, name not in OF_DEPTHS)
+
+
+def without_bound(numbers: Iterable[Judged]) -> str:
+    """Return which numbers have no bound, with the reason of the first; empty if all have one."""
+    unknown = [number for number in numbers if not isfinite(number.bound)]
+    if not unknown:
+        return ""
+    first, others = unknown[0], len(unknown) - 1
+    beside = f" and {others} other{'s' * (others > 1)}" * bool(others)
+    why = sub(r"^No bound[^:]*: ", "", first.reason).rstrip(".")
+    return f"no bound for the {first.label}{beside}: {why}"
+
+
+def finer_grid(grid: Grid, factor: float) -> Grid:
+    """Return a grid of the same extent with `factor` times the cells along each axis that has several."""
+    across, along = (count if count == 1 else ceil(count * factor) for count in grid.cells)
+    return Grid((across, along), grid.extent)

@@ -1,0 +1,89 @@
+"""A requested error is kept by every number, and the headline says by which it is not."""
+
+from dataclasses import replace
+from math import inf, isfinite
+
+import pytest
+
+import contactstudy as cs
+from contactstudy.answers.judgement import judged_numbers
+from tests.conftest import LineContact
+
+EXACT = cs.ExactPeriodicity()
+
+
+def test_a_requested_error_is_kept_by_every_number(line_contact: LineContact) -> None:
+    hertz, answer = line_contact.hertz, cs.solve(line_contact.scene, error="1 %")
+    assert answer.met
+    assert "met by every number" in answer.accuracy
+    assert max(number.relative_bound for number in answer.quantities.values()) <= 1e-2
+    for name, true in (("half_width", hertz.half_width), ("peak_pressure", hertz.peak_pressure)):
+        assert answer.quantities[name].value == pytest.approx(true, rel=1e-2)
+
+
+def test_the_headline_names_the_worst_number_and_the_cells_that_would_keep_the_error(
+    line_contact: LineContact,
+) -> None:
+    answer = cs.solve(line_contact.scene, line_contact.grid((40, 1), 1.0), EXACT, error="1 %")
+    worst = max(answer.quantities.values(), key=lambda number: number.relative_bound)
+    assert answer.error.l1.total <= 1e-2
+    assert not answer.met
+    assert (
+        f"{100 * worst.relative_bound:.2g} % in the {worst.label.split(' (')[0]}" in answer.accuracy
+    )
+    cells = int(answer.accuracy.split("about ")[1].split(" x 1")[0])
+    finer = cs.solve(line_contact.scene, line_contact.grid((cells, 1), 1.0), EXACT, error="1 %")
+    assert finer.met
+
+
+def test_errors_of_named_numbers_refine_no_further_than_these_need(
+    line_contact: LineContact,
+) -> None:
+    scene = replace(line_contact.scene, outputs=(cs.SubsurfaceStress(),))
+    some = cs.solve(scene, error={"peak_pressure": "2 %", "von_mises": "5 %"})
+    every = cs.solve(scene, error="2 %")
+    assert some.met
+    assert some.quantities["peak_pressure"].relative_bound <= 2e-2
+    assert some.quantities["largest_von_mises"].relative_bound <= 5e-2
+    assert some.grid.cells[0] < every.grid.cells[0]
+    assert list(some.judged) == ["peak_pressure", "largest_von_mises"]
+
+
+def test_a_named_number_without_a_bound_is_not_met(line_contact: LineContact) -> None:
+    problem = line_contact.scene.problem(line_contact.grid((32, 1), 1.0), EXACT)
+    answer = cs.solve(replace(problem, source=None), error={"peak_pressure": 0.5})
+    assert answer.quantities["peak_pressure"].bound == inf
+    assert answer.met is False
+    assert "no bound in the peak pressure" in answer.accuracy
+
+
+@pytest.mark.parametrize(
+    ("error", "sentence"),
+    [
+        (
+            {"peak": "2 %"},
+            "error names 'peak', which this answer does not have: give some of pressure, peak_p",
+        ),
+        ({"peak_pressure": 2}, r"solve.error\['peak_pressure'\] is 2: give a relative error"),
+        ({}, "solve.error is empty"),
+    ],
+)
+def test_a_request_that_cannot_be_judged_is_refused(
+    error: object, sentence: str, line_contact: LineContact
+) -> None:
+    with pytest.raises(cs.InvalidInput, match=sentence):
+        repr(cs.solve(line_contact.scene, error=error))  # type: ignore[call-overload]
+
+
+def test_components_count_over_the_whole_and_fractions_over_one() -> None:
+    numbers = {
+        "traction_coefficient": cs.Quantity(0.2, "1", "tangential force over load", 1e-3, ""),
+        "lateral_traction_coefficient": cs.Quantity(1e-6, "1", "lateral force", 1e-3, ""),
+        "stick_fraction": cs.Quantity(1e-3, "1", "fraction that sticks", 2e-3, ""),
+        "pressure_shift": cs.Quantity(0.0, "m", "centroid", 1e-9, ""),
+    }
+    judged = judged_numbers(numbers, 1e-2)
+    assert judged["lateral_traction_coefficient"].ratio == pytest.approx(0.5)
+    assert judged["stick_fraction"].ratio == pytest.approx(0.2)
+    assert "pressure_shift" not in judged  # zero, of which no error is a part
+    assert all(isfinite(number.ratio) for number in judged.values())

@@ -67,7 +67,14 @@ from .scene.lubrication.lubrication import (
 from .scene.rolling import Rolling, RollingPressure
 from .scene.scene import Output, Scene
 from .scene.shapes.moving_shape import MovingShape
-from .scene.shapes.roller import Crown, Cylinder, FiniteLength, LundbergProfile, Sphere
+from .scene.shapes.roller import (
+    Crown,
+    Cylinder,
+    Ellipsoid,
+    FiniteLength,
+    LundbergProfile,
+    Sphere,
+)
 from .scene.shapes.roughness import RmsSlope, Roughness, Sa
 from .scene.shapes.shape import LengthScales, Shape
 from .scene.shapes.texture import Cosine, Dimple, FlatBottomed, Groove, Parabolic, Texture, Waviness
@@ -129,6 +136,7 @@ __all__ = [
     "DowsonHigginson",
     "DuplicatedPadding",
     "ElasticPlasticHalfSpace",
+    "Ellipsoid",
     "ElrodAdams",
     "ErrorEstimate",
     "ErrorEstimator",

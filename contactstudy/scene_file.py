@@ -31,6 +31,7 @@ from contactstudy.scene.loads.constant_load import ConstantLoad, TotalLoad
 from contactstudy.scene.loads.load_history import ChangingLoad
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.shapes.moving_shape import MovingShape
+from contactstudy.scene.shapes.roller import Ellipsoid, Sphere
 from contactstudy.scene.shapes.shape import LengthScales, Shape
 from contactstudy.solvers.solve import SolveOptions
 from contactstudy.solving import solve
@@ -260,7 +261,9 @@ def _with_length(document: SceneDocument, shapes: Iterable[Shape]) -> ConstantLo
     """Return the load; a total load on shapes without a length is spread over the length of the grid, if known."""
     load = document.load
     has_length = any(
-        0 < getattr(shape, "length_scales", LengthScales()).roller < inf for shape in shapes
+        0 < getattr(shape, "length_scales", LengthScales()).roller < inf
+        or isinstance(shape, Sphere | Ellipsoid)  # a point contact needs none
+        for shape in shapes
     )
     period = document.grid.length if document.grid else document.plan.period
     if isinstance(load, TotalLoad) and load.length is None and not has_length and period:

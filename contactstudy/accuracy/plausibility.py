@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from contactstudy.analytic import first_yield
+from contactstudy.analytic import first_yield, first_yield_of_ball
 from contactstudy.domain.fields import BLOCK_CELLS, Array
 from contactstudy.problem.problem import Field
 from contactstudy.scene.scene import Scene, scene_of
@@ -85,14 +85,20 @@ def beyond_strength(solution: Solution) -> str:
         first = first_yield(
             radius, scene.contact_modulus, body.yield_stress, body.poisson_ratio, shear / peak
         )
-        if peak > first.peak_pressure:
-            pressure = first.peak_pressure
+        pressure, kind = first.peak_pressure, "line"
+        if scene.ellipse is not None:
+            kind, by_point = "point", first_yield_of_ball(body.yield_stress, body.poisson_ratio)
+            pressure = min(pressure, by_point)
+        if peak > pressure:
             load = _load_of_peak(pressure, radius, scene.solids)
-            at = f" at {load / 1e3:.3g} N/mm" if scene.hertz else ""
+            if scene.ellipse is not None:
+                load = 1e3 * scene.ellipse.load * (pressure / scene.ellipse.peak_pressure) ** 3
+            unit = "N/mm" if kind == "line" else "N"
+            at = f" at {load / 1e3:.3g} {unit}" if scene.hertz else ""
             return (
                 f"The peak pressure of {peak / 1e9:.3g} GPa is {peak / pressure:.2g} times that at which "
-                f"Scene.solids[{number}] first yields in a smooth line contact{at}: give an ElasticPlasticHalfSpace, or "
-                "the yield_stress of your material."
+                f"Scene.solids[{number}] first yields in a smooth {kind} contact{at}: give an ElasticPlasticHalfSpace, "
+                "or the yield_stress of your material."
             )
     return ""
 

@@ -132,6 +132,15 @@ def in_range_or_infinite(field: str, value: object, remedy: str) -> float:
     return math.inf if value == math.inf else in_range(field, value, remedy)
 
 
+def curved(field: str, value: object, remedy: str) -> float:
+    """Return `value` as a radius of either sign within the limits, or infinite, or raise :class:`InvalidInput`."""
+    if value == math.inf:
+        return math.inf
+    if (radius := in_range_or_zero(field, value, remedy)) == 0:
+        raise InvalidInput(f"{field} is {value!r}: {remedy}.")
+    return radius
+
+
 def non_negative(field: str, value: object, remedy: str) -> float:
     """Return `value` as a finite float not below zero, or raise :class:`InvalidInput` with `field` and `remedy`."""
     number = finite(field, value, remedy)

@@ -1,13 +1,13 @@
 """A scene names the effects of a contact and makes a problem of them on a grid."""
 
 from dataclasses import dataclass, replace
-from math import inf, log2
+from math import inf, log2, sqrt
 from operator import is_
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 import numpy as np
 
-from contactstudy.analytic import HertzLine
+from contactstudy.analytic import HertzEllipse, HertzLine
 from contactstudy.domain.checks import (
     InvalidInput,
     finite,
@@ -41,6 +41,7 @@ from contactstudy.scene.solids.bodies import (
     contact_modulus,
     creeps,
     hertz_line,
+    modulus_at_own_width,
     response,
     yields,
 )
@@ -77,6 +78,10 @@ class Output(Protocol):
 
 # Least approach over the width of the grid, for the scales of a scene without another scale.
 MIN_APPROACH_RATIO = 1e-6
+# Sum of the curvatures over the largest of them below which a convex body has the radius of the hollow one.
+CONFORMING = 1e-9
+# Length of the grid of a point contact over that of its ellipse.
+LENGTH_OVER_ELLIPSE = 1.2
 
 
 @suggest_fields
@@ -176,6 +181,13 @@ class Scene:
                 )
             if hasattr(self.load, "check_compressive"):
                 self.load.check_compressive()
+        across, _ = self.curvatures
+        sharpest = max((abs(shape.curvature) for shape in self.shapes), default=0.0)
+        if across < 0 or 0 <= across < CONFORMING * sharpest:
+            raise InvalidInput(
+                f"Scene.shapes have curvatures that add up to {across:.4g} 1/m: the hollow body must have the larger "
+                "radius, give that of a hollow body below 0 m and a convex one that fits into it."
+            )
         if isinstance(self.load, TotalLoad):
             _ = self.roller_length  # which refuses a load without one
 
@@ -282,13 +294,47 @@ class Scene:
         """Length of the roller [m], None if it is endless.
 
         It is that of the shortest body with free faces, else that of its total load, or of the shortest that the
-        shapes end.
+        shapes end. Of a point contact it is the length of the grid that it needs.
         """
-        lengths = [d.roller for d in length_scales_of(self.shapes) if 0 < d.roller < inf]
-        if self.free_length < inf:
-            lengths = [self.free_length]
-        shortest = min(lengths, default=None)
+        shortest = self._shortest_roller
+        if (ellipse := self.ellipse) is not None:
+            # where the undeformed gap is larger than the heights beside the contact
+            heights = sum(scales.height for scales in length_scales_of(self.shapes))
+            reach = ellipse.semi_axes[1] ** 2 + 2 * heights / ellipse.curvature_along
+            return 2 * LENGTH_OVER_ELLIPSE * sqrt(reach)
         return self.load.length_on(shortest) if isinstance(self.load, TotalLoad) else shortest
+
+    @property
+    def _shortest_roller(self) -> float | None:
+        """Length [m] of the shortest body with free faces, else of the shortest that the shapes end; None if endless."""
+        if self.free_length < inf:
+            return self.free_length
+        lengths = [d.roller for d in length_scales_of(self.shapes) if 0 < d.roller < inf]
+        return min(lengths, default=None)
+
+    @property
+    def curvatures(self) -> tuple[float, float]:
+        """Sums of the curvatures of the shapes (across, along) [1/m]."""
+        each = [getattr(shape, "curvatures", (shape.curvature, 0.0)) for shape in self.shapes]
+        return sum(across for across, _ in each), sum(along for _, along in each)
+
+    @property
+    def ellipse(self) -> HertzEllipse | None:
+        """Smooth point contact: a total load on bodies that are curved both ways and have no length; None for others."""
+        load, (across, along) = self.load, self.curvatures
+        if not isinstance(load, TotalLoad) or load.length is not None or load.total <= 0:
+            return None
+        effects = self.lubrication, self.adhesion, self.rolling
+        if any(effect is not None for effect in effects) or self._shortest_roller is not None:
+            return None
+        if across <= 0 or along <= 0:
+            return None
+        total = load.total
+
+        def half_width(modulus: float) -> float:
+            return HertzEllipse(total, across, along, modulus).semi_axes[0]
+
+        return HertzEllipse(total, across, along, modulus_at_own_width(half_width, self.solids))
 
     @property
     def free_length(self) -> float:
@@ -333,8 +379,11 @@ class Scene:
     def hertz(self) -> HertzLine | None:
         """Smooth line contact of the reference load, these bodies and the equivalent radius; None without either.
 
-        Coated bodies enter with the modulus that they have at the half-width of this contact, which is an estimate.
+        Coated bodies enter with the modulus that they have at the half-width of this contact, which is an estimate. Of a
+        point contact it is the line contact with the same half-width and peak pressure.
         """
+        if (ellipse := self.ellipse) is not None:
+            return ellipse.line
         load, radius = self.reference_load, self.radius
         if radius is None or load <= 0:
             return None
@@ -482,8 +531,10 @@ class Scene:
 
     def under(self, load: float) -> "Scene":
         """Return the scene under a constant load [N/m], on the same length."""
-        if isinstance(self.load, TotalLoad) and self.roller_length:
-            return replace(self, load=replace(self.load, total=load * self.roller_length))
+        if isinstance(self.load, TotalLoad) and (length := self.roller_length):
+            # of a point contact the length would follow the load
+            given = self.load.length if self.ellipse is None else length
+            return replace(self, load=TotalLoad(load * length, given))
         return replace(self, load=LineLoad(load))
 
     def _control(self, grid: Grid, padding: Padding | Paddings) -> Control:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
-from math import inf, pi
+from math import inf, pi, prod
 
 import numpy as np
 import xarray as xr
@@ -162,12 +162,13 @@ def _of_contact(case: ReferencedCase, contact: cs.Contact) -> dict[str, xr.Varia
     area_error = contact.quantities["contact_area"].relative_bound
     area = float(np.count_nonzero(touching) * grid.cell_area)
     perimeter = contact_perimeter(touching, grid, contact.problem.paddings)
-    load = contact.quantities["load_per_length"].value
+    quantity = contact.quantities.get("load_per_length") or contact.quantities["total_load"]
+    load = quantity.value
     is_given = contact.problem.control.approach is not None
     # a roller carries it on its own length, whatever that of the grid
     length = contact.loaded_length
     measured = {
-        "load": labelled((), load, "N m-1", "load per length"),
+        "load": labelled((), load, quantity.unit, quantity.label),
         "contact_fraction": dimensionless(float(touching.mean()), "fraction of the grid in contact"),
         "contact_perimeter": labelled(
             (), perimeter, "m", "contact perimeter on the grid", description="edges of cells at which contact ends"
@@ -177,12 +178,17 @@ def _of_contact(case: ReferencedCase, contact: cs.Contact) -> dict[str, xr.Varia
         # that of a scene whose approach is given is under an estimated load
         hertz = replace(hertz, load_per_length=load) if is_given and load > 0 else hertz
         ratio = area / (2 * hertz.half_width * length)
+        if scene.ellipse is not None:
+            ratio = area / (pi * prod(scene.ellipse.semi_axes))
         measured["contact_area_over_hertz"] = dimensionless(ratio, "contact area over Hertz's")
     errors = dict.fromkeys(("contact_fraction", "contact_area_over_hertz"), area_error)
     if contact.pressure.any() or contact.adhesion is not None:
-        stiffness = normal_stiffness(contact) * grid.length / length
+        is_point = scene.ellipse is not None
+        stiffness = normal_stiffness(contact) * grid.length / (1.0 if is_point else length)
         what = {"description": "d load / d approach"}
-        measured["stiffness"] = labelled((), stiffness, "N m-2", "normal stiffness", **what)
+        measured["stiffness"] = labelled(
+            (), stiffness, "N m-1" if is_point else "N m-2", "normal stiffness", **what
+        )
         errors["stiffness"] = _stiffness_error(contact, stiffness)
     for name, error in errors.items():
         if (value := measured.get(name)) is not None:

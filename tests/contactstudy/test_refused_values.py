@@ -59,7 +59,7 @@ def solved(**named: Any) -> cs.Contact:
 
 
 VALUES: list[tuple[str, Callable[[Any], object], list[Any]]] = [
-    ("Cylinder.radius is *: give a radius above 0 m.", cs.Cylinder, [-0.01, 0.0, nan, inf, "10 mm", None, 10**400]),
+    ("Cylinder.radius is *: give a radius above 0 m, of a hollow", cs.Cylinder, [0.0, nan, -inf, "10 mm", None]),
     ("HalfSpace.youngs_modulus is ", lambda one: cs.HalfSpace(one, 0.3), [0.0, -1.0]),
     ("ViscoelasticHalfSpace.relaxation[0] is *: give pairs of a modulus", relaxing, [((1e9, 1.0, 2.0),)]),
     ("ViscoelasticHalfSpace.relaxation[1] is", relaxing, [((1e9, 1.0), (1e9,))]),

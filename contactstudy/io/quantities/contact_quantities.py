@@ -90,6 +90,13 @@ def contact_quantities(
         half_width = replace(half_width, bound=bound, reason="")
     else:
         half_width = with_bound(half_width, area_error, fallback_reasons)
+    is_point = scene is not None and scene.ellipse is not None
+    half_length = replace(
+        half_width,
+        value=_half_width(touching.T, grid.cell_size[1]),
+        label="half-length (outermost cells)",
+        bound=half_width.bound * grid.cell_size[1] / grid.cell_size[0],
+    )
     solved = ErrorParts(residual=solution.residual)
     paddings = solution.problem.paddings
     wraps = paddings is not None and paddings[0].wraps
@@ -123,6 +130,7 @@ def contact_quantities(
     quantities |= {
         "contact_area": with_bound(in_contact, area_error, fallback_reasons),
         "half_width": half_width,
+        **({"half_length": half_length} if is_point else {}),
         "mean_pressure": with_bound(mean, mean_error, fallback_reasons),
         "mean_gap": with_bound(mean_gap, estimate.mean_gap, fallback_reasons),
         "approach": _approach(solution, estimate),
@@ -133,9 +141,10 @@ def contact_quantities(
         depth = float(solution.dent.max())
         quantities["yielded_depth"] = Quantity(depth, "m", "largest plastic indentation")
     load, load_parts = float(solution.net_pressure.sum()) * grid.cell_area, estimate.load or solved
-    quantities["load_per_length"] = with_bound(
-        Quantity(load / (length or grid.length), "N m-1", "load per length"), load_parts
-    )
+    if not is_point:
+        quantities["load_per_length"] = with_bound(
+            Quantity(load / (length or grid.length), "N m-1", "load per length"), load_parts
+        )
     if length is not None:
         quantities["total_load"] = with_bound(Quantity(load, "N", "load"), load_parts)
     return quantities

@@ -46,7 +46,14 @@ from contactstudy.scene.lubrication.lubrication import ChangingSpeed, Lubricatio
 from contactstudy.scene.rolling import Rolling
 from contactstudy.scene.scene import Output, Scene
 from contactstudy.scene.shapes.moving_shape import MovingShape
-from contactstudy.scene.shapes.roller import Crown, Cylinder, FiniteLength, LundbergProfile, Sphere
+from contactstudy.scene.shapes.roller import (
+    Crown,
+    Cylinder,
+    Ellipsoid,
+    FiniteLength,
+    LundbergProfile,
+    Sphere,
+)
 from contactstudy.scene.shapes.roughness import Roughness
 from contactstudy.scene.shapes.shape import Shape
 from contactstudy.scene.shapes.texture import (
@@ -265,6 +272,7 @@ KINDS: Mapping[Any, Mapping[str, type]] = {
         Roughness,
         MeasuredSurface,
         Sphere,
+        Ellipsoid,
         MovingShape,
     ),
     Padding: _kinds(

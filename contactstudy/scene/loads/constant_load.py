@@ -59,6 +59,7 @@ class TotalLoad:
     length
         Length of the roller [m], over which the load is spread in Hertz's values. None takes that of the shortest
         roller among the shapes, such as a :class:`~contactstudy.LundbergProfile` or :class:`~contactstudy.FiniteLength`.
+        A point contact, of a :class:`~contactstudy.Sphere` or an :class:`~contactstudy.Ellipsoid`, needs none.
 
     Raises
     ------
@@ -80,8 +81,9 @@ class TotalLoad:
         length = self.length or shortest
         if length is None:
             raise InvalidInput(
-                "Scene.load is a TotalLoad, and no shape has the length of a roller: give TotalLoad.length [m], or a "
-                "FiniteLength among the shapes."
+                "Scene.load is a TotalLoad, and no shape has the length of a roller: give TotalLoad.length [m], a "
+                "FiniteLength among the shapes, or for a dry point contact shapes that are convex both ways, such as "
+                "Sphere or Ellipsoid."
             )
         if not isclose(length, shortest or length):
             raise InvalidInput(

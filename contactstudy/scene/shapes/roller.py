@@ -10,6 +10,7 @@ from contactstudy.analytic import HertzLine
 from contactstudy.domain.checks import (
     InvalidInput,
     check_fields,
+    curved,
     in_range,
     in_range_from_zero,
     in_range_or_infinite,
@@ -20,29 +21,32 @@ from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import Metres
 from contactstudy.scene.shapes.shape import LengthScales
 
+RADIUS_REMEDY = "give a radius above 0 m, of a hollow body below 0 m, of a flat inf"
+
 
 @suggest_fields
 @dataclass(frozen=True)
 class Cylinder:
     """Parabolic cylinder about the length axis, ``x^2 / (2 R)``, as in Hertz's theory.
 
-    Two cylinders in one scene are two curved bodies: curvatures add.
+    Two cylinders in one scene are two curved bodies: curvatures add. A roller in an outer raceway is one of its radius
+    and one of the raceway's radius below zero.
 
     Parameters
     ----------
     radius
-        Radius R [m], above zero.
+        Radius R [m]: above zero of a convex body, below zero of a hollow one, infinite of a flat.
 
     Raises
     ------
     InvalidInput
-        If the radius is not above zero.
+        If the radius is zero or no number.
     """
 
     radius: Metres
 
     def __post_init__(self) -> None:
-        check_fields(self, radius=(in_range, "give a radius above 0 m"))
+        check_fields(self, radius=(curved, RADIUS_REMEDY))
 
     @property
     def curvature(self) -> float:
@@ -64,18 +68,18 @@ class Cylinder:
 class Sphere:
     """Paraboloid about the origin, ``(x^2 + y^2) / (2 R)``, as in Hertz's theory of a sphere.
 
-    With :class:`~contactstudy.ZeroPadding` along the length it is a point contact under the load per length times the
-    grid's period.
+    Under a :class:`~contactstudy.TotalLoad` without a length it is a point contact. Under a load per length it is one
+    with :class:`~contactstudy.ZeroPadding` along the length, and carries that load times the grid's period.
 
     Parameters
     ----------
     radius
-        Radius R [m], above zero.
+        Radius R [m]: above zero of a ball, below zero of a hollow body.
 
     Raises
     ------
     InvalidInput
-        If the radius is not above zero.
+        If the radius is zero, infinite or no number.
     """
 
     #: Curvature [1/m]: a sphere adds none to the line contact.
@@ -84,7 +88,14 @@ class Sphere:
     radius: Metres
 
     def __post_init__(self) -> None:
-        check_fields(self, radius=(in_range, "give a radius above 0 m"))
+        check_fields(self, radius=(curved, RADIUS_REMEDY))
+        if self.radius == inf:
+            raise InvalidInput(f"Sphere.radius is inf: {RADIUS_REMEDY}, a flat is left out.")
+
+    @property
+    def curvatures(self) -> tuple[float, float]:
+        """Curvatures (across, along) [1/m]."""
+        return 1 / self.radius, 1 / self.radius
 
     @property
     def length_scales(self) -> LengthScales:
@@ -94,6 +105,53 @@ class Sphere:
     def gap(self, grid: Grid) -> Array:
         """Return ``(x^2 + y^2) / (2 R)`` [m], of shape (x, y)."""
         return np.asarray((grid.x[:, None] ** 2 + grid.y**2) / (2 * self.radius))
+
+
+@suggest_fields
+@dataclass(frozen=True)
+class Ellipsoid:
+    """Surface with two principal radii, ``x^2 / (2 Rx) + y^2 / (2 Ry)``: a barrel, a raceway's groove, a wheel, a rail.
+
+    Each body of a point contact may have its own: curvatures add. A ball of 5 mm in a groove of 5.2 mm about a shaft of
+    20 mm, rolling across, is ``Sphere(5e-3)`` and ``Ellipsoid(20e-3, -5.2e-3)``.
+
+    Parameters
+    ----------
+    radius
+        Radius Rx of the cross-section [m]: above zero convex, below zero hollow, infinite flat.
+    radius_along
+        Radius Ry along the length [m], of the same kinds.
+
+    Raises
+    ------
+    InvalidInput
+        If a radius is zero or no number.
+    """
+
+    #: Curvature [1/m]: as of a sphere, none is added to the line contact.
+    curvature: ClassVar[float] = 0.0
+
+    radius: Metres
+    radius_along: Metres
+
+    def __post_init__(self) -> None:
+        remedy = RADIUS_REMEDY
+        check_fields(self, radius=(curved, remedy), radius_along=(curved, remedy))
+
+    @property
+    def curvatures(self) -> tuple[float, float]:
+        """Curvatures (across, along) [1/m]."""
+        return 1 / self.radius, 1 / self.radius_along
+
+    @property
+    def length_scales(self) -> LengthScales:
+        """Length scales of a roller whose length is not known."""
+        return LengthScales(roller=inf)
+
+    def gap(self, grid: Grid) -> Array:
+        """Return ``x^2 / (2 Rx) + y^2 / (2 Ry)`` [m], of shape (x, y)."""
+        across, along = self.curvatures
+        return np.asarray(grid.x[:, None] ** 2 * (across / 2) + grid.y**2 * (along / 2))
 
 
 HEIGHT_REMEDY, LENGTH_REMEDY = "give a height of 0 m or more", "give the roller's length above 0 m"
@@ -140,6 +198,11 @@ class Crown:
         drop = in_range_from_zero("Crown end_drop", end_drop, HEIGHT_REMEDY)
         length = in_range("Crown length", length, LENGTH_REMEDY)
         return cls(length**2 / (8 * drop) if drop else inf, length)
+
+    @property
+    def curvatures(self) -> tuple[float, float]:
+        """Curvatures (across, along) [1/m]."""
+        return 0.0, 1 / self.radius
 
     @property
     def length_scales(self) -> LengthScales:

@@ -118,7 +118,8 @@ def test_either_axis_has_its_padding(tmp_path: Path) -> None:
     ("good", "bad", "said"),
     [
         ('"10 mm"', '"10 N"', "shapes[0].radius: it is '10 N': give a length, such as '10 mm'"),
-        ('"10 mm"', "-1", "shapes[0]: Cylinder.radius is -1.0: give a radius above 0 m."),
+        ('"10 mm"', "0", "shapes[0]: Cylinder.radius is 0.0: give a radius above 0 m, of"),
+        ('"10 mm"', '"-10 mm"', "curvatures that add up to -100 1/m: the hollow body must have the"),
         ("radius", "radus", "shapes[0]: unknown key 'radus': did you mean 'radius'."),
         ('"Cylinder"', '"Cylindr"', "shapes[0]: its kind is 'Cylindr': did you mean 'Cylinder'."),
         ('kind = "Cylinder"', "", "shapes[0]: it has no kind: choose from Cylinder, "),

@@ -19,7 +19,7 @@ SHAPES: tuple[cs.Shape, ...] = (
     cs.Roughness(1e-7, 0.8, 1e-4, 3e-5, seed=3, peklenik=2.0, extent=(4e-4, 4e-4)),
     cs.Roughness(cs.RmsSlope(0.02), 0.7, 1e-4, 3e-5),
     cs.MeasuredSurface(SURFACE, (1e-4, 2e-4), cs.HarmonicFill(), cs.Trend.PLANE, cs.Mirrored()),
-    cs.MeasuredSurface(SURFACE), cs.Sphere(0.02),
+    cs.MeasuredSurface(SURFACE), cs.Sphere(0.02), cs.Ellipsoid(0.02, -0.05),
     cs.MovingShape(cs.Waviness(1e-7, along=5e-5), body=np.int64(1)),  # type: ignore[arg-type]
     cs.MovingShape(cs.MeasuredSurface(SURFACE, (1e-4, 2e-4), trend=cs.Trend.PLANE)),
 )  # fmt: skip

@@ -29,7 +29,8 @@ def residual_errors(solution: Solution, change: float = 0.0) -> ResidualErrors:
 
     Beside the contact the gap changes by no more than in it, by the maximum principle. A cell that enters or leaves the
     contact changes the pressure by its own: the cells of the smallest pressures, as many as carry the L1 error, may do
-    so. A relative `change` of the pressure may be left beside the residual.
+    so. The error of the load, and of a gap beside far larger heights, add to that of the pressure. A relative `change`
+    of the pressure may be left beside the residual.
     """
     pressure, gap, scales = solution.pressure, solution.gap, solution.problem.scales
     scale = scales.pressure / scales.gap
@@ -65,7 +66,13 @@ def residual_errors(solution: Solution, change: float = 0.0) -> ResidualErrors:
 
     results = in_blocks(errors_in_block, pressure, gap, cells, correction)
     sums, peaks, gaps = zip(*results, strict=True)
-    l1 = float(sum(sums) / pressure.sum())
+    load = float(pressure.sum())
+    by_load = min(solution.problem.control.error(load), solution.residual)
+    l1 = float(sum(sums) / load + by_load)
+    # what a gap in metres has lost beside far larger heights, if the residual allows for it
+    largest_gap = float(np.abs(solution.problem.undeformed_gap).max())
+    lost = min(np.finfo(float).eps * largest_gap / scales.gap, solution.residual)
+    l1 += INVERSE_MARGIN * float(lost / compliance * scales.pressure * count / load)
     if solution.problem.control.approach is not None:
         # the inverse leaves a uniform gap out, which changes the load: by at least a multiple of this pressure, as that
         # has not the least energy of all with the same mean displacement

@@ -1,4 +1,8 @@
-"""Reference solution of the discrete problem by a dense matrix, with active sets found by pivoting."""
+"""Reference solution of the discrete problem by a dense matrix, with active sets found by pivoting.
+
+It is built pair by pair without transforms, windows of a convolution or an iteration, and solved directly. It has the
+influence coefficients of a cell in common with the program; :func:`plane_strain_matrix` has not.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -13,16 +17,17 @@ from contactstudy.elasticity.kernels.displacement_periodic import (
     boussinesq_cell_doubly_periodic,
     boussinesq_cell_periodic,
 )
-from contactstudy.problem.constraint import cell_violation
 
 # Of influence coefficients and of one transform pair, over the largest displacement.
 ROUNDING = 1e-13
 PIVOTS = 100
 
+InfluenceMatrix = Callable[[cs.Grid, cs.Paddings, float], Array]
+
 
 @dataclass(frozen=True, eq=False)
 class DenseAnswer:
-    """Reference solution of a contact: dimensionless pressure (x, y), approach, and `rounding` error of a gap.
+    """Reference solution of a contact: dimensionless pressure (x, y), approach, and relative L1 error by rounding.
 
     The smallest eigenvalue is that of the operator on the free cells of this solution and of the one compared with it,
     for pressures without a load. The error of a pressure is at most the error of the gap over this, in the mean
@@ -32,13 +37,19 @@ class DenseAnswer:
     pressure: Array
     approach: float
     smallest_eigenvalue: float
-    rounding: float
+    error: float
 
 
 def answer(
-    scene: cs.Scene, grid: cs.Grid, paddings: cs.Paddings, solution: cs.Solution
+    scene: cs.Scene,
+    grid: cs.Grid,
+    paddings: cs.Paddings,
+    solution: cs.Solution,
+    matrix_of: InfluenceMatrix | None = None,
 ) -> DenseAnswer:
     """Return the pressure that meets all conditions of contact to rounding, by pivoting from `solution`.
+
+    The matrix of influence coefficients is that of :func:`influence_matrix` unless another one is given.
 
     Source: Hintermüller, Ito & Kunisch (2003), Algorithm 2.1, for two limits.
 
@@ -49,7 +60,7 @@ def answer(
     """
     scales = scene.scales(grid)
     factor = scales.pressure / (np.pi * scene.contact_modulus * scales.gap)
-    matrix = factor * influence_matrix(grid, paddings, scales.length)
+    matrix = factor * (matrix_of or influence_matrix)(grid, paddings, scales.length)
     gap = (solution.problem.undeformed_gap.ravel() - solution.problem.reference_height) / scales.gap
     total = scene.mean_load(grid, paddings) * grid.length / grid.cell_area / scales.pressure
     limit = scene.hardness / scales.pressure
@@ -75,7 +86,9 @@ def answer(
             sizes = gap[pressure > 0].max(), (np.abs(matrix) @ pressure).max()
             smallest = _smallest_eigenvalue(matrix, free | initially_free)
             field = pressure.reshape(solution.pressure.shape)
-            return DenseAnswer(field, approach, smallest, ROUNDING * sum(sizes))
+            # L1 of a pressure is at most the root of the number of cells times L2, and so is the L2 of equal gaps
+            by_gap = ROUNDING * sum(sizes) * np.count_nonzero(pressure) / smallest / total
+            return DenseAnswer(field, approach, smallest, float(by_gap + ROUNDING))
         yielding, free = new_sets
     raise ArithmeticError(f"pivoting did not end after {PIVOTS} active sets")
 
@@ -107,23 +120,6 @@ def _smallest_eigenvalue(matrix: Array, free: np.ndarray) -> float:
     return float(np.linalg.eigvalsh(part + np.abs(part).sum() / count)[0])
 
 
-def stated_error(solution: cs.Solution, reference: DenseAnswer) -> float:
-    """Return a bound of the error of the pressure, in the problem's unit of pressure.
-
-    It follows from the violation of the conditions of contact, computed from the pressure, and from rounding, both over
-    the compliance of the stiffest mode, and from the error of the load.
-    """
-    bare, unit = solution.problem.bare(), solution.problem.scales.pressure
-    pressure = solution.pressure / unit
-    gap = bare.gap(pressure, bare.operator(pressure))
-    active = bare.constraint.active(pressure)
-    violated_gap = gap.height * active + cell_violation(pressure, gap.height, active)
-    rounding = reference.rounding * np.count_nonzero(pressure) ** 0.5
-    gap_error = float(np.linalg.norm(violated_gap)) + rounding
-    of_load = pressure.max() * (bare.control.error(float(pressure.sum())) + ROUNDING)
-    return float(gap_error / reference.smallest_eigenvalue + of_load)
-
-
 @lru_cache(maxsize=64)
 def influence_matrix(grid: cs.Grid, paddings: cs.Paddings, datum: float) -> Array:
     """Return the influence coefficients [m] of every cell on every other, pair by pair, all images summed."""
@@ -132,6 +128,23 @@ def influence_matrix(grid: cs.Grid, paddings: cs.Paddings, datum: float) -> Arra
     offsets = _coefficients(x[:, None], y[None, :], grid, paddings, datum)
     i, j = np.divmod(np.arange(nx * ny), ny)
     return np.asarray(offsets[i[:, None] - i + nx - 1, j[:, None] - j + ny - 1])
+
+
+def plane_strain_matrix(grid: cs.Grid, paddings: cs.Paddings, datum: float) -> Array:
+    """Return the influence coefficients [m] of strips that are endless along the length, one for each cell across.
+
+    The pressure of a strip displaces the surface by the integral of ``-2 ln(|x| / datum)`` over its width: Johnson
+    (1985), eq. 2.25. It is the limit of exact periodicity with one cell along.
+    """
+    if grid.cells[1] != 1 or paddings != (cs.ZeroPadding(), cs.ExactPeriodicity()):
+        raise cs.InvalidInput(
+            f"grid.cells is {grid.cells}: a strip has one cell along, and all images."
+        )
+    (count, _), width = grid.cells, grid.cell_size[0]
+    offset = (np.arange(count)[:, None] - np.arange(count)) * width
+    ends = np.stack([offset - width / 2, offset + width / 2])
+    low, high = -2 * ends * (np.log(np.abs(ends) / datum) - 1)
+    return np.asarray(high - low)
 
 
 def _coefficients(x: Array, y: Array, grid: cs.Grid, paddings: cs.Paddings, datum: float) -> Array:

@@ -1,7 +1,7 @@
 import pytest
 
 from studies.reference.hard_case import SOLVERS
-from studies.reference.hard_cases import CASES
+from tests.hard_cases.cases import CASES
 from tests.hard_cases.judged import ends_well
 
 

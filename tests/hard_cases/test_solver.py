@@ -3,7 +3,7 @@ import pytest
 
 import contactstudy as cs
 from studies.reference.hard_case import EXACT, SOLVERS
-from studies.reference.hard_cases import CASES
+from tests.hard_cases.cases import CASES
 
 
 @pytest.mark.parametrize("solver", SOLVERS)

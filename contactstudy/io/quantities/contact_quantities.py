@@ -282,17 +282,22 @@ def _of_traction(
 def _at_stick_slip_boundary(solution: Solution, traction: TangentialTraction) -> NDArray[np.bool_]:
     """Return the touching cells (x, y) at the stick-slip boundary, the uncertainty of which is one row of cells.
 
-    Where all of a rolling contact slips, a zone of stick may hide in the cells at its leading edge.
+    Where all of a rolling contact slips, a zone of stick may hide in the cells at its leading edge; where no cell slips
+    under a traction, a zone of slip in those at any edge.
     """
     touching, stick = solution.pressure > 0, np.asarray(traction.stick, bool)
     if isinstance(traction, RollingTraction) and not stick.any():
         padded = np.pad(touching, ((1, 1), (0, 0)))
         return touching & ~(padded[2:] & padded[:-2])
     paddings = solution.problem.paddings
+    may_slip_at_edge = bool(stick[touching].all() and np.any(traction.shear))
+    within = touching
+    if may_slip_at_edge:
+        stick, within = touching, np.ones_like(touching)
     beside = np.zeros_like(touching)
     for axis in (0, 1):
         for step in (1, -1):
-            edge = np.roll(touching, step, axis) & (np.roll(stick, step, axis) != stick)
+            edge = np.roll(within, step, axis) & (np.roll(stick, step, axis) != stick)
             if paddings is None or not paddings[axis].wraps:
                 edge[(slice(None),) * axis + (0 if step == 1 else -1,)] = False
             beside |= touching & edge

@@ -3,8 +3,9 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from math import inf
-from typing import TYPE_CHECKING
+from itertools import pairwise
+from math import inf, isfinite
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -50,6 +51,8 @@ EXTREMES: tuple[tuple[str, Callable[[list[float]], float], str], ...] = (
     ("frictional_power", max, "largest frictional power in time"),
     ("rolling_resistance", max, "largest coefficient of rolling resistance in time"),
 )
+# Relative excess of a history between the recorded instants up to which it is rounding.
+HISTORY_ROUNDING = 1e-9
 # Quantities of an instant whose last value is reported.
 FINAL = (
     "peak_pressure", "contact_area", "approach", "central_film", "minimum_film", "friction_coefficient",
@@ -83,7 +86,7 @@ def evolution_quantities(
     error
         Relative L1 error of the pressure at the worst instant.
     """
-    quantities = _extremes(frames, times) | _final(frames[-1])
+    quantities = _extremes(frames, times, posed.scene.histories) | _final(frames[-1])
     if "wear_depth" in fields:
         quantities |= _of_wear(fields, frames, posed, error)
     if "friction_energy" in fields:
@@ -92,20 +95,71 @@ def evolution_quantities(
 
 
 def _extremes(
-    frames: Sequence[Mapping[str, Quantity]], times: Sequence[float]
+    frames: Sequence[Mapping[str, Quantity]], times: Sequence[float], histories: Sequence[Any]
 ) -> dict[str, Quantity]:
-    """Return the extremes over time, each with its instant, of the instants that have the quantity."""
+    """Return the extremes over time, each with its instant, of the instants that have the quantity.
+
+    They have no bound where one of the `histories` goes beyond its recorded values between the recorded instants. The
+    bound of others includes how far a parabola through three instants goes beyond them.
+    """
     quantities = {}
+    reason, kinks = _beyond_recorded(times, histories)
     for name, extreme, label in EXTREMES:
         known = [
             (frame[name], time) for frame, time in zip(frames, times, strict=True) if name in frame
         ]
         values = [quantity.value for quantity, _ in known]
         if values:
-            found, time = known[values.index(extreme(values))]
+            index = values.index(extreme(values))
+            found, time = known[index]
+            if reason:
+                found = replace(found, bound=inf, reason=reason)
+            elif isfinite(found.bound) and 0 < index < len(known) - 1 and time not in kinks:
+                around = [instant for _, instant in known[index - 1 : index + 2]]
+                beyond = _beyond_parabola(around, values[index - 1 : index + 2])
+                found = replace(found, bound=found.bound + beyond)
             position = {"time": float(time)}
             quantities[name] = replace(found, label=label, position=position, detail="")
     return quantities
+
+
+def _beyond_recorded(
+    times: Sequence[float], histories: Sequence[Any]
+) -> tuple[str, frozenset[float]]:
+    """Return where a history goes beyond its values at the recorded `times`, as a sentence or empty, and its kinks."""
+    kinks: set[float] = set()
+    if not histories and times[0] > 0:
+        return (
+            "No bound: the load is applied at 0 s, before the first recorded instant: record that one too."
+        ), frozenset()
+    for history in histories:
+        turns = getattr(history, "turning_points", None)
+        between = turns(times[-1]) if turns else getattr(history, "times", ())
+        between = [time for time in between if history.start <= time <= times[-1]]
+        kinks.update(between)
+        before = getattr(history, "before", history.at)
+        # an instant that is recorded twice is one before and after a jump
+        recorded = [history.at(time) for time in times]
+        recorded += [before(time) for time, later in pairwise(times) if time == later]
+        lowest, highest = min(recorded), max(recorded)
+        allowed = HISTORY_ROUNDING * max(abs(lowest), abs(highest))
+        for time in between:
+            values = history.at(time), before(time) if time > history.start else lowest
+            if not all(lowest - allowed <= value <= highest + allowed for value in values):
+                return (
+                    f"No bound: a history of the scene has an extreme at {time:.4g} s, between the recorded instants: "
+                    "record that one too."
+                ), frozenset()
+    return "", frozenset(kinks)
+
+
+def _beyond_parabola(times: Sequence[float], values: Sequence[float]) -> float:
+    """Return how far the vertex of the parabola through three instants goes beyond the value at the middle one."""
+    before, after = (values[end] - values[1] for end in (0, 2))
+    t0, t1 = times[0] - times[1], times[2] - times[1]
+    curvature = (after / t1 - before / t0) / (t1 - t0)
+    slope = before / t0 - curvature * t0
+    return abs(slope**2 / curvature / 4) if curvature else 0.0
 
 
 def _final(last: Mapping[str, Quantity]) -> dict[str, Quantity]:

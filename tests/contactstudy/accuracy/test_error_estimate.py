@@ -477,3 +477,50 @@ def test_a_hardness_caps_what_an_adhesive_contact_transmits_and_its_peak_pressur
     free = cs.solve(scene, grid, EXACT)
     exceeds = free.quantities["peak_pressure"].value > hardness
     assert any("times the hardness" in said for said in free.error.warnings) is exceeds
+
+
+SOFT = (cs.HalfSpace(1e6, 0.49), cs.HalfSpace(inf, 0.3))
+
+
+@pytest.mark.parametrize("cells", [32, 96])
+def test_the_pull_off_of_a_surface_that_is_pressed_flat_has_no_limit(cells: int) -> None:
+    length, modulus = 1e-3, 1e6 / (1 - 0.49**2)
+    flattens = pi * modulus * 0.05
+    work = (0.4 * flattens) ** 2 * length / 2 / modulus
+    wave = (cs.Waviness(0.05 * length, across=length),)
+
+    def pull_off(preload: float, work: float) -> cs.Quantity:
+        scene = cs.Scene(cs.PullOff(preload), SOFT, wave, adhesion=cs.Adhesion(work))
+        grid = cs.Grid((cells, 1), (length, length))
+        return cs.solve(scene, grid, (cs.ExactPeriodicity(),) * 2).quantities["pull_off"]
+
+    flat = pull_off(0.6 * flattens * length, work)
+    assert flat.bound == inf
+    assert "pressed flat" in flat.reason
+    assert pull_off(0.3 * flattens * length, 0.2 * work).bound < inf
+
+
+@pytest.mark.parametrize("approach", [-4.0, 3.0])
+def test_the_load_at_a_given_approach_has_a_part_for_the_range_that_the_grid_chooses(
+    approach: float,
+) -> None:
+    unit = (0.1 * 0.01**2 * (1 - 0.49**2) / (pi * 1e6)) ** (1 / 3)
+    branch = "from full contact" if approach < 0 else "from afar"
+    load = cs.Approach(approach * unit**2 / 0.01, datum=16 * unit)
+    scene = cs.Scene(load, SOFT, (cs.Cylinder(0.01),), adhesion=cs.Adhesion(0.1, branch=branch))
+    coarse, fine = (
+        cs.solve(scene, cs.Grid((cells, 1), (16 * unit, unit)), EXACT).quantities["load_per_length"]
+        for cells in (192, 768)
+    )
+    assert abs(coarse.value - fine.value) <= coarse.bound < 0.2 * abs(fine.value)
+
+
+def test_the_peak_of_dissimilar_bodies_has_a_part_for_the_shear_where_slip_begins() -> None:
+    solids = (cs.HalfSpace(1.235e9, 0.0), cs.HalfSpace(4.657e9, 0.3277))
+    friction = cs.TractiveRolling(0.483, longitudinal=-0.0013786)
+    scene = cs.Scene(cs.LineLoad(5428.0), solids, (cs.Cylinder(0.01575),), friction=friction)
+    coarse, fine = (
+        cs.solve(scene, cs.Grid((cells, 1), (1.1874e-3, 3e-4)), EXACT).quantities["peak_pressure"]
+        for cells in (81, 648)
+    )
+    assert abs(coarse.value - fine.value) <= coarse.bound < 0.05 * fine.value

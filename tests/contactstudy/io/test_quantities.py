@@ -98,6 +98,27 @@ def test_the_largest_friction_in_time_is_that_of_the_largest_size() -> None:
     assert numbers["friction_coefficient"].value == -2e-4
 
 
+@pytest.mark.parametrize(
+    ("times", "said"),
+    [
+        ((0.0, 0.6, 1.5, 2.0), "extreme at 1 s"),
+        ((0.0, 1.0, 2.0), ""),
+        ((0.0, 0.3), ""),
+        ((0.0, 2.0, 3.0), "extreme at 1 s"),
+    ],
+)
+def test_the_largest_in_time_has_no_bound_where_the_load_is_higher_between_instants(
+    times: tuple[float, ...], said: str
+) -> None:
+    history = cs.LoadHistory((0.0, 1.0, 2.0, 2.0), (0.0, 1e5, 9e4, 5e4))
+    scene = cs.Scene(history, (STEEL, STEEL), (cs.Cylinder(0.01),))
+    peak = cs.solve(
+        scene, cs.Grid((32, 1), (4e-4, 1e-3)), cs.ExactPeriodicity(), times=times
+    ).quantities["peak_pressure"]
+    assert (peak.bound == inf) == bool(said)
+    assert said in peak.reason
+
+
 def test_the_load_of_a_roller_is_spread_over_its_length() -> None:
     shapes = (cs.Cylinder(0.01), cs.FiniteLength(4e-3))
     scene = cs.Scene(cs.TotalLoad(400.0), (STEEL, STEEL), shapes)

@@ -334,3 +334,16 @@ def test_dundurs_constant_of_bodies_that_differ_in_both_moduli() -> None:
     assert dundurs((first, second)) == pytest.approx(above / below / 2)
     assert dundurs((second, first)) == pytest.approx(-above / below / 2)
     assert dundurs((first, first)) == 0
+
+
+@pytest.mark.parametrize("friction", [cs.PartialSlip, cs.Fretting.cycle])
+@pytest.mark.parametrize(("cells", "part"), [(24, 0.1), (47, 0.05)])
+def test_where_no_cell_slips_a_zone_of_slip_may_hide_at_the_edges(
+    friction: type, cells: int, part: float
+) -> None:
+    """The half-width that sticks is ``sqrt(1 - Q / mu P)`` of the contact's (Johnson 1985, eq. 7.28)."""
+    one = scene(friction(0.3, 0.3 * part * LOAD.per_length))
+    grid = cs.Grid((cells, 1), (2.4 * one.hertz.half_width, 3e-4))
+    stick = cs.solve(one, grid, cs.ExactPeriodicity()).quantities["stick_fraction"]
+    assert stick.value == 1
+    assert 1 - sqrt(1 - part) <= stick.bound < 0.2

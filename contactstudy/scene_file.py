@@ -1,5 +1,6 @@
 """A scene in a TOML file: numbers in SI units, or texts with a unit such as "10 mm"."""
 
+import re
 import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
@@ -23,7 +24,7 @@ from contactstudy.io.scene_files.scene_schema import (
     SceneDocument,
 )
 from contactstudy.io.scene_files.scene_writer import scene_text
-from contactstudy.io.scene_files.structuring import structured
+from contactstudy.io.scene_files.structuring import likely_units, structured
 from contactstudy.planning.plan import plan, plan_grid
 from contactstudy.planning.planned import Plan
 from contactstudy.problem.problem import Problem
@@ -40,6 +41,12 @@ if TYPE_CHECKING:
     from contactstudy.answers.contact import Contact
     from contactstudy.answers.evolution import Evolution
     from contactstudy.answers.lubricated_contact import LubricatedContact
+
+
+# A key and a number with a unit that is not in quotes.
+BARE_UNIT = re.compile(
+    r"\s*([\w.]+)\s*=\s*([-+]?[\d.]+(?:[eE][-+]?\d+)?\s*[^\W\d][^#\"']*|[\d.]+\s*%)\s*(?:#.*)?"
+)
 
 
 @dataclass(frozen=True)
@@ -60,6 +67,8 @@ class SceneFile:
         Instants of a scene that changes in time.
     vary
         Fields that the file varies, by their paths, in groups: fields of one group change together.
+    doubts
+        A sentence for each number without a unit that is likely in another one than SI.
     """
 
     scene: Scene
@@ -69,10 +78,12 @@ class SceneFile:
     padding: Padding | Paddings | None = None
     time_steps: TimeSteps = field(default_factory=TimeSteps)
     vary: tuple[Mapping[str, object], ...] = ()
+    doubts: tuple[str, ...] = field(default=(), compare=False, repr=False)
 
     def plan(self, *, device: Device = Cpu()) -> Plan:  # noqa: B008 (frozen)
         """Return the plan for this scene, with the grid and padding of the file; seconds are for the `device`."""
-        return plan(self.scene, device=device, **self._plan_arguments)
+        planned = plan(self.scene, device=device, **self._plan_arguments)
+        return replace(planned, warnings=(*self.doubts, *planned.warnings))
 
     @property
     def _plan_arguments(self) -> dict[str, Any]:
@@ -112,11 +123,11 @@ def read_scene(path: str | PathLike[str]) -> SceneFile:
     """
     path = Path(path)
     raw, groups = tables_of(path)
-    document = document_from(raw, str(path))
+    document, doubts = document_from(raw, str(path)), tuple(likely_units(raw))
     try:
-        return replace(scene_file_from(document, path.parent), vary=groups)
+        return replace(scene_file_from(document, path.parent), vary=groups, doubts=doubts)
     except InvalidInput as error:
-        raise InvalidInput(f"{path}: {error}") from error
+        raise InvalidInput("\n".join((f"{path}: {error}", *doubts))) from error
 
 
 def tables_of(path: Path) -> tuple[dict[str, Any], tuple[Mapping[str, object], ...]]:
@@ -124,13 +135,16 @@ def tables_of(path: Path) -> tuple[dict[str, Any], tuple[Mapping[str, object], .
 
     Raises :class:`~contactstudy.InvalidInput` for a file that cannot be read or is not TOML.
     """
+    text = ""
     try:
-        raw = tomllib.loads(path.read_text(encoding="utf-8-sig"))
+        text = path.read_text(encoding="utf-8-sig")
+        raw = tomllib.loads(text)
     except (OSError, UnicodeDecodeError) as error:
         reason = getattr(error, "strerror", None) or "it is not text in UTF-8"
         raise InvalidInput(f"{path} cannot be read ({reason}): give a scene in TOML.") from error
     except (ValueError, RecursionError) as error:  # also a number of thousands of digits
-        raise InvalidInput(f"{path} is not valid TOML: {error}.") from error
+        quotes = _missing_quotes(text, str(error))
+        raise InvalidInput(f"{path} is not valid TOML: {error}{quotes}.") from error
     try:
         return raw, _groups(raw.pop("vary", {}))
     except InvalidInput as error:
@@ -231,6 +245,17 @@ def scene_file_from(document: SceneDocument, folder: Path = Path()) -> SceneFile
         padding = document.padding_across, document.padding
     return SceneFile(
         scene, document.plan, document.solve, document.grid, padding, document.time_steps
+    )
+
+
+def _missing_quotes(text: str, error: str) -> str:
+    """Return what to write in place of a number with a unit without quotes, in the line of a TOML `error`, or ``""``."""
+    line = re.search(r"at line (\d+)", error)
+    lines = text.splitlines()
+    source = lines[int(line[1]) - 1] if line and int(line[1]) <= len(lines) else ""
+    bare = BARE_UNIT.fullmatch(source)
+    return (
+        f': a value with a unit is in quotes, write {bare[1]} = "{bare[2].strip()}"' if bare else ""
     )
 
 

@@ -8,11 +8,10 @@ from functools import wraps
 from numbers import Integral, Real
 from typing import Any, TypeVar
 
+from contactstudy.domain.invalid_input import InvalidInput as InvalidInput
+from contactstudy.domain.unit_text import with_numbers
+
 Described = TypeVar("Described")
-
-
-class InvalidInput(ValueError):
-    """Error for a value that cannot be used; the message names the field, the value and the remedy."""
 
 
 class UnknownField(InvalidInput, TypeError):
@@ -27,9 +26,16 @@ class NotDefined(InvalidInput):
 
 
 def suggest_fields(cls: type[Described]) -> type[Described]:
-    """Make the constructor of a dataclass suggest the most similar field for an unknown keyword."""
+    """Make the constructor of a dataclass suggest the most similar field for an unknown keyword, and read units.
+
+    A text such as ``"10 mm"`` is converted where a field is a number with a unit.
+    """
     construct = cls.__init__
     names = parameters(cls)
+    types: dict[str, object] = {field.name: field.type for field in fields(cls)}  # type: ignore[arg-type]
+
+    def number(name: str, value: object) -> object:
+        return with_numbers(f"{cls.__name__}.{name}", value, types.get(name))
 
     @wraps(construct)
     def __init__(self: Described, *values: object, **named: object) -> None:
@@ -38,7 +44,9 @@ def suggest_fields(cls: type[Described]) -> type[Described]:
                 raise UnknownField(
                     f"{cls.__name__}.{name} is not known: {suggestion(name, names)}."
                 )
-        construct(self, *values, **named)
+        given = [number(name, value) for name, value in zip(names, values, strict=False)]
+        named = {name: number(name, value) for name, value in named.items()}
+        construct(self, *given, *values[len(given) :], **named)
 
     cls.__init__ = __init__  # type: ignore[assignment]
     return cls

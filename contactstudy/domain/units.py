@@ -21,11 +21,13 @@ SECONDS = Unit("s", "a time", "2 min")
 
 Metres = Annotated[float, Unit("m", "a length", "10 mm")]
 Pascals = Annotated[float, Unit("Pa", "a pressure", "1.2 GPa")]
+HARDNESS = Unit("Pa", "a hardness", "700 HV")
+Hardness = Annotated[float, HARDNESS]
 NewtonsPerMetre = Annotated[float, Unit("N/m", "a load per length", "100 N/mm")]
 JoulesPerSquareMetre = Annotated[float, Unit("J/m^2", "a work per area", "50 mJ/m^2")]
 Newtons = Annotated[float, Unit("N", "a load", "2 kN")]
 PerMetre = Annotated[float, Unit("1/m", "a spin", "0.5 1/m")]
-PerPascal = Annotated[float, Unit("1/Pa", "a specific wear rate", "1e-17 1/Pa")]
+PerPascal = Annotated[float, Unit("1/Pa", "a specific wear rate", "1e-6 mm3/(N m)")]
 Compressibility = Annotated[float, Unit("1/Pa", "a compressibility", "0.6 1/GPa")]
 PressureViscosity = Annotated[float, Unit("1/Pa", "a pressure-viscosity coefficient", "20 1/GPa")]
 ThermalConductivity = Annotated[float, Unit("W/(m*K)", "a thermal conductivity", "46 W/(m*K)")]

@@ -18,7 +18,7 @@ from contactstudy.domain.checks import (
 )
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings, across_and_along
-from contactstudy.domain.units import Pascals, readable
+from contactstudy.domain.units import Hardness, readable
 from contactstudy.elasticity.convolution import Convolution, superposed
 from contactstudy.problem.constraint import (
     Compressive,
@@ -127,7 +127,7 @@ class Scene:
     load: AnyLoad
     solids: tuple[Body, Body]
     shapes: tuple[Shape, ...] = ()
-    hardness: Pascals = inf
+    hardness: Hardness = inf
     outputs: tuple[Output, ...] = ()
     wear: "Wear | None" = None
     rolling: "Rolling | None" = None

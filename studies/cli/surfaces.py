@@ -17,7 +17,7 @@ LENGTH = Unit("m", "a length", "1 mm")
 
 def surfaces_of(file: Path, extent: str | None, **keys: Any) -> dict[str, cs.MeasuredSurface]:
     """Return the measured surfaces of a file or of a scene by the stems of their pictures; none for another file."""
-    from contactstudy.io.scene_files.structuring import in_si
+    from contactstudy.domain.unit_text import in_si
 
     if file.suffix == ".toml":
         shapes = enumerate(cs.read_scene(file).scene.shapes)

@@ -59,7 +59,7 @@ def solved(**named: Any) -> cs.Contact:
 
 
 VALUES: list[tuple[str, Callable[[Any], object], list[Any]]] = [
-    ("Cylinder.radius is *: give a radius above 0 m, of a hollow", cs.Cylinder, [0.0, nan, -inf, "10 mm", None]),
+    ("Cylinder.radius is *: give a radius above 0 m, of a hollow", cs.Cylinder, [0.0, nan, -inf, None]),
     ("HalfSpace.youngs_modulus is ", lambda one: cs.HalfSpace(one, 0.3), [0.0, -1.0]),
     ("ViscoelasticHalfSpace.relaxation[0] is *: give pairs of a modulus", relaxing, [((1e9, 1.0, 2.0),)]),
     ("ViscoelasticHalfSpace.relaxation[1] is", relaxing, [((1e9, 1.0), (1e9,))]),
@@ -67,7 +67,7 @@ VALUES: list[tuple[str, Callable[[Any], object], list[Any]]] = [
     ("ViscoelasticHalfSpace.relaxation[1][1] is *: give a time above 0 s", relaxing, [((1e9, 1.0), (1e9, 0.0))]),
     ("ViscoelasticHalfSpace.relaxation is *: give pairs", relaxing, [1e9]),
     ("HalfSpace.free_faces", field(STEEL, "free_faces"), [0.0, -1.0, nan]),
-    ("FreeFaces.length", lambda length: cs.FreeFaces(STEEL, length), [0.0, -1.0, inf, "10 mm"]),
+    ("FreeFaces.length", lambda length: cs.FreeFaces(STEEL, length), [0.0, -1.0, inf, "10 mN"]),
     ("FreeFaces.solid", lambda solid: cs.FreeFaces(solid, 0.01), [COATED, YIELDING, 2e11]),
     ("CoatedHalfSpace.thickness", field(COATED, "thickness"), [0.0, -1e-6, inf]),
     ("CoatedHalfSpace.coating", field(COATED, "coating"), [RIGID, 2e11, cs.FreeFaces(STEEL, 0.01)]),
@@ -100,7 +100,7 @@ VALUES: list[tuple[str, Callable[[Any], object], list[Any]]] = [
         "*body is 1, a rigid body: give 0",
         field(replace(SMOOTH, solids=(STEEL, RIGID)), "outputs"), [(replace(STRESS, body=1),)],
     ),
-    ("SubsurfaceStress.depths", cs.SubsurfaceStress, [(), 1e-4, None, (-1e-5,), (1e-4, nan), ("1 mm",)]),
+    ("SubsurfaceStress.depths", cs.SubsurfaceStress, [(), 1e-4, None, (-1e-5,), (1e-4, nan), ("1 mN",)]),
     ('SubsurfaceStress.depths is *or "auto"', cs.SubsurfaceStress, ["deep"]),
     ("SubsurfaceStress.body is *: give 0 or 1", field(STRESS, "body"), [2, -1, True, 0.5]),
     # shapes
@@ -117,7 +117,7 @@ VALUES: list[tuple[str, Callable[[Any], object], list[Any]]] = [
     ),
     ("LundbergProfile.straight is 0.01", lambda one: cs.LundbergProfile(1e-6, 1e-6, 0.01, straight=one), [0.01]),
     ("FiniteLength.length is *: give the roller's", cs.FiniteLength, [0.0, -1.0, nan, inf]),
-    ("Tilt.angle is *between -0.1 and 0.1 rad", cs.Tilt, [0.2, -inf, "1 mrad"]),
+    ("Tilt.angle is *between -0.1 and 0.1 rad", cs.Tilt, [0.2, -inf, "1 mN"]),
     (
         "MovingShape.shape is *: give heights that",
         cs.MovingShape, [cs.Cylinder(1.0), cs.Sphere(1.0), cs.FiniteLength(1.0), None],

@@ -9,6 +9,8 @@ from math import inf
 from typing import Any
 
 from contactstudy.domain.checks import InvalidInput, suggestion
+from contactstudy.domain.unit_text import in_si
+from contactstudy.domain.units import HARDNESS
 from contactstudy.scene.solids.bodies import HalfSpace
 from contactstudy.scene.solids.elastic_plastic import ElasticPlasticHalfSpace
 
@@ -103,6 +105,10 @@ def with_materials(table: Mapping[str, Any]) -> dict[str, Any]:
                 f"{path}.free_faces is given to a {inner['kind']}: they are known of a HalfSpace alone, leave it out "
                 "and end the contact by a FiniteLength among the shapes."
             )
+        hardness = str(inner.get("hardness", ""))
+        if hardness.endswith(("HV", "HRC")) and not {"material", "yield_stress"} & set(inner):
+            # a third of the hardness is about the yield stress of a metal (Tabor 1951)
+            inner["yield_stress"] = in_si(f"{path}.hardness", hardness, HARDNESS) / 3
         if "material" not in inner:
             return inner
         constants = _material_named(f"{path}.material", inner.pop("material"))

@@ -17,7 +17,7 @@ from contactstudy.domain.grid import (
     Superposition,
     ZeroPadding,
 )
-from contactstudy.domain.units import Metres, NewtonsPerMetre, Number, Pascals
+from contactstudy.domain.units import Hardness, Metres, NewtonsPerMetre, Number
 from contactstudy.evolution.time_steps import TimeSteps
 from contactstudy.io.scene_files.structuring import NO_KIND
 from contactstudy.scene.adhesion import Adhesion
@@ -230,7 +230,7 @@ class SceneDocument:
     load: ChangingLoad
     solids: tuple[Body, Body]
     shapes: tuple[Shape, ...] = ()
-    hardness: Pascals = inf
+    hardness: Hardness = inf
     outputs: tuple[Output, ...] = ()
     friction: Friction | None = None
     wear: Wear | None = None

@@ -1,13 +1,10 @@
 """Nested tables of a file as frozen dataclasses, and texts with a unit as numbers in SI units."""
 
-import re
-from collections.abc import Callable, Mapping
-from contextlib import suppress
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import is_dataclass
-from decimal import Decimal
 from difflib import get_close_matches
 from enum import Enum
-from functools import cache
+from math import inf
 from types import NoneType, UnionType
 from typing import Annotated, Any, TypeVar, Union, get_args, get_origin
 
@@ -16,78 +13,8 @@ from cattrs.errors import ForbiddenExtraKeysError
 from cattrs.gen import make_dict_structure_fn
 
 from contactstudy.domain.checks import InvalidInput, parameters, suggestion
-from contactstudy.domain.imports import import_for
+from contactstudy.domain.unit_text import in_si, remedy_of
 from contactstudy.domain.units import Number, Unit
-from contactstudy.io.scene_files.decimal_units import decimal_unit
-
-NUMBER = re.compile(r"\s*([-+]?(?:inf|(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?))\s*(.*?)\s*")
-# Units: names, powers, products, quotients also of 1 and by products in brackets, and no other expressions.
-POWER = r"°?[^\W\d_]+\d?(?:\s*(?:\*\*|\^)\s*-?\d)?"
-FACTOR = rf"(?:{POWER}|\(\s*{POWER}(?:\s*[*·]\s*{POWER}|\s+{POWER})*\s*\))"
-SYMBOLS = re.compile(rf"(?:1\s*/\s*)?{FACTOR}(?:\s*[*/·]\s*{FACTOR}|\s+{POWER})*")
-
-
-def in_si(field: str, value: object, unit: Unit) -> float:
-    """Return `value`, a number or a text with a unit, in the SI unit `unit`.
-
-    Raises :class:`~contactstudy.InvalidInput`, which names `field`, for anything else and for a unit of another
-    quantity.
-    """
-    remedy = _remedy(unit)
-    if isinstance(value, str) and "," in value:
-        remedy += ", with a decimal point"
-    if isinstance(value, int | float) and not isinstance(value, bool):
-        try:
-            return float(value)
-        except OverflowError:
-            raise InvalidInput(f"{field} is too large for a float: {remedy}.") from None
-    match = NUMBER.fullmatch(value) if isinstance(value, str) else None
-    if match and match[2] == "%" and not unit.symbol:
-        return float(Decimal(match[1]) / 100)
-    if match is None or (match[2] and not SYMBOLS.fullmatch(match[2])):
-        raise InvalidInput(f"{field} is {value!r}: {remedy}.")
-    if not match[2] and match[1].endswith("inf"):  # infinite in any unit
-        return float(match[1])
-    source, target = decimal_unit(match[2]), decimal_unit(unit.symbol)
-    is_angular = unit.symbol == "Hz" and "rad" in match[2]
-    if source is not None and target is not None and not is_angular:
-        if source[1] == target[1]:
-            with suppress(ArithmeticError):
-                return float(Decimal(match[1]).scaleb(source[0] - target[0]))
-        raise InvalidInput(f"{field} is {value!r}: {remedy}.")
-    pint = import_for("a unit", "pint")  # slow to import, and needed only here
-    registry = _registry()
-    try:
-        parsed = registry.Quantity(
-            Decimal(match[1]), registry.parse_units(match[2].replace("·", "*"))
-        )
-        if unit.symbol == "Hz" and "radian" in dict(parsed.to_root_units().unit_items()):
-            parsed /= registry.turn  # cycles per second, as of rpm
-        return float(parsed.to(unit.symbol).magnitude)
-    except (
-        pint.PintError,
-        ArithmeticError,
-        LookupError,
-        ValueError,
-        TypeError,
-        AttributeError,
-    ) as error:
-        raise InvalidInput(f"{field} is {value!r}: {remedy}.") from error
-
-
-def _remedy(unit: Unit) -> str:
-    """Return what to give in place of a value that is not of `unit`."""
-    number = f", or a number in {unit.symbol}" * bool(unit.symbol)
-    return f"give {unit.quantity}, such as {unit.example!r}{number}"
-
-
-@cache
-def _registry() -> Any:
-    from pint import UnitRegistry
-
-    # in decimals, so that 30 um is exactly the float 3e-5 m
-    return UnitRegistry(non_int_type=Decimal)
-
 
 # Classes that a table may describe, by the type of the field and their names; NO_KIND is the default.
 NO_KIND = ""
@@ -220,6 +147,43 @@ class _Structure:
 _STRUCTURES: dict[int, _Structure] = {}
 
 
+# Symbols that books and drawings have for fields.
+SYMBOLS_OF_FIELDS = {
+    "E": "youngs_modulus", "nu": "poisson_ratio", "v": "poisson_ratio", "R": "radius", "r": "radius", "L": "length",
+    "F": "total", "P": "total", "w": "per_length", "W": "per_length", "mu": "coefficient", "k": "coefficient",
+    "t": "thickness", "h": "thickness", "eta": "viscosity", "eta0": "viscosity", "alpha": "pressure_viscosity",
+    "HV": "hardness", "HRC": "hardness", "diameter": "radius",
+}  # fmt: skip
+# Bare numbers that are likely in another unit: from where or up to where in SI, and the unit that was likely meant.
+LARGE = {
+    "radius": (3.0, "mm"), "length": (10.0, "mm"), "thickness": (0.1, "um"), "end_drop": (1e-2, "um"),
+    "amplitude": (1e-2, "um"), "rms": (1e-3, "um"),
+}  # fmt: skip
+SMALL = {
+    "youngs_modulus": (1e4, "Pa", "GPa"), "yield_stress": (1e4, "Pa", "MPa"), "hardness": (1e5, "Pa", "GPa"),
+    "per_length": (1e3, "N/m", "N/mm"),
+}  # fmt: skip
+
+
+def likely_units(raw: object, path: str = "") -> Iterator[str]:
+    """Yield a sentence for each number without a unit in the tables of a file that is likely in another one than SI."""
+    entries: Iterable[tuple[object, object]] = ()
+    if isinstance(raw, Mapping):
+        entries = ((f"{path}.{key}".lstrip("."), entry) for key, entry in raw.items())
+    elif isinstance(raw, list):
+        entries = ((f"{path}[{n}]", entry) for n, entry in enumerate(raw))
+    for name, entry in entries:
+        field = str(name).rpartition(".")[2]
+        if isinstance(entry, bool) or not isinstance(entry, int | float):
+            yield from likely_units(entry, str(name))
+            continue
+        largest, smaller = LARGE.get(field, (inf, ""))
+        least, si, larger = SMALL.get(field, (0.0, "m", ""))
+        is_light = field == "per_length" and not isinstance(entry, int)  # may well be meant
+        if largest <= abs(entry) < inf or (0 < entry < least and not is_light):
+            yield f"{name} is {entry!r}, which is {entry:g} {si}: was '{entry:g} {smaller or larger}' meant?"
+
+
 def _kind_of(table: Mapping[str, object], kinds: Mapping[str, type]) -> type:
     """Return the kind that `table` names, else the default or the only one that has its keys."""
     named = {name: kind for name, kind in kinds.items() if name != NO_KIND}
@@ -246,7 +210,9 @@ def _kind_of(table: Mapping[str, object], kinds: Mapping[str, type]) -> type:
 
 
 def _closest(key: str, names: set[str]) -> str | None:
-    """Return the name that is most similar to a key that is not known; None if none is."""
+    """Return the name that a symbol stands for, or that is most similar to a key that is not known; None if none is."""
+    if (meant := SYMBOLS_OF_FIELDS.get(key)) in names:
+        return meant
     return next(iter(get_close_matches(key, sorted(names), n=1)), None)
 
 
@@ -296,8 +262,12 @@ def _sentence(error: BaseException, target: type | None) -> str:
     if isinstance(error, ForbiddenExtraKeysError):
         names = parameters(error.cl)
         unknown = sorted(error.extra_fields)
+        meant = {key: SYMBOLS_OF_FIELDS.get(key, "") for key in unknown}
         remedies = {
-            k: suggestion(k, names) if names else "it has no keys, leave it out" for k in unknown
+            k: suggestion(meant[k] if meant[k] in names else k, names)
+            if names
+            else "it has no keys, leave it out"
+            for k in unknown
         }
         return "; ".join(f"unknown key {key!r}: {remedies[key]}" for key in unknown) + "."
     if isinstance(error, KeyError):
@@ -306,5 +276,5 @@ def _sentence(error: BaseException, target: type | None) -> str:
         unit = next((note for note in notes if isinstance(note, Unit)), None)
         kinds: dict[Any, str] = {int: "a whole number", str: "a text", tuple: "a list"}
         what = f"give {kinds.get(get_origin(target) or target, 'a table')}"
-        return f"it is missing: {what if unit is None else _remedy(unit)}."
+        return f"it is missing: {what if unit is None else remedy_of(unit)}."
     return str(error)

@@ -15,7 +15,7 @@ from contactstudy.domain.checks import (
     suggest_fields,
 )
 from contactstudy.domain.grid import Grid, Padding, Paddings
-from contactstudy.domain.units import Metres, Number, Pascals
+from contactstudy.domain.units import Hardness, Metres, Number, Pascals
 from contactstudy.elasticity.coefficients import (
     BoussinesqCoefficients,
     Coefficients,
@@ -87,7 +87,7 @@ class HalfSpace:
     youngs_modulus: Pascals
     poisson_ratio: Number
     yield_stress: Pascals = math.inf
-    hardness: Pascals = math.inf
+    hardness: Hardness = math.inf
     free_faces: Metres = math.inf
 
     def __post_init__(self) -> None:

@@ -148,6 +148,56 @@ def test_what_is_wrong_is_named_by_its_key(good: str, bad: str, said: str, tmp_p
     assert "scene.toml" in str(raised.value)
 
 
+@pytest.mark.cases(100)
+@pytest.mark.parametrize(
+    ("good", "bare", "said"),
+    [
+        ('"100 N/mm"', "100 N/mm # on the roller", 'write per_length = "100 N/mm"'),
+        ('"10 mm"', "10mm", 'write radius = "10mm"'),
+    ],
+)
+def test_a_unit_without_quotes_is_named(good: str, bare: str, said: str, tmp_path: Path) -> None:
+    with pytest.raises(cs.InvalidInput, match="at line") as refused:
+        read(GOOD.replace(good, bare, 1), tmp_path)
+    assert said in str(refused.value)
+
+
+@pytest.mark.cases(100)
+@pytest.mark.parametrize(
+    ("good", "bare", "said"),
+    [
+        ('"10 mm"', "10", "shapes[0].radius is 10, which is 10 m: was '10 mm' meant?"),
+        ('"100 N/mm"', "100", "load.per_length is 100, which is 100 N/m: was '100 N/mm' meant?"),
+        (
+            "[[solids]]",
+            "[[solids]]\nhardness = 7",
+            "hardness is 7, which is 7 Pa: was '7 GPa' meant?",
+        ),
+        ('"10 mm"', "0.01", ""),
+    ],
+)
+def test_a_number_in_an_unlikely_unit_is_asked_about(
+    good: str, bare: str, said: str, tmp_path: Path
+) -> None:
+    doubts = read(GOOD.replace(good, bare, 1), tmp_path).doubts
+    assert said in " ".join(doubts) if said else not doubts
+
+
+def test_a_symbol_for_a_key_names_the_key(tmp_path: Path) -> None:
+    with pytest.raises(cs.InvalidInput, match="unknown key 'R': did you mean 'radius'"):
+        read(GOOD.replace("radius", "R", 1), tmp_path)
+
+
+def test_a_vickers_hardness_without_a_yield_stress_gives_a_third_of_it(tmp_path: Path) -> None:
+    text = "[load]\nper_length = 1e5\n[[solids]]\nyoungs_modulus = 2e11\npoisson_ratio = 0.3\n"
+    body = read(
+        text + 'hardness = "300 HV"\n[[solids]]\nmaterial = "steel"', tmp_path
+    ).scene.solids[0]
+    assert isinstance(body, cs.HalfSpace)
+    assert body.hardness == pytest.approx(300 * 9.80665e6)
+    assert body.yield_stress == pytest.approx(100 * 9.80665e6)
+
+
 def test_a_file_with_a_byte_order_mark_is_read(tmp_path: Path) -> None:
     (tmp_path / "scene.toml").write_text(GOOD, encoding="utf-8-sig")
     assert cs.read_scene(tmp_path / "scene.toml").scene == read(GOOD, tmp_path).scene

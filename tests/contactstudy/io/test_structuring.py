@@ -8,9 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import contactstudy as cs
-from contactstudy.domain.units import Unit
-from contactstudy.io.scene_files.decimal_units import KNOWN, decimal_unit
-from contactstudy.io.scene_files.structuring import _registry, in_si
+from contactstudy.domain.decimal_units import KNOWN, decimal_unit
+from contactstudy.domain.unit_text import _registry, in_si
+from contactstudy.domain.units import HARDNESS, Unit
 
 METRES = Unit("m", "a length", "10 mm")
 PASCALS = Unit("Pa", "a pressure", "1.2 GPa")
@@ -32,6 +32,11 @@ HERTZ = Unit("Hz", "a frequency", "50 Hz")
         ("inf", PASCALS, math.inf), (math.inf, PASCALS, math.inf),
         ("3000 rpm", HERTZ, 50.0), ("2 kHz", HERTZ, 2e3), ("50 1/s", HERTZ, 50.0),
         ("1e-8 mm^3/(N m)", PER_PASCAL, 1e-17), ("20 °C", Unit("K", "a temperature", "333 K"), 293.15),
+        ("1e-6 mm3/(N m)", PER_PASCAL, 1e-15), ("1e-6 mm³/Nm", PER_PASCAL, 1e-15), ("206000 N/mm2", PASCALS, 2.06e11),
+        ("40 mPas", Unit("Pa*s", "a viscosity", "40 mPa*s"), 0.04), ("700 HV", HARDNESS, 700 * 9.80665e6),
+        ("60 HRC", HARDNESS, 697 * 9.80665e6), ("59 HRC", HARDNESS, 675 * 9.80665e6),
+        ("20 HRC", HARDNESS, 238 * 9.80665e6),
+        ("10 HRC", HARDNESS, None), ("700 HV", PASCALS, None),
         ("46 W/(m*K)", Unit("W/(m*K)", "a thermal conductivity", "46 W/(m*K)"), 46.0),
     ],
 )  # fmt: skip
@@ -44,6 +49,16 @@ def test_a_text_with_a_unit_is_the_number_in_si(
     else:
         # to the last bit: decimals are converted in decimals
         assert in_si("field", written, unit) == expected
+
+
+def test_texts_with_units_are_read_in_python_wherever_a_number_is() -> None:
+    assert cs.LineLoad("100 N/mm") == cs.LineLoad(1e5)
+    assert cs.Grid((2, 2), ("1 mm", "2 mm")) == cs.Grid((2, 2), (1e-3, 2e-3))
+    history = cs.LoadHistory(times=["0 s", "1 min"], per_length=("1 N/mm", 2e3))
+    assert history == cs.LoadHistory((0.0, 60.0), (1e3, 2e3))
+    assert cs.TotalLoad(1.0, length="5 mm").length == 5e-3
+    with pytest.raises(cs.InvalidInput, match=r"LineLoad\.per_length is '100 N': give a load per"):
+        cs.LineLoad("100 N")
 
 
 def test_a_decimal_unit_is_that_of_the_library_of_units() -> None:

@@ -1,0 +1,141 @@
+"""Texts with a unit, such as ``"10 mm"``, as numbers in SI units."""
+
+import re
+from contextlib import suppress
+from decimal import Decimal
+from functools import cache
+from types import UnionType
+from typing import Annotated, Any, Union, get_args, get_origin
+
+from contactstudy.domain.decimal_units import decimal_unit
+from contactstudy.domain.imports import import_for
+from contactstudy.domain.invalid_input import InvalidInput
+from contactstudy.domain.units import HARDNESS, Unit
+
+NUMBER = re.compile(r"\s*([-+]?(?:inf|(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?))\s*(.*?)\s*")
+# Units: names, powers, products, quotients also of 1 and by products in brackets, and no other expressions.
+REPLACED = (
+    (r"²", "^2"), (r"³", "^3"), (r"([mM])([23])(?![\d])", r"\1^\2"), (r"\b(m?)Pas\b", r"\1Pa*s"), (r"\bNm\b", "N*m"),
+    (r"^°$", "degree"),
+)  # fmt: skip
+# Rockwell C and the Vickers hardness of steels [kgf/mm^2] that goes with it (ISO 18265:2013, table A.1; ASTM E140).
+ROCKWELL = (
+    (20, 238), (25, 266), (30, 302), (35, 345), (40, 392), (45, 446), (50, 513), (55, 595), (58, 653), (60, 697),
+    (62, 746), (64, 800), (66, 865), (68, 940),
+)  # fmt: skip
+VICKERS = 9.80665e6  # Pa
+POWER = r"°?[^\W\d_]+\d?(?:\s*(?:\*\*|\^)\s*-?\d)?"
+FACTOR = rf"(?:{POWER}|\(\s*{POWER}(?:\s*[*·]\s*{POWER}|\s+{POWER})*\s*\))"
+SYMBOLS = re.compile(rf"(?:1\s*/\s*)?{FACTOR}(?:\s*[*/·]\s*{FACTOR}|\s+{POWER})*")
+
+
+def in_si(field: str, value: object, unit: Unit) -> float:
+    """Return `value`, a number or a text with a unit, in the SI unit `unit`.
+
+    Raises :class:`~contactstudy.InvalidInput`, which names `field`, for anything else and for a unit of another
+    quantity.
+    """
+    remedy = remedy_of(unit)
+    if isinstance(value, str) and "," in value:
+        remedy += ", with a decimal point"
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        try:
+            return float(value)
+        except OverflowError:
+            raise InvalidInput(f"{field} is too large for a float: {remedy}.") from None
+    match = NUMBER.fullmatch(_usual(value)) if isinstance(value, str) else None
+    if match and unit == HARDNESS and match[2] in ("HV", "HRC"):
+        return _of_hardness(field, value, float(match[1]), match[2])
+    if match and match[2] == "%" and not unit.symbol:
+        return float(Decimal(match[1]) / 100)
+    if match is None or (match[2] and not SYMBOLS.fullmatch(match[2])):
+        raise InvalidInput(f"{field} is {value!r}: {remedy}.")
+    if not match[2] and match[1].endswith("inf"):  # infinite in any unit
+        return float(match[1])
+    source, target = decimal_unit(match[2]), decimal_unit(unit.symbol)
+    is_angular = unit.symbol == "Hz" and "rad" in match[2]
+    if source is not None and target is not None and not is_angular:
+        if source[1] == target[1]:
+            with suppress(ArithmeticError):
+                return float(Decimal(match[1]).scaleb(source[0] - target[0]))
+        raise InvalidInput(f"{field} is {value!r}: {remedy}.")
+    pint = import_for("a unit", "pint")  # slow to import, and needed only here
+    registry = _registry()
+    try:
+        parsed = registry.Quantity(
+            Decimal(match[1]), registry.parse_units(match[2].replace("·", "*"))
+        )
+        if unit.symbol == "Hz" and "radian" in dict(parsed.to_root_units().unit_items()):
+            parsed /= registry.turn  # cycles per second, as of rpm
+        return float(parsed.to(unit.symbol).magnitude)
+    except (
+        pint.PintError,
+        ArithmeticError,
+        LookupError,
+        ValueError,
+        TypeError,
+        AttributeError,
+    ) as error:
+        raise InvalidInput(f"{field} is {value!r}: {remedy}.") from error
+
+
+def _usual(text: str) -> str:
+    """Return `text` with powers and products of units written out, such as ``mm^3/(N*m)`` for ``mm3/Nm``."""
+    number, unit = (match[1], match[2]) if (match := NUMBER.fullmatch(text)) else (text, "")
+    for pattern, replacement in REPLACED:
+        unit = re.sub(pattern, replacement, unit)
+    # what stands behind a stroke as one word is divided by as a whole
+    return f"{number} {re.sub(r'/N[*]m$', '/(N*m)', unit) if '*' not in text else unit}".strip()
+
+
+def _of_hardness(field: str, value: object, number: float, scale: str) -> float:
+    """Return the indentation hardness [Pa] of a number of Vickers or, of steel, Rockwell C."""
+    if scale == "HRC":
+        rockwell, vickers = zip(*ROCKWELL, strict=True)
+        if not rockwell[0] <= number <= rockwell[-1]:
+            raise InvalidInput(
+                f"{field} is {value!r}: give {rockwell[0]} to {rockwell[-1]} HRC, or the hardness in HV."
+            )
+        above = next(n for n, known in enumerate(rockwell) if known >= number) or 1
+        fraction = (number - rockwell[above - 1]) / (rockwell[above] - rockwell[above - 1])
+        number = vickers[above - 1] * (1 - fraction) + vickers[above] * fraction
+    return number * VICKERS
+
+
+def remedy_of(unit: Unit) -> str:
+    """Return what to give in place of a value that is not of `unit`."""
+    number = f", or a number in {unit.symbol}" * bool(unit.symbol)
+    return f"give {unit.quantity}, such as {unit.example!r}{number}"
+
+
+@cache
+def _registry() -> Any:
+    from pint import UnitRegistry
+
+    # in decimals, so that 30 um is exactly the float 3e-5 m
+    return UnitRegistry(non_int_type=Decimal)
+
+
+def unit_of(annotation: object) -> Unit | None:
+    """Return the unit of the numbers of an annotated type, also of one among others; None for a type without one."""
+    if get_origin(annotation) is Annotated:
+        return next((note for note in get_args(annotation) if isinstance(note, Unit)), None)
+    if get_origin(annotation) in (Union, UnionType) and str not in get_args(annotation):
+        return next(filter(None, map(unit_of, get_args(annotation))), None)
+    return None
+
+
+def with_numbers(field: str, value: object, annotation: object) -> object:
+    """Return the `value` of a field of a dataclass, whose texts are converted where its type is a number with a unit."""
+    if isinstance(value, str):
+        unit = unit_of(annotation)
+        return value if unit is None else in_si(field, value, unit)
+    if not isinstance(value, tuple | list) or isinstance(annotation, str):
+        return value
+    choices = (annotation, *get_args(annotation))
+    entries = next((get_args(each) for each in choices if get_origin(each) is tuple), ())
+    if not entries or (entries[-1] is not ... and len(entries) != len(value)):
+        return value
+    kinds = [entries[0]] * len(value) if entries[-1] is ... else entries
+    pairs = enumerate(zip(value, kinds, strict=True))
+    return type(value)(with_numbers(f"{field}[{n}]", one, kind) for n, (one, kind) in pairs)

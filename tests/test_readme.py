@@ -102,7 +102,7 @@ def test_the_table_of_paddings_has_the_errors_that_are_measured() -> None:
         count = [int(images.removeprefix("images="))] if images else []
         padded = replace(case, padding=getattr(cs, name)(*count))
         found = measures(padded, padded.run(padded.prepare()))
-        columns = ("axis_pressure_error", "pressure_error_max", "length_variation")
+        columns = ("pressure_error_l1", "axis_pressure_error", "length_variation")
         for shown, column in zip(cells.split(" | "), columns, strict=True):
             number = Decimal(shown.removesuffix(" %")) if shown != "none" else Decimal(0)
             half_digit = 10.0 ** int(number.as_tuple().exponent) / 2 if number else 0.0

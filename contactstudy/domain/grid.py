@@ -137,7 +137,9 @@ class DuplicatedPadding:
     """Padding with a copy of the pressure in the padded half of the axis (Liu, Wang & Liu 2000).
 
     The pressure within one period to either side then acts on every point. The doubled transform equals a circular one
-    with the folded coefficients ``K(d) + K(d - L)``, which is used here.
+    with the folded coefficients ``K(d) + K(d - L)``, which is used here. The coefficient ``K(L)``, which wrap-around
+    order leaves open, is kept and not set to zero. The window therefore covers half a cell more on one side of a point
+    than on the other, which matters with few cells along.
     """
 
     wraps: ClassVar[bool] = True

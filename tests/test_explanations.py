@@ -1,0 +1,89 @@
+"""Numbers of the pages that explain the paddings, each computed again."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import contactstudy as cs
+from contactstudy.domain.grid import Grid
+from studies.reference.line_contact import (
+    HERTZ,
+    P_H,
+    SCENE,
+    WIDTH,
+    A,
+    hertz_means,
+    relative_l1,
+    with_edges_moved,
+)
+
+PAGES = Path(__file__).parents[1] / "docs" / "explanation"
+TIGHT = cs.SolveOptions(1e-9)
+
+
+def said(page: str, pattern: str) -> list[float]:
+    """The numbers in the groups of a pattern on a page, whose lines are joined."""
+    text = " ".join((PAGES / f"{page}.md").read_text(encoding="utf-8").split())
+    found = re.search(pattern, text)
+    assert found, pattern
+    return [float(number) for number in found.groups()]
+
+
+def pressure(grid: Grid, padding: cs.Padding) -> np.ndarray:
+    return cs.solve(SCENE.problem(grid, padding), options=TIGHT).pressure
+
+
+def test_the_error_by_cells_is_between_the_factors_of_its_page() -> None:
+    least, most = said("discretisation", r"factor \$c\$ is between ([\d.]+) and ([\d.]+)\.")
+    [of_cell] = said("discretisation", r"at most \$([\d.]+) \\sqrt")
+    factors, largest = [], []
+    for cells_per_half_width in 40 + np.linspace(0, 1, 25):
+        grid = cs.Grid((96, 1), (96 * A / cells_per_half_width, A))
+        found = pressure(grid, cs.ExactPeriodicity())
+        factors.append(relative_l1(found, hertz_means(HERTZ, grid)) * cells_per_half_width**1.5)
+        error = np.abs(found - HERTZ.pressure(grid.x)[:, None]).max() / P_H
+        largest.append(error * cells_per_half_width**0.5)
+    assert least <= min(factors) < 1.1 * least
+    assert 0.9 * most < max(factors) <= most
+    assert 0.9 * of_cell < max(largest) <= 1.01 * of_cell
+    # a grid that has the edge on a border of cells is the lucky one
+    assert max(factors) / factors[0] == pytest.approx(5, abs=0.6)
+
+
+def test_one_cell_along_has_the_error_of_its_page() -> None:
+    one, many = said("periodicity", r"has an error of ([\d.]+) % in place of ([\d.]+) %")
+    for along, number in ((1, one), (64, many)):
+        grid = cs.Grid((129, along), (WIDTH * A, WIDTH * A))
+        error = pressure(grid, cs.DuplicatedPadding())[64].mean() / P_H - 1
+        assert 100 * error == pytest.approx(number, abs=0.05)
+    alone, several = (
+        pressure(cs.Grid((48, along), (WIDTH * A, WIDTH * A)), cs.ExactPeriodicity())
+        for along in (1, 5)
+    )
+    np.testing.assert_allclose(np.broadcast_to(alone, several.shape), several, atol=1e-7 * P_H)
+
+
+@pytest.mark.parametrize("padding", [cs.DuplicatedPadding(), cs.CircularSuperposition(1)], ids=str)
+@pytest.mark.parametrize("along", [1, 2, 3])
+def test_the_bound_by_images_contains_what_few_cells_add(padding: cs.Padding, along: int) -> None:
+    grid = cs.Grid((48, along), (WIDTH * A, WIDTH * A))
+    found = cs.solve(SCENE.problem(grid, padding), options=TIGHT)
+    error = relative_l1(found.pressure, pressure(grid, cs.ExactPeriodicity()))
+    assert error <= found.error.l1.images < 2 * error  # type: ignore[operator]
+
+
+def test_a_window_over_three_periods_reaches_as_far_as_its_page_says() -> None:
+    [images] = said("price", r"with n = 1 reaches as far as n = (\d+) over one")
+    assert cs.CircularSuperposition(1).reach(3.0) == cs.CircularSuperposition(int(images)).reach(1)
+
+
+def test_no_padding_has_the_error_of_one_lucky_grid() -> None:
+    """All grids of a study have the same places of the edge, whatever their number of cells."""
+    for cells in (12, 40, 48, 128, 144):
+        grid = cs.Grid((cells, 1), (WIDTH * A, A))
+        places = {
+            round((A / one.cell_size[0] + cells / 2) % 1, 6) for one in with_edges_moved(grid, A)
+        }
+        assert {0.0, 0.32, 0.5, 0.75} <= {place % 1 for place in places}

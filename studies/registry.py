@@ -31,9 +31,8 @@ if TYPE_CHECKING:
 FAMILIES = {
     "settings": ("padding", "period", "images", "grid", "pareto", "paper"),
     "effects": ("coating", "friction", "creep", "wear", "plastic"),
-    "trust": ("stability", "accuracy"),
     "cost": ("speed", "peers"),
-    "": ("roughness", "lubrication"),
+    "": ("roughness", "lubrication", "stability"),
 }
 OPTIONAL = ("peers",)
 BUILT_IN = tuple(name for names in FAMILIES.values() for name in names if name not in OPTIONAL)

@@ -88,7 +88,6 @@ CHAPTERS = {
             "Lubrication: films over load, viscosity and cells",
             (Part("lubrication", {"grid": "100,200"}),),
         ),
-        Chapter("trust", "Trust: error bounds beside true errors", (Part("accuracy"),)),
         Chapter("cost", "Cost: surfaces and grids", (Part("speed", repeats=2),)),
     )
 }

@@ -106,7 +106,7 @@ def test_without_times_a_study_shows_what_needs_none(call: Call, tmp_path: Path)
             "plan.error has 100001 values, more than 100000: give fewer.",
         ),
         (
-            ["report", "cost", "trust", "--repeats", "5"],
+            ["report", "cost", "effects", "--repeats", "5"],
             "--repeats is 5: pages of cost trust take at most 2 timed runs of a case; leave it out, or time a study "
             "with contactstudy run before.",
         ),

@@ -18,7 +18,6 @@ from studies.engine.run import run
 from studies.model.drawing import Finding, Table
 from studies.model.outcome import CaseStatus, summary_messages
 from studies.model.study import Study
-from studies.reference.accuracy.matrix import matrix
 from studies.registry import BUILT_IN, load, load_drawing
 from studies.report import page as report
 from studies.report.chapters import (
@@ -38,14 +37,10 @@ FEW = {"grid": "16,24", "period": "0.6,2.4", "solver_tolerance": "1e-6"}
 # a rough surface has a length of its own, and waves that a grid must show
 ROUGH = {"rms": "0,0.1", "peklenik": "1", "hurst": "0.8", "seed": "1", "grid": "80"}
 
-# of the accuracy cases every fortieth, and some of the hard ones
-SOME = {"case": ",".join(list(matrix())[::40])}
-
 HARD = {"case": "load of 1e-30 N/m,a step,one iteration,hardness below the mean pressure"}
 
 OWN: Mapping[str, Mapping[str, str]] = {
     "roughness": ROUGH,
-    "accuracy": SOME,
     "stability": HARD,
     "grid": {"grid": "16,24,32"},
     "paper": {},
@@ -152,7 +147,7 @@ def test_two_paddings_are_enough_for_a_claim_of_the_paper(stored: Mapping[str, x
     [
         ((), ["report"]),
         (("cost", "coating", "cost"), ["cost", "coating"]),
-        (("all",), ["report", "effects", "lubrication", "trust", "cost"]),
+        (("all",), ["report", "effects", "lubrication", "cost"]),
     ],
 )
 def test_chapters_are_named_and_any_study_is_one(names: tuple[str, ...], pages: list[str]) -> None:

@@ -11,9 +11,9 @@ from scipy import ndimage
 
 import contactstudy as cs
 from contactstudy.domain.fields import Array
-from studies.reference.accuracy import smooth
-from studies.reference.accuracy.case import EXACT, FREE, MODULUS, AccuracyCase, Finer, scene
 from studies.reference.line_contact import HERTZ, HERTZ_HEIGHT, P_H, SCENE, A
+from tests.accuracy import smooth
+from tests.accuracy.case import EXACT, FREE, MODULUS, AccuracyCase, Finer, scene
 
 PROFILES = (cs.FlatBottomed(), cs.Parabolic(), cs.Cosine())
 SAMPLING = 0.05 * A  # interval of the measured surface

@@ -8,9 +8,9 @@ import numpy as np
 
 import contactstudy as cs
 from contactstudy.domain.fields import Array
-from studies.reference.accuracy.case import EXACT, FREE, MODULUS, AccuracyCase, Finer, scene
-from studies.reference.accuracy.matrix import FINER, PROFILES, SAMPLING, Bumps, ground, rough
 from studies.reference.line_contact import HERTZ_HEIGHT, P_H, SCENE, A
+from tests.accuracy.case import EXACT, FREE, MODULUS, AccuracyCase, Finer, scene
+from tests.accuracy.matrix import FINER, PROFILES, SAMPLING, Bumps, ground, rough
 
 # Cases of each kind.
 EACH = 10

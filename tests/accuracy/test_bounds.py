@@ -8,10 +8,10 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.accuracy.estimate import error_estimate
-from studies.reference.accuracy.case import Errors, errors
-from studies.reference.accuracy.matrix import matrix
-from studies.reference.accuracy.smooth import Power
 from studies.reference.line_contact import HERTZ, HERTZ_HEIGHT, A
+from tests.accuracy.case import Errors, errors
+from tests.accuracy.matrix import matrix
+from tests.accuracy.smooth import Power
 
 EVERY = 19  # a prime, so that no kind's own order is followed
 THINNED = tuple(matrix())[::EVERY]

@@ -9,7 +9,8 @@ import numpy as np
 import contactstudy as cs
 from contactstudy.analytic import Westergaard
 from contactstudy.domain.fields import Array
-from studies.reference.accuracy.case import (
+from studies.reference.line_contact import HERTZ, HERTZ_HEIGHT, P_H, SCENE, A
+from tests.accuracy.case import (
     EXACT,
     FREE,
     MODULUS,
@@ -19,7 +20,6 @@ from studies.reference.accuracy.case import (
     Pressure,
     scene,
 )
-from studies.reference.line_contact import HERTZ, HERTZ_HEIGHT, P_H, SCENE, A
 
 STEEL = SCENE.solids
 

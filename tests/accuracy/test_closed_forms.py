@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
-from studies.reference.accuracy.case import AccuracyCase, ClosedForm
-from studies.reference.accuracy.matrix import matrix
 from studies.reference.line_contact import A
+from tests.accuracy.case import AccuracyCase, ClosedForm
+from tests.accuracy.matrix import matrix
 
 
 def test_a_contact_lies_on_its_grid_in_many_cells() -> None:

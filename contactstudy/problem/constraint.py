@@ -405,8 +405,8 @@ class PrescribedLoad:
         return constraint.project_to_load(trial, active, self.total)
 
     def error(self, load: float) -> float:
-        """Return the relative error of the load, ``|load / total - 1|``."""
-        return abs(load / self.total - 1)
+        """Return the relative error of the load, ``|load / total - 1|``, infinite where the total is zero."""
+        return abs(load / self.total - 1) if self.total else inf
 
 
 @dataclass(frozen=True)

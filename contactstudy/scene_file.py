@@ -11,13 +11,14 @@ from typing import TYPE_CHECKING, Any
 
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.device import Cpu, Device
-from contactstudy.domain.grid import Grid, Padding, Paddings
+from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
 from contactstudy.evolution.time_steps import TimeSteps
 from contactstudy.io.scene_files.materials import with_materials
 from contactstudy.io.scene_files.scene_schema import (
     KINDS,
     CrownTable,
     LundbergProfileTable,
+    MeanPressure,
     MeasuredSurfaceTable,
     MovingShapeTable,
     PlanSettings,
@@ -33,7 +34,7 @@ from contactstudy.scene.loads.load_history import ChangingLoad
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.shapes.moving_shape import MovingShape
 from contactstudy.scene.shapes.roller import Ellipsoid, Sphere
-from contactstudy.scene.shapes.shape import LengthScales, Shape
+from contactstudy.scene.shapes.shape import LengthScales, Shape, length_scales_of
 from contactstudy.solvers.solve import SolveOptions
 from contactstudy.solving import solve
 
@@ -43,6 +44,10 @@ if TYPE_CHECKING:
     from contactstudy.answers.lubricated_contact import LubricatedContact
 
 
+ONE_PADDING = (
+    "padding is that along the length alone, and leaves the surface free across, as if it ended there: leave it out, or "
+    'give padding_across = "ExactPeriodicity" too.'
+)
 # A key and a number with a unit that is not in quotes.
 BARE_UNIT = re.compile(
     r"\s*([\w.]+)\s*=\s*([-+]?[\d.]+(?:[eE][-+]?\d+)?\s*[^\W\d][^#\"']*|[\d.]+\s*%)\s*(?:#.*)?"
@@ -125,9 +130,10 @@ def read_scene(path: str | PathLike[str]) -> SceneFile:
     raw, groups = tables_of(path)
     document, doubts = document_from(raw, str(path)), tuple(likely_units(raw))
     try:
-        return replace(scene_file_from(document, path.parent), vary=groups, doubts=doubts)
+        described = scene_file_from(document, path.parent)
     except InvalidInput as error:
         raise InvalidInput("\n".join((f"{path}: {error}", *doubts))) from error
+    return replace(described, vary=groups, doubts=(*described.doubts, *doubts))
 
 
 def tables_of(path: Path) -> tuple[dict[str, Any], tuple[Mapping[str, object], ...]]:
@@ -237,6 +243,12 @@ def scene_file_from(document: SceneDocument, folder: Path = Path()) -> SceneFile
         adhesion=document.adhesion,
     )
     padding: Padding | Paddings | None = document.padding
+    doubts: tuple[str, ...] = ()
+    if isinstance(document.load, MeanPressure) and document.padding_across is None:
+        if document.padding is None:  # nominally flat: periodic both ways
+            padding = ExactPeriodicity(), ExactPeriodicity()
+        elif document.padding.wraps or document.padding.window is None:
+            doubts = (ONE_PADDING,)
     if document.padding_across is not None:
         if document.padding is None:
             raise InvalidInput(
@@ -244,7 +256,13 @@ def scene_file_from(document: SceneDocument, folder: Path = Path()) -> SceneFile
             )
         padding = document.padding_across, document.padding
     return SceneFile(
-        scene, document.plan, document.solve, document.grid, padding, document.time_steps
+        scene,
+        document.plan,
+        document.solve,
+        document.grid,
+        padding,
+        document.time_steps,
+        doubts=doubts,
     )
 
 
@@ -285,6 +303,10 @@ def _paths(table: Mapping[str, object], before: str = "") -> dict[str, object]:
 def _with_length(document: SceneDocument, shapes: Iterable[Shape]) -> ConstantLoad | ChangingLoad:
     """Return the load; a total load on shapes without a length is spread over the length of the grid, if known."""
     load = document.load
+    if isinstance(load, MeanPressure):
+        measured = [scales.known_width for scales in length_scales_of(shapes) if scales.spacing]
+        width = document.grid.extent[0] if document.grid else min(measured, default=None)
+        return load.load(width, tuple(shapes))
     has_length = any(
         0 < getattr(shape, "length_scales", LengthScales()).roller < inf
         or isinstance(shape, Sphere | Ellipsoid)  # a point contact needs none

@@ -160,6 +160,8 @@ def _with_error(described: cs.SceneFile, error: Request | None) -> cs.SceneFile:
 def _announce(scene: Path, described: cs.SceneFile, device: cs.Cpu | cs.Gpu) -> None:
     """Print the warnings of the plan, and its cost if that is large; nothing without a curved shape."""
     if described.scene.hertz is None:
+        for doubt in described.doubts:
+            click.echo(f"{scene}: warning: {doubt}", err=True)
         return
     planned = described.plan(device=device)
     for warning in planned.warnings:

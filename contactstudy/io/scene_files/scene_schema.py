@@ -17,7 +17,7 @@ from contactstudy.domain.grid import (
     Superposition,
     ZeroPadding,
 )
-from contactstudy.domain.units import Hardness, Metres, NewtonsPerMetre, Number
+from contactstudy.domain.units import Hardness, Metres, NewtonsPerMetre, Number, Pascals
 from contactstudy.evolution.time_steps import TimeSteps
 from contactstudy.io.scene_files.structuring import NO_KIND
 from contactstudy.scene.adhesion import Adhesion
@@ -208,6 +208,26 @@ class LundbergProfileTable:
 
 
 @dataclass(frozen=True)
+class MeanPressure:
+    """Load of nominally flat bodies as the mean pressure over the whole surface."""
+
+    pressure: Pascals
+
+    def load(self, width: float | None, shapes: tuple[Shape, ...]) -> LineLoad:
+        """Return the load per length over the `width` [m] of the grid or the surface."""
+        if any(shape.curvature or hasattr(shape, "curvatures") for shape in shapes):
+            raise InvalidInput(
+                "load.pressure is the mean pressure of nominally flat bodies, and a shape is curved: give per_length, "
+                "or total."
+            )
+        if width is None:
+            raise InvalidInput(
+                "load.pressure acts on a surface of a size that is not known: give a [grid], or a MeasuredSurface."
+            )
+        return LineLoad(self.pressure * width)
+
+
+@dataclass(frozen=True)
 class MovingShapeTable:
     """Shape that a body carries, which may be given by a file."""
 
@@ -280,7 +300,9 @@ KINDS: Mapping[Any, Mapping[str, type]] = {
     ),
     Body: _kinds(HalfSpace, CoatedHalfSpace, ViscoelasticHalfSpace, ElasticPlasticHalfSpace)
     | {NO_KIND: HalfSpace},
-    ChangingLoad: _kinds(LineLoad, TotalLoad, LoadHistory, SineLoad, Approach, PullOff)
+    ChangingLoad: _kinds(
+        LineLoad, TotalLoad, MeanPressure, LoadHistory, SineLoad, Approach, PullOff
+    )
     | {NO_KIND: LineLoad},
     Friction: _kinds(Sliding, PartialSlip, Fretting, TractiveRolling),
     Output: _kinds(SubsurfaceStress),

@@ -198,6 +198,58 @@ def test_a_vickers_hardness_without_a_yield_stress_gives_a_third_of_it(tmp_path:
     assert body.yield_stress == pytest.approx(100 * 9.80665e6)
 
 
+WAVY = """
+[load]
+pressure = "20 MPa"
+[[solids]]
+material = "steel"
+[[solids]]
+youngs_modulus = inf
+poisson_ratio = 0.3
+[[shapes]]
+kind = "Waviness"
+amplitude = "0.1 um"
+across = "1 mm"
+[grid]
+cells = [128, 1]
+extent = ["1 mm", "1 mm"]
+"""
+
+
+def test_a_mean_pressure_on_a_flat_is_periodic_both_ways_as_westergaard_has_it(
+    tmp_path: Path,
+) -> None:
+    described = read(WAVY, tmp_path)
+    assert described.padding == (cs.ExactPeriodicity(), cs.ExactPeriodicity())
+    assert described.scene.load == cs.LineLoad(2e4)
+    exact = cs.analytic.Westergaard(2e7, 1e-7, 1e-3, described.scene.contact_modulus)
+    assert described.solve().pressure.max() == pytest.approx(exact.peak_pressure, rel=1e-2)
+    [doubt] = read('padding = "ExactPeriodicity"\n' + WAVY, tmp_path).doubts
+    assert "leaves the surface free across" in doubt
+
+
+@pytest.mark.parametrize(
+    ("good", "bad", "said"),
+    [
+        (
+            '[grid]\ncells = [128, 1]\nextent = ["1 mm", "1 mm"]',
+            "",
+            "give a \\[grid\\], or a Measured",
+        ),
+        (
+            "[grid]",
+            "[[shapes]]\nkind = 'Cylinder'\nradius = 1\n[grid]",
+            "a shape is curved: give per_length",
+        ),
+    ],
+)
+def test_a_mean_pressure_needs_a_flat_surface_of_a_size(
+    good: str, bad: str, said: str, tmp_path: Path
+) -> None:
+    with pytest.raises(cs.InvalidInput, match=said):
+        read(WAVY.replace(good, bad), tmp_path)
+
+
 def test_a_file_with_a_byte_order_mark_is_read(tmp_path: Path) -> None:
     (tmp_path / "scene.toml").write_text(GOOD, encoding="utf-8-sig")
     assert cs.read_scene(tmp_path / "scene.toml").scene == read(GOOD, tmp_path).scene

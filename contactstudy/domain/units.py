@@ -58,6 +58,7 @@ DISPLAY_UNITS: Mapping[str, tuple[tuple[float, str], ...]] = {
     "W": ((1e3, "kW"), (1.0, "W"), (1e-3, "mW")),
     "W m-1": ((1.0, "W/m"),),
     "J m-1": ((1.0, "J/m"), (1e-3, "mJ/m"), (1e-6, "µJ/m"), (1e-9, "nJ/m")),
+    "1/Pa": ((1e-9, "1/GPa"), (1.0, "1/Pa")),
     "rad": ((1.0, "rad"), (1e-3, "mrad")),
     "1": ((1.0, ""),),
 }

@@ -1,8 +1,7 @@
 """Style of the report: colours and markers, text of numbers and settings, marks for indices and powers."""
 
 import re
-from collections.abc import Callable, Iterable, Iterator
-from itertools import cycle
+from collections.abc import Callable
 from typing import Any, SupportsFloat
 
 import matplotlib as mpl
@@ -13,7 +12,7 @@ from markupsafe import Markup, escape
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator
+from matplotlib.ticker import NullLocator
 
 from contactstudy.io.pictures.figure import LAW_STYLE, SETTINGS, add_legend, panels
 from studies.model.drawing import CaptionedFigure
@@ -40,9 +39,24 @@ PADDING_STYLES = {
 }
 
 
+# Names of the classes of the paddings of a scene.
+SHORT_NAMES = {
+    "ZeroPadding": "zero", "DuplicatedPadding": "duplicated", "Superposition": "superposed",
+    "CircularSuperposition": "circular", "ExactPeriodicity": "exact",
+}  # fmt: skip
+
+
 def padding_style(padding: str) -> dict[str, Any]:
     """Return colour and marker as keywords for matplotlib; a padding without a style is ochre."""
-    return dict(PADDING_STYLES.get(padding, {"color": "#E69F00", "marker": "D"}))
+    name = padding_text(padding).partition(",")[0]
+    return dict(PADDING_STYLES.get(name, {"color": "#E69F00", "marker": "D"}))
+
+
+def padding_text(value: object) -> str:
+    """Return the name of a padding of a scene as the report has it, such as "superposed, n = 6"; others as they are."""
+    name, _, images = str(value).partition("(images=")
+    short = SHORT_NAMES.get(name)
+    return str(value) if short is None else f"{short}, n = {images[:-1]}" if images else short
 
 
 def setting_label(dataset: xr.Dataset | xr.DataArray) -> str:
@@ -50,38 +64,15 @@ def setting_label(dataset: xr.Dataset | xr.DataArray) -> str:
     return padding_label(str(dataset["padding"].values), int(dataset["images"]))
 
 
-def by_color(
-    dataset: xr.Dataset, axis: str, label: str = ""
-) -> Iterator[tuple[xr.Dataset, dict[str, Any]]]:
-    """Yield the part of a dataset at each value of an axis, with colour, marker and label for matplotlib.
-
-    The label is the format `label` with the value, such as "{} cells".
-    """
-    for value, color in zip(dataset[axis].values.tolist(), cycle(COLORS), strict=False):
-        style = {"color": color, "marker": "o", "label": label.format(value)}
-        yield dataset.sel({axis: value}), style
-
-
-def label_panels(axes: Iterable[Axes], *labels: tuple[str, str, str]) -> None:
-    """Write the labels of x and y, and a note above, on each of the panels."""
-    for ax, (x, y, note) in zip(axes, labels, strict=True):
-        ax.set(xlabel=x, ylabel=y)
-        ax.set_title(note, loc="right", fontsize="small")
-
-
 def tick_cells(ax: Axes, cells: Any, offset: float = 0.0) -> None:
     """Label an axis of whole numbers, such as numbers of cells, at these numbers alone; they stand `offset` farther."""
     ax.set_xticks([n + offset for n in cells], [str(n) for n in cells])
-    ax.minorticks_off()
+    ax.xaxis.set_minor_locator(NullLocator())
 
 
 def write_powers(axis: Axis, text: Callable[[float], str]) -> None:
-    """Write the numbers of a logarithmic axis as texts: powers of ten, with 2 and 5 times these on a short axis."""
-    low, high = sorted(axis.get_view_interval())
-    is_short = high < 100 * low
+    """Write the numbers of a logarithmic axis as texts."""
     axis.set_major_formatter(lambda value, _: text(value))
-    axis.set_minor_locator(LogLocator(subs=(2, 5) if is_short else "auto"))
-    axis.set_minor_formatter(lambda value, _: text(value) if is_short else "")
 
 
 def in_percent(fraction: float) -> str:
@@ -93,14 +84,6 @@ def captioned(name: str, figure: Figure, caption: str) -> CaptionedFigure:
     """Return the figure with its legend, file name and caption."""
     add_legend(figure)
     return CaptionedFigure(name, figure, caption)
-
-
-def select_evenly(values: Iterable[Any], count: int = 3) -> list[Any]:
-    """Return at most `count` of the values, evenly spaced, including the first and the last."""
-    chosen = list(values)
-    if len(chosen) <= count:
-        return chosen
-    return [chosen[round(k * (len(chosen) - 1) / (count - 1))] for k in range(count)]
 
 
 def percent(value: SupportsFloat) -> str:
@@ -115,12 +98,6 @@ def percent(value: SupportsFloat) -> str:
 def paddings(dataset: xr.Dataset) -> list[str]:
     """Return the paddings of a dataset, in its order."""
     return [str(name) for name in dataset["padding"].values]
-
-
-def variation_text(dataset: xr.Dataset) -> str:
-    """Return a text with the variation of the pressure of a setting along the length."""
-    variation = float(dataset["length_variation"])
-    return f"{percent(variation)} of p_{{H}}" if variation > 1e-12 else "rounding only"
 
 
 MARK = re.compile(r"([_^])\{([^{}]*)\}")  # p_{H} is an index, N^{-1.5} a power

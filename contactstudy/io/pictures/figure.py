@@ -1,12 +1,13 @@
 """Figures with panels, in one style."""
 
-from math import ceil, log10
+from math import floor, log10
 from typing import Any, Literal
 
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogFormatterSciNotation, LogLocator, NullFormatter, NullLocator
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter, NullLocator
 
 from contactstudy.domain.units import display_unit_of
 
@@ -64,30 +65,56 @@ def name_axes(ax: Axes, across: str, up: str, title: str) -> None:
     ax.set(xlabel=across, ylabel=up, title=title)
 
 
-def add_legend(figure: Figure) -> None:
-    """Add one legend for all panels, outside them, and label logarithmic axes so that labels do not overlap.
+def number_text(value: float) -> str:
+    """Return a number for an axis: as it is from 0.001 to 10000, else with a power of ten."""
+    if value == 0 or 1e-3 <= abs(value) < 1e5:
+        return f"{value:g}"
+    exponent = floor(log10(abs(value)) + 1e-9)
+    digits = f"{value / 10.0**exponent:.3g}"
+    return f"$10^{{{exponent}}}$" if digits == "1" else f"${digits}\\cdot10^{{{exponent}}}$"
 
-    Where two decades are shown, only decades are labelled; where one is, also twice and five times a decade. An axis
-    whose ticks are set, without minor ones, is left as it is.
+
+def label_logarithmic(axis: Axis) -> None:
+    """Label a logarithmic axis in one way: decades, with 2 and 5 times these below two of them, evenly below a third.
+
+    The numbers are plain, unless the axis has texts of its own. Ticks that are set, without minor ones, stay.
     """
+    low, high = sorted(axis.get_view_interval())
+    if high < 1.001 * low:  # one value, and its law within rounding of it
+        axis.set_view_interval(low / 2, 2 * high, ignore=True)
+        low, high = low / 2, 2 * high
+    if isinstance(axis.get_minor_locator(), NullLocator):
+        return
+    own = axis.get_major_formatter()
+    text = own if isinstance(own, FuncFormatter) else FuncFormatter(lambda x, _: number_text(x))
+    axis.set_major_formatter(text)
+    if high < 5 * low:
+        axis.set_major_locator(MaxNLocator(4, steps=[1, 2, 5, 10]))
+        axis.set_minor_locator(NullLocator())
+    elif high < 100 * low:
+        axis.set_minor_locator(LogLocator(subs=(2, 5)))
+        axis.set_minor_formatter(text)
+    else:
+        axis.set_minor_formatter(NullFormatter())
+
+
+LEGEND_WIDTH = 5.4  # [in], which a telephone shows of a figure without scrolling
+
+
+def add_legend(figure: Figure) -> None:
+    """Add one legend for all panels below them, at the left, and label logarithmic axes."""
     entries: dict[str, Any] = {}
     for ax in figure.axes:
         for axis in (ax.xaxis, ax.yaxis):
             if axis.get_scale() == "log":
-                low, high = axis.get_view_interval()
-                if high < 1.001 * low:  # one value, and its law within rounding of it
-                    axis.set_view_interval(low / 2, 2 * high, ignore=True)
-                decade = 10.0 ** ceil(log10(low))  # the first that is shown, if one is
-                if high >= 10 * decade or isinstance(axis.get_minor_locator(), NullLocator):
-                    axis.set_minor_formatter(NullFormatter())
-                elif high >= decade:  # the labels between would lie on each other
-                    axis.set_minor_locator(LogLocator(subs=(2, 5)))
-                    axis.set_minor_formatter(LogFormatterSciNotation(minor_thresholds=(2, 2)))
+                label_logarithmic(axis)
+            elif axis.get_scale() == "symlog":
+                axis.set_major_formatter(lambda value, _: number_text(value))
         for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
             entries.setdefault(label, handle)
     if not entries:
         return
-    width = max(1.7, 0.7 + 0.075 * max(map(len, entries)))  # of an entry [in]
-    rows = -(-len(entries) // max(1, int(figure.get_figwidth() / width)))
+    width = max(1.3, 0.55 + 0.065 * max(map(len, entries)))  # of an entry [in]
+    rows = -(-len(entries) // max(1, int(min(figure.get_figwidth(), LEGEND_WIDTH) / width)))
     columns = -(-len(entries) // rows)
-    figure.legend(entries.values(), entries.keys(), loc="outside lower center", ncols=columns)
+    figure.legend(entries.values(), entries.keys(), loc="outside lower left", ncols=columns)

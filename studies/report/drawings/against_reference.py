@@ -1,28 +1,15 @@
 """Errors of a sweep against one value of a varied field, and their front over the times where these were taken."""
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from studies.advice.front import pareto_front
 from studies.model.drawing import CaptionedFigure
 from studies.model.outcome import CaseStatus
-from studies.model.plain_text import one_line
-from studies.reference.line_contact import total_time
-from studies.report.style import (
-    COLORS,
-    WIDTH,
-    captioned,
-    in_percent,
-    panels,
-    percent,
-    write_powers,
-)
-from studies.report.wording import seconds_text
+from studies.report.plots import Plot, draw
+from studies.report.style import padding_text, percent
 
-MARKERS = "osv^Dx"
 L1 = "pressure_error_l1"
 NOT_NESTED = " No error of the pressure in L1: the grids differ in extent, or do not nest in the reference's."
 
@@ -49,10 +36,9 @@ def figures(dataset: xr.Dataset, names: Sequence[str]) -> Sequence[CaptionedFigu
     other_axes = [name for name in dataset["case_status"].dims if name != axis]
     # the datum of an approach, for one, may differ between paddings
     bounded = [name for name in names if np.isfinite(true.get(f"{name}_bound", np.inf)).all()]
-    names = bounded or names
     errors = {
-        name: abs(compared[name] / true[name] - 1).max(other_axes)
-        for name in names
+        name.replace("_", " "): abs(compared[name] / true[name] - 1).max(other_axes)
+        for name in bounded or names
         if bool((true[name] != 0).all())
     }
     has_l1 = L1 in compared and bool(compared[L1].notnull().any())
@@ -60,76 +46,47 @@ def figures(dataset: xr.Dataset, names: Sequence[str]) -> Sequence[CaptionedFigu
         errors = {"pressure in L1": compared[L1].max(other_axes), **errors}
     if not errors:
         return ()
-    labels = [_text(value) for value in compared[axis].values]
-    reference = f"{axis.replace('_', ' ')} {_text(true[axis].item())}"
-    bounds_text = _known(true, list(errors)) + NOT_NESTED * (not has_l1)
-    drawn = [_over_axis(errors, labels, reference, bounds_text)]
+    text = f"{true[axis].item():.4g}" if is_number else padding_text(true[axis].item())
+    reference = f"{axis.replace('_', ' ')} {text}"
+    of_all = xr.concat(list(errors.values()), "quantity").assign_coords(quantity=list(errors))
+    label = {"long_name": "relative error"}
+    # an error of nothing has no place on a logarithmic axis
+    drawn = xr.Dataset({"relative_error": of_all.where(of_all > 0).assign_attrs(label)})
+    drawn[axis].attrs |= dataset[axis].attrs
+    about = _known(true, list(errors)) + NOT_NESTED * (not has_l1)
+    plots = [
+        Plot(
+            "errors", ("relative_error",), axis, hue="quantity", line="none", log="y",
+            caption=f"Relative errors against {reference}; a quantity without a mark agrees exactly, or has no number."
+            f"{about}",
+        )
+    ]  # fmt: skip
     if "solve_time" in dataset and bool(dataset["solve_time"].notnull().any()):
-        times = total_time(compared).median(other_axes)
-        drawn.append(_front(*next(iter(errors.items())), times, labels, reference))
-    return drawn
-
-
-def _text(value: object) -> str:
-    return f"{value:.4g}" if isinstance(value, float) else one_line(value, 30)
+        first = next(iter(errors))
+        drawn["error"] = errors[first].assign_attrs(long_name=f"relative error of the {first}")
+        drawn["setup_time"], drawn["solve_time"] = (
+            compared[name].median(other_axes) for name in ("setup_time", "solve_time")
+        )
+        plots.append(
+            Plot(
+                "front", ("error",), "total_time", hue=axis, line="none", log="xy",
+                caption=f"Relative error of the {first} against {reference}, over the time of a case; of several cases "
+                "at one value the largest error and the median time.",
+            )
+        )  # fmt: skip
+    made = (draw(drawn, plot) for plot in plots)
+    return tuple(one for one in made if one is not None)
 
 
 def _known(true: xr.Dataset, names: Sequence[str]) -> str:
     """Return a sentence with the bounds of the reference itself, below which errors are not resolved."""
+    keys = {name: name.replace(" ", "_") for name in names}
     bounds = {
-        name: float((true[f"{name}_bound"] / abs(true[name])).max())
-        for name in names
-        if f"{name}_bound" in true
+        name: float((true[f"{key}_bound"] / abs(true[key])).max())
+        for name, key in keys.items()
+        if f"{key}_bound" in true
     }
     if "pressure_l1_estimate" in true:
         bounds = {"pressure in L1": float(true["pressure_l1_estimate"].max()), **bounds}
-    finite = [
-        f"{name.replace('_', ' ')} {percent(bound)}"
-        for name, bound in bounds.items()
-        if 0 < bound < np.inf
-    ]
+    finite = [f"{name} {percent(bound)}" for name, bound in bounds.items() if 0 < bound < np.inf]
     return f" Bounds of the reference itself: {', '.join(finite)}." if finite else ""
-
-
-def _over_axis(
-    errors: dict[str, xr.DataArray], labels: Sequence[str], reference: str, bounds_text: str
-) -> CaptionedFigure:
-    fig, (ax,) = panels(1, width=WIDTH, height=1.6 + 0.3 * len(labels))
-    for number, (name, error) in enumerate(errors.items()):
-        color, marker = COLORS[number % len(COLORS)], MARKERS[number % len(MARKERS)]
-        style: Any = {"ls": "none", "marker": marker, "color": color}
-        positions = np.arange(len(labels))
-        ax.plot(error.where(error > 0), positions, label=name.replace("_", " "), **style)
-    ax.set(xscale="log", xlabel="relative error", yticks=range(len(labels)), yticklabels=labels)
-    write_powers(ax.xaxis, in_percent)
-    ax.invert_yaxis()
-    has_missing = any(bool(error.isnull().any()) for error in errors.values())
-    unmarked = "a quantity without a mark agrees exactly" + ", or has no number" * has_missing
-    return captioned(
-        "errors",
-        fig,
-        f"Relative errors against {reference}; {unmarked}.{bounds_text}",
-    )
-
-
-def _front(
-    name: str, error: xr.DataArray, seconds: xr.DataArray, labels: Sequence[str], reference: str
-) -> CaptionedFigure:
-    """Draw an error over the time of a case, with a line through the Pareto front."""
-    fig, (ax,) = panels(1, width=WIDTH, height=4.2)
-    best = pareto_front(seconds.values, error.values)
-    ax.loglog(seconds.values[best], error.values[best], color=COLORS[0])
-    ax.loglog(seconds.values, error.values, "o", color=COLORS[0])
-    for x, y, label in zip(seconds.values, error.values, labels, strict=True):
-        ax.annotate(label, (x, y), (5, 3), textcoords="offset points", fontsize="small")
-    name = name.replace("_", " ")
-    ax.set_xlabel("wall time to set up and solve, on one thread")
-    ax.set_ylabel(f"relative error of the {name}")
-    write_powers(ax.xaxis, seconds_text)
-    write_powers(ax.yaxis, in_percent)
-    return captioned(
-        "front",
-        fig,
-        f"Relative error of the {name} against {reference}, over the time of a case; of several cases at one value the "
-        "largest error and the median time. The line joins the Pareto front.",
-    )

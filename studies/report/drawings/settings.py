@@ -1,323 +1,274 @@
-"""Drawing of the studies of settings: errors over the axis that varies, what n and cells are needed, and the price."""
+"""Figures, claims and tables of the studies of settings, as data."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable
 
 import numpy as np
 import xarray as xr
 
-from studies.advice.front import pareto_front
-from studies.model.drawing import CaptionedFigure, Drawing, Finding, Table
-from studies.model.outcome import CaseStatus
-from studies.reference.line_contact import HAS_IMAGES, padding_at, padding_label, total_time
+from studies.model.drawing import CaptionedFigure, Table
+from studies.reference.line_contact import HAS_IMAGES, total_time
+from studies.report.claims import Claim, drawing
+from studies.report.plots import Law, Plot
 from studies.report.style import (
     LAW_STYLE,
     WIDTH,
     captioned,
-    in_percent,
     padding_style,
     paddings,
     panels,
     percent,
     power,
-    tick_cells,
-    write_powers,
+    setting_label,
 )
-from studies.report.wording import DECADES, seconds_text
+from studies.report.wording import seconds_text
 
 ERROR = "pressure_error_l1"
-LABEL = "L1 error of the pressure"
-# Axes over which errors are drawn as lines.
-OVER = {
-    "images": "n + ½  (n periods on each side)",
-    "grid": "cells across the width",
-    "period": "period over the scene's own",
-}
-HERTZ = "Hertz's contact"
+HERTZ: dict[str, tuple[object, ...]] = {"against": ("Hertz's contact",)}
+FINEST = {"grid": -1, "solver_tolerance": 0}
 # Errors by the padding for which the least n is listed.
 TARGETS = (1e-2, 1e-3, 1e-4)
 
-
-def _figure(dataset: xr.Dataset) -> Sequence[CaptionedFigure]:
-    """Draw errors over every axis with several values, or as points, and the front of errors and times."""
-    dataset = _on_one_tolerance(dataset) if not is_timed(dataset) else dataset
-    untimed = _on_one_tolerance(dataset)
-    if dataset.sizes["period"] > 1 and is_of_hertz(dataset):
-        # exact periodicity alone has no window
-        drawn = [_over_reach(untimed)] if set(paddings(dataset)) - {"exact"} else []
-        varied = ["grid"]
-    else:
-        drawn, varied = [], list(OVER)
-    drawn += [_over(untimed, axis) for axis in varied if dataset.sizes[axis] > 1]
-    if not drawn:
-        drawn = [_points(untimed)]
-    return [*drawn, *([_front(dataset)] if is_timed(dataset) else [])]
-
-
-def is_of_hertz(dataset: xr.Dataset) -> bool:
-    """Return whether the errors are against Hertz's contact, for which the law of a window is known."""
-    return str(dataset.attrs.get("against", "")) == HERTZ
-
-
-def is_timed(dataset: xr.Dataset) -> bool:
-    """Return whether times were taken."""
-    return "solve_time" in dataset and bool(dataset["solve_time"].notnull().any())
-
-
-def _on_one_tolerance(dataset: xr.Dataset) -> xr.Dataset:
-    """Return a dataset at its smallest tolerance, where it has several."""
-    if "solver_tolerance" not in dataset.dims:
-        return dataset
-    return dataset.sel(solver_tolerance=dataset["solver_tolerance"].min(), drop=True)
+REACH = Plot(
+    "reach", (ERROR,), "reach", hue="padding", at=FINEST, line="none", log="xy",
+    laws=(Law("law a²/(2πD²)", ERROR, lambda reach, _: 1 / (2 * np.pi * reach**2)),),
+    caption="L1 error of the pressure over the reach D of the window: the distance to each side within which a point "
+    "sees pressure (L/2 without neighbours, L with one copy, (n + ½)L with n periods). A mark is a padding at one n "
+    "and one period L. Windows that move with the point follow one law, down to the error by the cells (dashed); one "
+    "that is fixed to the domain lies above it.",
+)  # fmt: skip
+OVER_IMAGES = Plot(
+    "over_images", (ERROR,), "half_images", hue="padding", at=FINEST | {"period": -1}, log="xy",
+    caption="L1 error of the pressure over n + ½, at the longest period.",
+)  # fmt: skip
+OVER_PERIOD = Plot(
+    "over_period", (ERROR,), "period", hue="padding", dash="images", at=FINEST, line="none", log="xy",
+    caption="L1 error of the pressure over the period.",
+)  # fmt: skip
+OVER_GRID = Plot(
+    "over_grid", (ERROR,), "grid", hue="padding", dash="images", at={"period": -1, "solver_tolerance": 0}, log="xy",
+    caption="L1 error of the pressure over the cells across. A line ends horizontally at the error of its padding, "
+    "which finer grids do not reduce.",
+)  # fmt: skip
+SIDE_BY_SIDE = Plot(
+    "paddings", (ERROR,), "padding", dash="images", at=FINEST | {"period": -1}, log="y",
+    caption="L1 error of the pressure with every padding, at the longest period.",
+)  # fmt: skip
+FRONT = Plot(
+    "front", (ERROR,), "total_time", hue="padding", columns="period", line="front", log="xy",
+    caption="The price of accuracy: the Pareto front of each padding; small marks: its other settings.",
+)  # fmt: skip
 
 
-def _lines(dataset: xr.Dataset, over: str) -> Iterator[tuple[str, str, xr.Dataset]]:
-    """Yield padding, name and part of a dataset for every padding, and every n that is not the axis itself."""
-    for padding in paddings(dataset):
-        part = dataset.sel(padding=padding)
-        if over == "images":
-            yield padding, padding, part
-            continue
-        for n in part["images"].values[: None if padding in HAS_IMAGES else 1]:
-            yield padding, padding_label(padding, int(n)), part.sel(images=n)
-
-
-def _finest(part: xr.Dataset, over: str) -> xr.Dataset:
-    """Return a part at the finest grid, the longest period and the largest n, but for the axis `over`."""
-    axes = {"images", "period", "grid"} & set(part.dims) - {over}
-    return part.isel(dict.fromkeys(axes, -1))
-
-
-def shown_at(part: xr.Dataset, over: str) -> str:
-    """Return the values of the axes at which a figure is drawn."""
-    words = {"grid": "{} cells across", "period": "L = {:g} a" if is_of_hertz(part) else ""}
-    shown = _finest(part, over)
-    texts = [words[axis].format(shown[axis].item()) for axis in words if shown[axis].ndim == 0]
-    return ", ".join(text for text in texts if text)
-
-
-def against(dataset: xr.Dataset) -> str:
-    """Return what the errors are against."""
-    return f"against {dataset.attrs.get('against', 'a finer solution')}"
-
-
-def _over_reach(dataset: xr.Dataset) -> CaptionedFigure:
-    """Draw the errors of all n and periods over the distance within which a point sees pressure."""
-    finest = dataset.isel(grid=-1)
-    fig, (ax,) = panels(1, width=WIDTH, height=4.2)
-    spans: list[float] = []
-    for name in paddings(dataset):
-        part = finest.sel(padding=name)
-        counted = part if name in HAS_IMAGES else part.isel(images=[0])
-        flat = counted[ERROR].stack(setting=("images", "period"))
-        reach = [padding_at(name, int(n)).reach(float(L)) for n, L in flat["setting"].values]
-        style = padding_style(name)
-        if np.isfinite(reach).all():
-            ax.loglog(reach, flat, ls="none", label=name, **style)
-            spans += reach
-        else:
-            ax.axhline(
-                float(flat.max()),
-                color=style["color"],
-                ls="--",
-                label=f"{name}: the error by the cells",
-            )
-    beyond = np.geomspace(max(1.0, min(spans)), max(spans))
-    # L1 error of a window with a reach of so many half-widths
-    ax.loglog(beyond, 1 / (2 * np.pi * beyond**2), label="law a²/(2πD²)", **LAW_STYLE)
-    ax.set(xlabel="reach D of the window over the half-width a", ylabel=LABEL)
-    write_powers(ax.yaxis, in_percent)
-    write_powers(ax.xaxis, "{:g}".format)
-    return captioned(
-        "reach",
-        fig,
-        f"{LABEL} over the reach D of the window: the distance to each side within which a point sees pressure (L/2 "
-        "without neighbours, L with one copy, (n + ½)L with n periods). Each mark is a padding at one n and one period "
-        f"L, on {int(finest['grid'])} cells across. All windows that move with the point follow one law; one that is "
-        f"fixed to the domain also makes the load vary along the length. Dashed: no image is left out.",
-    )
-
-
-def _over(dataset: xr.Dataset, over: str) -> CaptionedFigure:
-    fig, (ax,) = panels(1, width=WIDTH, height=4.2)
-    for padding, label, part in _lines(dataset, over):
-        shown = _finest(part, over)
-        x = shown[over].values + (0.5 if over == "images" else 0.0)
-        style = padding_style(padding)
-        if over == "images" and padding not in HAS_IMAGES:
-            style |= {"marker": "none", "ls": "--"}
-        if over == "period":  # some whole numbers are no line
-            style |= {"ls": "none"}
-        ax.loglog(x, shown[ERROR], label=label, **style)
-    ax.set(xlabel=OVER[over], ylabel=LABEL)
-    write_powers(ax.yaxis, in_percent)
-    if over == "grid":
-        tick_cells(ax, dataset["grid"].values)
-    place = shown_at(dataset, over)
-    ends = " A line ends horizontally at the error of its padding, which finer grids do not reduce."
-    return captioned(
-        f"over_{over}",
-        fig,
-        f"{LABEL} over the {OVER[over].split('  ')[0]}, {against(dataset)}{'; ' * bool(place)}{place}."
-        + ends * (over == "grid"),
-    )
-
-
-def _points(dataset: xr.Dataset) -> CaptionedFigure:
-    """Draw the error of every padding as a point."""
-    lines = list(_lines(dataset, ""))
-    fig, (ax,) = panels(1, width=WIDTH, height=1.0 + 0.3 * len(lines))
-    for row, (padding, _, part) in enumerate(lines):
-        error = float(_finest(part, "")[ERROR])
-        ax.plot(error, row, "o", color=padding_style(padding)["color"])
-    names = [label for _, label, _ in lines]
-    ax.set(xscale="log", xlabel=LABEL, yticks=range(len(lines)), yticklabels=names)
-    write_powers(ax.xaxis, in_percent)
-    ax.invert_yaxis()
-    caption = f"{LABEL} of every padding, {against(dataset)}; {shown_at(dataset, '')}."
-    return captioned("paddings", fig, caption)
-
-
-def _front(dataset: xr.Dataset) -> CaptionedFigure:
-    """Draw errors over times, a panel for at most two periods."""
-    periods = dataset["period"].values[[0, -1] if dataset.sizes["period"] > 1 else [0]]
-    fig, axes = panels(len(periods), width=WIDTH / len(periods), height=4.2, share="both")
-    for ax, period in zip(axes, periods, strict=True):
-        part = dataset.sel(period=period)
-        for padding in paddings(dataset):
-            settings, style = part.sel(padding=padding), padding_style(padding)
-            cost = total_time(settings).values.ravel()
-            error = settings[ERROR].values.ravel()
-            best = pareto_front(cost, error)
-            ax.loglog(cost[best], error[best], label=padding, **style)
-            ax.loglog(cost, error, **style | {"ls": "none", "ms": 3, "alpha": 0.5})
-        period_text = f"period L = {period:g} a" if is_of_hertz(dataset) else ""
-        ax.set(xlabel="wall time to set up and solve, on one thread", title=period_text)
-        write_powers(ax.xaxis, seconds_text)
-        write_powers(ax.yaxis, in_percent)
-    axes[0].set_ylabel(LABEL)
-    caption = (
-        "The price of accuracy: the Pareto front of each padding; small marks: its other settings."
-    )
-    return captioned("front", fig, caption)
-
-
-def _tables(dataset: xr.Dataset) -> Sequence[Table]:
-    """Return the n or the cells that are needed, where several are stored."""
-    if dataset.sizes["images"] > 2 and "circular" in paddings(dataset):
-        return [_needed(_on_one_tolerance(dataset))]
-    if dataset.sizes["grid"] > 2 and "solver_tolerance" not in dataset.dims:
-        return [_cells(dataset)]
-    return []
-
-
-def _from_then_on(meets: np.ndarray, values: np.ndarray) -> str:
+def from_then_on(meets: Iterable[bool], values: np.ndarray) -> str:
     """Return the least of some rising values from which on all meet a condition, or that none does."""
-    enough = np.flatnonzero(np.minimum.accumulate(meets[::-1])[::-1])
+    enough = np.flatnonzero(np.minimum.accumulate(np.asarray(meets)[::-1])[::-1])
     return str(values[enough[0]]) if enough.size else f"> {values[-1]}"
 
 
-def _cells(dataset: xr.Dataset) -> Table:
-    """Return the least number of cells across from which on each padding stays below some errors."""
-    lines = [
-        (label, _finest(part, "grid")[ERROR].values) for _, label, part in _lines(dataset, "grid")
-    ]
-    cells = dataset["grid"].values
-    rows = tuple(
-        (percent(target), *(_from_then_on(errors <= target, cells) for _, errors in lines))
-        for target in DECADES
-        if min(errors[-1] for _, errors in lines) <= target
-    )
-    return Table(
-        f"Cells across from which on the error stays below a target, {shown_at(dataset, 'grid')}; > {cells[-1]}: "
-        "on no grid that was tried.",
-        ("error at most", *(label for label, _ in lines)),
-        rows,
-    )
+def finest(dataset: xr.Dataset) -> xr.Dataset:
+    """Return a dataset on its finest grid, at its smallest tolerance."""
+    return dataset.isel({name: place for name, place in FINEST.items() if name in dataset.dims})
 
 
-def _needed(dataset: xr.Dataset) -> Table:
+def needed_images(dataset: xr.Dataset) -> Table | None:
     """Return the least n of a moving window from which on its own error stays below some errors, for each period."""
-    finest, rows = dataset.isel(grid=-1), []
-    single = [name for name in ("duplicated", "exact") if name in paddings(dataset)]
-    for period in dataset["period"].values:
-        part = finest.sel(period=period)
-        period_text = f"{period:g} a" if is_of_hertz(dataset) else f"{period:g}"
-        errors = [percent(part[ERROR].sel(padding=name).isel(images=0)) for name in single]
-        window = part[ERROR].sel(padding="circular").values
-        cells = float(part[ERROR].sel(padding="exact").min()) if "exact" in single else 0.0
-        enough = (
-            _from_then_on(window <= cells + target, part["images"].values) for target in TARGETS
-        )
-        rows.append((period_text, *errors, *enough))
+    if not {"circular", "exact"} <= set(paddings(dataset)) or dataset.sizes["images"] < 3:
+        return None
+    errors = finest(dataset)[ERROR]
+    images, rows = errors["images"].values, []
+    for period in errors["period"].values:
+        part = errors.sel(period=period)
+        cells = float(part.sel(padding="exact").min())
+        window = part.sel(padding="circular").values
+        single = [
+            part.sel(padding=name).isel(images=0)
+            for name in paddings(dataset)
+            if name not in HAS_IMAGES
+        ]
+        least = [from_then_on(window <= cells + target, images) for target in TARGETS]
+        rows.append((f"{period:g} a", *map(percent, single), *least))
     return Table(
-        f"Error of the paddings without an n, and the least n of a circular window whose error does not exceed that "
-        f"of exact periodicity by more than a target, on {int(finest['grid'])} cells across. The n are those stored: "
-        f"{', '.join(str(n) for n in dataset['images'].values)}.",
-        ("period", *single, *(f"n for {percent(target)} more" for target in TARGETS)),
+        "Error of the paddings without an n, and the least n of a circular window that adds no more than a target to "
+        f"the error by the cells. The n are those stored: {', '.join(map(str, images))}.",
+        ("period", *(name for name in paddings(dataset) if name not in HAS_IMAGES),
+         *(f"n for {percent(target)} more" for target in TARGETS)),
+        tuple(rows),
+    )  # fmt: skip
+
+
+def _rate(dataset: xr.Dataset) -> float:
+    """Return the exponent with which the error of exact periodicity falls with the cells."""
+    exact = _exact(dataset)
+    return float(np.polyfit(np.log(exact["grid"].values), np.log(exact.values), 1)[0])
+
+
+def _exact(dataset: xr.Dataset) -> xr.DataArray:
+    """Return the error of exact periodicity over the grids."""
+    return dataset[ERROR].sel(padding="exact").isel(images=-1, period=-1).sortby("grid")
+
+
+WHICH_N = Claim(
+    "Which n, for which period?",
+    "None with exact periodicity: its error is that of the cells, at most {exact}, at every period.",
+    "A window of n periods leaves out an error of a²/(2π(n + ½)²L²), so that a short period needs many (the table): "
+    "with n = {n} the largest error of a circular window is {worst}. One copy (duplicated) is as n = ½.",
+    {
+        "exact": lambda d: finest(d)[ERROR].sel(padding="exact").max(),
+        "n": lambda d: int(d["images"][-1]),
+        "worst": lambda d: finest(d)[ERROR].sel(padding="circular").isel(images=-1).max(),
+    },
+    HERTZ | {"padding": ("circular", "duplicated", "exact")},
+)
+WHICH_GRID = Claim(
+    "Which grid?",
+    "{enough} cells across 2.4 a for 1 %, if the padding leaves no error.",
+    "With exact periodicity the L1 error falls like {power}, from {first} at {coarse} cells to {last} at {fine}. The "
+    "largest error of a cell, at the edge of the contact, falls slowly: {largest} of p_{{H}} at {fine} cells.",
+    {
+        "enough": lambda d: from_then_on(_exact(d).values <= 1e-2, _exact(d)["grid"].values),
+        "power": lambda d: power("N", _rate(d)),
+        "first": lambda d: _exact(d)[0],
+        "last": lambda d: _exact(d)[-1],
+        "coarse": lambda d: int(d["grid"].min()),
+        "fine": lambda d: int(d["grid"].max()),
+        "largest": lambda d: (
+            d["pressure_error_max"].sel(padding="exact").isel(images=-1, period=-1, grid=-1)
+        ),
+    },
+    HERTZ | {"padding": ("exact",)},
+)
+
+
+def _on_axis(padding: str, end: int) -> Callable[[xr.Dataset], xr.DataArray]:
+    return lambda d: (
+        finest(d)["axis_pressure_error"].sel(padding=padding, images=6).sortby("period")[end]
+    )
+
+
+LENGTH_CLAIM = Claim(
+    "The paper's second claim",
+    "“Independent of the domain extent in the length direction”: true only for exact periodicity.",
+    "Error of the pressure beside the axis at L = {short} a and at L = {long} a: duplicated {duplicated_short} and "
+    "{duplicated_long}; superposed, n = 6, {superposed_short} and {superposed_long}; exact {exact_short} and "
+    "{exact_long}.",
+    {
+        "short": lambda d: f"{float(d['period'].min()):g}",
+        "long": lambda d: f"{float(d['period'].max()):g}",
+        **{
+            f"{name}_{word}": _on_axis(name, end)
+            for name in ("duplicated", "superposed", "exact")
+            for word, end in (("short", 0), ("long", -1))
+        },
+    },
+    HERTZ | {"padding": ("duplicated", "superposed", "exact"), "images": (6,)},
+)
+
+
+# The paper
+
+
+def pressures(dataset: xr.Dataset) -> CaptionedFigure:
+    """Draw the pressure across the contact with every padding, and its error, as the paper's Fig. 5."""
+    part = dataset.isel(period=-1, grid=-1, images=-1)
+    if "Hertz" in str(dataset.attrs.get("against", "")):
+        x, size = dataset["x"].values, "half-width a"
+    else:
+        x, size = 1e3 * dataset["x"].values, "mm"
+    fig, (full, error) = panels(2, width=WIDTH / 2)
+    for name in paddings(part):
+        line = part.sel(padding=name)
+        style = padding_style(name) | {"label": setting_label(line), "markevery": 8}
+        off = {
+            key: 100 * (line[key] - line["pressure_true"])
+            for key in ("pressure", "pressure_min", "pressure_max")
+        }
+        full.plot(x, line["pressure"], **style)
+        error.plot(x, off["pressure"], **style)
+        if name != "zero":  # its ends would fill the picture
+            error.fill_between(
+                x, off["pressure_min"], off["pressure_max"], color=style["color"], alpha=0.18, lw=0
+            )
+    full.plot(x, line["pressure_true"], label="reference", **LAW_STYLE)
+    full.set(xlabel=f"position across [{size}]", ylabel="pressure over the largest", ylim=(0, 1.2))
+    error.set(
+        xlabel=f"position across [{size}]", ylabel="error [% of the largest]", ylim=(-100, 100)
+    )
+    error.set_yscale("symlog", linthresh=0.1)
+    return captioned(
+        "pressure",
+        fig,
+        "The pressure in the middle of the length, as in the paper's Fig. 5, and its error on a scale that is linear "
+        "within 0.1 %; bands show its range along the length (omitted for zero padding).",
+    )
+
+
+ERRORS = {
+    ERROR: "pressure in L1", "axis_pressure_error": "beside the axis", "pressure_error_max": "largest",
+    "length_variation": "along the length", "half_width_error": "half-width",
+}  # fmt: skip
+
+
+def errors_of_paddings(dataset: xr.Dataset) -> Table:
+    """Return the errors of every padding, and its time where it was taken."""
+    part = dataset.isel(period=-1, grid=-1)
+    names = [
+        str(name) for name in dataset.data_vars if name in ERRORS or str(name).endswith("_error")
+    ]
+    timed = "solve_time" in part and bool(part["solve_time"].notnull().any())
+
+    def time(line: xr.Dataset) -> list[str]:
+        return [seconds_text(float(total_time(line)))] * timed
+
+    rows = [
+        (setting_label(line), *(percent(line[name]) for name in names), *time(line))
+        for name in paddings(dataset)
+        for images in dataset["images"].values[0 if name in HAS_IMAGES else -1 :]
+        for line in [part.sel(padding=name, images=images)]
+        if np.isfinite(line[ERROR])
+    ]  # fmt: skip
+    heads = [
+        ERRORS.get(name)
+        or str(part[name].attrs["long_name"]).removeprefix("relative error of the ")
+        for name in names
+    ]
+    return Table(
+        f"Errors of every padding on {int(part['grid'])} cells across, against "
+        f"{dataset.attrs.get('against', 'a finer solution')}.",
+        ("padding", *heads, *["time"] * timed),
         tuple(rows),
     )
 
 
-def _findings(dataset: xr.Dataset) -> Sequence[Finding]:
-    """Return findings on n, on the period and on the grid; none where a case has no numbers."""
-    good = bool((dataset["case_status"] == CaseStatus.OK).all())
-    if not good or "exact" not in paddings(dataset) or not is_of_hertz(dataset):
-        return ()
-    chosen, findings = _on_one_tolerance(dataset), []
-    if {"circular", "duplicated"} <= set(paddings(dataset)) and dataset.sizes["period"] > 1:
-        if dataset.sizes["images"] > 2:
-            findings.append(_which_n(chosen))
-        findings.append(_which_period(chosen))
-    if dataset.sizes["grid"] > 2:
-        findings.append(_which_grid(chosen))
-    return findings
+def _paper(padding: str, measure: str) -> Callable[[xr.Dataset], xr.DataArray]:
+    return lambda d: d[measure].sel(padding=padding, images=6).isel(period=-1, grid=-1)
 
 
-def _which_n(dataset: xr.Dataset) -> Finding:
-    errors = dataset[ERROR].isel(grid=-1)
-    exact = float(errors.sel(padding="exact").max())
-    n = int(dataset["images"][-1])
-    worst = float(errors.sel(padding="circular").isel(images=-1).max())
-    return Finding(
-        "No n is needed: exact periodicity sums all images in closed form.",
-        f"Its error is that of the cells, at most {percent(exact)} here at any period. A window of n periods leaves "
-        f"out an error of a²/(2π(n + ½)²L²): on a short period many n are needed (the table). With "
-        f"n = {n} the largest error of a circular window is {percent(worst)}. More n cannot do better than exact "
-        "periodicity; one copy (duplicated) is as n = ½.",
-        "Which n?",
-    )
+def _factor(dataset: xr.Dataset) -> str:
+    """Return the error of duplicated padding beside the axis over that with n = 6."""
+    names = ("duplicated", "superposed")
+    copied, counted = (float(_paper(name, "axis_pressure_error")(dataset)) for name in names)
+    return f"{abs(copied / counted):.0f}"
 
 
-def _which_period(dataset: xr.Dataset) -> Finding:
-    errors = dataset["axis_pressure_error"].isel(grid=-1, images=-1)
-    short, long = float(errors["period"].min()), float(errors["period"].max())
-    facts = "; ".join(
-        f"{padding_label(name, int(errors['images']))} ({percent(part.sel(period=short))}, "
-        f"{percent(part.sel(period=long))})"
-        for name in ("duplicated", "circular", "exact")
-        for part in [errors.sel(padding=name)]
-    )
-    return Finding(
-        "“Independent of the domain extent in the length direction”: true only for exact periodicity.",
-        f"Error of the pressure on the axis at L = {short:g} a and at L = {long:g} a: {facts}.",
-        "The paper's second claim",
-    )
+SIMILAR_CLAIM = Claim(
+    "The paper's first claim",
+    "“n ≥ 6 gives very similar results to duplicated padding”: the errors differ by a factor of {factor}.",
+    "The error of the pressure beside the axis is {duplicated} with duplicated padding and {superposed} with n = 6: "
+    "one copy reaches one period to each side, as n = ½ would. Superposition errs along the length instead: there the "
+    "pressure of a uniform cylinder varies by {variation} of p_{{H}}. In a plot such as the paper's Fig. 5 neither is "
+    "visible.",
+    {
+        "factor": _factor,
+        "duplicated": _paper("duplicated", "axis_pressure_error"),
+        "superposed": _paper("superposed", "axis_pressure_error"),
+        "variation": _paper("superposed", "length_variation"),
+    },
+    HERTZ | {"padding": ("duplicated", "superposed"), "images": (6,)},
+)
 
-
-def _which_grid(dataset: xr.Dataset) -> Finding:
-    exact = dataset.sel(padding="exact").isel(images=-1, period=-1).sortby("grid")
-    cells, errors = exact["grid"].values, exact[ERROR].values
-    rate = float(np.polyfit(np.log(cells), np.log(errors), 1)[0])
-    enough = _from_then_on(errors <= 1e-2, cells)
-    largest = exact["pressure_error_max"].values
-    return Finding(
-        f"{enough} cells across the width of 2.4 a for 1 %: with exact periodicity the grid is the only source of "
-        f"error.",
-        f"The L1 error falls like {power('N', rate)}, from {percent(errors[0])} at {cells[0]} cells to "
-        f"{percent(errors[-1])} at {cells[-1]}. The largest error of a cell, at the edge of the contact, falls "
-        f"slowly and not monotonically: {percent(largest[-1])} of p_{{H}} at {cells[-1]} cells.",
-        "Which grid?",
-    )
-
-
-padding = period = images = grid = pareto = Drawing(_figure, _findings, _tables)
+padding = drawing(SIDE_BY_SIDE, FRONT)
+period = drawing(REACH, OVER_PERIOD, FRONT)
+images = drawing(REACH, OVER_IMAGES, FRONT, claims=[WHICH_N, LENGTH_CLAIM], tables=[needed_images])
+grid = drawing(OVER_GRID, FRONT, claims=[WHICH_GRID])
+pareto = drawing(FRONT)
+paper = drawing(pressures, claims=[SIMILAR_CLAIM], tables=[errors_of_paddings])

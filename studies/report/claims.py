@@ -1,0 +1,77 @@
+"""Claims as data: sentences whose numbers are measured in a stored study."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+import xarray as xr
+
+from studies.model.drawing import CaptionedFigure, Drawing, Finding, Table
+from studies.model.outcome import CaseStatus
+from studies.report.plots import Plot, draw
+from studies.report.style import percent
+
+
+@dataclass(frozen=True)
+class Claim:
+    """A claim and the measurement behind it, with ``{name}`` where one of its `numbers` stands.
+
+    Attributes
+    ----------
+    question
+        Question of the reader that it answers.
+    claim, measured
+        Sentences.
+    numbers
+        Functions of the stored study: fractions, which are written in per cent, or texts.
+    needs
+        Values that axes or attributes must have; the claim is left out without them.
+    """
+
+    question: str
+    claim: str
+    measured: str = ""
+    numbers: Mapping[str, Callable[[xr.Dataset], object]] = field(default_factory=dict)
+    needs: Mapping[str, tuple[object, ...]] = field(default_factory=dict)
+
+
+def stated(claim: Claim, dataset: xr.Dataset) -> Finding | None:
+    """Return a claim with its numbers; None where the study lacks values that it needs, or a number is not finite."""
+    if not (dataset["case_status"] == CaseStatus.OK).all():
+        return None
+    for name, values in claim.needs.items():
+        has = dataset[name].values.tolist() if name in dataset.dims else [dataset.attrs.get(name)]
+        if not set(values) <= set(has):
+            return None
+    texts = {}
+    for name, number in claim.numbers.items():
+        value = number(dataset)
+        if not isinstance(value, str | int):
+            if not np.isfinite(value):  # type: ignore[call-overload]
+                return None
+            value = percent(value)  # type: ignore[arg-type]
+        texts[name] = value
+    return Finding(claim.claim.format(**texts), claim.measured.format(**texts), claim.question)
+
+
+Drawn = Plot | Callable[[xr.Dataset], CaptionedFigure | None]
+
+
+def drawing(
+    *figures: Drawn,
+    claims: Sequence[Claim] = (),
+    tables: Sequence[Callable[[xr.Dataset], Table | None]] = (),
+) -> Drawing:
+    """Return the drawing of a study of figures, claims and tables; those whose data the study lacks are left out."""
+
+    def drawn(dataset: xr.Dataset) -> Sequence[CaptionedFigure]:
+        made = (draw(dataset, one) if isinstance(one, Plot) else one(dataset) for one in figures)
+        return tuple(one for one in made if one is not None)
+
+    def findings(dataset: xr.Dataset) -> Sequence[Finding]:
+        return tuple(one for claim in claims if (one := stated(claim, dataset)) is not None)
+
+    def rows(dataset: xr.Dataset) -> Sequence[Table]:
+        return tuple(one for table in tables if (one := table(dataset)) is not None)
+
+    return Drawing(drawn, findings, rows)

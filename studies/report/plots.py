@@ -1,0 +1,391 @@
+"""Figures as data: what stands on the axes of a figure, drawn by one function from a stored study."""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from itertools import cycle, product
+from textwrap import fill
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import LogNorm, Normalize
+
+from contactstudy.domain.fields import Array
+from contactstudy.domain.units import display_unit_of
+from studies.advice.front import pareto_front
+from studies.model.axis import is_geometric
+from studies.model.drawing import CaptionedFigure
+from studies.model.outcome import CaseStatus
+from studies.model.plain_text import one_line
+from studies.reference.line_contact import padding_at, total_time
+from studies.report.style import (
+    COLORS,
+    LAW_STYLE,
+    captioned,
+    padding_style,
+    padding_text,
+    panels,
+    tick_cells,
+)
+
+WIDTHS = {1: 5.6, 2: 4.6}  # of a panel beside as many [in]; else 3.4
+DASHES = ("-", "--", "-.", ":")
+# Lines that a legend names; more have a colour bar, or are grey.
+MAX_LINES = 8
+DOUBTFUL: Any = {
+    "marker": "o", "mfc": "white", "mec": "0.3", "linestyle": "none",
+    "label": "no bound of the error, or one above the requested error",
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Law:
+    """A closed form beside the measure `y`: a variable of the study, or a function of x and of the part of a line.
+
+    Both are in the units of the file.
+    """
+
+    label: str
+    y: str
+    of: str | Callable[[Array, xr.Dataset], Any]
+
+
+@dataclass(frozen=True)
+class Plot:
+    """A figure: a panel for each measure `y`, and for the first and the last value of `columns`.
+
+    Attributes
+    ----------
+    name, caption
+        File name, and the text below the figure.
+    y, x
+        Measures; an axis or a measure of the study.
+    hue, dash
+        Axes with a colour, and with a dash for each value.
+    columns
+        Axis with a panel for its first and its last value.
+    at
+        Place on other axes: an index, or the name of a value.
+    over
+        Axes of which lines are the median, with the range as a band; of others every value is drawn.
+    line
+        "joined", "none", or "front": the points that no other beats in x and y are joined.
+    log
+        Logarithmic axes, such as "xy"; None where positive values span more than a decade.
+    laws
+        Closed forms.
+    """
+
+    name: str
+    y: tuple[str, ...]
+    x: str
+    hue: str = ""
+    dash: str = ""
+    columns: str = ""
+    at: Mapping[str, int | str] = field(default_factory=dict)
+    over: tuple[str, ...] = ()
+    line: str = "joined"
+    log: str | None = None
+    laws: tuple[Law, ...] = ()
+    caption: str = ""
+
+
+def _reach(dataset: xr.Dataset) -> xr.DataArray:
+    """Return the distance to each side within which a point sees pressure, of a scene whose period is in half-widths."""
+    if "Hertz" not in str(dataset.attrs.get("against", "")):
+        raise KeyError("reach")
+    periods = dataset["period"]
+    names, images = (np.atleast_1d(dataset[name].values).tolist() for name in ("padding", "images"))
+    reach = [
+        [[padding_at(name, n).reach(L) for L in np.atleast_1d(periods.values)] for n in images]
+        for name in names
+    ]
+    label = {"long_name": "reach D of the window over the half-width a"}
+    return xr.DataArray(
+        reach, {"padding": names, "images": images, "period": np.atleast_1d(periods.values)},
+        ("padding", "images", "period"), "reach", label,
+    ).squeeze([name for name in ("padding", "images", "period") if name not in dataset.dims])  # fmt: skip
+
+
+# Measures that follow from stored ones.
+DERIVED: Mapping[str, Callable[[xr.Dataset], xr.DataArray]] = {
+    "reach": _reach,
+    "half_images": lambda d: (d["images"] + 0.5).assign_attrs(long_name="n + ½, n periods on each side"),
+    "total_time": lambda d: total_time(d).assign_attrs(
+        long_name="wall time to set up and solve, on one thread", units="s"
+    ),
+}  # fmt: skip
+
+
+def with_derived(dataset: xr.Dataset, plot: Plot) -> xr.Dataset | None:
+    """Return a dataset with the measures that follow from others; None where it lacks one, or has no number of it."""
+    for name in {plot.x, *plot.y} & set(DERIVED) - set(dataset.variables):
+        try:
+            dataset = dataset.assign({name: DERIVED[name](dataset)})
+        except KeyError:
+            return None
+    measures = [dataset.get(name) for name in (plot.x, *plot.y)]
+    has_all = all(one is not None and bool(one.notnull().any()) for one in measures)
+    return dataset if has_all else None
+
+
+def draw(dataset: xr.Dataset, plot: Plot) -> CaptionedFigure | None:
+    """Draw a figure from a stored study; None where the study lacks one of its measures."""
+    good = dataset
+    if "case_status" in dataset:
+        good = dataset.where(dataset["case_status"] == CaseStatus.OK)
+    found = with_derived(good, plot)
+    if found is None:
+        return None
+    for name, place in plot.at.items():
+        if name in found.dims:
+            found = (
+                found.isel({name: place}) if isinstance(place, int) else found.sel({name: place})
+            )
+    columns: list[Any] = [None]
+    if found.sizes.get(plot.columns, 1) > 1:
+        columns = found[plot.columns].values[[0, -1]].tolist()
+    count = len(plot.y) * len(columns)
+    share = "both" if len(columns) > 1 else "none"
+    figure, axes = panels(count, width=WIDTHS.get(count, 3.4), height=3.4, share=share)
+    for ax, (y, value) in zip(axes, product(plot.y, columns), strict=True):
+        part = found if value is None else found.sel({plot.columns: value})
+        panel(ax, part, y, plot)
+        if value is not None:
+            ax.set_title(value_text(found[plot.columns], value))
+    return captioned(plot.name, figure, plot.caption)
+
+
+def panel(ax: Axes, part: xr.Dataset, y: str, plot: Plot) -> None:
+    """Draw one measure: its lines with bounds and doubtful values, its laws, the names and scales of the axes."""
+    size, label = scaled(part[y])
+    across = part[plot.x]
+    is_named = across.dtype.kind not in "iuf"
+    across_size, across_label = (1.0, _long_name(across)) if is_named else scaled(across)
+    if is_named:
+        names = [one_line(padding_text(text), 30) for text in across.values]
+        part = part.assign_coords({plot.x: (across.dims, np.arange(across.size), across.attrs)})
+    span: list[float] = []
+    for line, style in _lines(ax, part, y, plot):
+        x, values = xr.broadcast(
+            line[plot.x] / across_size, abs(line[y]) / size if _is_error(y) else line[y] / size
+        )
+        joined = "none" if is_named or is_sample(plot.x) else plot.line
+        if plot.over:
+            _band(
+                ax,
+                x,
+                values,
+                plot,
+                style | {"linestyle": style["linestyle"] if joined == "joined" else "none"},
+            )
+        else:
+            _points(ax, x.values.ravel(), values.values.ravel(), joined, style)
+            _bounds(ax, line, y, x, size)
+        span += x.values[np.isfinite(x.values)].tolist()
+    _set_scales(ax, plot, np.array(span), is_named)
+    if any(law.y == y for law in plot.laws) and span:
+        limits = ax.get_ylim()
+        _draw_laws(ax, part, y, plot, (across_size, size), span)
+        ax.set_ylim(limits)
+    ax.set(xlabel=across_label, ylabel=label)
+    if is_named:
+        turned: Any = {"rotation": 30, "ha": "right", "rotation_mode": "anchor"}
+        ax.set_xticks(range(len(names)), names, **turned if max(map(len, names)) > 5 else {})
+    elif across.ndim == 1 and across.dtype.kind in "iu" and plot.x == "grid":
+        tick_cells(ax, across.values)
+
+
+def _lines(
+    ax: Axes, part: xr.Dataset, y: str, plot: Plot
+) -> Iterator[tuple[xr.Dataset, dict[str, Any]]]:
+    """Yield the part of each line with its style; of equal ones of a colour, such as those of any n, the first."""
+    hues, dashes = (
+        part[name].values.tolist() if name in part.dims else [None]
+        for name in (plot.hue, plot.dash)
+    )
+    colors = _colors(ax, part[plot.hue]) if plot.hue in part.dims else [COLORS[0]]
+    for hue, color in zip(hues, cycle(colors), strict=False):
+        drawn: list[xr.DataArray] = []
+        for dash, pattern in zip(dashes, cycle(DASHES), strict=False):
+            at = {
+                name: value
+                for name, value in ((plot.hue, hue), (plot.dash, dash))
+                if value is not None
+            }
+            line = part.sel(at)
+            if any(line[y].equals(other.assign_coords(line[y].coords)) for other in drawn):
+                continue
+            drawn.append(line[y])
+            style = {"color": color, "marker": "o", "linestyle": pattern}
+            if plot.hue == "padding":
+                style |= padding_style(str(hue))
+            texts = [value_text(part[name], value) for name, value in at.items()]
+            if (
+                plot.hue == "padding"
+                and plot.dash == "images"
+                and str(hue) not in ("superposed", "circular")
+            ):
+                texts = texts[:1]
+            is_many = len(hues) > MAX_LINES
+            yield line, style | {"label": ", ".join(texts) if texts and not is_many else "_"}
+
+
+def _colors(ax: Axes, values: xr.DataArray) -> list[Any]:
+    """Return the colours of the values of an axis; of many numbers with a colour bar, of many names grey."""
+    if values.size <= len(COLORS):
+        return list(COLORS)
+    if values.size <= MAX_LINES:
+        return list(colormaps["viridis"](np.linspace(0, 0.9, values.size)))
+    if values.dtype.kind not in "iuf":
+        return ["0.6"]
+    size, label = scaled(values)
+    kind = LogNorm if is_geometric(values.values) else Normalize
+    bar = ScalarMappable(kind(float(values.min()) / size, float(values.max()) / size), "viridis")
+    ax.figure.colorbar(bar, ax=ax, label=label)
+    return [bar.to_rgba(value / size) for value in values.values]
+
+
+def _points(ax: Axes, x: Array, y: Array, line: str, style: dict[str, Any]) -> None:
+    """Draw the points of a line; where no x is finite, the largest y as a level."""
+    if np.isfinite(y).any() and not np.isfinite(x).any():
+        ax.axhline(float(np.nanmax(y)), color=style["color"], linestyle="--", label=style["label"])
+        return
+    if line == "front":
+        best = pareto_front(x, y)
+        ax.plot(x, y, **style | {"linestyle": "none", "ms": 3, "alpha": 0.5, "label": "_"})
+        x, y = x[best], y[best]
+    order = np.argsort(x, kind="stable") if line == "none" else slice(None)
+    ax.plot(x[order], y[order], **style | ({"linestyle": "none"} if line == "none" else {}))
+
+
+def _band(
+    ax: Axes, x: xr.DataArray, values: xr.DataArray, plot: Plot, style: dict[str, Any]
+) -> None:
+    """Draw the median of the samples, and their range."""
+    dims = [name for name in plot.over if name in values.dims]
+    x = x.isel({name: 0 for name in dims if name in x.dims})
+    counts = values.notnull().sum(dims)
+    several = f"{int(counts.min())} to " * bool(counts.min() < counts.max())
+    if style["label"] == "_" and dims:
+        style = style | {"label": f"median of {several}{int(counts.max())}, and their range"}
+    ax.fill_between(x, values.min(dims), values.max(dims), color=style["color"], alpha=0.15, lw=0)
+    ax.plot(x, values.median(dims), **style)
+
+
+def _bounds(ax: Axes, line: xr.Dataset, y: str, x: xr.DataArray, size: float) -> None:
+    """Draw the finite bounds of a measure as bars, and hollow the values that `doubtful` finds."""
+    if (bound := line.get(f"{y}_bound")) is not None and line[y].ndim <= 1:
+        bars = bound.where(np.isfinite(bound) & (bound >= 0)) / size
+        ax.errorbar(
+            np.atleast_1d(x),
+            np.atleast_1d(line[y] / size),
+            yerr=np.atleast_1d(bars),
+            fmt="none",
+            ecolor="0.6",
+            capsize=2,
+            zorder=1,
+        )
+    hollow = doubtful(line, y)
+    if bool(hollow.notnull().any()):
+        ax.plot(np.ravel(x), np.ravel(hollow / size), **DOUBTFUL)
+
+
+def doubtful(dataset: xr.Dataset, name: str) -> xr.DataArray:
+    """Return the values of a measure whose bound is infinite, or whose answer misses its accuracy; else nan."""
+    values, bound = dataset[name], dataset.get(f"{name}_bound")
+    is_doubtful = xr.zeros_like(values, dtype=bool) if bound is None else np.isinf(bound)
+    if "accuracy_met" in dataset:
+        is_doubtful = is_doubtful | (dataset["accuracy_met"] == 0)
+    return values.where(is_doubtful)
+
+
+def _draw_laws(
+    ax: Axes, part: xr.Dataset, y: str, plot: Plot, sizes: tuple[float, float], span: list[float]
+) -> None:
+    """Draw the laws of a measure: variables at their points, functions for each colour over the span of x."""
+    for law, dash in zip(
+        (one for one in plot.laws if one.y == y), cycle((":", "--", "-.")), strict=False
+    ):
+        style = LAW_STYLE | {"linestyle": dash}
+        lines = (
+            [part.sel({plot.hue: value}) for value in part[plot.hue].values]
+            if plot.hue in part.dims
+            else [part]
+        )
+        shown: list[Any] = []
+        for line in lines:
+            if isinstance(law.of, str):
+                if law.of not in line:
+                    continue
+                x, values = line[plot.x] / sizes[0], line[law.of]
+            else:
+                low, high = min(span), max(span)
+                x = np.geomspace(low, high, 200) if low > 0 else np.linspace(low, high, 200)
+                values = np.broadcast_to(law.of(x * sizes[0], line), x.shape)
+            if any(np.array_equal(values, other) for other in shown):
+                continue  # a law that does not depend on the colour
+            ax.plot(x, values / sizes[1], label="_" if shown else law.label, **style)
+            shown.append(values)
+
+
+def _set_scales(ax: Axes, plot: Plot, span: Array, is_named: bool) -> None:  # noqa: FBT001
+    """Set the logarithmic axes."""
+    heights = np.concatenate([np.ravel(line.get_ydata()) for line in ax.lines] or [span]).astype(
+        float
+    )
+    wanted = plot.log
+    for name, values in (("x", span), ("y", heights)):
+        values = values[np.isfinite(values)]
+        spans = values.size > 1 and values.min() > 0 and values.max() > 10 * values.min()
+        is_automatic = spans or (
+            name == "x"
+            and not is_sample(plot.x)
+            and values.size > 2
+            and is_geometric(np.unique(values))
+        )
+        if (name in wanted if wanted is not None else is_automatic) and not (
+            name == "x" and is_named
+        ):
+            getattr(ax, f"set_{name}scale")("log")
+
+
+def is_sample(axis: str) -> bool:
+    """Return whether an axis numbers random samples of one surface."""
+    return axis.rsplit(".", 1)[-1].rsplit("_", 1)[-1] in ("seed", "tile")
+
+
+def _is_error(name: str) -> bool:
+    """Return whether a measure is a relative error or difference, which is drawn in per cent of its size."""
+    return "error" in name
+
+
+def scaled(values: xr.DataArray) -> tuple[float, str]:
+    """Return the size of the unit in which the largest value is read best, and the label of an axis with that unit."""
+    units = str(values.attrs.get("units", "1"))
+    size, unit = (
+        (1e-2, "%")
+        if _is_error(str(values.name)) and units == "1"
+        else display_unit_of(values, units)
+    )
+    if units == "s" and float(abs(values).max()) < 1:
+        size, unit = 1e-3, "ms"
+    return size, fill(f"{_long_name(values)} [{unit}]" if unit else _long_name(values), 34)
+
+
+def value_text(axis: xr.DataArray, value: Any) -> str:
+    """Return a value of an axis for a legend: names as they are, numbers with the name of the axis and the unit."""
+    if isinstance(value, str):
+        return one_line(padding_text(value), 30)
+    if axis.name == "images":
+        return f"n = {value}"
+    size, unit = display_unit_of(axis, str(axis.attrs.get("units", "1")))
+    return f"{_long_name(axis).split(',')[0]} {value / size:.3g} {unit}".rstrip()
+
+
+def _long_name(values: xr.DataArray) -> str:
+    """Return the name of an axis or measure for people."""
+    return str(values.attrs.get("long_name", values.name))

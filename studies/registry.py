@@ -1,8 +1,8 @@
 """Registry of studies: built-in ones by name, others in a Python file.
 
-A study is defined in ``studies/definitions`` and drawn in ``studies/report/drawings``, in the module of its name or
-in that of its family. Both are imported when they are asked for: what lists, runs or distributes studies imports no
-plotting library.
+A study is defined in ``studies/definitions``, or by a scene file in ``studies/chapters``, and drawn in
+``studies/report/drawings``, in the module of its name or in that of its family. Both are imported when they are asked
+for: what lists, runs or distributes studies imports no plotting library.
 """
 
 from __future__ import annotations
@@ -11,7 +11,9 @@ import importlib
 import re
 import sys
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
+from importlib.resources import files
 from importlib.util import find_spec
 from pathlib import Path
 from types import ModuleType
@@ -30,10 +32,14 @@ if TYPE_CHECKING:
 # Studies by family; those in OPTIONAL need what this project does not install.
 FAMILIES = {
     "settings": ("padding", "period", "images", "grid", "pareto", "paper"),
-    "effects": ("coating", "friction", "creep", "wear", "plastic"),
+    "effects": (
+        "coating", "friction", "sliding", "creep", "wear", "plastic", "films", "roughness", "rough-paddings"
+    ),
     "cost": ("speed", "peers"),
-    "": ("roughness", "lubrication", "stability"),
-}
+    "": ("stability",),
+}  # fmt: skip
+# Scene files whose [vary] is a study, with the value of an axis against which errors are, if any.
+SCENES = dict.fromkeys(FAMILIES["effects"], "") | {"rough-paddings": "ExactPeriodicity"}
 OPTIONAL = ("peers",)
 BUILT_IN = tuple(name for names in FAMILIES.values() for name in names if name not in OPTIONAL)
 
@@ -47,12 +53,32 @@ def load(name: str) -> Study:
         if Path(name).stem in (*BUILT_IN, *OPTIONAL):
             raise InvalidInput(f"Study file {name!r} has the name of a built-in study: rename it.")
         return study_in(Path(name))
+    if name in SCENES:
+        return _chapter(name)
     part = _part("studies.definitions", name)
     if isinstance(part, Study):
         return part
     title = (part.__doc__ or name).strip().split("\n")[0]
     times = getattr(part, "times", "taken")
     return Study(name, title, tuple(part.axes), part.case_at, part.measures, times)
+
+
+def chapter_file(name: str) -> Path:
+    """Return the path of the scene file of a chapter."""
+    return Path(str(files("studies") / "chapters" / f"{name}.toml"))
+
+
+def _chapter(name: str) -> Study:
+    """Return the study of the scene file of a chapter, over what it varies."""
+    # planning needs the core, which listing does not
+    from studies.advice.reference_error import against
+    from studies.scene_study.study_of import study_of
+
+    path = chapter_file(name)
+    study = study_of(path, name=name)
+    title = path.read_text(encoding="utf-8").partition("\n")[0].removeprefix("# ")
+    study = replace(study, title=title)
+    return against(study, "padding", SCENES[name]) if SCENES[name] else study
 
 
 def has_own_figures(name: str) -> bool:
@@ -109,4 +135,4 @@ def _part(package: str, name: str) -> Any:
     if find_spec(f"{package}.{name}"):
         return importlib.import_module(f"{package}.{name}")
     family = next(family for family, names in FAMILIES.items() if name in names)
-    return getattr(importlib.import_module(f"{package}.{family}"), name)
+    return getattr(importlib.import_module(f"{package}.{family}"), name.replace("-", "_"))

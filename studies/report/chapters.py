@@ -8,7 +8,7 @@ from contactstudy import InvalidInput
 from contactstudy.domain.checks import suggestion
 from studies.advice.stored import SETTINGS
 from studies.model.study import Study
-from studies.registry import BUILT_IN, OPTIONAL, load
+from studies.registry import BUILT_IN, OPTIONAL, SCENES, load
 
 
 @dataclass(frozen=True)
@@ -65,9 +65,8 @@ MAIN = Chapter(
         Part("grid", figures=("over_grid",), repeats=0, title="Which grid?"),
         Part("paper", figures=("pressure",), title="What the paper claims"),
         Part(
-            "roughness",
-            {"hurst": "0.8", "peklenik": "1", "rms": "0,0.1,0.3"},
-            ("paddings",),
+            "rough-paddings",
+            figures=("paddings",),
             repeats=0,
             title="Does roughness change the error of a padding?",
         ),
@@ -80,13 +79,8 @@ CHAPTERS = {
         MAIN,
         Chapter(
             "effects",
-            "Effects: coating, friction, creep, wear and yielding",
-            tuple(map(Part, ("coating", "friction", "creep", "wear", "plastic"))),
-        ),
-        Chapter(
-            "lubrication",
-            "Lubrication: films over load, viscosity and cells",
-            (Part("lubrication", {"grid": "100,200"}),),
+            "Effects: coating, friction, creep, wear, yielding, films and roughness",
+            tuple(Part(name) for name in SCENES if name != "rough-paddings"),
         ),
         Chapter("cost", "Cost: surfaces and grids", (Part("speed", repeats=2),)),
     )

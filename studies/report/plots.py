@@ -15,6 +15,7 @@ from matplotlib.colors import LogNorm, Normalize
 
 from contactstudy.domain.fields import Array
 from contactstudy.domain.units import display_unit_of
+from contactstudy.io.pictures.figure import Share
 from studies.advice.front import pareto_front
 from studies.model.axis import is_geometric
 from studies.model.drawing import CaptionedFigure
@@ -77,6 +78,8 @@ class Plot:
         Logarithmic axes, such as "xy"; None where positive values span more than a decade.
     laws
         Closed forms.
+    labels
+        Names of axes and measures, where those of the study do not say enough.
     """
 
     name: str
@@ -90,6 +93,7 @@ class Plot:
     line: str = "joined"
     log: str | None = None
     laws: tuple[Law, ...] = ()
+    labels: Mapping[str, str] = field(default_factory=dict)
     caption: str = ""
 
 
@@ -140,6 +144,9 @@ def draw(dataset: xr.Dataset, plot: Plot) -> CaptionedFigure | None:
     found = with_derived(good, plot)
     if found is None:
         return None
+    for name, text in plot.labels.items():
+        if name in found:
+            found[name].attrs["long_name"] = text
     for name, place in plot.at.items():
         if name in found.dims:
             found = (
@@ -149,7 +156,7 @@ def draw(dataset: xr.Dataset, plot: Plot) -> CaptionedFigure | None:
     if found.sizes.get(plot.columns, 1) > 1:
         columns = found[plot.columns].values[[0, -1]].tolist()
     count = len(plot.y) * len(columns)
-    share = "both" if len(columns) > 1 else "none"
+    share: Share = "both" if len(columns) > 1 else "none"
     figure, axes = panels(count, width=WIDTHS.get(count, 3.4), height=3.4, share=share)
     for ax, (y, value) in zip(axes, product(plot.y, columns), strict=True):
         part = found if value is None else found.sel({plot.columns: value})
@@ -169,7 +176,8 @@ def panel(ax: Axes, part: xr.Dataset, y: str, plot: Plot) -> None:
         names = [one_line(padding_text(text), 30) for text in across.values]
         part = part.assign_coords({plot.x: (across.dims, np.arange(across.size), across.attrs)})
     span: list[float] = []
-    for line, style in _lines(ax, part, y, plot):
+    lines = list(_lines(ax, part, y, plot))
+    for line, style in lines:
         x, values = xr.broadcast(
             line[plot.x] / across_size, abs(line[y]) / size if _is_error(y) else line[y] / size
         )
@@ -184,8 +192,9 @@ def panel(ax: Axes, part: xr.Dataset, y: str, plot: Plot) -> None:
             )
         else:
             _points(ax, x.values.ravel(), values.values.ravel(), joined, style)
-            _bounds(ax, line, y, x, size)
         span += x.values[np.isfinite(x.values)].tolist()
+    for line, _ in () if plot.over else lines:
+        _bounds(ax, line, y, line[plot.x] / across_size, size)
     _set_scales(ax, plot, np.array(span), is_named)
     if any(law.y == y for law in plot.laws) and span:
         limits = ax.get_ylim()
@@ -217,7 +226,9 @@ def _lines(
                 if value is not None
             }
             line = part.sel(at)
-            if any(line[y].equals(other.assign_coords(line[y].coords)) for other in drawn):
+            if not line[y].notnull().any() or any(
+                line[y].equals(other.assign_coords(line[y].coords)) for other in drawn
+            ):
                 continue
             drawn.append(line[y])
             style = {"color": color, "marker": "o", "linestyle": pattern}
@@ -318,10 +329,12 @@ def _draw_laws(
         )
         shown: list[Any] = []
         for line in lines:
+            x: Array
+            values: Array
             if isinstance(law.of, str):
                 if law.of not in line:
                     continue
-                x, values = line[plot.x] / sizes[0], line[law.of]
+                x, values = line[plot.x].values / sizes[0], line[law.of].values
             else:
                 low, high = min(span), max(span)
                 x = np.geomspace(low, high, 200) if low > 0 else np.linspace(low, high, 200)

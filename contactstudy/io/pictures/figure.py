@@ -117,4 +117,5 @@ def add_legend(figure: Figure) -> None:
     width = max(1.3, 0.55 + 0.065 * max(map(len, entries)))  # of an entry [in]
     rows = -(-len(entries) // max(1, int(min(figure.get_figwidth(), LEGEND_WIDTH) / width)))
     columns = -(-len(entries) // rows)
+    figure.set_figheight(figure.get_figheight() + 0.2 * (rows - 1))
     figure.legend(entries.values(), entries.keys(), loc="outside lower left", ncols=columns)

@@ -1,349 +1,340 @@
-"""Drawings of the studies of effects: coating, friction, creep, wear and yielding."""
+"""Figures and claims of the chapters of effects, as data, with closed forms as named laws.
+
+The scenes are in ``studies/chapters``. A law has the numbers of its scene; a copy that is changed is another study.
+"""
+
+from collections.abc import Callable
+from math import pi
 
 import numpy as np
 import xarray as xr
 
-from studies.definitions.creep import END, HALF_WIDTH, LEE_RADOK
-from studies.definitions.plastic import DATUM, HARDENING, HARDNESS_OVER_YIELD, PRESSURE, REFERENCE
-from studies.definitions.wear import WORN_HALF_WIDTH
-from studies.model.drawing import CaptionedFigure, Drawing, Finding
-from studies.report.style import (
-    COLORS,
-    LAW_STYLE,
-    by_color,
-    captioned,
-    label_panels,
-    panels,
-    percent,
-    power,
+import contactstudy as cs
+from contactstudy.domain.fields import Array
+from studies.report.claims import Claim, drawing
+from studies.report.drawings.default import LAWS
+from studies.report.plots import Law, Plot
+
+LOAD, RADIUS = 1e5, 0.01
+STEEL = 210e9 / (1 - 0.3**2)  # E* of a rigid cylinder on steel [Pa]
+
+
+def hertz(modulus: float, load: float = LOAD) -> cs.analytic.HertzLine:
+    """Return Hertz's contact of a cylinder of 10 mm with a contact modulus [Pa] under a load [N/m]."""
+    return cs.analytic.HertzLine(load, RADIUS, modulus)
+
+
+def _number(name: str, **places: int) -> Callable[[xr.Dataset], float]:
+    """Return a function for the number of a measure at places on the axes."""
+    return lambda d: float(d[name].isel(places))
+
+
+# Coating
+
+
+def on_coating(quantity: str) -> Callable[[Array, xr.Dataset], float]:
+    """Return the law of a quantity of Hertz's contact on a body of the coating alone."""
+
+    def of(_: Array, part: xr.Dataset) -> float:
+        modulus = float(part["solids_0_coating_youngs_modulus"]) / (1 - 0.3**2)
+        return float(getattr(hertz(modulus), quantity))
+
+    return of
+
+
+COATING = Plot(
+    "coating", ("half_width", "peak_pressure"), "solids_0_thickness", hue="solids_0_coating_youngs_modulus",
+    laws=tuple(Law("on the coating alone", name, on_coating(name)) for name in ("half_width", "peak_pressure")),
+    labels={"solids_0_thickness": "thickness of the coating", "solids_0_coating_youngs_modulus": "coating of"},
+    caption="A rigid cylinder on coated steel, over the thickness of the coating. Hertz's half-width on steel alone is "
+    f"{1e6 * hertz(STEEL).half_width:.0f} µm.",
+)  # fmt: skip
+coating = drawing(
+    COATING,
+    claims=[
+        Claim(
+            "What does a coating do?",
+            "It acts by its thickness over the half-width.",
+            "The thinnest coating, of {thin}, leaves the peak pressure within {near_substrate} of that on the "
+            "substrate; under the thickest, of {thick}, it is within {near_coating} of that on the coating.",
+            {
+                "thin": lambda d: f"{1e6 * float(d['solids_0_thickness'][0]):.2g} µm",
+                "thick": lambda d: f"{1e6 * float(d['solids_0_thickness'][-1]):.2g} µm",
+                "near_substrate": lambda d: abs(
+                    d["peak_pressure"].isel(solids_0_thickness=0) / hertz(STEEL).peak_pressure - 1
+                ).max(),
+                "near_coating": lambda d: max(
+                    abs(
+                        float(d["peak_pressure"].isel(solids_0_thickness=-1).sel(solids_0_coating_youngs_modulus=E))
+                        / hertz(E / (1 - 0.3**2)).peak_pressure - 1
+                    )
+                    for E in d["solids_0_coating_youngs_modulus"].values
+                ),
+            },
+        )
+    ],
+)  # fmt: skip
+
+
+# Friction
+
+FRICTION_LIMIT = 3e4  # [N/m]
+SLIP = Plot(
+    "slip", ("stick_fraction",), "friction_tangential",
+    laws=(Law("Cattaneo (1938)", "stick_fraction", lambda force, _: np.sqrt(1 - force / FRICTION_LIMIT)),),
+    caption="Partial slip of a cylinder under a tangential force of up to 30 N/mm, where it slides: the part of the "
+    "contact that sticks, beside sqrt(1 - Q / mu P).",
+)  # fmt: skip
+friction = drawing(
+    SLIP,
+    claims=[
+        Claim(
+            "How much of a contact slips below the limit of friction?",
+            "The stick zone is Cattaneo's, within {off} of the contact.",
+            numbers={
+                "off": lambda d: abs(
+                    d["stick_fraction"] - np.sqrt(1 - d["friction_tangential"] / FRICTION_LIMIT)
+                ).max()
+            },
+        )
+    ],
+)
+SLIDING = Plot(
+    "sliding", ("largest_von_mises", "largest_von_mises_depth"), "friction_coefficient", log="",
+    labels={"largest_von_mises": "highest von Mises stress", "largest_von_mises_depth": "its depth"},
+    caption="A cylinder that slides on steel: the highest von Mises stress and its depth. The stress is known at the "
+    "depths that the scene names.",
+)  # fmt: skip
+sliding = drawing(
+    SLIDING,
+    claims=[
+        Claim(
+            "What does friction do to the stress?",
+            "It brings the highest stress to the surface, from a coefficient of {surface} on.",
+            "The highest von Mises stress is {low} of Hertz's peak pressure without friction, and {high} at a "
+            "coefficient of {last}.",
+            {
+                "surface": lambda d: (
+                    f"{float(d['friction_coefficient'][d['largest_von_mises_depth'] < 1e-6].min()):g}"
+                ),
+                "low": lambda d: d["largest_von_mises"][0] / hertz(STEEL / 2).peak_pressure,
+                "high": lambda d: d["largest_von_mises"][-1] / hertz(STEEL / 2).peak_pressure,
+                "last": lambda d: f"{float(d['friction_coefficient'][-1]):g}",
+            },
+        )
+    ],
 )
 
-# coating
+
+# Creep and wear
+
+RUBBER = cs.ViscoelasticHalfSpace(1e6, 0.49, ((1.5e6, 0.4),))
+PLANE = 1 / (1 - 0.49**2)
+HELD = cs.analytic.LeeRadok(
+    500.0, 0.05, PLANE * 1e6, tuple((PLANE * modulus, time) for modulus, time in RUBBER.relaxation), RUBBER.creep
+)  # fmt: skip
 
 
-def _coating_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
-    """Draw half-width and peak pressure over the thickness, beside those of bodies of the coating alone."""
-    # half-width and peak pressure of a body of the coating alone, as powers of the ratio of moduli
-    labels = {
-        "half_width": ("half-width / a", -0.5),
-        "peak_pressure": ("peak pressure / $p_H$", 0.5),
-    }
-    fig, axes = panels(len(labels), width=3.6, height=2.7)
-    for ax, (variable, (label, exponent)) in zip(axes, labels.items(), strict=True):
-        for part, style in by_color(dataset.isel(grid=-1), "ratio", "E1/E2 = {:g}"):
-            ax.plot(part["thickness"], part[variable], **style)
-            thin = LAW_STYLE | {"color": style["color"], "linewidth": 0.7}
-            ax.axhline(float(part["ratio"]) ** exponent, **thin)
-        ax.set(xscale="log", xlabel="thickness / a", ylabel=label)
-    caption = (
-        "A rigid cylinder on a coated half-space, nu = 0.3 in both, over the thickness of the coating; a and p_{H} "
-        "are Hertz's on the substrate alone, and thin lines those on the coating alone."
-    )
-    return (captioned("coating", fig, caption),)
+def held_peak(time: Array) -> Array:
+    """Return the peak pressure [Pa] at instants [s]."""
+    return np.array([float(HELD.pressure(0.0, instant)) for instant in time])
 
 
-def _coating_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
-    """Return the effect of a coating by its thickness, and the error against known contacts."""
-    if dataset.sizes["thickness"] < 3:
-        return ()
-    finest = dataset.isel(grid=-1)
-    thin, thick = finest.isel(thickness=0), finest.isel(thickness=-1)
-    from_substrate = abs(thin["half_width"] - 1).max()
-    from_coating = abs(thick["half_width"] * np.sqrt(thick["ratio"]) - 1).max()
-    error = float(finest["reference_error"].max(skipna=True))
-    reference = f" Known contacts (a collocation of the layered problem) are met to {error:.1e} in the peak pressure."
-    return (
-        Finding(
-            "A coating acts by its thickness over the half-width.",
-            f"At a thickness of {float(thin['thickness']):g} a the half-width is within {percent(from_substrate)} of "
-            f"that on the substrate, at {float(thick['thickness']):g} a within {percent(from_coating)} of that on the "
-            f"coating.{reference * bool(np.isfinite(error))}",
-            "What does a coating do?",
-        ),
-    )
-
-
-coating = Drawing(_coating_figures, _coating_findings)
-
-
-# friction
-
-
-def _friction_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
-    """Draw stress over the coefficient, stick zone over the force, and errors of the superposition."""
-    finest = dataset.isel(grid=-1, rough_grid=-1)
-    fig, axes = panels(6, columns=2, width=3.6, height=2.7)
-    for part, style in by_color(finest, "poisson_ratio", "nu = {:g}"):
-        variables = ("von_mises", "depth", "stick", "stick_sphere")
-        for ax, variable in zip(axes, variables, strict=False):
-            ax.plot(part[part[variable].dims[0]], part[variable], **style)
-    fraction = np.linspace(0, 1, 200)
-    axes[2].plot(fraction, np.sqrt(1 - fraction), label="Cattaneo, Mindlin", **LAW_STYLE)
-    axes[3].plot(fraction, np.cbrt(1 - fraction), **LAW_STYLE)
-    for ax, variable in ((axes[4], "superposition_error"), (axes[5], "transverse_traction")):
-        ax.plot(finest["poisson_ratio"], finest[variable], color=COLORS[0], marker="o")
-    label_panels(
-        axes,
-        ("coefficient of friction", "highest von Mises / $p_H$", ""),
-        ("coefficient of friction", "depth of that stress / a", ""),
-        ("Q / (mu P)", "stick / contact, cylinder", ""),
-        ("Q / (mu P)", "stick / contact, sphere", ""),
-        ("Poisson's ratio", "L1 error of superposition", ""),
-        ("Poisson's ratio", "transverse traction / largest", ""),
-    )
-    caption = (
-        "Top: a sliding cylinder, where the highest von Mises stress rises to the surface. Middle: partial slip "
-        "under a tangential force Q, half-width or radius of the stick zone over that of the contact, beside "
-        "Cattaneo's sqrt(1 - Q / mu P) for a cylinder and Mindlin's cube root for a sphere. "
-        "Bottom: what the superposition of two normal contacts (Ciavarella, Jäger) misses on a rough "
-        "line contact at Q = mu P / 2, and the transverse traction, which it does not contain."
-    )
-    return (captioned("friction", fig, caption),)
-
-
-def _friction_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
-    """Return the place of the highest stress and the error of the superposition."""
-    if dataset.sizes["poisson_ratio"] < 2 or not {0.0, 0.3} <= set(dataset["poisson_ratio"].values):
-        return ()
-    finest = dataset.isel(grid=-1, rough_grid=-1)
-    steel, cork = finest.sel(poisson_ratio=0.3), finest.sel(poisson_ratio=0.0)
-    stress, depth = steel["von_mises"], steel["depth"]
-    surface = depth.where(depth < 0.01, drop=True)["coefficient"]
-    low, high = stress.isel(coefficient=0), stress.isel(coefficient=-1)
-    deviation = float(abs(steel["stick"] - np.sqrt(1 - steel["fraction"])).max())
-    return (
-        Finding(
-            "Friction brings the highest stress to the surface at a coefficient of about 0.3; stick zones are "
-            "those of Cattaneo, but the superposition that gives them is inexact on rough surfaces.",
-            f"At nu = 0.3 the highest von Mises stress is {float(low):.3f} p_{{H}} without friction and "
-            f"{float(high):.3f} p_{{H}} at a coefficient of {float(high['coefficient']):g}; it lies at the surface from "
-            f"{float(surface.min()):g} on. A cylinder sticks over a zone within {deviation:.3f} half-widths of "
-            "Cattaneo's. On a rough contact two normal solves make up the tangential traction to "
-            f"{percent(cork['superposition_error'])} in L1 at nu = 0, and miss "
-            f"{percent(steel['superposition_error'])} of it at nu = 0.3, with a transverse traction of "
-            f"{percent(steel['transverse_traction'])} of the largest; scenes like that are solved for both components.",
-            "What does friction do?",
-        ),
-    )
-
-
-friction = Drawing(_friction_figures, _friction_findings)
-
-
-# creep
-
-
-def _creep_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
-    """Draw half-width and peak pressure beside the closed forms, and errors against steps and cost."""
-    fig, (width, peak, errors, cost) = panels(4, columns=2, width=4.4, height=3.0)
-    finest = dataset.isel(steps=-1, grid=-1)
-    time = np.linspace(0, END, 100)
-    width.plot(time, LEE_RADOK.half_width(time) / HALF_WIDTH, **LAW_STYLE)
-    peaks = [float(LEE_RADOK.pressure(0.0, part)) / (HALF_WIDTH / 2) for part in time]
-    peak.plot(time, peaks, **LAW_STYLE)
-    for ax, name in ((width, "half_width"), (peak, "peak_pressure")):
-        ax.plot(finest["time"], finest[name], "o", color=COLORS[0])
-    for part, style in by_color(dataset, "grid", "{} cells"):
-        errors.loglog(part["steps"], part["pressure_error_l1"], **style)
-        errors.loglog(part["steps"], part["time_discretisation_error"], "--", color=style["color"])
-        cost.loglog(part["convolutions"] * part["grid"], part["pressure_error_l1"], **style)
-    label_panels(
-        (width, peak, errors, cost),
-        ("time over the retardation time", "half-width over the sudden one", "dotted: closed form"),
-        (
-            "time over the retardation time",
-            "peak pressure over the sudden one",
-            "dotted: closed form",
-        ),
-        ("steps", "largest relative L1 error", "dashed: estimated, by steps"),
-        ("FFT convolutions times cells", "largest relative L1 error", ""),
-    )
-    caption = (
-        "A rigid cylinder pressed suddenly into a viscoelastic half-space and held; the creep compliance is 1 + 1.5 (1 "
-        "- exp(-t)) times the instantaneous one. Half-width and peak pressure are compared with Lee & Radok's closed "
-        "form, the half-width to a cell. The error is the largest over time, after the first tenth. It falls with the "
-        "steps until the error of the cells is larger; the dashed estimate, from a second evolution with steps twice "
-        "as long, contains the error of the steps alone."
-    )
-    return (captioned("creep", fig, caption),)
-
-
-def _creep_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
-    """Return the cost of accuracy in time beside that of the grid."""
-    if dataset.sizes["steps"] < 3 or dataset.sizes["grid"] < 2:
-        return ()
-    fine = dataset.isel(grid=-1)
-    rate = np.polyfit(np.log(fine["steps"]), np.log(fine["time_discretisation_error"]), 1)[0]
-    coarse, last = dataset.isel(grid=0, steps=-1), dataset.isel(grid=-1, steps=-1)
-    by_steps = fine.where(fine["time_discretisation_error"] > 2 * fine["grid_error"], drop=True)
-    ratios = (by_steps["time_discretisation_error"] / by_steps["pressure_error_l1"]).values
-    trust = ""
-    if ratios.size:
-        span = f"{ratios.min():.2g} to {ratios.max():.2g}"
-        trust = (
-            f" Where the steps leave more than the cells, their estimate is {span} times the error."
-        )
-    return (
-        Finding(
-            f"The error by the steps falls like {power('N', rate)}, so a digit in time costs "
-            f"{10 ** (-1 / rate):.2g} times as many solves.",
-            f"With {int(last['steps'])} steps and {int(last['grid'])} cells the pressure is known to "
-            f"{percent(last['pressure_error_l1'])} at every instant, in {float(last['convolutions']):.0f} "
-            f"FFT convolutions; with {int(coarse['grid'])} cells the same steps leave "
-            f"{percent(coarse['pressure_error_l1'])}.{trust}",
-            "How many steps in time?",
-        ),
-    )
-
-
-creep = Drawing(_creep_figures, _creep_findings)
-
-
-# wear
-
-
-def _wear_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
-    """Draw the half-width over distance beside the rigid law, and errors against steps and solves."""
-    finest = dataset.isel(grid=-1)
-    fig, (width, errors, cost) = panels(3, columns=3, width=3.8, height=3.0)
-    distance = np.linspace(0, 1, 100)
-    width.plot(distance, WORN_HALF_WIDTH * np.cbrt(distance), **LAW_STYLE)
-    added = np.cbrt(1 + WORN_HALF_WIDTH**3 * distance)
-    width.plot(distance, added, **LAW_STYLE | {"linestyle": "--"})
-    for part, style in by_color(finest, "scheme", "{}"):
-        width.plot(part["distance"], part["half_width"].isel(steps=-1), "o", color=style["color"])
-        errors.loglog(part["steps"], part["pressure_error_l1"], **style)
-        cost.loglog(part["solves"], part["pressure_error_l1"], **style)
-    errors.axvline(_stable_from(finest), **LAW_STYLE)
-    label_panels(
-        (width, errors, cost),
-        ("distance over the whole", "half-width over Hertz's", "dotted: rigid; dashed: cubes added"),
-        ("steps", "relative L1 error at the end", "dotted: explicit limit"),
-        ("solves", "relative L1 error at the end", ""),
-    )  # fmt: skip
-    caption = (
-        "A cylinder that wears by Archard's law until a rigid one would have a flat of twice Hertz's half-width, "
-        f"{int(finest['grid'])} cells. The flat grows like the cube root of the distance; a^3 = a_H^3 + 3/2 R k P s "
-        "is a fair estimate from the start. Errors are against 512 two-stage steps on the same grid. Implicit "
-        "steps are stable at any length, explicit ones below ds = 1.48 dx / (k E*), which is "
-        f"{_stable_from(finest):.3g} steps here. All keep the wear volume k P s to rounding."
-    )
-    return (captioned("wear", fig, caption),)
-
-
-def _stable_from(dataset: xr.Dataset) -> float:
-    """Return the number of steps from which explicit steps are shorter than their limit."""
-    return float(dataset["steps"][0] / dataset["longest_explicit"].isel(steps=0, scheme=0))
-
-
-def _wear_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
-    """Return the number of steps that implicit wear saves."""
-    finest = dataset.isel(grid=-1)
-    schemes = set(finest["scheme"].values.tolist())
-    if not {"implicit", "explicit"} <= schemes or finest.sizes["steps"] < 3:
-        return ()
-    coarse = finest.isel(steps=1)
-    errors = (coarse["pressure_error_l1"].sel(scheme=name) for name in ("implicit", "explicit"))
-    implicit, explicit = map(percent, errors)
-    return (
-        Finding(
-            f"With {int(coarse['steps'])} steps of wear the error is {implicit} (implicit) and {explicit} (explicit).",
-            f"An explicit evolution needs {_stable_from(finest):.3g} steps to be stable on this grid, and twice as "
-            "many on one twice as fine. An implicit step costs the same solve, with a constant in its spectrum, and "
-            "the wear volume is exact either way.",
-            "How to step wear?",
-        ),
-    )
-
-
-wear = Drawing(_wear_figures, _wear_findings)
-
-
-# plastic
-
-LABELS = {
-    "peak_pressure": ("peak pressure / $p_H$", "hardness_limited_pressure"),
-    "half_width": ("half-width / a", "hardness_limited_half_width"),
-    "dent": ("dent / (a Y / E)", "hardness_limited_dent"),
-    "plastic_depth": ("plastic depth / a", None),
+IN_TIME = {
+    "time_steps_end": "time",
+    "final_contact_area": "contact width",
+    "final_peak_pressure": "peak pressure",
 }
+CREEP = Plot(
+    "creep", ("final_contact_area", "final_peak_pressure"), "time_steps_end", log="",
+    laws=(
+        Law("Lee & Radok (1960)", "final_contact_area", lambda time, _: 2 * HELD.half_width(time)),
+        Law("Lee & Radok (1960)", "final_peak_pressure", lambda time, _: held_peak(time)),
+    ),
+    labels=IN_TIME,
+    caption="A rigid cylinder pressed suddenly into a viscoelastic body and held.",
+)  # fmt: skip
+creep = drawing(
+    CREEP,
+    claims=[
+        Claim(
+            "How far does creep spread a contact?",
+            "As Lee and Radok's closed form says: the peak pressure is within {off} of it at every time.",
+            numbers={
+                "off": lambda d: abs(
+                    d["final_peak_pressure"] / held_peak(d["time_steps_end"].values) - 1
+                ).max()
+            },
+        )
+    ],
+)
+WEAR_RATE = 1e-15 * 0.1 * LOAD  # worn area of the section per time [m^2/s]
 
 
-def _plastic_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
-    """Draw the yielding contact over the load, beside a hardness, and errors against steps and cost."""
-    fig, axes = panels(6, columns=2, width=4.0, height=2.7)
-    finest = dataset.isel(steps=-1, grid=-1)
-    for ax, (name, (label, cap)) in zip(axes, LABELS.items(), strict=False):
-        for part, style in by_color(finest, "hardening", "plastic, H = {:g} E"):
-            ax.plot(part["pressure"], part[name], **style)
-        if cap is not None:
-            capped, text = finest.isel(hardening=0), f"hardness {HARDNESS_OVER_YIELD:g} Y"
-            ax.plot(capped["pressure"], capped[cap], "s--", color="#CC79A7", label=text)
-        ax.plot([PRESSURE], [REFERENCE[name]], "*", color="black", markersize=10, label="reference")
-        ax.set(xlabel="$p_H$ / Y", ylabel=label)
-    if (compared := _known(dataset)) is not None:
-        for part, style in by_color(compared, "grid", "{} cells, "):
-            style["label"] += f"{float(part['layers'][-1]):g} layers"
-            axes[4].loglog(part["steps"], part["peak_pressure_error"], **style)
-            work = part["convolutions"] * part["grid"]
-            axes[5].loglog(work, part["peak_pressure_error"], **style)
-        steps = compared["steps"].values
-        first = float(compared["peak_pressure_error"].isel(steps=0, grid=-1))
-        axes[4].loglog(steps, first * steps[0] / steps, **LAW_STYLE)
-    label_panels(
-        axes[4:],
-        ("steps in load", "error of the peak pressure", "dotted: first order"),
-        ("FFT convolutions times cells", "error of the peak pressure", ""),
-    )
-    caption = (
-        "A rigid cylinder pressed into a half-space that yields after von Mises, then unloaded, in plane strain, "
-        f"over Hertz's peak pressure p_{{H}}; a is Hertz's half-width. The dent is measured against the surface at "
-        f"{DATUM:g} a. Squares: an elastic contact limited by a hardness of {HARDNESS_OVER_YIELD:g} Y. Stars are "
-        f"converged references (finite elements agree to 0.3 %), at p_{{H}} = {PRESSURE:g} Y and a hardening modulus "
-        f"of {HARDENING:g} E; the last panels are the error there. Layers follow from the cells."
-    )
-    return (captioned("plastic", fig, caption),)
+def worn_width(time: Array) -> Array:
+    """Return the contact width of a wearing cylinder: the cubes of Hertz's half-width and of a rigid flat's added."""
+    cubes: Array = hertz(STEEL).half_width ** 3 + 1.5 * RADIUS * WEAR_RATE * np.asarray(time)
+    return 2 * np.cbrt(cubes)
 
 
-def _known(dataset: xr.Dataset) -> xr.Dataset | None:
-    """Return the part of the sweep for which a reference is known."""
-    if PRESSURE not in dataset["pressure"].values or HARDENING not in dataset["hardening"].values:
-        return None
-    return dataset.sel(pressure=PRESSURE, hardening=HARDENING)
+WEAR = Plot(
+    "wear", ("final_contact_area", "final_peak_pressure"), "time_steps_end", log="xy",
+    laws=(
+        Law("rigid cylinder", "final_contact_area", lambda time, _: 2 * np.cbrt(1.5 * RADIUS * WEAR_RATE * time)),
+        Law("cubes added: a³ = a_H³ + 3/2 R k P s", "final_contact_area", lambda time, _: worn_width(time)),
+    ),
+    labels=IN_TIME | {"time_steps_end": "sliding time"},
+    caption="A cylinder that wears by Archard's law at 0.1 m/s. A rigid one has a flat that grows like the cube root "
+    "of the distance s; adding the cube of Hertz's half-width is a fair estimate from the start.",
+)  # fmt: skip
+wear = drawing(
+    WEAR,
+    claims=[
+        Claim(
+            "How does wear widen a contact?",
+            "Like the cube root of the distance: the estimate a³ = a_{{H}}³ + 3/2 R k P s is within {off} of the width.",
+            "The worn volume is k P s to {volume}.",
+            {
+                "off": lambda d: abs(
+                    d["final_contact_area"] / worn_width(d["time_steps_end"].values) - 1
+                ).max(),
+                "volume": lambda d: (
+                    f"{float(abs(d['wear_volume'] / (WEAR_RATE * d['time_steps_end']) - 1).max()):.0e}"
+                ),
+            },
+        )
+    ],
+)
 
 
-def _plastic_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
-    """Return the error of a hardness in place of yield, and the cost of an accuracy of yielding."""
-    if dataset.sizes["pressure"] < 2 or dataset.sizes["steps"] < 2:
-        return ()
-    finest = dataset.isel(steps=-1, grid=-1, hardening=0)
-    first, last = finest.isel(pressure=0), finest.isel(pressure=-1)
-    cap = Finding(
-        "A hardness is no substitute for plastic strain below the surface.",
-        f"At p_{{H}} = {float(last['pressure']):g} Y, where the peak pressure is "
-        f"{float(last['peak_pressure'] * last['pressure']):.2f} Y, a hardness of {HARDNESS_OVER_YIELD:g} Y gives a "
-        f"pressure that differs by {percent(last['hardness_limited_difference'])} in L1, and a largest depth of "
-        f"{float(last['hardness_limited_dent']):.2g} a Y / E in the place of a dent of {float(last['dent']):.2g}. At "
-        f"{float(first['pressure']):g} Y it differs by {percent(first['hardness_limited_difference'])}. The body "
-        "yields from p_{H} = 1.79 Y on, below the surface, long before any pressure reaches the hardness.",
-        "Is a hardness cap enough?",
-    )
-    if (compared := _known(dataset)) is None:
-        return (cap,)
-    fine, steps = compared.isel(steps=-1, grid=-1), compared["steps"].values
-    error = compared["peak_pressure_error"].isel(grid=-1)
-    cost = Finding(
-        f"With {steps[-1]} load steps the peak pressure on a yielding body is accurate to "
-        f"{percent(fine['peak_pressure_error'])}.",
-        f"With {steps[-1]} steps and {int(fine['grid'])} cells ({float(fine['layers']):g} layers) "
-        f"the peak pressure is within {percent(fine['peak_pressure_error'])} of the known one, the dent "
-        f"within {percent(fine['dent_error'])} and the largest plastic strain within "
-        f"{percent(fine['plastic_strain_error'])}. From {steps[0]} steps to {steps[-1]} the error of the "
-        f"pressure falls by a factor of {float(error[0] / error[-1]):.1f}: it is of first order in the steps, "
-        "and what the cells add does not fall with them.",
-        "What does yielding cost?",
-    )
-    return cap, cost
+# Plastic strain
+
+PLASTIC = Plot(
+    "plastic", ("peak_pressure", "dent_depth"), "load_per_length_1", hue="solids_0_hardening_modulus", log="",
+    laws=(Law("elastic (Hertz)", "peak_pressure", lambda load, _: np.sqrt(load * STEEL / (pi * RADIUS))),),
+    labels={"load_per_length_1": "largest load", "solids_0_hardening_modulus": "hardening modulus",
+            "dent_depth": "depth of the dent"},
+    caption="A rigid cylinder pressed into steel that yields at 1 GPa, and unloaded: the pressure under the largest "
+    "load, and the dent that remains.",
+)  # fmt: skip
+plastic = drawing(
+    PLASTIC,
+    claims=[
+        Claim(
+            "What does yielding do?",
+            "It limits the pressure long before the contact is fully plastic, and leaves a dent.",
+            "Under {load} the peak pressure is {peak} of Hertz's without hardening, and the dent {dent} deep.",
+            {
+                "load": lambda d: f"{float(d['load_per_length_1'][-1]) / 1e3:g} N/mm",
+                "peak": lambda d: (
+                    d["peak_pressure"][0, -1]
+                    / hertz(STEEL, float(d["load_per_length_1"][-1])).peak_pressure
+                ),
+                "dent": lambda d: (
+                    f"{1e6 * _number('dent_depth', solids_0_hardening_modulus=0, load_per_length_1=-1)(d):.2g} µm"
+                ),
+            },
+        )
+    ],
+)
 
 
-plastic = Drawing(_plastic_figures, _plastic_findings)
+# Films and roughness
+
+FILMS = Plot(
+    "films", ("central_film", "minimum_film"), "lubrication_mean_speed",
+    hue="lubrication_lubricant_pressure_viscosity", laws=LAWS,
+    labels={"lubrication_mean_speed": "mean speed", "lubrication_lubricant_pressure_viscosity": "pressure-viscosity"},
+    caption="Film between steel cylinders over the speed, for pressure-viscosity coefficients of the oil. Dotted: the "
+    "formula of Moes for the central film, and of Dowson and Higginson for the smallest.",
+)  # fmt: skip
+films = drawing(
+    FILMS,
+    claims=[
+        Claim(
+            "How thick is the film?",
+            "The central film is within {off} of the formula of Moes.",
+            "It grows from {thin} at {slow} to {thick} at {fast} with the most viscous oil.",
+            {
+                "off": lambda d: abs(d["central_film"] / d["moes_film"] - 1).max(),
+                "slow": lambda d: f"{float(d['lubrication_mean_speed'][0]):g} m/s",
+                "fast": lambda d: f"{float(d['lubrication_mean_speed'][-1]):g} m/s",
+                "thin": lambda d: f"{1e9 * float(d['central_film'][-1, 0]):.2g} nm",
+                "thick": lambda d: f"{1e9 * float(d['central_film'][-1, -1]):.2g} nm",
+            },
+        )
+    ],
+)
+ROUGHNESS = Plot(
+    "roughness", ("contact_area_over_hertz", "peak_pressure"), "shapes_1_rms", hue="shapes_1_peklenik",
+    over=("shapes_1_seed",),
+    labels={"shapes_1_rms": "rms height", "shapes_1_peklenik": "Peklenik number"},
+    caption="A rough cylinder: lines are the median of two surfaces, bands their range. The Peklenik number is the "
+    "correlation length across the contact over that along it: below 1 grooves run along the length.",
+)  # fmt: skip
+roughness = drawing(
+    ROUGHNESS,
+    claims=[
+        Claim(
+            "What does roughness do to a contact?",
+            "At an rms height of {rms} it leaves {area} of Hertz's area in contact, and {peak} times the peak pressure.",
+            numbers={
+                "area": lambda d: d["contact_area_over_hertz"].isel(shapes_1_rms=-1).median(),
+                "rms": lambda d: f"{1e6 * float(d['shapes_1_rms'][-1]):g} µm",
+                "peak": lambda d: (
+                    f"{float(d['peak_pressure'].isel(shapes_1_rms=-1).median()) / hertz(STEEL / 2).peak_pressure:.2g}"
+                ),
+            },
+        )
+    ],
+)
+
+
+# Paddings on rough surfaces
+
+ROUGH_PADDINGS = Plot(
+    "paddings", ("pressure_error_l1",), "shapes_1_rms", hue="padding", over=("shapes_1_seed",), log="y",
+    labels={"shapes_1_rms": "rms height", "pressure_error_l1": "L1 error of the pressure"},
+    caption="L1 error of every padding against exact periodicity on the same surface and grid, over the rms height of "
+    "the roughness: the median of four surfaces of one Hurst exponent (0.8) and one Peklenik number (1), with their "
+    "range.",
+)  # fmt: skip
+
+
+def _error(padding: str, place: int, kind: str) -> Callable[[xr.Dataset], float]:
+    """Return a function for the median of the errors of a padding at a place among the rms heights, or their range."""
+
+    def of(dataset: xr.Dataset) -> float:
+        errors = dataset["pressure_error_l1"].sel(padding=padding).isel(shapes_1_rms=place)
+        return float(getattr(errors, kind)())
+
+    return of
+
+
+COMPARED = {
+    "duplicated": "DuplicatedPadding",
+    "superposed": "Superposition(images=6)",
+    "circular": "CircularSuperposition(images=6)",
+}
+rough_paddings = drawing(
+    ROUGH_PADDINGS,
+    claims=[
+        Claim(
+            "Does roughness change it?",
+            "Hardly: duplicated padding errs by {duplicated_smooth} on the smooth cylinder and by {duplicated_low} to "
+            "{duplicated_high} at an rms height of {rms}.",
+            "With n = 6 the error goes from {superposed_smooth} to {superposed_low} to {superposed_high} (superposed), "
+            "and from {circular_smooth} to {circular_low} to {circular_high} (circular), over {count} surfaces.",
+            {
+                "rms": lambda d: f"{1e6 * float(d['shapes_1_rms'][-1]):g} µm",
+                "count": lambda d: int(d.sizes["shapes_1_seed"]),
+                **{
+                    f"{short}_{word}": _error(name, place, kind)
+                    for short, name in COMPARED.items()
+                    for word, place, kind in (("smooth", 0, "median"), ("low", -1, "min"), ("high", -1, "max"))
+                },
+            },
+            {"padding": tuple(COMPARED.values()), "shapes_1_rms": (0.0,)},
+        )
+    ],
+)  # fmt: skip

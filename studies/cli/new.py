@@ -14,11 +14,11 @@ from contactstudy.domain.checks import suggestion
 @click.option("--out", type=click.Path(path_type=Path), help="File to write.  [default: KIND.toml]")
 @click.option("--list", "listed", is_flag=True, help="List the kinds of scenes, one a line.")
 def new(kind: str | None, out: Path | None, listed: bool) -> None:  # noqa: FBT001 (click's own way)
-    """Write a commented scene of a KIND, such as roller.
+    """Write a commented scene of a KIND, such as roller, or coating, which is a sweep.
 
     plan, solve and run take it. No file is replaced.
     """
-    scenes = templates()
+    scenes = templates() | templates("chapters")
     if listed:
         width = max(map(len, scenes))
         for name, text in scenes.items():
@@ -40,12 +40,13 @@ def new(kind: str | None, out: Path | None, listed: bool) -> None:  # noqa: FBT0
         raise InvalidInput(
             f"{path} cannot be written ({error.strerror}): give another file with --out."
         ) from None
-    click.echo(f"wrote {path}: contactstudy solve {path} solves it")
+    verb = "run {0} runs its sweep" if "[vary]" in scenes[kind] else "solve {0} solves it"
+    click.echo(f"wrote {path}: contactstudy {verb.format(path)}")
 
 
-def templates() -> dict[str, str]:
-    """Return the texts of the scenes by their kinds, in the order of the alphabet."""
-    folder = files("studies") / "templates"
+def templates(name: str = "templates") -> dict[str, str]:
+    """Return the texts of the scenes in a folder of the package by their kinds, in the order of the alphabet."""
+    folder = files("studies") / name
     names = sorted(entry.name for entry in folder.iterdir() if entry.name.endswith(".toml"))
     return {
         name.removesuffix(".toml"): (folder / name).read_text(encoding="utf-8") for name in names

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import xarray as xr
 
+from contactstudy import InvalidInput
 from studies.model.drawing import CaptionedFigure, Drawing, Finding, Table
 from studies.model.outcome import CaseStatus
 from studies.report.plots import Plot, draw
@@ -65,7 +66,14 @@ def drawing(
     """Return the drawing of a study of figures, claims and tables; those whose data the study lacks are left out."""
 
     def drawn(dataset: xr.Dataset) -> Sequence[CaptionedFigure]:
-        made = (draw(dataset, one) if isinstance(one, Plot) else one(dataset) for one in figures)
+        made = [draw(dataset, one) if isinstance(one, Plot) else one(dataset) for one in figures]
+        if not any(made):
+            wanted = [name for one in figures if isinstance(one, Plot) for name in one.y]
+            missing = next((name for name in wanted if name not in dataset), wanted[0])
+            raise InvalidInput(
+                f"The study is stored without the variable {missing!r}, or numbers of it, which its figures need: run "
+                "the study again, and for times without --no-times."
+            )
         return tuple(one for one in made if one is not None)
 
     def findings(dataset: xr.Dataset) -> Sequence[Finding]:

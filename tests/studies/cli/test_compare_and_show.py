@@ -129,9 +129,11 @@ def test_a_file_of_another_kind_is_not_replaced_nor_drawn(folder: Path) -> None:
     (other / "padding.nc").write_bytes(study.read_bytes())
     with pytest.raises(cs.InvalidInput, match=r"has the axes .*: run the study again"):
         said("draw", "padding", "--out", other)
-    old = xr.Dataset({"case_status": ended(("steps", "grid"), [[1]]), "step_error": 0.1})
-    old.assign_coords(steps=[10], grid=[64], time=[0.0]).to_netcdf(other / "creep.nc")
-    for verb in (["draw", "creep", "--out", other], ["show", other / "creep.nc"]):
+    axes = ("padding", "images", "period", "grid")
+    old = xr.Dataset({"case_status": ended(axes, [[[[1]]]]), "step_error": 0.1})
+    old = old.assign_coords(padding=["exact"], images=[6], period=[2.4], grid=[64])
+    old.to_netcdf(other / "grid.nc")
+    for verb in (["draw", "grid", "--out", other], ["show", other / "grid.nc"]):
         with pytest.raises(cs.InvalidInput, match=r"without the variable .*: run the study again"):
             said(*verb)
 

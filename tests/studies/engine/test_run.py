@@ -180,7 +180,7 @@ def test_a_study_of_scenes_is_expected_to_take_some_time(tmp_path: Path) -> None
 
 
 def test_the_time_of_an_evolution_is_estimated_from_its_own_instants(tmp_path: Path) -> None:
-    study = load("creep").override({"steps": "10", "grid": "64"})
+    study = load("creep")
     assert 0 < estimate_cost(study, tmp_path, options=RunOptions(), log=quiet) < np.inf
 
 

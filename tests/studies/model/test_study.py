@@ -17,27 +17,12 @@ POINTS = [
     ("padding", "grid", "1", "grid is 1: give at least 2 cells"),
     ("padding", "images", "-1", "images is -1: must be a whole number, at least 0"),
     ("padding", "padding", "exakt", "padding is 'exakt': did you mean 'exact'"),
-    ("roughness", "rms", "-0.1", "rms is -0.1: give an rms height of 0 or more"),
-    (
-        "roughness",
-        "period",
-        "1",
-        "the rough surface's length is .*: give a length that divides the period",
-    ),
-    ("roughness", "peklenik", "0", "Roughness.peklenik is 0.0"),
-    ("roughness", "images", "-1", "images is -1"),
     ("speed", "fraction", "1", r"fraction is 1\.0: give a fraction between 0 and 1\."),
     ("speed", "cut_off", "0", r"cut_off is 0\.0: give a number of cells above 0\."),
     ("speed", "threads", "0", r"threads is 0: must be a whole number, at least 1\."),
     ("speed", "device", "gpu", "Gpu "),
     ("speed", "surface", "smoth", "surface is 'smoth': did you mean 'smooth'"),
     ("speed", "precision", "half", "precision is 'half': give 'single' or 'double'"),
-    ("friction", "grid", "31", "grid is 31: .*at least 32 cells"),
-    ("friction", "rough_grid", "15", "rough_grid is 15: .*at least 16 cells"),
-    ("lubrication", "load", "0", "load is 0"),
-    ("lubrication", "grid", "0", "grid is 0"),
-    ("lubrication", "cavitation", "none", "cavitation is 'none': .*elrod-adams"),
-    ("wear", "steps", "512", "steps is 512: give at most 256, half of the 512"),
 ]
 
 

@@ -78,7 +78,7 @@ def test_errors_stand_over_the_distance_that_a_padding_sees_whatever_its_n() -> 
 
 def test_a_front_joins_the_settings_that_no_other_beats() -> None:
     dataset = axes_text(timed=True).sel(padding=["exact"], period=[0.6])
-    (front,) = load_drawing("pareto").figure(dataset)
+    _, front = load_drawing("pareto").figure(dataset)
     times, errors = labelled(front.figure.axes[0])["exact"]
     # of 0.8, 1.2 and 0.2 % in rising time the second is beaten
     np.testing.assert_allclose(errors, [0.8, 0.2])

@@ -67,7 +67,7 @@ def test_without_times_a_study_shows_what_needs_none(call: Call, tmp_path: Path)
     few = ("--no-times", "--workers", "0", "--grid", "16", "--period", "2.4")
     done = call("run", "padding", *few)
     assert done.returncode == 0, done.stderr
-    assert [path.name for path in tmp_path.glob("outputs/padding/*")] == ["over_images.png"]
+    assert [path.name for path in tmp_path.glob("outputs/padding/*")] == ["paddings.png"]
 
 
 @POSIX

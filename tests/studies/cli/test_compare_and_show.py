@@ -152,7 +152,7 @@ def test_a_file_of_another_kind_is_not_replaced_nor_drawn(folder: Path) -> None:
             "compare study/smooth-sweep.nc study/smooth-sweep.nc --out x",
             "--out is for two solutions",
         ),
-        ("run xyz", "choose from accuracy, coating, creep"),
+        ("run xyz", "choose from coating, creep"),
         ("run nowhere.py", "cannot be read"),
         ("run padding --plot peak_pressure", "--plot is for a scene or a study without figures"),
         ("report --error 0.1", "--error is for --scene"),

@@ -1,0 +1,422 @@
+"""The verdict on a scene: which padding, grid and tolerance keep an error, and their cost, by solves on nested grids.
+
+What is tried depends on the scene and the error alone. Costs are processor times of :func:`contactstudy.solve` on one
+thread, the least of a few rounds in which all settings take turns. The error of a setting is the bound of its answer.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from math import inf, isfinite, prod
+from time import process_time
+
+import contactstudy as cs
+from contactstudy.domain.fields import Array
+from contactstudy.domain.identity import digest
+from contactstudy.domain.reuse import caching
+from contactstudy.io.scene_files.scene_schema import PlanSettings
+from contactstudy.io.scene_files.scene_writer import settings_text
+from contactstudy.planning.grid_requirements import grid_requirements, with_random_extents
+from studies.advice.compared_scene import last_of
+from studies.model.plain_text import Log
+from studies.reference.line_contact import (
+    PADDINGS,
+    hertz_means,
+    padding_label,
+    relative_l1,
+    with_edges_moved,
+)
+
+# Grids that are tried have these multiples of a sixth of the planned cells; the last ones if nothing varies along the
+# length, where a solve takes milliseconds.
+MULTIPLES, MULTIPLES_OF_LINES = (1, 2, 3, 4, 6, 8, 12), (1, 2, 3, 4, 6, 8, 12, 16, 24, 48)
+TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-6)
+IMAGES = {"superposed": (1, 6, 20), "circular": (1, 2, 4, 6, 10, 20)}
+# A setting within this factor of the fastest is as fast; the one with the scene's own padding is then chosen.
+TIE = 1.1
+# A promise holds for a load that is lower by this factor too, whose contact edge lies elsewhere in its cell.
+LOWER_LOAD = 0.92
+# Rounds of times of the fastest: as many as take this processor time [s], at most so many.
+ROUND_SECONDS, MAX_ROUNDS = 1.0, 100
+
+Answer = cs.Contact | cs.LubricatedContact | cs.Evolution
+
+
+@dataclass(frozen=True)
+class Setting:
+    """Way to solve a scene: name and value of the padding, cells (across, along), tolerance of the solver."""
+
+    label: str
+    padding: cs.Padding | cs.Paddings
+    cells: tuple[int, int]
+    tolerance: float
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What was measured of a setting.
+
+    Attributes
+    ----------
+    setting
+        The setting.
+    error
+        Bound of its error, of the measure that :func:`~contactstudy.solve` judges.
+    difference
+        L1 difference of its pressure to the reference, nan without one.
+    seconds
+        Least processor time [s].
+    """
+
+    setting: Setting
+    error: float
+    difference: float
+    seconds: float
+
+    def meets(self, error: float) -> bool:
+        """Return whether the bound meets an error, and what was measured does not contradict it."""
+        return self.error <= error and not self.difference > error
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """Settings of a scene that were measured, and the choice among them.
+
+    Attributes
+    ----------
+    name, text
+        Name of the scene, and the scene as TOML.
+    error
+        Requested error.
+    measure
+        What the error is of, such as ``in L1``.
+    extent
+        Width and length [m] of all grids.
+    own
+        Name of the padding that the scene itself has.
+    reference
+        What differences are against.
+    settings
+        What was measured, in the order in which it was tried.
+    notes
+        A sentence for each padding that has no answer.
+    """
+
+    name: str
+    text: str
+    error: float
+    measure: str
+    extent: tuple[float, float]
+    own: str
+    reference: str
+    settings: tuple[Measured, ...]
+    notes: tuple[str, ...] = ()
+
+    def best(self, error: float | None = None) -> Measured | None:
+        """Return the fastest setting that meets an error, with the scene's own padding where that is as fast."""
+        meeting = self.meeting(error)
+        if not meeting:
+            return None
+        ties = [one for one in meeting if one.seconds <= TIE * meeting[0].seconds]
+        own = [one for one in ties if one.setting.label == self.own]
+        return min(own, key=lambda one: prod(one.setting.cells)) if own else meeting[0]
+
+    def meeting(self, error: float | None = None) -> list[Measured]:
+        """Return the settings that meet an error, the requested one if None, the fastest first."""
+        limit = self.error if error is None else error
+        found = [one for one in self.settings if one.meets(limit)]
+        return sorted(found, key=lambda one: one.seconds)
+
+    @property
+    def nearest(self) -> Measured:
+        """Setting of the least bound, or of the most cells if none has a bound."""
+        return min(self.settings, key=lambda one: (one.error, -one.setting.cells[0]))
+
+    def toml(self, chosen: Measured) -> str:
+        """Return the tables of a scene file that choose a setting."""
+        setting = chosen.setting
+        options = cs.SolveOptions(tolerance=setting.tolerance)
+        plan = settings_text(cs.Grid(setting.cells, self.extent), setting.padding, options)
+        return f"{plan}\n[plan]\nerror = {self.error:g}\n"
+
+
+@dataclass(frozen=True)
+class SceneToJudge:
+    """A scene with the grids on which it is solved.
+
+    Attributes
+    ----------
+    name, text
+        Name for people, and the scene as TOML.
+    file
+        The scene with its grid, padding and settings, if it has some.
+    """
+
+    name: str
+    text: str
+    file: cs.SceneFile
+
+    @property
+    def key(self) -> str:
+        """Text that is equal for equal scenes alone."""
+        file = self.file
+        solved = file.scene, file.grid, file.padding, file.options, file.time_steps
+        return digest((*solved, file.plan_settings.period))
+
+
+@dataclass(eq=False)
+class _Trials:
+    """Solves of a scene for an error, each once, on one extent."""
+
+    scene: cs.Scene
+    extent: tuple[float, float]
+    own: cs.Padding | cs.Paddings
+    unit: tuple[int, int]
+    options: cs.SolveOptions
+    times: cs.TimeSteps | None
+    error: float
+    measure: str = "in L1"
+    notes: dict[str, str] = field(default_factory=dict)
+    pressures: dict[Setting, Array] = field(default_factory=dict)
+
+    def cells(self, multiple: int) -> tuple[int, int]:
+        """Return the cells of a grid; a direction along which nothing varies has one."""
+        across, along = (n * multiple if n > 1 else 1 for n in self.unit)
+        return across, along
+
+    def solve(
+        self, setting: Setting, scene: cs.Scene | None = None, grid: cs.Grid | None = None
+    ) -> Answer:
+        """Return the answer at a setting, as a scene file with its tables would be solved."""
+        return cs.solve(
+            scene or self.scene, grid or cs.Grid(setting.cells, self.extent), setting.padding,
+            error=self.error, times=self.times, options=replace(self.options, tolerance=setting.tolerance),
+        )  # fmt: skip
+
+    def seconds(self, setting: Setting) -> float:
+        """Return the processor time of one solve [s], posed again."""
+        with caching(None):
+            start = process_time()
+            self.solve(setting)
+            return process_time() - start
+
+    def variants(self, setting: Setting) -> Iterator[tuple[cs.Scene, cs.Grid]]:
+        """Yield the scene on its grid, and with a lower load, whose edge a smooth contact has at several places."""
+        grid = cs.Grid(setting.cells, self.extent)
+        yield self.scene, grid
+        load = self.scene.load
+        if self.scene.takes_times or not isinstance(load, cs.LineLoad | cs.TotalLoad):
+            return
+        name = "per_length" if isinstance(load, cs.LineLoad) else "total"
+        if getattr(load, name) > 0:
+            lower = replace(
+                self.scene, load=replace(load, **{name: LOWER_LOAD * getattr(load, name)})
+            )
+            hertz = lower.hertz if setting.cells[1] == 1 else None
+            grids = [grid] if hertz is None else with_edges_moved(grid, hertz.half_width)
+            yield from ((lower, moved) for moved in grids)
+
+    def measured(self, setting: Setting, reference: Array | None) -> Measured | None:
+        """Return the largest bound and difference of a setting's variants; None without an answer."""
+        try:
+            return self._measured(setting, reference)
+        except cs.InvalidInput as refused:
+            self.notes[setting.label] = (
+                f"{setting.label} on {_cells(setting.cells)} cells: {refused}"
+            )
+            return None
+
+    def _measured(self, setting: Setting, reference: Array | None) -> Measured | None:
+        error = difference = 0.0
+        seconds = inf
+        for number, (scene, grid) in enumerate(self.variants(setting)):
+            with caching(None):
+                start = process_time()
+                answer = self.solve(setting, scene, grid)
+                if number == 0:
+                    seconds = process_time() - start
+            if answer.status not in (cs.Status.CONVERGED, cs.Status.PRECISION_LIMIT):
+                self.notes[setting.label] = (
+                    f"{setting.label} on {_cells(setting.cells)} cells: {answer.status}"
+                )
+                return None
+            self.measure, bound = answer.judged_error[0], answer.judged_error[1].total
+            error = max(error, bound)
+            pressure = last_of(answer).pressure
+            if number == 0:
+                self.pressures[setting] = pressure
+            if (hertz := self.hertz_of(scene)) is not None:
+                difference = max(difference, relative_l1(pressure, hertz_means(hertz, grid)))
+            elif number == 0 and reference is not None:
+                difference = relative_l1(pressure, reference)
+            if error > self.error and setting.cells[1] > 1:
+                break
+        return Measured(setting, error, difference, seconds)
+
+    def hertz_of(self, scene: cs.Scene) -> "cs.analytic.HertzLine | None":
+        """Return Hertz's line contact where it is the exact solution: a smooth elastic cylinder under a load."""
+        at_rest = scene.lubrication is None and not scene.rolls and not scene.takes_times
+        hertz = scene.hertz
+        if (
+            hertz is None
+            or isinstance(self.own, tuple)
+            or not at_rest
+            or scene.adhesion is not None
+        ):
+            return None
+        is_exact = grid_requirements(scene).is_smooth and scene.hardness > hertz.peak_pressure
+        return hertz if is_exact and not isinstance(scene.load, cs.Approach) else None
+
+
+def verdict_on(described: SceneToJudge, error: float, log: Log = lambda text: None) -> Verdict:
+    """Return what was measured of a scene's settings for a relative error, and the choice among them.
+
+    Grids are tried from the coarsest until the bound of one meets the error; then tolerances and paddings on that grid.
+    Where nothing varies along the length, all paddings are tried on all grids. A scene whose bodies end along it, or
+    that repeats across, is solved with its own boundary conditions alone.
+
+    Raises
+    ------
+    InvalidInput
+        If the scene does not determine a grid and has none.
+    """
+    trials = _trials(described.file, error)
+    own = _own_label(trials.own)
+    paddings = {own: trials.own} | ({} if isinstance(trials.own, tuple) else _paddings())
+    found: list[Measured] = []
+    is_line = (
+        trials.unit[1] == 1 and trials.scene.lubrication is None and not trials.scene.takes_times
+    )
+    log(
+        f"{described.name}: grids from {_cells(trials.cells(1))} cells, up to {len(paddings)} paddings"
+    )
+    default = trials.options.tolerance
+    against, reference = "Hertz's contact", None
+    if is_line:
+        if trials.hertz_of(trials.scene) is None:
+            against, reference = _reference(trials, own, 2 * MULTIPLES_OF_LINES[-1])
+        settings = [
+            Setting(label, padding, trials.cells(multiple), default)
+            for multiple in MULTIPLES_OF_LINES
+            for label, padding in paddings.items()
+        ]
+        found = [one for setting in settings if (one := trials.measured(setting, reference))]
+        coarsest = {one.setting.label: one.setting for one in reversed(found) if one.meets(error)}
+        loosest = _loosest(trials, coarsest[own]) if own in coarsest else default
+        settings = [replace(setting, tolerance=loosest) for setting in coarsest.values()]
+        settings = settings if loosest > default else []
+        found += [one for setting in settings if (one := trials.measured(setting, reference))]
+    else:
+        last = 1
+        for last in MULTIPLES:
+            one = trials.measured(Setting(own, trials.own, trials.cells(last), default), None)
+            found += [one] if one else []
+            if one and (one.meets(error) or (last >= 6 and not isfinite(one.error))):
+                break
+        cells = trials.cells(last)
+        loosest = _loosest(trials, Setting(own, trials.own, cells, default))
+        against, reference = _reference(trials, own, 2 * last)
+        found = [
+            replace(one, difference=relative_l1(trials.pressures[one.setting], reference))
+            for one in found
+        ]
+        for label, padding in paddings.items():
+            one = trials.measured(Setting(label, padding, cells, loosest), reference)
+            found += [one] if one and all(one.setting != other.setting for other in found) else []
+    if not found:
+        raise cs.InvalidInput(f"{described.name} has no answer: {' '.join(trials.notes.values())}")
+    log(
+        f"{described.name}: times of {sum(one.meets(error) for one in found)} settings that meet it"
+    )
+    return Verdict(
+        described.name, described.text, error, trials.measure, trials.extent, own, against,
+        tuple(_timed(trials, found)),
+        tuple(note for label, note in trials.notes.items() if label not in {one.setting.label for one in found}),
+    )  # fmt: skip
+
+
+def _trials(file: cs.SceneFile, error: float) -> _Trials:
+    """Return the solves of a scene on the extent of its grid, or of the plan for the error."""
+    padding = file.padding if isinstance(file.padding, tuple) else None
+    plan = PlanSettings(error, file.plan_settings.period)
+    grid = file.grid
+    if grid is None or file.scene.hertz is not None:
+        wanted = PlanSettings(error, grid.length) if grid is not None else plan
+        planned = replace(file, grid=None, padding=padding, plan_settings=wanted).plan()
+        if grid is None:
+            grid = planned.grid
+        else:  # the extent that is given, with cells of the size that the error needs
+            sizes = zip(
+                grid.extent, planned.grid.cell_size, grid.cells, planned.grid.cells, strict=True
+            )
+            across, along = (
+                1 if 1 in (given, plan_cells) else max(6, round(side / size))
+                for side, size, given, plan_cells in sizes
+            )
+            grid = cs.Grid((across, along), grid.extent)
+        padding = padding or planned.padding
+    own = padding or cs.ExactPeriodicity()
+    across, along = (max(1, round(n / 6)) if n > 1 else 1 for n in grid.cells)
+    scene = with_random_extents(file.scene, grid.extent)
+    times = file.time_steps if scene.takes_times and file.time_steps != cs.TimeSteps() else None
+    return _Trials(scene, grid.extent, own, (max(2, across), along), file.options, times, error)
+
+
+def _paddings() -> dict[str, cs.Padding]:
+    """Return all paddings by their names, with numbers of images where they have one."""
+    return {
+        padding_label(name, n): make(n)
+        for name, make in PADDINGS.items()
+        for n in IMAGES.get(name, (0,))
+    }
+
+
+def _own_label(padding: cs.Padding | cs.Paddings) -> str:
+    """Return the name of the padding of the scene itself."""
+    if isinstance(padding, tuple):
+        return "repeating across and along" if padding[0].wraps else "free ends"
+    return next((name for name, other in _paddings().items() if other == padding), repr(padding))
+
+
+def _cells(cells: tuple[int, int]) -> str:
+    """Return numbers of cells as text."""
+    return f"{cells[0]} x {cells[1]}"
+
+
+def _loosest(trials: _Trials, setting: Setting) -> float:
+    """Return the loosest tolerance at which a setting meets the error, or the scene's own if none does."""
+    for tolerance in (t for t in TOLERANCES if t > setting.tolerance):
+        one = trials.measured(replace(setting, tolerance=tolerance), None)
+        if one and one.meets(trials.error):
+            return tolerance
+    return setting.tolerance
+
+
+def _reference(trials: _Trials, own: str, multiple: int) -> tuple[str, Array]:
+    """Return what differences are against in words, and its pressure."""
+    setting = Setting(own, trials.own, trials.cells(multiple), trials.options.tolerance)
+    answer = trials.solve(setting)
+    bound = answer.judged_error[1].total
+    own_error = (
+        f"whose own error is at most {100 * bound:.2g} %"
+        if isfinite(bound)
+        else "which has no bound itself"
+    )
+    return f"a solution on {_cells(setting.cells)} cells, {own_error}", last_of(answer).pressure
+
+
+def _timed(trials: _Trials, found: Sequence[Measured]) -> Iterator[Measured]:
+    """Yield what was measured with the least processor time of rounds in which all settings that meet it take turns."""
+    times = {one.setting: one.seconds for one in found}
+
+    def take(settings: Sequence[Setting], rounds: int) -> None:
+        for _ in range(rounds):
+            for setting in settings:
+                times[setting] = min(times[setting], trials.seconds(setting))
+
+    meeting = [one.setting for one in found if one.meets(trials.error)]
+    take(meeting, 2)
+    fastest = min((times[setting] for setting in meeting), default=inf)
+    near = [setting for setting in meeting if times[setting] <= TIE**3 * fastest]
+    total = sum(times[setting] for setting in near)
+    take(near, min(max(1, int(ROUND_SECONDS / total)), MAX_ROUNDS) if near else 0)
+    yield from (replace(one, seconds=times[one.setting]) for one in found)

@@ -28,9 +28,10 @@ from studies.reference.line_contact import (
 
 # Grids that are tried have these multiples of a sixth of the planned cells; the last ones if nothing varies along the
 # length, where a solve takes milliseconds.
-MULTIPLES, MULTIPLES_OF_LINES = (1, 2, 3, 4, 6, 8, 12), (1, 2, 3, 4, 6, 8, 12, 16, 24, 48)
+MULTIPLES, MULTIPLES_OF_LINES = (1, 2, 3, 4, 6, 8, 12), (1, 2, 3, 4, 6, 8, 12, 16, 24, 48, 96, 192)
 TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-6)
 IMAGES = {"superposed": (1, 6, 20), "circular": (1, 2, 4, 6, 10, 20)}
+FINE = 6  # multiple of the planned grid
 # A setting within this factor of the fastest is as fast; the one with the scene's own padding is then chosen.
 TIE = 1.1
 # A promise holds for a load that is lower by this factor too, whose contact edge lies elsewhere in its cell.
@@ -38,6 +39,7 @@ LOWER_LOAD = 0.92
 # Rounds of times of the fastest: as many as take this processor time [s], at most so many.
 ROUND_SECONDS, MAX_ROUNDS = 1.0, 100
 
+EVERY_NUMBER, PRESSURE = "every number", "the pressure in L1"
 Answer = cs.Contact | cs.LubricatedContact | cs.Evolution
 
 
@@ -59,8 +61,9 @@ class Measured:
     ----------
     setting
         The setting.
-    error
-        Bound of its error, of the measure that :func:`~contactstudy.solve` judges.
+    l1, error, worst
+        Bound of the pressure in L1, the largest bound of any number that :func:`~contactstudy.solve` judges, and what
+        that number is.
     difference
         L1 difference of its pressure to the reference, nan without one.
     seconds
@@ -68,13 +71,11 @@ class Measured:
     """
 
     setting: Setting
+    l1: float
     error: float
+    worst: str
     difference: float
     seconds: float
-
-    def meets(self, error: float) -> bool:
-        """Return whether the bound meets an error, and what was measured does not contradict it."""
-        return self.error <= error and not self.difference > error
 
 
 @dataclass(frozen=True)
@@ -88,7 +89,7 @@ class Verdict:
     error
         Requested error.
     measure
-        What the error is of, such as ``in L1``.
+        What keeps it: every number, or where that is out of reach the pressure in L1 alone.
     extent
         Width and length [m] of all grids.
     own
@@ -123,20 +124,37 @@ class Verdict:
     def meeting(self, error: float | None = None) -> list[Measured]:
         """Return the settings that meet an error, the requested one if None, the fastest first."""
         limit = self.error if error is None else error
-        found = [one for one in self.settings if one.meets(limit)]
+        found = [one for one in self.settings if meets(one, limit, self.measure)]
         return sorted(found, key=lambda one: one.seconds)
+
+    def bound(self, one: Measured) -> float:
+        """Return the bound that counts."""
+        return bound_of(one, self.measure)
 
     @property
     def nearest(self) -> Measured:
         """Setting of the least bound, or of the most cells if none has a bound."""
-        return min(self.settings, key=lambda one: (one.error, -one.setting.cells[0]))
+        return min(self.settings, key=lambda one: (self.bound(one), -one.setting.cells[0]))
 
     def toml(self, chosen: Measured) -> str:
         """Return the tables of a scene file that choose a setting."""
         setting = chosen.setting
         options = cs.SolveOptions(tolerance=setting.tolerance)
         plan = settings_text(cs.Grid(setting.cells, self.extent), setting.padding, options)
-        return f"{plan}\n[plan]\nerror = {self.error:g}\n"
+        error = (
+            f"{{ pressure = {self.error:g} }}" if self.measure == PRESSURE else f"{self.error:g}"
+        )
+        return f"{plan}\n[plan]\nerror = {error}\n"
+
+
+def bound_of(one: Measured, measure: str) -> float:
+    """Return the bound of a setting that counts for a measure."""
+    return one.error if measure == EVERY_NUMBER else one.l1
+
+
+def meets(one: Measured, error: float, measure: str) -> bool:
+    """Return whether the bound of a setting meets an error, and what was measured does not contradict it."""
+    return bound_of(one, measure) <= error and not one.difference > error
 
 
 @dataclass(frozen=True)
@@ -174,7 +192,7 @@ class _Trials:
     options: cs.SolveOptions
     times: cs.TimeSteps | None
     error: float
-    measure: str = "in L1"
+    measure: str
     notes: dict[str, str] = field(default_factory=dict)
     pressures: dict[Setting, Array] = field(default_factory=dict)
 
@@ -188,9 +206,13 @@ class _Trials:
     ) -> Answer:
         """Return the answer at a setting, as a scene file with its tables would be solved."""
         return cs.solve(
-            scene or self.scene, grid or cs.Grid(setting.cells, self.extent), setting.padding,
-            error=self.error, times=self.times, options=replace(self.options, tolerance=setting.tolerance),
-        )  # fmt: skip
+            scene or self.scene,
+            grid or cs.Grid(setting.cells, self.extent),
+            setting.padding,
+            error=self.error,
+            times=self.times,
+            options=replace(self.options, tolerance=setting.tolerance),
+        )
 
     def seconds(self, setting: Setting) -> float:
         """Return the processor time of one solve [s], posed again."""
@@ -226,8 +248,8 @@ class _Trials:
             return None
 
     def _measured(self, setting: Setting, reference: Array | None) -> Measured | None:
-        error = difference = 0.0
-        seconds = inf
+        l1 = error = difference = 0.0
+        seconds, worst = inf, ""
         for number, (scene, grid) in enumerate(self.variants(setting)):
             with caching(None):
                 start = process_time()
@@ -239,8 +261,8 @@ class _Trials:
                     f"{setting.label} on {_cells(setting.cells)} cells: {answer.status}"
                 )
                 return None
-            self.measure, bound = answer.judged_error[0], answer.judged_error[1].total
-            error = max(error, bound)
+            l1 = max(l1, answer.error.l1.total)
+            error, worst = max((error, worst), _worst(answer))
             pressure = last_of(answer).pressure
             if number == 0:
                 self.pressures[setting] = pressure
@@ -248,9 +270,26 @@ class _Trials:
                 difference = max(difference, relative_l1(pressure, hertz_means(hertz, grid)))
             elif number == 0 and reference is not None:
                 difference = relative_l1(pressure, reference)
-            if error > self.error and setting.cells[1] > 1:
+            if min(l1, error) > self.error and setting.cells[1] > 1:
                 break
-        return Measured(setting, error, difference, seconds)
+        return Measured(setting, l1, error, worst, difference, seconds)
+
+    def meets(self, one: Measured) -> bool:
+        """Return whether a setting meets the error, by the measure."""
+        return meets(one, self.error, self.measure)
+
+    def choose_measure(self, found: Sequence[Measured]) -> None:
+        """Let the pressure alone keep the error, where no setting keeps it by every number."""
+        if not any(map(self.meets, found)):
+            self.measure = PRESSURE
+
+    def is_worth_refining(self, one: Measured, multiple: int) -> bool:
+        """Return whether a finer grid may meet the error that this one, with a multiple of the cells, does not."""
+        if self.meets(one) or multiple >= MULTIPLES[-1]:
+            return False
+        if one.l1 <= self.error:  # errors of the other numbers may fall with the size of the cells
+            return multiple * one.error <= MULTIPLES[-1] * self.error
+        return multiple < FINE or isfinite(one.l1)
 
     def hertz_of(self, scene: cs.Scene) -> "cs.analytic.HertzLine | None":
         """Return Hertz's line contact where it is the exact solution: a smooth elastic cylinder under a load."""
@@ -267,7 +306,9 @@ class _Trials:
         return hertz if is_exact and not isinstance(scene.load, cs.Approach) else None
 
 
-def verdict_on(described: SceneToJudge, error: float, log: Log = lambda text: None) -> Verdict:
+def verdict_on(
+    described: SceneToJudge, error: float, log: Log = lambda text: None, measure: str = EVERY_NUMBER
+) -> Verdict:
     """Return what was measured of a scene's settings for a relative error, and the choice among them.
 
     Grids are tried from the coarsest until the bound of one meets the error; then tolerances and paddings on that grid.
@@ -279,7 +320,7 @@ def verdict_on(described: SceneToJudge, error: float, log: Log = lambda text: No
     InvalidInput
         If the scene does not determine a grid and has none.
     """
-    trials = _trials(described.file, error)
+    trials = _trials(described.file, error, measure)
     own = _own_label(trials.own)
     paddings = {own: trials.own} | ({} if isinstance(trials.own, tuple) else _paddings())
     found: list[Measured] = []
@@ -300,33 +341,34 @@ def verdict_on(described: SceneToJudge, error: float, log: Log = lambda text: No
             for label, padding in paddings.items()
         ]
         found = [one for setting in settings if (one := trials.measured(setting, reference))]
-        coarsest = {one.setting.label: one.setting for one in reversed(found) if one.meets(error)}
+        trials.choose_measure(found)
+        coarsest = {one.setting.label: one.setting for one in reversed(found) if trials.meets(one)}
         loosest = _loosest(trials, coarsest[own]) if own in coarsest else default
         settings = [replace(setting, tolerance=loosest) for setting in coarsest.values()]
-        settings = settings if loosest > default else []
-        found += [one for setting in settings if (one := trials.measured(setting, reference))]
     else:
-        last = 1
+        last, cells = 1, trials.cells(1)
         for last in MULTIPLES:
-            one = trials.measured(Setting(own, trials.own, trials.cells(last), default), None)
+            cells = trials.cells(last)
+            one = trials.measured(Setting(own, trials.own, cells, default), None)
             found += [one] if one else []
-            if one and (one.meets(error) or (last >= 6 and not isfinite(one.error))):
+            if one and not trials.is_worth_refining(one, last):
                 break
-        cells = trials.cells(last)
-        loosest = _loosest(trials, Setting(own, trials.own, cells, default))
+        trials.choose_measure(found)
+        # of grids on which the pressure meets the error, and no other number ever does, the coarsest
+        cells = next((one.setting.cells for one in found if trials.meets(one)), cells)
         against, reference = _reference(trials, own, 2 * last)
         found = [
             replace(one, difference=relative_l1(trials.pressures[one.setting], reference))
             for one in found
         ]
-        for label, padding in paddings.items():
-            one = trials.measured(Setting(label, padding, cells, loosest), reference)
-            found += [one] if one and all(one.setting != other.setting for other in found) else []
+        loosest = _loosest(trials, Setting(own, trials.own, cells, default))
+        settings = [Setting(label, padding, cells, loosest) for label, padding in paddings.items()]
+    tried = {one.setting for one in found}
+    settings = [setting for setting in settings if setting not in tried]
+    found += [one for setting in settings if (one := trials.measured(setting, reference))]
     if not found:
         raise cs.InvalidInput(f"{described.name} has no answer: {' '.join(trials.notes.values())}")
-    log(
-        f"{described.name}: times of {sum(one.meets(error) for one in found)} settings that meet it"
-    )
+    log(f"{described.name}: times of {sum(map(trials.meets, found))} settings that meet it")
     return Verdict(
         described.name, described.text, error, trials.measure, trials.extent, own, against,
         tuple(_timed(trials, found)),
@@ -334,9 +376,11 @@ def verdict_on(described: SceneToJudge, error: float, log: Log = lambda text: No
     )  # fmt: skip
 
 
-def _trials(file: cs.SceneFile, error: float) -> _Trials:
+def _trials(file: cs.SceneFile, error: float, measure: str) -> _Trials:
     """Return the solves of a scene on the extent of its grid, or of the plan for the error."""
-    padding = file.padding if isinstance(file.padding, tuple) else None
+    padding: cs.Padding | cs.Paddings | None = None
+    if isinstance(file.padding, tuple):
+        padding = file.padding
     plan = PlanSettings(error, file.plan_settings.period)
     grid = file.grid
     if grid is None or file.scene.hertz is not None:
@@ -358,7 +402,9 @@ def _trials(file: cs.SceneFile, error: float) -> _Trials:
     across, along = (max(1, round(n / 6)) if n > 1 else 1 for n in grid.cells)
     scene = with_random_extents(file.scene, grid.extent)
     times = file.time_steps if scene.takes_times and file.time_steps != cs.TimeSteps() else None
-    return _Trials(scene, grid.extent, own, (max(2, across), along), file.options, times, error)
+    return _Trials(
+        scene, grid.extent, own, (max(2, across), along), file.options, times, error, measure
+    )
 
 
 def _paddings() -> dict[str, cs.Padding]:
@@ -377,6 +423,17 @@ def _own_label(padding: cs.Padding | cs.Paddings) -> str:
     return next((name for name, other in _paddings().items() if other == padding), repr(padding))
 
 
+def _worst(answer: Answer) -> tuple[float, str]:
+    """Return the largest bound that is judged, and of what it is; numbers without a bound are left out."""
+    measure, parts = answer.judged_error
+    bounds = [
+        (number.bound, f"in the {number.label}")
+        for number in answer.judged.values()
+        if isfinite(number.bound)
+    ]
+    return max([(parts.total, measure), *bounds])
+
+
 def _cells(cells: tuple[int, int]) -> str:
     """Return numbers of cells as text."""
     return f"{cells[0]} x {cells[1]}"
@@ -386,7 +443,7 @@ def _loosest(trials: _Trials, setting: Setting) -> float:
     """Return the loosest tolerance at which a setting meets the error, or the scene's own if none does."""
     for tolerance in (t for t in TOLERANCES if t > setting.tolerance):
         one = trials.measured(replace(setting, tolerance=tolerance), None)
-        if one and one.meets(trials.error):
+        if one and trials.meets(one):
             return tolerance
     return setting.tolerance
 
@@ -413,8 +470,9 @@ def _timed(trials: _Trials, found: Sequence[Measured]) -> Iterator[Measured]:
             for setting in settings:
                 times[setting] = min(times[setting], trials.seconds(setting))
 
-    meeting = [one.setting for one in found if one.meets(trials.error)]
-    take(meeting, 2)
+    meeting = [one.setting for one in found if trials.meets(one)]
+    total = sum(times[setting] for setting in meeting)
+    take(meeting, min(max(2, int(ROUND_SECONDS / total)), MAX_ROUNDS) if meeting else 0)
     fastest = min((times[setting] for setting in meeting), default=inf)
     near = [setting for setting in meeting if times[setting] <= TIE**3 * fastest]
     total = sum(times[setting] for setting in near)

@@ -34,8 +34,6 @@ ELSEWHERE = ("python3 -m venv", ".venv/bin/pip", ".venv/bin/contactstudy run pee
 # What makes a command quick.
 QUICK = {
     "run": ("--workers", "0", "--repeats", "1"),
-    "report": ("--seconds", "1"),
-    "recommend": ("--seconds", "1"),
 }
 
 

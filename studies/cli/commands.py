@@ -10,11 +10,11 @@ from typing import Any, NoReturn
 import click
 
 from contactstudy import InvalidInput, __version__
+from contactstudy.domain.checks import checked_relative_error
 from contactstudy.domain.imports import missing_package
 from studies.cli.explore import explore
 from studies.cli.new import new
 from studies.cli.options import FORMAT, PLOT, is_given, names_in, out_option, refuse, with_png
-from studies.cli.recommend import BUDGET, ERROR, measured_scene, recommendation
 from studies.cli.scenes import plan, solve
 from studies.cli.show import REMEDY_IN_CODE, REMEDY_IN_TIMES, compare, drawing, show
 from studies.cli.study_help import StudyCommand
@@ -58,8 +58,13 @@ def cli() -> None:
     type=click.Path(path_type=Path),
     help="Compare paddings, numbers of images n, grids and tolerances for the scene in this TOML file.",
 )
-@ERROR
-@BUDGET
+@click.option(
+    "--error",
+    default="1 %",
+    show_default=True,
+    callback=lambda _context, _option, value: checked_relative_error("--error", value),
+    help="With --scene: requested relative error, such as '3 %' or 0.03.",
+)
 @OUT
 @WORKERS
 @REPEATS
@@ -71,7 +76,6 @@ def report(
     chapter: tuple[str, ...],
     scene: Path | None,
     error: float,
-    seconds: float,
     out: Path,
     workers: int,
     repeats: int,
@@ -90,13 +94,20 @@ def report(
                 "steel cylinder of R = 10 mm under 100 N/mm."
             )
         refuse(context, "chapters, and not for --scene", "workers", "repeats")
-        measured, folder = measured_scene(scene, error, seconds, out, click.echo)
+        from studies.advice.stored import verdict_of
+        from studies.advice.verdict import scene_in
         from studies.report.page import write_scene
+        from studies.report.wording import lines
 
-        path = write_scene(measured, folder, with_png(formats))
-        click.echo(f"report: wrote {path}")
+        folder = out / scene.stem
+        verdict = verdict_of(
+            scene_in(scene), error, folder, lambda text: click.echo(text, err=True)
+        )
+        for line in lines(verdict):
+            click.echo(line)
+        click.echo(f"report: wrote {write_scene(verdict, folder, with_png(formats))}")
         return
-    refuse(context, "--scene", "error", "seconds")
+    refuse(context, "--scene", "error")
     from studies.engine.options import RunOptions
     from studies.report import page as reporting
     from studies.report.chapters import chapters
@@ -284,7 +295,7 @@ def draw(study: tuple[str, ...], out: Path, formats: tuple[str, ...]) -> None:
             click.echo(f"report: wrote {path}")
 
 
-for command in (compare, explore, new, plan, show, solve, recommendation):
+for command in (compare, explore, new, plan, show, solve):
     cli.add_command(command)
 
 

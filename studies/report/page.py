@@ -11,10 +11,8 @@ from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescap
 
 from contactstudy import InvalidInput
 from contactstudy.domain.files import replacing
-from studies.advice.compared_scene import paper_scene
-from studies.advice.comparison import Comparison
-from studies.advice.nested_answers import Budget
-from studies.advice.stored import SETTINGS, comparison_of, from_dataset, path_in
+from studies.advice.stored import SETTINGS, from_dataset, path_in, verdict_of
+from studies.advice.verdict import PRESSURE, Verdict, paper_scene
 from studies.engine.options import RunOptions
 from studies.engine.progress import progress_of
 from studies.engine.run import run
@@ -27,12 +25,16 @@ from studies.report.chapters import CHAPTERS, MAIN, Chapter, Part, chapter_of_st
 from studies.report.drawings import comparison as settings
 from studies.report.section import FORMATS, Section, embedded, is_claim, saved
 from studies.report.style import marked, plain
-from studies.report.wording import introduction
 from studies.store.netcdf import read
 
 MAX_LISTED = 10  # of an axis that a page lists
-# Request and seconds of the comparison of settings for the paper's cylinder.
-PAPER_ERROR, PAPER_SECONDS = 1e-2, 12.0
+# Requested error of the pressure of the paper's cylinder.
+PAPER_ERROR = 1e-2
+SCENE_INTRODUCTION = (
+    "The scene was solved with every padding that it may have. Neighbouring periods can be ignored (zero), copied once "
+    "(duplicated), summed over n periods on each side in a window fixed to the domain (superposed) or moving with the "
+    "point (circular), or summed to infinity in closed form (exact). The error is the bound that a solve states."
+)
 
 NOTHING_TO_DRAW = Drawing(
     lambda dataset: (),
@@ -103,8 +105,8 @@ def run_and_write(
     for number, part in enumerate(chapter.parts, 1):
         start, messages = monotonic(), list[str]()
         if part.name == SETTINGS:
-            compared = comparison_of(paper_scene(), PAPER_ERROR, Budget(PAPER_SECONDS), out, log)
-            done = f"{len(compared.settings)} settings"
+            verdict = verdict_of(paper_scene(), PAPER_ERROR, out, log, PRESSURE)
+            done = f"{len(verdict.settings)} settings"
         else:
             study = part.study()
             timed = replace(options, repeats=min(options.repeats, part.repeats))
@@ -119,13 +121,13 @@ def run_and_write(
     return draw_and_write(chapter, out, formats)
 
 
-def write_scene(comparison: Comparison, out: Path, formats: Sequence[str] = FORMATS) -> Path:
-    """Write the page about the settings of one scene, whose comparison is stored; return its path."""
-    chapter = Chapter(
-        MAIN.name, f"{comparison.name}: which padding and which grid", (), introduction(comparison)
+def write_scene(verdict: Verdict, out: Path, formats: Sequence[str] = FORMATS) -> Path:
+    """Write the page about the settings of one scene, whose verdict is stored; return its path."""
+    title = f"{verdict.name}: which padding and which grid"
+    chapter = Chapter(MAIN.name, title, (), SCENE_INTRODUCTION)
+    return write_page(
+        chapter, settings.sections(verdict), {SETTINGS: read(path_in(out))}, out, formats
     )
-    sections = settings.sections(comparison)
-    return write_page(chapter, sections, {SETTINGS: read(path_in(out))}, out, formats)
 
 
 def draw_and_write(chapter: Chapter, out: Path, formats: Sequence[str] = FORMATS) -> Path:

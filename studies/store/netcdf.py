@@ -82,7 +82,7 @@ def check_kind(
         return
     try:
         with Stop(), netCDF4.Dataset(_checked(path)) as file:
-            kinds = {"study": "case_status", "solution": "pressure", "comparison": "padding_alone"}
+            kinds = {"study": "case_status", "solution": "pressure", "comparison": "error_bound"}
             present = next((name for name in kinds if kinds[name] in file.variables), kind)
     except Exception:  # noqa: BLE001 (libraries raise anything for a damaged file)
         log(f"{path} is damaged: it is set aside as {set_aside(path).name}, and is made again")

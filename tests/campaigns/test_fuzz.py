@@ -68,7 +68,7 @@ def command_line(rng: random.Random) -> list[str]:
         [
             ["run", "padding", "--dry-run", "--out", "cf", f"--{axis}={odd}"],
             ["run", "padding", "--dry-run", *small, option, odd],
-            ["recommend", rng.choice(["--error", "--seconds", "--scene"]), odd],
+            ["report", rng.choice(["--error", "--scene"]), odd],
             [rng.choice(["run", "draw", "plan", "solve", "studies", "nope", odd]), odd],
             ["draw", "padding", "--out", odd],
             ["run", odd, "--dry-run"],

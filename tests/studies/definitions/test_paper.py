@@ -1,11 +1,13 @@
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
 from studies.advice.compared_scene import scene_in
 from studies.definitions.settings import preset
 from studies.registry import load
-from tests.studies.advice.test_measuring import EXAMPLES
+
+EXAMPLES = Path(__file__).parents[3] / "examples"
 
 
 def test_the_pressure_of_fig_5_is_that_in_the_middle_of_the_length() -> None:

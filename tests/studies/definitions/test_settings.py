@@ -1,4 +1,5 @@
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,7 +9,8 @@ from studies.advice.compared_scene import ComparedScene, compared_scene, paper_s
 from studies.definitions.settings import measures, preset
 from studies.model.study import Point
 from studies.reference.line_contact import HERTZ, SCENE
-from tests.studies.advice.test_measuring import EXAMPLES
+
+EXAMPLES = Path(__file__).parents[3] / "examples"
 
 A = HERTZ.half_width
 POINT: Point = {"padding": "exact", "images": 1, "period": 1, "grid": 24}

@@ -9,10 +9,8 @@ import pytest
 import xarray as xr
 
 from contactstudy import InvalidInput
-from studies.advice.compared_scene import paper_scene
-from studies.advice.measuring import compare_settings
-from studies.advice.nested_answers import Budget
-from studies.advice.stored import store
+from studies.advice.stored import verdict_of
+from studies.advice.verdict import PRESSURE, paper_scene
 from studies.engine.options import RunOptions
 from studies.engine.run import run
 from studies.model.drawing import Finding, Table
@@ -62,8 +60,7 @@ def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The main chapter of few cases."""
     folder = tmp_path_factory.mktemp("report")
     run_few([part.name for part in MAIN.parts if part.name != SETTINGS], folder)
-    cylinder = paper_scene()
-    store(compare_settings(cylinder.subject(), 1e-2, Budget(1.0)), cylinder.key, folder)
+    verdict_of(paper_scene(), 1e-2, folder, quiet, PRESSURE)
     report.draw_and_write(MAIN, folder)
     return folder
 

@@ -260,6 +260,10 @@ class _Request:
 
     def planned(self) -> tuple[Grid, Padding | Paddings]:
         """Return grid and padding: those that are given, else planned for the error."""
+        if self.grid is not None and self.scene.lubrication is not None:
+            from contactstudy.lubrication.solve_lubricated import check_varies_on
+
+            check_varies_on(self.scene, self.grid)
         if self.grid is not None and self.padding is not None:
             return self.grid, self.padding
         # imported only where something is left to be chosen

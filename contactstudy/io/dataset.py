@@ -16,12 +16,11 @@ from contactstudy.analytic import HertzLine
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.errors import ErrorEstimate
 from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import across_and_along
 from contactstudy.domain.version import VERSION
 from contactstudy.io.quantities.quantity import Quantities
 from contactstudy.io.scene_files.scene_writer import scene_text
 from contactstudy.problem.constraint import HardnessLimited
-from contactstudy.problem.problem import DependsOnShear, Field
+from contactstudy.problem.problem import Field
 from contactstudy.scene.loads.constant_load import ConstantLoad
 from contactstudy.scene.loads.load_history import ChangingLoad
 from contactstudy.scene.scene import PosedScene
@@ -265,13 +264,7 @@ def film_dataset(
 ) -> xr.Dataset:
     """Return a lubricated contact with dimensions (x, y), units and long names; errors along ``cause``."""
     dataset = film_fields(contact)
-    for output in contact.scene.outputs:
-        derived = output.of(contact.scene.solids, contact.grid, across_and_along(contact.padding))
-        if isinstance(derived, DependsOnShear):
-            # friction across on the first body
-            derived = derived.with_shear(np.stack((-contact.shear, np.zeros_like(contact.shear))))
-        for name, field in derived.fields(contact.pressure).items():
-            dataset[name] = field_variable(field)
+    dataset = dataset.assign({name: field_variable(of) for name, of in contact.derived.items()})
     return with_quantities(_with_errors(dataset, error), quantities)
 
 

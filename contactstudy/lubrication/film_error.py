@@ -20,6 +20,8 @@ from contactstudy.solvers.solution import Status
 # The error by the inlet falls with its length^-2: it is this part of the change to twice the length. A constriction of
 # few cells hides this fraction of the rise of the film beside it.
 INLET_ERROR_OVER_CHANGE, HIDDEN_RISE = 4 / 3, 0.2
+# Error of the least film of a roller over its change from half the cells: it lies anywhere in a cell along, near an end.
+LEAST_ALONG_ROLLER = 2.0
 # Least change from half the cells to all, over that from a quarter to half: it may vanish by chance.
 NEXT_CHANGE = 1 / 3
 # Cells of the coarsest grid of an estimate, at least.
@@ -222,7 +224,10 @@ def _compared(
         friction = replace(friction, discretisation=inf, reason=temperatures.reason)
     minimum = parts("minimum_film")
     hidden = HIDDEN_RISE * rise_beside_lowest(contact.film)
-    minimum = replace(minimum, discretisation=max(minimum.by_cause["discretisation"], hidden))
+    along = LEAST_ALONG_ROLLER if contact.scene.roller_length is not None else 1.0
+    minimum = replace(
+        minimum, discretisation=max(along * minimum.by_cause["discretisation"], hidden)
+    )
     estimate = _estimate(pressure, peak, parts("central_film"), minimum, friction)
     if temperatures is not None:
         flash, mean = (

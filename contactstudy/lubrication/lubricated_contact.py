@@ -1,5 +1,6 @@
 """Result of a lubricated contact: fields, film thickness, friction, and a status that says how far to trust them."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from math import isfinite
@@ -9,9 +10,10 @@ from scipy.linalg import solve_banded
 
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid, Padding, Paddings
+from contactstudy.domain.grid import Grid, Padding, Paddings, across_and_along
 from contactstudy.domain.units import readable
 from contactstudy.lubrication.film_equation import FilmScales
+from contactstudy.problem.problem import DependsOnShear, Field
 from contactstudy.scene.lubrication.lubricant import LimitingShear
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.shapes.shape import LengthScales
@@ -23,6 +25,8 @@ SHEAR_LIMIT, SHEAR_LIMIT_OVER_PRESSURE, FRICTION_BEYOND_LIMIT = 1e7, 0.15, 0.01
 # Least slip at which a stress is evaluated, and below which asperities stick, over the sliding speed; relative step for
 # the derivative of the stress by slip; steps of Newton's method at most, and the relative change where they stop.
 LEAST_SLIP, STICK, SLIP_STEP, MAX_STEPS, SHEAR_TOLERANCE = 1e-9, 1e-6, 1e-5, 100, 1e-7
+# Half of the part of a roller that its central film is a mean over.
+MIDDLE_OF_ROLLER = 1 / 16
 # Size of the slide-roll ratio at which a surface stands still.
 STANDS_STILL = 2.0
 # Largest logarithm of the viscosity over that at rest for the friction.
@@ -135,8 +139,37 @@ class FilmSolution:
 
     @property
     def central_film(self) -> float:
-        """Film thickness on the axis [m], mean over the length; where heights vary, mean over the middle."""
-        return float(self.central_weights @ self.film.mean(axis=1))
+        """Film thickness on the axis [m], mean over the length; where heights vary, mean over the middle.
+
+        Of a roller it is that of the middle, a mean over an eighth of its length.
+        """
+        film, roller = self.film, self.scene.roller_length
+        if roller is not None:
+            in_middle = np.abs(self.grid.y) <= max(
+                MIDDLE_OF_ROLLER * roller, self.grid.cell_size[1]
+            )
+            film = film[:, in_middle]
+        return float(self.central_weights @ film.mean(axis=1))
+
+    @cached_property
+    def derived(self) -> Mapping[str, Field]:
+        """Fields of the outputs that the scene names, under the pressure and the friction of the film."""
+        fields: dict[str, Field] = {}
+        for output in self.scene.outputs:
+            of_pressure = output.of(self.scene.solids, self.grid, across_and_along(self.padding))
+            if isinstance(of_pressure, DependsOnShear):
+                # friction across on the first body
+                shear = np.stack((-self.shear, np.zeros_like(self.shear)))
+                of_pressure = of_pressure.with_shear(shear)
+            fields |= of_pressure.fields(self.pressure)
+        return fields
+
+    @property
+    def minimum_film_position(self) -> dict[str, float]:
+        """Coordinates [m] of the cell with the minimum film, along an axis of several cells."""
+        row, column = np.unravel_index(np.argmin(self.film), self.film.shape)
+        places = {"x": float(self.grid.x[row]), "y": float(self.grid.y[column])}
+        return {axis: places[axis] for axis, n in zip("xy", self.grid.cells, strict=True) if n > 1}
 
     @property
     def minimum_film(self) -> float:

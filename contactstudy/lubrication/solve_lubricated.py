@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from math import ceil, inf, isfinite, sqrt
 
-from contactstudy.domain.checks import positive
+from contactstudy.domain.checks import InvalidInput, positive
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
 from contactstudy.domain.units import readable
 from contactstudy.lubrication.film_error import with_error
@@ -26,8 +26,8 @@ PERIOD = 1e-3
 DRY_CELLS_ALONG = 16
 # Factor on the cells that the film needs, from which cells are not refined for friction, heat and load fraction.
 REFINED_FOR_MOTION = 2.0
-# Cells for the shortest wavelength of a surface.
-CELLS_PER_WAVE = 8
+# Cells for the shortest wavelength of a surface, and along a roller with ends, a crown, a profile or a tilt.
+CELLS_PER_WAVE, CELLS_ALONG_ROLLER = 8, 48
 
 
 def film_grid(
@@ -51,7 +51,7 @@ def film_grid(
         Period along the length [m], which has no effect on the film in plane strain.
     shortest_wavelengths
         Shortest wavelengths (across, along) of the surfaces [m]; ``CELLS_PER_WAVE`` cells each, but no more than
-        ``MAX_CELLS`` across. One cell along the length where nothing varies along it.
+        ``MAX_CELLS`` across. Along a roller ``CELLS_ALONG_ROLLER``, and one where nothing varies along the length.
     longer, finer
         Factors by which the inlet is longer and the cells are finer.
 
@@ -68,11 +68,13 @@ def film_grid(
     cell = sweep / 2 * min(1.0, sqrt(error / 2 / HALF_SWEEP_ERROR)) / finer
     cell = min(cell, shortest_wavelengths[0] / a / CELLS_PER_WAVE)
     across = min(ROW_MULTIPLE * ceil(2 * inlet / cell / ROW_MULTIPLE), MAX_CELLS)
-    along = (
-        1
-        if shortest_wavelengths[1] == inf
-        else ROW_MULTIPLE * ceil(CELLS_PER_WAVE * period / shortest_wavelengths[1] / ROW_MULTIPLE)
-    )
+    along = 1
+    if shortest_wavelengths[1] < inf:
+        along = ROW_MULTIPLE * ceil(
+            CELLS_PER_WAVE * period / shortest_wavelengths[1] / ROW_MULTIPLE
+        )
+    if scene.roller_length is not None:
+        along = max(along, ROW_MULTIPLE * ceil(CELLS_ALONG_ROLLER / ROW_MULTIPLE))
     return Grid((across, along), (2 * inlet * a, period))
 
 
@@ -185,3 +187,13 @@ def varies_along(shape: object) -> bool:
     """Return whether a shape varies along the length by its length scales; True if it has none."""
     scales = getattr(shape, "length_scales", None)
     return scales is None or scales.shortest_wavelengths[1] < inf or scales.roller > 0
+
+
+def check_varies_on(scene: Scene, grid: Grid) -> None:
+    """Raise :class:`~contactstudy.InvalidInput` where a shape varies along the length, and one cell does not show it."""
+    varying = [type(shape).__name__ for shape in scene.shapes if varies_along(shape)]
+    if varying and grid.cells[1] == 1:
+        raise InvalidInput(
+            f"Grid.cells[1] is 1, and the film varies along the length with the {varying[0]}: give {CELLS_ALONG_ROLLER} "
+            "cells along or more, or leave the grid out."
+        )

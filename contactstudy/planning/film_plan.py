@@ -108,9 +108,13 @@ def plan_of_film(
     floats = 6 * nx**2
     if ny > 1:
         if is_chosen:
-            reasons.append(f"{CELLS_PER_WAVE} cells or more for the shortest wavelength")
+            waves = requirements.shortest_wavelengths[1] < inf
+            what = f"{CELLS_PER_WAVE} cells or more for the shortest wavelength"
+            reasons.append(
+                what if waves else f"{ny} cells along the roller, towards whose ends the film falls"
+            )
         warnings.append(
-            "The error of a film between rough surfaces is not predicted: solve, and read answer.error."
+            "The error of a film that varies along its length is not predicted: solve, and read answer.error."
         )
         floats = FLOATS_PER_CELL * prod(grid.cells) + FOURIER_MATRICES * nx**2
     return Plan(

@@ -106,7 +106,7 @@ def contact_quantities(
     highest = Quantity(peak, "Pa", label, position=place, detail=mirrored)
     highest = with_bound(highest, estimate.peak_pressure, fallback_reasons)
     quantities = {"peak_pressure": highest}
-    quantities |= _of_stress(scene, derived, coordinates, estimate)
+    quantities |= stress_quantities(scene, derived, coordinates, estimate)
     if rolling is not None:
         quantities |= _of_rolling(rolling, estimate)
     if solution.traction is not None:
@@ -381,7 +381,7 @@ def _of_rolling(rolling: "SteadyRolling", estimate: ErrorEstimate) -> dict[str, 
     }
 
 
-def _of_stress(
+def stress_quantities(
     scene: Scene | None,
     derived: Mapping[str, Field],
     coordinates: Mapping[str, Array],

@@ -9,6 +9,7 @@ import numpy as np
 from contactstudy.analytic import dowson_higginson_film, film_asymptotes
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.units import readable
+from contactstudy.io.quantities.contact_quantities import stress_quantities
 from contactstudy.io.quantities.quantity import FORMULA, Quantity, with_bound
 from contactstudy.scene.lubrication.lubricant import LimitingShear
 from contactstudy.scene.shapes.shape import LengthScales
@@ -27,7 +28,10 @@ def film_quantities(contact: "FilmSolution", estimate: ErrorEstimate) -> dict[st
     scales, fallback_reasons = contact.scales, estimate.warnings
     quantities = {
         "central_film": Quantity(contact.central_film, "m", "central film thickness", detail=ISOTHERMAL),
-        "minimum_film": Quantity(contact.minimum_film, "m", "minimum film thickness", detail=ISOTHERMAL),
+        "minimum_film": Quantity(
+            contact.minimum_film, "m", "minimum film thickness", detail=ISOTHERMAL,
+            position=contact.minimum_film_position if contact.grid.cells[1] > 1 else None,
+        ),
         "peak_pressure": Quantity(contact.peak_pressure, "Pa", "peak pressure"),
         "friction_coefficient": Quantity(
             contact.friction, "1", "friction force over load", detail=_of_friction(scales.lubrication)
@@ -71,6 +75,8 @@ def film_quantities(contact: "FilmSolution", estimate: ErrorEstimate) -> dict[st
         quantities["thermal_reduction"] = Quantity(
             temperatures.reduction, "1", "film with a heated inlet over the isothermal one"
         )
+    coordinates = {"x": contact.grid.x, "y": contact.grid.y}
+    quantities |= stress_quantities(contact.scene, contact.derived, coordinates, estimate)
     errors = dict(estimate)
     if "lambda_ratio" in quantities and quantities["lambda_ratio"].reason != OF_HEATED_INLET:
         errors["lambda_ratio"] = errors["central_film"]

@@ -149,3 +149,27 @@ def test_a_texture_and_a_measured_surface_carry_a_film(tmp_path: Path) -> None:
         assert contact.status is not cs.Status.FILM_NOT_CONVERGED
         assert contact.flux_spread < 1e-6
         assert np.ptp(contact.film[48]) > 0
+
+
+def test_a_film_between_rollers_is_solved_along_them_with_its_least_towards_an_end() -> None:
+    plain = by_moes(20, 5)
+    width = plain.hertz.half_width
+    length = 20 * width
+    profile = cs.LundbergProfile.iso_16281(2 * plain.radius, length)
+    scene = replace(plain, shapes=(*plain.shapes, profile))
+    film = cs.solve(scene, error="10 %")
+    least, middle = film.quantities["minimum_film"], film.quantities["central_film"]
+    assert film.grid.cells[1] >= 48
+    assert length / 4 < abs(least.position["y"]) < length / 2
+    assert least.value < 0.9 * cs.solve(plain, error="10 %").quantities["minimum_film"].value
+    at_middle = film.film[:, film.grid.cells[1] // 2]
+    assert middle.value == pytest.approx(film.central_weights @ at_middle, rel=0.01)
+    with pytest.raises(cs.InvalidInput, match="along the length with the LundbergProfile"):
+        cs.solve(scene, cs.Grid((96, 1), film.grid.extent))
+
+
+def test_the_largest_stress_below_a_film_is_among_its_numbers() -> None:
+    scene = replace(by_moes(20, 5), outputs=(cs.SubsurfaceStress(),))
+    film = cs.solve(scene, grid(100, 4.5), cs.ExactPeriodicity())
+    stress = film.quantities["largest_von_mises"]
+    assert stress.value == pytest.approx(0.56 * scene.hertz.peak_pressure, rel=0.1)

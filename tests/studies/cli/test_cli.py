@@ -107,7 +107,7 @@ def test_without_times_a_study_shows_what_needs_none(call: Call, tmp_path: Path)
         ),
         (
             ["report", "cost", "effects", "--repeats", "5"],
-            "--repeats is 5: pages of cost trust take at most 2 timed runs of a case; leave it out, or time a study "
+            "--repeats is 5: pages of cost effects take at most 2 timed runs of a case; leave it out, or time a study "
             "with contactstudy run before.",
         ),
         (["draw", "--out", "empty"], "Comparison 'empty/settings.nc' does not exist: run contactstudy report first."),

@@ -46,9 +46,8 @@ class StudyAccessor:
 
     @property
     def cost(self) -> xr.DataArray:
-        """Wall time of set-up and solve [s]."""
-        label = {"units": "s", "long_name": "wall time, set-up and solve"}
-        return total_time(self._dataset).assign_attrs(label).rename("cost")
+        """Processor time of set-up and solve [s]."""
+        return total_time(self._dataset).rename("cost")
 
     def order(self, error: str, axis: str, **at: object) -> ConvergenceOrder:
         """Return the order of convergence of `error` along a numeric `axis`, at one value of each other axis.

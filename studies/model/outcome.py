@@ -182,7 +182,7 @@ PARTS = {
 def timing_variables(
     names: tuple[str, ...], index: np.ndarray, samples: Sequence[Sequence[TimedRun]]
 ) -> Mapping[str, xr.Variable]:
-    """Return least, median and CPU time of each case, every sample along ``repeat``, and whether it can be trusted.
+    """Return least and median wall time of each case, least processor time, every sample, and whether it can be trusted.
 
     The variables are over the axes `names`; `index` has the number of the case at each point. There are none where no
     case was timed.
@@ -203,12 +203,11 @@ def timing_variables(
     for part, what in PARTS.items():
         wall, cpu = np.ma.masked_invalid(seconds(part)), seconds(f"{part}_cpu")
         least, middle = (np.ma.filled(of(wall, axis=1), np.nan) for of in (np.ma.min, np.ma.median))
-        least_cpu = np.take_along_axis(cpu, wall.argmin(axis=1)[:, None], axis=1)[:, 0]
+        least_cpu = np.ma.filled(np.ma.min(np.ma.masked_invalid(cpu), axis=1), np.nan)
         name = f"{part}_time"
         data[name] = variable(least, f"wall time {what}, one case at a time, least of the repeats")
         data[f"{name}_median"] = variable(middle, f"wall time {what}, median of the repeats")
-        of_least = f"CPU time {what}, in the repeat of least wall time"
-        data[f"{name}_cpu"] = variable(least_cpu, of_least)
+        data[f"{name}_cpu"] = variable(least_cpu, f"processor time {what}, least of the repeats")
         data[f"{name}_all"] = variable(wall.data, f"wall time {what}, every repeat", "repeat")
     calibrations = [sample.calibration_time for runs in samples for sample in runs]
     fastest, not_timed = min(calibrations, default=np.inf), CONTENDED.index("not_timed")

@@ -17,8 +17,8 @@ def dataset() -> xr.Dataset:
     return xr.Dataset(
         {
             "error_max": (dims, [n**-1.5, -3 * n**-2]),
-            "setup_time": (dims, [n * 0, n**2]),
-            "solve_time": (dims, [n**2, n**2]),
+            "setup_time_cpu": (dims, [n * 0, n**2]),
+            "solve_time_cpu": (dims, [n**2, n**2]),
             "case_status": (dims, np.full((2, 4), CaseStatus.OK, dtype=np.int8)),
             "profile": ((*dims, "x"), np.zeros((2, 4, 3))),
         },

@@ -61,11 +61,11 @@ def figures(dataset: xr.Dataset, names: Sequence[str]) -> Sequence[CaptionedFigu
             f"{about}",
         )
     ]  # fmt: skip
-    if "solve_time" in dataset and bool(dataset["solve_time"].notnull().any()):
+    if "solve_time_cpu" in dataset and bool(dataset["solve_time_cpu"].notnull().any()):
         first = next(iter(errors))
         drawn["error"] = errors[first].assign_attrs(long_name=f"relative error of the {first}")
-        drawn["setup_time"], drawn["solve_time"] = (
-            compared[name].median(other_axes) for name in ("setup_time", "solve_time")
+        drawn["setup_time_cpu"], drawn["solve_time_cpu"] = (
+            compared[name].median(other_axes) for name in ("setup_time_cpu", "solve_time_cpu")
         )
         plots.append(
             Plot(

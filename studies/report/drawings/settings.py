@@ -214,7 +214,7 @@ def errors_of_paddings(dataset: xr.Dataset) -> Table:
     names = [
         str(name) for name in dataset.data_vars if name in ERRORS or str(name).endswith("_error")
     ]
-    timed = "solve_time" in part and bool(part["solve_time"].notnull().any())
+    timed = "solve_time_cpu" in part and bool(part["solve_time_cpu"].notnull().any())
 
     def time(line: xr.Dataset) -> list[str]:
         return [seconds_text(float(total_time(line)))] * timed

@@ -16,8 +16,8 @@ def axes_text() -> xr.Dataset:
     data = {
         "peak_pressure": (axes, [[2.0, 4.0], [2.1, 4.4], [2.0, 4.0]]),
         "peak_pressure_bound": (axes, np.full((3, 2), 0.02)),
-        "setup_time": (axes, np.zeros((3, 2))),
-        "solve_time": (axes, [[3.0, 5.0], [1.0, 3.0], [7.0, 9.0]]),
+        "setup_time_cpu": (axes, np.zeros((3, 2))),
+        "solve_time_cpu": (axes, [[3.0, 5.0], [1.0, 3.0], [7.0, 9.0]]),
         "case_status": (axes, np.full((3, 2), CaseStatus.OK)),
     }
     coords = {"padding": ["exact", "duplicated", "circular"], "load": [1.0, 2.0]}

@@ -26,7 +26,7 @@ def axes_text(*, against: str = "Hertz's contact", timed: bool = False) -> xr.Da
     }
     if timed:
         cost = 1e-3 * (1 + np.arange(error.size)).reshape(error.shape)
-        data |= {"setup_time": (axes, 0 * cost), "solve_time": (axes, cost)}
+        data |= {"setup_time_cpu": (axes, 0 * cost), "solve_time_cpu": (axes, cost)}
     coords = {"padding": PADDINGS, "images": IMAGES, "period": PERIODS, "grid": GRID}
     return xr.Dataset(data, coords, {"against": against})
 

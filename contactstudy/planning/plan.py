@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from contactstudy.accuracy.half_space import beyond_half_space
 from contactstudy.domain.checks import InvalidInput, checked_errors, positive
 from contactstudy.domain.device import ONE_THREAD, Device, available_bytes, checked
 from contactstudy.domain.errors import DEFAULT_ERROR, Request, pressure_request
@@ -285,7 +286,7 @@ def _plan_static(
             *_axis_reasons(forecast, own_points=own_points),
         ),
         warnings=(
-            *requirements.warnings(grid),
+            *(requirements.warnings(grid) or filter(None, (beyond_half_space(scene),))),
             *left_out(scene.shapes, grid),
             *_warnings(requirements, forecast, grid, limit, error=target),
             *images_warning(padding, images, min(target, expected_error)),

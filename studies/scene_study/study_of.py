@@ -131,6 +131,9 @@ def _own_length(point: SceneFile) -> float | None:
 def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:
     """Return one grid for all points, or one for each if no period suits all, and notes on them."""
     first = points[0]
+    if first.grid is None and any(point.scene.hertz is None for point in points):
+        note = "each measured surface is solved on its own points"
+        return [point.plan().grid for point in points], [note]
     if first.grid is None and any(point.scene.lubrication is not None for point in points):
         notes = [
             "each film has its own grid, because inlet length and cell size depend on the film thickness"

@@ -77,6 +77,9 @@ class HalfSpace:
     free_faces
         Length [m] of the body between two faces free of traction, at ``|y| = free_faces / 2``, where contact ends too;
         infinite for a body without, see :func:`~contactstudy.FreeFaces`.
+    thickness
+        Thickness of the body [m], infinite if it is not known. It stays a half-space: an answer says by how much that is
+        wrong for a contact of more than a quarter of this width.
 
     Raises
     ------
@@ -89,6 +92,7 @@ class HalfSpace:
     yield_stress: Pascals = math.inf
     hardness: Hardness = math.inf
     free_faces: Metres = math.inf
+    thickness: Metres = math.inf
 
     def __post_init__(self) -> None:
         modulus = "give a modulus above 0 Pa, or inf for a rigid body"
@@ -100,6 +104,7 @@ class HalfSpace:
             yield_stress=(in_range_or_infinite, stress),
             hardness=(in_range_or_infinite, stress),
             free_faces=(in_range_or_infinite, "give a length above 0 m, or inf for no faces"),
+            thickness=(in_range_or_infinite, "give a thickness above 0 m, or inf if not known"),
         )
 
     @property

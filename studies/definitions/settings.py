@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from math import prod
 
+import numpy as np
 import xarray as xr
 
 import contactstudy as cs
@@ -28,6 +29,8 @@ from studies.reference import line_contact
 from studies.reference.line_contact import PADDINGS, WIDTH, padding_at
 
 FREE = "free"
+# Cells along the length of a contact that does not vary along it; None for square ones. Every padding has both.
+ALONG = {"square": None, "one": 1}
 HALF_WIDTHS = "position across the contact over Hertz half-width"
 # Tolerance of the reference.
 REFERENCE_TOLERANCE = 1e-8
@@ -47,11 +50,13 @@ IMAGES = {
     "padding": (1, 6, 20), "images": (0, 1, 2, 3, 4, 6, 8, 10, 20), "pareto": (1, 6), "paper": (1, 6)
 }  # fmt: skip
 # Periods by preset: over the half-width of a contact that does not vary along its length, and over the scene's own.
+LENGTH_OF_PAPER = 3.0  # of its point contacts, the only one that it names
 PERIODS = {
     "padding": (0.6, 2.4),
     "period": (0.15, 0.3, 0.6, 1.2, 2.4, 4.8, 9.6),
-    "images": (0.6, 2.4, 9.6),
+    "images": (0.6, LENGTH_OF_PAPER, 9.6),
     "pareto": (0.6, 2.4),
+    "paper": (LENGTH_OF_PAPER,),
 }
 SCENE_PERIODS = {"period": (1, 2, 3)}
 MEASURED_MESSAGE = "Period {} of the scene's own: a measured surface has one period, give 1."
@@ -95,6 +100,10 @@ def preset(name: str, subject: ComparedScene) -> Study:
         Axis("period", periods, f"period length {reference_text}"),
         Axis("grid", chosen.get(name, finest), "cells across the width"),
     ]
+    if name == "pareto" and hertz is not None:
+        axes.append(
+            Axis("along", tuple(ALONG), "cells along the length: square ones, or one alone")
+        )
     if name == "pareto":
         axes.append(Axis("solver_tolerance", (1e-2, 1e-4), "residual to which the solver goes"))
     reference_multiple = next(m for m in MULTIPLES if is_reference(m) and m >= 3 * grids[-1][0])
@@ -132,7 +141,8 @@ class _SettingAt:
             else padding_at(name, int(point["images"]))
         )  # fmt: skip
         across = whole_number("grid", point["grid"], 2, "give at least 2 cells across the width")
-        grid, periods = self._grid(across, point["period"])
+        along = ALONG[one_of("along", point.get("along", "square"), ALONG)]
+        grid, periods = self._grid(across, point["period"], along)
         tolerance = float(point.get("solver_tolerance", REFERENCE_TOLERANCE))
         options = replace(subject.options, tolerance=tolerance)
         return ReferencedCase(
@@ -140,14 +150,15 @@ class _SettingAt:
             reference=self.reference, periods=periods,
         )  # fmt: skip
 
-    def _grid(self, across: int, period: Value) -> tuple[cs.Grid, int]:
-        """Return the grid of a period, and how many of the scene's own it has."""
+    def _grid(self, across: int, period: Value, along: int | None) -> tuple[cs.Grid, int]:
+        """Return the grid of a period, with `along` or square cells, and how many of the scene's own it has."""
         subject, (width, length) = self.subject, self.subject.extent
         if (hertz := subject.exact) is not None:
-            # nothing varies along the length, so that any period will do; cells are square
+            # nothing varies along the length, so that any period will do
             half_widths = positive("period", period, "give a period above 0 half-widths")
             length = hertz.half_width * half_widths
-            return cs.Grid((across, max(2, round(across * length / width))), (width, length)), 1
+            cells = across, along or max(2, round(across * length / width))
+            return cs.Grid(cells, (width, length)), 1
         remedy = "give a whole number of the scene's own periods"
         periods = whole_number("period", period, 1, remedy)
         is_measured = any(isinstance(shape, cs.MeasuredSurface) for shape in subject.scene.shapes)
@@ -192,15 +203,26 @@ def profile_measures(case: ReferencedCase, result: TimedAnswer) -> Mapping[str, 
         true = on_cells(pressure_of(answer_of(case.reference)), grid.cells)
         largest = float(true.max())
         x = xr.Variable("x", grid.x, {"units": "m", "long_name": "position across the contact"})
+    middle = pressure.shape[1] // 2
     lines = {
-        "pressure": pressure[:, pressure.shape[1] // 2],
-        "pressure_min": pressure.min(axis=1),
-        "pressure_max": pressure.max(axis=1),
-        "pressure_true": true[:, true.shape[1] // 2],
+        "pressure": (pressure[:, middle], "pressure in the middle of the length"),
+        "pressure_min": (pressure.min(axis=1), "least pressure along the length"),
+        "pressure_max": (pressure.max(axis=1), "highest pressure along the length"),
+        "pressure_true": (true[:, true.shape[1] // 2], "pressure of the reference"),
     }
-    label = {"long_name": "pressure over the largest of the reference", "units": "1"}
-    profiles = {name: xr.Variable("x", line / largest, label) for name, line in lines.items()}
-    return {**measures(case, result), "x": x, **profiles}
+    profiles = {
+        name: dimensionless(line / largest, f"{what}, over the largest of the reference", "x")
+        for name, (line, what) in lines.items()
+    }
+    half_cell = (x.values[1] - x.values[0]) / 2
+    borders = np.stack([x.values - half_cell, x.values + half_cell], axis=1)
+    label = {
+        "long_name": f"borders of the cells: {x.attrs['long_name']}",
+        "units": x.attrs["units"],
+    }
+    x.attrs["bounds"] = "x_bounds"
+    bounds = xr.Variable(("x", "border"), borders, label)
+    return {**measures(case, result), "x": x, "x_bounds": bounds, **profiles}
 
 
 _PAPER = paper_scene().subject()

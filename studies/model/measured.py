@@ -12,7 +12,7 @@ from studies.model.plain_text import is_storable, name_problem, shortened
 # Attributes by which netCDF, CF or xarray change values, hide them or move them elsewhere.
 RESERVED = frozenset(
     {"scale_factor", "add_offset", "missing_value", "valid_min", "valid_max", "valid_range"}
-    | {"calendar", "coordinates", "dtype", "bounds", "grid_mapping", "cell_measures"}
+    | {"calendar", "coordinates", "dtype", "grid_mapping", "cell_measures"}
     | {"ancillary_variables", "formula_terms", "climatology", "compress", "sample_dimension"}
     | {"instance_dimension", "node_coordinates", "node_count", "part_node_count", "geometry"}
     | {"CLASS", "NAME", "REFERENCE_LIST", "DIMENSION_LIST", "DIMENSION_LABELS"}

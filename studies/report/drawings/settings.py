@@ -24,7 +24,7 @@ from studies.report.wording import seconds_text
 
 ERROR = "pressure_error_l1"
 HERTZ: dict[str, tuple[object, ...]] = {"against": ("Hertz's contact",)}
-FINEST = {"grid": -1, "solver_tolerance": 0}
+FINEST = {"grid": -1, "solver_tolerance": 0, "along": 0}
 # Errors by the padding for which the least n is listed.
 TARGETS = (1e-2, 1e-3, 1e-4)
 
@@ -45,7 +45,8 @@ OVER_PERIOD = Plot(
     caption="L1 error of the pressure over the period.",
 )  # fmt: skip
 OVER_GRID = Plot(
-    "over_grid", (ERROR,), "grid", hue="padding", dash="images", at={"period": -1, "solver_tolerance": 0}, log="xy",
+    "over_grid", (ERROR,), "grid", hue="padding", dash="images",
+    at={"period": -1, "solver_tolerance": 0, "along": 0}, log="xy",
     caption="L1 error of the pressure over the cells across. A line ends horizontally at the error of its padding, "
     "which finer grids do not reduce.",
 )  # fmt: skip

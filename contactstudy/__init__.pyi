@@ -67,6 +67,7 @@ from .scene.lubrication.lubrication import (
 from .scene.rolling import Rolling, RollingPressure
 from .scene.scene import Output, Scene
 from .scene.shapes.moving_shape import MovingShape
+from .scene.shapes.profile import EndRelief, ProfilePoints
 from .scene.shapes.roller import (
     Crown,
     Cylinder,
@@ -138,6 +139,7 @@ __all__ = [
     "ElasticPlasticHalfSpace",
     "Ellipsoid",
     "ElrodAdams",
+    "EndRelief",
     "ErrorEstimate",
     "ErrorEstimator",
     "ErrorParts",
@@ -185,6 +187,7 @@ __all__ = [
     "PreconditionedCG",
     "PrescribedLoad",
     "Problem",
+    "ProfilePoints",
     "Progress",
     "PullOff",
     "Quantity",

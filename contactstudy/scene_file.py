@@ -22,6 +22,7 @@ from contactstudy.io.scene_files.scene_schema import (
     MeasuredSurfaceTable,
     MovingShapeTable,
     PlanSettings,
+    ProfilePointsTable,
     SceneDocument,
 )
 from contactstudy.io.scene_files.scene_writer import scene_text
@@ -224,7 +225,9 @@ def scene_file_from(document: SceneDocument, folder: Path = Path()) -> SceneFile
     def read(shape: Any) -> Shape:
         if isinstance(shape, MovingShapeTable):
             return MovingShape(read(shape.shape), shape.body)
-        if isinstance(shape, MeasuredSurfaceTable | CrownTable | LundbergProfileTable):
+        if isinstance(
+            shape, MeasuredSurfaceTable | CrownTable | LundbergProfileTable | ProfilePointsTable
+        ):
             return shape.shape(folder, (curvature, document.solids))
         described: Shape = shape
         return described

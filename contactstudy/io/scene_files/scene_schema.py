@@ -1,5 +1,6 @@
 """Keys of a scene file and their types: what :func:`~contactstudy.read_scene` can read."""
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from enum import Enum
@@ -7,7 +8,9 @@ from math import inf
 from pathlib import Path
 from typing import Any
 
-from contactstudy.domain.checks import InvalidInput
+import numpy as np
+
+from contactstudy.domain.checks import InvalidInput, up_to_one
 from contactstudy.domain.grid import (
     CircularSuperposition,
     DuplicatedPadding,
@@ -46,6 +49,7 @@ from contactstudy.scene.lubrication.lubrication import ChangingSpeed, Lubricatio
 from contactstudy.scene.rolling import Rolling
 from contactstudy.scene.scene import Output, Scene
 from contactstudy.scene.shapes.moving_shape import MovingShape
+from contactstudy.scene.shapes.profile import Axis, EndRelief, ProfilePoints
 from contactstudy.scene.shapes.roller import (
     Crown,
     Cylinder,
@@ -71,7 +75,7 @@ from contactstudy.scene.solids.elastic_plastic import ElasticPlasticHalfSpace
 from contactstudy.scene.solids.viscoelastic import ViscoelasticHalfSpace
 from contactstudy.scene.stress import SubsurfaceStress
 from contactstudy.scene.surfaces.measured_surface import MeasuredSurface
-from contactstudy.scene.surfaces.measurement import Reading
+from contactstudy.scene.surfaces.measurement import Reading, column_unit
 from contactstudy.scene.surfaces.preparation import (
     AsMeasured,
     GaussianFilter,
@@ -84,6 +88,7 @@ from contactstudy.scene.surfaces.preparation import (
     Tile,
     Trend,
 )
+from contactstudy.scene.surfaces.text_file import decoded, table
 from contactstudy.scene.wear import Wear
 from contactstudy.solvers.polonsky_keer import PolonskyKeer
 from contactstudy.solvers.preconditioned_cg import PreconditionedCG
@@ -159,8 +164,52 @@ class CrownTable:
 
 
 @dataclass(frozen=True)
+class ProfilePointsTable:
+    """Profile given by its points, or by a file of two columns, position and drop, with units in its header.
+
+    A second column named height or z counts outwards from the body, as instruments measure it.
+    """
+
+    positions: tuple[Metres, ...] = ()
+    drops: tuple[Metres, ...] = ()
+    file: str | None = None
+    axis: Axis = Axis.ALONG
+
+    def shape(self, folder: Path, _: ProfileContext) -> ProfilePoints:
+        """Return the profile, read from the file if there is one."""
+        if self.file is None:
+            return ProfilePoints(self.positions, self.drops, self.axis)
+        remedy = "give a file of two columns with their units in the header, such as position [mm], drop [um]"
+        try:
+            text = decoded((folder / self.file).read_bytes())
+        except OSError:
+            text = None
+        if text is None:
+            raise InvalidInput(
+                f"ProfilePoints.file is {self.file!r}, which is no readable text: {remedy}."
+            )
+        columns = table(self.file, text, None)
+        units = [column_unit(name) for name in columns.names]
+        if len(units) != 2 or None in units or not np.isfinite(columns.values).all():
+            raise InvalidInput(
+                f"ProfilePoints.file is {self.file!r}, with the columns {columns.names}: {remedy}."
+            )
+        points = columns.values[np.argsort(columns.values[:, 0])] * np.array(units, dtype=float)
+        positions, drops = points.T
+        if re.match(
+            r"\W*(height|z\b)", columns.names[1].lower()
+        ):  # outwards, as instruments have it
+            drops = drops.max() - drops
+        return ProfilePoints(tuple(positions.tolist()), tuple(drops.tolist()), self.axis)
+
+
+@dataclass(frozen=True)
 class LundbergProfileTable:
-    """Logarithmic profile given by amplitude and drop, by the load it is made for, or by ISO/TS 16281."""
+    """Logarithmic profile given by amplitude and drop, by the load it is made for, or by ISO/TS 16281.
+
+    That for a load is modified by `k1`, the factor on the amplitude, `k2`, the profiled part of the length, and the drop
+    `z_m` at the ends, as Fujiwara & Kawase (2007), NTN Technical Review 75, 140, have it.
+    """
 
     length: Metres
     amplitude: Metres | None = None
@@ -168,6 +217,9 @@ class LundbergProfileTable:
     straight: Metres = 0.0
     for_load: NewtonsPerMetre | None = None
     iso_16281_diameter: Metres | None = None
+    k1: Number = 1.0
+    k2: Number = 1.0
+    z_m: Metres | None = None
 
     def shape(self, _folder: Path, context: ProfileContext) -> LundbergProfile:
         """Return the profile; one for a load needs the curvature and the bodies of the scene."""
@@ -181,6 +233,10 @@ class LundbergProfileTable:
             raise InvalidInput(
                 "LundbergProfile must be described in exactly one way: give amplitude and end_drop, for_load (the load "
                 "per length that it spreads evenly), or iso_16281_diameter."
+            )
+        if self.for_load is None and (self.k1, self.k2, self.z_m) != (1.0, 1.0, None):
+            raise InvalidInput(
+                "LundbergProfile.k1, k2 and z_m modify a profile for a load: give for_load."
             )
         if self.straight and not ways[0]:
             raise InvalidInput(
@@ -199,9 +255,13 @@ class LundbergProfileTable:
             hertz = Scene(LineLoad(self.for_load), solids, (Cylinder(radius),)).hertz
             assert hertz is not None
             modulus = hertz.contact_modulus  # of a coated body that at the half-width
-            return LundbergProfile.for_load(
+            even = LundbergProfile.for_load(
                 self.for_load, contact_modulus=modulus, radius=radius, length=self.length
             )
+            up_to_one("LundbergProfile.k2", self.k2, "give a part above 0 and up to 1")
+            drop = even.end_drop if self.z_m is None else self.z_m
+            straight = (1 - self.k2) * self.length
+            return LundbergProfile(self.k1 * even.amplitude, drop, self.length, straight)
         assert self.amplitude is not None
         assert self.end_drop is not None
         return LundbergProfile(self.amplitude, self.end_drop, self.length, self.straight)
@@ -269,6 +329,7 @@ class SceneDocument:
 DESCRIPTIONS: Mapping[type, type] = {
     MovingShape: MovingShapeTable,
     Crown: CrownTable,
+    ProfilePoints: ProfilePointsTable,
     LundbergProfile: LundbergProfileTable,
     MeasuredSurface: MeasuredSurfaceTable,
 }
@@ -293,6 +354,8 @@ KINDS: Mapping[Any, Mapping[str, type]] = {
         MeasuredSurface,
         Sphere,
         Ellipsoid,
+        ProfilePoints,
+        EndRelief,
         MovingShape,
     ),
     Padding: _kinds(

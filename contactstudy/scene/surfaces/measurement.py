@@ -373,10 +373,10 @@ def _columns(name: str, text: TextTable) -> dict[str, tuple[int, float | None]]:
         )
         for axis, starts in COLUMNS.items():
             if kind in starts and axis not in named:
-                named[axis] = place, _column_unit(label)
+                named[axis] = place, column_unit(label)
     if {"x", "z"} <= named.keys():
         return named
-    units = [_column_unit(label) for label in text.names]
+    units = [column_unit(label) for label in text.names]
     if count in (2, 3) and rows >= MIN_POINTS - 4 * (count == 3):
         return {
             axis: (place, units[place]) for place, axis in enumerate("xz" if count == 2 else "xyz")
@@ -389,7 +389,7 @@ def _columns(name: str, text: TextTable) -> dict[str, tuple[int, float | None]]:
     return {}
 
 
-def _column_unit(label: str) -> float | None:
+def column_unit(label: str) -> float | None:
     """Return the last unit of length [m] in the name of a column, if any."""
     words = [word for word in re.split(r"[\s/\[\](),_]+", label) if word]
     if words[-1:] != ["in"]:  # which is no unit between words

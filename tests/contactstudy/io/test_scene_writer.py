@@ -20,6 +20,7 @@ SHAPES: tuple[cs.Shape, ...] = (
     cs.Roughness(cs.RmsSlope(0.02), 0.7, 1e-4, 3e-5),
     cs.MeasuredSurface(SURFACE, (1e-4, 2e-4), cs.HarmonicFill(), cs.Trend.PLANE, cs.Mirrored()),
     cs.MeasuredSurface(SURFACE), cs.Sphere(0.02), cs.Ellipsoid(0.02, -0.05),
+    cs.EndRelief(0.01, 0.008, end_radius=1.0, end_angle=0.01), cs.ProfilePoints((0.0, 0.005), (0.0, 1e-6)),
     cs.MovingShape(cs.Waviness(1e-7, along=5e-5), body=np.int64(1)),  # type: ignore[arg-type]
     cs.MovingShape(cs.MeasuredSurface(SURFACE, (1e-4, 2e-4), trend=cs.Trend.PLANE)),
 )  # fmt: skip

@@ -1,0 +1,178 @@
+"""Profiles of rollers as drawings and measurements give them: points, tangential arcs, rounded and chamfered ends."""
+
+from dataclasses import dataclass
+from enum import Enum
+from math import inf, tan
+from typing import ClassVar
+
+import numpy as np
+
+from contactstudy.domain.checks import (
+    InvalidInput,
+    check_fields,
+    each,
+    finite,
+    in_range,
+    in_range_from_zero,
+    in_range_or_infinite,
+    set_fields,
+    suggest_fields,
+)
+from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Grid
+from contactstudy.domain.units import Metres, Radians
+from contactstudy.scene.shapes.roller import LENGTH_REMEDY
+from contactstudy.scene.shapes.shape import LengthScales
+
+
+class Axis(Enum):
+    """Axis along which a profile varies."""
+
+    ALONG = "along the length"
+    ACROSS = "across the contact"
+
+
+@suggest_fields
+@dataclass(frozen=True)
+class ProfilePoints:
+    """Profile through points of position and drop, by monotone cubic interpolation.
+
+    Beyond the first and the last point the profile stays at their drop. Along the length the points span a roller of
+    their length. Across the drop is beside that of a :class:`Cylinder`. Source of the interpolation: Fritsch & Butland
+    (1984), SIAM J. Sci. Stat. Comput. 5, 300.
+
+    Parameters
+    ----------
+    positions
+        Positions [m] that increase, at least two. If the first is 0, they are those of one half, which is mirrored.
+    drops
+        Drop of the surface at each position [m], into the body; the least one may be any number.
+    axis
+        Axis of the positions, by default along the length.
+
+    Raises
+    ------
+    InvalidInput
+        If there is not one drop for each position, or the positions do not increase.
+    """
+
+    #: Curvature [1/m]: the profile does not bend the cross-section.
+    curvature: ClassVar[float] = 0.0
+
+    positions: tuple[Metres, ...]
+    drops: tuple[Metres, ...]
+    axis: Axis = Axis.ALONG
+
+    def __post_init__(self) -> None:
+        positions = each("ProfilePoints.positions", self.positions, finite, "give a position [m]")
+        drops = each("ProfilePoints.drops", self.drops, finite, "give a drop [m]")
+        if len(positions) != len(drops) or len(drops) < 2:
+            raise InvalidInput(
+                f"ProfilePoints.drops has {len(drops)} numbers for {len(positions)} positions: give one for each of at "
+                "least two."
+            )
+        if min(np.diff(positions)) <= 0:
+            raise InvalidInput(
+                f"ProfilePoints.positions is {positions!r}: give positions that increase."
+            )
+        set_fields(self, positions=positions, drops=drops)
+
+    @property
+    def length(self) -> float:
+        """Length that the points span [m], of a half twice that."""
+        first, last = self.positions[0], self.positions[-1]
+        return 2 * last if first == 0 else last - first
+
+    @property
+    def length_scales(self) -> LengthScales:
+        """Length scales of a roller of the length of the points; across of a shape known over their width."""
+        if self.axis is Axis.ACROSS:
+            return LengthScales(known_width=self.length)
+        return LengthScales(roller=self.length)
+
+    def gap(self, grid: Grid) -> Array:
+        """Return the drop at the cell centres [m], of shape (1, ny) or (nx, 1)."""
+        from scipy.interpolate import PchipInterpolator  # imported late, since it is slow
+
+        at = np.asarray(grid.x if self.axis is Axis.ACROSS else grid.y)
+        first, last = self.positions[0], self.positions[-1]
+        # the middle of a whole profile is that of the grid
+        at = np.abs(at) if first == 0 else at + (first + last) / 2
+        drop = PchipInterpolator(self.positions, self.drops)(np.clip(at, first, last))
+        return np.asarray(drop[:, None] if self.axis is Axis.ACROSS else drop[None, :])
+
+
+@suggest_fields
+@dataclass(frozen=True)
+class EndRelief:
+    """Profile of a middle part, straight or of a large radius, with arcs or chamfers at both ends.
+
+    An arc continues the middle part in its tangent: a rounded end has the radius of its corner, a profile of two radii
+    a radius in the middle and a smaller one beyond. A chamfer has a kink, at which the pressure is singular.
+
+    Parameters
+    ----------
+    length
+        Length of the roller [m], above zero.
+    middle
+        Length of the middle part [m], at least zero, below `length`.
+    end_radius
+        Radius of the arcs at both ends [m], infinite, the default, for none.
+    end_angle
+        Angle of the chamfers from the tangent of the middle part [rad], at least zero and below 1.5.
+    radius
+        Radius of the middle part [m], infinite, the default, for a straight one.
+
+    Raises
+    ------
+    InvalidInput
+        If a number is outside these limits, or an arc is longer than its radius.
+    """
+
+    #: Curvature [1/m]: the profile does not bend the cross-section.
+    curvature: ClassVar[float] = 0.0
+
+    length: Metres
+    middle: Metres
+    end_radius: Metres = inf
+    end_angle: Radians = 0.0
+    radius: Metres = inf
+
+    def __post_init__(self) -> None:
+        remedy, angle = "give a radius above 0 m, or inf", "give an angle from 0 to 1.5 rad"
+        check_fields(
+            self,
+            length=(in_range, LENGTH_REMEDY),
+            middle=(in_range_from_zero, "give a length of at least 0 m, below that of the roller"),
+            end_radius=(in_range_or_infinite, remedy),
+            radius=(in_range_or_infinite, remedy),
+            end_angle=(in_range_from_zero, angle),
+        )
+        if self.middle >= self.length or self.end_angle > 1.5:
+            name, remedy = ("end_angle", angle) if self.end_angle > 1.5 else ("middle", "give less")
+            raise InvalidInput(
+                f"EndRelief.{name} is {getattr(self, name)!r} of a roller of {self.length!r} m: {remedy}."
+            )
+        if (self.length - self.middle) / 2 > self.end_radius * (1 + 1e-9):
+            raise InvalidInput(
+                f"EndRelief.end_radius is {self.end_radius!r}, less than the length of an end, "
+                f"{(self.length - self.middle) / 2!r} m: give a longer middle part, or a larger radius."
+            )
+
+    @property
+    def length_scales(self) -> LengthScales:
+        """Length scales of the roller."""
+        return LengthScales(roller=self.length)
+
+    def gap(self, grid: Grid) -> Array:
+        """Return the profile at the cell centres [m], of shape (1, ny); beyond the ends it stays at their drop."""
+        y, half = np.minimum(np.abs(grid.y), self.length / 2), self.middle / 2
+        beyond = np.maximum(y - half, 0)
+        within = np.minimum(y, half)
+        slope = half / self.radius + tan(self.end_angle)
+        arc = 0.0
+        if self.end_radius < inf:
+            # an arc's depth without cancellation; rounding may put its end beyond the radius
+            chord = np.minimum(beyond / self.end_radius, 1)
+            arc = beyond * chord / (1 + np.sqrt((1 - chord) * (1 + chord)))
+        return np.asarray((within**2 / (2 * self.radius) + slope * beyond + arc)[None, :])

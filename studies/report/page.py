@@ -11,6 +11,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescap
 
 from contactstudy import InvalidInput
 from contactstudy.domain.files import replacing
+from contactstudy.domain.units import display_unit_of
 from studies.advice.stored import SETTINGS, from_dataset, path_in, verdict_of
 from studies.advice.verdict import PRESSURE, Verdict, paper_scene
 from studies.engine.options import RunOptions
@@ -24,7 +25,7 @@ from studies.registry import BUILT_IN, load_drawing
 from studies.report.chapters import CHAPTERS, MAIN, Chapter, Part, chapter_of_study
 from studies.report.drawings import comparison as settings
 from studies.report.section import FORMATS, Section, embedded, is_claim, saved
-from studies.report.style import marked, plain
+from studies.report.style import marked, padding_text, plain
 from studies.store.netcdf import read
 
 MAX_LISTED = 10  # of an axis that a page lists
@@ -93,7 +94,7 @@ def section(part: Part, dataset: xr.Dataset) -> Section:
         title=part.title or study.title.rstrip("."),
         findings=drawing.findings(dataset),
         figures=shown,
-        tables=drawing.tables(dataset),
+        tables=drawing.tables(dataset)[: part.tables],
         axes_text=axes_text(study, dataset),
     )
 
@@ -173,13 +174,37 @@ def write_page(
             part.name: [embedded(figure, part.data, out, formats) for figure in part.figures]
             for part in sections
         },
-        provenance={name: dataset.attrs for name, dataset in datasets.items()},
+        made=_made(datasets),
         others=_others(chapter, out) if chapter.parts else (),
     )
     path = out / chapter.page
     with replacing(path) as partial:
         partial.write_text(page, encoding="utf-8")
     return path
+
+
+def _made(datasets: Mapping[str, xr.Dataset]) -> Mapping[str, str]:
+    """Return what the files of a page were made with, by name; several different texts side by side."""
+    made = {"files": ", ".join(f"{name}.nc" for name in datasets)}
+    names = (
+        "command",
+        "git_revision",
+        "source",
+        "transforms",
+        "python",
+        "platform",
+        "cpu",
+        "cpu_count",
+        "timing",
+    )
+    for name in names:
+        key = "history" if name == "command" else name
+        texts = [str(one.attrs[key]) for one in datasets.values() if key in one.attrs]
+        if name == "command":  # it follows the time
+            texts = [text.partition(" ")[2] for text in texts]
+        if texts:
+            made[name.replace("_", " ")] = ", ".join(dict.fromkeys(texts))
+    return made
 
 
 def write_outdated(out: Path, written: Iterable[Chapter], log: Log) -> Sequence[Path]:
@@ -204,18 +229,24 @@ def write_outdated(out: Path, written: Iterable[Chapter], log: Log) -> Sequence[
 
 
 def axes_text(study: Study, dataset: xr.Dataset) -> str:
-    """Return the axes of a study with at most ten values each."""
+    """Return the axes of a study that have several values, with these in usual units, or of more than ten the ends."""
     texts = []
     for axis in study.axes:
-        values = dataset[axis.name].values.tolist()
-        text = ", ".join(map(str, values))
+        coordinate = dataset[axis.name]
+        if coordinate.size < 2:
+            continue
+        size, unit = 1.0, ""
+        if coordinate.dtype.kind in "iuf":
+            size, unit = display_unit_of(coordinate, str(coordinate.attrs.get("units", "1")))
+        values = [
+            padding_text(value) if isinstance(value, str) else f"{value / size:.6g}"
+            for value in coordinate.values.tolist()
+        ]
+        text = ", ".join(values)
         if len(values) > MAX_LISTED:
             text = f"{len(values)} values"
-            if axis.kind is not str:
-                text += f" from {values[0]} to {values[-1]}"
-            elif "kind" in dataset:
-                text = f"{len(values)} cases of {np.unique(dataset['kind']).size} kinds"
-        texts.append(f"{axis.long_name}: {text}")
+            text += f" from {values[0]} to {values[-1]}" * (coordinate.dtype.kind in "iuf")
+        texts.append(f"{axis.long_name.partition(' (')[0]}: {text} {unit}".rstrip())
     return "; ".join(texts)
 
 

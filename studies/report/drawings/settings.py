@@ -23,13 +23,14 @@ from studies.report.style import (
 from studies.report.wording import seconds_text
 
 ERROR = "pressure_error_l1"
+LABELS = {ERROR: "L1 error of the pressure"}
 HERTZ: dict[str, tuple[object, ...]] = {"against": ("Hertz's contact",)}
 FINEST = {"grid": -1, "solver_tolerance": 0, "along": 0}
 # Errors by the padding for which the least n is listed.
 TARGETS = (1e-2, 1e-3, 1e-4)
 
 REACH = Plot(
-    "reach", (ERROR,), "reach", hue="padding", at=FINEST, line="none", log="xy",
+    "reach", (ERROR,), "reach", hue="padding", at=FINEST, line="none", log="xy", labels=LABELS,
     laws=(Law("law a²/(2πD²)", ERROR, lambda reach, _: 1 / (2 * np.pi * reach**2)),),
     caption="L1 error of the pressure over the reach D of the window: the distance to each side within which a point "
     "sees pressure (L/2 without neighbours, L with one copy, (n + ½)L with n periods). A mark is a padding at one n "
@@ -37,25 +38,25 @@ REACH = Plot(
     "that is fixed to the domain lies above it.",
 )  # fmt: skip
 OVER_IMAGES = Plot(
-    "over_images", (ERROR,), "half_images", hue="padding", at=FINEST | {"period": -1}, log="xy",
+    "over_images", (ERROR,), "half_images", hue="padding", at=FINEST | {"period": -1}, log="xy", labels=LABELS,
     caption="L1 error of the pressure over n + ½, at the longest period.",
 )  # fmt: skip
 OVER_PERIOD = Plot(
-    "over_period", (ERROR,), "period", hue="padding", dash="images", at=FINEST, line="none", log="xy",
+    "over_period", (ERROR,), "period", hue="padding", dash="images", at=FINEST, line="none", log="xy", labels=LABELS,
     caption="L1 error of the pressure over the period.",
 )  # fmt: skip
 OVER_GRID = Plot(
     "over_grid", (ERROR,), "grid", hue="padding", dash="images",
-    at={"period": -1, "solver_tolerance": 0, "along": 0}, log="xy",
-    caption="L1 error of the pressure over the cells across. A line ends horizontally at the error of its padding, "
-    "which finer grids do not reduce.",
+    at={"period": -1, "solver_tolerance": 0, "along": 0}, log="xy", labels=LABELS,
+    caption="L1 error of the pressure over the cells across, the largest over where the edge of the contact lies in "
+    "its cell. A line ends horizontally at the error of its padding, which finer grids do not reduce.",
 )  # fmt: skip
 SIDE_BY_SIDE = Plot(
-    "paddings", (ERROR,), "padding", dash="images", at=FINEST | {"period": -1}, log="y",
+    "paddings", (ERROR,), "padding", dash="images", at=FINEST | {"period": -1}, log="y", labels=LABELS,
     caption="L1 error of the pressure with every padding, at the longest period.",
 )  # fmt: skip
 FRONT = Plot(
-    "front", (ERROR,), "total_time", hue="padding", columns="period", line="front", log="xy",
+    "front", (ERROR,), "total_time", hue="padding", columns="period", line="front", log="xy", labels=LABELS,
     caption="The price of accuracy: the Pareto front of each padding; small marks: its other settings.",
 )  # fmt: skip
 

@@ -110,7 +110,7 @@ def _items(draw: Callable[[xr.Dataset], Any], name: str, dataset: xr.Dataset) ->
             raise
         raise InvalidInput(
             f"Study {name!r} is stored without the variable {missing[1]!r}, which its figures or findings need: "
-            "run the study again, with measures that give it and, for times, without --no-times."
+            "run the study again, with measures that give it and, for times, with --repeats 1."
         ) from None
 
 

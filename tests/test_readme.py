@@ -49,7 +49,7 @@ def command(line: str) -> None:
         return
     program, *words = shlex.split(line, comments=True)
     assert program == ".venv/bin/contactstudy", line
-    quick = () if "--no-times" in words else QUICK.get(words[0], ())
+    quick = () if "--repeats" in words else QUICK.get(words[0], ())
     cli.main([*words, *quick], standalone_mode=False)
 
 
@@ -85,7 +85,7 @@ def test_commands_at_the_head_of_an_example_run(path: Path) -> None:
     shutil.copy(path, path.name)
     for line in NAMED.findall(path.read_text(encoding="utf-8")):
         line = re.sub(r"(:[\d.]+):\d+", r"\1:2", line)
-        command(f".venv/bin/{line}{' --workers 0 --no-times' * (' run ' in line)}")
+        command(f".venv/bin/{line}{' --workers 0 --repeats 0' * (' run ' in line)}")
 
 
 def test_the_table_of_paddings_has_the_errors_that_are_measured() -> None:

@@ -1,19 +1,16 @@
-"""``contactstudy explore FILE.nc``: one HTML page that shows a study or a contact interactively, without a network."""
+"""``contactstudy show FILE.nc --format html``: one HTML page, interactive in any browser, without a network."""
 
 import html
 import json
 from base64 import b64encode
 from importlib.resources import files
 from math import ceil
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import click
 import numpy as np
 
 from contactstudy import InvalidInput
 from contactstudy.domain.units import display_unit_of, readable
-from studies.cli.options import out_option
 from studies.model.axis import is_geometric
 
 if TYPE_CHECKING:
@@ -26,25 +23,6 @@ NUMBERS = ("central_film", "peak_pressure", "largest_pressure")
 FIELDS = ("pressure", "film")
 # Ratio of the largest to the least value of an axis of a study above which it starts as logarithmic.
 LOGARITHMIC_FROM = 30.0
-
-
-@click.command()
-@click.argument("file", type=click.Path(path_type=Path))
-@out_option("Folder of the page.  [default: that of FILE]", None)
-def explore(file: Path, out: Path | None) -> None:
-    """Write one interactive HTML page of FILE.
-
-    The file is one that solve or run wrote. Any browser shows the page, without a network.
-    """
-    from contactstudy.domain.files import replacing
-    from studies.store.netcdf import open_folder, read_any
-
-    # not FILE.html, which may be a chapter of the report
-    path = open_folder(out or file.parent) / f"{file.stem}-explore.html"
-    page = page_of(read_any(file), file.stem)
-    with replacing(path) as partial:
-        partial.write_text(page, encoding="utf-8")
-    click.echo(f"wrote {path}")
 
 
 def page_of(dataset: "xr.Dataset", name: str) -> str:

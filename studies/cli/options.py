@@ -1,6 +1,6 @@
 """Options that several commands have."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,20 +13,24 @@ Decorator = Callable[[Any], Any]
 
 SCENE = click.argument("scene", type=click.Path(path_type=Path))
 JSON = click.option("--json", "as_json", is_flag=True, help="Print one JSON object, for scripts.")
+PICTURES = ("png", "pdf", "svg")
 FORMAT = click.option(
     "--format",
     "formats",
-    type=click.Choice(["png", "pdf"]),
-    multiple=True,
-    default=["png"],
+    default="png",
     show_default=True,
-    help="Files of each figure; pdf is beside png.",
+    help="Files to write: png, pdf, svg; of show also html, an interactive page, and vtk for ParaView. Several with "
+    "commas.",
 )
 
 
-def with_png(formats: tuple[str, ...]) -> tuple[str, ...]:
-    """Return the requested formats of figures, with PNG, which pages show."""
-    return tuple(dict.fromkeys(("png", *formats)))
+def formats_in(text: str, known: Sequence[str]) -> list[str]:
+    """Return the formats in a text with commas; raise InvalidInput for one that is not known."""
+    chosen = [name.lower().lstrip(".") for name in names_in(text)]
+    for name in chosen:
+        if name not in known:
+            raise InvalidInput(f"--format is {name!r}: give one or more of {', '.join(known)}.")
+    return chosen
 
 
 def out_option(text: str, default: str | None = "outputs") -> Decorator:
@@ -62,7 +66,10 @@ def names_in(text: str) -> tuple[str, ...]:
     return tuple(filter(None, (name.strip() for name in text.split(","))))
 
 
-def figures_option(text: str) -> Decorator:
-    """Return the option --figures, the kind of the default drawing, with a help text."""
-    kinds = click.Choice(["curves", "maps"])
-    return click.option("--figures", type=kinds, default="curves", show_default=True, help=text)
+FIGURES = click.option(
+    "--figures",
+    type=click.Choice(["curves", "maps"]),
+    default="curves",
+    show_default=True,
+    help="How two varied fields of a sweep are drawn.",
+)

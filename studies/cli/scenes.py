@@ -18,7 +18,7 @@ from contactstudy.answers.answer import surface_notes
 from contactstudy.domain.checks import checked_errors
 from contactstudy.domain.errors import Request
 from contactstudy.domain.units import readable
-from studies.cli.options import FORMAT, JSON, SCENE, out_option, with_png
+from studies.cli.options import FORMAT, JSON, PICTURES, SCENE, formats_in, out_option
 from studies.model.plain_text import thread_count, two_digits
 
 if TYPE_CHECKING:
@@ -119,7 +119,7 @@ def solve(
     device: str,
     error: Request | None,
     start: Path | None,
-    formats: tuple[str, ...],
+    formats: str,
     as_json: bool,  # noqa: FBT001 (click's own way)
 ) -> None:
     """Solve SCENE; write its fields as netCDF and a picture.
@@ -131,12 +131,13 @@ def solve(
 
     chosen = _device(device, threads)
     described = _with_error(cs.read_scene(scene), error)
+    formats_in(formats, PICTURES)  # refused before anything is solved
     check_kind(out / f"{scene.stem}.nc", "solution")
     if isinstance(chosen, cs.Cpu):  # the solve reports whether another device can solve the scene
         _announce(scene, described, chosen)
     begin = perf_counter()
     answer = solve_with_progress(described, scene, out, start, chosen)
-    files = _stored(answer, open_folder(out) / f"{scene.stem}.nc", with_png(formats))
+    files = _stored(answer, open_folder(out) / f"{scene.stem}.nc", formats_in(formats, PICTURES))
     seconds = perf_counter() - begin
     if as_json:
         click.echo(_as_json(scene, answer, seconds, surface_notes(described.scene), files))
@@ -192,7 +193,7 @@ def _rollers(scene: cs.Scene, grid: cs.Grid) -> list[str]:
     return notes
 
 
-def _stored(answer: Answer, path: Path, formats: tuple[str, ...]) -> list[Path]:
+def _stored(answer: Answer, path: Path, formats: list[str]) -> list[Path]:
     """Write the dataset, and its picture in each format; return the files."""
     from contactstudy.domain.files import replacing
     from studies.store.netcdf import write

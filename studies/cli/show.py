@@ -12,7 +12,16 @@ import numpy as np
 from contactstudy import InvalidInput, Sizes
 from contactstudy.domain.imports import import_for
 from contactstudy.domain.units import display_unit_of
-from studies.cli.options import PLOT, figures_option, names_in, out_option, refuse
+from studies.cli.options import (
+    FIGURES,
+    FORMAT,
+    PICTURES,
+    PLOT,
+    formats_in,
+    names_in,
+    out_option,
+    refuse,
+)
 from studies.cli.surfaces import drawn_surfaces, surfaces_of
 from studies.model.outcome import is_time
 from studies.model.plain_text import one_line, place_of
@@ -21,20 +30,14 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-FORMATS = ("png", "pdf", "svg", "vtk")
+FORMATS = (*PICTURES, "vtk", "html")
 
 
 @click.command()
 @click.argument("file", type=click.Path(path_type=Path))
 @out_option("Folder for the pictures.  [default: that of FILE]", None)
-@click.option(
-    "--format",
-    "formats",
-    default="png",
-    show_default=True,
-    help="png, pdf, svg or, of a solution, vtk for ParaView; several with commas.",
-)
-@figures_option("How two varied fields of a sweep are drawn.")
+@FORMAT
+@FIGURES
 @PLOT
 @click.option(
     "--csv",
@@ -80,10 +83,7 @@ def show(
     """
     from studies.store.netcdf import open_folder, read_any
 
-    chosen = [name.strip().lower().lstrip(".") for name in formats.split(",")]
-    for name in chosen:
-        if name not in FORMATS:
-            raise InvalidInput(f"--format is {name!r}: give one or more of {', '.join(FORMATS)}.")
+    chosen = formats_in(formats, FORMATS)
     keys = {
         "unit": unit,
         "invalid": invalid,
@@ -93,7 +93,7 @@ def show(
     if surfaces := surfaces_of(file, extent, **keys):
         refuse(context, "a study, and not for a surface", "figures", "plot", "as_table")
         drawn = drawn_surfaces(surfaces, with_raw=raw)
-        _save(drawn, open_folder(out or file.parent), [name for name in chosen if name != "vtk"])
+        _save(drawn, open_folder(out or file.parent), [name for name in chosen if name in PICTURES])
         return
     refuse(context, "a measured surface", "unit", "extent", "invalid", "decimal", "sizes", "raw")
     dataset = read_any(file)
@@ -105,8 +105,10 @@ def show(
         return
     folder = open_folder(out or file.parent)
     with drawing(str(file), "its variables do not fit a figure; --csv prints them."):
+        if "html" in chosen:
+            click.echo(f"wrote {_page(dataset, file, folder)}")
         drawn = _drawn(context, dataset, file, folder, chosen, figures, plot)
-    _save(drawn, folder, [name for name in chosen if name != "vtk"])
+    _save(drawn, folder, [name for name in chosen if name in PICTURES])
 
 
 def _drawn(
@@ -123,7 +125,9 @@ def _drawn(
         click.echo(f"wrote {_vtk(dataset, folder / file.stem)}")
     if not is_study:
         refuse(context, "a study, and not for a solution", "figures", "plot")
-        return {file.stem: _picture(dataset, file)} if set(chosen) - {"vtk"} else {}
+        return {file.stem: _picture(dataset, file)} if set(chosen) & set(PICTURES) else {}
+    if not set(chosen) & set(PICTURES):
+        return {}
     from studies.registry import BUILT_IN, OPTIONAL, default_drawing, load_drawing
 
     name = str(dataset.attrs.get("study", file.stem))
@@ -135,11 +139,25 @@ def _drawn(
     return {f"{file.stem}-{item.name}": item.figure for item in figures_of.figure(dataset)}
 
 
+def _page(dataset: "xr.Dataset", file: Path, folder: Path) -> Path:
+    """Write the interactive page of a file, and return its path."""
+    from contactstudy.domain.files import replacing
+    from studies.cli.explore import page_of
+
+    # not FILE.html, which may be a chapter of the report
+    path = folder / f"{file.stem}-explore.html"
+    page = page_of(dataset, file.stem)
+    with replacing(path) as partial:
+        partial.write_text(page, encoding="utf-8")
+    return path
+
+
 # Remedies where a figure fails.
 REMEDY_IN_CODE = (
-    "the stored variables do not fit the figure, or its code is wrong; correct it and run draw."
+    "the stored variables do not fit the figure, or its code is wrong; correct it and run again, which draws what is "
+    "stored."
 )
-REMEDY_IN_TIMES = "its figures may need times: run without --no-times."
+REMEDY_IN_TIMES = "its figures may need times: run with --repeats 1."
 
 
 @contextmanager
@@ -152,7 +170,7 @@ def drawing(name: str, remedy: str = REMEDY_IN_CODE) -> Iterator[None]:
     except OSError as error:
         raise click.ClickException(
             f"{name} cannot be drawn ({error.strerror or error}): make room or give another folder with --out, "
-            "and run draw."
+            "and run again, which draws what is stored."
         ) from None
     except Exception as error:  # noqa: BLE001 (a study file may do anything)
         raise click.ClickException(

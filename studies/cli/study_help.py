@@ -7,7 +7,7 @@ from studies.registry import load
 
 STUDY = "contactstudy.study"
 MAX_VALUES = 10  # of an axis
-OF_SCENES = ("vary", "reference", "figures", "plot")
+OF_SCENES = ("vary", "reference", "plot")
 KINDS = {int: "COUNTS", float: "NUMBERS", str: "NAMES"}
 
 

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 import click
 
 from contactstudy import InvalidInput
-from studies.cli.options import figures_option
 
 if TYPE_CHECKING:
     from studies.model.study import Study
@@ -27,9 +26,6 @@ REFERENCE = click.option(
     metavar="FIELD=VALUE",
     help="One of the values of a varied field, against which errors are drawn, such as padding=ExactPeriodicity; with "
     "--repeats also over the times.",
-)
-FIGURES = figures_option(
-    "How two varied fields are drawn; for a scene, and a study without a figure of its own."
 )
 
 

@@ -429,7 +429,7 @@ class _Run:
         untimed = (self.journal.untimed.get(self.results.key(case)) for case in self.request.cases)
         if reasons := [reason for reason in untimed if reason]:
             self.log(
-                f"{len(reasons)} cases have no times, the first since {reasons[0]}; --retime tries again"
+                f"{len(reasons)} cases have no times, the first since {reasons[0]}; --retry times tries again"
             )
         self.log(f"wrote {self.results.path}")
         return dataset

@@ -17,7 +17,7 @@ Value = str | int | float
 # largest difference of two equal numbers, relative to the axis' span and to the larger of them
 EQUAL_WITHIN = 1e-12
 MAX_POINTS = 1_000_000  # points of a study above which a user must confirm
-CONFIRM = "give fewer, or confirm with --yes on the command line"
+CONFIRM = "give fewer, or run it from Python with RunOptions(max_points=None)"
 POINT_BYTES = 500  # memory that a point takes at least, its key and its place in the table
 
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"

@@ -72,7 +72,7 @@ def drawing(
             missing = next((name for name in wanted if name not in dataset), wanted[0])
             raise InvalidInput(
                 f"The study is stored without the variable {missing!r}, or numbers of it, which its figures need: run "
-                "the study again, and for times without --no-times."
+                "the study again, and for times with --repeats 1."
             )
         return tuple(one for one in made if one is not None)
 

@@ -60,7 +60,7 @@ def ends_well(*words: str, given: str = "") -> None:
 
 def command_line(rng: random.Random) -> list[str]:
     axis = rng.choice(["period", "grid", "images", "padding", "perod"])
-    options = "workers repeats time-limit retry scheduler out only yes"
+    options = "workers repeats time-limit retry scheduler out"
     option = f"--{rng.choice(options.split())}"
     odd = rng.choice(ODD)
     small = ["--period=2.4", "--grid=16", "--images=0"]
@@ -69,8 +69,8 @@ def command_line(rng: random.Random) -> list[str]:
             ["run", "padding", "--dry-run", "--out", "cf", f"--{axis}={odd}"],
             ["run", "padding", "--dry-run", *small, option, odd],
             ["report", rng.choice(["--error", "--scene"]), odd],
-            [rng.choice(["run", "draw", "plan", "solve", "studies", "nope", odd]), odd],
-            ["draw", "padding", "--out", odd],
+            [rng.choice(["run", "show", "plan", "solve", "studies", "nope", odd]), odd],
+            ["show", "padding.nc", "--out", odd],
             ["run", odd, "--dry-run"],
             ["plan", odd],
         ]

@@ -133,7 +133,7 @@ def test_a_fine_contact_is_shown_by_means_of_blocks() -> None:
 
 def test_the_command_writes_a_page_beside_the_file(study: xr.Dataset, tmp_path: Path) -> None:
     study.to_netcdf(tmp_path / "study.nc")
-    said("explore", tmp_path / "study.nc")
+    said("show", tmp_path / "study.nc", "--format", "html")
     assert "<title>study: two modes</title>" in (tmp_path / "study-explore.html").read_text(
         encoding="utf-8"
     )

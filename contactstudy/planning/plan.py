@@ -149,6 +149,8 @@ def plan_grid(
             "plan.times is given, and nothing of the scene changes in time: leave it out, in a file [time_steps]."
         )
     scales = measured_length_scales(scene)
+    if scales is None and grid is not None and scene.adhesion is None:
+        scales = LengthScales()  # a flat on the grid that is given
     if scene.hertz is None and scales is not None and scene.lubrication is None:
         planned = _plan_of_flat(scales, error, period, grid, padding, device)
         if not _has_pilot(scene):
@@ -231,8 +233,7 @@ def _plan_of_flat(
         error=inf,
         seconds=FORECAST.cost_ratio * seconds / speedup(grid, padding, device),
         bytes=memory(grid, padding),
-        period_check=fault
-        or f"The measured surface repeats over the length {readable(grid.length)}.",
+        period_check=fault or f"The surface repeats over the length {readable(grid.length)}.",
         reasons=(
             f"points: no shape is curved, so that {reason}, with padding {padding!r}; the solve estimates the error.",
         ),

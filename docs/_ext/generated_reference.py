@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
 import numpy as np
+from key_meanings import meanings
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 from sphinx.application import Sphinx
 from sphinx.util.typing import stringify_annotation
@@ -191,7 +192,8 @@ def _type(wanted: Any) -> str:
 
 def _table(kind: type) -> list[str]:
     hints = get_type_hints(kind, include_extras=True)
-    rows = ["| key | value | default |", "|---|---|---|"]
+    meaning = meanings(kind)
+    rows = ["| key | value | default | meaning |", "|---|---|---|---|"]
     for field in fields(kind):
         if not field.init:
             continue
@@ -211,7 +213,9 @@ def _table(kind: type) -> list[str]:
         else:
             default = "required"
         rows.append(
-            f"| `{field.name}` | {_type(hints[field.name])} | {default} |".replace("\n", " ")
+            f"| `{field.name}` | {_type(hints[field.name])} | {default} | {meaning.get(field.name, '')} |".replace(
+                "\n", " "
+            )
         )
     return rows
 

@@ -112,6 +112,13 @@ class MeasuredSurfaceTable(Reading):
     In Python a surface without rules of its own may stand in place of the file.
 
     In a scene without a curved shape its width is made periodic as its length is, unless `seam_across` says otherwise.
+
+    Parameters
+    ----------
+    file
+        Path of the file, from the folder of the scene file.
+    turn
+        Quarter, for a surface whose length as measured runs across the contact.
     """
 
     file: str | MeasuredSurface
@@ -148,7 +155,13 @@ class MeasuredSurfaceTable(Reading):
 
 @dataclass(frozen=True)
 class CrownTable:
-    """Crown given by its radius, with or without a length, or by its drop at both ends of a length."""
+    """Crown given by its radius, with or without a length, or by its drop at both ends of a length.
+
+    Parameters
+    ----------
+    end_drop
+        Drop at both ends of the `length` [m], at least zero, in place of the radius.
+    """
 
     radius: Metres | None = None
     end_drop: Metres | None = None
@@ -168,6 +181,12 @@ class ProfilePointsTable:
     """Profile given by its points, or by a file of two columns, position and drop, with units in its header.
 
     A second column named height or z counts outwards from the body, as instruments measure it.
+
+    Parameters
+    ----------
+    file
+        Text file of two columns, position and drop, with their units in the header, in place of positions and drops. A
+        relative path starts at the folder of the scene file.
     """
 
     positions: tuple[Metres, ...] = ()
@@ -207,8 +226,20 @@ class ProfilePointsTable:
 class LundbergProfileTable:
     """Logarithmic profile given by amplitude and drop, by the load it is made for, or by ISO/TS 16281.
 
-    That for a load is modified by `k1`, the factor on the amplitude, `k2`, the profiled part of the length, and the drop
-    `z_m` at the ends, as Fujiwara & Kawase (2007), NTN Technical Review 75, 140, have it.
+    Source of the modified profile: Fujiwara & Kawase (2007), NTN Technical Review 75, 140.
+
+    Parameters
+    ----------
+    for_load
+        Load per length [N/m] that the profile spreads evenly on these bodies, in place of `amplitude` and `end_drop`.
+    iso_16281_diameter
+        Diameter [m] of a roller with the profile of ISO/TS 16281, in place of `amplitude` and `end_drop`.
+    k1
+        Factor K1 on the amplitude of the profile for a load.
+    k2
+        Part K2 of the length that is profiled, above 0 and up to 1; the rest is straight.
+    z_m
+        Drop z_m [m] at the ends of the profile for a load; None for that which spreads it evenly.
     """
 
     length: Metres
@@ -269,7 +300,14 @@ class LundbergProfileTable:
 
 @dataclass(frozen=True)
 class MeanPressure:
-    """Load of nominally flat bodies as the mean pressure over the whole surface."""
+    """Load of nominally flat bodies as the mean pressure over the whole surface.
+
+    Parameters
+    ----------
+    pressure
+        Mean pressure [Pa] over the grid, or over a measured surface without one. Both axes are then periodic, where no
+        padding is given.
+    """
 
     pressure: Pascals
 
@@ -297,7 +335,15 @@ class MovingShapeTable:
 
 @dataclass(frozen=True)
 class PlanSettings:
-    """Error to plan or solve for, or some by the names of numbers, and the period of a grid that is chosen."""
+    """Error to plan or solve for, or some by the names of numbers, and the period of a grid that is chosen.
+
+    Parameters
+    ----------
+    error
+        Relative error of every number of the answer, or a table of errors by the names of numbers.
+    period
+        Length [m] of a grid that is chosen.
+    """
 
     error: Number | Mapping[str, Number] | None = None
     period: Metres | None = None
@@ -305,7 +351,23 @@ class PlanSettings:
 
 @dataclass(frozen=True)
 class SceneDocument:
-    """Keys of a scene file."""
+    """Keys of a scene file.
+
+    Parameters
+    ----------
+    time_steps
+        Instants to record of a scene that changes in time, and how steps are taken.
+    grid
+        Cells and their size; without it they are planned.
+    padding
+        Boundary conditions along the length; without them they are planned.
+    padding_across
+        Boundary conditions across the contact, beside `padding`; free if left out.
+    plan
+        Error to plan and solve for.
+    solve
+        Options of the solver.
+    """
 
     load: ChangingLoad
     solids: tuple[Body, Body]

@@ -45,6 +45,7 @@ from contactstudy.scene.solids.bodies import (
     response,
     yields,
 )
+from contactstudy.scene.solids.free_faces import check_free_faces
 
 if TYPE_CHECKING:
     from contactstudy.scene.adhesion import Adhesion
@@ -156,6 +157,8 @@ class Scene:
         for solid in self.solids:
             if isinstance(solid, RestrictedBody):
                 solid.check(self)
+        if self.free_length < inf:
+            check_free_faces(self)
 
     def _check_solids(self) -> None:
         """Check the bodies and the hardness."""

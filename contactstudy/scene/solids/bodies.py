@@ -124,13 +124,6 @@ class HalfSpace:
             coefficients = FreeFaceCoefficients.of(self.free_faces, self.poisson_ratio)
         return {coefficients: self.compliance / math.pi}
 
-    def check(self, scene: "SceneContext") -> None:
-        """Raise :class:`~contactstudy.InvalidInput` if this body has free faces and `scene` forbids them."""
-        if self.free_faces < math.inf:
-            from contactstudy.scene.solids.free_faces import check_free_faces
-
-            check_free_faces(scene)
-
     def shear_compliance(self, datum: float) -> "ShearCompliance":
         """Return Cerruti's coefficients and weights (Johnson 1985, eqs. 3.75)."""
         # imported only where there is friction

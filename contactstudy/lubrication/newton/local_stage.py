@@ -4,7 +4,7 @@ Line Gauss-Seidel downstream, or sparse LU factors where cells touch or are long
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from importlib import import_module
 
@@ -67,9 +67,15 @@ class LineStage:
 
 @dataclass(frozen=True, eq=False)
 class LUStage:
-    """Sparse LU factors of the coefficients of cells and their neighbours."""
+    """Sparse LU factors of the coefficients of cells and their neighbours.
+
+    ``diagonal`` (x, y) are the coefficients of the cells themselves in the factors. The solution is times ``scale``
+    (x, y), by which the factors serve for later coefficients too.
+    """
 
     factors: SuperLU
+    diagonal: Array
+    scale: Array | float = 1.0
 
     @classmethod
     def of(cls, linear: Linearised, cavitated: Mask, touching: Mask) -> "LUStage":
@@ -85,19 +91,32 @@ class LUStage:
             values.append(coefficient[inside])
         indices = np.concatenate(rows), np.concatenate(columns)
         size = cavitated.size
-        return cls(splu(csc_matrix((np.concatenate(values), indices), shape=(size, size))))
+        factors = splu(csc_matrix((np.concatenate(values), indices), shape=(size, size)))
+        return cls(factors, values[0].reshape(cavitated.shape))
+
+    def scaled_to(self, linear: Linearised, cavitated: Mask, touching: Mask) -> "LUStage":
+        """Return the same factors, with the solution scaled by the change of the diagonal to these coefficients."""
+        fractions = TUNING.elastic_fraction_long, TUNING.width_fraction_long
+        diagonal = _coefficient(linear, cavitated, touching, (0, 0), *fractions)
+        scale = np.divide(self.diagonal, diagonal, out=np.ones_like(diagonal), where=diagonal != 0)
+        return replace(self, scale=scale)
 
     def solve(self, right: Array) -> Array:
         """Return the solution (x, y)."""
-        return np.asarray(self.factors.solve(right.ravel()).reshape(right.shape))
+        return np.asarray(self.factors.solve(right.ravel()).reshape(right.shape) * self.scale)
 
 
-def local_stage(linear: Linearised, cavitated: Mask, touching: Mask) -> LineStage | LUStage:
+def local_stage(
+    linear: Linearised, cavitated: Mask, touching: Mask, last: LUStage | LineStage | None
+) -> LineStage | LUStage:
     """Return line Gauss-Seidel, or LU factors where cells touch or are too long for lines to couple them.
 
-    Lubricant in touching cells flows by its pressure alone, also from downstream, which a sweep leaves out.
+    Lubricant in touching cells flows by its pressure alone, also from downstream, which a sweep leaves out. Where none
+    touch, the factors of the ``last`` stage serve again: factors of 800 x 128 cells cost as much as 35 iterations.
     """
     dx, dy = linear.equation.cell
+    if isinstance(last, LUStage) and not touching.any():
+        return last.scaled_to(linear, cavitated, touching)
     factors = touching.any() or dy > TUNING.long_cell * dx
     return (LUStage if factors else LineStage).of(linear, cavitated, touching)
 

@@ -16,6 +16,7 @@ k y' alone, the distances from the face, so that one table for each Poisson's ra
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
+from math import e
 from typing import NamedTuple
 
 import numpy as np
@@ -316,7 +317,7 @@ def faces_on(
     def kernel() -> Array:
         points = 2 * CONSTANTS.widths * nx
         k = 2 * np.pi / (points * dx) * np.arange(points // 2 + 1)
-        k[0] = k[1] / (2 * np.e)  # the mean of a logarithm over half a step is its value there
+        k[0] = k[1] / (2 * e)  # the mean of a logarithm over half a step is its value there
         of_material = face_table(body.poisson_ratio)
         distances, table = of_material.distances, getattr(of_material, added)
         index = np.log(k * first / distances[0]) / np.log(CONSTANTS.ratio) - stride

@@ -13,6 +13,7 @@ from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.device import Cpu, Device
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
 from contactstudy.evolution.time_steps import TimeSteps
+from contactstudy.io.scene_files.cycles import with_cycles
 from contactstudy.io.scene_files.materials import with_materials
 from contactstudy.io.scene_files.scene_schema import (
     KINDS,
@@ -165,7 +166,7 @@ def document_from(raw: Mapping[str, Any], source: str) -> SceneDocument:
     used.
     """
     try:
-        raw = with_materials(raw)
+        raw = with_cycles(with_materials(raw))
     except InvalidInput as error:
         raise InvalidInput(f"{source}: {error}") from error
     if "evolve" in raw:

@@ -250,6 +250,33 @@ def test_a_mean_pressure_needs_a_flat_surface_of_a_size(
         read(WAVY.replace(good, bad), tmp_path)
 
 
+SOLIDS = '[[solids]]\nmaterial = "steel"\n[[solids]]\nmaterial = "steel"\n'
+SWINGING = '[load]\nmean_load = 1e5\namplitude = 1e4\nfrequency = "3000 rpm"\n' + SOLIDS
+RING = (
+    '[load]\nper_length = 1e5\n[wear]\ncoefficient = "1e-6 mm3/(N m)"\nspeed = "0.5 m/s"\ncircumference = "100 mm"\n'
+    '[friction]\nkind = "Sliding"\ncoefficient = 0.1\nstanding = 1\n' + SOLIDS
+)
+
+
+@pytest.mark.cases(100)
+@pytest.mark.parametrize(
+    ("scene", "end", "seconds"),
+    [
+        (SWINGING, "1e3 cycles", 20.0), (RING, "500 rev", 100.0), (RING, "1 revolution", 0.2), (RING, "2 h", 7200.0),
+        (SWINGING, "5 rev", "give wear.circumference, and a speed"), (RING, "5 cycles", "give load.frequency"),
+    ],
+)  # fmt: skip
+def test_times_are_counted_in_cycles_and_revolutions(
+    scene: str, end: str, seconds: float | str, tmp_path: Path
+) -> None:
+    text = f'{scene}[time_steps]\nend = "{end}"'
+    if isinstance(seconds, str):
+        with pytest.raises(cs.InvalidInput, match=seconds):
+            read(text, tmp_path)
+    else:
+        assert read(text, tmp_path).time_steps.end == pytest.approx(seconds)
+
+
 def test_a_file_with_a_byte_order_mark_is_read(tmp_path: Path) -> None:
     (tmp_path / "scene.toml").write_text(GOOD, encoding="utf-8-sig")
     assert cs.read_scene(tmp_path / "scene.toml").scene == read(GOOD, tmp_path).scene

@@ -13,7 +13,7 @@ from studies.advice.front import pareto_front
 from studies.model.axis import one_of
 from studies.model.outcome import CaseStatus
 from studies.reference.line_contact import total_time
-from studies.registry import BUILT_IN, OPTIONAL, load_drawing
+from studies.registry import BUILT_IN, load_drawing
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -101,7 +101,7 @@ class StudyAccessor:
     def plot(self) -> "list[Figure]":
         """Return the figures of the built-in study whose dataset this is."""
         name = self._dataset.attrs.get("study")
-        if name not in (*BUILT_IN, *OPTIONAL):
+        if name not in BUILT_IN:
             raise NotDefined(
                 f"The dataset's attribute 'study' is {name!r}: only a dataset of a built-in study has figures."
             )

@@ -29,19 +29,17 @@ from studies.study_file import module_in, module_name, study_in
 if TYPE_CHECKING:
     import xarray as xr
 
-# Studies by family; those in OPTIONAL need what this project does not install.
+# Studies by family.
 FAMILIES = {
     "settings": ("padding", "period", "images", "grid", "pareto", "paper"),
     "effects": (
         "coating", "friction", "sliding", "creep", "wear", "plastic", "films", "roughness", "rough-paddings"
     ),
-    "cost": ("speed", "peers"),
     "": ("stability",),
 }  # fmt: skip
 # Scene files whose [vary] is a study, with the value of an axis against which errors are, if any.
 SCENES = dict.fromkeys(FAMILIES["effects"], "") | {"rough-paddings": "ExactPeriodicity"}
-OPTIONAL = ("peers",)
-BUILT_IN = tuple(name for names in FAMILIES.values() for name in names if name not in OPTIONAL)
+BUILT_IN = tuple(name for names in FAMILIES.values() for name in names)
 
 
 def load(name: str) -> Study:
@@ -50,7 +48,7 @@ def load(name: str) -> Study:
     Raises :class:`~contactstudy.InvalidInput` if there is none, or if a file lacks one of its names.
     """
     if name.endswith(".py"):
-        if Path(name).stem in (*BUILT_IN, *OPTIONAL):
+        if Path(name).stem in BUILT_IN:
             raise InvalidInput(f"Study file {name!r} has the name of a built-in study: rename it.")
         return study_in(Path(name))
     if name in SCENES:
@@ -128,7 +126,7 @@ def _file_module(name: str) -> ModuleType:
 
 def _part(package: str, name: str) -> Any:
     """Return the module of a study in a package, or the value of its name in the module of its family."""
-    studies = (*BUILT_IN, *OPTIONAL)
+    studies = BUILT_IN
     if name not in studies:
         hint = suggestion(name, sorted(studies))
         raise InvalidInput(f"Study {name!r} is not known: {hint}, or give a .py file.")

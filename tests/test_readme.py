@@ -28,7 +28,7 @@ PAGES = (
     ),
 )
 # Set-up, and what CI does with the README's own commands; two that want all studies, or other programs.
-ELSEWHERE = ("python3 -m venv", ".venv/bin/pip", ".venv/bin/contactstudy run peers")
+ELSEWHERE = ("python3 -m venv", ".venv/bin/pip")
 
 
 # What makes a command quick.

@@ -19,7 +19,7 @@ from studies.cli.show import REMEDY_IN_CODE, REMEDY_IN_TIMES, compare, drawing, 
 from studies.cli.study_help import StudyCommand
 from studies.cli.vary import REFERENCE, VARY, load_scene_study, with_reference
 from studies.model.plain_text import one_line
-from studies.registry import BUILT_IN, OPTIONAL, has_own_figures, load, load_drawing
+from studies.registry import BUILT_IN, has_own_figures, load, load_drawing
 
 # What runs is imported by the commands that run, and what draws by those that draw: help comes at once.
 
@@ -74,7 +74,7 @@ def report(
 ) -> None:
     """Run the studies of each CHAPTER and write its page.
 
-    Without a chapter, the page is report.html. CHAPTER is effects, lubrication, trust, cost, the name of any study, or
+    Without a chapter, the page is report.html. CHAPTER is effects, the name of any study, or
     all. What is stored is not computed again.
     With --scene, the page is about that contact, in a folder of its name.
     """
@@ -215,7 +215,7 @@ for command in (compare, new, plan, show, solve):
 @cli.command()
 def studies() -> None:
     """List the built-in studies with the lengths of their axes."""
-    for name in (*BUILT_IN, *OPTIONAL):
+    for name in BUILT_IN:
         study = load(name)
         axes = ", ".join(f"{axis.name} ({len(axis.values)})" for axis in study.axes)
         click.echo(f"{name:<12} {study.title} Axes: {axes}.")

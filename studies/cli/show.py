@@ -128,10 +128,10 @@ def _drawn(
         return {file.stem: _picture(dataset, file)} if set(chosen) & set(PICTURES) else {}
     if not set(chosen) & set(PICTURES):
         return {}
-    from studies.registry import BUILT_IN, OPTIONAL, default_drawing, load_drawing
+    from studies.registry import BUILT_IN, default_drawing, load_drawing
 
     name = str(dataset.attrs.get("study", file.stem))
-    if name in (*BUILT_IN, *OPTIONAL):
+    if name in BUILT_IN:
         refuse(context, "a study without figures of its own", "figures", "plot")
         figures_of = load_drawing(name)
     else:

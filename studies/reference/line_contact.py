@@ -26,15 +26,15 @@ WIDTH = 2.4  # of the domain, in half-widths: the paper's choice
 # Places of the contact edge, in cells outward of the last border of cells within it. On every grid the L1 error is
 # largest at 0.32, where the next cell begins to bear, and that of a single cell at 0.5, the centre of a cell.
 EDGE_PLACES = (0.0, 0.32, 0.5, 0.75)
-EDGE = "the largest over places of the contact edge in its cell"
+EDGE = "The largest over places of the contact edge in its cell."
 # Errors of a smooth contact, and those of them that depend on where its edge lies.
 ERRORS = {
     "axis_pressure_error": "relative error of the mean pressure in the cells beside the axis",
     "peak_pressure_error": "relative error of the peak pressure anywhere",
-    "pressure_error_max": f"largest pressure error at a cell centre over Hertz peak pressure, {EDGE}",
-    "corrected_error_max": f"largest pressure error, corrected at the edge, over Hertz peak pressure, {EDGE}",
-    "pressure_error_l1": f"relative L1 error of the pressure, {EDGE}",
-    "half_width_error": f"relative error of the contact half-width, {EDGE}",
+    "pressure_error_max": "largest pressure error at a cell centre over Hertz peak pressure",
+    "corrected_error_max": "largest pressure error, corrected at the edge, over Hertz peak pressure",
+    "pressure_error_l1": "relative L1 error of the pressure",
+    "half_width_error": "relative error of the contact half-width",
     "length_variation": "pressure variation along the length over Hertz peak pressure",
 }
 BY_THE_EDGE = ("pressure_error_max", "corrected_error_max", "pressure_error_l1", "half_width_error")
@@ -98,7 +98,10 @@ def measures(case: PosedCase, solution: cs.Contact) -> Mapping[str, xr.Variable]
         for name in BY_THE_EDGE:
             measured[name] = max(measured[name], errors[name], key=abs)
     labelled = {name: (measured[name], label) for name, label in ERRORS.items()}
-    return dimensionless_variables(labelled) | error_estimates(solution.error)
+    variables = dimensionless_variables(labelled)
+    for name in BY_THE_EDGE:
+        variables[name].attrs["comment"] = EDGE
+    return variables | error_estimates(solution.error)
 
 
 def largest_l1_error(

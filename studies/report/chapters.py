@@ -8,7 +8,7 @@ from contactstudy import InvalidInput
 from contactstudy.domain.checks import suggestion
 from studies.advice.stored import SETTINGS
 from studies.model.study import Study
-from studies.registry import BUILT_IN, OPTIONAL, SCENES, load
+from studies.registry import BUILT_IN, SCENES, load
 
 
 @dataclass(frozen=True)
@@ -83,7 +83,6 @@ CHAPTERS = {
             "Effects: coating, friction, creep, wear, yielding, films and roughness",
             tuple(Part(name) for name in SCENES if name != "rough-paddings"),
         ),
-        Chapter("cost", "Cost: surfaces and grids", (Part("speed", repeats=2),)),
     )
 }
 
@@ -108,7 +107,7 @@ def _chapter(name: str) -> Chapter:
     """Return the chapter of a name, which may also be a study."""
     if name in CHAPTERS:
         return CHAPTERS[name]
-    studies = (*BUILT_IN, *OPTIONAL)
+    studies = BUILT_IN
     if name not in studies:
         choices = dict.fromkeys(["all", *CHAPTERS, *studies])
         raise InvalidInput(f"Chapter {name!r} is not known: {suggestion(name, choices)}.")

@@ -17,12 +17,6 @@ POINTS = [
     ("padding", "grid", "1", "grid is 1: give at least 2 cells"),
     ("padding", "images", "-1", "images is -1: must be a whole number, at least 0"),
     ("padding", "padding", "exakt", "padding is 'exakt': did you mean 'exact'"),
-    ("speed", "fraction", "1", r"fraction is 1\.0: give a fraction between 0 and 1\."),
-    ("speed", "cut_off", "0", r"cut_off is 0\.0: give a number of cells above 0\."),
-    ("speed", "threads", "0", r"threads is 0: must be a whole number, at least 1\."),
-    ("speed", "device", "gpu", "Gpu "),
-    ("speed", "surface", "smoth", "surface is 'smoth': did you mean 'smooth'"),
-    ("speed", "precision", "half", "precision is 'half': give 'single' or 'double'"),
 ]
 
 

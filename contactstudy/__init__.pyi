@@ -19,10 +19,10 @@ from .domain.grid import (
 from .elasticity.coefficients import Coefficients
 from .elasticity.convolution import Convolution, convolution, superposed
 from .evolution.time_steps import ErrorEstimator, Scheme, TimeSteps
+from .forecast import plan
 from .io.compare import Comparison, compare
 from .io.quantities.quantity import Quantity
 from .io.scene_files.materials import material
-from .planning.plan import plan
 from .planning.planned import Plan
 from .problem.bare_problem import BareProblem
 from .problem.constraint import (

@@ -13,6 +13,7 @@ from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.device import Cpu, Device
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
 from contactstudy.evolution.time_steps import TimeSteps
+from contactstudy.forecast import plan
 from contactstudy.io.scene_files.cycles import with_cycles
 from contactstudy.io.scene_files.materials import with_materials
 from contactstudy.io.scene_files.scene_schema import (
@@ -28,7 +29,7 @@ from contactstudy.io.scene_files.scene_schema import (
 )
 from contactstudy.io.scene_files.scene_writer import scene_text
 from contactstudy.io.scene_files.structuring import likely_units, structured
-from contactstudy.planning.plan import plan, plan_grid
+from contactstudy.planning.plan import plan_grid
 from contactstudy.planning.planned import Plan
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.loads.constant_load import ConstantLoad, TotalLoad

@@ -506,35 +506,61 @@ class _Request:
 
     def _refined(self, answer: Any, solve_on: Callable[[Grid], Any]) -> Any:
         """Solve again on finer grids until the bounds of the answer meet the requested error, where that is possible."""
-        requested, target = answer.requested, self.target
+        target = self.target
+        assert target is not None
         for _ in range(REFINEMENTS):
-            parts = answer.error.l1.by_cause
-            discretisation = parts["discretisation"]
-            other_causes = sum(parts.values()) - discretisation
-            if not isfinite(discretisation) or other_causes >= target:
+            grid = next_grid(answer.grid, answer.error.l1.by_cause, target)
+            if grid is None:
                 break
-            factor = discretisation / (target - other_causes)
-            if factor <= 1:
-                break
-            grid = finer_grid(answer.grid, min(MARGIN * factor, MAX_REFINEMENT))
-            if prod(grid.cells) > MAX_CELLS:
-                break
-            answer = replace(solve_on(grid), requested=requested)
+            answer = replace(solve_on(grid), requested=answer.requested)
         return self._with_numbers(answer, solve_on)
 
     def _with_numbers(self, answer: Any, solve_on: Callable[[Grid], Any]) -> Any:
         """Solve again on finer grids for the numbers whose bounds are above the request, within the work for them."""
-        most = DEFAULT_WORK if self.error is None else REQUESTED_WORK
         for _ in range(REFINEMENTS):
-            parts = answer.error.l1.by_cause
-            if not parts or max(parts, key=parts.__getitem__) != "discretisation":
-                break
-            cells = min(MAX_CELLS, most / answer.counts["convolutions"][0] - CELLS_OF_A_CALL)
-            missed = (number for number in answer.judged.values() if 1 < number.ratio < inf)
-            factors = sorted((MARGIN * number.finer for number in missed), reverse=True)
-            grids = (finer_grid(answer.grid, factor) for factor in factors if factor < inf)
-            grid = next((grid for grid in grids if prod(grid.cells) <= cells), None)
+            grid = grid_for_numbers(answer, is_default=self.error is None)
             if grid is None:
                 break
             answer = replace(solve_on(grid), requested=answer.requested)
         return answer
+
+
+def grid_for_numbers(answer: Any, *, is_default: bool) -> Grid | None:
+    """Return the grid for the numbers of an answer whose bounds are above the request, within the work for them."""
+    parts = answer.error.l1.by_cause
+    if not parts or max(parts, key=parts.__getitem__) != "discretisation":
+        return None
+    most = DEFAULT_WORK if is_default else REQUESTED_WORK
+    cells = min(MAX_CELLS, most / answer.counts["convolutions"][0] - CELLS_OF_A_CALL)
+    missed = (number for number in answer.judged.values() if 1 < number.ratio < inf)
+    factors = sorted((MARGIN * number.finer for number in missed), reverse=True)
+    grids = (finer_grid(answer.grid, factor) for factor in factors if factor < inf)
+    return next((grid for grid in grids if prod(grid.cells) <= cells), None)
+
+
+def refines(scene: Scene) -> bool:
+    """Return whether a scene that is not static is solved again on finer grids until its bound meets the error."""
+    if scene.lubrication is not None or scene.adhesion is not None or scene.wears_steadily:
+        return False
+    if scene.takes_times:
+        return not scene.evolves_without_states
+    return scene.rolls and scene.rolling_speed is not None
+
+
+def next_grid(grid: Grid, parts: Mapping[str, float], requested: float) -> Grid | None:
+    """Return the grid to solve next for a requested error; None where the error is met, or finer cells do not help.
+
+    Parameters
+    ----------
+    grid
+        The last grid.
+    parts
+        The bound on it by cause.
+    requested
+        Relative error not to exceed.
+    """
+    cells, total = parts["discretisation"], sum(parts.values())
+    if total <= requested or not isfinite(cells) or total - cells >= requested:
+        return None
+    finer = finer_grid(grid, min(MARGIN * cells / (requested - total + cells), MAX_REFINEMENT))
+    return finer if prod(finer.cells) <= MAX_CELLS else None

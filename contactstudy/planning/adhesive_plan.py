@@ -1,13 +1,12 @@
 """Plan of a scene with adhesion: six cells in the cohesive zone, and a width that holds the attraction."""
 
 from dataclasses import replace
-from math import sqrt
+from math import inf, sqrt
 
 from contactstudy.accuracy.range_errors import l1_range_error
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.domain.units import readable
-from contactstudy.planning.cost import memory, predicted_seconds, sample_timing
-from contactstudy.planning.forecast import CONSTANTS as FORECAST
+from contactstudy.planning.cost import memory
 from contactstudy.planning.forecast import images_error, images_warning, with_width
 from contactstudy.planning.grid_requirements import (
     GridRequirements,
@@ -29,8 +28,8 @@ TABOR_SMOOTH, TABOR_VARYING = 4.0, 2.0
 # Distance at which the attraction of a cylinder has fallen to 1e-6, over the square root of twice the product of its
 # radius and the range.
 DECAY_DISTANCE = 3.7
-# FFT convolutions of a solve over the square of the Tabor parameter, and at least; solves of a search for the pull-off.
-CONVOLUTIONS_OVER_TABOR_SQUARED, MIN_CONVOLUTIONS, SEARCH_SOLVES = 60.0, 60.0, 10
+# Solves of a search for the pull-off.
+SEARCH_SOLVES = 10
 
 
 def plan_of_adhesion(
@@ -84,18 +83,14 @@ def plan_of_adhesion(
         by_range = l1_range_error(edges, modulus, attraction_range, force)
     tabor = tabor_length(radius, adhesion.work, modulus) / attraction_range
     solves = SEARCH_SOLVES if isinstance(scene.load, PullOff) else instants or 1
-    convolutions = max(MIN_CONVOLUTIONS, CONVOLUTIONS_OVER_TABOR_SQUARED * tabor**2)
     padding = requirements.padding()
     images = 0.0
     if padding != replace(requirements, given_padding=None).padding():
         pressed = Scene(LineLoad(load), instantaneous(scene.solids), scene.shapes)
         images = images_error(pressed, grid, padding)
-    # all solves have one set-up
-    timing = sample_timing(grid, padding)
-    seconds = FORECAST.cost_ratio * predicted_seconds(timing, grid, solves * convolutions)
     reason = (
         f"adhesion: {cells:.3g} cells in the cohesive zone at a Tabor parameter of {tabor:.3g}, and room for the "
-        f"attraction beside the contact; of the order of {convolutions:.2g} FFT convolutions a solve, {solves} solves."
+        f"attraction beside the contact."
     )
     warnings = requirements.warnings(grid)
     if cells < ZONE_CELLS * (1 - 1e-9):
@@ -112,10 +107,11 @@ def plan_of_adhesion(
         )
     expected_error = requirements.error(grid.cell_size)
     return Plan(
+        scene=scene,
         grid=grid,
         padding=padding,
         error=expected_error + images + by_range,
-        seconds=seconds,
+        seconds=inf,
         bytes=memory(grid, padding),
         period_check=requirements.period_check(grid.length),
         reasons=(*requirements.reasons(grid, expected_error), reason),

@@ -10,15 +10,6 @@ from contactstudy.planning.grid_requirements import grid_requirements
 from contactstudy.planning.planned import Plan
 from contactstudy.scene.scene import Scene
 
-# Seconds of a film in plane strain with its estimate on two coarser grids, for the square of its cells, and of any film:
-# medians of 16 films of 320 to 2,700 cells, a third of which are solved again on finer cells. The same of a step in time
-# with its part of the integration by double steps, from 9 films of 300 to 2,700 cells.
-SECONDS_PER_CELLS_SQUARED, MIN_SECONDS = 3.6e-7, 0.03
-STEP_SECONDS_PER_CELLS_SQUARED, MIN_STEP_SECONDS = 7.5e-8, 0.006
-# Steps in time: those at the start, and beside them at least so many between two recorded instants and in all.
-STARTING_STEPS, STEPS_PER_INSTANT, MIN_STEPS = 5, 2, 30
-# Seconds per cell of a film that varies along its length, with its estimate: the median of 11 films of one wave along.
-SECONDS_PER_CELL = 3.5e-4
 # Floats held per cell, mostly the basis of the Krylov space, and matrices (x, x) of the Fourier stage.
 FLOATS_PER_CELL, FOURIER_MATRICES = 180, 50
 
@@ -28,7 +19,6 @@ def plan_of_film(
     error: float,
     period: float | None,
     grid: Grid | None,
-    instants: int = 0,
     padding: Padding | Paddings | None = None,
 ) -> Plan:
     """Return the plan of a lubricated scene.
@@ -44,8 +34,6 @@ def plan_of_film(
         Length of the grid [m]; chosen if None.
     grid
         Grid to keep; chosen if None.
-    instants
-        Instants that are recorded of a film in time; 0 of a steady one.
     padding
         Boundary conditions to keep; all images are summed if None.
 
@@ -63,7 +51,7 @@ def plan_of_film(
     )
     is_chosen = grid is None
     if grid is None:
-        inlet_width = film_grid(scene, error).extent[0]
+        inlet_width = film_grid(scene, error, requirements.grid(0.1, period).length).extent[0]
         width = requirements.width(inlet_width)
         grid = film_grid(
             scene,
@@ -94,17 +82,6 @@ def plan_of_film(
         reasons.append(
             f"cells of {readable(grid.cell_size[0])} across resolve the pressure's rise in the inlet"
         )
-    seconds = (
-        MIN_SECONDS + SECONDS_PER_CELLS_SQUARED * nx**2
-        if ny == 1
-        else SECONDS_PER_CELL * prod(grid.cells)
-    )
-    solves = 1
-    if instants:
-        solves = STARTING_STEPS + max(STEPS_PER_INSTANT * (instants - 1), MIN_STEPS)
-        seconds += solves * (
-            MIN_STEP_SECONDS + STEP_SECONDS_PER_CELLS_SQUARED * nx**2 if ny == 1 else seconds
-        )
     floats = 6 * nx**2
     if ny > 1:
         if is_chosen:
@@ -118,13 +95,13 @@ def plan_of_film(
         )
         floats = FLOATS_PER_CELL * prod(grid.cells) + FOURIER_MATRICES * nx**2
     return Plan(
+        scene=scene,
         grid=grid,
         padding=padding,
         error=inf if warnings else error,
-        seconds=seconds,
+        seconds=inf,
         bytes=8 * floats,
         period_check=requirements.period_check(grid.length),
         reasons=tuple(reasons),
         warnings=tuple(warnings),
-        solves=solves,
     )

@@ -12,11 +12,10 @@ from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.device import Cpu
 from contactstudy.domain.grid import Grid, Padding, Paddings
-from contactstudy.planning.cost import CONSTANTS as TIMING
-from contactstudy.planning.cost import memory, predicted_seconds, sample_timing, timed
+from contactstudy.planning.cost import memory
 from contactstudy.planning.grid_requirements import CONSTANTS as GRID
 from contactstudy.planning.grid_requirements import GridRequirements, halvable_count
-from contactstudy.planning.refinement import OTHER_CAUSES, GridRefinement
+from contactstudy.planning.refinement import MOST_CELLS, OTHER_CAUSES, GridRefinement, contact_width
 from contactstudy.scene.loads.resulting_load import Approach
 from contactstudy.scene.scene import Scene
 from contactstudy.solvers.solution import Status
@@ -36,22 +35,11 @@ class ForecastConstants:
     unresolved_factor
         Factor on the law of rough contacts, which is a mean over surfaces, where coarse grids do not resolve this
         one.
-    cost_ratio
-        Seconds of a solve with its error estimate, which takes another on cells of twice the size, over those of one
-        solve.
-    time_power
-        The seconds of the last grid of a solve, over those of the finest grid that its forecast solves, are the ratio of
-        their cells to this power; from 18 solves on 7,000 to 480,000 cells, rough, coated, textured and rollers.
-    time_factor
-        Factor on that ratio of seconds for the intermediate grids, from the same solves.
     """
 
     max_cells: int = 2**14
     given_error: float = 1e-3
     unresolved_factor: float = 2.0
-    cost_ratio: float = 1.6
-    time_power: float = 1.1
-    time_factor: float = 1.4
 
 
 CONSTANTS = ForecastConstants()
@@ -82,8 +70,10 @@ class GridForecast:
         Whether the contact is wider than the grid.
     message
         A fault that no grid corrects, such as an infinite pressure; empty without one.
+    half_width
+        Half-width of the contact [m] on the finest grid that was solved; infinite where it is cut off.
     seconds
-        Seconds of a solve with its estimate on one thread, and of the coarser grids of a solve to an error.
+        Seconds on one thread of the grids that a solve begins with; 0 where they are none of a solve's.
     is_extrapolated
         Whether the grid is extrapolated from coarser grids.
     """
@@ -94,7 +84,8 @@ class GridForecast:
     min_cells: tuple[int, int]
     contact_exceeds_grid: bool
     message: str
-    seconds: float
+    half_width: float
+    seconds: float = 0.0
     is_extrapolated: bool = False
 
     @property
@@ -162,6 +153,8 @@ def forecast_of_refinement(
     stamps: list[float] = []
     refinement = replace(
         _refinement(scene, requirements, requirements.pressure_error(error)),
+        most_cells=MOST_CELLS,
+        most_solved=CONSTANTS.max_cells,
         progress=lambda _: stamps.append(process_time()),
     )
     extent = requirements.grid(0.1, period).extent
@@ -173,12 +166,16 @@ def forecast_of_refinement(
     seconds, last = stamps[-1] - stamps[0], levels[-1]
     grid = last.grid
     if not refinement.meets_error(last):
-        required = refinement.grid_of_fast_lengths(*refinement.required_cells(levels), grid.extent)
-        grid = within_memory(required, requirements.padding(), limit)
-        finer = prod(grid.cells) / prod(last.grid.cells)
-        seconds += CONSTANTS.time_factor * (stamps[-1] - stamps[-2]) * finer**CONSTANTS.time_power
-    forecast = _extrapolated(refinement, levels, grid, seconds)
-    return replace(forecast, is_extrapolated=not refinement.meets_error(last))
+        following, is_last = refinement.next_grid(levels)
+        if following is None or not is_last:
+            if following is not None:  # a grid between
+                finer = prod(following.cells) / prod(last.grid.cells)
+                seconds += finer * (stamps[-1] - stamps[-2])
+            cells = refinement.required_cells(levels)
+            following = refinement.grid_of_fast_lengths(*cells, grid.extent)
+        grid = within_memory(following, requirements.padding(), limit)
+    forecast = _extrapolated(refinement, levels, grid)
+    return replace(forecast, seconds=seconds, is_extrapolated=not refinement.meets_error(last))
 
 
 def forecast_of_grid(scene: Scene, requirements: GridRequirements, grid: Grid) -> GridForecast:
@@ -195,7 +192,7 @@ def forecast_of_grid(scene: Scene, requirements: GridRequirements, grid: Grid) -
     grid
         The grid.
     """
-    padding, orders = (requirements.padding(), (GRID.rough_order, GRID.rough_order))
+    orders = (GRID.rough_order, GRID.rough_order)
     # the law is that of Hertz's contact under a given load
     is_hertz = requirements.is_smooth and not isinstance(scene.load, Approach)
     if is_hertz and scene.hardness > requirements.hertz.peak_pressure:
@@ -206,8 +203,7 @@ def forecast_of_grid(scene: Scene, requirements: GridRequirements, grid: Grid) -
             (GRID.min_cells, 1),
             grid.extent[0] < 2 * requirements.hertz.half_width,
             "",
-            CONSTANTS.cost_ratio
-            * predicted_seconds(sample_timing(grid, padding), grid, TIMING.smooth_convolutions),
+            requirements.hertz.half_width,
         )
     refinement = replace(
         _refinement(scene, requirements, CONSTANTS.given_error),
@@ -216,7 +212,6 @@ def forecast_of_grid(scene: Scene, requirements: GridRequirements, grid: Grid) -
     )
     try:
         levels = refinement.solve_levels(grid.extent)
-        _, timing = timed(lambda of: scene.problem(of, padding), levels[-1].grid, TIMING.tolerance)
     except InvalidInput as error:  # such as a period that is no whole number of a shape's
         return GridForecast(
             grid,
@@ -225,10 +220,9 @@ def forecast_of_grid(scene: Scene, requirements: GridRequirements, grid: Grid) -
             (1, 1),
             contact_exceeds_grid=False,
             message=str(error),
-            seconds=inf,
+            half_width=requirements.half_width,
         )
-    seconds = predicted_seconds(timing, grid, timing.convolutions)
-    forecast = _extrapolated(refinement, levels, grid, CONSTANTS.cost_ratio * seconds)
+    forecast = _extrapolated(refinement, levels, grid)
     if forecast.error == inf and not forecast.contact_exceeds_grid:
         errors = requirements.errors(grid.cell_size)
         factor = CONSTANTS.unresolved_factor
@@ -261,20 +255,22 @@ def _refinement(scene: Scene, requirements: GridRequirements, error: float) -> G
 
 
 def _extrapolated(
-    refinement: GridRefinement, levels: list[BoundedSolution], grid: Grid, seconds: float
+    refinement: GridRefinement, levels: list[BoundedSolution], grid: Grid
 ) -> GridForecast:
     """Return the forecast of a `grid` from the grids solved, the last of which is the finest."""
     last = levels[-1]
     error = last.discretisation_error
+    is_cut_off = last.solution.status is Status.CONTACT_AT_EDGE and bool(
+        last.solution.pressure[[0, -1]].any()
+    )
     forecast = GridForecast(
         last.grid,
         (inf, 0.0) if error == inf else (error * last.fractions[0], error * last.fractions[1]),
         (refinement.order(levels, 0), refinement.order(levels, 1)),
         refinement.min_cells(grid.extent),
-        last.solution.status is Status.CONTACT_AT_EDGE
-        and bool(last.solution.pressure[[0, -1]].any()),
+        is_cut_off,
         next((text for text in last.estimate.warnings if SHARP_EDGE in text), ""),
-        seconds,
+        inf if is_cut_off else contact_width(last.solution) / 2,
     )
     return replace(forecast, grid=grid, errors=forecast.errors_of(grid.cell_size))
 

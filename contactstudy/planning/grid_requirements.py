@@ -337,7 +337,7 @@ class GridRequirements:
             )
         return ""
 
-    def reasons(self, grid: Grid, error: float) -> tuple[str, ...]:
+    def reasons(self, grid: Grid, error: float, half_width: float | None = None) -> tuple[str, ...]:
         """Return a sentence each on width, cells, dimension, padding, coatings and friction on `grid`.
 
         Parameters
@@ -346,11 +346,15 @@ class GridRequirements:
             The grid.
         error
             Relative L1 error of the pressure to expect on it.
+        half_width
+            Half-width of the contact [m] on coarse cells; that expected of the heights if None.
         """
         a = self.hertz.half_width
+        reach = self.half_width if half_width is None else half_width
+        end = "beyond the grid" if reach == inf else f"within {reach / a:.3g}"
         width = (
             f"width {readable(grid.extent[0])}: {grid.extent[0] / 2 / a:.3g} half-widths of Hertz (a = {readable(a)}) "
-            f"on either side; the contact is expected within {self.half_width / a:.3g}."
+            f"on either side; the contact is expected {end}."
         )
         nx, ny = grid.cells
         cell = f"{nx} x {ny} cells: {a / grid.cell_size[0]:.3g} in a half-width"

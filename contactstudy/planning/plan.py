@@ -14,16 +14,7 @@ from contactstudy.domain.device import ONE_THREAD, Device, available_bytes, chec
 from contactstudy.domain.errors import DEFAULT_ERROR, Request, pressure_request
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
 from contactstudy.domain.units import readable
-from contactstudy.planning.cost import CONSTANTS as TIMING
-from contactstudy.planning.cost import (
-    memory,
-    padded_points,
-    predicted_seconds,
-    sample_timing,
-    speedup,
-    stress_seconds,
-)
-from contactstudy.planning.forecast import CONSTANTS as FORECAST
+from contactstudy.planning.cost import memory
 from contactstudy.planning.forecast import (
     GridForecast,
     forecast_of_grid,
@@ -40,6 +31,7 @@ from contactstudy.planning.grid_requirements import (
     grid_requirements,
     measured_length_scales,
     period_fault,
+    with_random_extents,
 )
 from contactstudy.planning.planned import Plan
 from contactstudy.scene.scene import Scene
@@ -56,75 +48,6 @@ WIDENING = 1.5
 MEMORY_FRACTION = 0.8
 
 
-def plan(
-    scene: Scene,
-    *,
-    error: Request | str | None = None,
-    period: float | None = None,
-    grid: Grid | None = None,
-    padding: Padding | Paddings | None = None,
-    times: "ArrayLike | TimeSteps | None" = None,
-    device: Device = ONE_THREAD,
-) -> Plan:
-    """Choose a grid and a padding that solve a scene to a relative error.
-
-    It solves the first grids of the solve itself, of up to some ten thousand cells. For a scene that changes in time or
-    rolls it takes the steps on coarse cells to count them, for some seconds at most.
-
-    Parameters
-    ----------
-    scene
-        The scene, which may change in time or roll.
-    error
-        Relative L1 error of the pressure, above 0 and below 1, or a text such as ``"1 %"``; of a film, that of its
-        thickness, friction, temperatures and the fraction of the load that asperities carry. Errors by the names of
-        numbers plan the first of the grids that :func:`~contactstudy.solve` takes. If it is None, a measured surface
-        of a static dry contact without adhesion is solved at its own points, and any other scene to 1 %.
-    period
-        Length of the grid [m]; chosen if None.
-    grid
-        Grid to keep. The plan then warns of its faults.
-    padding
-        Boundary conditions to keep; chosen if None.
-    times
-        Instants [s] to record, or :class:`~contactstudy.TimeSteps`, as for :func:`~contactstudy.solve`.
-    device
-        Device that the seconds of a dry static contact without adhesion are for; those of others are for one thread.
-
-    Raises
-    ------
-    InvalidInput
-        If the scene does not determine a grid: the width of the contact needs a curved shape, the length of a crowned
-        roller a FiniteLength.
-    """
-    planned = plan_grid(
-        scene, error=error, period=period, grid=grid, padding=padding, times=times, device=device
-    )
-    if scene.outputs and not scene.takes_times:
-        stress = stress_seconds(scene, planned.grid, planned.padding)
-        planned = replace(planned, seconds=planned.seconds + stress)
-    if not _has_pilot(scene):
-        return planned
-    # imported only for scenes in time
-    from contactstudy.planning.pilot import pilot
-
-    requested = DEFAULT_ERROR if error is None and grid is None else error
-    work = pilot(
-        scene,
-        planned.grid,
-        planned.padding,
-        None if requested is None else pressure_request(checked_errors("plan.error", requested)),
-        _time_steps(times),
-        refines=grid is None,
-    )
-    return replace(
-        planned,
-        seconds=planned.seconds + work.seconds,
-        solves=work.solves,
-        reasons=(*planned.reasons, work.reason),
-    )
-
-
 def plan_grid(
     scene: Scene,
     *,
@@ -135,9 +58,9 @@ def plan_grid(
     times: "ArrayLike | TimeSteps | None" = None,
     device: Device = ONE_THREAD,
 ) -> Plan:
-    """Return the plan as :func:`plan` does, with the seconds of one contact alone.
+    """Return the plan as :func:`~contactstudy.plan` does, for the same arguments, without a forecast of the seconds.
 
-    Those of its stress, and of its steps where it changes in time or rolls, are left out.
+    They are infinite, unless a static contact was solved to the error.
     """
     checked(device, "plan.device")
     if error is not None:
@@ -152,13 +75,11 @@ def plan_grid(
     if scales is None and grid is not None and scene.adhesion is None:
         scales = LengthScales()  # a flat on the grid that is given
     if scene.hertz is None and scales is not None and scene.lubrication is None:
-        planned = _plan_of_flat(scales, error, period, grid, padding, device)
-        if not _has_pilot(scene):
-            if scene.adhesion is None:
-                return planned
-            reason = "seconds: unknown, those with adhesion are known of curved shapes alone."
-            solves = _count_of_instants(scene, times) or 1
-            return replace(planned, seconds=inf, solves=solves, reasons=(*planned.reasons, reason))
+        planned = _plan_of_flat(scene, scales, error, period, grid, padding, device)
+        if scene.time_dependent_field is None and not scene.rolls:
+            return planned
+        if scene.evolves_without_states:
+            return replace(planned, solves=_count_of_instants(scene, times) or 1)
         # imported only for scenes that change in time or roll
         from contactstudy.planning.transient_requirements import transient_requirements
 
@@ -169,8 +90,7 @@ def plan_grid(
         # imported only for lubricated scenes
         from contactstudy.planning.film_plan import plan_of_film
 
-        instants = _count_of_instants(scene, times)
-        return plan_of_film(scene, error or DEFAULT_ERROR, period, grid, instants, padding)
+        return plan_of_film(scene, error or DEFAULT_ERROR, period, grid, padding)
     if scene.adhesion is not None:
         # imported only for scenes with adhesion
         from contactstudy.planning.adhesive_plan import plan_of_adhesion
@@ -187,14 +107,6 @@ def plan_grid(
     return _plan_static(scene, error, period, grid, padding, device)
 
 
-def _has_pilot(scene: Scene) -> bool:
-    """Return whether the seconds of a scene are those of a pilot run."""
-    follows_adhesion = scene.adhesion is not None and scene.evolves_without_states
-    if scene.lubrication is not None or follows_adhesion:
-        return False
-    return scene.rolls or scene.time_dependent_field is not None
-
-
 def _time_steps(times: "ArrayLike | TimeSteps | None") -> "TimeSteps":
     """Return `times` as time steps."""
     from contactstudy.evolution.time_steps import TimeSteps  # imported only for scenes in time
@@ -203,6 +115,7 @@ def _time_steps(times: "ArrayLike | TimeSteps | None") -> "TimeSteps":
 
 
 def _plan_of_flat(
+    scene: Scene,
     scales: LengthScales,
     error: float | None,
     period: float | None,
@@ -223,15 +136,14 @@ def _plan_of_flat(
     if grid is None:
         grid, reason = flat_grid(scales, period), "the points of the measured surface are the cells"
     padding = padding or (ExactPeriodicity(), ExactPeriodicity())
-    timing = sample_timing(grid, padding)
-    seconds = predicted_seconds(timing, grid, TIMING.rough_convolutions)
     if fault := period_fault(grid.length, (scales,)):
         warnings.append(fault)
     return Plan(
+        scene=scene,
         grid=grid,
         padding=padding,
         error=inf,
-        seconds=FORECAST.cost_ratio * seconds / speedup(grid, padding, device),
+        seconds=inf,
         bytes=memory(grid, padding),
         period_check=fault or f"The surface repeats over the length {readable(grid.length)}.",
         reasons=(
@@ -253,6 +165,9 @@ def _plan_static(
 ) -> Plan:
     """Plan a scene that neither changes in time nor rolls, on a grid of at least this `width` [m]."""
     requirements = grid_requirements(scene, padding)
+    if grid is None:  # a random surface keeps the extent of the first grid on narrower ones
+        scene = with_random_extents(scene, requirements.grid(0.1, period).extent)
+        requirements = grid_requirements(scene, padding)
     padding = requirements.padding()
     # cells are chosen without the images that a given padding leaves out, which no cells make up for
     of_cells = replace(requirements, given_padding=None)
@@ -270,20 +185,20 @@ def _plan_static(
         target = inf
         smaller = within_memory(grid, padding, limit)
         forecast = forecast_of_grid(scene, of_cells, smaller)
-        ratio = prod(grid.cells) / prod(smaller.cells)
-        forecast = replace(forecast, seconds=forecast.seconds * ratio**FORECAST.time_power)
     images = 0.0 if padding == of_cells.padding() else images_error(scene, grid, padding)
     expected_error = forecast.error_of(grid.cell_size)
-    points_ratio = padded_points(grid, padding) / padded_points(grid, of_cells.padding())
+    is_open = forecast.is_extrapolated or not forecast.seconds
     return Plan(
+        scene=scene,
         grid=grid,
         padding=padding,
         error=expected_error + images,
-        seconds=points_ratio * forecast.seconds / speedup(grid, padding, device),
+        seconds=inf if is_open else forecast.seconds,
+        coarse_seconds=forecast.seconds,
         bytes=memory(grid, padding),
         period_check=requirements.period_check(grid.length),
         reasons=(
-            *requirements.reasons(grid, expected_error),
+            *requirements.reasons(grid, expected_error, forecast.half_width),
             *_axis_reasons(forecast, own_points=own_points),
         ),
         warnings=(
@@ -337,7 +252,14 @@ def _plan_time_dependent(
     narrow_plan = _plan_static(
         transient.narrow, discretisation_error, period, grid, padding, ONE_THREAD, transient.width
     )
-    return _with_states(replace(narrow_plan, error=narrow_plan.error * error_factor), transient)
+    planned = replace(
+        narrow_plan,
+        scene=scene,
+        error=narrow_plan.error * error_factor,
+        seconds=inf,
+        coarse_seconds=0.0,
+    )
+    return _with_states(planned, transient)
 
 
 def _with_states(planned: Plan, transient: "TransientRequirements") -> Plan:

@@ -5,16 +5,19 @@ from dataclasses import dataclass, field
 from contactstudy.domain.checks import set_fields
 from contactstudy.domain.device import ONE_THREAD, Device
 from contactstudy.domain.grid import Grid, Padding, Paddings
+from contactstudy.scene.scene import Scene
 
 
 @dataclass(frozen=True)
 class Plan:
     """A grid and a padding for a scene, with expected error and cost.
 
-    Solve it with ``solve(scene, plan.grid, plan.padding)``.
+    Solve it with ``solve(plan.scene, plan.grid, plan.padding)``.
 
     Attributes
     ----------
+    scene
+        The scene. Its random surfaces have an extent: where the contact is narrower than they are, the grid is too.
     grid
         The grid.
     padding
@@ -29,8 +32,8 @@ class Plan:
         of the steps adds to it. Of a film, the one requested. Infinite where it is not predicted.
     seconds
         Seconds of processor time (with a device, of wall time) of a solve to the error: its plan, all grids and steps,
-        their estimates, and the stress that a steady scene names, from solves timed just now. Imports, compilation,
-        files and plots are not counted.
+        their estimates, and the stress that a steady scene names, from solves on coarser grids just now. Imports,
+        compilation, files and plots are not counted. Infinite where no coarser grid can be solved.
     bytes
         Bytes that a solve holds at most.
     period_check
@@ -44,8 +47,11 @@ class Plan:
         pull-off load is sought.
     device
         Device that the seconds are for.
+    coarse_seconds
+        Seconds of them for the coarser grids that were solved for the plan of a static contact, as its solve does.
     """
 
+    scene: Scene = field(repr=False)
     grid: Grid
     padding: Padding | Paddings
     dimension: int = field(init=False)
@@ -57,6 +63,7 @@ class Plan:
     warnings: tuple[str, ...] = ()
     solves: int = 1
     device: Device = ONE_THREAD
+    coarse_seconds: float = 0.0
 
     def __post_init__(self) -> None:
         set_fields(self, dimension=1 if self.grid.cells[1] == 1 else 2)

@@ -25,6 +25,8 @@ from contactstudy.scene.scene import Scene
 from contactstudy.solvers.solution import Solution
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
+# Cells of a grid at most.
+MOST_CELLS = 2_000_000
 # Causes of the error other than the cells, in words, and their remedies.
 OTHER_CAUSES = {
     "images": ("the images that the padding omits contribute", IMAGES_REMEDY),
@@ -104,7 +106,7 @@ def solve_to(
     options: SolveOptions | None = None,
     start: Array | None = None,
     device: Device = Cpu(),  # noqa: B008 (a frozen value)
-    most_cells: int = 2_000_000,
+    most_cells: int = MOST_CELLS,
     progress: Callable[[BoundedSolution], object] | None = None,
 ) -> BoundedSolution:
     """Solve a dry scene that neither changes in time nor rolls, to a relative L1 error of the pressure.
@@ -178,6 +180,8 @@ class GridRefinement:
         Maximum number of cells of a grid.
     progress
         Called with the solution and the bounds on each grid.
+    most_solved
+        Number of cells beyond which a grid is not solved, other than the first one.
     keeps_width
         True if the width stays as it is, whatever that of the contact.
     """
@@ -190,6 +194,7 @@ class GridRefinement:
     device: Device
     most_cells: int
     progress: Callable[[BoundedSolution], object] | None = None
+    most_solved: int = 2**62
     keeps_width: bool = False
 
     def solve_levels(
@@ -220,6 +225,8 @@ class GridRefinement:
                 if self.progress is not None:
                     self.progress(level)
                 grid, is_last = self.next_grid(levels)
+                if grid is not None and prod(grid.cells) > self.most_solved:
+                    break
         return levels
 
     @property
@@ -281,7 +288,7 @@ class GridRefinement:
         # random heights depend on the extent
         if any(getattr(shape, "extent", ()) is None for shape in self.scene.shapes):
             return None
-        needed = GRID.width_factor * _contact_width(solution)
+        needed = GRID.width_factor * contact_width(solution)
         return needed if needed < CONSTANTS.narrowing * width else None
 
     def _with_width(self, grid: Grid, width: float) -> Grid:
@@ -385,7 +392,7 @@ class GridRefinement:
         return f"the error needs about {cells} cells; at most {self.most_cells:,} are allowed."
 
 
-def _contact_width(solution: Solution) -> float:
+def contact_width(solution: Solution) -> float:
     """Return the width [m] about the axis within which all cells in contact lie."""
     grid = solution.problem.grid
     touching = np.abs(grid.x[solution.pressure.any(axis=1)])

@@ -66,11 +66,13 @@ def plan(
     planned = described.plan(device=_device(device, threads))
     if as_json:
         texts = {"padding": repr(planned.padding), "device": repr(planned.device)}
-        fields = {
+        others = {"grid": asdict(planned.grid)}
+        values = {
             name: None if value == inf else value  # JSON has no infinity
-            for name, value in (asdict(planned) | texts).items()
+            for name, value in (vars(planned) | texts | others).items()
+            if name not in {"scene", "coarse_seconds"}
         }
-        click.echo(json.dumps(fields))
+        click.echo(json.dumps(values))
         return
     cells, extent = planned.grid.cells, planned.grid.extent
     size = f"{readable(extent[0])} x {readable(extent[1])}"

@@ -1,0 +1,349 @@
+"""Function plan: the grid, memory and seconds of a solve, from its first levels."""
+
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from math import inf, log, prod
+from time import process_time
+from typing import TYPE_CHECKING, Any
+
+from numpy.typing import ArrayLike
+
+from contactstudy.domain.checks import InvalidInput, checked_relative_error
+from contactstudy.domain.device import ONE_THREAD, Device
+from contactstudy.domain.grid import Grid, Padding, Paddings
+from contactstudy.planning.cost import speedup
+from contactstudy.planning.plan import DEFAULT_ERROR, plan_grid
+from contactstudy.planning.planned import Plan
+from contactstudy.progress import Progress
+from contactstudy.scene.scene import Scene
+from contactstudy.solving import REFINEMENTS, next_grid, refines, solve
+
+if TYPE_CHECKING:
+    from contactstudy.evolution.time_steps import TimeSteps
+
+
+@dataclass(frozen=True)
+class ForecastConstants:
+    """Constants of the solves that forecast the seconds of another.
+
+    Attributes
+    ----------
+    seconds
+        Seconds that these solves may take, each and together.
+    exact_seconds
+        Seconds that a solve on the planned grid may take to be one of them.
+    least_cells
+        Cells across below which a grid tells nothing.
+    least_fraction
+        Least fraction of a solve that is extrapolated from.
+    max_power
+        Largest power of the cells with which seconds are expected to grow.
+    coarsest_with_adhesion
+        Largest factor on the cells of a contact with adhesion, whose cohesive zone coarse cells do not hold.
+    estimate_cost
+        Seconds of a static contact and its estimate, which takes another on half the cells, over those of it alone.
+    progress_powers
+        Least and largest power of the seconds with which the fraction that is done is expected to grow.
+    orders
+        Least and largest order of convergence that is expected of scenes that change in time or roll.
+    most_error
+        Largest error to which a coarse film is solved.
+    """
+
+    seconds: float = 1.5
+    exact_seconds: float = 0.1
+    least_cells: int = 12
+    least_fraction: float = 1e-4
+    max_power: float = 2.5
+    coarsest_with_adhesion: int = 2
+    estimate_cost: float = 1.6
+    progress_powers: tuple[float, float] = (0.5, 4.0)
+    orders: tuple[float, float] = (1.0, 1.75)
+    most_error: float = 0.3
+
+
+CONSTANTS = ForecastConstants()
+
+
+def plan(
+    scene: Scene,
+    *,
+    error: float | str | None = None,
+    period: float | None = None,
+    grid: Grid | None = None,
+    padding: Padding | Paddings | None = None,
+    times: "ArrayLike | TimeSteps | None" = None,
+    device: Device = ONE_THREAD,
+) -> Plan:
+    """Choose a grid and a padding that solve a scene to a relative error.
+
+    It solves the first grids of the solve itself: of a static contact of up to some ten thousand cells, of other scenes
+    some with fewer cells than the last one, for some seconds at most.
+
+    Parameters
+    ----------
+    scene
+        The scene, which may change in time or roll.
+    error
+        Relative L1 error of the pressure, above 0 and below 1, or a text such as ``"1 %"``; of a film, that of its
+        thickness, friction, temperatures and the fraction of the load that asperities carry. If it is None, a measured
+        surface of a static dry contact without adhesion is solved at its own points, and any other scene to 1 %.
+    period
+        Length of the grid [m]; chosen if None.
+    grid
+        Grid to keep. The plan then warns of its faults.
+    padding
+        Boundary conditions to keep; chosen if None.
+    times
+        Instants [s] to record, or :class:`~contactstudy.TimeSteps`, as for :func:`~contactstudy.solve`.
+    device
+        Device that the seconds of a dry static contact without adhesion are for; those of others are for one thread.
+
+    Raises
+    ------
+    InvalidInput
+        If the scene does not determine a grid: the width of the contact needs a curved shape, the length of a crowned
+        roller a FiniteLength.
+    """
+    planned = plan_grid(
+        scene, error=error, period=period, grid=grid, padding=padding, times=times, device=device
+    )
+    requested = None if error is None else checked_relative_error("plan.error", error)
+    request = _Request(planned, requested, times, is_chosen=grid is None)
+    if planned.seconds < inf and not scene.outputs:
+        return replace(planned, seconds=planned.seconds / request.speedup)
+    try:
+        forecast = request.forecast()
+    except InvalidInput as refused:
+        reason = f"seconds: unknown, since {refused}"
+        return replace(planned, seconds=inf, reasons=(*planned.reasons, reason))
+    reasons = planned.reasons
+    if forecast.grid != planned.grid:
+        cells = " x ".join(map(str, planned.grid.cells))
+        reasons += (f"refinement: a solve begins on {cells} cells.",)
+    return replace(
+        planned,
+        grid=forecast.grid,
+        seconds=forecast.seconds / request.speedup,
+        solves=forecast.solves or planned.solves,
+        bytes=round(planned.bytes * prod(forecast.grid.cells) / prod(planned.grid.cells)),
+        reasons=(*reasons, f"seconds: {forecast.reason}"),
+    )
+
+
+@dataclass(frozen=True)
+class Level:
+    """A solve on one grid.
+
+    Attributes
+    ----------
+    grid
+        The grid.
+    seconds
+        Seconds of processor time, of all of it.
+    solves
+        Contacts that are solved one after the other; 0 where they are not counted.
+    answer
+        The answer; None where the solve was ended before.
+    """
+
+    grid: Grid
+    seconds: float
+    solves: int
+    answer: Any
+
+
+@dataclass(frozen=True)
+class Forecast:
+    """The last grid of a solve, the seconds of all its grids, the solves on the last one, and what they follow from."""
+
+    grid: Grid
+    seconds: float
+    solves: int
+    reason: str
+
+
+@dataclass(frozen=True, eq=False)
+class _Request:
+    """A planned solve, to be carried out on coarser grids: its plan, error and times, and whether its grid is free."""
+
+    planned: Plan
+    error: float | None
+    times: "ArrayLike | TimeSteps | None"
+    is_chosen: bool
+
+    @property
+    def scene(self) -> Scene:
+        """The scene."""
+        return self.planned.scene
+
+    @property
+    def is_steady_film(self) -> bool:
+        """Whether a film is solved once, which refines its cells itself."""
+        return self.scene.lubrication is not None and not self.scene.takes_times
+
+    @property
+    def speedup(self) -> float:
+        """Ratio of the seconds on one thread to those on the device, which a dry static contact can use."""
+        scene, planned = self.scene, self.planned
+        if scene.takes_times or scene.rolls or scene.lubrication or scene.adhesion:
+            return 1.0
+        return speedup(planned.grid, planned.padding, planned.device)
+
+    def forecast(self) -> Forecast:
+        """Return the forecast, from solves on ever finer grids."""
+        levels, planned = self.levels(), self.planned
+        last, grid = levels[-1], planned.grid
+        if self.is_steady_film and self.is_chosen and last.answer is not None:
+            grid = self.grid_of_film(last)
+        seconds = _seconds_on(grid, levels)
+        if planned.coarse_seconds:
+            seconds = planned.coarse_seconds + seconds / CONSTANTS.estimate_cost
+        if self.is_chosen and refines(self.scene):
+            for finer in self.refinements(levels):
+                grid = finer
+                seconds += _seconds_on(grid, levels)
+        solves = last.solves
+        if self.scene.rolling is not None and self.scene.rolling.passes is not None:
+            solves = round(solves * grid.cells[0] / last.grid.cells[0])  # one step for a cell
+        part = "" if last.answer is not None else "a part of "
+        cells = " x ".join(map(str, last.grid.cells))
+        return Forecast(grid, seconds, solves, f"from {part}a solve on {cells} cells.")
+
+    def levels(self) -> list[Level]:
+        """Return solves on ever finer grids, up to the planned one, as long as their seconds allow."""
+        refused, levels = InvalidInput("no grid is coarser"), list[Level]()
+        for factor in (8, 4, 2, 1):
+            grid = _coarser(self.planned.grid, factor)
+            is_exact = grid == self.planned.grid
+            too_coarse = grid.cells[0] < CONSTANTS.least_cells or (
+                self.scene.adhesion is not None and factor > CONSTANTS.coarsest_with_adhesion
+            )
+            if too_coarse and not is_exact:
+                continue
+            if levels:
+                spent = sum(level.seconds for level in levels)
+                limit = CONSTANTS.exact_seconds if is_exact else CONSTANTS.seconds - spent
+                is_long = len(levels) > 1 and _seconds_on(grid, levels) > limit
+                if levels[-1].answer is None or is_long:
+                    break
+            try:
+                levels.append(self.solved(grid, factor))
+            except InvalidInput as fault:  # such as waves that so few cells do not resolve
+                refused = fault
+        if not levels:
+            raise refused
+        return levels
+
+    def solved(self, grid: Grid, factor: int) -> Level:
+        """Return the solve on a grid of 1 / `factor` of the cells along each axis; a steady film to a larger error."""
+        error, chosen = self.error, False
+        named: dict[str, Any] = {"times": self.times} if self.scene.takes_times else {}
+        if self.is_steady_film and (error is not None or self.is_chosen):
+            error = min((error or DEFAULT_ERROR) * factor**2, CONSTANTS.most_error)
+            chosen = self.is_chosen and grid.cells[1] == 1
+        where = None if chosen else grid
+        modules = 0
+        while modules < len(sys.modules):  # what is imported is not counted
+            modules, watch = len(sys.modules), _Watch()
+            try:
+                answer: Any = solve(
+                    self.scene, where, self.planned.padding, error=error, progress=watch, **named
+                )
+                len(answer.quantities)  # with the stress
+            except _TimeLimitReached:
+                return Level(grid, *watch.whole, None)
+            level = Level(answer.grid, watch.seconds, watch.solves(answer), answer)
+        return level
+
+    def refinements(self, levels: list[Level]) -> Iterator[Grid]:
+        """Yield the finer grids that a solve is expected to take, from the bounds on coarse ones."""
+        solved = [level for level in levels if level.answer is not None]
+        if not solved:
+            return
+        bounds = [level.answer.error.l1.by_cause for level in solved[-2:]]
+        cells = [level.grid.cells[0] for level in solved[-2:]]
+        order, errors = CONSTANTS.orders[0], [parts["discretisation"] for parts in bounds]
+        if len(cells) > 1 and cells[1] > cells[0] and 0 < errors[1] < errors[0] < inf:
+            order = log(errors[0] / errors[1]) / log(cells[1] / cells[0])
+        order = min(max(order, CONSTANTS.orders[0]), CONSTANTS.orders[1])
+        grid: Grid | None = self.planned.grid
+        for _ in range(REFINEMENTS):
+            assert grid is not None
+            error = errors[-1] * (cells[-1] / grid.cells[0]) ** order
+            requested = solved[-1].answer.requested
+            grid = next_grid(grid, bounds[-1] | {"discretisation": error}, requested)
+            if grid is None:
+                return
+            yield grid
+
+    def grid_of_film(self, last: Level) -> Grid:
+        """Return the grid on which a film is expected to end: its cells go with the square root of the error."""
+        planned, asked = self.planned.grid, last.answer.requested
+        finer = (asked / (self.error or DEFAULT_ERROR)) ** 0.5
+        cells = finer * last.grid.cells[0] * planned.extent[0] / last.grid.extent[0]
+        return Grid((max(round(cells), planned.cells[0]), planned.cells[1]), planned.extent)
+
+
+class _TimeLimitReached(Exception):
+    """A solve has taken as many seconds as it may."""
+
+
+class _Watch:
+    """Follows a solve by its progress, and ends it after some seconds."""
+
+    def __init__(self) -> None:
+        self._begin = process_time()
+        self.reports: list[tuple[float, float]] = []
+
+    def __call__(self, progress: Progress) -> None:
+        """Record the fraction that is done."""
+        self.reports.append((progress.fraction, self.seconds))
+        if self.seconds > CONSTANTS.seconds:
+            raise _TimeLimitReached
+
+    @property
+    def seconds(self) -> float:
+        """Seconds of processor time since the solve began."""
+        return process_time() - self._begin
+
+    @property
+    def whole(self) -> tuple[float, int]:
+        """Seconds and reports of all of the solve, whose fraction goes with a power of the seconds."""
+        done, seconds = self.reports[-1]
+        done = min(max(done, CONSTANTS.least_fraction), 1.0)
+        half = max((one for one, at in self.reports if at <= seconds / 2), default=done / 2)
+        power = log(done / max(half, CONSTANTS.least_fraction / 2)) / log(2)
+        ratio = done ** (
+            -1 / min(max(power, CONSTANTS.progress_powers[0]), CONSTANTS.progress_powers[1])
+        )
+        return seconds * ratio, round(len(self.reports) * ratio)
+
+    def solves(self, answer: Any) -> int:
+        """Return the contacts that are solved for an answer, where they are counted; else 0."""
+        if getattr(answer, "trajectory", None) is not None:
+            return int(answer.trajectory.solves)
+        if getattr(answer, "rolling", None) is not None:
+            return int(answer.rolling.lagged.outer_iterations)
+        return len(self.reports) if hasattr(answer, "frames") else 0
+
+
+def _coarser(grid: Grid, factor: int) -> Grid:
+    """Return a grid with 1 / `factor` of the cells along each axis that has several."""
+    across, along = (count if count == 1 else max(count // factor, 2) for count in grid.cells)
+    return Grid((across, along), grid.extent)
+
+
+def _seconds_on(grid: Grid, levels: list[Level]) -> float:
+    """Return the seconds on a grid from those on others: by a power of the cells, or in part in proportion to them."""
+    last, before = levels[-1], levels[-2] if len(levels) > 1 else None
+    finer = prod(grid.cells) / prod(last.grid.cells)
+    coarser = 1.0 if before is None else prod(last.grid.cells) / prod(before.grid.cells)
+    if before is None or coarser <= 1:
+        return last.seconds * max(finer, 1.0)
+    power = log(max(last.seconds / before.seconds, 1.0)) / log(coarser)
+    if power >= 1:
+        return float(last.seconds * finer ** min(power, CONSTANTS.max_power))
+    added = max(last.seconds - before.seconds, 0.0) / (1 - 1 / coarser)
+    return max(last.seconds + added * (finer - 1), min(last.seconds, last.seconds * finer))

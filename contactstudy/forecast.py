@@ -17,6 +17,7 @@ from contactstudy.planning.plan import DEFAULT_ERROR, plan_grid
 from contactstudy.planning.planned import Plan
 from contactstudy.progress import Progress
 from contactstudy.scene.scene import Scene
+from contactstudy.scene.solids.bodies import yields
 from contactstudy.solving import REFINEMENTS, next_grid, refines, solve
 
 if TYPE_CHECKING:
@@ -29,14 +30,17 @@ class ForecastConstants:
 
     Attributes
     ----------
-    seconds
-        Seconds that these solves may take, each and together.
+    seconds, all_seconds
+        Seconds that each of these solves may take, and all together.
     exact_seconds
-        Seconds that a solve on the planned grid may take to be one of them.
+        Seconds that a solve on the planned grid may take to be one of them: where that grid is the last, and where its
+        bound says which is.
     least_cells
         Cells across below which a grid tells nothing.
     least_fraction
         Least fraction of a solve that is extrapolated from.
+    outlier
+        Ratio of the seconds of a solve to those expected, from which it is repeated.
     max_power
         Largest power of the cells with which seconds are expected to grow.
     coarsest_with_adhesion
@@ -48,18 +52,20 @@ class ForecastConstants:
     orders
         Least and largest order of convergence that is expected of scenes that change in time or roll.
     most_error
-        Largest error to which a coarse film is solved.
+        Largest error to which a coarse film is solved, and of steps in time.
     """
 
-    seconds: float = 1.5
-    exact_seconds: float = 0.1
+    seconds: float = 1.0
+    all_seconds: float = 2.0
+    exact_seconds: tuple[float, float] = (0.2, 0.7)
     least_cells: int = 12
     least_fraction: float = 1e-4
+    outlier: float = 4.0
     max_power: float = 2.5
     coarsest_with_adhesion: int = 2
     estimate_cost: float = 1.6
-    progress_powers: tuple[float, float] = (0.5, 4.0)
-    orders: tuple[float, float] = (1.0, 1.75)
+    progress_powers: tuple[float, float] = (0.75, 4.0)
+    orders: tuple[float, float] = (1.0, 1.5)
     most_error: float = 0.3
 
 
@@ -109,7 +115,9 @@ def plan(
     planned = plan_grid(
         scene, error=error, period=period, grid=grid, padding=padding, times=times, device=device
     )
-    requested = None if error is None else checked_relative_error("plan.error", error)
+    requested = DEFAULT_ERROR if grid is None else None
+    if error is not None:
+        requested = checked_relative_error("plan.error", error)
     request = _Request(planned, requested, times, is_chosen=grid is None)
     if planned.seconds < inf and not scene.outputs:
         return replace(planned, seconds=planned.seconds / request.speedup)
@@ -146,12 +154,15 @@ class Level:
         Contacts that are solved one after the other; 0 where they are not counted.
     answer
         The answer; None where the solve was ended before.
+    looser
+        Ratio of the error of its steps in time to the requested one; the seconds and solves are those of the latter.
     """
 
     grid: Grid
     seconds: float
     solves: int
     answer: Any
+    looser: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -197,13 +208,14 @@ class _Request:
         last, grid = levels[-1], planned.grid
         if self.is_steady_film and self.is_chosen and last.answer is not None:
             grid = self.grid_of_film(last)
-        seconds = _seconds_on(grid, levels)
+        seconds = self.seconds_on(grid, levels)
         if planned.coarse_seconds:
-            seconds = planned.coarse_seconds + seconds / CONSTANTS.estimate_cost
+            cost = 1.0 if self.scene.outputs else CONSTANTS.estimate_cost
+            seconds = planned.coarse_seconds + seconds / cost
         if self.is_chosen and refines(self.scene):
             for finer in self.refinements(levels):
                 grid = finer
-                seconds += _seconds_on(grid, levels)
+                seconds += self.seconds_on(grid, levels)
         solves = last.solves
         if self.scene.rolling is not None and self.scene.rolling.passes is not None:
             solves = round(solves * grid.cells[0] / last.grid.cells[0])  # one step for a cell
@@ -223,46 +235,107 @@ class _Request:
             if too_coarse and not is_exact:
                 continue
             if levels:
-                spent = sum(level.seconds for level in levels)
-                limit = CONSTANTS.exact_seconds if is_exact else CONSTANTS.seconds - spent
-                is_long = len(levels) > 1 and _seconds_on(grid, levels) > limit
+                spent = sum(level.seconds / level.looser for level in levels)
+                limit = CONSTANTS.all_seconds - spent
+                if is_exact:
+                    may_refine = self.is_chosen and refines(self.scene)
+                    limit = CONSTANTS.exact_seconds[may_refine]
+                is_long = (
+                    len(levels) > 1 and self.seconds_on(grid, levels) / levels[-1].looser > limit
+                )
                 if levels[-1].answer is None or is_long:
                     break
             try:
-                levels.append(self.solved(grid, factor))
+                level = self.solved(grid, factor, levels[-1].looser if levels else 1.0)
+                if levels and level.seconds > CONSTANTS.outlier * self.seconds_on(
+                    level.grid, levels
+                ):
+                    # what is compiled is not counted
+                    level = self.solved(grid, factor, levels[-1].looser)
+                levels.append(level)
             except InvalidInput as fault:  # such as waves that so few cells do not resolve
                 refused = fault
         if not levels:
             raise refused
         return levels
 
-    def solved(self, grid: Grid, factor: int) -> Level:
-        """Return the solve on a grid of 1 / `factor` of the cells along each axis; a steady film to a larger error."""
-        error, chosen = self.error, False
-        named: dict[str, Any] = {"times": self.times} if self.scene.takes_times else {}
-        if self.is_steady_film and (error is not None or self.is_chosen):
-            error = min((error or DEFAULT_ERROR) * factor**2, CONSTANTS.most_error)
-            chosen = self.is_chosen and grid.cells[1] == 1
-        where = None if chosen else grid
+    def solved(self, grid: Grid, factor: int, looser: float) -> Level:
+        """Return the solve on a grid of 1 / `factor` of the cells along each axis.
+
+        A steady film is solved to a larger error. Of a scene with state variables the steps in time are `looser`, or
+        more so where they take too long: those of first order become fewer by the same factor.
+        """
+        error = self.error
+        named: dict[str, Any] = {}
+        if self.is_steady_film and error is not None:
+            error = min(error * factor**2, CONSTANTS.most_error)
+        takes_chosen = self.is_steady_film and self.is_chosen and grid.cells[1] == 1
         modules = 0
-        while modules < len(sys.modules):  # what is imported is not counted
+        while True:
+            if self.scene.takes_times:
+                named["times"] = self.times if looser == 1 else self.looser_steps(looser)
             modules, watch = len(sys.modules), _Watch()
             try:
                 answer: Any = solve(
-                    self.scene, where, self.planned.padding, error=error, progress=watch, **named
+                    self.scene,
+                    None if takes_chosen else grid,
+                    self.planned.padding,
+                    error=error,
+                    progress=watch,
+                    **named,
                 )
                 len(answer.quantities)  # with the stress
             except _TimeLimitReached:
-                return Level(grid, *watch.whole, None)
-            level = Level(answer.grid, watch.seconds, watch.solves(answer), answer)
-        return level
+                if self.looser_steps(4 * looser):
+                    looser *= 4
+                    continue
+                seconds, solves = watch.whole
+                return Level(grid, looser * seconds, round(looser * solves), None, looser)
+            if modules == len(sys.modules):  # what is imported is not counted
+                solves = round(looser * watch.solves(answer))
+                return Level(answer.grid, looser * watch.seconds, solves, answer, looser)
+
+    def looser_steps(self, looser: float) -> "TimeSteps | None":
+        """Return the steps in time to a larger error; None where they have none, or it would be too large."""
+        if not (self.scene.takes_times and refines(self.scene)):
+            return None
+        from contactstudy.evolution.time_steps import ErrorEstimator, TimeSteps
+        from contactstudy.planning.grid_requirements import CONSTANTS as GRID
+
+        steps = TimeSteps.of(self.times)
+        error = steps.error or (self.error and (1 - GRID.cell_fraction) * self.error)
+        if steps.error_estimator is not ErrorEstimator.STEP_DOUBLING or not error:
+            return None
+        return (
+            None if looser * error > CONSTANTS.most_error else replace(steps, error=looser * error)
+        )
+
+    def seconds_on(self, grid: Grid, levels: list[Level]) -> float:
+        """Return the seconds on a grid from those on others, which have one part that is the same on all grids.
+
+        The other part goes with the cells, or their square where bodies yield, as the operators of plastic strain do.
+        Where all of it grows faster, it is a power of the cells.
+        """
+        last, seconds = levels[-1], max(level.seconds for level in levels)
+        finer = prod(grid.cells) / prod(last.grid.cells)
+        if len(levels) == 1 or levels[-2].grid.cells == last.grid.cells:
+            return seconds * max(finer, 1.0)
+        before = levels[-2].seconds
+        coarser = prod(last.grid.cells) / prod(levels[-2].grid.cells)
+        least = 2.0 if any(map(yields, self.scene.solids)) else 1.0
+        power = log(max(last.seconds / before, 1.0)) / log(coarser) if coarser > 1 else 0.0
+        if power >= least:
+            return float(seconds * finer ** min(power, CONSTANTS.max_power))
+        added = max(last.seconds - before, 0.0) / (1 - coarser**-least) if coarser > 1 else 0.0
+        return float(max(seconds + added * (finer**least - 1), seconds * min(finer, 1.0)))
 
     def refinements(self, levels: list[Level]) -> Iterator[Grid]:
         """Yield the finer grids that a solve is expected to take, from the bounds on coarse ones."""
         solved = [level for level in levels if level.answer is not None]
         if not solved:
             return
-        bounds = [level.answer.error.l1.by_cause for level in solved[-2:]]
+        bounds = [dict(level.answer.error.l1.by_cause) for level in solved[-2:]]
+        bounds[-1]["steps"] = bounds[-1].get("steps", 0.0) / solved[-1].looser
         cells = [level.grid.cells[0] for level in solved[-2:]]
         order, errors = CONSTANTS.orders[0], [parts["discretisation"] for parts in bounds]
         if len(cells) > 1 and cells[1] > cells[0] and 0 < errors[1] < errors[0] < inf:
@@ -279,11 +352,14 @@ class _Request:
             yield grid
 
     def grid_of_film(self, last: Level) -> Grid:
-        """Return the grid on which a film is expected to end: its cells go with the square root of the error."""
-        planned, asked = self.planned.grid, last.answer.requested
-        finer = (asked / (self.error or DEFAULT_ERROR)) ** 0.5
-        cells = finer * last.grid.cells[0] * planned.extent[0] / last.grid.extent[0]
-        return Grid((max(round(cells), planned.cells[0]), planned.cells[1]), planned.extent)
+        """Return the grid on which a film is expected to end: refined as that to a larger error was."""
+        from contactstudy.lubrication.solve_lubricated import film_grid
+
+        planned, found = self.planned.grid, last.grid
+        first = film_grid(self.scene, last.answer.requested, found.length)
+        wider = found.extent[0] / first.extent[0]
+        across = round(planned.cells[0] * found.cells[0] / first.cells[0])
+        return Grid((across, planned.cells[1]), (planned.extent[0] * wider, planned.length))
 
 
 class _TimeLimitReached(Exception):
@@ -326,24 +402,11 @@ class _Watch:
             return int(answer.trajectory.solves)
         if getattr(answer, "rolling", None) is not None:
             return int(answer.rolling.lagged.outer_iterations)
-        return len(self.reports) if hasattr(answer, "frames") else 0
+        counted = getattr(answer, "films", None) or getattr(answer, "passes", None)
+        return len(self.reports) if counted else 0
 
 
 def _coarser(grid: Grid, factor: int) -> Grid:
     """Return a grid with 1 / `factor` of the cells along each axis that has several."""
     across, along = (count if count == 1 else max(count // factor, 2) for count in grid.cells)
     return Grid((across, along), grid.extent)
-
-
-def _seconds_on(grid: Grid, levels: list[Level]) -> float:
-    """Return the seconds on a grid from those on others: by a power of the cells, or in part in proportion to them."""
-    last, before = levels[-1], levels[-2] if len(levels) > 1 else None
-    finer = prod(grid.cells) / prod(last.grid.cells)
-    coarser = 1.0 if before is None else prod(last.grid.cells) / prod(before.grid.cells)
-    if before is None or coarser <= 1:
-        return last.seconds * max(finer, 1.0)
-    power = log(max(last.seconds / before.seconds, 1.0)) / log(coarser)
-    if power >= 1:
-        return float(last.seconds * finer ** min(power, CONSTANTS.max_power))
-    added = max(last.seconds - before.seconds, 0.0) / (1 - 1 / coarser)
-    return max(last.seconds + added * (finer - 1), min(last.seconds, last.seconds * finer))

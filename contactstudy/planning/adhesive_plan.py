@@ -17,7 +17,6 @@ from contactstudy.planning.planned import Plan
 from contactstudy.planning.transient_requirements import TransientRequirements
 from contactstudy.scene.adhesion import ZONE_CELLS
 from contactstudy.scene.loads.constant_load import LineLoad
-from contactstudy.scene.loads.resulting_load import PullOff
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.solids.bodies import contact_modulus, instantaneous
 from contactstudy.solvers.cohesive_law import tabor_length, zone_length
@@ -28,8 +27,6 @@ TABOR_SMOOTH, TABOR_VARYING = 4.0, 2.0
 # Distance at which the attraction of a cylinder has fallen to 1e-6, over the square root of twice the product of its
 # radius and the range.
 DECAY_DISTANCE = 3.7
-# Solves of a search for the pull-off.
-SEARCH_SOLVES = 10
 
 
 def plan_of_adhesion(
@@ -38,7 +35,6 @@ def plan_of_adhesion(
     period: float | None,
     grid: Grid | None,
     padding: Padding | Paddings | None = None,
-    instants: int = 0,
     transient: TransientRequirements | None = None,
 ) -> Plan:
     """Return the plan of a scene with adhesion.
@@ -53,8 +49,6 @@ def plan_of_adhesion(
         Length of the grid [m]; chosen if None.
     grid, padding
         Grid and boundary conditions to keep; chosen if None.
-    instants
-        Instants that are recorded of a load history; 0 of a constant load.
     transient
         Requirements of bodies that creep or yield: the cohesive zone shrinks as the modulus relaxes.
     """
@@ -82,7 +76,6 @@ def plan_of_adhesion(
         edges, force = 2 * grid.length, load * grid.length
         by_range = l1_range_error(edges, modulus, attraction_range, force)
     tabor = tabor_length(radius, adhesion.work, modulus) / attraction_range
-    solves = SEARCH_SOLVES if isinstance(scene.load, PullOff) else instants or 1
     padding = requirements.padding()
     images = 0.0
     if padding != replace(requirements, given_padding=None).padding():
@@ -116,7 +109,6 @@ def plan_of_adhesion(
         period_check=requirements.period_check(grid.length),
         reasons=(*requirements.reasons(grid, expected_error), reason),
         warnings=(*warnings, *images_warning(padding, images, error)),
-        solves=solves,
     )
 
 

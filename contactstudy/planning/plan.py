@@ -5,7 +5,6 @@ from dataclasses import replace
 from math import inf, isclose, prod
 from typing import TYPE_CHECKING
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from contactstudy.accuracy.half_space import beyond_half_space
@@ -76,10 +75,9 @@ def plan_grid(
         scales = LengthScales()  # a flat on the grid that is given
     if scene.hertz is None and scales is not None and scene.lubrication is None:
         planned = _plan_of_flat(scene, scales, error, period, grid, padding, device)
-        if scene.time_dependent_field is None and not scene.rolls:
+        follows_adhesion = scene.adhesion is not None and scene.evolves_without_states
+        if follows_adhesion or not (scene.rolls or scene.time_dependent_field is not None):
             return planned
-        if scene.evolves_without_states:
-            return replace(planned, solves=_count_of_instants(scene, times) or 1)
         # imported only for scenes that change in time or roll
         from contactstudy.planning.transient_requirements import transient_requirements
 
@@ -97,7 +95,7 @@ def plan_grid(
 
         request = error or DEFAULT_ERROR, period, grid, padding
         if scene.time_dependent_field is None or scene.evolves_without_states:
-            return plan_of_adhesion(scene, *request, _count_of_instants(scene, times))
+            return plan_of_adhesion(scene, *request)
         from contactstudy.planning.transient_requirements import transient_requirements
 
         transient = transient_requirements(scene, _time_steps(times).last)
@@ -318,17 +316,3 @@ def _warnings(
         )
     if forecast.message:
         yield forecast.message
-
-
-def _count_of_instants(scene: Scene, times: "ArrayLike | TimeSteps | None") -> int:
-    """Return the instants that are recorded of `scene`, or its given steps: 0 of a static one, 2 where nothing ends."""
-    if scene.time_dependent_field is None:
-        return 0
-    steps = _time_steps(times)
-    if steps.last is None and not scene.histories:
-        return 2
-    recorded = steps.instants_of(*scene.histories)
-    if recorded is None:
-        return 2
-    duration = float(np.ptp(recorded))
-    return max(np.size(recorded), int(duration / steps.step) if steps.step else 0)

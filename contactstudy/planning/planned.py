@@ -43,8 +43,8 @@ class Plan:
     warnings
         A sentence for each fault of a grid that was given, and on a requested error that is out of reach.
     solves
-        Number of contacts or films that are solved one after the other, where a scene changes in time or rolls, or its
-        pull-off load is sought.
+        Number of contacts or films that are solved one after the other, where a scene changes in time or
+        rolls.
     device
         Device that the seconds are for.
     coarse_seconds

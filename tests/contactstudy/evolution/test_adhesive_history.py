@@ -338,7 +338,3 @@ def test_delayed_deformation_holds_a_contact_that_an_elastic_one_loses() -> None
     remade = cs.solve(replace(again, solids=(body, RIGID)), grid, LINE, times=(0.0, 2.0)).frames[-1]
     assert remade.status is cs.Status.CONVERGED
     assert remade.pressure.any()
-
-
-def test_a_plan_counts_the_instants_that_are_recorded() -> None:
-    assert cs.plan(SCENE, grid=GRID, times=(0.0, 0.5, 1.0)).solves == 3

@@ -7,6 +7,7 @@ import pytest
 import contactstudy as cs
 from contactstudy.answers.lubricated_contact import film_answer
 from contactstudy.lubrication.solve_lubricated import solve_lubricated
+from contactstudy.planning.plan import plan_grid
 from tests.contactstudy.lubrication.scenes import by_moes, grid, with_motion
 
 OIL = Path(__file__).parents[3] / "examples" / "oil.toml"
@@ -43,7 +44,8 @@ def test_a_rough_plan_has_cells_for_its_waves_and_no_error() -> None:
 
 def test_a_load_that_changes_is_planned_at_its_largest() -> None:
     load = cs.LoadHistory((0.0, 1.0), (5e4, 1e5))
-    assert cs.plan(replace(by_moes(20, 5), load=load)).grid == cs.plan(by_moes(20, 5)).grid
+    scene = by_moes(20, 5)
+    assert plan_grid(replace(scene, load=load)).grid == plan_grid(scene).grid
 
 
 def test_stress_below_the_surface_takes_pressure_and_friction() -> None:

@@ -126,13 +126,6 @@ def test_a_film_on_a_given_grid_says_where_its_inlet_begins() -> None:
     assert "The grid is given" in found.warnings[0]
 
 
-def test_a_film_in_time_takes_steps_from_one_instant_to_the_next() -> None:
-    scene, given = by_moes(20, 5), grid(100, 4.5)
-    steady, few, many = (plan_of_film(scene, 0.01, None, given, n) for n in (0, 2, 101))
-    assert steady.solves == 1 < few.solves < 101 <= many.solves
-    assert steady.seconds < few.seconds < many.seconds
-
-
 def test_the_body_that_yields_first_counts_and_both_take_memory(line_contact: LineContact) -> None:
     highest = line_contact.hertz.peak_pressure
     soft, hard = (

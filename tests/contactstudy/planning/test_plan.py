@@ -1,5 +1,6 @@
 from dataclasses import replace
 from math import inf
+from time import process_time
 
 import numpy as np
 import pytest
@@ -170,7 +171,8 @@ def test_a_film_is_planned_on_the_padding_that_is_given() -> None:
 
 def test_a_plan_of_a_film_counts_the_steps_that_are_given() -> None:
     loaded = replace(films.by_moes(20, 2), load=cs.LoadHistory((0.0, 1.0), (1.0, 2.0)))
-    assert cs.plan(loaded, times=cs.TimeSteps(step=1e-3)).solves > 1000
+    planned = cs.plan(loaded, times=cs.TimeSteps(step=1e-3))
+    assert planned.solves == pytest.approx(1000, rel=0.2)  # from the first of them
 
 
 def test_a_planned_texture_meets_its_error_whatever_its_lands(line_contact: LineContact) -> None:
@@ -317,8 +319,8 @@ def test_a_measured_flat_is_solved_on_its_own_points_with_both_axes_periodic(
     loaded = replace(flat, load=cs.LoadHistory((0.0, 1.0), (50.0, 100.0)))
     adhesive = replace(loaded, adhesion=cs.Adhesion(0.05, range=1e-7))
     followed = cs.plan(adhesive, times=(0.0, 0.5, 1.0))
-    assert (followed.solves, followed.seconds) == (3, inf)
-    assert followed.reasons[-1].startswith("seconds: unknown")
+    assert followed.solves >= 3
+    assert 0 < followed.seconds < inf
     finer = cs.Grid((32, 24), (32e-6, 24e-6))
     assert cs.plan(flat, grid=finer).grid == cs.solve(flat, finer).grid == finer
     without = replace(flat, shapes=(cs.MeasuredSurface(heights),))
@@ -340,7 +342,6 @@ def test_the_seconds_of_a_plan_grow_with_the_depths_at_which_stress_is_asked_for
     for scene in (
         line_contact.scene,
         replace(line_contact.scene, rolling=cs.Rolling(1.0)),
-        films.by_moes(20, 2),
     ):
         stressed = replace(scene, outputs=(cs.SubsurfaceStress(depths),))
         plain, planned = cs.plan(scene), cs.plan(stressed)
@@ -352,3 +353,29 @@ def test_a_plan_says_that_a_solve_may_end_on_other_cells(line_contact: LineConta
     for error, is_expected in ((1e-2, True), (0.5, False)):
         reasons = cs.plan(rough(line_contact, 0.3), error=error).reasons
         assert any("may end on" in reason for reason in reasons) is is_expected
+
+
+@pytest.mark.cases(4)
+@pytest.mark.parametrize("kind", ["rough", "creeping", "rolling", "film"])
+def test_a_plan_is_the_grid_and_the_work_of_the_solve(kind: str, line_contact: LineContact) -> None:
+    creeping = cs.ViscoelasticHalfSpace(1e6, 0.49, ((1e6, 1.0),)), cs.HalfSpace(inf, 0.3)
+    soft = cs.Scene(cs.LineLoad(300.0), creeping, (cs.Cylinder(0.01),))
+    scene, named = {
+        "rough": (rough(line_contact, 0.3), {}),
+        "creeping": (soft, {"times": (0.0, 1.0)}),
+        "rolling": (replace(soft, rolling=cs.Rolling(0.1)), {}),
+        "film": (films.by_moes(20, 5), {}),
+    }[kind]
+    cs.solve(scene, error=0.02, **named)  # what is compiled and imported is not counted
+    planned = cs.plan(scene, error=0.02, **named)
+    begin = process_time()
+    answer = cs.solve(scene, error=0.02, **named)
+    seconds = process_time() - begin
+    assert planned.grid.cells == answer.grid.cells
+    assert planned.grid.extent[0] == pytest.approx(answer.grid.extent[0])
+    touching = np.abs(
+        answer.grid.x[(answer.pressure.reshape(-1, *answer.grid.cells).any(axis=(0, 2)))]
+    )
+    assert kind == "film" or 2 * touching.max() < planned.grid.extent[0]
+    # no test measures a time: an order of magnitude tells a wrong count from a busy machine
+    assert seconds / 10 < planned.seconds < 10 * seconds

@@ -8,7 +8,7 @@ import contactstudy as cs
 from contactstudy.evolution.integration.evolve import evolve
 from contactstudy.evolution.rolling.steady_rolling import solve_rolling
 from contactstudy.planning.grid_requirements import grid_requirements
-from contactstudy.planning.plan import plan, plan_grid
+from contactstudy.planning.plan import plan_grid
 from contactstudy.planning.transient_requirements import expected_plastic_zone
 from tests.conftest import STEEL
 from tests.contactstudy.evolution.creeping import LOAD, SOLID, rolling_cylinder
@@ -28,8 +28,8 @@ def test_a_plan_is_wide_enough_for_the_end_and_keeps_to_its_error() -> None:
     assert (
         max(frame.grid_error for frame in found.frames) <= 2e-2
     )  # the estimate is a bound, the plan's error is not
-    assert plan.solves / 4 < found.solves < 4 * plan.solves
-    assert any("solves" in reason for reason in plan.reasons)
+    solved = cs.solve(scene, error=1e-2)
+    assert plan.solves / 2 < solved.trajectory.solves < 2 * plan.solves
 
 
 @pytest.mark.parametrize(
@@ -88,7 +88,6 @@ def test_a_crowned_roller_that_wears_is_as_long_as_its_total_load_says() -> None
 def test_rolling_takes_passes() -> None:
     scene = rolling_cylinder(SOLID, rolling=cs.Rolling(0.1))
     plan = cs.plan(scene, error=1e-2)
-    assert plan.seconds > plan_grid(scene, error=1e-2).seconds
     # of half as much room again, which a grid that is given may do without
     for part, is_wide_enough in ((0.75, True), (0.5, False)):
         given = replace(plan.grid, extent=(part * plan.grid.extent[0], plan.grid.length))
@@ -155,14 +154,14 @@ ROUGH = cs.Roughness(2e-7, hurst=0.8, roll_off=6e-5, cut_off=1.2e-5)
 
 def test_a_plan_says_how_thick_a_coat_is_in_cells_and_half_widths() -> None:
     scene = replace(PLAIN, solids=(BODY, STEEL))
-    planned = plan(scene, error=1e-2)
+    planned = cs.plan(scene, error=1e-2)
     (said,) = (reason for reason in planned.reasons if reason.startswith("coating"))
     cells, widths = 2e-6 / planned.grid.cell_size[0], 2e-6 / scene.hertz.half_width
     assert f"{widths:.3g} half-widths and {cells:.3g} cells" in said
     # between E / (1 - nu^2) of the substrate and of the coating
     assert 230 <= float(said.partition("is about ")[2].partition(" GPa")[0]) <= 263
     assert not planned.warnings
-    assert not any(reason.startswith("coating") for reason in plan(PLAIN, error=1e-2).reasons)
+    assert not any(reason.startswith("coating") for reason in cs.plan(PLAIN, error=1e-2).reasons)
 
 
 def test_a_grid_that_does_not_show_a_stiff_coat_is_said_to_err_more() -> None:
@@ -171,7 +170,7 @@ def test_a_grid_that_does_not_show_a_stiff_coat_is_said_to_err_more() -> None:
     scene = replace(PLAIN, solids=(stiff, STEEL))
     width = 3 * scene.hertz.half_width
     coarse, fine = (
-        plan(scene, grid=cs.Grid((cells, 1), (width, width))).warnings for cells in (64, 8192)
+        cs.plan(scene, grid=cs.Grid((cells, 1), (width, width))).warnings for cells in (64, 8192)
     )
     assert any("cells in a coating" in said for said in coarse)
     assert not any("cells in a coating" in said for said in fine)

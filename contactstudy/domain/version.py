@@ -8,8 +8,8 @@ from pathlib import Path
 VERSION = "0.1.0"
 # instant at which its first module was loaded [s since the epoch]
 LOADED = time.time()
-# folders of the core that cannot change a number
-NOT_NUMERICAL = ("io", "planning")
+# folders and modules of the core that cannot change a number
+NOT_NUMERICAL = ("io", "planning", "forecast.py")
 
 
 @cache

@@ -1,7 +1,7 @@
 """Function plan: the grid, memory and seconds of a solve, from its first levels."""
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from math import inf, log, prod
 from time import process_time
@@ -9,16 +9,17 @@ from typing import TYPE_CHECKING, Any
 
 from numpy.typing import ArrayLike
 
-from contactstudy.domain.checks import InvalidInput, checked_relative_error
+from contactstudy.domain.checks import InvalidInput, checked_errors
 from contactstudy.domain.device import ONE_THREAD, Device
+from contactstudy.domain.errors import DEFAULT_ERROR, Request, pressure_request
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.planning.cost import speedup
-from contactstudy.planning.plan import DEFAULT_ERROR, plan_grid
+from contactstudy.planning.plan import plan_grid
 from contactstudy.planning.planned import Plan
 from contactstudy.progress import Progress
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.solids.bodies import yields
-from contactstudy.solving import REFINEMENTS, next_grid, refines, solve
+from contactstudy.solving import REFINEMENTS, grid_for_numbers, next_grid, refines, solve
 
 if TYPE_CHECKING:
     from contactstudy.evolution.time_steps import TimeSteps
@@ -75,7 +76,7 @@ CONSTANTS = ForecastConstants()
 def plan(
     scene: Scene,
     *,
-    error: float | str | None = None,
+    error: Request | str | None = None,
     period: float | None = None,
     grid: Grid | None = None,
     padding: Padding | Paddings | None = None,
@@ -93,8 +94,9 @@ def plan(
         The scene, which may change in time or roll.
     error
         Relative L1 error of the pressure, above 0 and below 1, or a text such as ``"1 %"``; of a film, that of its
-        thickness, friction, temperatures and the fraction of the load that asperities carry. If it is None, a measured
-        surface of a static dry contact without adhesion is solved at its own points, and any other scene to 1 %.
+        thickness, friction, temperatures and the fraction of the load that asperities carry; or errors by the names of
+        numbers. If it is None, a measured surface of a static dry contact without adhesion is solved at its own points,
+        and any other scene to 1 %.
     period
         Length of the grid [m]; chosen if None.
     grid
@@ -115,12 +117,16 @@ def plan(
     planned = plan_grid(
         scene, error=error, period=period, grid=grid, padding=padding, times=times, device=device
     )
-    requested = DEFAULT_ERROR if grid is None else None
+    requested: Request | None = DEFAULT_ERROR if grid is None else None
     if error is not None:
-        requested = checked_relative_error("plan.error", error)
-    request = _Request(planned, requested, times, is_chosen=grid is None)
-    if planned.seconds < inf and not scene.outputs:
-        return replace(planned, seconds=planned.seconds / request.speedup)
+        requested = checked_errors("plan.error", error)
+    if scene.takes_times:
+        from contactstudy.evolution.time_steps import TimeSteps  # imported only for scenes in time
+
+        steps = TimeSteps.of(times)
+        if steps.last is not None or scene.histories:
+            steps.instants_of(*scene.histories)
+    request = _Request(planned, requested, times, is_chosen=grid is None, is_default=error is None)
     try:
         forecast = request.forecast()
     except InvalidInput as refused:
@@ -180,9 +186,17 @@ class _Request:
     """A planned solve, to be carried out on coarser grids: its plan, error and times, and whether its grid is free."""
 
     planned: Plan
-    error: float | None
+    error: Request | None
     times: "ArrayLike | TimeSteps | None"
     is_chosen: bool
+    is_default: bool
+
+    @property
+    def target(self) -> float | None:
+        """Relative error of the pressure, of a film that of its numbers."""
+        if self.scene.lubrication is not None and isinstance(self.error, Mapping):
+            return min(self.error.values())
+        return None if self.error is None else pressure_request(self.error)
 
     @property
     def scene(self) -> Scene:
@@ -209,12 +223,20 @@ class _Request:
         if self.is_steady_film and self.is_chosen and last.answer is not None:
             grid = self.grid_of_film(last)
         seconds = self.seconds_on(grid, levels)
-        if planned.coarse_seconds:
+        if planned.seconds < inf:
+            seconds = planned.seconds + (seconds if self.scene.outputs else 0.0)
+        elif planned.coarse_seconds:
             cost = 1.0 if self.scene.outputs else CONSTANTS.estimate_cost
             seconds = planned.coarse_seconds + seconds / cost
         if self.is_chosen and refines(self.scene):
             for finer in self.refinements(levels):
                 grid = finer
+                seconds += self.seconds_on(grid, levels)
+        static = planned.coarse_seconds > 0
+        if self.is_chosen and last.answer is not None and (static or refines(self.scene)):
+            further = grid_for_numbers(last.answer, is_default=self.is_default)
+            if further is not None and prod(further.cells) > prod(grid.cells):
+                grid = further
                 seconds += self.seconds_on(grid, levels)
         solves = last.solves
         if self.scene.rolling is not None and self.scene.rolling.passes is not None:
@@ -226,7 +248,8 @@ class _Request:
     def levels(self) -> list[Level]:
         """Return solves on ever finer grids, up to the planned one, as long as their seconds allow."""
         refused, levels = InvalidInput("no grid is coarser"), list[Level]()
-        for factor in (8, 4, 2, 1):
+        solved = self.planned.seconds < inf  # a static contact
+        for factor in (1,) if solved else (8, 4, 2, 1):
             grid = _coarser(self.planned.grid, factor)
             is_exact = grid == self.planned.grid
             too_coarse = grid.cells[0] < CONSTANTS.least_cells or (
@@ -265,10 +288,9 @@ class _Request:
         A steady film is solved to a larger error. Of a scene with state variables the steps in time are `looser`, or
         more so where they take too long: those of first order become fewer by the same factor.
         """
-        error = self.error
-        named: dict[str, Any] = {}
-        if self.is_steady_film and error is not None:
-            error = min(error * factor**2, CONSTANTS.most_error)
+        error, named = self.error, dict[str, Any]()
+        if self.is_steady_film and self.target is not None:
+            error = min(self.target * factor**2, CONSTANTS.most_error)
         takes_chosen = self.is_steady_film and self.is_chosen and grid.cells[1] == 1
         modules = 0
         while True:
@@ -303,7 +325,7 @@ class _Request:
         from contactstudy.planning.grid_requirements import CONSTANTS as GRID
 
         steps = TimeSteps.of(self.times)
-        error = steps.error or (self.error and (1 - GRID.cell_fraction) * self.error)
+        error = steps.error or (self.target and (1 - GRID.cell_fraction) * self.target)
         if steps.error_estimator is not ErrorEstimator.STEP_DOUBLING or not error:
             return None
         return (
@@ -345,8 +367,8 @@ class _Request:
         for _ in range(REFINEMENTS):
             assert grid is not None
             error = errors[-1] * (cells[-1] / grid.cells[0]) ** order
-            requested = solved[-1].answer.requested
-            grid = next_grid(grid, bounds[-1] | {"discretisation": error}, requested)
+            assert self.target is not None
+            grid = next_grid(grid, bounds[-1] | {"discretisation": error}, self.target)
             if grid is None:
                 return
             yield grid

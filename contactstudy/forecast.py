@@ -134,8 +134,7 @@ def plan(
         return replace(planned, seconds=inf, reasons=(*planned.reasons, reason))
     reasons = planned.reasons
     if forecast.grid != planned.grid:
-        cells = " x ".join(map(str, planned.grid.cells))
-        reasons += (f"refinement: a solve begins on {cells} cells.",)
+        reasons += (f"refinement: a solve begins on {_cells(planned.grid)}.",)
     return replace(
         planned,
         grid=forecast.grid,
@@ -232,18 +231,18 @@ class _Request:
             for finer in self.refinements(levels):
                 grid = finer
                 seconds += self.seconds_on(grid, levels)
-        static = planned.coarse_seconds > 0
+        static, numbers = planned.coarse_seconds > 0, ""
         if self.is_chosen and last.answer is not None and (static or refines(self.scene)):
             further = grid_for_numbers(last.answer, is_default=self.is_default)
             if further is not None and prod(further.cells) > prod(grid.cells):
-                grid = further
-                seconds += self.seconds_on(grid, levels)
+                seconds += self.seconds_on(further, levels)
+                numbers = f" Numbers other than the pressure take {_cells(further)}."
         solves = last.solves
         if self.scene.rolling is not None and self.scene.rolling.passes is not None:
             solves = round(solves * grid.cells[0] / last.grid.cells[0])  # one step for a cell
         part = "" if last.answer is not None else "a part of "
-        cells = " x ".join(map(str, last.grid.cells))
-        return Forecast(grid, seconds, solves, f"from {part}a solve on {cells} cells.")
+        reason = f"from {part}a solve on {_cells(last.grid)}.{numbers}"
+        return Forecast(grid, seconds, solves, reason)
 
     def levels(self) -> list[Level]:
         """Return solves on ever finer grids, up to the planned one, as long as their seconds allow."""
@@ -426,6 +425,11 @@ class _Watch:
             return int(answer.rolling.lagged.outer_iterations)
         counted = getattr(answer, "films", None) or getattr(answer, "passes", None)
         return len(self.reports) if counted else 0
+
+
+def _cells(grid: Grid) -> str:
+    """Return the cells of a grid in words."""
+    return f"{' x '.join(map(str, grid.cells))} cells"
 
 
 def _coarser(grid: Grid, factor: int) -> Grid:

@@ -355,8 +355,8 @@ def test_a_plan_says_that_a_solve_may_end_on_other_cells(line_contact: LineConta
         assert any("may end on" in reason for reason in reasons) is is_expected
 
 
-@pytest.mark.cases(4)
-@pytest.mark.parametrize("kind", ["rough", "creeping", "rolling", "film"])
+@pytest.mark.cases(3)
+@pytest.mark.parametrize("kind", ["rough", "creeping", "rolling"])
 def test_a_plan_is_the_grid_and_the_work_of_the_solve(kind: str, line_contact: LineContact) -> None:
     creeping = cs.ViscoelasticHalfSpace(1e6, 0.49, ((1e6, 1.0),)), cs.HalfSpace(inf, 0.3)
     soft = cs.Scene(cs.LineLoad(300.0), creeping, (cs.Cylinder(0.01),))
@@ -364,18 +364,18 @@ def test_a_plan_is_the_grid_and_the_work_of_the_solve(kind: str, line_contact: L
         "rough": (rough(line_contact, 0.3), {}),
         "creeping": (soft, {"times": (0.0, 1.0)}),
         "rolling": (replace(soft, rolling=cs.Rolling(0.1)), {}),
-        "film": (films.by_moes(20, 5), {}),
     }[kind]
-    cs.solve(scene, error=0.02, **named)  # what is compiled and imported is not counted
-    planned = cs.plan(scene, error=0.02, **named)
+    named |= {"error": {"pressure": 0.05}}
+    cs.solve(scene, **named)  # what is compiled and imported is not counted
+    planned = cs.plan(scene, **named)
     begin = process_time()
-    answer = cs.solve(scene, error=0.02, **named)
+    answer = cs.solve(scene, **named)
     seconds = process_time() - begin
     assert planned.grid.cells == answer.grid.cells
     assert planned.grid.extent[0] == pytest.approx(answer.grid.extent[0])
     touching = np.abs(
         answer.grid.x[(answer.pressure.reshape(-1, *answer.grid.cells).any(axis=(0, 2)))]
     )
-    assert kind == "film" or 2 * touching.max() < planned.grid.extent[0]
+    assert 2 * touching.max() < planned.grid.extent[0]
     # no test measures a time: an order of magnitude tells a wrong count from a busy machine
     assert seconds / 10 < planned.seconds < 10 * seconds

@@ -535,9 +535,7 @@ class Scene:
     def under(self, load: float) -> "Scene":
         """Return the scene under a constant load [N/m], on the same length."""
         if isinstance(self.load, TotalLoad) and (length := self.roller_length):
-            # of a point contact the length would follow the load
-            given = self.load.length if self.ellipse is None else length
-            return replace(self, load=TotalLoad(load * length, given))
+            return replace(self, load=replace(self.load, total=load * length))
         return replace(self, load=LineLoad(load))
 
     def _control(self, grid: Grid, padding: Padding | Paddings) -> Control:

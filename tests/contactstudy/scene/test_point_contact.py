@@ -74,6 +74,13 @@ def test_a_ball_in_a_groove_is_that_of_the_sums_of_curvatures() -> None:
     assert apart.ellipse.semi_axes == pytest.approx(together.ellipse.semi_axes)
 
 
+def test_a_point_contact_under_its_own_load_is_itself() -> None:
+    scene = cs.Scene(cs.TotalLoad(100.0), BODIES, (cs.Sphere(0.01),))
+    same = scene.under(scene.largest_load)
+    assert same.load.total == pytest.approx(100.0)
+    assert same.ellipse.semi_axes == pytest.approx(scene.ellipse.semi_axes)
+
+
 def test_a_ball_first_yields_at_the_pressure_of_johnson() -> None:
     assert cs.analytic.first_yield_of_ball(1.0, 0.3) == pytest.approx(1.6, rel=0.01)
     steel = cs.material("steel")

@@ -62,6 +62,18 @@ MAIN = Chapter(
     "Line contacts, periodic along their length: padding, accuracy and cost",
     (
         Part(SETTINGS),
+        Part(
+            "pareto",
+            {
+                "padding": "exact",
+                "images": "6",
+                "period": "2.4",
+                "grid": "96",
+                "solver_tolerance": "1e-4",
+            },
+            (),
+            title="How many cells along?",
+        ),
         Part("images", figures=("reach",), repeats=0, title="Which n, for which period?"),
         Part("grid", figures=("over_grid",), repeats=0, title="Which grid?"),
         Part("paper", figures=("pressure",), title="What the paper claims"),

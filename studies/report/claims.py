@@ -37,7 +37,7 @@ class Claim:
 
 
 def stated(claim: Claim, dataset: xr.Dataset) -> Finding | None:
-    """Return a claim with its numbers; None where the study lacks values that it needs, or a number is not finite."""
+    """Return a claim with its numbers; None where the study lacks what it needs, or a number is not finite."""
     if not (dataset["case_status"] == CaseStatus.OK).all():
         return None
     for name, values in claim.needs.items():
@@ -46,7 +46,10 @@ def stated(claim: Claim, dataset: xr.Dataset) -> Finding | None:
             return None
     texts = {}
     for name, number in claim.numbers.items():
-        value = number(dataset)
+        try:
+            value = number(dataset)
+        except KeyError:  # such as a time, where none was taken
+            return None
         if not isinstance(value, str | int):
             if not np.isfinite(value):  # type: ignore[call-overload]
                 return None

@@ -229,11 +229,11 @@ def write_outdated(out: Path, written: Iterable[Chapter], log: Log) -> Sequence[
 
 
 def axes_text(study: Study, dataset: xr.Dataset) -> str:
-    """Return the axes of a study that have several values, with these in usual units, or of more than ten the ends."""
+    """Return the axes with several values, paddings left out, with these in usual units, or of more than ten the ends."""
     texts = []
     for axis in study.axes:
         coordinate = dataset[axis.name]
-        if coordinate.size < 2:
+        if coordinate.size < 2 or axis.name == "padding":  # the figures name all paddings
             continue
         size, unit = 1.0, ""
         if coordinate.dtype.kind in "iuf":

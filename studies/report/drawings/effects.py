@@ -11,6 +11,7 @@ import xarray as xr
 
 import contactstudy as cs
 from contactstudy.domain.fields import Array
+from studies.model.plain_text import two_digits
 from studies.report.claims import Claim, drawing
 from studies.report.drawings.default import LAWS
 from studies.report.plots import Law, Plot
@@ -58,8 +59,8 @@ coating = drawing(
             "The thinnest coating, of {thin}, leaves the peak pressure within {near_substrate} of that on the "
             "substrate; under the thickest, of {thick}, it is within {near_coating} of that on the coating.",
             {
-                "thin": lambda d: f"{1e6 * float(d['solids_0_thickness'][0]):.2g} µm",
-                "thick": lambda d: f"{1e6 * float(d['solids_0_thickness'][-1]):.2g} µm",
+                "thin": lambda d: f"{two_digits(1e6 * float(d['solids_0_thickness'][0]))} µm",
+                "thick": lambda d: f"{two_digits(1e6 * float(d['solids_0_thickness'][-1]))} µm",
                 "near_substrate": lambda d: abs(
                     d["peak_pressure"].isel(solids_0_thickness=0) / hertz(STEEL).peak_pressure - 1
                 ).max(),
@@ -231,7 +232,7 @@ plastic = drawing(
                     / hertz(STEEL, float(d["load_per_length_1"][-1])).peak_pressure
                 ),
                 "dent": lambda d: (
-                    f"{1e6 * _number('dent_depth', solids_0_hardening_modulus=0, load_per_length_1=-1)(d):.2g} µm"
+                    f"{two_digits(1e6 * _number('dent_depth', solids_0_hardening_modulus=0, load_per_length_1=-1)(d))} µm"
                 ),
             },
         )
@@ -259,8 +260,8 @@ films = drawing(
                 "off": lambda d: abs(d["central_film"] / d["moes_film"] - 1).max(),
                 "slow": lambda d: f"{float(d['lubrication_mean_speed'][0]):g} m/s",
                 "fast": lambda d: f"{float(d['lubrication_mean_speed'][-1]):g} m/s",
-                "thin": lambda d: f"{1e9 * float(d['central_film'][-1, 0]):.2g} nm",
-                "thick": lambda d: f"{1e9 * float(d['central_film'][-1, -1]):.2g} nm",
+                "thin": lambda d: f"{two_digits(1e9 * float(d['central_film'][-1, 0]))} nm",
+                "thick": lambda d: f"{two_digits(1e9 * float(d['central_film'][-1, -1]))} nm",
             },
         )
     ],

@@ -111,7 +111,7 @@ def _exact(dataset: xr.Dataset) -> xr.DataArray:
 
 WHICH_N = Claim(
     "Which n, for which period?",
-    "None with exact periodicity: its error is that of the cells, at most {exact}, at every period.",
+    "Exact periodicity needs no n: its error is that of the cells, at most {exact}, at every period.",
     "A window of n periods leaves out an error of a²/(2π(n + ½)²L²), so that a short period needs many (the table): "
     "with n = {n} the largest error of a circular window is {worst}. One copy (duplicated) is as n = ½.",
     {
@@ -128,7 +128,7 @@ WHICH_GRID = Claim(
     "largest error of a cell, at the edge of the contact, falls slowly: {largest} of p_{{H}} at {fine} cells.",
     {
         "enough": lambda d: from_then_on(_exact(d).values <= 1e-2, _exact(d)["grid"].values),
-        "power": lambda d: power("N", _rate(d)),
+        "power": lambda d: power("N", _rate(d)) if d.sizes["grid"] > 1 else np.nan,
         "first": lambda d: _exact(d)[0],
         "last": lambda d: _exact(d)[-1],
         "coarse": lambda d: int(d["grid"].min()),

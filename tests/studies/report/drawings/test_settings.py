@@ -58,7 +58,7 @@ def test_what_is_said_of_n_and_of_the_period_is_of_the_finest_grid() -> None:
     assert not findings("images", axes_text(against="a solution on 96 x 96 cells"))
     unknown = axes_text()
     unknown["pressure_error_l1"][4] = np.nan
-    assert not any("None with exact" in text for text in findings("images", unknown))
+    assert not any("Exact periodicity needs" in text for text in findings("images", unknown))
 
 
 def test_errors_stand_over_the_distance_that_a_padding_sees_whatever_its_n() -> None:
@@ -83,3 +83,13 @@ def test_a_front_joins_the_settings_that_no_other_beats() -> None:
     # of 0.8, 1.2 and 0.2 % in rising time the second is beaten
     np.testing.assert_allclose(errors, [0.8, 0.2])
     assert (np.diff(times) > 0).all()
+
+
+def test_one_cell_along_says_what_it_saves() -> None:
+    dataset = axes_text(timed=True).expand_dims(along=["square", "one"]).copy(deep=True)
+    for name in ("setup_time", "solve_time"):
+        dataset[f"{name}_cpu"] = xr.ones_like(dataset[name])
+        dataset[f"{name}_cpu"].loc[{"along": "one"}] = 0.25
+    (finding,) = findings("pareto", dataset)
+    assert "takes 25 % of the time of square cells" in finding
+    assert not findings("pareto", dataset.drop_vars("setup_time_cpu"))

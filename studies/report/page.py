@@ -229,7 +229,7 @@ def write_outdated(out: Path, written: Iterable[Chapter], log: Log) -> Sequence[
 
 
 def axes_text(study: Study, dataset: xr.Dataset) -> str:
-    """Return the axes with several values, paddings left out, with these in usual units, or of more than ten the ends."""
+    """Return the axes with several values, in usual units, or the ends of more than ten; paddings are left out."""
     texts = []
     for axis in study.axes:
         coordinate = dataset[axis.name]

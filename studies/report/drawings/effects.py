@@ -25,11 +25,6 @@ def hertz(modulus: float, load: float = LOAD) -> cs.analytic.HertzLine:
     return cs.analytic.HertzLine(load, RADIUS, modulus)
 
 
-def _number(name: str, **places: int) -> Callable[[xr.Dataset], float]:
-    """Return a function for the number of a measure at places on the axes."""
-    return lambda d: float(d[name].isel(places))
-
-
 # Coating
 
 
@@ -231,9 +226,7 @@ plastic = drawing(
                     d["peak_pressure"][0, -1]
                     / hertz(STEEL, float(d["load_per_length_1"][-1])).peak_pressure
                 ),
-                "dent": lambda d: (
-                    f"{two_digits(1e6 * _number('dent_depth', solids_0_hardening_modulus=0, load_per_length_1=-1)(d))} µm"
-                ),
+                "dent": lambda d: f"{two_digits(1e6 * float(d['dent_depth'][0, -1]))} µm",
             },
         )
     ],

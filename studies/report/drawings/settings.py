@@ -26,6 +26,8 @@ ERROR = "pressure_error_l1"
 LABELS = {ERROR: "L1 error of the pressure"}
 HERTZ: dict[str, tuple[object, ...]] = {"against": ("Hertz's contact",)}
 FINEST = {"grid": -1, "solver_tolerance": 0, "along": 0}
+# Errors below this are of rounding, and written as zero.
+ROUNDING = 1e-9
 # Errors by the padding for which the least n is listed.
 TARGETS = (1e-2, 1e-3, 1e-4)
 
@@ -251,7 +253,7 @@ def errors_of_paddings(dataset: xr.Dataset) -> Table:
         return [seconds_text(float(total_time(line)))] * timed
 
     rows = [
-        (setting_label(line), *(percent(line[name]) for name in names), *time(line))
+        (setting_label(line), *(percent(line[name] if abs(line[name]) > ROUNDING else 0) for name in names), *time(line))
         for name in paddings(dataset)
         for images in dataset["images"].values[0 if name in HAS_IMAGES else -1 :]
         for line in [part.sel(padding=name, images=images)]

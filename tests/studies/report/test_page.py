@@ -118,8 +118,8 @@ def test_the_claims_of_the_paper_stand_beside_its_figures_with_measured_numbers(
     for claim in claims:
         assert claim in paper
         assert not any(claim in other for other in sections.values())
-    # at 128 cells, from the paper's own setting
-    for shown in ("1.9\xa0%", "17\xa0%", "0.050\xa0%", "31\xa0%", "527\xa0%"):
+    # beside the axis, near a^2 / (8 D^2) at D = L = 3 a and (6 + 1/2) L; the variation along the length with n = 1
+    for shown in ("1.3\xa0%", "0.038\xa0%", "28\xa0%"):
         assert shown in paper
 
 

@@ -1,8 +1,7 @@
 """Style of the report: colours and markers, text of numbers and settings, marks for indices and powers."""
 
 import re
-from collections.abc import Callable, Iterator
-from itertools import cycle
+from collections.abc import Callable
 from typing import Any, SupportsFloat
 
 import matplotlib as mpl
@@ -63,18 +62,6 @@ def padding_text(value: object) -> str:
 def setting_label(dataset: xr.Dataset | xr.DataArray) -> str:
     """Return the name of the padding of a dataset that has one padding and one n, with its n where it has one."""
     return padding_label(str(dataset["padding"].values), int(dataset["images"]))
-
-
-def by_color(
-    dataset: xr.Dataset, axis: str, label: str = ""
-) -> Iterator[tuple[xr.Dataset, dict[str, Any]]]:
-    """Yield the part of a dataset at each value of an axis, with colour, marker and label for matplotlib.
-
-    The label is the format `label` with the value, such as "{} cells".
-    """
-    for value, color in zip(dataset[axis].values.tolist(), cycle(COLORS), strict=False):
-        style = {"color": color, "marker": "o", "label": label.format(value)}
-        yield dataset.sel({axis: value}), style
 
 
 def tick_cells(ax: Axes, cells: Any, offset: float = 0.0) -> None:

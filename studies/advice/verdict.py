@@ -309,7 +309,11 @@ class _Trials:
             or scene.adhesion is not None
         ):
             return None
-        is_exact = grid_requirements(scene).is_smooth and scene.hardness > hertz.peak_pressure
+        is_plain = scene.friction is None and all(
+            type(body) is cs.HalfSpace for body in scene.solids
+        )
+        is_smooth = is_plain and grid_requirements(scene).is_smooth
+        is_exact = is_smooth and scene.hardness > hertz.peak_pressure
         return hertz if is_exact and not isinstance(scene.load, cs.Approach) else None
 
 
@@ -332,7 +336,7 @@ def verdict_on(
     """Return what was measured of a scene's settings for a relative error, and the choice among them.
 
     Grids are tried from the coarsest until the bound of one meets the error; then tolerances and paddings on that grid.
-    Where nothing varies along the length, all paddings are tried on all grids. A scene whose bodies end along it, or
+    For Hertz's line contact all paddings are tried on all grids. A scene whose bodies end along it, or
     that repeats across, is solved with its own boundary conditions alone.
 
     Raises
@@ -344,17 +348,14 @@ def verdict_on(
     own = _own_label(trials.own)
     paddings = {own: trials.own} | ({} if isinstance(trials.own, tuple) else all_paddings())
     found: list[Measured] = []
-    is_line = (
-        trials.unit[1] == 1 and trials.scene.lubrication is None and not trials.scene.takes_times
-    )
+    # which takes milliseconds a solve
+    is_line = trials.unit[1] == 1 and trials.hertz_of(trials.scene) is not None
     log(
         f"{described.name}: grids from {_cells(trials.cells(1))} cells, up to {len(paddings)} paddings"
     )
     default = trials.options.tolerance
     against, reference = "Hertz's contact", None
     if is_line:
-        if trials.hertz_of(trials.scene) is None:
-            against, reference = _reference(trials, own, 2 * MULTIPLES_OF_LINES[-1])
         enough = inf
         for multiple in MULTIPLES_OF_LINES:
             if multiple > FINER * enough:  # which costs more, for an error that nobody asked for

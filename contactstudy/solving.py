@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from contactstudy.answers.contact import Contact, contact_answer
 from contactstudy.answers.judgement import finer_grid
+from contactstudy.answers.nested import halved_grid, widened
 from contactstudy.domain.checks import InvalidInput, checked_errors
 from contactstudy.domain.device import ONE_THREAD, Cpu, Device, using
 from contactstudy.domain.errors import DEFAULT_ERROR, Request, pressure_request
@@ -33,13 +34,20 @@ from contactstudy.solvers.solve import ReportingSolver, SolveOptions, solve_cont
 if TYPE_CHECKING:
     from contactstudy.answers.evolution import Evolution
     from contactstudy.answers.lubricated_contact import LubricatedContact
+    from contactstudy.evolution.equilibrium.yielding_film import YieldingFilms
     from contactstudy.evolution.time_steps import TimeSteps
 
 # Most iterations of a film by default, and the fraction of the requested error for its steps in time.
 FILM_ITERATIONS, STEP_FRACTION = 300, 0.5
+# Largest error of the steps on coarser cells to compare with.
+LARGEST_STEP_ERROR = 0.3
 # Cells times convolutions that a further grid may take for the numbers of an answer, its estimate left out: about a
 # second by default, and half a minute where an error is requested; and cells that take as long as the call for them.
-DEFAULT_WORK, REQUESTED_WORK, CELLS_OF_A_CALL = 1.5e7, 5e8, 1500
+DEFAULT_WORK, REQUESTED_WORK, CELLS_OF_A_CALL = 1.5e7, 3e8, 1500
+# Most grids for the numbers, and the largest factor on the cells along an axis from one to the next.
+REFINEMENTS_OF_NUMBERS, MAX_GROWTH = 5, 4.0
+# Most cells of a grid for the numbers of a contact that slips, whose iterations the convolutions do not count.
+MAX_CELLS_OF_SLIP = 10_000
 # Refinements of a scene that is not static, whose error is at least of first order: their number, the margin on the
 # cells that this gives, the largest factor on the cells along an axis, and the most cells of a grid.
 REFINEMENTS, MARGIN, MAX_REFINEMENT, MAX_CELLS = 3, 1.05, 3.0, 2_000_000
@@ -355,6 +363,9 @@ class _Request:
         grid, padding = self.planned()
 
         def solve_on(grid: Grid) -> Contact:
+            def coarser(level: int) -> Contact:
+                return replace(solve_on(halved_grid(grid, level)), is_coarse=True)
+
             rolling = solve_rolling(
                 self.scene,
                 grid,
@@ -362,7 +373,7 @@ class _Request:
                 options=self.options,
                 progress=self.progress and of_changes(self.progress),
             )
-            return contact_answer(rolling.solution, rolling=rolling)
+            return contact_answer(rolling.solution, rolling=rolling, coarser=coarser)
 
         answer = replace(solve_on(grid), requested=self.requested)
         # a short attraction has its range from the grid, which is therefore not refined
@@ -396,8 +407,10 @@ class _Request:
         fraction = (1 - GRID.cell_fraction) * target if target and by_error else None
         first, padding = self.planned()
 
-        def solve_on(grid: Grid) -> "Evolution":
-            folder = self.folder
+        error = fraction if steps.error is None else steps.error
+
+        def solve_on(grid: Grid, level: int = 0) -> "Evolution":
+            folder = self.folder if level == 0 else None
             if folder is not None and grid != first:  # frames of a finer grid beside those before
                 folder = Path(folder) / "{} x {} cells".format(*grid.cells)
             trajectory = evolve(
@@ -405,24 +418,53 @@ class _Request:
                 grid,
                 padding,
                 times=steps.instants_of(*self.scene.histories),
-                error=fraction if steps.error is None else steps.error,
+                error=min(4**level * error, LARGEST_STEP_ERROR) if level and error else error,
                 error_estimator=steps.error_estimator,
                 scheme=steps.scheme,
                 options=self.options,
                 folder=folder,
-                progress=self._report_time,
+                progress=self._report_time if level == 0 else None,
             )
-            return evolution_answer(trajectory, requested)
+
+            def coarser(level: int) -> "Evolution":
+                return solve_on(halved_grid(grid, level), level)
+
+            return evolution_answer(trajectory, requested, None if level else coarser)
 
         answer = solve_on(first)
         refines = requested is not None and self.grid is None
         return self._refined(answer, solve_on) if refines else answer
 
-    def _followed(self, follow: Callable[..., Any], **named: Any) -> Any:
-        """Return what `follow` finds on the grid at the instants to record, with further arguments `named`."""
-        named = {"options": self.options, "progress": self._report_time} | named
+    def _followed(
+        self,
+        follow: Callable[..., Any],
+        answer_of: Callable[..., "Evolution"],
+        error: float | None = None,
+        **named: Any,
+    ) -> "Evolution":
+        """Return as an answer what `follow` finds at the instants to record, with an `error` of its steps and arguments.
+
+        Its bounds take the same on coarser cells, with longer steps.
+        """
+        from contactstudy.planning.grid_requirements import with_random_extents
+
+        first, padding = self.planned()
         times = self.steps.instants_of(*self.scene.histories)
-        return follow(self.scene, *self.planned(), times=times, **named)
+
+        def on(grid: Grid, level: int = 0) -> "Evolution":
+            scene = with_random_extents(self.scene, first.extent) if level else self.scene
+            longer = min(4**level * error, LARGEST_STEP_ERROR) if level and error else error
+            by_error = {} if longer is None else {"error": longer}
+            progress = None if level else self._report_time
+            arguments = {"times": times, "progress": progress} | by_error | named
+            return answer_of(
+                follow(scene, grid, padding, **arguments), None if level else self.requested
+            )
+
+        def coarser(level: int, widening: int = 1) -> "Evolution":
+            return on(widened(halved_grid(first, level), widening), level)
+
+        return replace(on(first), coarser=coarser)
 
     @property
     def _film_options(self) -> SolveOptions:
@@ -435,25 +477,23 @@ class _Request:
         from contactstudy.answers.evolution import evolution_answer
         from contactstudy.evolution.equilibrium.quasi_static import follow_load
 
-        return evolution_answer(self._followed(follow_load), self.requested)
+        return self._followed(follow_load, evolution_answer, options=self.options)
 
     def steady_wear(self) -> "Evolution":
         """Follow the wear of a contact in steady or tractive rolling."""
         from contactstudy.answers.evolution import evolution_answer
         from contactstudy.evolution.equilibrium.steady_wear import follow_wear
 
-        worn = self._followed(follow_wear, error=self._error_of_a_step)
-        return evolution_answer(worn, self.requested)
+        step = self._error_of_a_step
+        return self._followed(follow_wear, evolution_answer, step, options=self.options)
 
     def film_wear(self) -> "Evolution":
         """Follow the wear of asperities on a boundary film."""
         from contactstudy.answers.evolution import films_answer
         from contactstudy.evolution.equilibrium.steady_wear import follow_film_wear
 
-        worn = self._followed(
-            follow_film_wear, error=self._error_of_a_step, options=self._film_options
-        )
-        return films_answer(worn, self.requested)
+        step = self._error_of_a_step
+        return self._followed(follow_film_wear, films_answer, step, options=self._film_options)
 
     @property
     def _error_of_a_step(self) -> float | None:
@@ -487,22 +527,18 @@ class _Request:
         from contactstudy.answers.evolution import films_answer
         from contactstudy.lubrication.evolve_lubricated import evolve_lubricated
 
-        requested, steps = self.requested, self.steps
         if any(map(yields, self.scene.solids)):
             from contactstudy.evolution.equilibrium.yielding_film import follow_yielding_film
 
-            films = self._followed(follow_yielding_film, options=self._film_options)
-            return replace(films_answer(films, requested), yielding_films=films)
-        films = evolve_lubricated(
-            self.scene,
-            *self.planned(),
-            times=steps.instants_of(*self.scene.histories),
-            error=None if steps.step else self._error_of_a_step,
-            step=steps.step,
-            tolerance=self.options.tolerance,
-            progress=self._report_time,
-        )
-        return films_answer(films, requested)
+            def yielding(films: "YieldingFilms", requested: Request | None) -> "Evolution":
+                return replace(films_answer(films, requested), yielding_films=films)
+
+            return self._followed(follow_yielding_film, yielding, options=self._film_options)
+        step, error = self.steps.step, self._error_of_a_step
+        tolerance = self.options.tolerance
+        if step is None:
+            return self._followed(evolve_lubricated, films_answer, error, tolerance=tolerance)
+        return self._followed(evolve_lubricated, films_answer, step=step, tolerance=tolerance)
 
     def _refined(self, answer: Any, solve_on: Callable[[Grid], Any]) -> Any:
         """Solve again on finer grids until the bounds of the answer meet the requested error, where that is possible."""
@@ -517,7 +553,7 @@ class _Request:
 
     def _with_numbers(self, answer: Any, solve_on: Callable[[Grid], Any]) -> Any:
         """Solve again on finer grids for the numbers whose bounds are above the request, within the work for them."""
-        for _ in range(REFINEMENTS):
+        for _ in range(REFINEMENTS_OF_NUMBERS):
             grid = grid_for_numbers(answer, is_default=self.error is None)
             if grid is None:
                 break
@@ -530,12 +566,19 @@ def grid_for_numbers(answer: Any, *, is_default: bool) -> Grid | None:
     parts = answer.error.l1.by_cause
     if not parts or max(parts, key=parts.__getitem__) != "discretisation":
         return None
+    scene = answer.posed.scene if hasattr(answer, "posed") else answer.scene
+    if any(map(yields, scene.solids)):  # plastic strain takes the third power of the cells
+        return None
     most = DEFAULT_WORK if is_default else REQUESTED_WORK
-    cells = min(MAX_CELLS, most / answer.counts["convolutions"][0] - CELLS_OF_A_CALL)
+    largest = MAX_CELLS if scene.friction is None else MAX_CELLS_OF_SLIP
     missed = (number for number in answer.judged.values() if 1 < number.ratio < inf)
     factors = sorted((MARGIN * number.finer for number in missed), reverse=True)
-    grids = (finer_grid(answer.grid, factor) for factor in factors if factor < inf)
-    return next((grid for grid in grids if prod(grid.cells) <= cells), None)
+    # iterations grow about as the root of the cells along an axis
+    left = most / answer.counts["convolutions"][0]
+    factor = next((f for f in factors if _cells(answer.grid, f) * f**0.5 <= left), None)
+    if factor is None or _cells(answer.grid, factor) > largest:
+        return None
+    return finer_grid(answer.grid, min(factor, MAX_GROWTH))
 
 
 def refines(scene: Scene) -> bool:
@@ -564,3 +607,8 @@ def next_grid(grid: Grid, parts: Mapping[str, float], requested: float) -> Grid 
         return None
     finer = finer_grid(grid, min(MARGIN * cells / (requested - total + cells), MAX_REFINEMENT))
     return finer if prod(finer.cells) <= MAX_CELLS else None
+
+
+def _cells(grid: Grid, factor: float) -> float:
+    """Return the cells of a grid finer by a factor, and those that take as long as a call for them."""
+    return inf if factor == inf else prod(finer_grid(grid, factor).cells) + CELLS_OF_A_CALL

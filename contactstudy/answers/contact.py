@@ -12,12 +12,13 @@ from contactstudy.accuracy.discretisation.coarser import coarse_solution, compar
 from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.accuracy.half_space import beyond_half_space
 from contactstudy.answers.answer import Answer, Counts
+from contactstudy.answers.nested import Coarser, levels_below, with_nested_bounds
 from contactstudy.domain.checks import NotDefined
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts, Request
-from contactstudy.domain.grid import Grid, Padding, Paddings
+from contactstudy.domain.grid import Grid, Padding, Paddings, edge_fraction
 from contactstudy.domain.imports import needed_for
 from contactstudy.io.quantities.contact_quantities import contact_quantities
-from contactstudy.io.quantities.quantity import Quantities, roller_length
+from contactstudy.io.quantities.quantity import NO_ESTIMATE, Quantities, roller_length
 from contactstudy.problem.problem import DependsOnShear, Field
 from contactstudy.scene.scene import PosedScene, Scene, scene_of
 from contactstudy.scene.solids.bodies import is_layered
@@ -53,6 +54,10 @@ class Contact(Answer, Solution):
         Time [s] of a frame of an evolution; None for others.
     state
         Fields that a frame keeps from one instant to the next, such as the wear depth, by name.
+    coarser
+        Function that solves the scene on coarser cells, where its problem alone does not tell how.
+    is_coarse
+        Whether it is itself one to compare with, which has no further bounds.
     """
 
     requested: Request | None = None
@@ -60,6 +65,8 @@ class Contact(Answer, Solution):
     rolling: "SteadyRolling | None" = None
     time: float | None = None
     state: Mapping[str, Field] = field(default_factory=dict)
+    coarser: Coarser | None = None
+    is_coarse: bool = False
 
     @property
     def scene(self) -> Scene | None:
@@ -206,7 +213,30 @@ class Contact(Answer, Solution):
                 of_body = self._with_output_alone(number).quantities
                 names = [name for name in OF_STRESS if name in of_body]
                 found |= {f"{name}{suffix}": of_body[name] for name in names}
+        if self.time is None and any(each.reason == NO_ESTIMATE for each in found.values()):
+            below = [level.quantities for level in self._below()]
+            at_edge = edge_fraction(self.pressure > 0)
+            return with_nested_bounds(
+                found, below, self.error.l1, at_edge, frozenset({NO_ESTIMATE})
+            )
         return found
+
+    def _below(self) -> "list[Answer]":
+        """Return the contact on half and on a quarter of the cells, as far as these have a solution."""
+        if self.is_coarse or self.status.is_failure:
+            return []
+        return levels_below(self.coarser or self._on_coarser_cells)
+
+    def _on_coarser_cells(self, level: int) -> "Contact":
+        """Return the contact on 1 / 2^level of the cells along each axis."""
+        solution: Solution = self
+        for _ in range(level):
+            attraction = None if solution.adhesion is None else solution.adhesion.attraction
+            coarse = comparable(coarse_solution(solution.problem, solution.pressure, attraction))
+            if coarse is None:
+                raise NotDefined("There is no solution on coarser cells.")
+            solution = coarse
+        return contact_answer(solution, is_coarse=True)
 
     @property
     def judged_error(self) -> tuple[str, ErrorParts]:

@@ -12,9 +12,18 @@ import numpy as np
 from contactstudy.accuracy.range_errors import NO_LIMIT
 from contactstudy.answers.answer import Answer, Counts
 from contactstudy.answers.contact import Contact, contact_answer
+from contactstudy.answers.nested import CONSTANTS as NESTED
+from contactstudy.answers.nested import (
+    NO_COARSER,
+    Coarser,
+    l1_bound,
+    levels_below,
+    solved_or_none,
+    with_nested_bounds,
+)
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts, Request
 from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid, Padding, Paddings
+from contactstudy.domain.grid import Grid, Padding, Paddings, edge_fraction
 from contactstudy.domain.imports import needed_for
 from contactstudy.domain.units import readable
 from contactstudy.io.quantities.evolution_quantities import (
@@ -22,7 +31,7 @@ from contactstudy.io.quantities.evolution_quantities import (
     evolution_quantities,
     passes_quantities,
 )
-from contactstudy.io.quantities.quantity import Quantities
+from contactstudy.io.quantities.quantity import NO_ESTIMATE, Quantities, Quantity
 from contactstudy.problem.problem import Field
 from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.scene.shapes_source import standing_heights
@@ -51,6 +60,8 @@ NO_STEP_ERROR = "No bound: the error of one step is not estimated; the errors of
 NO_BOUND_OF_FILMS = (
     "No bound for the discretisation error: that of a film that changes in time is not estimated."
 )
+# Reasons of numbers whose bound follows from coarser cells.
+BY_GRIDS = frozenset({NO_ESTIMATE, NO_BOUND_OF_STATES, NO_BOUND_OF_FILMS})
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -75,6 +86,8 @@ class Evolution(Answer):
         Recorded passes of a repeatedly rolling contact; None for others.
     yielding_films
         Films over a body that yields, with its plastic strain; None for others.
+    coarser
+        Function that solves the scene on coarser cells with longer steps; None where bounds do not take it.
     """
 
     frames: "tuple[Contact | LubricatedContact, ...]"
@@ -85,6 +98,7 @@ class Evolution(Answer):
     films: "FilmTrajectory | None" = None
     passes: "RepeatedRolling | None" = None
     yielding_films: "YieldingFilms | None" = None
+    coarser: Coarser | None = None
 
     @property
     def status(self) -> Status:
@@ -133,11 +147,55 @@ class Evolution(Answer):
         ):
             parts = replace(largest.l1, residual=inf, reason=str(self.status))
             return ErrorEstimate(parts, warnings=(parts.reason, *warnings))
+        if largest.l1.reason == NO_BOUND_OF_FILMS and self.coarser is not None:
+            l1 = self._l1_of_films(largest.l1)
+            others = (text for text in warnings if text != NO_BOUND_OF_FILMS)
+            return ErrorEstimate(l1, warnings=(*filter(None, (l1.reason,)), *others))
         return replace(largest, warnings=warnings)
 
     @cached_property
     def quantities(self) -> Quantities:
         """Extremes over time, final values, and permanent changes such as wear and residual stress, by name."""
+        found = self._quantities
+        if self.coarser is None or not any(each.reason in BY_GRIDS for each in found.values()):
+            return found
+        below = [level.quantities for level in self._below]
+        at_edge = edge_fraction(self.frames[-1].pressure > 0)
+        wider = self._wider.quantities if self._wider else None
+        return with_nested_bounds(found, below, self.error.l1, at_edge, BY_GRIDS, wider)
+
+    @cached_property
+    def _below(self) -> "list[Evolution]":
+        """The evolution on half and on a quarter of the cells, with longer steps, as far as there is one."""
+        return levels_below(self.coarser) if self.coarser else []  # type: ignore[return-value]
+
+    @cached_property
+    def _wider(self) -> "Evolution | None":
+        """Films on half the cells over twice the width, which tell the error of the inlet; None for others."""
+        if self.films is None or self.coarser is None:
+            return None
+        return solved_or_none(self.coarser, 1, 2)  # type: ignore[return-value]
+
+    def _l1_of_films(self, known: ErrorParts) -> ErrorParts:
+        """Return the L1 error of the pressure of films at the worst instant, with a `known` error of steps."""
+        from contactstudy.lubrication.posed_film import interpolated
+
+        if not self._below or self._wider is None:
+            return replace(known, reason=NO_COARSER)
+        levels = [self, *self._below]
+        all_frames = len({len(level.frames) for level in (*levels, self._wider)}) == 1
+        cells = inlet = 0.0
+        for number in range(len(self.frames)) if all_frames else (-1,):
+            half, wide = levels[1].frames[number], self._wider.frames[number]
+            on_half = interpolated(wide.pressure, wide.grid, half.grid.x, half.grid.y)
+            change = float(np.abs(half.pressure - on_half).sum() / half.pressure.sum())
+            cells = max(cells, l1_bound([level.frames[number].pressure for level in levels]))
+            inlet = max(inlet, NESTED.inlet * change)
+        return replace(known, discretisation=cells, inlet=inlet, reason="")
+
+    @property
+    def _quantities(self) -> dict[str, Quantity]:
+        """Quantities by name, without the bounds by coarser cells."""
         if self.passes is not None:
             last = self.frames[-1].quantities["peak_pressure"]
             return {"peak_pressure": last} | passes_quantities(self.passes)
@@ -249,7 +307,9 @@ class Evolution(Answer):
         return pictures.evolution_picture(dataset)
 
 
-def evolution_answer(trajectory: "Trajectory", requested: Request | None = None) -> Evolution:
+def evolution_answer(
+    trajectory: "Trajectory", requested: Request | None = None, coarser: Coarser | None = None
+) -> Evolution:
     """Return the frames of a dry contact as an answer, up to that in which a coating is worn through."""
     posed, fields = trajectory.description, [frame.fields for frame in trajectory.frames]
     depths = [of["wear_depth"].values if "wear_depth" in of else np.zeros(1) for of in fields]
@@ -264,7 +324,7 @@ def evolution_answer(trajectory: "Trajectory", requested: Request | None = None)
     ]
     if is_through:  # the stress in a coating that is gone
         frames[-1] = replace(frames[-1], problem=replace(frames[-1].problem, outputs=()))
-    return Evolution(tuple(frames), trajectory.times, posed, requested, trajectory=trajectory)
+    return Evolution(tuple(frames), trajectory.times, posed, requested, trajectory, coarser=coarser)
 
 
 def _of_worn_coating(scene: Scene, depths: Sequence[Array], times: Array) -> tuple[list[str], bool]:
@@ -395,6 +455,7 @@ def passes_answer(rolled: "RepeatedRolling", requested: Request | None = None) -
 def films_answer(films: "FilmTrajectory", requested: Request | None = None) -> Evolution:
     """Return the instants of a film as an answer."""
     from contactstudy.answers.lubricated_contact import film_answer
+    from contactstudy.lubrication.film_error import OF_SPIKE, has_spike
 
     parts = ErrorParts(discretisation=inf, reason=NO_BOUND_OF_FILMS)
     frames, times = [], np.array(films.times)
@@ -411,6 +472,11 @@ def films_answer(films: "FilmTrajectory", requested: Request | None = None) -> E
             name: replace(parts, steps=float(by_steps[number]))
             for name, by_steps in films.time_discretisation_errors.items()
         }
+        for name, reason in (
+            ("friction", contact.friction_reason),
+            ("peak_pressure", OF_SPIKE if has_spike(contact.pressure) else ""),
+        ):
+            errors[name] = replace(errors[name], reason=reason or NO_BOUND_OF_FILMS)
         estimate = ErrorEstimate(
             errors["pressure"], errors["peak_pressure"], central_film=errors["central_film"],
             minimum_film=errors["minimum_film"], friction_coefficient=errors["friction"],

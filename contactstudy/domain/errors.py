@@ -1,7 +1,7 @@
 """Estimated errors by quantity and by cause, the one measure of accuracy of every answer."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 
 # A requested relative error: of every number, or of those that are named.
 Request = float | Mapping[str, float]
@@ -51,7 +51,7 @@ class ErrorParts:
     @property
     def by_cause(self) -> dict[str, float]:
         """Parts that apply, by their causes."""
-        causes = [field.name for field in fields(self) if field.name != "reason"]
+        causes = [member.name for member in fields(self) if member.name != "reason"]
         return {cause: part for cause in causes if (part := getattr(self, cause)) is not None}
 
     @property
@@ -90,6 +90,8 @@ class ErrorEstimate:
         Error of the coefficient of rolling resistance; None where nothing rolls.
     load, pull_off
         Errors of the load at a given approach, and of the pull-off load; None where they are not sought.
+    numbers
+        Errors of further numbers of a film by their names.
     warnings
         A sentence for each bound that is infinite, or on what to change.
     slip_reason
@@ -116,12 +118,13 @@ class ErrorEstimate:
     rolling_resistance: ErrorParts | None = None
     load: ErrorParts | None = None
     pull_off: ErrorParts | None = None
+    numbers: Mapping[str, ErrorParts] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
     slip_reason: str = ""
 
     def __iter__(self) -> Iterator[tuple[str, ErrorParts]]:
         """Iterate over names and errors of the quantities that have one."""
-        for field in fields(self):
-            parts = getattr(self, field.name)
+        for member in fields(self):
+            parts = getattr(self, member.name)
             if isinstance(parts, ErrorParts):
-                yield field.name, parts
+                yield member.name, parts

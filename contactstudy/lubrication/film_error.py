@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from math import inf
+from operator import attrgetter
 
 import numpy as np
 
@@ -24,12 +25,21 @@ INLET_ERROR_OVER_CHANGE, HIDDEN_RISE = 4 / 3, 0.2
 LEAST_ALONG_ROLLER = 2.0
 # Least change from half the cells to all, over that from a quarter to half: it may vanish by chance.
 NEXT_CHANGE = 1 / 3
+# Numbers whose errors by the cells are this multiple of their change, as of numbers of any answer, by their attributes.
+OTHERS = {name: name for name in ("power_loss", "rolling_resistance", "meniscus")} | {
+    "thermal_reduction": "temperatures.reduction"
+}
+OTHER_MARGIN = 1.5
 # Cells of the coarsest grid of an estimate, at least.
 MIN_CELLS = 8
 # A second peak of pressure is a spike if it rises from the valley before it by more than SPIKE of the highest pressure.
 # Friction has no estimate where a spike adds more than SPIKE_DRAG of it, and SPIKE_GROWTH times as much as on half the
 # cells.
 SPIKE, SPIKE_DRAG, SPIKE_GROWTH = 0.02, 0.01, 1.5
+OF_SPIKE = (
+    "The peak pressure has no estimate: it may be that of the spike before the outlet, which grows with the number of "
+    "cells."
+)
 # Where the pressure falls from one cell to the next by more than this fraction of the highest, it may hide a spike: with
 # Barus' law at M = 5, L = 9 the highest pressure grows from 1.1 to 2.4 p_H on 64 to 1280 cells, all of them steeper.
 STEEP_FALL = 0.3
@@ -175,16 +185,16 @@ def _compared(
             f"With {cells} cells across a film of the estimate is no answer: {failed[0].status}"
         )
 
-    def parts(name: str) -> ErrorParts:
+    def parts(name: str, margin: float = 1.0) -> ErrorParts:
         fine, half, quarter, long_inlet = (
-            float(getattr(film, name)) for film in (contact, coarse, coarsest, longer)
+            float(attrgetter(name)(film)) for film in (contact, coarse, coarsest, longer)
         )
         scale = abs(fine) or 1.0
         change = abs(fine - half)
         if coarsest.status not in unresolved:
             change = max(change, NEXT_CHANGE * abs(half - quarter))
         return ErrorParts(
-            discretisation=inf if is_too_coarse else change / scale,
+            discretisation=inf if is_too_coarse else margin * change / scale,
             inlet=INLET_ERROR_OVER_CHANGE * abs(half - long_inlet) / scale,
             residual=residual,
             reason=reason,
@@ -199,11 +209,7 @@ def _compared(
     )
     peak = parts("peak_pressure")
     if has_spike(contact.pressure) or _falls_within_a_cell(contact.pressure):
-        spike = (
-            "The peak pressure has no estimate: it may be that of the spike before the outlet, which grows with the "
-            "number of cells."
-        )
-        peak = replace(peak, discretisation=inf, reason=reason or spike)
+        peak = replace(peak, discretisation=inf, reason=reason or OF_SPIKE)
     friction = parts("friction")
     drag, coarse_drag = _drag_of_spike(contact), _drag_of_spike(coarse)
     # the drag of ever narrower spikes converges if the stress is limited or grows with the logarithm of the viscosity
@@ -228,7 +234,13 @@ def _compared(
     minimum = replace(
         minimum, discretisation=max(along * minimum.by_cause["discretisation"], hidden)
     )
+    further = {
+        name: parts(attribute, OTHER_MARGIN)
+        for name, attribute in OTHERS.items()
+        if name != "thermal_reduction" or temperatures is not None
+    }
     estimate = _estimate(pressure, peak, parts("central_film"), minimum, friction)
+    estimate = replace(estimate, numbers=further)
     if temperatures is not None:
         flash, mean = (
             replace(parts(name), discretisation=inf, reason=temperatures.reason)

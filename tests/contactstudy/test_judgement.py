@@ -87,3 +87,18 @@ def test_components_count_over_the_whole_and_fractions_over_one() -> None:
     assert judged["stick_fraction"].ratio == pytest.approx(0.2)
     assert "pressure_shift" not in judged  # zero, of which no error is a part
     assert all(isfinite(number.ratio) for number in judged.values())
+
+
+def test_numbers_without_a_law_are_bounded_by_their_changes_from_larger_cells() -> None:
+    """The centroid of a rolling contact has no law of its own: a finer grid shows its true error."""
+    rubber = cs.ViscoelasticHalfSpace(1e6, 0.49, relaxation=((1.5e6, 1.0),))
+    rigid = cs.HalfSpace(inf, 0.3)
+    scene = cs.Scene(
+        cs.LineLoad(500.0), (rubber, rigid), (cs.Cylinder(0.01),), rolling=cs.Rolling(0.1)
+    )
+    found, fine = (
+        cs.solve(scene, cs.Grid((cells, 1), (8e-3, 1e-2)), EXACT).quantities["pressure_shift"]
+        for cells in (48, 768)
+    )
+    assert abs(found.value - fine.value) <= found.bound < 0.3 * abs(found.value)
+    assert fine.bound < found.bound / 10

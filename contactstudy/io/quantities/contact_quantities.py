@@ -38,10 +38,6 @@ NO_BOUND_OF_ONE_CELL = (
     "No bound: the slip zone is at most one cell wide; solve again on cells of half the width."
 )
 
-NO_BOUND_OF_CYCLE = (
-    "No bound: the error of slip is estimated for forces that end with a whole cycle."
-)
-
 
 def contact_quantities(
     solution: Solution,
@@ -326,13 +322,12 @@ def _of_cycle(
     energy_error = ENERGY_ERROR / slip_zone_cells**2 if slip_zone_cells > 1 else inf
     slip_error = (1 + SLIP_ZONE_MARGIN / slip_zone_cells) ** 1.5 - 1 if slip_zone_cells > 1 else inf
     reason = estimate.l1.reason or ("" if slip_zone_cells > 1 else NO_BOUND_OF_ONE_CELL)
-    if traction.cycle is None or traction.cycle[1] < len(traction.shears):
-        energy_error = slip_error = inf  # the slip zone is that of the last force
-        reason = NO_BOUND_OF_CYCLE
-    dissipated, largest_slip = (
-        with_bound(number, replace(estimate.l1, discretisation=relative, reason=reason))
-        for number, relative in ((dissipated, energy_error), (largest_slip, slip_error))
-    )
+    if traction.cycle is not None and traction.cycle[1] == len(traction.shears):
+        # of other forces the slip zone is that of the last one
+        dissipated, largest_slip = (
+            with_bound(number, replace(estimate.l1, discretisation=relative, reason=reason))
+            for number, relative in ((dissipated, energy_error), (largest_slip, slip_error))
+        )
     return {
         name: dissipated,
         "largest_slip": largest_slip,

@@ -20,12 +20,10 @@ from contactstudy.solvers.solution import Status
 if TYPE_CHECKING:
     from contactstudy.evolution.rolling.repeated_rolling import RepeatedRolling
 
-NO_BOUND_OF_SLIP = "No bound: the discretisation error of slip is not estimated; solve again on cells of half the width."
 NO_BOUND_OF_CELLS = "No bound: the errors of this load by cells and range are not estimated; those of a PullOff are."
 NO_BOUND_OF_DEPTH = (
     "No bound: the error of the peak pressure, which wears the largest depth, has none."
 )
-NO_BOUND_OF_STRAIN = "No bound: the error of plastic strain is not estimated; solve again on cells of half the width."
 
 
 NO_BOUND_OF_PASS = "No bound: on cells of twice the size nothing yields in the last pass."
@@ -185,20 +183,18 @@ def _of_wear(
 
     Where bodies slide, wear follows from load and pressure: the volume from the load, whose error is neither by images
     nor by cells, and the largest depth from the peak pressures. On a film the volume follows from the pressure of
-    asperities. Other errors are not known.
+    asperities, and where slip wears nothing is known but changes between grids.
     """
     last = frames[-1]
     worn, grid = fields["wear_depth"].values, posed.grid
     circumference = getattr(posed.scene.wear, "circumference", None)
     around = 1.0 if circumference is None else circumference / grid.extent[0]
-    of_volume = replace(error, images=None, discretisation=None)
+    of_volume: ErrorParts | None = replace(error, images=None, discretisation=None)
     peaks = [frame["peak_pressure"] for frame in frames]
     by_peaks = max((peak.relative_bound for peak in peaks if peak.value), default=0.0)
-    of_depth = ErrorParts(discretisation=by_peaks, reason=NO_BOUND_OF_DEPTH)
-    if "central_film" in last:
-        of_volume, of_depth = error, ErrorParts(discretisation=inf, reason=NO_BOUND_OF_DEPTH)
-    if "friction_energy" in fields or "frictional_power" in last:
-        of_volume = of_depth = ErrorParts(discretisation=inf, reason=NO_BOUND_OF_SLIP)
+    of_depth: ErrorParts | None = ErrorParts(discretisation=by_peaks, reason=NO_BOUND_OF_DEPTH)
+    if "friction_energy" in fields or "frictional_power" in last or "central_film" in last:
+        of_volume = of_depth = None
     volume = per_length(
         float(worn.sum() * grid.cell_area * around),
         "m3",
@@ -219,16 +215,16 @@ def _of_slip(fields: Mapping[str, Field], posed: PosedScene) -> dict[str, Quanti
     dissipated = per_length(
         energy, "J", "energy lost to friction", roller_length(posed), posed.grid.length
     )
-    slid, unbounded = float(fields["slip_distance"].values.max()), (inf, NO_BOUND_OF_SLIP)
+    slid = float(fields["slip_distance"].values.max())
     return {
-        "friction_energy": replace(dissipated, bound=inf, reason=NO_BOUND_OF_SLIP),
-        "largest_slip": Quantity(slid, "m", "largest distance slipped", *unbounded),
+        "friction_energy": dissipated,
+        "largest_slip": Quantity(slid, "m", "largest distance slipped"),
     }
 
 
 def _of_dents(fields: Mapping[str, Field]) -> dict[str, Quantity]:
     """Return depth and shoulders of the residual displacement of each body that yields, from its undeformed surface."""
-    unbounded, quantities = (inf, NO_BOUND_OF_STRAIN), {}
+    quantities = {}
     for name, field in fields.items():
         if name.startswith("residual_displacement"):
             suffix = name.removeprefix("residual_displacement")
@@ -236,8 +232,8 @@ def _of_dents(fields: Mapping[str, Field]) -> dict[str, Quantity]:
             deep = f"depth of the dent{of} at the end, below the undeformed surface"
             high = f"height of its shoulders{of}, above the undeformed surface"
             depth, height = float(field.values.max()), float(-field.values.min())
-            quantities[f"dent_depth{suffix}"] = Quantity(depth, "m", deep, *unbounded)
-            quantities[f"shoulder_height{suffix}"] = Quantity(height, "m", high, *unbounded)
+            quantities[f"dent_depth{suffix}"] = Quantity(depth, "m", deep)
+            quantities[f"shoulder_height{suffix}"] = Quantity(height, "m", high)
     return quantities
 
 
@@ -250,7 +246,7 @@ def _of_residual_stress(fields: Mapping[str, Field]) -> dict[str, Quantity]:
             for end, extreme in (("highest", np.max), ("lowest", np.min)):
                 label = f"{end} residual stress{of}, across or along"
                 value = float(extreme(stress.values[-1, :2]))
-                quantities[f"{end}_{name}"] = Quantity(value, "Pa", label, inf, NO_BOUND_OF_STRAIN)
+                quantities[f"{end}_{name}"] = Quantity(value, "Pa", label)
     return quantities
 
 

@@ -1,7 +1,7 @@
 """Quantities of a lubricated contact."""
 
 from dataclasses import replace
-from math import inf, pi
+from math import pi
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 
 ISOTHERMAL = ", isothermal"
 OF_HEATED_INLET = "No bound: the factor of the heated inlet is that of a formula."
-NO_BOUND_OF_FLOW = "No bound: the error of the rolling resistance is not estimated."
 
 
 def film_quantities(contact: "FilmSolution", estimate: ErrorEstimate) -> dict[str, Quantity]:
@@ -36,9 +35,9 @@ def film_quantities(contact: "FilmSolution", estimate: ErrorEstimate) -> dict[st
         "friction_coefficient": Quantity(
             contact.friction, "1", "friction force over load", detail=_of_friction(scales.lubrication)
         ),
-        "power_loss": Quantity(contact.power_loss, "W m-1", "power lost per length", inf, NO_BOUND_OF_FLOW),
+        "power_loss": Quantity(contact.power_loss, "W m-1", "power lost per length"),
         "rolling_resistance": Quantity(
-            contact.rolling_resistance, "1", "coefficient of rolling resistance", inf, NO_BOUND_OF_FLOW
+            contact.rolling_resistance, "1", "coefficient of rolling resistance"
         ),
         "sliding_loss": Quantity(
             contact.sliding_loss, "W m-1", "power lost by sliding per length"
@@ -54,7 +53,7 @@ def film_quantities(contact: "FilmSolution", estimate: ErrorEstimate) -> dict[st
         ),
         **_of_formulas(contact),
         **_lambda_ratio(contact),
-        "flux_spread": Quantity(contact.flux_spread, "1", "relative imbalance of the mass flow"),
+        "flux_spread": Quantity(contact.flux_spread, "1", "relative imbalance of the mass flow", 0.0, ""),
     }  # fmt: skip
     if scales.lubrication.supply is not None:
         quantities["meniscus"] = Quantity(contact.meniscus, "m", "position of the inlet meniscus")
@@ -77,7 +76,7 @@ def film_quantities(contact: "FilmSolution", estimate: ErrorEstimate) -> dict[st
         )
     coordinates = {"x": contact.grid.x, "y": contact.grid.y}
     quantities |= stress_quantities(contact.scene, contact.derived, coordinates, estimate)
-    errors = dict(estimate)
+    errors = dict(estimate) | dict(estimate.numbers)
     if "lambda_ratio" in quantities and quantities["lambda_ratio"].reason != OF_HEATED_INLET:
         errors["lambda_ratio"] = errors["central_film"]
     # the loss by sliding is that of the friction, at a known speed

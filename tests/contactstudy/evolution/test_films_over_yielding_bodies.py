@@ -85,7 +85,7 @@ def test_a_film_over_a_body_that_yields_is_flattened_and_its_dent_is_recorded() 
     dent = found.quantities["dent_depth"]
     data = found.to_dataset()
     assert dent.value == float(data["residual_displacement"].isel(time=-1).max()) > 0
-    assert dent.bound == inf
+    assert 0 < dent.bound < inf
     assert data["equivalent_plastic_strain"].dims == ("time", "z", "x", "y")
     bound = found.frames[1].quantities["peak_pressure"]
     assert bound.bound == inf

@@ -425,8 +425,8 @@ def test_stress_in_bodies_of_which_none_yields_is_that_of_elastic_ones(solid: in
     assert bool(stress[3].any()) == (solid == 0)
     number = found.quantities["largest_von_mises"]
     assert number.value == pytest.approx(float(stress.max()))
-    assert number.bound == inf
-    assert "crept, worn or yielded" in number.reason
+    assert 0 < number.bound < inf  # by the same on larger cells
+    assert "crept, worn or yielded" in found.frames[1].quantities["largest_von_mises"].reason
 
 
 def test_depths_that_are_chosen_in_time_are_those_under_the_highest_pressure() -> None:

@@ -60,7 +60,8 @@ def test_a_drive_that_slides_fully_wears_like_a_roller_that_slides_as_fast() -> 
     grid, times = cs.Grid((16, 4), GRID.extent), (0.0, 300.0, 3000.0)
     known, found = (cs.solve(scene, grid, ACROSS_FREE, times=times) for scene in (ROLLER, driven))
     assert worn(found) == pytest.approx(worn(known), rel=0.01)
-    assert found.quantities["wear_volume"].bound == inf  # of slip
+    volume = found.quantities["wear_volume"]
+    assert abs(volume.value - known.quantities["wear_volume"].value) <= volume.bound < inf
     for name in ("approach", "mean_gap"):
         bounds = [frame.quantities[name].bound for frame in found.frames]
         assert 0 < bounds[0] < inf == bounds[1] == bounds[2]

@@ -27,7 +27,7 @@ def test_the_plan_of_a_file_reaches_its_error() -> None:
     assert planned.error == 0.01
     contact = described.solve()
     assert contact.status is cs.Status.CONVERGED
-    assert contact.met
+    assert contact.judged["friction_coefficient"].ratio <= 1
     assert contact.error.central_film.total <= 0.01
     assert contact.error.minimum_film.total <= 0.01
 

@@ -1,0 +1,152 @@
+"""Bounds of any numbers by the same scene on half and a quarter of the cells, with longer steps; no law is needed.
+
+Where a law is known of a number, of its edges, its peak or its images, that is its bound; this rule is for all others.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from math import inf, isfinite
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contactstudy.accuracy.discretisation.coarser import halved
+from contactstudy.domain.checks import InvalidInput, NotDefined
+from contactstudy.domain.errors import ErrorParts
+from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Grid, on_cells
+from contactstudy.io.quantities.quantity import RELATIVE_TO_ZERO, Quantities, Quantity
+
+if TYPE_CHECKING:
+    from contactstudy.answers.answer import Answer
+
+# Function of a level k that solves the same scene on 1 / 2^k of the cells along each axis, in time with an error of
+# steps 4^k times as large, which are 2^k times as long; a film also over a multiple of the width.
+Coarser = Callable[..., "Answer"]
+NO_COARSER = "No bound: there is no solution on half the cells to compare with, give more."
+
+
+@dataclass(frozen=True)
+class NestedConstants:
+    """Constants of the bound of a number by its changes between grids.
+
+    Attributes
+    ----------
+    margin
+        Bound over the change of a number from half the cells, or over half of the change before.
+    floor
+        Least change, over the L1 error of the pressure, since a change may vanish by chance.
+    area_floor
+        The same of an area, over the fraction of its cells that lie at its edge.
+    inlet
+        Bound over the change of a number of a film from twice the width, as its error falls with the square of that.
+    """
+
+    margin: float = 1.5
+    floor: float = 0.1
+    area_floor: float = 0.5
+    inlet: float = 4 / 3
+
+
+CONSTANTS = NestedConstants()
+
+
+def changes(values: Sequence[float]) -> float:
+    """Return the change of a value from half the cells, at least half of that from a quarter to half.
+
+    Where a quarter of the cells has no solution, the only change counts twice.
+    """
+    last = abs(values[0] - values[1])
+    return max(last, abs(values[1] - values[2]) / 2) if len(values) > 2 else 2 * last
+
+
+def halved_grid(grid: Grid, times: int) -> Grid:
+    """Return a grid of the same extent with half the cells along each axis, `times` times."""
+    for _ in range(times):
+        grid = halved(grid)
+    return grid
+
+
+def widened(grid: Grid, factor: int) -> Grid:
+    """Return a grid with the same cells over `factor` times the width."""
+    (nx, ny), (width, length) = grid.cells, grid.extent
+    return Grid((factor * nx, ny), (factor * width, length))
+
+
+def levels_below(coarser: Coarser) -> list["Answer"]:
+    """Return the answers on half and on a quarter of the cells, as far as there are solutions."""
+    levels: list[Answer] = []
+    for level in (1, 2):
+        if (answer := solved_or_none(coarser, level)) is None:
+            break
+        levels.append(answer)
+    return levels
+
+
+def solved_or_none(coarser: Coarser, *arguments: int) -> "Answer | None":
+    """Return an answer to compare with; None where there is no solution."""
+    try:
+        answer = coarser(*arguments)
+    except (InvalidInput, NotDefined):
+        return None
+    return None if answer.status.is_failure else answer
+
+
+def with_nested_bounds(
+    quantities: Quantities,
+    below: Sequence[Mapping[str, Quantity]],
+    l1: ErrorParts,
+    edge_fraction: float,
+    replaced: frozenset[str],
+    wider: Mapping[str, Quantity] | None = None,
+) -> dict[str, Quantity]:
+    """Return quantities with bounds by their changes between grids, where their reasons are some of those `replaced`.
+
+    Parameters
+    ----------
+    quantities
+        The numbers of an answer.
+    below
+        Those on half and on a quarter of the cells.
+    l1
+        Error of the pressure, whose causes but the cells add to each bound.
+    edge_fraction
+        Fraction of the cells in contact that lie at its edge.
+    replaced
+        Reasons of numbers without a bound that get one.
+    wider
+        Those of a film on half the cells over twice the width, whose inlet is finite.
+    """
+    other_causes = l1.total - (l1.discretisation or 0.0) if isfinite(l1.total) else inf
+    found = dict(quantities)
+    for name, quantity in quantities.items():
+        if isfinite(quantity.bound) or quantity.reason not in replaced:
+            continue
+        known = [level[name].value for level in below if name in level]
+        if not known:
+            found[name] = replace(quantity, reason=NO_COARSER)
+        elif not isfinite(other_causes):
+            found[name] = replace(quantity, reason=l1.reason or quantity.reason)
+        else:
+            size = abs(quantity.value)
+            floor = CONSTANTS.floor * (l1.discretisation or 0.0)
+            if name.endswith("contact_area"):
+                floor = max(floor, CONSTANTS.area_floor * edge_fraction)
+            change = changes([quantity.value, *known])
+            bound = CONSTANTS.margin * max(change, floor * size) + other_causes * size
+            if wider is not None and name in wider:
+                bound += CONSTANTS.inlet * abs(known[0] - wider[name].value)
+            reason = "" if bound else RELATIVE_TO_ZERO
+            found[name] = replace(quantity, bound=bound or inf, reason=reason)
+    return found
+
+
+def l1_bound(pressures: Sequence[Array]) -> float:
+    """Return the bound of the relative L1 error of a pressure (x, y) by those on half and a quarter of the cells."""
+    fine = pressures[0]
+    on_fine = [on_cells(pressure, fine.shape) for pressure in pressures]
+    distances = [float(np.abs(a - b).sum()) for a, b in pairwise(on_fine)]
+    norm = float(np.abs(fine).sum())
+    largest = max(distances[0], distances[1] / 2) if len(distances) > 1 else 2 * distances[0]
+    return CONSTANTS.margin * largest / norm if norm else 0.0

@@ -106,8 +106,8 @@ def test_a_plan_runs_as_it_stands_for_every_kind_of_shape(line_contact: LineCont
         solution = cs.solve(scene.problem(plan.grid, plan.padding))
         assert solution.status is cs.Status.CONVERGED, shape
         assert isinstance(plan.padding, tuple) == free
-        # why this width, these cells, two dimensions, this padding, and how the error is shared
-        assert len(plan.reasons) == 5
+        # why this width, these cells, two dimensions, this padding, how the error is shared, and the seconds
+        assert len(plan.reasons) == 6
         assert plan.seconds > 0
         assert plan.bytes > 8 * 12 * solution.pressure.size
 

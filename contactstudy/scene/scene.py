@@ -323,7 +323,7 @@ class Scene:
 
     @property
     def ellipse(self) -> HertzEllipse | None:
-        """Smooth point contact: a total load on bodies that are curved both ways and have no length; None for others."""
+        """Smooth point contact of a total load on bodies that are curved both ways and have no length, else None."""
         load, (across, along) = self.load, self.curvatures
         if not isinstance(load, TotalLoad) or load.length is not None or load.total <= 0:
             return None

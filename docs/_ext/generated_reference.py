@@ -22,7 +22,7 @@ from contactstudy.domain.units import Unit
 from contactstudy.io.scene_files.materials import materials
 from contactstudy.io.scene_files.scene_schema import KINDS, NO_KIND, SceneDocument
 from studies.model.outcome import CaseStatus
-from studies.registry import BUILT_IN, OPTIONAL, load
+from studies.registry import BUILT_IN, load
 
 # Where a public name is documented, by the folder of its module; what is not listed here goes to the last.
 GROUPS = {
@@ -265,7 +265,7 @@ def studies(variables: Path) -> str:
     """A page with every study, its axes and its variables."""
     stored = json.loads(variables.read_text(encoding="utf-8")) if variables.is_file() else {}
     text = ["# Studies", "", "Every axis is an option of `contactstudy run`.", ""]
-    for name in [*BUILT_IN, *OPTIONAL]:
+    for name in BUILT_IN:
         study = load(name)
         text += [
             f"## `{name}`",

@@ -10,6 +10,7 @@ from scipy.sparse.linalg import LinearOperator, minres
 
 import contactstudy as cs
 from contactstudy.accuracy.discretisation.cells import contact_perimeter
+from contactstudy.accuracy.discretisation.coarser import touching_fraction
 from contactstudy.domain.fields import Array, inner
 from contactstudy.io.dataset import labelled
 from contactstudy.scene.adhesion import LAWS
@@ -126,7 +127,12 @@ def _stiffness_error(contact: cs.Contact, stiffness: float) -> float:
         return inf
     borders = 2 * touching / active - 1
     growth = max(2 * stiffness / (pi * contact.scene.contact_modulus), 1.0)
-    return STIFFNESS_MARGIN * growth * borders * contact.quantities["contact_area"].relative_bound
+    touching_cells = contact.pressure > 0
+    perimeter = contact_perimeter(touching_cells, contact.grid, contact.problem.paddings)
+    # the stiffness is that of whole cells, of which half may lie beyond an edge
+    of_cells = perimeter * contact.grid.cell_size[0] / 2 / (touching * contact.grid.cell_area)
+    area_error = contact.quantities["contact_area"].relative_bound + of_cells
+    return STIFFNESS_MARGIN * growth * borders * area_error
 
 
 def measures(case: ReferencedCase, result: TimedAnswer) -> Mapping[str, xr.Variable]:
@@ -160,7 +166,8 @@ def _of_contact(case: ReferencedCase, contact: cs.Contact) -> dict[str, xr.Varia
     grid, scene = contact.grid, case.scene
     touching = contact.pressure > 0
     area_error = contact.quantities["contact_area"].relative_bound
-    area = float(np.count_nonzero(touching) * grid.cell_area)
+    fraction = touching_fraction(contact)
+    area = fraction * float(np.prod(grid.extent))
     perimeter = contact_perimeter(touching, grid, contact.problem.paddings)
     quantity = contact.quantities.get("load_per_length") or contact.quantities["total_load"]
     load = quantity.value
@@ -169,7 +176,7 @@ def _of_contact(case: ReferencedCase, contact: cs.Contact) -> dict[str, xr.Varia
     length = contact.loaded_length
     measured = {
         "load": labelled((), load, quantity.unit, quantity.label),
-        "contact_fraction": dimensionless(float(touching.mean()), "fraction of the grid in contact"),
+        "contact_fraction": dimensionless(fraction, "fraction of the grid in contact"),
         "contact_perimeter": labelled(
             (), perimeter, "m", "contact perimeter on the grid", description="edges of cells at which contact ends"
         ),

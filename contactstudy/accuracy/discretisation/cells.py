@@ -2,12 +2,16 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import inf
+from math import inf, log, pi
 
 import numpy as np
 from numpy.typing import NDArray
 
-from contactstudy.accuracy.discretisation.contact_edge import edge_error, edge_position
+from contactstudy.accuracy.discretisation.contact_edge import (
+    edge_error,
+    edge_position,
+    resolved_width,
+)
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings, axis_first
 
@@ -25,20 +29,25 @@ class DiscretisationConstants:
         The same where the maximum lies within two cells of an edge, where no parabola holds.
     edge_uncertainty
         Uncertainty, in cells, of the position of each edge, which may lie anywhere in its cell.
-    mean_edge_uncertainty
-        That of the mean position of all edges.
+    side_uncertainty
+        That of the area by which edges lie inside their cells in the mean, relative to it.
+    side_excess
+        Excess of the counted area per length of its outline along cell sides, in cells: ``(pi - 1 + ln 2) / 24``.
     plateau_uncertainty
         That of the end of a plateau, which lies anywhere in its cell.
     """
 
     edge_effect: float = 1 / 12
     edge_effect_beside: float = 1 / 3
-    edge_uncertainty: float = 0.35
-    mean_edge_uncertainty: float = 0.1
+    edge_uncertainty: float = 1.2
+    side_uncertainty: float = 0.2
+    side_excess: float = (pi - 1 + log(2)) / 24
     plateau_uncertainty: float = 0.65
 
 
 CONSTANTS = DiscretisationConstants()
+# Uncertainty, in cells, of an edge that the pressure beside it resolves, beside the difference of two laws of it.
+RESOLVED_UNCERTAINTY = 0.003
 
 
 def with_ends(field: Array, count: int, *, wraps: bool) -> Array:
@@ -159,10 +168,29 @@ def _ends(
     return ends, np.concatenate([after[first], before[last]])
 
 
-def contact_area_error(pressure: Array, wraps: tuple[bool, bool]) -> float:
-    """Return the relative error of the contact area, counted in touching cells, by where its edges lie in their cells.
+def contact_area_in_cells(pressure: Array, wraps: tuple[bool, bool]) -> float:
+    """Return the contact area in cells, with its edges inside them.
 
-    A cell counts as a whole; the pressures of the last two of a row give the edge of the smooth contact
+    A cell in contact counts as a whole. Straight edges across follow from the pressure beside them
+    (:func:`~contactstudy.accuracy.discretisation.contact_edge.half_widths`); others are taken to lie inside their cells
+    by :data:`CONSTANTS.side_excess` in the mean (Yastrebov, Anciaux & Molinari 2017, Tribology International 114, 161).
+    """
+    count = int(np.count_nonzero(pressure))
+    if (width := resolved_width(pressure)) is not None:
+        return width * pressure.shape[1]
+    sides = 0
+    for axis, is_periodic in enumerate(wraps):
+        touching = axis_first(pressure, axis) > 0
+        if len(touching) > 1:
+            sides += int(np.count_nonzero(np.diff(touching, axis=0)))
+            sides += int(np.count_nonzero(touching[0] != touching[-1])) if is_periodic else 0
+    return max(count - CONSTANTS.side_excess * sides, 0.0)
+
+
+def contact_area_error(pressure: Array, wraps: tuple[bool, bool]) -> float:
+    """Return the relative error of :func:`contact_area_in_cells`, by where its edges lie in their cells.
+
+    The pressures of the last two cells of a row give the edge of the smooth contact
     (:mod:`~contactstudy.accuracy.discretisation.contact_edge`). Each axis shows the whole error, so the larger of both
     counts. It is infinite where no area may remain.
 
@@ -173,7 +201,13 @@ def contact_area_error(pressure: Array, wraps: tuple[bool, bool]) -> float:
     wraps
         Whether the surface wraps across and along.
     """
-    cells, highest, excess = np.count_nonzero(pressure), pressure.max(), 0.0
+    cells, highest, area = (
+        np.count_nonzero(pressure),
+        pressure.max(),
+        contact_area_in_cells(pressure, wraps),
+    )
+    is_resolved = resolved_width(pressure) is not None
+    found: list[tuple[int, float, int]] = []
     for axis, is_periodic in enumerate(wraps):
         along = axis_first(pressure, axis)
         if len(along) == 1:
@@ -184,13 +218,20 @@ def contact_area_error(pressure: Array, wraps: tuple[bool, bool]) -> float:
         smooth = second < highest
         ends = int(np.count_nonzero(smooth))
         beyond = float((0.5 - edge_position(last[smooth], second[smooth])).sum())
-        uncertain = (
-            CONSTANTS.mean_edge_uncertainty * ends
-            + CONSTANTS.edge_uncertainty * ends**0.5
-            + CONSTANTS.plateau_uncertainty * (len(last) - ends)
+        found.append((ends, abs(cells - beyond - area), len(last) - ends))
+    most = max(ends for ends, _, _ in found) if found else 0
+    if is_resolved:
+        excess = found[0][1] + RESOLVED_UNCERTAINTY * most
+    else:
+        # straight edges along an axis, which lie alike in their cells, have no ends along the other one
+        straight = 1 - min(ends for ends, _, _ in found) / most if most and len(found) > 1 else 1.0
+        excess = (
+            straight * max((off for _, off, _ in found), default=0.0)
+            + CONSTANTS.side_uncertainty * (cells - area)
+            + CONSTANTS.edge_uncertainty * most**0.5
+            + CONSTANTS.plateau_uncertainty * max((flat for _, _, flat in found), default=0)
         )
-        excess = max(excess, abs(beyond) + uncertain)
-    return relative_loss(excess / cells)
+    return relative_loss(excess / area) if area else inf
 
 
 def relative_loss(fraction: float) -> float:

@@ -5,6 +5,7 @@ from math import inf
 
 import numpy as np
 
+from contactstudy.accuracy.discretisation.cells import contact_area_in_cells
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, edge_fraction, on_cells
@@ -83,7 +84,7 @@ def change_between_grids(fine: Solution, coarse: Solution) -> DiscretisationErro
     """Return the relative changes from `coarse`, the same contact on larger cells, to `fine`."""
     net = fine.net_pressure
     means = on_cells(net, coarse.pressure.shape)
-    areas = [float((solution.pressure > 0).mean()) for solution in (fine, coarse)]
+    areas = [touching_fraction(solution) for solution in (fine, coarse)]
     gaps = [solution.mean_gap for solution in (fine, coarse)]
     loads = [solution.load_per_length for solution in (fine, coarse)]
     return DiscretisationErrors(
@@ -93,6 +94,15 @@ def change_between_grids(fine: Solution, coarse: Solution) -> DiscretisationErro
         abs(gaps[1] / gaps[0] - 1) if gaps[0] else inf,
         abs(loads[0] - loads[1]) / abs(loads[0]) if loads[0] else inf,
     )
+
+
+def touching_fraction(solution: Solution) -> float:
+    """Return the part of the grid in contact, with the edges inside their cells but of an attraction."""
+    pressure, paddings = solution.pressure, solution.problem.paddings
+    if solution.adhesion is not None or paddings is None:
+        return float((pressure > 0).mean())
+    wraps = paddings[0].wraps, paddings[1].wraps
+    return contact_area_in_cells(pressure, wraps) / pressure.size
 
 
 def comparable(coarse: Solution | None) -> Solution | None:

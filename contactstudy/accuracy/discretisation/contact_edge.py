@@ -300,6 +300,24 @@ def half_widths(pressure: Array, x: Array) -> Array:
     return (_positions(pressure, x) + _positions(pressure[::-1], -x[::-1])) / 2
 
 
+def resolved_width(pressure: Array) -> float | None:
+    """Return the mean width in contact, in cells; None unless every edge across is straight and smooth.
+
+    Each place along the length touches without a gap, and both its edges follow the law of this module.
+    """
+    touching = pressure > 0
+    if len(pressure) < CONSTANTS.min_touching or not touching.any(axis=0).all():
+        return None
+    if np.count_nonzero(np.diff(touching, axis=0)) != 2 * pressure.shape[1]:
+        return None
+    sides = [_resolved(side) for side in (pressure, pressure[::-1])]
+    if any(len(edges.iy) < pressure.shape[1] for edges in sides):
+        return None
+    last = len(pressure) - 1
+    outer = sum(float((edges.last + edges.outward).mean()) for edges in sides)
+    return outer - last
+
+
 def corrected_pressure(pressure: Array) -> Array:
     """Return `pressure` (x, y), with that of a continuous contact at the cell centres near its edges.
 

@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactstudy.accuracy.approach_and_stress import interface_shear
+from contactstudy.accuracy.discretisation.cells import contact_area_in_cells, with_ends
+from contactstudy.accuracy.discretisation.contact_edge import resolved_width
 from contactstudy.accuracy.plausibility import stress_margin
 from contactstudy.accuracy.range_errors import NO_LIMIT
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
@@ -70,33 +72,23 @@ def contact_quantities(
     )
     posed = solution.problem.description
     length = roller_length(posed if isinstance(posed, PosedScene) else None)
-    area = float(np.count_nonzero(touching) * grid.cell_area)
+    paddings = solution.problem.paddings
+    wraps = (False, False) if paddings is None else (paddings[0].wraps, paddings[1].wraps)
+    # an attraction makes edges steep, and nothing is known of where in their cells they lie
+    adheres = solution.adhesion is not None
+    count = np.count_nonzero(touching)
+    area = (count if adheres else contact_area_in_cells(solution.pressure, wraps)) * grid.cell_area
     total = float(pressure[touching].sum() * grid.cell_area)
     coordinates = {"x": grid.x, "y": grid.y}
     pressed = np.where(touching, pressure, -inf) if touching.any() else np.zeros(grid.cells)
     peak, place = _largest(pressed, coordinates)
-    half_width = Quantity(
-        _half_width(touching, grid.cell_size[0]), "m", "half-width (outermost cells)"
-    )
     area_error = estimate.contact_area
-    if area_error is not None and isfinite(area_error.total):
-        # the outermost cells beside what the other causes change of the area
-        other_causes = area_error.total - (area_error.discretisation or 0.0)
-        bound = grid.cell_size[0] + other_causes * half_width.value
-        half_width = replace(half_width, bound=bound, reason="")
-    else:
-        half_width = with_bound(half_width, area_error, fallback_reasons)
-    is_point = scene is not None and scene.ellipse is not None
-    half_length = replace(
-        half_width,
-        value=_half_width(touching.T, grid.cell_size[1]),
-        label="half-length (outermost cells)",
-        bound=half_width.bound * grid.cell_size[1] / grid.cell_size[0],
+    half_width, half_length = (
+        _half_size(solution, axis, area_error, fallback_reasons) for axis in (0, 1)
     )
+    is_point = scene is not None and scene.ellipse is not None
     solved = ErrorParts(residual=solution.residual)
-    paddings = solution.problem.paddings
-    wraps = paddings is not None and paddings[0].wraps
-    width_note = "" if wraps else f", over the grid's width of {readable(grid.extent[0], 'm')}"
+    width_note = "" if wraps[0] else f", over the grid's width of {readable(grid.extent[0], 'm')}"
     mirrored = _mirrored(pressure, grid.y, place)
     label = "peak pressure" if solution.adhesion is None else "peak net pressure"
     highest = Quantity(peak, "Pa", label, position=place, detail=mirrored)
@@ -451,10 +443,47 @@ def _of_coating(
     return quantities
 
 
-def _half_width(touching: np.ndarray, dx: float) -> float:
-    """Return half the distance between the outer edges of the outermost cells in contact [m]."""
-    rows = np.flatnonzero(touching.any(axis=1))
-    return float((rows[-1] - rows[0] + 1) * dx / 2) if len(rows) else 0.0
+def _half_size(
+    solution: Solution,
+    axis: int,
+    area_error: ErrorParts | None,
+    fallback_reasons: Sequence[str],
+) -> Quantity:
+    """Return half the distance between the outermost edges in contact along an axis, with its bound.
+
+    Straight smooth edges lie inside their cells, with the error of the area. Elsewhere the outer faces of the outermost
+    cells count. On cells of any size, contact reaches at least to where a touching cell has another beside it, and at
+    most to where the gap is no larger than heights inside a cell, which the second difference of the gap shows.
+    """
+    touching, grid = solution.pressure > 0, solution.problem.grid
+    cell = grid.cell_size[axis]
+    resolved = None
+    if axis == 0 and solution.adhesion is None:
+        resolved = resolved_width(solution.pressure)
+    size = _half_extent(touching, axis, cell) if resolved is None else resolved * cell / 2
+    name = ("half-width", "half-length")[axis]
+    half = Quantity(size, "m", f"{name} (outermost edges)")
+    if resolved is not None or area_error is None or not isfinite(area_error.total):
+        return with_bound(half, area_error, fallback_reasons)
+    beside, hidden = np.zeros_like(touching), np.zeros_like(solution.gap)
+    for across in (0, 1):
+        if grid.cells[across] > 1:
+            beside |= np.roll(touching, 1, across) | np.roll(touching, -1, across)
+            gap = with_ends(np.swapaxes(solution.gap, 0, across), 1, wraps=False)
+            hidden += np.abs(np.swapaxes(np.diff(gap, 2, axis=0), 0, across)) / 8
+    within = touching & beside
+    least = _half_extent(within, axis, cell)
+    most = _half_extent(touching | (solution.gap <= hidden), axis, cell)
+    # the outermost cells beside what the other causes change of the area
+    other_causes = area_error.total - (area_error.discretisation or 0.0)
+    bound = max(size - least, most - size) + cell + other_causes * size
+    return replace(half, bound=bound, reason="")
+
+
+def _half_extent(cells: NDArray[np.bool_], axis: int, size: float) -> float:
+    """Return half the distance between the outer edges of the outermost of some cells (x, y) along an axis [m]."""
+    at = np.flatnonzero(cells.any(axis=1 - axis))
+    return float((at[-1] - at[0] + 1) * size / 2) if len(at) else 0.0
 
 
 def _largest(

@@ -1,6 +1,6 @@
 import json
 from dataclasses import replace
-from math import inf
+from math import inf, log, pi
 
 import numpy as np
 import pytest
@@ -43,13 +43,27 @@ def test_numbers_are_those_of_the_fields(line_contact: LineContact) -> None:
     numbers = written(solved).quantities
     values = {name: number.value for name, number in numbers.items()}
     cell = 1e-3 * 3e-3
+    # three cells within an outline of six sides (Yastrebov et al. 2017)
+    area = 3 - 6 * (pi - 1 + log(2)) / 24
     assert values == pytest.approx({
-        "peak_pressure": 5e6, "mean_pressure": 8e6 / 3, "half_width": 1e-3, "contact_area": 3 * cell / 6e-3,
+        "peak_pressure": 5e6, "mean_pressure": 8e6 / area, "half_width": 1e-3, "contact_area": area * cell / 6e-3,
         "mean_gap": 2e-6, "approach": 3e-6, "load_per_length": 8e6 * cell / 6e-3,
     })  # fmt: skip
     assert numbers["contact_area"].unit == "m2 m-1"
     assert "over the grid's width of 4 mm" in numbers["mean_gap"].detail
     assert numbers["peak_pressure"].position == pytest.approx({"x": 0.5e-3, "y": 1.5e-3})
+
+
+@pytest.mark.parametrize(("cells", "within"), [(24, 5e-3), (96, 5e-4)])
+def test_the_edges_of_a_smooth_contact_lie_inside_their_cells(
+    line_contact: LineContact, cells: int, within: float
+) -> None:
+    width = line_contact.scene.hertz.half_width
+    grid = cs.Grid((cells, 1), (2.4 * width, width))
+    numbers = cs.solve(line_contact.scene, grid, cs.ExactPeriodicity()).quantities
+    for name, value in (("half_width", width), ("contact_area", 2 * width)):
+        assert numbers[name].value == pytest.approx(value, rel=within / 10)
+        assert abs(numbers[name].value - value) <= numbers[name].bound < within * value
 
 
 def test_bounds_are_those_of_the_error_and_hold(line_contact: LineContact) -> None:

@@ -177,7 +177,7 @@ def contact_area_in_cells(pressure: Array, wraps: tuple[bool, bool]) -> float:
     """
     count = int(np.count_nonzero(pressure))
     if (width := resolved_width(pressure)) is not None:
-        return width * pressure.shape[1]
+        return float(width * pressure.shape[1])
     sides = 0
     for axis, is_periodic in enumerate(wraps):
         touching = axis_first(pressure, axis) > 0

@@ -36,8 +36,8 @@ def pressure(grid: Grid, padding: cs.Padding) -> np.ndarray:
 
 
 def test_the_error_by_cells_is_between_the_factors_of_its_page() -> None:
-    least, most = said("discretisation", r"factor \$c\$ is between ([\d.]+) and ([\d.]+)\.")
-    [of_cell] = said("discretisation", r"at most \$([\d.]+) \\sqrt")
+    least, most = said("periodicity", r"factor \$c\$ is between ([\d.]+) and ([\d.]+)\.")
+    [of_cell] = said("periodicity", r"at most \$([\d.]+) \\sqrt")
     factors, largest = [], []
     for cells_per_half_width in 40 + np.linspace(0, 1, 25):
         grid = cs.Grid((96, 1), (96 * A / cells_per_half_width, A))

@@ -1,6 +1,5 @@
 from dataclasses import replace
 from math import inf
-from time import process_time
 
 import numpy as np
 import pytest
@@ -357,7 +356,9 @@ def test_a_plan_says_that_a_solve_may_end_on_other_cells(line_contact: LineConta
 
 @pytest.mark.cases(3)
 @pytest.mark.parametrize("kind", ["rough", "creeping", "rolling"])
-def test_a_plan_is_the_grid_and_the_work_of_the_solve(kind: str, line_contact: LineContact) -> None:
+def test_a_plan_is_the_grid_of_the_solve_and_wider_than_the_contact(
+    kind: str, line_contact: LineContact
+) -> None:
     creeping = cs.ViscoelasticHalfSpace(1e6, 0.49, ((1e6, 1.0),)), cs.HalfSpace(inf, 0.3)
     soft = cs.Scene(cs.LineLoad(300.0), creeping, (cs.Cylinder(0.01),))
     scene, named = {
@@ -366,16 +367,10 @@ def test_a_plan_is_the_grid_and_the_work_of_the_solve(kind: str, line_contact: L
         "rolling": (replace(soft, rolling=cs.Rolling(0.1)), {}),
     }[kind]
     named |= {"error": {"pressure": 0.05}}
-    cs.solve(scene, **named)  # what is compiled and imported is not counted
-    planned = cs.plan(scene, **named)
-    begin = process_time()
-    answer = cs.solve(scene, **named)
-    seconds = process_time() - begin
+    planned, answer = cs.plan(scene, **named), cs.solve(scene, **named)
     assert planned.grid.cells == answer.grid.cells
     assert planned.grid.extent[0] == pytest.approx(answer.grid.extent[0])
     touching = np.abs(
         answer.grid.x[(answer.pressure.reshape(-1, *answer.grid.cells).any(axis=(0, 2)))]
     )
     assert 2 * touching.max() < planned.grid.extent[0]
-    # no test measures a time: an order of magnitude tells a wrong count from a busy machine
-    assert seconds / 10 < planned.seconds < 10 * seconds

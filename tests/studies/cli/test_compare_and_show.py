@@ -221,6 +221,7 @@ def test_a_solve_that_is_stopped_leaves_its_pressure_and_goes_on_from_it(
 
     with monkeypatch.context() as patched:
         patched.setattr(ReportingSolver, "iterate", stops)
+        patched.setattr("studies.cli.scenes._announce", lambda *_: None)  # the plan solves too
         said("solve", given, "--out", folder / "halt", code=130)
     left = folder / "halt" / "given.stopped.nc"
     halted = xr.load_dataset(left)

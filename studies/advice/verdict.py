@@ -6,7 +6,7 @@ thread, the least of a few rounds in which all settings take turns. The error of
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from math import inf, isfinite, prod
+from math import inf, isfinite, nan, prod
 from pathlib import Path
 from time import process_time
 
@@ -43,9 +43,15 @@ FINE, FINER = (
 TIE = 1.1
 # A promise holds for a load that is lower by this factor too, whose contact edge lies elsewhere in its cell.
 LOWER_LOAD = 0.92
+# Other paddings are tried on cells of at most so many squares of the thickness of a layer: their coefficients are sums
+# over waves as short as the layer, which grow with it.
+MOST_WAVES = 30
+# A grid that is expected to take longer is announced [s].
+LONG = 60.0
 # Rounds of times of the fastest: as many as take this processor time [s], at most so many.
 ROUND_SECONDS, MAX_ROUNDS = 0.5, 100
 
+NO_GRID = "no grid that was tried keeps the error with the scene's own padding"
 EVERY_NUMBER, PRESSURE = "every number", "the pressure in L1"
 Answer = cs.Contact | cs.LubricatedContact | cs.Evolution
 
@@ -296,7 +302,8 @@ class _Trials:
             return False
         if one.l1 <= self.error:  # errors of the other numbers may fall with the size of the cells
             return multiple * one.error <= MULTIPLES[-1] * self.error
-        return multiple < FINE or isfinite(one.l1)
+        # the bound of the pressure falls at most with the square of the size of the cells
+        return multiple < FINE or multiple**2 * one.l1 <= MULTIPLES[-1] ** 2 * self.error
 
     def hertz_of(self, scene: cs.Scene) -> "cs.analytic.HertzLine | None":
         """Return Hertz's line contact where it is the exact solution: a smooth elastic cylinder under a load."""
@@ -374,6 +381,13 @@ def verdict_on(
         last, cells = 1, trials.cells(1)
         for last in MULTIPLES:
             cells = trials.cells(last)
+            if found:
+                coarser = found[-1]
+                expected = coarser.seconds * prod(cells) / prod(coarser.setting.cells)
+                if expected > LONG:
+                    log(
+                        f"{described.name}: about {expected:.0f} s or more on {_cells(cells)} cells"
+                    )
             one = trials.measured(Setting(own, trials.own, cells, default), None)
             found += [one] if one else []
             if one and not trials.is_worth_refining(one, last):
@@ -381,12 +395,25 @@ def verdict_on(
         trials.choose_measure(found)
         # of grids on which the pressure meets the error, and no other number ever does, the coarsest
         cells = next((one.setting.cells for one in found if trials.meets(one)), cells)
-        against, reference = _reference(trials, own, 2 * last)
+        met = any(map(trials.meets, found))
+        # a finer grid costs more than all others, and only a setting that keeps the error needs it
+        against, reference = (
+            _reference(trials, own, 2 * last)
+            if met
+            else (
+                "no finer solution, which would cost more than all the grids that were tried",
+                None,
+            )
+        )
         found = [
-            replace(one, difference=relative_l1(trials.pressures[one.setting], reference))
+            replace(one, difference=nan if reference is None else relative_l1(trials.pressures[one.setting], reference))
             for one in found
-        ]
-        loosest = _loosest(trials, Setting(own, trials.own, cells, default))
+        ]  # fmt: skip
+        if why := _why_own_alone(trials, found, cells):
+            trials.notes["other paddings"] = f"No other padding was tried, since {why}."
+            paddings = {own: trials.own}
+        setting = Setting(own, trials.own, cells, default)
+        loosest = _loosest(trials, setting) if met else default
         settings = [Setting(label, padding, cells, loosest) for label, padding in paddings.items()]
     tried = {one.setting for one in found}
     settings = [setting for setting in settings if setting not in tried]
@@ -471,6 +498,24 @@ def _loosest(trials: _Trials, setting: Setting) -> float:
         if one and trials.meets(one):
             return tolerance
     return setting.tolerance
+
+
+def _why_own_alone(trials: _Trials, found: Sequence[Measured], cells: tuple[int, int]) -> str:
+    """Return why no padding but the scene's own is tried on these cells; empty where others are."""
+    if isinstance(trials.own, tuple):
+        return ""
+    if not any(map(trials.meets, found)):
+        return NO_GRID
+    layers = [
+        body.thickness for body in trials.scene.solids if isinstance(body, cs.CoatedHalfSpace)
+    ]
+    waves = max((prod(trials.extent) / prod(cells) / layer**2 for layer in layers), default=0)
+    if waves > MOST_WAVES:
+        return (
+            f"a cell is {waves:.0f} times as large as the square of the thickness of the layer, "
+            "and a coefficient of each sums as many waves"
+        )
+    return ""
 
 
 def _reference(trials: _Trials, own: str, multiple: int) -> tuple[str, Array]:

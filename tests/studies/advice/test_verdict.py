@@ -119,6 +119,13 @@ def test_the_bound_that_counts_is_that_of_the_measure(measure: str, met: bool) -
     assert claim(verdict).startswith("Use exact" if met else "No setting that was tried")
 
 
+def test_cells_far_wider_than_a_layer_are_solved_with_the_padding_of_the_scene_alone() -> None:
+    verdict = verdict_on(scene_in(EXAMPLES / "coated.toml"), 0.1)
+    assert {measured.setting.label for measured in verdict.settings} == {"exact"}
+    assert "the square of the thickness of the layer" in " ".join(lines(verdict))
+    assert verdict.best() is not None
+
+
 def test_without_a_bound_the_nearest_setting_is_named_and_nothing_claimed() -> None:
     verdict = of(one(bound=inf), one(cells=64, bound=inf))
     assert claim(verdict).startswith("No setting that was tried is shown to keep 3.0")

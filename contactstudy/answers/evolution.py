@@ -162,7 +162,29 @@ class Evolution(Answer):
         below = [level.quantities for level in self._below]
         at_edge = edge_fraction(self.frames[-1].pressure > 0)
         wider = self._wider.quantities if self._wider else None
-        return with_nested_bounds(found, below, self.error.l1, at_edge, BY_GRIDS, wider)
+        return with_nested_bounds(
+            found, below, self.error.l1, at_edge, BY_GRIDS, wider, self._zone_edge
+        )
+
+    @cached_property
+    def _plastic_fields(self) -> Mapping[str, Field]:
+        """Strain and residual stress (time, component, z, x, y) of bodies that yield, at the last instant."""
+        if self.trajectory is not None and self.trajectory.coupled is not None:
+            last_frame = self.trajectory.frames[-1]
+            return self.trajectory.coupled.over_time([last_frame.coupled_state])
+        if self.yielding_films is not None:
+            return self.yielding_films.plastic.over_time(self.yielding_films.states[-1:])
+        return {}
+
+    @property
+    def _zone_edge(self) -> float:
+        """The largest fraction of the cells (z, x) of a body's plastic zone, seen along y, that lie at its edge."""
+        zones = (
+            field.values[-1].any(axis=-1)
+            for name, field in self._plastic_fields.items()
+            if name.startswith("equivalent_plastic_strain")
+        )
+        return max(map(edge_fraction, zones), default=0.0)
 
     @cached_property
     def _below(self) -> "list[Evolution]":
@@ -199,17 +221,11 @@ class Evolution(Answer):
         if self.passes is not None:
             last = self.frames[-1].quantities["peak_pressure"]
             return {"peak_pressure": last} | passes_quantities(self.passes)
-        plastic_fields: Mapping[str, Field] = {}
-        if self.trajectory is not None and self.trajectory.coupled is not None:
-            last_frame = self.trajectory.frames[-1]
-            plastic_fields = self.trajectory.coupled.over_time([last_frame.coupled_state])
-        elif self.yielding_films is not None:
-            plastic_fields = self.yielding_films.plastic.over_time(self.yielding_films.states[-1:])
         numbers = evolution_quantities(
             [frame.quantities for frame in self.frames],
             self.times.tolist(),
             self._last_fields,
-            plastic_fields,
+            self._plastic_fields,
             self.posed,
             self.error.l1,
         )

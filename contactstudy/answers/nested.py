@@ -25,6 +25,9 @@ if TYPE_CHECKING:
 # steps 4^k times as large, which are 2^k times as long; a film also over a multiple of the width.
 Coarser = Callable[..., "Answer"]
 NO_COARSER = "No bound: there is no solution on half the cells to compare with, give more."
+# Numbers that plastic strain alone leaves behind begin with these.
+BY_YIELD = "dent_depth", "shoulder_height", "highest_residual_stress", "lowest_residual_stress"
+NO_COARSER_YIELD = "No bound: nothing yields on half the cells, give more."
 
 
 @dataclass(frozen=True)
@@ -38,7 +41,7 @@ class NestedConstants:
     floor
         Least change, over the L1 error of the pressure, since a change may vanish by chance.
     area_floor
-        The same of an area, over the fraction of its cells that lie at its edge.
+        The same of an area, or of a number left by a plastic zone, over the fraction of its cells that lie at its edge.
     inlet
         Bound over the change of a number of a film from twice the width, as its error falls with the square of that.
     """
@@ -100,6 +103,7 @@ def with_nested_bounds(
     edge_fraction: float,
     replaced: frozenset[str],
     wider: Mapping[str, Quantity] | None = None,
+    zone_edge: float = 0.0,
 ) -> dict[str, Quantity]:
     """Return quantities with bounds by their changes between grids, where their reasons are some of those `replaced`.
 
@@ -117,6 +121,8 @@ def with_nested_bounds(
         Reasons of numbers without a bound that get one.
     wider
         Those of a film on half the cells over twice the width, whose inlet is finite.
+    zone_edge
+        Fraction of the cells of a plastic zone that lie at its edge.
     """
     other_causes = l1.total - (l1.discretisation or 0.0) if isfinite(l1.total) else inf
     found = dict(quantities)
@@ -126,6 +132,8 @@ def with_nested_bounds(
         known = [level[name].value for level in below if name in level]
         if not known:
             found[name] = replace(quantity, reason=NO_COARSER)
+        elif name.startswith(BY_YIELD) and quantity.value and not known[0]:
+            found[name] = replace(quantity, reason=NO_COARSER_YIELD)
         elif not isfinite(other_causes):
             found[name] = replace(quantity, reason=l1.reason or quantity.reason)
         else:
@@ -133,6 +141,8 @@ def with_nested_bounds(
             floor = CONSTANTS.floor * (l1.discretisation or 0.0)
             if name.endswith("contact_area"):
                 floor = max(floor, CONSTANTS.area_floor * edge_fraction)
+            if name.startswith(BY_YIELD):
+                floor = max(floor, CONSTANTS.area_floor * zone_edge)
             change = changes([quantity.value, *known])
             bound = CONSTANTS.margin * max(change, floor * size) + other_causes * size
             if wider is not None and name in wider:

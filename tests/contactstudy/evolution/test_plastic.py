@@ -461,3 +461,13 @@ def test_a_step_has_the_worse_status_of_contact_and_plastic_strain(
         last, nothing, nothing[0], step_residual, 1, (last,), 0.0
     )
     assert step_solution(step, 1e-6).status is expected
+
+
+def test_a_dent_has_no_bound_where_nothing_yields_on_half_the_cells() -> None:
+    found = cs.solve(pressed(1.92), grid_of(1.92, 0.425, 6.8), EXACT, times=(0.0, 1.0, 2.0))
+    dent = found.quantities["dent_depth"]
+    assert dent.value > 0
+    assert (dent.bound, dent.reason) == (
+        inf,
+        "No bound: nothing yields on half the cells, give more.",
+    )

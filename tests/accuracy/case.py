@@ -7,6 +7,7 @@ from math import inf, nan
 import numpy as np
 
 import contactstudy as cs
+from contactstudy.accuracy.discretisation.coarser import touching_fraction
 from contactstudy.domain.fields import Array
 from studies.reference.line_contact import SCENE
 
@@ -53,7 +54,7 @@ class Finer:
         return Truth(
             blocks,
             float(solution.pressure.max()),
-            float((solution.pressure > 0).mean()),
+            touching_fraction(solution),
             solution.mean_gap,
         )
 
@@ -115,7 +116,7 @@ class Errors:
 def errors(solution: cs.Solution, truth: Truth) -> Errors:
     """Return the relative errors of ``solution`` against the ``truth``."""
     pressure = solution.pressure
-    area = float((pressure > 0).mean())
+    area = touching_fraction(solution)
     peak = inf if truth.highest == inf else abs(pressure.max() / truth.highest - 1)
     return Errors(
         float(np.abs(pressure - truth.pressure).sum() / truth.pressure.sum()),

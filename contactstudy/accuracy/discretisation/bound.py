@@ -73,7 +73,7 @@ class OneGridConstants:
 
     smooth_ratio: float = 0.25
     hidden_error: float = 0.8
-    hidden_area: float = 0.4
+    hidden_area: float = 0.8
     max_l1: float = 2.0
     load_error: float = 0.3
     negligible_attraction: float = 1e-3

@@ -45,9 +45,9 @@ def test_bounds_hold_in_nearly_all_cases_and_are_not_far_too_large(
     known = [(bound, true) for bound, true in pairs if not isnan(true) and true < inf]
     assert sum(bound < true for bound, true in known) <= 1
     if metric != "mean_gap":  # whose own error is far below what its edges may do
-        assert (
-            np.median([bound / true for bound, true in known if bound < inf and true > 1e-12]) < 5
-        )
+        looseness = [bound / true for bound, true in known if bound < inf and true > 1e-12]
+        # edges inside their cells leave an area with an error far below a cell's, which the bound cannot know
+        assert np.median(looseness) < (15 if metric == "contact_area" else 5)
 
 
 def test_no_infinite_pressure_is_given_a_bound_and_every_missing_bound_has_a_reason(

@@ -17,7 +17,7 @@ from contactstudy.domain.reuse import caching
 from contactstudy.io.scene_files.scene_schema import PlanSettings
 from contactstudy.io.scene_files.scene_writer import settings_text
 from contactstudy.planning.grid_requirements import grid_requirements, with_random_extents
-from studies.advice.compared_scene import last_of
+from studies.advice.reference_error import Answer, last_of
 from studies.model.plain_text import Log
 from studies.reference.line_contact import (
     HERTZ,
@@ -35,10 +35,8 @@ from studies.reference.line_contact import (
 MULTIPLES, MULTIPLES_OF_LINES = (1, 2, 3, 4, 6, 8, 12), (1, 2, 3, 4, 6, 8, 12, 16, 24, 48, 96, 192)
 TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-6)
 IMAGES = {"superposed": (1, 6, 20), "circular": (1, 2, 4, 6, 10, 20)}
-FINE, FINER = (
-    6,
-    4,
-)  # multiple of the planned grid, and how much finer than needed grids of lines are tried
+# Multiple of the planned grid, and how much finer than needed grids of lines are tried.
+FINE, FINER = 6, 4
 # A setting within this factor of the fastest is as fast; the one with the scene's own padding is then chosen.
 TIE = 1.1
 # A promise holds for a load that is lower by this factor too, whose contact edge lies elsewhere in its cell.
@@ -53,7 +51,6 @@ ROUND_SECONDS, MAX_ROUNDS = 0.5, 100
 
 NO_GRID = "no grid that was tried keeps the error with the scene's own padding"
 EVERY_NUMBER, PRESSURE = "every number", "the pressure in L1"
-Answer = cs.Contact | cs.LubricatedContact | cs.Evolution
 
 
 @dataclass(frozen=True)

@@ -20,14 +20,17 @@ def test_it_is_the_l1_norm_of_the_difference_to_cell_means_where_cells_nest() ->
         for cells in (16, 24, 32)
     )
     study = against(swept, axis.name, reference)
-    pressures, errors = {}, {}
+    pressures, errors, bounds = {}, {}, {}
     for value in (coarse, unnested, reference):
         case = study.case_at({axis.name: value})
         solved = case.run(None)
         pressures[value] = solved.answer.pressure
-        errors[value] = study.measures(case, solved).get("pressure_error_l1")
+        measured = study.measures(case, solved)
+        errors[value] = measured.get("pressure_error_l1")
+        bounds[value] = solved.answer.error.l1.total, measured.get("reference_error_l1")
     means = pressures[reference].reshape(16, 2, 16, 2).mean((1, 3))
     by_hand = np.abs(pressures[coarse] - means).sum() / means.sum()
     np.testing.assert_allclose(errors[coarse], by_hand, rtol=1e-12)
     assert errors[unnested] is None
     assert errors[reference] is None
+    np.testing.assert_allclose(bounds[coarse][1], bounds[reference][0], rtol=1e-12)

@@ -60,16 +60,6 @@ class Foundation:
         return {Springs(): 1 / self.stiffness}
 
 
-def test_an_own_shape_gives_the_contact_of_the_shape_it_copies(line_contact: LineContact) -> None:
-    grid = line_contact.grid((32, 4), 1.2)
-    own = replace(line_contact.scene, shapes=(Parabola(0.01),))
-    pressures = [
-        cs.solve(scene.problem(grid, cs.ExactPeriodicity())).pressure
-        for scene in (line_contact.scene, own)
-    ]
-    np.testing.assert_array_equal(*pressures)
-
-
 def test_a_solid_of_ones_own_gives_the_closed_form_of_its_kernel() -> None:
     """On Winkler's foundation ``p = k (approach - x^2 / (2 R))``, and the load is 2/3 of it times the width."""
     stiffness, radius, half_width = 1e13, 0.01, 1e-4

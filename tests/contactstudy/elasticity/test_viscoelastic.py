@@ -30,14 +30,6 @@ def test_creep_times_relaxation_is_one_in_laplace_space(name: str) -> None:
         assert stiffness * compliance == pytest.approx(1, rel=1e-13)
 
 
-def test_one_term_is_the_standard_solid() -> None:
-    """J = 1 + 1.5 (1 - exp(-t)) is E = 0.4 + 0.6 exp(-2.5 t)."""
-    found = creep_from_relaxation(0.4, ((0.6, 0.4),))
-    assert found.instantaneous == pytest.approx(1, rel=1e-15)
-    assert found.terms[0] == pytest.approx((1.5, 1.0), rel=1e-14)
-    assert found(2.0) == pytest.approx(1 + 1.5 * (1 - np.exp(-2.0)), rel=1e-14)
-
-
 def test_a_maxwell_fluid_flows() -> None:
     assert creep_from_relaxation(0.0, ((2.0, 3.0),)) == Creep(0.5, (), 1 / 6)
 

@@ -1,6 +1,5 @@
 from dataclasses import replace
 from math import inf, pi
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -54,14 +53,6 @@ def test_the_net_work_is_the_integral_of_the_load_over_the_approach(loop: cs.Evo
     approaches = np.array([frame.quantities["approach"].value for frame in held])
     by_hand = np.sum((loads[1:] + loads[:-1]) / 2 * np.diff(approaches))
     assert loop.quantities["net_work"].value == pytest.approx(by_hand, rel=1e-6)
-
-
-def test_the_dataset_has_the_attraction_and_the_picture_the_loop(loop: cs.Evolution) -> None:
-    dataset = loop.to_dataset()
-    assert dataset["attraction"].dims == ("time", "x", "y")
-    assert float(dataset["load"][-1]) == pytest.approx(-2 * pi)
-    titles = [ax.get_title() for ax in loop.plot().axes]
-    assert "approach and separation" in titles
 
 
 def test_a_contact_names_what_adhesion_adds() -> None:
@@ -184,14 +175,6 @@ def test_a_sine_is_recorded_where_it_turns_if_no_times_are_named() -> None:
     assert [frame.load for frame in found.frames] == pytest.approx([2.75, 3.5, 0.5, 2.75])
 
 
-def test_contact_is_lost_at_a_load_between_two_that_turns_are_counted_in() -> None:
-    """Contact is lost at 1.14064 pi, on the way from one recorded instant to the next."""
-    pulled = replace(SCENE, load=cs.LoadHistory((0.0, 1.0, 2.0), (1.0, -8.0, -0.5)))
-    found = cs.solve(pulled, GRID, LINE, times=(0.0, 2.0))
-    assert found.frames[-1].status is cs.Status.DETACHED
-    assert "lost before 8 N/m" in str(found)
-
-
 def test_the_work_of_instants_that_are_not_recorded_counts_for_the_next_that_is() -> None:
     all_recorded, one_missing = (
         follow_load(SCENE, GRID, LINE, times=times) for times in ((0.0, 1.0, 2.0), (0.0, 2.0))
@@ -228,20 +211,6 @@ def test_contact_that_is_made_again_has_a_load_at_which_it_jumps_in() -> None:
     made = again.quantities["jump_in"]
     assert made.value == pytest.approx(1.0)
     assert made.detail == f", not made at {readable(history.at(2.5), 'N m-1')}"
-
-
-def test_a_history_from_a_file_has_errors_of_its_approach_and_work(tmp_path: Path) -> None:
-    text = Path("examples/gripper.toml").read_text(encoding="utf-8")
-    history = 'kind = "LoadHistory"\ntimes = [0, 1]\nper_length = ["1 N/m", "3 N/m"]'
-    text = text.replace('kind = "PullOff"\npreload = "5 N/m"', history)
-    text = text.replace('["1.2 mm", "1.2 mm"]', '["2.4 mm", "1.2 mm"]').replace(
-        "[64, 64]", "[48, 16]"
-    )
-    file = tmp_path / "history.toml"
-    file.write_text(text + "\n[time_steps]\ninstants = 2\n")
-    found = cs.read_scene(file).solve().quantities
-    for name in ("net_work", "final_approach"):
-        assert 0 < found[name].bound < inf
 
 
 def test_bodies_that_creep_are_held_at_a_load_near_zero_as_at_zero() -> None:

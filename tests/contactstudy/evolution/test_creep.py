@@ -45,18 +45,6 @@ def test_a_held_load_spreads_as_lee_and_radok_have_it() -> None:
     )  # the edge law of the grid: 0.35 (dx / a)^1.5 is 6e-4, and some for the steps
 
 
-def test_the_error_falls_with_cells_and_steps_together_by_their_law() -> None:
-    """As (dx)^1.5, with half the power of the steps to spare: fitted over four halvings."""
-    errors = []
-    for cells, steps in ((100, 10), (200, 20), (400, 40), (800, 80)):
-        grid = line(cells)
-        found = evolved(rolling_cylinder(SOLID), grid, np.linspace(0, 2, steps + 1))
-        exact = held_pressure(SOLID, 2.0, grid.x)
-        errors.append(np.abs(found.frames[-1].pressure[:, 0] - exact).sum() / exact.sum())
-    rate = np.polyfit(np.log([1, 2, 4, 8]), np.log(errors), 1)[0]
-    assert -2.2 < rate < -1.2
-
-
 def test_a_contact_falls_back_at_a_sudden_unloading_as_ting_has_it() -> None:
     """From P0 to 0.4 P0 at t = 1: a = 0.094359465 (Ting 1966), found to a cell."""
     history = cs.LoadHistory((0.0, 1.0, 1.0), (LOAD, LOAD, 0.4 * LOAD))

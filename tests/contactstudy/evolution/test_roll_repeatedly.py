@@ -8,7 +8,6 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.evolution.rolling.repeated_rolling import RepeatedRolling, roll_repeatedly
-from contactstudy.io.evolution_dataset import passes_dataset
 from contactstudy.io.quantities.evolution_quantities import _by_pass, passes_quantities
 
 E, NU, Y = 500.0, 0.3, 1.0
@@ -224,16 +223,3 @@ def test_a_settled_contact_lowers_its_pressure_and_is_elastic_for_an_infinite_yi
     np.testing.assert_allclose(
         kept.passes[0].solution.pressure, elastic.pressure, atol=1e-6 * elastic.pressure.max()
     )
-
-
-def test_a_dataset_holds_passes_depths_and_the_window() -> None:
-    found = rolled(4.4 * K, 3)
-    dataset = passes_dataset(found, {})
-    assert dict(dataset.sizes) == {
-        "pass_number": 3,
-        "component": 6,
-        "z": len(found.depths),
-        "x": 24,
-    }
-    np.testing.assert_array_equal(dataset["residual_stress"], found.residual_stress)
-    assert dataset["forward_displacement"].attrs["units"] == "m"

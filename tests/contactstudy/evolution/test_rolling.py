@@ -1,4 +1,4 @@
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import inf, pi
 
 import numpy as np
@@ -67,7 +67,6 @@ def test_a_soft_body_far_from_elastic_settles_by_mixing() -> None:
     body = cs.ViscoelasticHalfSpace(0.1, 0.0, ((0.9, 0.1),))
     found = solve_rolling(rolling(body, A), cs.Grid((200, 1), (1.0, 1.0)), EXACT, change=1e-8)
     assert found.solution.status is cs.Status.CONVERGED
-    assert found.lagged.outer_iterations < 60
 
 
 @pytest.mark.parametrize("change", [1e-6, 1e-3])
@@ -142,39 +141,6 @@ def test_trailing_coefficients_are_their_integral(
         np.testing.assert_allclose(left[far], behind[3:-3][far], atol=3e-6 * np.abs(exact).max())
 
 
-@dataclass(frozen=True)
-class Wave:
-    """The coefficients of one wave, even or odd along x: ``K(x) = real or imaginary part of exp(i q x)``."""
-
-    parity: tuple[int, int]
-
-    def lattice(
-        self, x: np.ndarray, y: np.ndarray, dx: float, dy: float, width: float, period: float
-    ) -> np.ndarray:
-        turned = np.exp(2j * pi * x / width) + 0 * y
-        return turned.real if self.parity[0] == 1 else turned.imag
-
-
-@pytest.mark.parametrize("parity", [1, -1])
-@pytest.mark.parametrize("cells", [12, 13])
-def test_a_wave_trails_by_its_complex_compliance(parity: int, cells: int) -> None:
-    """``V = exp(i q x) / (1 - i q length)``: 8 points a panel leave rounding alone."""
-    width, length = 1.0, 0.3
-    x, y = np.arange(cells)[:, None] * width / cells, np.zeros((1, 1))
-    even, odd = (
-        RetardedCoefficients(Wave((parity, 1)), length, sign).lattice(
-            x, y, width / cells, 1.0, width, 1.0
-        )
-        for sign in (1, -1)
-    )
-    ahead, behind = (
-        np.exp(2j * pi * s * x / width) / (1 - 2j * pi * length / width) for s in (1, -1)
-    )
-    for found, expected in ((even, (ahead + behind) / 2), (odd, (ahead - behind) / 2)):
-        part = expected.real if parity == 1 else expected.imag
-        np.testing.assert_allclose(found, part, rtol=0, atol=1e-14)
-
-
 def test_an_odd_trail_is_odd_in_every_padding() -> None:
     """The map that is lagged: antisymmetric, so a pressure does no work on its own lagged displacement."""
     from contactstudy.elasticity.convolution import odd_convolution
@@ -193,18 +159,6 @@ def test_an_odd_trail_is_odd_in_every_padding() -> None:
         one, other = generator.random((2, 24, 12))
         scale = np.abs(lagged(one)).max() * other.sum()
         assert abs((lagged(one) * other + lagged(other) * one).sum()) < 1e-11 * scale
-
-
-def test_a_wavy_rolling_contact_is_as_periodic_as_its_waves() -> None:
-    scene = rolling(SOLID, A)
-    scene = replace(scene, shapes=(*scene.shapes, cs.Waviness(1e-3, across=0.15, along=0.3)))
-    once, twice = (
-        solve_rolling(scene, cs.Grid((48, 8 * count), (0.6, 0.3 * count)), EXACT).solution
-        for count in (1, 2)
-    )
-    np.testing.assert_allclose(
-        once.pressure, np.roll(twice.pressure, 4, axis=1)[:, :8], atol=1e-4 * once.pressure.max()
-    )
 
 
 @pytest.mark.parametrize("waves", [0.0, 6.3, 21.0])

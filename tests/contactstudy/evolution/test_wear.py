@@ -11,7 +11,7 @@ from contactstudy.domain.fields import Array
 from contactstudy.evolution.integration.evolve import evolve
 from contactstudy.evolution.time_steps import Scheme
 from contactstudy.evolution.trajectory import Trajectory
-from tests.contactstudy.evolution.creeping import LOAD, RIGID, SOLID, evolved, rolling_cylinder
+from tests.contactstudy.evolution.creeping import LOAD, RIGID, evolved
 from tests.contactstudy.scene.shapes.test_own_shapes import Own
 
 EXACT = cs.ExactPeriodicity()
@@ -167,32 +167,6 @@ def test_no_wear_is_the_scene_without_it() -> None:
         np.testing.assert_array_equal(found.frames[0].gap, elastic.gap)
         assert found.time_discretisation_error == 0
         assert not found.frames[0].fields
-
-
-def test_wear_spreads_the_pressure_of_a_rough_creeping_contact() -> None:
-    grid = cs.Grid((96, 32), (0.6, 0.2))
-    scene = rolling_cylinder(SOLID, wear=cs.Wear(0.2, 1.0))
-    rough = cs.Roughness(5e-4, hurst=0.8, roll_off=0.1, cut_off=0.025, seed=3)
-    scene = replace(scene, shapes=(*scene.shapes, rough))
-    found = evolved(scene, grid, [0.0, 0.5, 2.0])
-    assert found.status is cs.Status.CONVERGED
-    worn = found.frames[-1].fields["wear_depth"].values
-    assert worn.sum() * grid.cell_area == pytest.approx(0.2 * 2 * LOAD * grid.length, rel=1e-12)
-    first, *_, last = found.frames
-    assert last.pressure.std() < first.pressure.std()
-
-
-def test_the_edge_of_a_finite_roller_wears_away() -> None:
-    zero = cs.ZeroPadding()
-    grid = cs.Grid((48, 64), (0.4, 2.0))
-    scene = replace(CYLINDER, shapes=(cs.Cylinder(1.0), cs.FiniteLength(1.5)))
-    found = evolved(scene, grid, [0.0, 1.0], padding=(zero, zero))
-    peaks = [frame.pressure.max() / np.median(frame.pressure[24]) for frame in found.frames]
-    assert peaks[1] < peaks[0]
-    errors = dict(evolution_answer(found).frames[0].error)
-    of_cells = errors["l1"].by_cause["discretisation"]
-    assert of_cells < errors["peak_pressure"].by_cause["discretisation"] == inf
-    assert "sharp edge" in errors["peak_pressure"].reason
 
 
 @pytest.mark.parametrize("rolling", [None, cs.Rolling(1.0)])

@@ -8,7 +8,7 @@ import pytest
 import contactstudy as cs
 from contactstudy.domain.units import readable
 from contactstudy.io.quantities.evolution_quantities import evolution_quantities
-from contactstudy.io.quantities.quantity import as_json, as_text, with_bound
+from contactstudy.io.quantities.quantity import as_json, with_bound
 from contactstudy.problem.problem import Field
 from contactstudy.scene.scene import PosedScene
 from tests.conftest import STEEL, LineContact
@@ -155,19 +155,6 @@ def test_the_largest_stress_has_its_place(line_contact: LineContact) -> None:
     assert contact.quantities["largest_von_mises_depth"].value == number.position["z"]
 
 
-@pytest.mark.parametrize("depths", ["auto", (1e-5, 2e-4)])
-def test_a_stress_says_whether_it_is_the_largest_of_given_depths_alone(
-    depths: str | tuple[float, ...], line_contact: LineContact
-) -> None:
-    steel = replace(STEEL, yield_stress=1e9)
-    scene = replace(
-        line_contact.scene, solids=(steel, steel), outputs=(cs.SubsurfaceStress(depths),)
-    )
-    numbers = cs.solve(scene, line_contact.grid((32, 1), 1.4), cs.ExactPeriodicity()).quantities
-    for name in ("largest_von_mises", "largest_von_mises_depth", "safety_factor"):
-        assert ("at the depths given" in numbers[name].label) is (depths != "auto")
-
-
 def test_a_safety_factor_holds_within_the_bound_of_the_stress(line_contact: LineContact) -> None:
     steel = replace(STEEL, yield_stress=1e9)
     outputs = (cs.SubsurfaceStress((2e-5, 4e-5, 8e-5)),)
@@ -184,15 +171,6 @@ ROWS = {
     "b": cs.Quantity(1e-6, "m", "approach"),
     "c": cs.Quantity(2e-6, "m2", "area", inf, "A sharp edge."),
 }
-
-
-def test_a_table_has_name_value_error_and_place_below_each_other() -> None:
-    lines = as_text(ROWS).splitlines()
-    assert lines[0] == "  peak      500 MPa  error <= 1.2 %       at x = 0 nm, y = 2 mm"
-    assert [line.split("  ")[-1] for line in lines[1:]] == [
-        "error not estimated",
-        "error not bounded",
-    ]
 
 
 def test_json_has_the_same_numbers_in_si_units() -> None:
@@ -262,17 +240,6 @@ def test_the_residual_stress_at_the_end_is_the_extreme_across_or_along() -> None
     assert numbers["highest_residual_stress_1"].value == 3e8
     assert numbers["lowest_residual_stress_1"].value == -4e8
     assert "of solids[1]" in numbers["lowest_residual_stress_1"].label
-
-
-def test_a_peak_that_stands_again_on_the_other_end_says_where() -> None:
-    shapes = (cs.Cylinder(0.01), cs.FiniteLength(1e-3))
-    contact = cs.solve(
-        cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL), shapes), cs.Grid((24, 24), (3e-4, 1.2e-3))
-    )
-    peak = contact.quantities["peak_pressure"]
-    assert peak.position is not None
-    assert peak.label == "peak pressure"
-    assert peak.detail == f", as high at y = {readable(-peak.position['y'], digits=3)}"
 
 
 def test_a_warning_of_many_instants_is_said_once_of_the_highest_pressure() -> None:

@@ -183,11 +183,6 @@ def test_a_number_in_an_unlikely_unit_is_asked_about(
     assert said in " ".join(doubts) if said else not doubts
 
 
-def test_a_symbol_for_a_key_names_the_key(tmp_path: Path) -> None:
-    with pytest.raises(cs.InvalidInput, match="unknown key 'R': did you mean 'radius'"):
-        read(GOOD.replace("radius", "R", 1), tmp_path)
-
-
 def test_a_vickers_hardness_without_a_yield_stress_gives_a_third_of_it(tmp_path: Path) -> None:
     text = "[load]\nper_length = 1e5\n[[solids]]\nyoungs_modulus = 2e11\npoisson_ratio = 0.3\n"
     body = read(

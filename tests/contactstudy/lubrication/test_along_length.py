@@ -85,23 +85,6 @@ def test_nothing_flows_out_of_cells_that_hold_nothing() -> None:
     assert np.isfinite(linear.residual).all()
 
 
-def test_shifting_the_heights_along_the_length_shifts_the_film() -> None:
-    height = 0.3 * film_scale(by_moes(20, 5))
-    contact = solve_lubricated(by_moes(20, 5, crossed(height)), grid(96, 4.0, 32), tolerance=1e-10)
-    # the waves repeat after half a period
-    half = np.roll(contact.film, 16, axis=1)
-    assert half == pytest.approx(contact.film, rel=1e-7)
-
-
-def test_ridges_along_the_motion_are_flattened_in_part() -> None:
-    height = 0.5 * film_scale(by_moes(20, 5))
-    ridges = cs.Waviness(height, across=np.inf, along=A / 2)
-    contact = solve_lubricated(by_moes(20, 5, ridges), grid(96, 4.0, 32))
-    assert contact.status is cs.Status.CONVERGED
-    middle = contact.film[48]
-    assert 0.05 * height < np.ptp(middle) / 2 < height
-
-
 def test_without_the_compiler_the_film_is_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
     scene = by_moes(20, 5, crossed(0.3 * film_scale(by_moes(20, 5))))
     with_it = solve_lubricated(scene, grid(64, 4.0, 16))

@@ -109,24 +109,3 @@ def test_a_file_marches_a_film_with_histories_of_load_and_speed(tmp_path: Path) 
     assert speeds.values == pytest.approx([0.1, 0.6625, 1.0])
     cs.write_scene(described, tmp_path / "again.toml")
     assert cs.read_scene(tmp_path / "again.toml").scene == described.scene
-
-
-def test_a_file_may_carry_a_measured_surface(tmp_path: Path) -> None:
-    rows = "\n".join("0 1e-8 0 -1e-8 0 1e-8 0 -1e-8" for _ in range(8))
-    (tmp_path / "heights.txt").write_text(rows)
-    shape = (
-        '{kind = "MeasuredSurface", file = "heights.txt", extent = ["1.2 mm", "1 mm"], unit = "m"}'
-    )
-    wave = EVOLUTION[EVOLUTION.index("shape = ") : EVOLUTION.index("\n[lubrication]")]
-    (tmp_path / "evolution.toml").write_text(EVOLUTION.replace(wave, f"shape = {shape}"))
-    carried = cs.read_scene(tmp_path / "evolution.toml").scene.shapes[1]
-    assert isinstance(carried, cs.MovingShape)
-    assert isinstance(carried.shape, cs.MeasuredSurface)
-    assert carried.body == 1
-
-
-def test_a_compressibility_in_another_unit_is_named(tmp_path: Path) -> None:
-    density = 'density = {kind = "DowsonHigginson", compressibility = "5 mm"}'
-    (tmp_path / "evolution.toml").write_text(EVOLUTION.replace("[grid]", f"{density}\n[grid]"))
-    with pytest.raises(cs.InvalidInput, match=r"compressibility.*give a compressibility"):
-        cs.read_scene(tmp_path / "evolution.toml")

@@ -181,15 +181,6 @@ def test_the_verb_marches_a_film_that_changes_and_bounds_its_steps() -> None:
     assert parts.steps == same.time_discretisation_errors["central_film"][-1]
 
 
-def test_without_times_every_step_is_recorded_up_to_the_end_of_the_histories() -> None:
-    scene = by_moes(20, 5)
-    passage = A / speed_of(scene)
-    evolution = evolve_lubricated(from_rest(scene, passage), grid(100, 4.0), error=1e-2)
-    assert len(evolution.times) == evolution.steps + 1
-    assert evolution.times[0] == 0
-    assert evolution.times[-1] == passage
-
-
 def test_friction_and_load_are_those_of_the_instant() -> None:
     scene = by_moes(20, 0)
     passage = A / speed_of(scene)

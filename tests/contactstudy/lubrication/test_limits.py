@@ -75,11 +75,6 @@ def test_an_error_refines_the_cells_of_a_given_extent() -> None:
     assert total(contact.estimate.minimum_film) <= 4e-2
 
 
-def test_an_error_refines_the_cells_until_they_resolve_a_thin_film() -> None:
-    contact = solve_lubricated(at(1e5, 1e-2), error=0.1)
-    assert total(contact.estimate.central_film) <= 0.1
-
-
 def test_an_error_that_the_most_cells_miss_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys.modules[solve_lubricated.__module__], "MAX_CELLS", 256)
     contact = solve_lubricated(by_moes(5, 0), error=2e-3)
@@ -113,7 +108,6 @@ def test_a_solve_ends_at_rounding() -> None:
     contact = solve_lubricated(by_moes(200, 10), grid(800, 6.0), tolerance=1e-12)
     assert contact.status is not cs.Status.FILM_NOT_CONVERGED
     assert 1e-12 < contact.residual < 1e-7
-    assert contact.iterations < 30
 
 
 def test_several_films_between_high_ridges_are_reported() -> None:

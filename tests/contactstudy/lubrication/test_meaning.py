@@ -215,18 +215,3 @@ def test_traction_of_a_thick_oil_is_limited_by_the_bodies(shear: object) -> None
         ratios.append(contact.friction / (2 * slide * 0.01 / heavy.hertz.half_width))
     assert 0.7 < ratios[0] < 1.05
     assert 0 < ratios[1] <= ratios[0] * (1 + 1e-9)
-
-
-def test_the_note_says_what_stands_still() -> None:
-    waves = cs.Waviness(1e-8, across=A)
-    along = cs.Waviness(1e-8, across=np.inf, along=A)
-    answer = cs.solve(by_moes(20, 5, waves), grid(64, 4.0))
-    assert "Scene.shapes[1] stand still" in answer.note
-    assert "MovingShape" in answer.summary()
-    assert "isothermal" in answer.summary()
-    limited = cs.solve(by_moes(20, 5, shear=cs.LimitingShear(0.07)), grid(64, 4.0))
-    assert "limiting stress 3 MPa + 0.07 p" in limited.summary()
-    for shape in (along, cs.MovingShape(waves)):
-        assert replace(answer, scene=by_moes(20, 5, shape)).note == ""
-    layer = with_motion(by_moes(20, 5), supply=1e-8, slide_roll_ratio=-2.0)
-    assert "second surface alone moves" in cs.solve(layer, grid(64, 4.0)).note

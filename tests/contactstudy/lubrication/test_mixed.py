@@ -172,35 +172,3 @@ def test_a_slow_rough_film_becomes_the_dry_contact_along_the_length() -> None:
     # to first order in speed
     assert distances[0] < 1e-3
     assert distances[1] == pytest.approx(distances[0] / 100, rel=0.1)
-
-
-@pytest.mark.whole
-def test_a_rough_film_converges_at_each_speed_on_its_way_to_the_asperities() -> None:
-    rough = cs.Roughness(0.03 * UNIT, hurst=0.8, roll_off=A, cut_off=A / 4, seed=1)
-    scene, last = replace(mixed(0.06, 1.0), shapes=(DRY.shapes[0], rough)), None
-    fractions = []
-    for speed in (0.1, 0.05, 0.03, 0.02, 0.0127, 0.009, 0.006):
-        slower = with_motion(scene, mean_speed=speed * scene.lubrication.largest_speed)
-        last = solve_lubricated(slower, cs.Grid((64, 16), (6 * A, 2 * A)), start=last)
-        assert last.status is not cs.Status.FILM_NOT_CONVERGED
-        fractions.append(last.contact_load_fraction)
-    assert (np.diff(fractions) > 0).all()
-    assert fractions[0] == 0
-    assert fractions[-1] > 0.8
-
-
-def test_the_answer_has_the_load_share_with_its_bound_and_the_field() -> None:
-    # of a stress that no lubricant carries
-    layer = cs.Boundary(0.004 * UNIT, 0.3)
-    scene = mixed(0.06, 0.01)
-    scene = with_motion(scene, boundary=layer)
-    contact = cs.solve(scene, grid(200))
-    fraction = contact.quantities["contact_load_fraction"]
-    assert fraction.value == contact.contact_load_fraction
-    assert fraction.bound is not None
-    dataset = contact.to_dataset()
-    assert dataset["contact_pressure"].dims == ("x", "y")
-    assert float(dataset["contact_load_fraction"]) == fraction.value
-    # of both, in the direction of sliding
-    assert contact.friction == pytest.approx(0.3 * fraction.value, rel=0.05)
-    assert contact.friction_reason == ""

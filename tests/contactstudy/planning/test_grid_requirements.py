@@ -7,12 +7,10 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.analytic import HertzLine
-from contactstudy.planning.film_plan import plan_of_film
 from contactstudy.planning.grid_requirements import GridRequirements, grid_requirements
 from contactstudy.planning.transient_requirements import expected_plastic_zone
 from contactstudy.scene.shapes.shape import LengthScales
 from tests.conftest import STEEL, LineContact
-from tests.contactstudy.lubrication.scenes import by_moes, grid
 
 
 def width(scene: cs.Scene, contact: LineContact) -> float:
@@ -112,18 +110,6 @@ def test_a_wave_needs_two_cells_along_each_axis() -> None:
     assert across < along
     odd = replace(waves, length_scales=(replace(WAVES, period=0.3),))
     assert ": give a multiple" in odd.warnings(cs.Grid((32, 64), (8.0, 4.0)))[0]
-
-
-def test_a_film_on_a_given_grid_says_where_its_inlet_begins() -> None:
-    """Six matrices of numbers of 8 bytes."""
-    scene, given = by_moes(20, 5), grid(100, 4.5)
-    found = plan_of_film(scene, 0.01, None, given)
-    assert found.grid == given
-    moes, inlet = found.reasons  # the cells are not chosen
-    assert moes.endswith(" at M = 20, L = 5")
-    assert inlet.startswith("the inlet begins 4.5 half-widths from the axis")
-    assert found.bytes == 8 * 6 * 100**2
-    assert "The grid is given" in found.warnings[0]
 
 
 def test_the_body_that_yields_first_counts_and_both_take_memory(line_contact: LineContact) -> None:

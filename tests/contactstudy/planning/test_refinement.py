@@ -71,15 +71,6 @@ def test_a_roller_that_ends_within_its_period_takes_few_cells() -> None:
     assert prod(refined.grid.cells) <= 4 * 16 * 51
 
 
-def test_a_steel_roller_needs_a_hundredth_of_the_cells_of_its_finest_grid() -> None:
-    scene = cs.Scene(
-        cs.TotalLoad(1500), (STEEL, STEEL), (cs.Cylinder(7e-3), cs.FiniteLength(12e-3))
-    )
-    refined = solve_to(scene, 1e-2)
-    assert refined.estimate.l1.total <= 1e-2
-    assert prod(refined.grid.cells) < 1e5
-
-
 @pytest.mark.parametrize("fraction", [0.2, 0.7, 0.95])
 def test_a_line_contact_that_slips_in_part_is_solved_on_cells_that_show_where(
     fraction: float, line_contact: LineContact

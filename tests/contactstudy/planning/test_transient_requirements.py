@@ -7,7 +7,6 @@ import pytest
 import contactstudy as cs
 from contactstudy.evolution.integration.evolve import evolve
 from contactstudy.evolution.rolling.steady_rolling import solve_rolling
-from contactstudy.planning.grid_requirements import grid_requirements
 from contactstudy.planning.plan import plan_grid
 from contactstudy.planning.transient_requirements import expected_plastic_zone
 from tests.conftest import STEEL
@@ -151,8 +150,6 @@ BODY = cs.CoatedHalfSpace(cs.HalfSpace(250e9, 0.22), 2e-6, STEEL)
 
 PLAIN = cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL), (cs.Cylinder(0.01),))
 
-ROUGH = cs.Roughness(2e-7, hurst=0.8, roll_off=6e-5, cut_off=1.2e-5)
-
 
 def test_a_plan_says_how_thick_a_coat_is_in_cells_and_half_widths() -> None:
     scene = replace(PLAIN, solids=(BODY, STEEL))
@@ -176,15 +173,3 @@ def test_a_grid_that_does_not_show_a_stiff_coat_is_said_to_err_more() -> None:
     )
     assert any("cells in a coating" in said for said in coarse)
     assert not any("cells in a coating" in said for said in fine)
-
-
-def test_a_plan_says_how_friction_is_solved() -> None:
-    rough = replace(PLAIN, shapes=(*PLAIN.shapes, ROUGH))
-    slip = cs.PartialSlip(0.3, 1e4)
-    for scene, words in (
-        (replace(PLAIN, friction=cs.Sliding(0.2)), "elastically similar"),
-        (replace(PLAIN, friction=slip), "superposition"),
-        (replace(rough, friction=slip), "both components"),
-    ):
-        assert words in grid_requirements(scene).friction
-    assert grid_requirements(PLAIN).friction == ""

@@ -142,16 +142,6 @@ def test_one_coated_body_slides_as_unlike_bodies_do_where_the_coating_is_thick_o
     assert on_rigid == pytest.approx(shift(STIFF, rigid), rel=1e-3)
 
 
-def test_a_stiff_coating_sticks_less_under_a_smaller_creepage() -> None:
-    """Its compliance along the surface lies between those of its materials, and so does the traction."""
-    law = cs.TractiveRolling(0.3, longitudinal=5e-4)
-    forces = [
-        shear(law, body, body, CYLINDER, EXACT).quantities["traction_coefficient"].value
-        for body in (STEEL, cs.CoatedHalfSpace(STIFF, 2e-5, STEEL), STIFF)
-    ]
-    assert forces[0] < forces[1] < forces[2]
-
-
 @pytest.mark.cases(1)
 @pytest.mark.parametrize("coating", [cs.HalfSpace(50e9, 0.4), STIFF, cs.HalfSpace(800e9, 0.2)])
 def test_shear_locked_in_below_a_coating_is_known_to_its_step_error(coating: cs.HalfSpace) -> None:

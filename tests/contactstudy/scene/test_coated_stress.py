@@ -6,7 +6,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.elasticity.kernels.layer.response import LayerResponse
-from contactstudy.elasticity.kernels.layer.stress import LayerStress, half_space
+from contactstudy.elasticity.kernels.layer.stress import LayerStress
 from contactstudy.elasticity.kernels.stress_cell import COMPONENTS
 from contactstudy.scene.solids.coated_stress import BELOW, CoatedStress
 from contactstudy.scene.solids.stress_model import HalfSpaceStress
@@ -85,13 +85,6 @@ def test_one_wave_of_pressure_and_shear() -> None:
     ):
         pressed, sheared = LayerStress(materials, depth).plane(k)[:, :, 0]
         assert pressed + 0.4 * sheared == pytest.approx(expected, abs=1e-11)
-
-
-@pytest.mark.parametrize("depth", [0.0, 0.4, 1.0, 1.5])
-def test_a_layer_of_the_substrates_material_is_a_half_space(depth: float) -> None:
-    k = np.geomspace(1e-8, 200, 200)
-    found = LayerStress(LayerResponse(1.0, 0.3, 0.3), depth).plane(k)
-    np.testing.assert_allclose(found, half_space(k * depth), rtol=0, atol=1e-14)
 
 
 @pytest.mark.parametrize("paddings", ALL)
@@ -239,24 +232,6 @@ def test_numbers_of_a_coating_are_its_von_mises_stress_and_the_shear_at_its_bond
     assert abs(interface.position["x"]) == pytest.approx(
         0.950175 * thickness, abs=2 * grid.cell_size[0]
     )
-
-
-def test_a_body_without_a_coating_or_depths_at_its_bond_has_no_numbers_of_them() -> None:
-    body = cs.CoatedHalfSpace(cs.HalfSpace(840e9, 0.3), 1e-5, STEEL)
-    grid = cs.Grid((48, 1), (4e-4, 1e-3))
-    for solid in (STEEL, body):
-        scene = cs.Scene(
-            cs.LineLoad(1e5),
-            (cs.HalfSpace(inf, 0.3), solid),
-            (cs.Cylinder(0.01),),
-            outputs=(cs.SubsurfaceStress((2e-5,), body=1),),
-        )
-        found = cs.solve(scene, grid, cs.ExactPeriodicity()).quantities
-        assert {"largest_von_mises"} == found.keys() & {
-            "largest_von_mises",
-            "coating_von_mises",
-            "interface_shear",
-        }
 
 
 @pytest.mark.parametrize("number", [0, 1])

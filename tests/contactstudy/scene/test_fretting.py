@@ -105,15 +105,6 @@ def test_energy_of_a_cycle_is_that_of_the_last_whole_one(
         assert abs(energy.value - finer.value) <= energy.bound < np.inf
 
 
-def test_steps_that_reach_the_limit_of_applications_say_so() -> None:
-    grid, friction = cs.Grid((64, 64), (3.2e-4, 3.2e-4)), cs.Fretting.cycle(MU, 1.5e4)
-    scene = cs.Scene(
-        cs.LineLoad(1e5), (STEEL, STEEL), (cs.Cylinder(0.01), ROUGH), friction=friction
-    )
-    limited = cs.solve(scene, grid, cs.ExactPeriodicity(), tolerance=1e-6, max_iterations=20)
-    assert limited.status is cs.Status.ITERATION_LIMIT
-
-
 def test_slip_of_a_cycle_is_four_times_that_of_loading() -> None:
     """``s = (mu p_0 / (E* a)) [x sqrt(x^2 - c^2) - c^2 arccosh(x / c)]`` outside the stick zone of half-width c."""
     found = fretted(cs.Fretting.cycle(MU, 0.6 * MU)).traction

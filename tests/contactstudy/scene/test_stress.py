@@ -78,23 +78,6 @@ def test_stress_is_the_sum_over_all_pairs(
         assert_allclose(found[number], expected, rtol=0, atol=2e-14)
 
 
-@pytest.mark.parametrize(
-    ("name", "rate"), [("xx", 1), ("yy", 1), ("zz", 4), ("yz", 4), ("xz", 4), ("xy", 3)]
-)
-def test_counted_images_tend_to_all_of_them(name: str, rate: int) -> None:
-    """One power less than the fields fall along y: 1/y^2 and 1/y^5, or 1/y^4 for a pair of xy."""
-    pressure = np.random.default_rng(2).random((6, 5))
-    number = NAMES.index(name)
-    exact = below((6, 5), cs.ExactPeriodicity(), 0.2)(pressure)[number]
-    counts = (16, 32, 64)
-    errors = [
-        np.abs(below((6, 5), cs.CircularSuperposition(n), 0.2)(pressure)[number] - exact).max()
-        for n in counts
-    ]
-    steps = np.log((np.array(counts)[1:] + 0.5) / (np.array(counts)[:-1] + 0.5))
-    assert_allclose(np.log(np.array(errors[:-1]) / errors[1:]) / steps, rate, atol=0.15)
-
-
 def test_what_is_uniform_along_the_length_is_plane_strain() -> None:
     line = np.random.default_rng(3).random((9, 1))
     one, many = (below((9, n), cs.ExactPeriodicity(), 0.1)(line.repeat(n, axis=1)) for n in (1, 6))

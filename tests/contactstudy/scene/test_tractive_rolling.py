@@ -173,19 +173,6 @@ def test_shear_goes_with_the_coefficient_to_zero() -> None:
     np.testing.assert_allclose(slippery.shear[0], 1e-9 * slippery.pressure, rtol=1e-6)
 
 
-def test_creepage_reversed_reverses_the_shear() -> None:
-    creepage = {"longitudinal": 0.3 * SATURATION, "lateral": 0.2 * SATURATION}
-    one, other = (
-        solved(
-            rolling(**{name: sign * value for name, value in creepage.items()}),
-            (32, 32),
-            shapes=ROUGH,
-        )
-        for sign in (1, -1)
-    )
-    np.testing.assert_array_equal(other.shear, -one.shear)
-
-
 def mirrored_waves(sign: float) -> Own:
     """Waves that a sign of -1 mirrors across."""
 
@@ -304,11 +291,6 @@ def test_unlike_bodies_are_coupled_along_both_axes_alike() -> None:
     )
 
 
-def test_heights_that_would_travel_are_said() -> None:
-    assert "moving heights" in solved(rolling(longitudinal=1e-4), (16, 16), 1e-3, shapes=ROUGH).note
-    assert "moving heights" not in solved(rolling(longitudinal=1e-4), (16, 1), 1e-3).note
-
-
 def test_the_answer_lists_traction_stick_creepage_and_power_with_their_bounds() -> None:
     """Of Carter's closed form at half the saturating creepage, rolling at 3 m/s."""
     xi = 0.5 * SATURATION
@@ -332,14 +314,6 @@ def test_a_traction_has_the_sign_of_the_force_on_the_first_body() -> None:
             names = "traction_coefficient", "lateral_traction_coefficient"
             assert [found.quantities[name].value for name in names] == pytest.approx(forces)
             assert np.sign(forces[1]) == sign
-
-
-def test_a_dataset_has_slip_and_power() -> None:
-    solution = solved(rolling(longitudinal=0.5 * SATURATION, speed=3.0), (64, 1))
-    dataset = solution.to_dataset()
-    np.testing.assert_array_equal(dataset["slip_x"].values, solution.traction.slip[0])
-    np.testing.assert_array_equal(dataset["power_density"].values, solution.traction.power)
-    assert dataset["power_density"].attrs["units"] == "W m-2"
 
 
 @pytest.mark.parametrize(

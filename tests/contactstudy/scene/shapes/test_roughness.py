@@ -114,13 +114,6 @@ def test_rms_slope_is_what_was_asked() -> None:
     assert np.sqrt((slopes[0] ** 2 + slopes[1] ** 2).mean()) == pytest.approx(0.05, rel=0.01)
 
 
-def test_surface_by_its_slope_is_the_one_by_its_height_scaled() -> None:
-    by_slope = replace(ROUGH, rms=RmsSlope(0.05)).gap(grid(64, 32))
-    by_height = ROUGH.gap(grid(64, 32))
-    scale = by_slope.std() / by_height.std()
-    np.testing.assert_allclose(by_slope, scale * by_height, rtol=1e-9, atol=1e-20)
-
-
 @pytest.mark.parametrize("peklenik", [0.2, 5.0])
 def test_lay_stretches_the_surface_along_itself(peklenik: float) -> None:
     """The ratio of rms slopes is that of the lengths."""
@@ -152,12 +145,6 @@ def test_a_wider_grid_shows_the_same_surface_of_an_extent_of_its_own() -> None:
         np.testing.assert_allclose(heights[more:-more], narrow, rtol=0, atol=1e-12 * 2e-7)
     # beyond its extent it starts again
     np.testing.assert_allclose(heights[:64], heights[64:128], rtol=0, atol=1e-12 * 2e-7)
-
-
-def test_a_period_of_two_lengths_shows_the_surface_twice() -> None:
-    own = replace(ROUGH, extent=(2e-4, 1e-4))
-    twice = own.gap(cs.Grid(cells=(64, 64), extent=(2e-4, 2e-4)))
-    np.testing.assert_allclose(twice[:, :32], twice[:, 32:], rtol=0, atol=1e-12 * 2e-7)
 
 
 def test_a_seed_keeps_its_surface() -> None:

@@ -40,14 +40,6 @@ def test_dimples_hold_the_volume_of_their_profile(profile: object, fraction: flo
     assert mean == pytest.approx(fraction * texture.area_density * 5e-6, rel=rim / area / 2)
 
 
-def test_area_density_is_the_share_of_cells_below_the_surface() -> None:
-    assert DIMPLES.area_density == pytest.approx(math.pi / 4 * 1e-8 / 5e-8)
-    cells = 800
-    found = (DIMPLES.gap(grid(cells, cells)) > 0).mean()
-    rim = math.pi * 1e-4 * math.hypot(4e-4 / cells, 5e-4 / cells)
-    assert found == pytest.approx(DIMPLES.area_density, abs=rim / 5e-8 / 2)
-
-
 def test_a_texture_is_found_by_its_area_density() -> None:
     dimples = cs.Texture.of_density(DIMPLE, 0.2, along=2.5e-4)
     assert dimples.area_density == pytest.approx(0.2, rel=1e-14)

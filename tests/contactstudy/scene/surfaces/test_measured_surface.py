@@ -1,7 +1,5 @@
-import os
 import pickle
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,18 +7,10 @@ import xarray as xr
 
 import contactstudy as cs
 from contactstudy.scene.surfaces.preparation import Ends, cell_means
-from tests.conftest import LineContact
 
 GRID = cs.Grid(cells=(24, 16), extent=(2e-4, 1e-4))
 
 HEIGHTS = np.random.default_rng(0).standard_normal(GRID.cells) * 1e-7
-
-GROUND = Path(
-    os.environ.get(
-        "CONTACTSTUDY_GROUND_SURFACE",
-        Path(__file__).parents[5] / "shared" / "data" / "ground-surface.x3p",
-    )
-)
 
 
 def smooth(nx: int, ny: int) -> np.ndarray:
@@ -127,37 +117,6 @@ def test_labelled_heights_bring_their_sizes() -> None:
     assert cs.MeasuredSurface(labelled).extent == pytest.approx(GRID.extent, rel=1e-12)
     with pytest.raises(cs.InvalidInput, match=r"^MeasuredSurface\.extent is .*: leave it out"):
         cs.MeasuredSurface(labelled, extent=(1.0, 1.0))
-
-
-@pytest.mark.whole
-@pytest.mark.skipif(
-    not GROUND.exists(), reason="no measured surface at CONTACTSTUDY_GROUND_SURFACE"
-)
-def test_a_ground_surface_bears_by_its_lay(line_contact: LineContact) -> None:
-    """Grooves along the length carry load all along it; grooves across it bear on their ridges alone.
-
-    At half the cells the mean pressures over blocks differ by less than the lays do.
-    """
-    surface = cs.MeasuredSurface.read(GROUND, trend=cs.Trend.QUADRATIC)
-    assert surface.heights.shape == (650, 650)
-    assert surface.extent == pytest.approx((83.0e-6, 204.5e-6), rel=1e-3)
-    assert surface.heights.std() == pytest.approx(77e-9, rel=0.01)
-
-    scene = replace(line_contact.scene, load=cs.LineLoad(4e4))
-    smooth = replace(scene, shapes=(cs.Cylinder(1e-3),))
-    spread = {}
-    for lay, rough in (("along", surface), ("across", surface.turned())):
-        scene = replace(smooth, shapes=(*smooth.shapes, rough))
-        loads = []
-        for cells in (64, 128):
-            grid = cs.Grid(cells=(cells, cells), extent=(surface.extent[0], rough.extent[1]))
-            solution = cs.solve(scene.problem(grid, cs.ExactPeriodicity()))
-            assert solution.status is cs.Status.CONVERGED
-            load = solution.pressure.sum(axis=0) / solution.pressure.sum(axis=0).mean()
-            loads.append(load.reshape(64, -1).mean(axis=1))
-        spread[lay] = [load.std() for load in loads]
-        assert np.abs(loads[1] - loads[0]).mean() < 0.2 * loads[1].std()
-    assert max(spread["along"]) < 0.5 * min(spread["across"])
 
 
 def test_tiles_are_counted_along_the_length_first_and_keep_the_size_of_a_point() -> None:

@@ -11,8 +11,8 @@ import pytest
 
 import contactstudy as cs
 from studies.cli.commands import cli
+from studies.definitions.settings import case_at, measures
 from studies.engine.run import run
-from studies.reference.line_contact import case_at, measures
 from studies.registry import load
 from tests.readme_blocks import BLOCK, SAID
 

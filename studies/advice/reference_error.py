@@ -9,18 +9,9 @@ import xarray as xr
 
 import contactstudy as cs
 from studies.model.axis import Value
-from studies.model.case import Computation, SceneCase, dimensionless
+from studies.model.case import Answer, Case, Computation, dimensionless
 from studies.model.study import Point, Study
 from studies.reference.line_contact import relative_l1
-
-Answer = cs.Contact | cs.LubricatedContact | cs.Evolution
-
-
-@dataclass(frozen=True)
-class ReferencedCase(SceneCase):
-    """A scene to solve on the extent of a `reference`, or without one."""
-
-    reference: SceneCase | None = None
 
 
 def last_of(answer: Answer) -> cs.Contact | cs.LubricatedContact:
@@ -32,12 +23,12 @@ def last_of(answer: Answer) -> cs.Contact | cs.LubricatedContact:
 
 
 @lru_cache(maxsize=8)
-def answer_of(reference: SceneCase) -> Answer:
+def answer_of(reference: Case) -> Answer:
     """Return the answer of a reference, solved once in each process for all cases."""
-    return reference.run().answer
+    return reference.run()
 
 
-def pressure_error(case: ReferencedCase, answer: Answer) -> Mapping[str, xr.Variable]:
+def pressure_error(case: Case, answer: Answer) -> Mapping[str, xr.Variable]:
     """Return the relative L1 error of an answer's pressure, at its end if it is an evolution, against the reference.
 
     The bound of the reference's own error stands beside it. Both are left out without a reference, and for one of
@@ -61,7 +52,7 @@ def pressure_error(case: ReferencedCase, answer: Answer) -> Mapping[str, xr.Vari
 
 
 @lru_cache(maxsize=8)
-def _bound_of(reference: SceneCase) -> float:
+def _bound_of(reference: Case) -> float:
     """Return the bound of the L1 error of a reference, infinite where it has none."""
     return float(answer_of(reference).error.l1.total)
 
@@ -85,6 +76,6 @@ class _WithReference:
 
     def __call__(self, point: Point) -> Computation:
         case, reference = self.case_at(point), self.case_at({**point, self.axis: self.value})
-        assert isinstance(case, ReferencedCase)
-        assert isinstance(reference, ReferencedCase)
+        assert isinstance(case, Case)
+        assert isinstance(reference, Case)
         return case if case == reference else replace(case, reference=reference)

@@ -17,7 +17,8 @@ from contactstudy.domain.reuse import caching
 from contactstudy.io.scene_files.scene_schema import PlanSettings
 from contactstudy.io.scene_files.scene_writer import settings_text
 from contactstudy.planning.grid_requirements import grid_requirements, with_random_extents
-from studies.advice.reference_error import Answer, last_of
+from studies.advice.reference_error import last_of
+from studies.model.case import Answer
 from studies.model.plain_text import Log
 from studies.reference.line_contact import (
     HERTZ,

@@ -8,10 +8,9 @@ import xarray as xr
 import contactstudy as cs
 from contactstudy.domain.checks import positive, whole_number
 from studies.model.axis import Axis, one_of
-from studies.model.case import SceneCase, TimedAnswer, dimensionless
+from studies.model.case import Case, dimensionless
 from studies.model.study import Point, Study
-from studies.reference import line_contact
-from studies.reference.line_contact import HERTZ, PADDINGS, SCENE, WIDTH, padding_at
+from studies.reference.line_contact import HERTZ, PADDINGS, SCENE, WIDTH, measures, padding_at
 
 # Cells along the length of a contact that does not vary along it; None for square ones. Every padding has both.
 ALONG = {"square": None, "one": 1}
@@ -78,7 +77,7 @@ def preset(name: str) -> Study:
     )
 
 
-def case_at(point: Point) -> SceneCase:
+def case_at(point: Point) -> Case:
     """Return the case of a point, with one cell or square cells along; any period will do, as nothing varies along."""
     padding = padding_at(str(point["padding"]), int(point["images"]))
     across = whole_number("grid", point["grid"], 2, "give at least 2 cells across the width")
@@ -87,22 +86,15 @@ def case_at(point: Point) -> SceneCase:
     width, length = WIDTH * HERTZ.half_width, half_widths * HERTZ.half_width
     grid = cs.Grid((across, along or max(2, round(across * length / width))), (width, length))
     tolerance = float(point.get("solver_tolerance", TOLERANCE))
-    return SceneCase(SCENE, grid, padding, cs.SolveOptions(tolerance=tolerance))
+    return Case(SCENE, grid, padding, cs.SolveOptions(tolerance=tolerance))
 
 
-def measures(case: SceneCase, result: TimedAnswer) -> Mapping[str, xr.Variable]:
-    """Return the errors of the contact against Hertz's."""
-    assert isinstance(result.answer, cs.Contact)
-    return line_contact.measures(case, result.answer)
-
-
-def profile_measures(case: SceneCase, result: TimedAnswer) -> Mapping[str, xr.Variable]:
+def profile_measures(case: Case, contact: cs.Contact) -> Mapping[str, xr.Variable]:
     """Return the errors, and the pressure across the contact in the middle of the length, with its range along it.
 
     The pressure is over Hertz's peak pressure.
     """
-    assert isinstance(result.answer, cs.Contact)
-    pressure, grid = result.answer.pressure, case.grid
+    pressure, grid = contact.pressure, case.grid
     x = xr.Variable("x", grid.x / HERTZ.half_width, {"units": "1", "long_name": HALF_WIDTHS})
     middle = pressure.shape[1] // 2
     lines = {
@@ -125,7 +117,7 @@ def profile_measures(case: SceneCase, result: TimedAnswer) -> Mapping[str, xr.Va
     }
     x.attrs["bounds"] = "x_bounds"
     bounds = xr.Variable(("x", "border"), borders, label)
-    return {**measures(case, result), "x": x, "x_bounds": bounds, **profiles}
+    return {**measures(case, contact), "x": x, "x_bounds": bounds, **profiles}
 
 
 padding, period, images, grid, pareto, paper = (preset(name) for name in TITLES)

@@ -2,16 +2,16 @@
 
 from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field, replace
-from time import perf_counter
-from typing import Any, NamedTuple, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 import xarray as xr
 
 import contactstudy as cs
 from contactstudy.domain.errors import Request
-from contactstudy.evolution.trajectory import Trajectory
-from contactstudy.io.dataset import contact_fields, flags
+from contactstudy.io.dataset import flags
+
+Answer = cs.Contact | cs.LubricatedContact | cs.Evolution
 
 
 class Computation(Hashable, Protocol):
@@ -35,91 +35,33 @@ class Computation(Hashable, Protocol):
 
 
 @dataclass(frozen=True)
-class PosedCase:
-    """A ``scene`` on a ``grid`` with a ``padding``, and the ``options`` of its solve."""
-
-    scene: cs.Scene
-    grid: cs.Grid
-    padding: cs.Padding | cs.Paddings
-    options: cs.SolveOptions = field(default_factory=cs.SolveOptions)
-
-
-class Case(PosedCase):
-    """A dry contact at rest to solve.
-
-    Parameters
-    ----------
-    scene
-        The scene.
-    grid
-        Cells.
-    padding
-        Boundary conditions.
-    options
-        Solver and its tolerance.
-    """
-
-    def prepare(self) -> cs.Problem:
-        """Return the problem, with influence coefficients, their transforms and the gap."""
-        return self.scene.problem(self.grid, self.padding)
-
-    def run(self, prepared: cs.Problem) -> cs.Contact:
-        """Return the solution of the problem."""
-        return cs.solve(prepared, options=self.options)
-
-    def record(self, result: cs.Contact) -> Mapping[str, xr.Variable]:
-        """Return the numbers of the solver, and its status as CF flags."""
-        return recorded(result)
-
-    def fields(self, result: cs.Contact) -> Mapping[str, xr.Variable]:
-        """Return pressure [Pa] and gap [m] over the grid."""
-        dataset = contact_fields(result)
-        return {name: dataset[name].variable for name in ("x", "y", "pressure", "gap")}
-
-
-@dataclass(frozen=True, eq=False)
-class TimedAnswer:
-    """An answer with the wall time [s] of its set-up and solve."""
-
-    answer: cs.Contact | cs.LubricatedContact | cs.Evolution
-    seconds: float
-
-    @property
-    def trajectory(self) -> Trajectory:
-        """Steps of a dry contact that changes in time."""
-        assert isinstance(self.answer, cs.Evolution)
-        assert self.answer.trajectory is not None
-        return self.answer.trajectory
-
-
-class TimedProblem(NamedTuple):
-    """A problem with the wall time [s] of its set-up."""
-
-    problem: cs.Problem
-    seconds: float
-
-
-@dataclass(frozen=True)
-class SceneCase(PosedCase):
+class Case:
     """A scene of any kind to solve.
 
     Parameters
     ----------
     scene, grid, padding, options
-        As of :class:`Case`.
+        The scene, its cells and boundary conditions, and the solver with its tolerance.
     time_steps
         Instants and steps of a scene that changes in time; None for others.
     error
         Requested relative error of every number, or errors by name, of which steps in time take a part; None without a
         request.
+    reference
+        Case on the same extent, against whose answer errors are measured; None without one.
     """
 
+    scene: cs.Scene
+    grid: cs.Grid
+    padding: cs.Padding | cs.Paddings
+    options: cs.SolveOptions = field(default_factory=cs.SolveOptions)
     time_steps: cs.TimeSteps | None = None
     error: Request | None = field(default=None, hash=False)
+    reference: "Case | None" = None
 
-    def prepare(self) -> TimedProblem | None:
+    def prepare(self) -> cs.Problem | None:
         """Return the problem of a dry contact at rest; other scenes set up theirs while they are solved."""
-        scene, start = self.scene, perf_counter()
+        scene = self.scene
         if (
             scene.lubrication is not None
             or scene.takes_times
@@ -127,38 +69,34 @@ class SceneCase(PosedCase):
             or scene.wears_steadily
         ):
             return None
-        problem = scene.problem(self.grid, self.padding)
-        return TimedProblem(problem, perf_counter() - start)
+        return scene.problem(self.grid, self.padding)
 
-    def run(self, prepared: TimedProblem | None = None) -> TimedAnswer:
-        """Return the answer with its wall time [s], which is shorter where the coefficients of its grid are cached."""
-        start = perf_counter()
-        answer: cs.Contact | cs.LubricatedContact | cs.Evolution
+    def run(self, prepared: cs.Problem | None = None) -> Answer:
+        """Return the answer, of the problem that was prepared if there is one."""
+        answer: Answer
         if prepared is not None:
-            start -= prepared.seconds
-            answer = cs.solve(prepared.problem, options=self.options)
+            answer = cs.solve(prepared, options=self.options)
         else:
             answer = cs.solve(
                 self.scene, self.grid, self.padding,
                 times=self.time_steps, error=self.error if self.time_steps else None, options=self.options,
             )  # fmt: skip
-        return TimedAnswer(replace(answer, requested=self.error), perf_counter() - start)
+        return replace(answer, requested=self.error)
 
-    def record(self, result: TimedAnswer) -> Mapping[str, xr.Variable]:
+    def record(self, answer: Answer) -> Mapping[str, xr.Variable]:
         """Return the numbers of the solver, and its status as CF flags."""
-        return recorded(result.answer)
+        return recorded(answer)
 
-    def fields(self, result: TimedAnswer) -> Mapping[str, xr.Variable]:
+    def fields(self, answer: Answer) -> Mapping[str, xr.Variable]:
         """Return all fields of the answer, without the displacement, which follows from the gap."""
-        dataset = result.answer.to_dataset()
         return {
             str(name): variable
-            for name, variable in dataset.variables.items()
+            for name, variable in answer.to_dataset().variables.items()
             if variable.ndim and name != "displacement" and "cause" not in variable.dims
         }
 
 
-def recorded(answer: cs.Contact | cs.LubricatedContact | cs.Evolution) -> dict[str, xr.Variable]:
+def recorded(answer: Answer) -> dict[str, xr.Variable]:
     """Return the numbers of the solver of any answer, and its status as CF flags."""
     counts = {name: dimensionless(value, label) for name, (value, label) in answer.counts.items()}
     return {"solver_status": solver_status(answer.status, "how the solver ended"), **counts}

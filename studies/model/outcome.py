@@ -25,7 +25,7 @@ class CaseStatus(IntEnum):
 
 # variables that the store adds to every case; and keywords of xarray's ``sel``, which no axis may have
 RESERVED_NAMES = frozenset((
-    "case_status", "case_key", "error", "error_type", "error_stage", "contended", "repeat",
+    "case_status", "case_key", "error", "error_type", "error_stage", "contended", "repeat", "wall_time",
     "tolerance", "method", "drop",
     *(f"{part}_time{end}" for part in ("setup", "solve") for end in ("", "_median", "_cpu", "_all")),
 ))  # fmt: skip

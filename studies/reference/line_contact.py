@@ -8,12 +8,11 @@ import xarray as xr
 
 import contactstudy as cs
 from contactstudy.accuracy.discretisation.contact_edge import corrected_pressure, half_widths
-from contactstudy.domain.checks import positive, whole_number
+from contactstudy.domain.checks import whole_number
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import on_cells
 from studies.model.axis import one_of
-from studies.model.case import Case, PosedCase, dimensionless_variables, error_estimates
-from studies.model.study import Point
+from studies.model.case import Case, dimensionless_variables, error_estimates
 
 STEEL = cs.HalfSpace(youngs_modulus=210e9, poisson_ratio=0.3)
 SCENE = cs.Scene(load=cs.LineLoad(1e5), solids=(STEEL, STEEL), shapes=(cs.Cylinder(radius=0.01),))
@@ -58,18 +57,6 @@ def padding_at(padding: str, images: int) -> cs.Padding:
     return make(whole_number("images", images, 0, "must be a whole number, at least 0"))
 
 
-def case_at(point: Point) -> Case:
-    """Return a steel cylinder on a steel flat, with as many cells across as along, and the period in half-widths."""
-    cells = whole_number("grid", point["grid"], 2, "give at least 2 cells across the width")
-    period = positive("period", point["period"], "give a period above 0 half-widths")
-    a = HERTZ.half_width
-    return Case(
-        scene=SCENE,
-        grid=cs.Grid(cells=(cells, cells), extent=(WIDTH * a, period * a)),
-        padding=padding_at(str(point["padding"]), int(point["images"])),
-    )
-
-
 def with_edges_moved(grid: cs.Grid, half_width: float) -> tuple[cs.Grid, ...]:
     """Return a grid, and grids of the same cells that have the edge of a contact at other places in a cell.
 
@@ -83,7 +70,7 @@ def with_edges_moved(grid: cs.Grid, half_width: float) -> tuple[cs.Grid, ...]:
     return grid, *(replace(grid, extent=(width * cells / one, length)) for one in moved)
 
 
-def measures(case: PosedCase, solution: cs.Contact) -> Mapping[str, xr.Variable]:
+def measures(case: Case, solution: cs.Contact) -> Mapping[str, xr.Variable]:
     """Return errors of pressure and half-width against Hertz's line contact, over p_H, a or the load.
 
     The errors named in `BY_THE_EDGE` are the largest over several places of the contact edge in its cell, each of which
@@ -102,24 +89,6 @@ def measures(case: PosedCase, solution: cs.Contact) -> Mapping[str, xr.Variable]
     for name in BY_THE_EDGE:
         variables[name].attrs["comment"] = EDGE
     return variables | error_estimates(solution.error)
-
-
-def largest_l1_error(
-    scene: cs.Scene, grid: cs.Grid, padding: cs.Padding, options: cs.SolveOptions
-) -> float:
-    """Return the L1 error of the pressure against Hertz's, the largest over places of the contact edge in its cell.
-
-    The scene is a smooth cylinder, whose contact Hertz's line contact is.
-    """
-    hertz = scene.hertz
-    assert hertz is not None
-    return max(
-        relative_l1(
-            cs.solve(scene.problem(moved, padding), options=options).pressure,
-            hertz_means(hertz, moved),
-        )
-        for moved in with_edges_moved(grid, hertz.half_width)
-    )
 
 
 def hertz_errors(

@@ -15,8 +15,8 @@ from contactstudy.domain.fields import Array, inner
 from contactstudy.io.dataset import labelled
 from contactstudy.scene.adhesion import LAWS
 from contactstudy.solvers.conjugate_gradients import conjugate_gradients
-from studies.advice.reference_error import ReferencedCase, pressure_error
-from studies.model.case import TimedAnswer, dimensionless, error_estimates
+from studies.advice.reference_error import pressure_error
+from studies.model.case import Answer, Case, dimensionless, error_estimates
 from studies.model.plain_text import one_line
 
 # Relative residual, of whose square the error of the stiffness is a fraction, and the largest number of operator
@@ -135,9 +135,8 @@ def _stiffness_error(contact: cs.Contact, stiffness: float) -> float:
     return STIFFNESS_MARGIN * growth * borders * area_error
 
 
-def measures(case: ReferencedCase, result: TimedAnswer) -> Mapping[str, xr.Variable]:
+def measures(case: Case, answer: Answer) -> Mapping[str, xr.Variable]:
     """Return the quantities of an answer with their bounds, its error estimates, and further ones of a dry contact."""
-    answer = result.answer
     if answer.status.is_failure:  # which has no numbers
         raise cs.NotDefined(f"{answer.status.name}: {answer.status}")
     measured: dict[str, xr.Variable] = {}
@@ -156,12 +155,10 @@ def measures(case: ReferencedCase, result: TimedAnswer) -> Mapping[str, xr.Varia
             measured["accuracy_missed"] = xr.Variable((), one_line(answer.accuracy), about)
     if isinstance(answer, cs.Contact):
         measured |= _of_contact(case, answer)
-    description = "wall time of set-up and solve, beside other cases"
-    measured["wall_time"] = labelled((), result.seconds, "s", "wall time", description=description)
     return measured | error_estimates(answer.error) | dict(pressure_error(case, answer))
 
 
-def _of_contact(case: ReferencedCase, contact: cs.Contact) -> dict[str, xr.Variable]:
+def _of_contact(case: Case, contact: cs.Contact) -> dict[str, xr.Variable]:
     """Return load, area over Hertz's, perimeter and stiffness of a dry contact."""
     grid, scene = contact.grid, case.scene
     touching = contact.pressure > 0

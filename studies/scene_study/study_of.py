@@ -24,9 +24,8 @@ from contactstudy.planning.grid_requirements import (
 from contactstudy.planning.plan import MEMORY_FRACTION
 from contactstudy.scene.shapes.shape import length_scales_of
 from contactstudy.scene_file import SceneFile, tables_of
-from studies.advice.reference_error import ReferencedCase
 from studies.model.axis import Value
-from studies.model.case import Computation
+from studies.model.case import Case, Computation
 from studies.model.study import Point, Study
 from studies.scene_study.document import Table, tables, varied_scenes
 from studies.scene_study.measures import measures
@@ -35,7 +34,7 @@ from studies.scene_study.measures import measures
 MAX_PLANNED = 8
 
 
-def on_shared_grids(points: Sequence[SceneFile]) -> tuple[list[ReferencedCase], tuple[str, ...]]:
+def on_shared_grids(points: Sequence[SceneFile]) -> tuple[list[Case], tuple[str, ...]]:
     """Return every point on its grid, and notes on the grids.
 
     Points with the same grid and plan settings in their file share a grid, with the width of the widest and the
@@ -85,7 +84,7 @@ def _with_random_extents(points: Sequence[SceneFile]) -> tuple[Sequence[SceneFil
     return placed, [_extent_note(extent)]
 
 
-def _case_on(point: SceneFile, grid: cs.Grid, extent: tuple[float, float] | None) -> ReferencedCase:
+def _case_on(point: SceneFile, grid: cs.Grid, extent: tuple[float, float] | None) -> Case:
     """Return one point on its grid, with random surfaces of the common extent.
 
     Where the file gives its grid and no error, none is requested, and each step goes from one instant to the next.
@@ -102,7 +101,7 @@ def _case_on(point: SceneFile, grid: cs.Grid, extent: tuple[float, float] | None
     scene = replace(point.scene, shapes=shapes)
     steps = point.time_steps if scene.takes_times else None
     error = point.plan_settings.error or (DEFAULT_ERROR if point.grid is None else None)
-    return ReferencedCase(scene, grid, padding, point.options, steps, error)
+    return Case(scene, grid, padding, point.options, steps, error)
 
 
 def _check(name: str, shape: object, grid: cs.Grid) -> None:

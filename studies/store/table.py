@@ -161,4 +161,6 @@ def _about_cases(
     for name, values, long_name in texts:
         column = np.array(values, dtype=object)[index]
         data[name] = xr.Variable(names, column, {"long_name": long_name})
-    return data
+    seconds = np.array([outcome.seconds if outcome else np.nan for outcome in outcomes.values()])
+    label = {"units": "s", "long_name": "wall time of the case, beside other cases"}
+    return data | {"wall_time": xr.Variable(names, seconds[index], label)}

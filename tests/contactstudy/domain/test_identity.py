@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 import contactstudy as cs
 from contactstudy import InvalidInput
 from contactstudy.domain.identity import Memo, digest
-from studies.reference.line_contact import case_at
+from studies.definitions.settings import case_at
 
 CASE = case_at({"padding": "superposed", "images": 2, "period": 0.3, "grid": 16})
 

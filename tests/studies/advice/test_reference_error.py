@@ -24,10 +24,10 @@ def test_it_is_the_l1_norm_of_the_difference_to_cell_means_where_cells_nest() ->
     for value in (coarse, unnested, reference):
         case = study.case_at({axis.name: value})
         solved = case.run(None)
-        pressures[value] = solved.answer.pressure
+        pressures[value] = solved.pressure
         measured = study.measures(case, solved)
         errors[value] = measured.get("pressure_error_l1")
-        bounds[value] = solved.answer.error.l1.total, measured.get("reference_error_l1")
+        bounds[value] = solved.error.l1.total, measured.get("reference_error_l1")
     means = pressures[reference].reshape(16, 2, 16, 2).mean((1, 3))
     by_hand = np.abs(pressures[coarse] - means).sum() / means.sum()
     np.testing.assert_allclose(errors[coarse], by_hand, rtol=1e-12)

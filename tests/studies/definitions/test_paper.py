@@ -8,7 +8,7 @@ def test_the_pressure_of_fig_5_is_that_in_the_middle_of_the_length() -> None:
     study = load("paper").override({"padding": "superposed", "images": "1"})
     [case] = study.cases()
     solution = case.run(case.prepare())
-    scaled = solution.answer.pressure / case.scene.hertz.peak_pressure
+    scaled = solution.pressure / case.scene.hertz.peak_pressure
     found = study.measures(case, solution)
     assert found["pressure_true"].values == pytest.approx(
         case.scene.hertz.pressure(case.grid.x) / case.scene.hertz.peak_pressure, rel=1e-12

@@ -9,13 +9,13 @@ import contactstudy as cs
 import studies
 from contactstudy import InvalidInput
 from contactstudy.planning.cost import memory
-from studies.model.case import SceneCase
+from studies.model.case import Case
 from studies.scene_study import study_of as grids
 from tests.studies.scene_study.conftest import CYLINDER, ROUGH, SMOOTH, STEEL, given
 
 
-def scenes(study: studies.Study) -> list[SceneCase]:
-    return [case for case in study.cases() if isinstance(case, SceneCase)]
+def scenes(study: studies.Study) -> list[Case]:
+    return [case for case in study.cases() if isinstance(case, Case)]
 
 
 @pytest.mark.cases(100)

@@ -36,7 +36,7 @@ REMEDIES = {
     "inlet": "the finite inlet: give a wider grid",
     "range": "the range of the attraction: give a grid of more cells",
 }
-# Quantities in a representation, which has ten lines with the accuracy and the status.
+# Lines on quantities in a representation, which has ten with the accuracy and the status.
 SHOWN = 8
 
 
@@ -198,10 +198,12 @@ class Answer:
 
     def __repr__(self) -> str:
         """Return accuracy, status and the first quantities with their bounds, in at most ten lines."""
-        shown = dict(islice(self.quantities.items(), SHOWN))
+        counts = range(SHOWN, 0, -1)  # with the reasons of those without a bound
+        tables = (as_text(dict(islice(self.quantities.items(), count))) for count in counts)
+        table = next((text for text in tables if text.count("\n") < SHOWN), "")
         cells = " x ".join(map(str, self.grid.cells))
         head = f"{type(self).__name__}: {self.accuracy}"
-        return f"{head}\n  {self.status.name}, {cells} cells\n{as_text(shown)}"
+        return f"{head}\n  {self.status.name}, {cells} cells\n{table}"
 
     def _repr_html_(self) -> str:
         """Return the representation beside a small picture, for notebooks."""

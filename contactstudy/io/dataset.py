@@ -7,6 +7,7 @@ from dataclasses import replace
 from datetime import UTC, datetime
 from enum import Enum
 from functools import partial
+from math import isfinite, isnan, nan
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -140,7 +141,7 @@ def contact_dataset(
 def with_quantities(dataset: xr.Dataset, quantities: Quantities) -> xr.Dataset:
     """Return `dataset` with quantities as variables without dimensions, each beside its ``<name>_bound``.
 
-    A name that the dataset has already, such as that of a coordinate, is left as it is.
+    A bound that is not known is NaN, with the reason as its ``comment``. A name that the dataset has already, such as that of a coordinate, is left as it is.
     """
     variables: dict[str, xr.Variable] = {}
     for name, quantity in quantities.items():
@@ -148,8 +149,15 @@ def with_quantities(dataset: xr.Dataset, quantities: Quantities) -> xr.Dataset:
             continue
         unit, bound = quantity.unit, f"{name}_bound"
         variables[name] = _number(quantity.value, unit, quantity.label, ancillary_variables=bound)
-        variables[bound] = _number(quantity.bound, unit, f"bound of the error: {quantity.label}")
+        known, why = known_or_nan(quantity.bound), {"comment": quantity.reason}
+        about = f"bound of the error: {quantity.label}"
+        variables[bound] = _number(known, unit, about, **(why if isnan(known) else {}))
     return dataset.assign(variables)
+
+
+def known_or_nan(bound: float) -> float:
+    """Return a bound for a file, where one that is not known is NaN and not infinite."""
+    return bound if isfinite(bound) else nan
 
 
 def _hertz(hertz: HertzLine | None) -> dict[str, xr.Variable]:
@@ -242,17 +250,21 @@ def _adhesion_variables(
 
 
 def _with_errors(dataset: xr.Dataset, estimate: ErrorEstimate) -> xr.Dataset:
-    """Return `dataset` with the estimated errors by cause, and their warnings as one text; 0 where no error applies."""
+    """Return `dataset` with the estimated errors by cause, and their warnings as one text; 0 where no error applies.
+
+    An error that is not known is NaN, with the reason as ``comment``.
+    """
     errors = dict(estimate)
     causes = list(dict.fromkeys(cause for parts in errors.values() for cause in parts.by_cause))
     coordinate = {"units": "1", "long_name": "cause of the error"}
     for name, parts in errors.items():
         what = "pressure in L1" if name == "l1" else name.replace("_", " ")
         dataset[f"{'pressure_l1' if name == 'l1' else name}_error_estimate"] = xr.DataArray(
-            [parts.by_cause.get(cause, 0.0) for cause in causes],
+            [known_or_nan(parts.by_cause.get(cause, 0.0)) for cause in causes],
             {"cause": ("cause", causes, coordinate)},
             ("cause",),
-            attrs={"units": "1", "long_name": f"estimated relative error of the {what}"},
+            attrs={"units": "1", "long_name": f"estimated relative error of the {what}"}
+            | ({} if isfinite(parts.total) else {"comment": parts.reason}),
         )
     if estimate.warnings:
         dataset.attrs["warnings"] = " ".join(estimate.warnings)

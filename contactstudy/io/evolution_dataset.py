@@ -14,6 +14,7 @@ from contactstudy.io.dataset import (
     Y,
     field_variable,
     flags,
+    known_or_nan,
     labelled,
     scene_attributes,
     title_attributes,
@@ -69,13 +70,24 @@ def evolution_dataset(evolution: "Trajectory", quantities: Quantities) -> xr.Dat
         )
         | {"contact_area": area, "load": labelled("time", loads, "N m-1", "load per length")}
         | over_time(
-            ("time_discretisation_error", "1", "estimated time-discretisation error in L1"),
-            ("grid_error", "1", "estimated discretisation error in L1"),
             ("residual", "1", "residual of the solver"),
             ("solves", "1", "contact solves since the previous instant"),
             ("iterations", "1", "iterations since the previous instant"),
             ("convolutions", "1", "FFT convolutions since the previous instant"),
         )
+        | {
+            name: labelled(
+                "time",
+                [known_or_nan(getattr(frame, name)) for frame in frames],
+                "1",
+                f"estimated {of} error in L1",
+                comment="NaN where it is not known",
+            )
+            for name, of in (
+                ("time_discretisation_error", "time-discretisation"),
+                ("grid_error", "discretisation"),
+            )
+        }
         | {
             "status": _statuses(
                 "time",

@@ -9,7 +9,7 @@ import xarray as xr
 
 import contactstudy as cs
 from contactstudy.domain.errors import Request
-from contactstudy.io.dataset import flags
+from contactstudy.io.dataset import flags, known_or_nan
 
 Answer = cs.Contact | cs.LubricatedContact | cs.Evolution
 
@@ -131,14 +131,15 @@ def error_estimates(estimate: cs.ErrorEstimate) -> dict[str, xr.Variable]:
     """Return the estimated relative errors of an answer, in all and by cause.
 
     They have the names ``<quantity>_estimate`` and ``<quantity>_estimate_<cause>``, and that of the L1
-    error ``pressure_l1_estimate``.
+    error ``pressure_l1_estimate``. One that is not known is NaN.
     """
     measured: dict[str, xr.Variable] = {}
     for quantity, parts in estimate:
         name = "pressure_l1" if quantity == "l1" else quantity
         what = "pressure in L1" if quantity == "l1" else quantity.replace("_", " ")
         description = f"estimated relative error of the {what}"
-        measured[f"{name}_estimate"] = dimensionless(parts.total, description)
+        measured[f"{name}_estimate"] = dimensionless(known_or_nan(parts.total), description)
         for cause, part in parts.by_cause.items():
-            measured[f"{name}_estimate_{cause}"] = dimensionless(part, f"{description}, by {cause}")
+            about = f"{description}, by {cause}"
+            measured[f"{name}_estimate_{cause}"] = dimensionless(known_or_nan(part), about)
     return measured

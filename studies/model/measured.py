@@ -37,7 +37,8 @@ def measured_variables(
     """Return the mapping that a function of a study returned as variables that netCDF stores unchanged.
 
     No variable and no dimension may have a `reserved` name; messages call the function `source`. Raises
-    :class:`~contactstudy.InvalidInput` for a value that netCDF cannot store, and MeasuredNaNError for one that is nan.
+    :class:`~contactstudy.InvalidInput` for a value that netCDF cannot store, and MeasuredNaNError for one that is nan,
+    other than a ``<name>_bound`` or an ``<name>_estimate`` of an error, which may be unknown.
     """
     if not isinstance(measured, Mapping):
         raise InvalidInput(
@@ -141,7 +142,8 @@ def _values(name: str, values: np.ndarray, invalid: MakeError) -> np.ndarray:
         raise invalid(values.flat[0], "give a number, with its unit in attrs['units']")
     if kind not in "biuf" or values.dtype.itemsize > 8:
         raise invalid(values.dtype, "give numbers of at most 64 bits, or text")
-    if kind == "f" and np.isnan(values).any():
+    is_error = name.endswith("_bound") or "_estimate" in name
+    if kind == "f" and np.isnan(values).any() and not is_error:
         raise MeasuredNaNError(f"{name} is nan")
     ends = (int(values.min()), int(values.max())) if kind in "iu" and values.size else (0, 0)
     if max(-ends[0], ends[1]) > MAX_WHOLE_NUMBER:

@@ -304,11 +304,13 @@ def _bounds(ax: Axes, line: xr.Dataset, y: str, x: xr.DataArray, size: float) ->
 
 
 def doubtful(dataset: xr.Dataset, name: str) -> xr.DataArray:
-    """Return the values of a measure whose bound is infinite, or whose answer misses its accuracy; else nan."""
+    """Return the values of a measure whose own bound is not known, or above the requested error; else nan."""
     values, bound = dataset[name], dataset.get(f"{name}_bound")
-    is_doubtful = xr.zeros_like(values, dtype=bool) if bound is None else np.isinf(bound)
-    if "accuracy_met" in dataset:
-        is_doubtful = is_doubtful | (dataset["accuracy_met"] == 0)
+    is_doubtful = xr.zeros_like(values, dtype=bool) if bound is None else ~np.isfinite(bound)
+    if (above := dataset.get("above_request")) is not None:
+        is_doubtful = is_doubtful | xr.apply_ufunc(
+            np.vectorize(lambda names: name in str(names).split(), otypes=[bool]), above
+        )
     return values.where(is_doubtful)
 
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
-from math import inf, pi, prod
+from math import inf, isinf, pi, prod
 
 import numpy as np
 import xarray as xr
@@ -12,7 +12,7 @@ import contactstudy as cs
 from contactstudy.accuracy.discretisation.cells import contact_perimeter
 from contactstudy.accuracy.discretisation.coarser import touching_fraction
 from contactstudy.domain.fields import Array, inner
-from contactstudy.io.dataset import labelled
+from contactstudy.io.dataset import known_or_nan, labelled
 from contactstudy.scene.adhesion import LAWS
 from contactstudy.solvers.conjugate_gradients import conjugate_gradients
 from studies.advice.reference_error import pressure_error
@@ -140,14 +140,25 @@ def measures(case: Case, answer: Answer) -> Mapping[str, xr.Variable]:
     if answer.status.is_failure:  # which has no numbers
         raise cs.NotDefined(f"{answer.status.name}: {answer.status}")
     measured: dict[str, xr.Variable] = {}
-    for name, quantity in answer.quantities.items():
-        if name in NAMED_BY_AXES:
-            continue
+    recorded = {name: one for name, one in answer.quantities.items() if name not in NAMED_BY_AXES}
+    for name, quantity in recorded.items():
         unit, label = quantity.unit, quantity.label
         measured[name] = labelled((), quantity.value, unit, label)
+        if quantity.is_formula:
+            continue
         label = f"bound of the error: {label}"
-        measured[f"{name}_bound"] = labelled((), quantity.bound, unit, label)
+        measured[f"{name}_bound"] = labelled((), known_or_nan(quantity.bound), unit, label)
+    reasons = (
+        f"{name}: {one.reason}"
+        for name, one in recorded.items()
+        if isinf(one.bound) and not one.is_formula
+    )
+    about = {"long_name": "numbers without a bound, and why"}
+    measured["without_bound"] = xr.Variable((), one_line(" ".join(reasons)), about)
     if answer.met is not None:
+        missed = (name for name, number in answer.judged.items() if 1 < number.ratio < inf)
+        about = {"long_name": "numbers whose bounds are above the requested accuracy"}
+        measured["above_request"] = xr.Variable((), " ".join(missed), about)
         description = "1 if the bound meets the requested accuracy"
         measured["accuracy_met"] = dimensionless(float(answer.met), description)
         if not answer.met:
@@ -197,6 +208,6 @@ def _of_contact(case: Case, contact: cs.Contact) -> dict[str, xr.Variable]:
     for name, error in errors.items():
         if (value := measured.get(name)) is not None:
             label = f"bound of the error: {value.attrs['long_name']}"
-            bound = error * float(value) if error < inf else inf
+            bound = known_or_nan(error * float(value) if error < inf else inf)
             measured[f"{name}_bound"] = labelled((), bound, value.attrs["units"], label)
     return measured

@@ -57,8 +57,9 @@ class Quantity:
         return self.bound / abs(self.value) if self.value else inf
 
     def __str__(self) -> str:
-        """Return value and bound, such as ``0.427 GPa (error <= 0.1 %)``."""
-        return f"{readable(self.value, self.unit)} ({_percent(self)})"
+        """Return value and bound, such as ``0.427 GPa (error <= 0.1 %)``, or the reason why there is none."""
+        said = _error_text(self) or self.reason.rstrip(".")
+        return f"{readable(self.value, self.unit)} ({said})"
 
 
 Quantities = Mapping[str, Quantity]
@@ -107,12 +108,15 @@ def per_length(
 
 
 def as_text(quantities: Quantities) -> str:
-    """Return quantities as a table: label, value with unit, error, place; those by formulas in one line."""
+    """Return quantities as a table: label, value with unit, error, place; those by formulas in one line.
+
+    A number without a bound has no text in the column of errors, and its reason below.
+    """
     rows = [
         (
             quantity.label + quantity.detail,
             readable(quantity.value, quantity.unit),
-            _percent(quantity),
+            _error_text(quantity),
             ", ".join(_position_text(axis, at) for axis, at in (quantity.position or {}).items()),
         )
         for quantity in quantities.values()
@@ -129,6 +133,7 @@ def as_text(quantities: Quantities) -> str:
         if quantity.is_formula
     ]
     lines += [f"  by formulas: {'; '.join(formulas)}"] * bool(formulas)
+    lines += [f"  {', '.join(labels)}: {why}" for why, labels in _unbounded(quantities).items()]
     return "\n".join(lines)
 
 
@@ -136,13 +141,25 @@ def _position_text(axis: str, at: float) -> str:
     return f"{at:.3g} s" if axis == "time" else f"{axis} = {readable(at, 'm', 3)}"
 
 
-def _percent(quantity: Quantity) -> str:
+def _error_text(quantity: Quantity) -> str:
+    """Return the bound of a number relative to it, or as it is where the value is 0; empty without a bound."""
     if not quantity.bound:
         return "exact"
-    if isfinite(quantity.relative_bound):
-        percent = 100 * quantity.relative_bound
-        return f"error <= {percent:.2g} %" if percent < 99.5 else f"error <= {percent:.0f} %"
-    return "error not estimated" if quantity.reason == NO_ESTIMATE else "error not bounded"
+    if not isfinite(quantity.bound):
+        return ""
+    if not quantity.value:
+        return f"error <= {readable(quantity.bound, quantity.unit, 2)}"
+    percent = 100 * quantity.relative_bound
+    return f"error <= {percent:.2g} %" if percent < 99.5 else f"error <= {percent:.0f} %"
+
+
+def _unbounded(quantities: Quantities) -> dict[str, list[str]]:
+    """Return the labels of the numbers without a bound by the reason for it."""
+    labels: dict[str, list[str]] = {}
+    for quantity in quantities.values():
+        if not isfinite(quantity.bound) and not quantity.is_formula:
+            labels.setdefault(quantity.reason, []).append(quantity.label)
+    return labels
 
 
 def as_json(quantities: Quantities) -> dict[str, dict[str, object]]:

@@ -82,11 +82,11 @@ def _known(true: xr.Dataset, names: Sequence[str]) -> str:
     """Return a sentence with the bounds of the reference itself, below which errors are not resolved."""
     keys = {name: name.replace(" ", "_") for name in names}
     bounds = {
-        name: float((true[f"{key}_bound"] / abs(true[key])).max())
+        name: float((true[f"{key}_bound"] / abs(true[key])).max(skipna=False))
         for name, key in keys.items()
         if f"{key}_bound" in true
     }
     if "pressure_l1_estimate" in true:
-        bounds = {"pressure in L1": float(true["pressure_l1_estimate"].max()), **bounds}
+        bounds = {"pressure in L1": float(true["pressure_l1_estimate"].max(skipna=False)), **bounds}
     finite = [f"{name} {percent(bound)}" for name, bound in bounds.items() if 0 < bound < np.inf]
     return f" Bounds of the reference itself: {', '.join(finite)}." if finite else ""

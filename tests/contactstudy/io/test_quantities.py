@@ -4,11 +4,13 @@ from math import inf, log, pi
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import contactstudy as cs
 from contactstudy.domain.units import readable
+from contactstudy.io.dataset import with_quantities
 from contactstudy.io.quantities.evolution_quantities import evolution_quantities
-from contactstudy.io.quantities.quantity import as_json, with_bound
+from contactstudy.io.quantities.quantity import as_json, as_text, with_bound
 from contactstudy.problem.problem import Field
 from contactstudy.scene.scene import PosedScene
 from tests.conftest import STEEL, LineContact
@@ -171,6 +173,27 @@ ROWS = {
     "b": cs.Quantity(1e-6, "m", "approach"),
     "c": cs.Quantity(2e-6, "m2", "area", inf, "A sharp edge."),
 }
+
+
+def test_a_table_has_an_empty_place_for_a_bound_that_is_not_known_and_the_reason_below() -> None:
+    zero = cs.Quantity(0.0, "Pa", "shear", 2e3, "")
+    assert as_text(ROWS | {"zero": zero}).splitlines() == [
+        "  peak      500 MPa  error <= 1.2 %  at x = 0 nm, y = 2 mm",
+        "  approach     1 µm",
+        "  area        2 mm²",
+        "  shear        0 Pa  error <= 2 kPa",
+        "  approach: No bound: no estimate of its error is known.",
+        "  area: A sharp edge.",
+    ]
+    assert str(ROWS["c"]) == "2 mm² (A sharp edge)"
+
+
+def test_a_bound_that_is_not_known_is_nan_in_a_file_and_says_why() -> None:
+    dataset = with_quantities(xr.Dataset(), ROWS)
+    assert float(dataset["a_bound"]) == 6.15e6
+    assert "comment" not in dataset["a_bound"].attrs
+    assert np.isnan(dataset["c_bound"])
+    assert dataset["c_bound"].attrs["comment"] == "A sharp edge."
 
 
 def test_json_has_the_same_numbers_in_si_units() -> None:

@@ -57,6 +57,7 @@ def test_what_netcdf_would_change_or_refuse_is_refused_in_one_sentence(measured:
 
 @pytest.mark.parametrize("value", [np.nan, np.float32("nan"), xr.Variable(("k",), [1.0, np.nan])])
 def test_nan_is_an_error_of_its_own(value: Any) -> None:
+    assert measured_variables({"q_bound": value, "q_estimate_images": value}, ())  # not known
     with pytest.raises(MeasuredNaNError, match=r"^q is nan$"):
         measured_variables({"q": value}, AXES)
 

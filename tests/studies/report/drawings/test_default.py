@@ -55,7 +55,7 @@ def numbered_ok(axes: dict[str, Any], *names: str) -> xr.Dataset:
 
 def test_a_value_without_a_bound_is_hollow_and_a_measure_that_never_changes_is_left_out() -> None:
     dataset = numbered_ok({"angle": [0.0, 1.0, 2.0]}, "peak_pressure", "approach")
-    dataset["peak_pressure_bound"] = "angle", [0.1, np.inf, np.inf]
+    dataset["peak_pressure_bound"] = "angle", [0.1, np.nan, np.nan]
     dataset["approach"] = "angle", 2.0 + 1e-9 * np.arange(3)
     [ax] = figures(dataset)[0].figure.axes
     _, hollow = labelled(ax)[DOUBTFUL["label"]]
@@ -66,10 +66,12 @@ def test_a_value_without_a_bound_is_hollow_and_a_measure_that_never_changes_is_l
 def test_what_misses_the_accuracy_asked_for_is_hollow_and_the_caption_says_so(kind: str) -> None:
     dataset = axes_text({"rms": RMS, "load_per_length": LOADS})
     assert "hollow" not in figures(dataset, kind)[0].caption
-    dataset["accuracy_met"] = xr.ones_like(dataset["approach"])
-    dataset["accuracy_met"][1, 2] = 0
+    above = xr.full_like(dataset["approach"], "half_width", dtype=object)
+    dataset["above_request"] = above
+    dataset["above_request"][1, 2] = "approach half_width"
     [drawn] = figures(dataset, kind)
-    x, y = labelled(drawn.figure.axes[1])[DOUBTFUL["label"]]
+    hollow = [labelled(ax).get(DOUBTFUL["label"]) for ax in drawn.figure.axes]
+    [(x, y)] = [points for points in hollow if points is not None]  # of one quantity alone
     at = np.flatnonzero(np.isfinite(y))
     assert np.asarray(x)[at] == pytest.approx([LOADS[2] / 1e3])
     assert "hollow" in drawn.caption

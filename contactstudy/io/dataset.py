@@ -141,7 +141,8 @@ def contact_dataset(
 def with_quantities(dataset: xr.Dataset, quantities: Quantities) -> xr.Dataset:
     """Return `dataset` with quantities as variables without dimensions, each beside its ``<name>_bound``.
 
-    A bound that is not known is NaN, with the reason as its ``comment``. A name that the dataset has already, such as that of a coordinate, is left as it is.
+    A bound that is not known is NaN, with the reason as its ``comment``. A name that the dataset has already, such as
+    that of a coordinate, is left as it is.
     """
     variables: dict[str, xr.Variable] = {}
     for name, quantity in quantities.items():

@@ -1,7 +1,7 @@
 """A verdict as a netCDF file: written once, read by the pages."""
 
 import json
-from itertools import product
+import re
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +15,6 @@ from studies.advice.verdict import (
     SceneToJudge,
     Setting,
     Verdict,
-    all_paddings,
     verdict_on,
 )
 from studies.model.plain_text import Log
@@ -98,16 +97,22 @@ def to_dataset(verdict: Verdict) -> xr.Dataset:
     return xr.Dataset(data, {"axis": ["across", "along"]}, attributes)
 
 
+def _padding(text: str) -> cs.Padding | cs.Paddings:
+    """Return the padding of a representation in Python, or both of two."""
+    found = [
+        getattr(cs, name)(*map(int, filter(None, [images])))
+        for name, images in re.findall(r"(\w+)\((?:images=(\d+))?\)", text)
+    ]
+    return found[0] if len(found) == 1 else (found[0], found[1])
+
+
 def from_dataset(dataset: xr.Dataset) -> Verdict:
     """Return the verdict in a Dataset."""
-    paddings: list[cs.Padding] = list(all_paddings().values())
-    by_text: dict[str, cs.Padding | cs.Paddings] = {repr(padding): padding for padding in paddings}
-    by_text |= {repr((a, b)): (a, b) for a, b in product(paddings, repeat=2)}
     values = {str(name): variable.values.tolist() for name, variable in dataset.variables.items()}
     names = ("label", "padding", "cells", "solver_tolerance", "worst", *LABELS)
     settings = tuple(
         Measured(
-            Setting(label, by_text[padding], (cells[0], cells[1]), tolerance), l1, error, worst, difference, seconds
+            Setting(label, _padding(padding), (cells[0], cells[1]), tolerance), l1, error, worst, difference, seconds
         )
         for label, padding, cells, tolerance, worst, l1, error, difference, seconds in zip(
             *(values[name] for name in names), strict=True

@@ -4,9 +4,9 @@ What is tried depends on the scene and the error alone. Costs are processor time
 thread, the least of a few rounds in which all settings take turns. The error of a setting is the bound of its answer.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from math import inf, isfinite, nan, prod
+from math import inf, isfinite, log, nan, prod
 from pathlib import Path
 from time import process_time
 
@@ -31,13 +31,14 @@ from studies.reference.line_contact import (
     with_edges_moved,
 )
 
-# Grids that are tried have these multiples of a sixth of the planned cells; the last ones if nothing varies along the
-# length, where a solve takes milliseconds.
-MULTIPLES, MULTIPLES_OF_LINES = (1, 2, 3, 4, 6, 8, 12), (1, 2, 3, 4, 6, 8, 12, 16, 24, 48, 96, 192)
+# Grids that are tried have these multiples of a sixth of the planned cells: up to twice those, or in a dry contact,
+# which takes milliseconds, up to this number of cells.
+SIXTHS = 6
+MULTIPLES, FINEST, CHEAP_CELLS = (1, 2, 3, 4, 6, 8, 12, 16, 24, 48, 96, 192), 2 * SIXTHS, 2**14
 TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-6)
 IMAGES = {"superposed": (1, 6, 20), "circular": (1, 2, 4, 6, 10, 20)}
-# Multiple of the planned grid, and how much finer than needed grids of lines are tried.
-FINE, FINER = 6, 4
+# How much finer than needed grids of lines are tried.
+FINER = 4
 # A setting within this factor of the fastest is as fast; the one with the scene's own padding is then chosen.
 TIE = 1.1
 # A promise holds for a load that is lower by this factor too, whose contact edge lies elsewhere in its cell.
@@ -45,12 +46,15 @@ LOWER_LOAD = 0.92
 # Other paddings are tried on cells of at most so many squares of the thickness of a layer: their coefficients are sums
 # over waves as short as the layer, which grow with it.
 MOST_WAVES = 30
+# Factors on the planned width that are tried while the contact reaches the edge.
+WIDER = (1.0, 1.5, 2.25)
 # A grid that is expected to take longer is announced [s].
 LONG = 60.0
-# Rounds of times of the fastest: as many as take this processor time [s], at most so many.
-ROUND_SECONDS, MAX_ROUNDS = 0.5, 100
+# Rounds of times of the fastest: as many as take this processor time [s].
+ROUND_SECONDS = 0.5
 
-NO_GRID = "no grid that was tried keeps the error with the scene's own padding"
+NO_GRID = "no grid that was tried keeps the error with exact periodicity, or the ends of the scene"
+NO_REFERENCE = "no finer solution, which would cost more than all the grids that were tried"
 EVERY_NUMBER, PRESSURE = "every number", "the pressure in L1"
 
 
@@ -104,7 +108,7 @@ class Verdict:
     extent
         Width and length [m] of all grids.
     own
-        Name of the padding that the scene itself has.
+        Name of the padding that the scene itself has, or exact if it names none.
     reference
         What differences are against.
     settings
@@ -206,6 +210,22 @@ class _Trials:
     measure: str
     notes: dict[str, str] = field(default_factory=dict)
     pressures: dict[Setting, Array] = field(default_factory=dict)
+    at_edge: bool = False
+
+    @property
+    def is_line(self) -> bool:
+        """Whether the contact is Hertz's line contact, of which a solve takes milliseconds."""
+        return self.unit[1] == 1 and self.hertz_of(self.scene) is not None
+
+    @property
+    def multiples(self) -> tuple[int, ...]:
+        """Multiples of the coarsest cells that may be tried."""
+        return tuple(m for m in MULTIPLES if m <= FINEST or self.is_cheap(m))
+
+    def is_cheap(self, multiple: int) -> bool:
+        """Return whether a grid is tried without asking what it may give."""
+        is_dry = self.scene.lubrication is None
+        return multiple <= SIXTHS or (is_dry and prod(self.cells(multiple)) <= CHEAP_CELLS)
 
     def cells(self, multiple: int) -> tuple[int, int]:
         """Return the cells of a grid; a direction along which nothing varies has one."""
@@ -268,6 +288,7 @@ class _Trials:
                 if number == 0:
                     seconds = process_time() - start
             if answer.status not in (cs.Status.CONVERGED, cs.Status.PRECISION_LIMIT):
+                self.at_edge |= answer.status is cs.Status.CONTACT_AT_EDGE
                 self.notes[setting.label] = (
                     f"{setting.label} on {_cells(setting.cells)} cells: {answer.status}"
                 )
@@ -294,14 +315,18 @@ class _Trials:
         if not any(map(self.meets, found)):
             self.measure = PRESSURE
 
-    def is_worth_refining(self, one: Measured, multiple: int) -> bool:
-        """Return whether a finer grid may meet the error that this one, with a multiple of the cells, does not."""
-        if self.meets(one) or multiple >= MULTIPLES[-1]:
+    def is_worth_refining(self, tried: Sequence[Measured], multiple: int) -> bool:
+        """Return whether a finer grid may meet the error, by the rate at which the bound fell over the last three."""
+        if self.meets(tried[-1]) or multiple == self.multiples[-1]:
             return False
-        if one.l1 <= self.error:  # errors of the other numbers may fall with the size of the cells
-            return multiple * one.error <= MULTIPLES[-1] * self.error
-        # the bound of the pressure falls at most with the square of the size of the cells
-        return multiple < FINE or multiple**2 * one.l1 <= MULTIPLES[-1] ** 2 * self.error
+        bounds = [(one.setting.cells[0], bound_of(one, self.measure)) for one in tried]
+        bounds = [(cells, bound) for cells, bound in bounds if isfinite(bound)][-3:]
+        if len(bounds) < 3 or self.is_cheap(self.multiples[self.multiples.index(multiple) + 1]):
+            return True
+        (coarse, first), _, (fine, last) = bounds
+        rate = log(first / last) / log(fine / coarse)
+        finest = self.cells(self.multiples[-1])[0]
+        return bool(last * (fine / finest) ** rate <= self.error)
 
     def hertz_of(self, scene: cs.Scene) -> "cs.analytic.HertzLine | None":
         """Return Hertz's line contact where it is the exact solution: a smooth elastic cylinder under a load."""
@@ -342,82 +367,59 @@ def verdict_on(
 
     Grids are tried from the coarsest until the bound of one meets the error; then tolerances and paddings on that grid.
     For Hertz's line contact all paddings are tried on all grids. A scene whose bodies end along it, or
-    that repeats across, is solved with its own boundary conditions alone.
+    that repeats across, is solved with its own boundary conditions alone. Where no grid is given and the contact
+    reaches the edge of the planned one, a wider one is tried.
 
     Raises
     ------
     InvalidInput
         If the scene does not determine a grid and has none.
     """
-    trials = _trials(described.file, error, measure)
-    own = _own_label(trials.own)
-    paddings = {own: trials.own} | ({} if isinstance(trials.own, tuple) else all_paddings())
-    found: list[Measured] = []
-    # which takes milliseconds a solve
-    is_line = trials.unit[1] == 1 and trials.hertz_of(trials.scene) is not None
-    log(
-        f"{described.name}: grids from {_cells(trials.cells(1))} cells, up to {len(paddings)} paddings"
-    )
-    default = trials.options.tolerance
-    against, reference = "Hertz's contact", None
-    if is_line:
-        enough = inf
-        for multiple in MULTIPLES_OF_LINES:
-            if multiple > FINER * enough:  # which costs more, for an error that nobody asked for
-                break
-            for label, padding in paddings.items():
-                setting = Setting(label, padding, trials.cells(multiple), default)
-                one = trials.measured(setting, reference)
-                found += [one] if one else []
-                if one and trials.meets(one) and label == own:
-                    enough = min(enough, multiple)
-        trials.choose_measure(found)
-        coarsest = {one.setting.label: one.setting for one in reversed(found) if trials.meets(one)}
-        loosest = _loosest(trials, coarsest[own]) if own in coarsest else default
-        settings = [replace(setting, tolerance=loosest) for setting in coarsest.values()]
-    else:
-        last, cells = 1, trials.cells(1)
-        for last in MULTIPLES:
-            cells = trials.cells(last)
-            if found:
-                coarser = found[-1]
-                expected = coarser.seconds * prod(cells) / prod(coarser.setting.cells)
-                if expected > LONG:
-                    log(
-                        f"{described.name}: about {expected:.0f} s or more on {_cells(cells)} cells"
-                    )
-            one = trials.measured(Setting(own, trials.own, cells, default), None)
-            found += [one] if one else []
-            if one and not trials.is_worth_refining(one, last):
-                break
-        trials.choose_measure(found)
-        # of grids on which the pressure meets the error, and no other number ever does, the coarsest
-        cells = next((one.setting.cells for one in found if trials.meets(one)), cells)
-        met = any(map(trials.meets, found))
-        # a finer grid costs more than all others, and only a setting that keeps the error needs it
-        against, reference = (
-            _reference(trials, own, 2 * last)
-            if met
-            else (
-                "no finer solution, which would cost more than all the grids that were tried",
-                None,
-            )
+    for wider in WIDER:
+        trials = _trials(described.file, error, measure, wider)
+        base = _label(trials.own)
+        own, paddings = base, {base: trials.own}
+        if not isinstance(trials.own, tuple):
+            named = described.file.padding or trials.own
+            own = _label(named)
+            paddings |= all_paddings() | {own: named}
+        log(
+            f"{described.name}: grids from {_cells(trials.cells(1))} cells, up to {len(paddings)} paddings"
         )
+        on_grids = paddings if trials.is_line else {base: trials.own}
+        found = list(
+            _on_grids(trials, on_grids, base, lambda text: log(f"{described.name}: {text}"))
+        )
+        if described.file.grid is not None or not trials.at_edge or any(map(trials.meets, found)):
+            break
+    if not found:
+        raise cs.InvalidInput(f"{described.name} has no answer: {' '.join(trials.notes.values())}")
+    trials.choose_measure(found)
+    # of grids on which the pressure meets the error, and no other number ever does, the coarsest
+    coarsest = {
+        one.setting.label: one.setting.cells for one in reversed(found) if trials.meets(one)
+    }
+    against, reference = "Hertz's contact", None
+    if not trials.is_line:
+        finest = found[-1].setting
+        against, reference = _reference(trials, finest) if coarsest else (NO_REFERENCE, None)
         found = [
             replace(one, difference=nan if reference is None else relative_l1(trials.pressures[one.setting], reference))
             for one in found
         ]  # fmt: skip
-        if why := _why_own_alone(trials, found, cells):
+        if why := _why_own_alone(trials, found):
             trials.notes["other paddings"] = f"No other padding was tried, since {why}."
-            paddings = {own: trials.own}
-        setting = Setting(own, trials.own, cells, default)
-        loosest = _loosest(trials, setting) if met else default
-        settings = [Setting(label, padding, cells, loosest) for label, padding in paddings.items()]
+            paddings = {base: trials.own}
+    cells, loosest = coarsest.get(base, found[-1].setting.cells), trials.options.tolerance
+    if base in coarsest:
+        loosest = _loosest(trials, Setting(base, trials.own, cells, loosest))
+    settings = [
+        Setting(label, padding, coarsest.get(label, cells), loosest)
+        for label, padding in paddings.items()
+    ]
     tried = {one.setting for one in found}
     settings = [setting for setting in settings if setting not in tried]
     found += [one for setting in settings if (one := trials.measured(setting, reference))]
-    if not found:
-        raise cs.InvalidInput(f"{described.name} has no answer: {' '.join(trials.notes.values())}")
     log(f"{described.name}: times of {sum(map(trials.meets, found))} settings that meet it")
     return Verdict(
         described.name, described.text, error, trials.measure, trials.extent, own, against,
@@ -426,8 +428,37 @@ def verdict_on(
     )  # fmt: skip
 
 
-def _trials(file: cs.SceneFile, error: float, measure: str) -> _Trials:
-    """Return the solves of a scene on the extent of its grid, or of the plan for the error."""
+def _on_grids(
+    trials: _Trials, paddings: Mapping[str, cs.Padding | cs.Paddings], base: str, say: Log
+) -> Iterator[Measured]:
+    """Yield what was measured with some paddings on grids from the coarsest.
+
+    The last grid is the first on which the padding of the name `base` meets the error. Of lines, whose solves take
+    milliseconds, further ones are tried.
+    """
+    last, seconds, cells, tried = inf, 0.0, (1, 1), list[Measured]()
+    for multiple in trials.multiples:
+        if multiple > last:  # which costs more, for an error that nobody asked for
+            return
+        coarser, cells = cells, trials.cells(multiple)
+        if (expected := seconds * prod(cells) / prod(coarser)) > LONG:
+            say(f"about {expected:.0f} s or more on {_cells(cells)} cells")
+        for label, padding in paddings.items():
+            one = trials.measured(Setting(label, padding, cells, trials.options.tolerance), None)
+            if one is None:
+                continue
+            yield one
+            if label == base:
+                seconds = one.seconds
+                tried.append(one)
+                if not trials.is_worth_refining(tried, multiple):
+                    trials.choose_measure(tried)
+                if not trials.is_worth_refining(tried, multiple):
+                    last = min(last, multiple * (FINER if trials.is_line else 1))
+
+
+def _trials(file: cs.SceneFile, error: float, measure: str, wider: float) -> _Trials:
+    """Return the solves of a scene on the extent of its grid, or of the plan for the error, so many times as wide."""
     padding: cs.Padding | cs.Paddings | None = None
     if isinstance(file.padding, tuple):
         padding = file.padding
@@ -437,19 +468,20 @@ def _trials(file: cs.SceneFile, error: float, measure: str) -> _Trials:
         wanted = PlanSettings(error, grid.length) if grid is not None else plan
         planned = replace(file, grid=None, padding=padding, plan_settings=wanted).plan()
         if grid is None:
-            grid = planned.grid
+            (nx, ny), (width, length) = planned.grid.cells, planned.grid.extent
+            grid = cs.Grid((round(wider * nx), ny), (wider * width, length))
         else:  # the extent that is given, with cells of the size that the error needs
             sizes = zip(
                 grid.extent, planned.grid.cell_size, grid.cells, planned.grid.cells, strict=True
             )
             across, along = (
-                1 if 1 in (given, plan_cells) else max(6, round(side / size))
+                1 if 1 in (given, plan_cells) else max(SIXTHS, round(side / size))
                 for side, size, given, plan_cells in sizes
             )
             grid = cs.Grid((across, along), grid.extent)
         padding = padding or planned.padding
     own = padding or cs.ExactPeriodicity()
-    across, along = (max(1, round(n / 6)) if n > 1 else 1 for n in grid.cells)
+    across, along = (max(1, round(n / SIXTHS)) if n > 1 else 1 for n in grid.cells)
     scene = with_random_extents(file.scene, grid.extent)
     times = file.time_steps if scene.takes_times and file.time_steps != cs.TimeSteps() else None
     return _Trials(
@@ -466,11 +498,13 @@ def all_paddings() -> dict[str, cs.Padding]:
     }
 
 
-def _own_label(padding: cs.Padding | cs.Paddings) -> str:
-    """Return the name of the padding of the scene itself."""
+def _label(padding: cs.Padding | cs.Paddings) -> str:
+    """Return the name of a padding that a scene has."""
     if isinstance(padding, tuple):
         return "repeating across and along" if padding[0].wraps else "free ends"
-    return next((name for name, other in all_paddings().items() if other == padding), repr(padding))
+    n = getattr(padding, "images", 0)
+    labels = (padding_label(name, n) for name, make in PADDINGS.items() if make(n) == padding)
+    return next(labels, repr(padding))
 
 
 def _worst(answer: Answer) -> tuple[float, str]:
@@ -498,16 +532,18 @@ def _loosest(trials: _Trials, setting: Setting) -> float:
     return setting.tolerance
 
 
-def _why_own_alone(trials: _Trials, found: Sequence[Measured], cells: tuple[int, int]) -> str:
-    """Return why no padding but the scene's own is tried on these cells; empty where others are."""
+def _why_own_alone(trials: _Trials, found: Sequence[Measured]) -> str:
+    """Return why no padding but the scene's own is tried; empty where others are."""
     if isinstance(trials.own, tuple):
         return ""
-    if not any(map(trials.meets, found)):
+    meeting = [one for one in found if trials.meets(one)]
+    if not meeting:
         return NO_GRID
     layers = [
         body.thickness for body in trials.scene.solids if isinstance(body, cs.CoatedHalfSpace)
     ]
-    waves = max((prod(trials.extent) / prod(cells) / layer**2 for layer in layers), default=0)
+    cell_area = prod(trials.extent) / prod(meeting[0].setting.cells)
+    waves = max((cell_area / layer**2 for layer in layers), default=0)
     if waves > MOST_WAVES:
         return (
             f"a cell is {waves:.0f} times as large as the square of the thickness of the layer, "
@@ -516,17 +552,18 @@ def _why_own_alone(trials: _Trials, found: Sequence[Measured], cells: tuple[int,
     return ""
 
 
-def _reference(trials: _Trials, own: str, multiple: int) -> tuple[str, Array]:
-    """Return what differences are against in words, and its pressure."""
-    setting = Setting(own, trials.own, trials.cells(multiple), trials.options.tolerance)
-    answer = trials.solve(setting)
+def _reference(trials: _Trials, finest: Setting) -> tuple[str, Array]:
+    """Return what differences are against in words, a solution on cells of half the size, and its pressure."""
+    across, along = (2 * n if n > 1 else 1 for n in finest.cells)
+    finer = replace(finest, cells=(across, along))
+    answer = trials.solve(finer)
     bound = answer.judged_error[1].total
     own_error = (
         f"whose own error is at most {100 * bound:.2g} %"
         if isfinite(bound)
         else "which has no bound itself"
     )
-    return f"a solution on {_cells(setting.cells)} cells, {own_error}", last_of(answer).pressure
+    return f"a solution on {_cells(finer.cells)} cells, {own_error}", last_of(answer).pressure
 
 
 def _timed(trials: _Trials, found: Sequence[Measured]) -> Iterator[Measured]:
@@ -539,12 +576,12 @@ def _timed(trials: _Trials, found: Sequence[Measured]) -> Iterator[Measured]:
                 times[setting] = min(times[setting], trials.seconds(setting))
 
     total = sum(times.values())
-    take(list(times), min(int(ROUND_SECONDS / total), MAX_ROUNDS))  # none where a solve takes long
+    take(list(times), int(ROUND_SECONDS / total))  # none where a solve takes long
     meeting = [one.setting for one in found if trials.meets(one)]
     total = sum(times[setting] for setting in meeting)
-    take(meeting, min(max(2, int(ROUND_SECONDS / total)), MAX_ROUNDS) if meeting else 0)
+    take(meeting, max(2, int(ROUND_SECONDS / total)) if meeting else 0)
     fastest = min((times[setting] for setting in meeting), default=inf)
     near = [setting for setting in meeting if times[setting] <= TIE**3 * fastest]
     total = sum(times[setting] for setting in near)
-    take(near, min(max(1, int(ROUND_SECONDS / total)), MAX_ROUNDS) if near else 0)
+    take(near, max(1, int(ROUND_SECONDS / total)) if near else 0)
     yield from (replace(one, seconds=times[one.setting]) for one in found)

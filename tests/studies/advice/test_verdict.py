@@ -73,6 +73,29 @@ def test_the_pressure_keeps_the_error_under_a_somewhat_lower_load(cylinder: Verd
         assert answer.met
 
 
+BODIES = '[[solids]]\nmaterial = "steel"\n' * 2
+SCENES = {
+    "ball": '[load]\ntotal = "40 N"\n[[shapes]]\nkind = "Sphere"\nradius = "4 mm"\n',
+    "reaches the edge of its plan": '[load]\nper_length = "40 N/mm"\n[[shapes]]\nkind = "Cylinder"\nradius = "10 mm"\n'
+    '[[shapes]]\nkind = "Roughness"\nrms = "0.3 um"\nhurst = 0.7\nroll_off = "50 um"\ncut_off = "16 um"\n'
+    'peklenik = 0.5\nseed = 3\n[plan]\nperiod = "0.2 mm"\n',
+    "own window": 'padding = { kind = "Superposition", images = 4 }\n[load]\nper_length = "70 N/mm"\n'
+    '[[shapes]]\nkind = "Cylinder"\nradius = "10 mm"\n[plan]\nperiod = "0.3 mm"\n',
+}
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_every_number_is_kept_where_a_solve_keeps_it(name: str, tmp_path: Path) -> None:
+    head, _, rest = SCENES[name].rpartition("[load]")
+    (tmp_path / "scene.toml").write_text(f"{head}{BODIES}[load]{rest}", encoding="utf-8")
+    verdict = verdict_on(scene_in(tmp_path / "scene.toml"), 0.2)
+    assert verdict.measure == EVERY_NUMBER
+    assert verdict.best() is not None
+    if name == "own window":
+        assert verdict.own == "superposed, n = 4"
+        assert verdict.own in {one.setting.label for one in verdict.settings}
+
+
 def test_a_window_that_is_too_short_keeps_the_error_on_no_grid(cylinder: Verdict) -> None:
     assert cylinder.own == "exact"
     assert not {"zero", "duplicated"} & {one.setting.label for one in cylinder.meeting()}
@@ -158,7 +181,9 @@ def test_a_verdict_is_read_again_for_its_scene_and_error_alone(
         stored.verdict_of(scene, 0.1, tmp_path, quiet)
 
 
-@pytest.mark.parametrize("padding", [EXACT, (cs.ZeroPadding(), cs.ZeroPadding())])
+@pytest.mark.parametrize(
+    "padding", [EXACT, cs.Superposition(4), (cs.ZeroPadding(), cs.ZeroPadding())]
+)
 def test_a_padding_survives_in_a_file(padding: cs.Padding | cs.Paddings) -> None:
     measured = replace(one(), setting=replace(one().setting, padding=padding))
     assert stored.from_dataset(stored.to_dataset(of(measured))) == of(measured)

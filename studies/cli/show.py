@@ -1,41 +1,38 @@
 """The commands on stored files: ``contactstudy show FILE.nc`` and ``contactstudy compare A.nc B.nc``."""
 
-import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
-import numpy as np
 
 from contactstudy import InvalidInput, Sizes
-from contactstudy.domain.imports import import_for
-from contactstudy.domain.units import display_unit_of
 from studies.cli.options import (
     FIGURES,
     FORMAT,
     PICTURES,
     PLOT,
     formats_in,
+    is_given,
     names_in,
     out_option,
     refuse,
 )
 from studies.cli.surfaces import drawn_surfaces, surfaces_of
-from studies.model.outcome import is_time
 from studies.model.plain_text import one_line, place_of
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-FORMATS = (*PICTURES, "vtk", "html")
+FORMATS = (*PICTURES, "vtk", "html", "excel")
 
 
 @click.command()
 @click.argument("file", type=click.Path(path_type=Path))
-@out_option("Folder for the pictures.  [default: that of FILE]", None)
+@click.argument("names", nargs=-1)
+@out_option("Folder for the files.  [default: that of FILE; --csv prints]", None)
 @FORMAT
 @FIGURES
 @PLOT
@@ -43,7 +40,8 @@ FORMATS = (*PICTURES, "vtk", "html")
     "--csv",
     "as_table",
     is_flag=True,
-    help="Print the numbers of FILE as CSV instead: a row for each point of a study, units in the header.",
+    help="A table as CSV instead, units in its header: the quantities of a solution, or of each point of a study; with "
+    "NAMES or --plot those variables, also fields, or all. --format excel marks it for Excel.",
 )
 @click.option("--unit", help="Unit of the heights of a measured surface, of a file without one.")
 @click.option(
@@ -65,6 +63,7 @@ def show(
     context: click.Context,
     /,
     file: Path,
+    names: tuple[str, ...],
     out: Path | None,
     formats: str,
     figures: str,
@@ -77,13 +76,13 @@ def show(
     sizes: str | None,
     raw: bool,  # noqa: FBT001 (click's own way)
 ) -> None:
-    """Draw what is in FILE: a solution, a study, or a measured surface.
+    """Draw what is in FILE, or its NAMES: a solution, a study, or a measured surface.
 
     A measured surface is drawn with its parameters, also those of a scene in a TOML file, prepared as the scene says.
     """
     from studies.store.netcdf import open_folder, read_any
 
-    chosen = formats_in(formats, FORMATS)
+    chosen, named = formats_in(formats, FORMATS), (*names_in(plot), *names)
     keys = {
         "unit": unit,
         "invalid": invalid,
@@ -91,40 +90,46 @@ def show(
         "sizes": Sizes(sizes or "checked"),
     }
     if surfaces := surfaces_of(file, extent, **keys):
-        refuse(context, "a study, and not for a surface", "figures", "plot", "as_table")
+        refuse(context, "a study, and not for a surface", "names", "figures", "plot", "as_table")
         drawn = drawn_surfaces(surfaces, with_raw=raw)
         _save(drawn, open_folder(out or file.parent), [name for name in chosen if name in PICTURES])
         return
     refuse(context, "a measured surface", "unit", "extent", "invalid", "decimal", "sizes", "raw")
     dataset = read_any(file)
     if as_table:
-        refuse(context, "pictures, and not for --csv", "out", "formats", "figures", "plot")
-        with drawing(str(file), "its variables do not fit a table."):
-            table = _csv(dataset)
-        click.echo(table, nl=False)
+        refuse(context, "pictures, and not for --csv", "figures")
+        if is_given(context, "formats") and set(chosen) != {"excel"}:
+            raise InvalidInput(f"--format is {formats!r}: give excel with --csv, or leave it out.")
+        _tabulate(dataset, file, out, named, "\ufeff" * ("excel" in chosen))
         return
+    if "excel" in chosen:  # of a table alone
+        raise InvalidInput("--format has excel, which is for a table: give --csv too.")
+    if named and "case_status" not in dataset:
+        option = "--plot" if plot else "a name"
+        raise InvalidInput(
+            f"{option} is for a study or --csv, and not for the picture of a solution: leave it out."
+        )
     folder = open_folder(out or file.parent)
     with drawing(str(file), "its variables do not fit a figure; --csv prints them."):
         if "html" in chosen:
             click.echo(f"wrote {_page(dataset, file, folder)}")
-        drawn = _drawn(context, dataset, file, folder, chosen, figures, plot)
+        drawn = _drawn(context, dataset, file, folder, chosen, figures, named)
     _save(drawn, folder, [name for name in chosen if name in PICTURES])
 
 
 def _drawn(
     context: click.Context, dataset: "xr.Dataset", file: Path, folder: Path, chosen: list[str],
-    figures: str, plot: str,
+    figures: str, names: Sequence[str],
 ) -> "dict[str, Figure]":  # fmt: skip
     """Return the figures of a dataset in a file by their names, and write it for VTK if that is chosen."""
     is_study = "case_status" in dataset
     if "vtk" in chosen:
-        if is_study or "gap" not in dataset or "time" in dataset.dims:
-            raise InvalidInput(
-                "--format has vtk, which is for a dry contact at rest: leave it out for other files."
-            )
-        click.echo(f"wrote {_vtk(dataset, folder / file.stem)}")
+        from studies.cli.paraview import write_vtk
+
+        for path in write_vtk(dataset, file, folder / file.stem):
+            click.echo(f"wrote {path}")
     if not is_study:
-        refuse(context, "a study, and not for a solution", "figures", "plot")
+        refuse(context, "a study, and not for a solution", "figures")
         return {file.stem: _picture(dataset, file)} if set(chosen) & set(PICTURES) else {}
     if not set(chosen) & set(PICTURES):
         return {}
@@ -132,11 +137,34 @@ def _drawn(
 
     name = str(dataset.attrs.get("study", file.stem))
     if name in BUILT_IN:
-        refuse(context, "a study without figures of its own", "figures", "plot")
+        refuse(context, "a study without figures of its own", "figures", "plot", "names")
         figures_of = load_drawing(name)
     else:
-        figures_of = default_drawing(figures, names_in(plot))
+        figures_of = default_drawing(figures, tuple(names))
     return {f"{file.stem}-{item.name}": item.figure for item in figures_of.figure(dataset)}
+
+
+def _tabulate(
+    dataset: "xr.Dataset", file: Path, out: Path | None, names: Sequence[str], mark: str
+) -> None:
+    """Print a table as CSV after a `mark`, or write it to a folder, and say how many columns it leaves out."""
+    from contactstudy.domain.files import replacing
+    from studies.cli.table import csv_of
+    from studies.store.netcdf import open_folder
+
+    with drawing(str(file), "its variables do not fit a table."):
+        table, left_out = csv_of(dataset, file, names)
+    if out is None:
+        click.echo(mark + table, nl=False)
+    else:
+        path = open_folder(out) / f"{file.stem}.csv"
+        with replacing(path) as partial:
+            partial.write_text(mark + table, encoding="utf-8")
+        click.echo(f"wrote {path}")
+    if left_out and not names:
+        click.echo(
+            f"{file}: {left_out} further columns, such as iterations: name them, or all", err=True
+        )
 
 
 def _page(dataset: "xr.Dataset", file: Path, folder: Path) -> Path:
@@ -204,102 +232,6 @@ def _picture(dataset: "xr.Dataset", file: Path) -> "Figure":
     raise InvalidInput(
         f"{str(file)!r} is neither a solution nor a study: give a file that contactstudy solve or run wrote."
     )
-
-
-def _csv(dataset: "xr.Dataset") -> str:
-    """Return a table as CSV: a row for each point of a study or instant of an evolution, or one row for a solution."""
-    if "case_status" in dataset:
-        axes = [str(name) for name in dataset["case_status"].dims]
-    else:
-        axes = [name for name in ("time", "pass_number") if name in dataset.dims]
-    # beside axes, leave out scalars: they would repeat in every row
-    names = [
-        str(name)
-        for name, variable in dataset.data_vars.items()
-        if set(variable.dims) <= set(axes) and bool(variable.dims) == bool(axes)
-    ]
-    names.sort(key=_column_order)
-    flat = dataset[names].assign({name: _with_flag_meanings(dataset[name]) for name in names})
-    if "contended" not in flat or (flat["contended"] == "not_timed").all():
-        flat = flat.drop_vars([name for name in names if is_time(name)])
-    flat = flat.reset_coords(drop=True)
-    if axes:
-        table = flat.to_dataframe(dim_order=axes).reset_index()
-    else:
-        table = flat.expand_dims("row").to_dataframe().reset_index(drop=True)
-    for name in [str(column) for column in table.columns]:
-        head, factor = _header(dataset, name)
-        if factor != 1:
-            table[name] = table[name] / factor
-        table = table.rename(columns={name: head})
-    return str(table.to_csv(index=False, float_format="%.14g"))
-
-
-# Columns at the end of a table, in this order: the solver's work, the case, the times.
-SORTED_LAST = ("status", "iterations", "convolutions", "residual", "case_", "contended", "_time")
-
-
-def _column_order(name: str) -> int:
-    """Return the position of a column among :data:`SORTED_LAST`, 0 for any other."""
-    places = [place for place, word in enumerate(SORTED_LAST, start=1) if word in name]
-    return max(places, default=0)
-
-
-def _header(dataset: "xr.Dataset", name: str) -> tuple[str, float]:
-    """Return the head of a column with the unit in which it is read best, and the factor of this unit in SI units."""
-    if name not in dataset.variables:
-        return name, 1.0
-    units = str(dataset[name].attrs.get("units", "1"))
-    # a bound in the unit of what it bounds
-    bounded = name.removesuffix("_bound")
-    values = dataset[bounded if bounded in dataset.variables else name].values
-    if units == "1" or values.dtype.kind not in "iuf":
-        return name if units == "1" else f"{name} [{units}]", 1.0
-    factor, unit = display_unit_of(values, units)
-    return f"{name} [{unit}]", factor
-
-
-def _with_flag_meanings(variable: "xr.DataArray") -> "xr.DataArray":
-    """Return a flag variable with the meaning of each value, empty for nan, and any other variable unchanged."""
-    meanings = str(variable.attrs.get("flag_meanings", "")).split()
-    if not meanings:
-        return variable
-    values = [int(value) for value in np.atleast_1d(variable.attrs["flag_values"])]
-    words = dict(zip(values, meanings, strict=True))
-    named = np.vectorize(lambda value: words.get(value, ""), otypes=[object])(variable.values)
-    return variable.copy(data=named)
-
-
-def _vtk(dataset: "xr.Dataset", stem: Path) -> str:
-    """Write pressure and gap over the cells as a rectilinear grid, and stress as points in depth; return the file."""
-    write = import_for("--format vtk", "pyevtk.hl").gridToVTK
-    edges = [_edges(dataset[axis].values) for axis in ("x", "y")]
-    # a cell alone is as long as the scene's grid, or square where that is not known
-    if len(edges[1]) == 2:
-        grid = tomllib.loads(str(dataset.attrs.get("scene", ""))).get("grid", {})
-        edges[1] *= grid.get("extent", (0.0, np.diff(edges[0])[0]))[1]
-    # its cells lie between edges: one thin layer, so that the map is seen from above
-    shown = [name for name in ("pressure", "gap", "displacement") if name in dataset]
-    cells = {name: np.ascontiguousarray(dataset[name].values[:, :, None]) for name in shown}
-    flat = np.array([0.0, min(np.diff(edge).min() for edge in edges)])
-    # the library adds the ending
-    path = write(str(stem), edges[0], edges[1], flat, cellData=cells)
-    if "von_mises" in dataset:
-        values = np.ascontiguousarray(dataset["von_mises"].transpose("x", "y", "z").values)
-        depths = -dataset["z"].values
-        axes = [np.ascontiguousarray(dataset[axis].values, dtype=float) for axis in ("x", "y")]
-        order = np.argsort(depths)
-        write(
-            f"{stem}-stress", axes[0], axes[1], np.ascontiguousarray(depths[order]),
-            pointData={"von_mises": np.ascontiguousarray(values[:, :, order])},
-        )  # fmt: skip
-    return str(path)
-
-
-def _edges(centres: np.ndarray) -> np.ndarray:
-    """Return the edges of cells with these centres [m]; of a single one those of a cell of length 1."""
-    step = float(centres[-1] - centres[0]) / (len(centres) - 1) if len(centres) > 1 else 1.0
-    return np.asarray(centres[0] + step * (np.arange(len(centres) + 1) - 0.5))
 
 
 @click.command()

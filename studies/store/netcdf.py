@@ -7,9 +7,10 @@ import os
 import tempfile
 from collections.abc import Hashable, Iterable
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import netCDF4
+import numpy as np
 import xarray as xr
 
 from contactstudy import InvalidInput
@@ -69,6 +70,21 @@ def _encoding(dataset: xr.Dataset) -> dict[Hashable, dict[str, None]]:
 def read_any(path: Path) -> xr.Dataset:
     """Return the Dataset of a solution or a study in `path`, in memory."""
     return read(path, "File", "give a file that contactstudy solve or run wrote")
+
+
+def fields_of(dataset: xr.Dataset, path: Path) -> list[tuple[dict[str, Any], xr.Dataset]]:
+    """Return each point of the study in `path` whose fields are stored, with these fields."""
+    keys, found = dataset["case_key"], []
+    # through one open file: xarray's own crashes where it opens groups of one file in turn
+    with Stop(), netCDF4.Dataset(path) as file:
+        stored = file.groups["fields"].groups if "fields" in file.groups else {}
+        for index in np.ndindex(keys.shape):
+            if (group := f"case_{keys.values[index]}") in stored:
+                at = zip(keys.dims, index, strict=True)
+                point = {str(dim): keys[dim].values[number] for dim, number in at}
+                store = xr.backends.NetCDF4DataStore(stored[group])
+                found.append((point, xr.open_dataset(store).load()))
+    return found
 
 
 def check_kind(

@@ -1,4 +1,5 @@
 import csv
+import re
 import shlex
 import signal
 import tomllib
@@ -150,10 +151,14 @@ def test_a_file_of_another_kind_is_not_replaced_nor_drawn(folder: Path) -> None:
     [
         ("compare out/smooth.nc study/smooth-sweep.nc", "of different kinds"),
         ("show out/smooth.nc --format jpeg", "png, pdf, svg, vtk, html"),
-        ("show study/smooth-sweep.nc --format vtk", "for a dry contact at rest"),
+        ("show study/smooth-sweep.nc --format vtk", "run a study with --fields"),
         ("show out/smooth.nc --plot central_film", "--plot is for a study"),
+        ("show out/smooth.nc gap", "a name is for a study"),
         ("show out/smooth.nc --figures maps", "--figures is for a study"),
-        ("show study/smooth-sweep.nc --csv --out tables", "--out is for pictures"),
+        ("show study/smooth-sweep.nc --csv --format png", "give excel with --csv"),
+        ("show study/smooth-sweep.nc --csv pressure", "run the study with --fields"),
+        ("show out/smooth.nc --csv presure", "did you mean 'pressure'"),
+        ("show out/smooth.nc --format excel", "give --csv too"),
         (
             "compare study/smooth-sweep.nc study/smooth-sweep.nc --out x",
             "--out is for two solutions",
@@ -233,8 +238,10 @@ def test_a_solve_that_is_stopped_leaves_its_pressure_and_goes_on_from_it(
     assert float(abs(ended["pressure"] - whole["pressure"]).sum() / whole["pressure"].sum()) < 1e-6
 
 
-def table(file: Path) -> list[dict[str, str]]:
-    return list(csv.DictReader(StringIO(said("show", file, "--csv"))))
+def table(file: Path, *words: object) -> list[dict[str, str]]:
+    said("show", file, "--csv", *words, "--out", file.parent)
+    text = file.with_suffix(".csv").read_text(encoding="utf-8")
+    return list(csv.DictReader(StringIO(text)))
 
 
 def test_a_study_is_a_table_with_a_row_for_each_point(tmp_path: Path) -> None:
@@ -260,6 +267,53 @@ def test_a_solution_is_one_row_of_its_numbers(folder: Path) -> None:
     peak = float(stored["pressure"].max())
     assert float(row["peak_pressure [MPa]"]) == pytest.approx(peak / 1e6, rel=1e-12)
     assert row["status"] == "CONVERGED"
+
+
+def test_a_table_has_the_quantities_or_what_is_named(folder: Path) -> None:
+    study = folder / "study" / "smooth-sweep.nc"
+    (row, *others) = table(study)
+    assert len(others) == 3
+    assert {"peak_pressure [MPa]", "peak_pressure_bound [MPa]", "case_status"} <= set(row)
+    assert not {"iterations", "case_key", "pressure_l1_estimate"} & set(row)
+    assert {"iterations", "case_key", "pressure_l1_estimate"} <= set(table(study, "all")[0])
+    named = table(study, "--plot", "residual", "peak_pressure")[0]
+    assert list(named)[-2:] == ["residual", "peak_pressure [MPa]"]
+    marked = said("show", study, "peak_pressure", "--csv", "--format", "excel")
+    assert marked.startswith("\ufeffshapes_0_radius [mm],")
+
+
+def test_fields_of_the_cases_of_a_sweep_are_a_table_and_a_series_for_paraview(
+    folder: Path, tmp_path: Path
+) -> None:
+    scene = tmp_path / "deep.toml"
+    scene.write_text(
+        SMOOTH
+        + given(16, "0.4 mm")
+        + '[[outputs]]\nkind = "SubsurfaceStress"\ndepths = ["50 um", "90 um"]\n'
+    )
+    vary = ["--vary", "load.per_length=80 N/mm,90 N/mm", "--workers", "0", "--repeats", "0"]
+    said("run", scene, *vary, "--fields", "--out", tmp_path)
+    sweep = tmp_path / "deep-sweep.nc"
+    rows = table(sweep, "von_mises")
+    cells = xr.open_dataset(
+        sweep, group=f"fields/case_{xr.load_dataset(sweep)['case_key'].values[1]}"
+    )
+    assert len(rows) == 2 * cells["von_mises"].size
+    of_last = [row for row in rows if row["load_per_length [N/mm]"] == "90"]
+    assert float(of_last[0]["von_mises [MPa]"]) * 1e6 == pytest.approx(
+        float(cells["von_mises"].transpose("z", "x", "y")[0, 0, 0])
+    )
+    text = said("show", sweep, "--format", "vtk", "--out", tmp_path / "vtk")
+    written = [Path(line.removeprefix("wrote ")) for line in text.splitlines()]
+    assert [path.name for path in written] == ["deep-sweep.pvd", "deep-sweep-stress.pvd"]
+    for path in written:
+        named = re.findall(r'file="([^"]*)"', path.read_text())
+        assert len(named) == 2
+        assert all((path.parent / name).is_file() for name in named)
+    stresses = (tmp_path / "vtk" / "deep-sweep-stress-1.vtr").read_bytes()
+    values = cells["stress"].sel(component="xz").transpose("x", "y", "z").values[:, :, ::-1]
+    assert b"stress_xz" in stresses
+    assert np.ascontiguousarray(values).tobytes(order="F") in stresses
 
 
 def test_a_status_that_a_case_does_not_have_is_empty(tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ from .model.case import Case, error_estimates
 from .model.drawing import CaptionedFigure, Drawing, Finding, Table
 from .model.study import Study
 from .registry import load
+from .scene_study.sensitivity import sensitivity
 from .scene_study.study_of import study_of
 
 __all__ = [
@@ -23,5 +24,6 @@ __all__ = [
     "load",
     "panels",
     "run",
+    "sensitivity",
     "study_of",
 ]

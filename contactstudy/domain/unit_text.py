@@ -4,6 +4,7 @@ import re
 from contextlib import suppress
 from decimal import Decimal
 from functools import cache
+from math import inf
 from types import UnionType
 from typing import Annotated, Any, Union, get_args, get_origin
 
@@ -13,6 +14,8 @@ from contactstudy.domain.invalid_input import InvalidInput
 from contactstudy.domain.units import HARDNESS, Unit
 
 NUMBER = re.compile(r"\s*([-+]?(?:inf|(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?))\s*(.*?)\s*")
+# What stands between a number and its tolerance.
+PLUS_MINUS = re.compile(r"\s*(?:\+/?-|±)\s*")
 # Units: names, powers, products, quotients also of 1 and by products in brackets, and no other expressions.
 REPLACED = (
     (r"²", "^2"), (r"³", "^3"), (r"([mM])([23])(?![\d])", r"\1^\2"), (r"\b(m?)Pas\b", r"\1Pa*s"), (r"\bNm\b", "N*m"),
@@ -30,11 +33,14 @@ SYMBOLS = re.compile(rf"(?:1\s*/\s*)?{FACTOR}(?:\s*[*/·]\s*{FACTOR}|\s+{POWER})
 
 
 def in_si(field: str, value: object, unit: Unit) -> float:
-    """Return `value`, a number or a text with a unit, in the SI unit `unit`.
+    """Return `value`, a number or a text with a unit, in the SI unit `unit`, without the tolerance of a text.
 
     Raises :class:`~contactstudy.InvalidInput`, which names `field`, for anything else and for a unit of another
     quantity.
     """
+    if isinstance(value, str) and PLUS_MINUS.search(value):
+        number, symbol, _ = parted(field, value)
+        value = f"{number} {symbol}"
     remedy = remedy_of(unit)
     if isinstance(value, str) and "," in value:
         remedy += ", with a decimal point"
@@ -77,6 +83,39 @@ def in_si(field: str, value: object, unit: Unit) -> float:
         AttributeError,
     ) as error:
         raise InvalidInput(f"{field} is {value!r}: {remedy}.") from error
+
+
+def parted(field: str, text: str) -> tuple[str, str, float | None]:
+    """Return number and unit of a text, and in this unit the tolerance behind it; None of a text without one.
+
+    A tolerance has the unit of its number, another one of the same quantity, or is in per cent of the number, such as
+    ``10 mm +- 0.05 mm``, ``10 mm +- 50 um`` or ``10 mm ± 1 %``.
+
+    Raises
+    ------
+    InvalidInput
+        For a text without a number, and for a tolerance that is not a number of at least 0.
+    """
+    first, *others = PLUS_MINUS.split(text.strip())
+    match, tolerances = NUMBER.fullmatch(first), [NUMBER.fullmatch(other) for other in others]
+    if (
+        match is None
+        or len(others) > 1
+        or not all(one and 0 <= float(one[1]) < inf for one in tolerances)
+    ):
+        raise InvalidInput(
+            f"{field} is {text!r}: give a number, and behind it one tolerance of at least 0, such as '10 mm +- 0.05 mm'."
+        )
+    number, unit = match.groups()
+    for one in filter(None, tolerances):
+        size, symbol = one.groups()
+        if symbol in ("", unit):
+            return number, unit, float(size)
+        if symbol == "%":
+            return number, unit, abs(float(number)) * float(size) / 100
+        tolerance = Unit(unit, "a tolerance in the unit of its number", f"{size} {unit}")
+        return number, unit, in_si(f"The tolerance of {field}", others[0], tolerance)
+    return number, unit, None
 
 
 def _usual(text: str) -> str:

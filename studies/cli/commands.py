@@ -17,7 +17,15 @@ from studies.cli.options import PLOT, is_given, names_in, out_option, refuse
 from studies.cli.scenes import plan, solve
 from studies.cli.show import REMEDY_IN_CODE, REMEDY_IN_TIMES, compare, drawing, show
 from studies.cli.study_help import StudyCommand
-from studies.cli.vary import REFERENCE, VARY, load_scene_study, with_reference
+from studies.cli.vary import (
+    REFERENCE,
+    SENSITIVITY,
+    VARY,
+    load_scene_study,
+    sensitivity_of,
+    with_reference,
+    write_sensitivity,
+)
 from studies.model.plain_text import one_line
 from studies.registry import BUILT_IN, has_own_figures, load, load_drawing
 
@@ -146,6 +154,7 @@ def report(
     help="Store the fields of every case, such as pressure and gap, as groups of the netCDF file.",
 )
 @VARY
+@SENSITIVITY
 @REFERENCE
 @PLOT
 @click.option(
@@ -162,6 +171,7 @@ def run(
     repeats: int,
     retry: tuple[str, ...],
     vary: tuple[str, ...],
+    vary_every: bool,  # noqa: FBT001 (click gives it by name)
     plot: str,
     dry_run: bool,  # noqa: FBT001 (click gives it by name)
     reference: str | None,
@@ -176,7 +186,14 @@ def run(
     from studies.engine.run import run as run_study
     from studies.model.outcome import CaseStatus
 
-    chosen = load_scene_study(study, vary, context.args)
+    if vary_every:
+        refuse(
+            context,
+            "a sweep, and not for --sensitivity, which varies each number alone",
+            "vary",
+            "reference",
+        )
+    chosen = sensitivity_of(study) if vary_every else load_scene_study(study, vary, context.args)
     if chosen is None:
         chosen = load(study).override(_axes(context.args))
     elif (is_given(context, "repeats") and repeats) or "times" in retry:
@@ -205,6 +222,8 @@ def run(
     with drawing(chosen.name, REMEDY_IN_CODE if repeats else REMEDY_IN_TIMES):
         figures_of = load_drawing(study, "curves", names_in(plot))
         reporting.draw_figures(chosen, figures_of, out)
+    if vary_every:
+        click.echo(write_sensitivity(chosen, names_in(plot), out))
     click.echo(f"{chosen.name}: drew {out / chosen.name}")
 
 

@@ -27,6 +27,44 @@ REFERENCE = click.option(
     help="One of the values of a varied field, against which errors are drawn, such as padding=ExactPeriodicity; with "
     "--repeats also over the times.",
 )
+SENSITIVITY = click.option(
+    "--sensitivity",
+    "vary_every",
+    is_flag=True,
+    help="Raise and lower each number of the scene file alone, by the tolerance behind it, as in '10 mm +- 0.05 mm', or "
+    "by 1 %; print and draw what the quantities change by.",
+)
+
+
+def sensitivity_of(name: str) -> "Study":
+    """Return the study of each number of the scene in the file `name`, raised and lowered."""
+    from studies.scene_study.sensitivity import sensitivity_study
+
+    if not name.endswith(".toml"):
+        raise InvalidInput(
+            f"--sensitivity is for a scene in a .toml file, and {name!r} is a study: leave it out."
+        )
+    return sensitivity_study(name)
+
+
+def write_sensitivity(study: "Study", plot: Sequence[str], out: Path) -> str:
+    """Write the table of a stored sensitivity as CSV, and return it as text with aligned columns."""
+    import csv
+
+    from contactstudy.domain.files import replacing
+    from studies.report.drawings import default, sensitivity
+    from studies.report.page import stored
+
+    dataset = stored(study, out)
+    table = sensitivity.table(dataset, default.chosen(dataset, plot))
+    rows = [table.head, *table.rows]
+    with (
+        replacing(out / f"{study.name}.csv") as partial,
+        partial.open("w", newline="", encoding="utf-8") as file,
+    ):
+        csv.writer(file).writerows(rows)
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return "\n".join("  ".join(map(str.ljust, row, widths)).rstrip() for row in rows)
 
 
 def load_scene_study(name: str, vary: Sequence[str], others: Sequence[str]) -> "Study | None":

@@ -351,7 +351,7 @@ def varied_scenes(
         if all(j in found for j, found in zip(index, labels, strict=True)):
             point = tuple(found[j] for j, found in zip(index, labels, strict=True))
             try:
-                points[point] = scene_file_from(_with_surfaces(document, folder, surfaces), folder)
+                points[point] = scene_file_from(with_surfaces(document, folder, surfaces), folder)
             except InvalidInput as error:
                 raise InvalidInput(f"{_said(keys, index)}: {error}") from None
     notes = [
@@ -393,7 +393,7 @@ def _document(
     return document_from(raw, f"{source} with {_said(keys, index)}")
 
 
-def _with_surfaces(document: SceneDocument, folder: Path, read: dict[object, Any]) -> SceneDocument:
+def with_surfaces(document: SceneDocument, folder: Path, read: dict[object, Any]) -> SceneDocument:
     """Return a document whose measured surfaces are read, each once for all points."""
     curvature = sum(getattr(shape, "curvature", 0.0) for shape in document.shapes)
     shapes: list[Any] = list(document.shapes)

@@ -261,7 +261,7 @@ def study_of(
     InvalidInput
         For a field that the scene lacks and values that it cannot have.
     """
-    raw, given, text = _read(scene)
+    raw, given, text = read_tables(scene)
     source = str(scene) if isinstance(scene, str | PathLike) else "scene"
     place = Path(scene).parent if isinstance(scene, str | PathLike) else Path()
     folder = Path(folder) if folder is not None else place
@@ -285,7 +285,7 @@ def study_of(
         name,
         f"{name}: {', '.join(axis.long_name for axis in found.axes)}",
         found.axes,
-        _SceneAt(tuple(axis.name for axis in found.axes), cases),
+        SceneAt(tuple(axis.name for axis in found.axes), cases),
         measures,
         times="none",
         notes=(*notes, *surfaces, *found.notes),
@@ -302,13 +302,14 @@ def _digests(shapes: Sequence[cs.Shape]) -> tuple[str, ...]:
 
 
 @dataclass(frozen=True, eq=False)
-class _SceneAt:
+class SceneAt:
     """Function of a point that returns its case."""
 
     names: tuple[str, ...]
     cases: Mapping[tuple[Value, ...], Computation]
 
     def __call__(self, point: Point) -> Computation:
+        """Return the case at a point; raise InvalidInput for one that the study does not have."""
         values = tuple(point[name] for name in self.names)
         if values not in self.cases:
             raise InvalidInput(
@@ -317,7 +318,7 @@ class _SceneAt:
         return self.cases[values]
 
 
-def _read(
+def read_tables(
     scene: Scene | SceneFile | str | PathLike[str],
 ) -> tuple[Table, Sequence[Mapping[str, object]], str]:
     """Return the tables of a scene, what it varies itself, and its text, which of Python objects may be their names."""

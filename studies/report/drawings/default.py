@@ -14,7 +14,7 @@ from contactstudy import InvalidInput
 from studies.model.axis import one_of
 from studies.model.drawing import CaptionedFigure
 from studies.model.outcome import CaseStatus, is_time
-from studies.report.drawings import against_reference
+from studies.report.drawings import against_reference, sensitivity
 from studies.report.plots import DOUBTFUL, Law, Plot, doubtful, draw, is_sample, scaled, value_text
 from studies.report.style import captioned, panels, percent
 
@@ -63,11 +63,13 @@ def figures(
     """
     axes = _by_length(dataset)
     measures = _measures(dataset)
-    names = [one_of("plot", name, _numbers(dataset)) for name in plot] or _first(measures)
+    names = chosen(dataset, plot)
     if not names:
         raise InvalidInput(
             "The study has no measure to draw: let measures give a number that is not nan."
         )
+    if "changes" in dataset.attrs:
+        return sensitivity.figures(dataset, names)
     good = dataset.where(dataset["case_status"] == CaseStatus.OK)
     shown, further = axes[:2], axes[2:]
     is_map = kind == "maps" and len(shown) == 2 and all(_varies(dataset[axis]) for axis in shown)
@@ -94,6 +96,11 @@ def figures(
         else:
             drawn.append(_curves(selected, names, shown, name, caption))
     return [*drawn, *against_reference.figures(dataset, names)]
+
+
+def chosen(dataset: xr.Dataset, plot: Sequence[str]) -> Sequence[str]:
+    """Return the measures `plot` of a stored study, or those of a contact if it is empty."""
+    return [one_of("plot", name, _numbers(dataset)) for name in plot] or _first(_measures(dataset))
 
 
 def _curves(

@@ -37,6 +37,9 @@ HERTZ = Unit("Hz", "a frequency", "50 Hz")
         ("60 HRC", HARDNESS, 697 * 9.80665e6), ("59 HRC", HARDNESS, 675 * 9.80665e6),
         ("20 HRC", HARDNESS, 238 * 9.80665e6),
         ("10 HRC", HARDNESS, None), ("700 HV", PASCALS, None),
+        ("10 mm +- 0.05 mm", METRES, 1e-2), ("10 mm ± 50 um", METRES, 1e-2), ("100 N/mm +/- 5 %", LOAD, 1e5),
+        ("60 HRC ± 2", HARDNESS, 697 * 9.80665e6), ("10 mm +- 1 N", METRES, None), ("10 mm ± -1 mm", METRES, None),
+        ("10 mm ±", METRES, None), ("± 1 mm", METRES, None), ("10 mm ± 1 ± 1", METRES, None),
         ("46 W/(m*K)", Unit("W/(m*K)", "a thermal conductivity", "46 W/(m*K)"), 46.0),
     ],
 )  # fmt: skip
@@ -49,6 +52,20 @@ def test_a_text_with_a_unit_is_the_number_in_si(
     else:
         # to the last bit: decimals are converted in decimals
         assert in_si("field", written, unit) == expected
+
+
+@pytest.mark.parametrize(
+    ("written", "tolerance"),
+    [
+        ("10 mm", None),
+        ("10 mm ± 50 um", 0.05),
+        ("-10 mm ± 0.1", 0.1),
+        ("-20 N +- 5 %", 1.0),
+        ("2 % ± 1 %", 1.0),
+    ],
+)
+def test_a_tolerance_is_in_the_unit_of_its_number(written: str, tolerance: float | None) -> None:
+    assert parted("field", written)[2] == pytest.approx(tolerance)
 
 
 def test_texts_with_units_are_read_in_python_wherever_a_number_is() -> None:

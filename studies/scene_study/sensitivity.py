@@ -1,0 +1,269 @@
+"""Sensitivity of a scene: what its quantities change by as each of its numbers is lowered and raised alone."""
+
+import json
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, is_dataclass
+from math import isfinite
+from os import PathLike
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any, NoReturn, get_args
+
+import xarray as xr
+
+from contactstudy import InvalidInput, Scene, SceneFile
+from contactstudy.domain.checks import parameters
+from contactstudy.domain.unit_text import NUMBER, PLUS_MINUS, SYMBOLS, parted, unit_of
+from contactstudy.scene_file import document_from, scene_file_from
+from studies.engine.options import RunOptions
+from studies.engine.run import run
+from studies.model.axis import Axis, Value
+from studies.model.outcome import CaseStatus
+from studies.model.plain_text import Log
+from studies.model.study import Study
+from studies.scene_study.document import at, replaced, with_surfaces
+from studies.scene_study.measures import measures
+from studies.scene_study.study_of import SceneAt, on_shared_grids, read_tables
+
+# What a number of the scene is: lowered, as it is in the file, or raised.
+LOWERED, GIVEN, RAISED = SIDES = ("lowered", "as given", "raised")
+# Relative change of a number without a tolerance.
+CHANGE = 0.01
+# Tables of the contact itself; the others are settings of its solution and places to look at.
+DESCRIBED = (
+    "load",
+    "solids",
+    "shapes",
+    "hardness",
+    "friction",
+    "wear",
+    "rolling",
+    "lubrication",
+    "adhesion",
+)
+# Keys that name something, or say where a surface is known.
+NO_NUMBERS = "kind", "material", "file", "extent", "period"
+
+
+@dataclass(frozen=True)
+class Refused:
+    """Computation of a scene that cannot have a changed number, for a `reason`."""
+
+    reason: str
+
+    def prepare(self) -> NoReturn:
+        """Raise :class:`~contactstudy.InvalidInput` with the reason."""
+        raise InvalidInput(self.reason)
+
+    run = record = prepare
+
+
+def sensitivity_study(
+    scene: Scene | SceneFile | str | PathLike[str], *, folder: Path | None = None
+) -> Study:
+    """Return the study of a scene over each of its numbers, lowered, as given and raised.
+
+    A number changes by the tolerance that stands behind it, such as ``"10 mm +- 0.05 mm"``, else by 1 %; a list of
+    numbers as a whole. Whole numbers, numbers that are zero without a tolerance, and those of grid, padding, plan,
+    solver, steps in time and outputs are left out. Its axes are ``number``, the path as that of a varied field, and
+    ``side``.
+
+    Raises :class:`~contactstudy.InvalidInput` for a scene without a number that it could change.
+    """
+    raw, _, text = read_tables(scene)
+    is_file = isinstance(scene, str | PathLike)
+    source = str(scene) if is_file else "scene"
+    folder = folder or (Path(scene).parent if is_file else Path())  # type: ignore[arg-type]
+    base = document_from(raw, source)
+    surfaces: dict[object, Any] = {}
+
+    def file_of(tables: Mapping[str, Any]) -> SceneFile:
+        document = with_surfaces(document_from(tables, source), folder, surfaces)
+        return scene_file_from(document, folder)
+
+    as_given = file_of(raw)
+    changes, left_out = dict[str, str](), list[str]()
+    points: dict[tuple[str, ...], SceneFile | Refused] = {}
+    for path, value in _leaves({key: raw[key] for key in DESCRIBED if key in raw}):
+        name = ".".join(path)
+        ends = [_changed(name, value, sign) for sign in (-1, 1)]
+        if not _is_number(at(base, path)[1], value) or ends[0] == ends[1]:
+            left_out += [name] if _has_number(value) else []
+            continue
+        changes[name], points[name, GIVEN] = _text(value), as_given
+        for side, end in zip((LOWERED, RAISED), ends, strict=True):
+            points[name, side] = _or_refused(file_of, replaced(raw, path, end))
+    files = [one for one in points.values() if isinstance(one, SceneFile)]
+    try:
+        placed, notes = on_shared_grids(files)
+    except InvalidInput:  # a grid cannot hold one of them
+        points = {
+            key: one
+            if isinstance(one, Refused)
+            else _or_refused(lambda file: on_shared_grids([file]) and file, one)
+            for key, one in points.items()
+        }
+        files = [one for one in points.values() if isinstance(one, SceneFile)]
+        placed, notes = on_shared_grids(files)
+    for name in list(changes):
+        sides = points[name, LOWERED], points[name, RAISED]
+        if all(isinstance(one, Refused) for one in sides):
+            left_out.append(f"{name} ({sides[0].reason.rstrip('.')})")  # type: ignore[union-attr]
+            del changes[name]
+    if not changes:
+        raise InvalidInput(f"{source} has no number to raise and lower: give one that is not zero.")
+    if left_out:
+        about = "not changed, as they are whole, zero or infinite, or for a reason: " + ", ".join(
+            left_out
+        )
+        notes = (*notes, about)
+    on_grids = iter(placed)
+    cases: dict[tuple[Value, ...], Any] = {
+        key: one if isinstance(one, Refused) else next(on_grids) for key, one in points.items()
+    }
+    axes = (
+        Axis("number", tuple(changes), "number of the scene that is changed"),
+        Axis("side", SIDES, "whether the number is lowered or raised"),
+    )
+    name = f"{Path(scene).stem if is_file else 'scene'}-sensitivity"  # type: ignore[arg-type]
+    return Study(
+        name,
+        f"{name}: each number of the scene lowered and raised",
+        axes,
+        SceneAt(("number", "side"), cases),
+        measures,
+        times="none",
+        notes=notes,
+        attributes={"scene": text, "changes": json.dumps(changes)},
+    )
+
+
+def _or_refused(make: Callable[[Any], SceneFile], given: Any) -> SceneFile | Refused:
+    """Return what a function makes of what it is given, or why it cannot."""
+    try:
+        return make(given)
+    except InvalidInput as error:
+        return Refused(str(error))
+
+
+def sensitivity(
+    scene: Scene | SceneFile | str | PathLike[str],
+    out: Path | None = None,
+    *,
+    options: RunOptions | None = None,
+    log: Log = print,
+) -> xr.Dataset:
+    """Return what the quantities of a scene change by as each of its numbers is lowered and raised alone.
+
+    Parameters
+    ----------
+    scene
+        A scene, what :func:`~contactstudy.read_scene` reads, or the path of a file.
+    out
+        Folder in which the sweep is stored, and goes on where it was stopped; None keeps nothing.
+    options, log
+        As of :func:`~studies.run`.
+
+    Returns
+    -------
+    xarray.Dataset
+        See :func:`changes_in`.
+    """
+    study = sensitivity_study(scene)
+    if out is not None:
+        return changes_in(run(study, out, options=options, log=log))
+    with TemporaryDirectory() as folder:
+        return changes_in(run(study, Path(folder), options=options, log=log))
+
+
+def changes_in(sweep: xr.Dataset) -> xr.Dataset:
+    """Return the changes of all quantities with a bound in the stored sweep of a :func:`sensitivity_study`.
+
+    Each quantity and its ``<name>_bound`` are those of the scene as given. ``<name>_change`` (number, side) is what it
+    changes by, and ``<name>_change_bound`` the larger bound of both answers: a smaller change may be an error of these,
+    although most of that cancels on one grid. ``change`` (number,) is the number with its tolerance.
+    """
+    good = sweep.where(sweep["case_status"] == CaseStatus.OK)
+    given, sides = good.sel(side=GIVEN, drop=True), good.sel(side=[LOWERED, RAISED])
+    names = json.loads(sweep.attrs["changes"])
+    found = {"change": ("number", [names[key] for key in sweep["number"].values.tolist()])}
+    result = xr.Dataset(found, {"number": sweep["number"], "side": sides["side"]}, sweep.attrs)
+    for name in map(str, sweep.data_vars):
+        bound = f"{name}_bound"
+        if bound not in sweep or sweep[name].dims != ("number", "side"):
+            continue
+        for kept in (name, bound):
+            result[kept] = given[kept].isel(number=0, drop=True).assign_attrs(sweep[kept].attrs)
+        result[f"{name}_change"] = (sides[name] - given[name]).assign_attrs(
+            units=sweep[name].attrs.get("units", "1"),
+            long_name=f"change: {sweep[name].attrs.get('long_name', name)}",
+        )
+        larger = sides[bound].where(sides[bound] > given[bound], given[bound])
+        result[f"{name}_change_bound"] = larger.assign_attrs(result[f"{name}_change"].attrs)
+    return result
+
+
+def _leaves(raw: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Any]]:
+    """Yield the path and the value of each number and text, and of each list of these, in tables or dataclasses."""
+    if is_dataclass(raw):
+        entries = [(name, getattr(raw, name)) for name in parameters(raw)]
+    elif isinstance(raw, Mapping):
+        entries = list(raw.items())
+    elif isinstance(raw, list | tuple) and any(
+        isinstance(one, Mapping) or is_dataclass(one) for one in raw
+    ):
+        entries = [(str(number), one) for number, one in enumerate(raw)]
+    else:
+        yield path, raw
+        return
+    for key, value in entries:
+        if key not in NO_NUMBERS:
+            yield from _leaves(value, (*path, key))
+
+
+def _is_number(annotation: Any, value: object) -> bool:
+    """Return whether a value of a key with this type is a physical number, or a list of such.
+
+    Of a key whose type is not known the value decides.
+    """
+    if annotation is None:
+        return not isinstance(value, int) and _has_number(value)
+    return unit_of(annotation) is not None or any(
+        _is_number(part, value) for part in get_args(annotation) if get_args(part)
+    )
+
+
+def _has_number(value: object) -> bool:
+    """Return whether a value is a number, also as a text with a unit, or a list of such."""
+    if isinstance(value, list | tuple):
+        return bool(value) and all(map(_has_number, value))
+    if isinstance(value, str):
+        match = NUMBER.fullmatch(PLUS_MINUS.split(value.strip())[0])
+        return match is not None and not (
+            match[2] and match[2] != "%" and not SYMBOLS.fullmatch(match[2])
+        )
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _changed(name: str, value: Any, sign: int) -> Any:
+    """Return a number, a text with a number, or a list of these, raised (sign 1) or lowered (-1)."""
+    if isinstance(value, list | tuple):
+        return [_changed(f"{name}[{number}]", one, sign) for number, one in enumerate(value)]
+    if not _has_number(value):
+        return value
+    if not isinstance(value, str):
+        return value * (1 + sign * CHANGE) if isfinite(value) else value
+    number, unit, tolerance = parted(name, value)
+    size = float(number)
+    if not isfinite(size):
+        return value
+    return f"{size + sign * (abs(size) * CHANGE if tolerance is None else tolerance):.15g} {unit}".strip()
+
+
+def _text(value: Any) -> str:
+    """Return a number as the scene has it, with its tolerance; of a list the first one."""
+    if isinstance(value, list | tuple):
+        return f"{_text(value[0])}, ..." if len(value) > 1 else _text(value[0])
+    if isinstance(value, str) and PLUS_MINUS.search(value):
+        return PLUS_MINUS.sub(" ± ", value)
+    return f"{value} ± {100 * CHANGE:g} %"

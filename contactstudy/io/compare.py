@@ -158,7 +158,8 @@ def compare(a: Any, b: Any) -> Comparison:
         largest=float(np.abs(change[index])),
         position=(float(centres[0][index[0]]), float(centres[1][index[1]])),
         difference=difference,
-        differing=_differing(*tables),
+        differing=_differing(_scene(first, "scene_file"), _scene(second, "scene_file"))
+        or _differing(*tables),
         quantities=_quantities(first, second),
         time=time,
     )
@@ -184,9 +185,12 @@ def _quantities(first: xr.Dataset, second: xr.Dataset) -> dict[str, float]:
     return {name: b / a - 1 for name, (a, b) in values.items() if a and isfinite(b / a)}
 
 
-def _scene(dataset: xr.Dataset) -> dict[str, object]:
-    """Return the values of the scene in a dataset by their paths, without its grid; empty if it has no scene."""
-    text = str(dataset.attrs.get("scene", ""))
+def _scene(dataset: xr.Dataset, attribute: str = "scene") -> dict[str, object]:
+    """Return the values of the scene in a dataset by their paths, without its grid; empty if it has no scene.
+
+    That in the attribute ``scene_file`` has the keys which the user wrote.
+    """
+    text = str(dataset.attrs.get(attribute, ""))
     try:
         return {} if text.startswith("#") else _flattened(tomllib.loads(text), "")
     except tomllib.TOMLDecodeError:
@@ -231,8 +235,24 @@ def _differing(first: Mapping[str, object], second: Mapping[str, object]) -> tup
     if not first or not second:
         return ()
     return tuple(
-        f"{key}: {_value_text(first.get(key))} and {_value_text(second.get(key))}" for key in keys
+        f"{key}: {_value_text(first.get(key))} and {_value_text(second.get(key))}"
+        f"{_end_drops(key, first, second)}"
+        for key in keys
     )
+
+
+def _end_drops(key: str, *scenes: Mapping[str, object]) -> str:
+    """Return the drops at the ends of crowns whose radius has this key; empty for another key."""
+    shape = key.removesuffix(".radius")
+    crowns = [(scene.get(key), scene.get(f"{shape}.length")) for scene in scenes]
+    if any(scene.get(f"{shape}.kind") != "Crown" for scene in scenes):
+        return ""
+    drops = [
+        readable(length**2 / (8 * radius))
+        for radius, length in crowns
+        if isinstance(radius, float) and isinstance(length, float)
+    ]
+    return f", which are end drops of {' and '.join(drops)}" if len(drops) == 2 else ""
 
 
 def _value_text(value: object) -> str:

@@ -133,13 +133,15 @@ def solve(
 
     chosen = _device(device, threads)
     described = _with_error(cs.read_scene(scene), error)
+    text = scene.read_text(encoding="utf-8-sig")
     formats_in(formats, PICTURES)  # refused before anything is solved
     check_kind(out / f"{scene.stem}.nc", "solution")
     if isinstance(chosen, cs.Cpu):  # the solve reports whether another device can solve the scene
         _announce(scene, described, chosen)
     begin = perf_counter()
     answer = solve_with_progress(described, scene, out, start, chosen)
-    files = _stored(answer, open_folder(out) / f"{scene.stem}.nc", formats_in(formats, PICTURES))
+    path = open_folder(out) / f"{scene.stem}.nc"
+    files = _stored(answer, path, formats_in(formats, PICTURES), text)
     seconds = perf_counter() - begin
     if as_json:
         click.echo(_as_json(scene, answer, seconds, surface_notes(described.scene), files))
@@ -195,14 +197,14 @@ def _rollers(scene: cs.Scene, grid: cs.Grid) -> list[str]:
     return notes
 
 
-def _stored(answer: Answer, path: Path, formats: list[str]) -> list[Path]:
-    """Write the dataset, and its picture in each format; return the files."""
+def _stored(answer: Answer, path: Path, formats: list[str], scene: str) -> list[Path]:
+    """Write the dataset with the text of its scene, and its picture in each format; return the files."""
     from contactstudy.domain.files import replacing
     from studies.store.netcdf import write
     from studies.store.provenance import provenance
 
     dataset = answer.to_dataset()
-    dataset.attrs.update(provenance())
+    dataset.attrs.update({**provenance(), "scene_file": scene})
     write(dataset, path)
     files = [path]
     if answer.quantities and formats:

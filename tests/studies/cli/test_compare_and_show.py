@@ -65,6 +65,22 @@ def test_two_solutions_are_compared(folder: Path) -> None:
     assert (folder / "compared" / "smooth-heavy.png").is_file()
 
 
+def test_a_comparison_names_the_key_that_was_changed_in_the_file(tmp_path: Path) -> None:
+    for drop in (10, 12):
+        crown = f'[[shapes]]\nkind = "Crown"\nend_drop = "{drop} um"\nlength = "1 mm"\n'
+        grid = '[grid]\ncells = [24, 16]\nextent = ["0.6 mm", "1 mm"]\n'
+        scene = tmp_path / f"crown-{drop}.toml"
+        scene.write_text(SMOOTH + crown + grid + '[padding]\nkind = "ZeroPadding"\n')
+        said("solve", scene, "--out", tmp_path)
+    first, second = (tmp_path / f"crown-{drop}.nc" for drop in (10, 12))
+    text = said("compare", first, second)
+    assert "scenes differ in shapes.1.end_drop: 10 um and 12 um" in text
+    assert "radius" not in text
+    answers = [cs.read_scene(path.with_suffix(".toml")).solve() for path in (first, second)]
+    (changed,) = cs.compare(*answers).differing
+    assert changed.endswith("which are end drops of 10 µm and 12 µm")
+
+
 def test_two_runs_of_a_study_are_compared(folder: Path) -> None:
     study = folder / "study" / "smooth-sweep.nc"
     changed = folder / "changed.nc"

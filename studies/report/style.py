@@ -1,7 +1,6 @@
 """Style of the report: colours and markers, text of numbers and settings, marks for indices and powers."""
 
 import re
-from collections.abc import Callable
 from typing import Any, SupportsFloat
 
 import matplotlib as mpl
@@ -10,7 +9,6 @@ import numpy as np
 import xarray as xr
 from markupsafe import Markup, escape
 from matplotlib.axes import Axes
-from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
@@ -68,16 +66,6 @@ def tick_cells(ax: Axes, cells: Any, offset: float = 0.0) -> None:
     """Label an axis of whole numbers, such as numbers of cells, at these numbers alone; they stand `offset` farther."""
     ax.set_xticks([n + offset for n in cells], [str(n) for n in cells])
     ax.xaxis.set_minor_locator(NullLocator())
-
-
-def write_powers(axis: Axis, text: Callable[[float], str]) -> None:
-    """Write the numbers of a logarithmic axis as texts."""
-    axis.set_major_formatter(lambda value, _: text(value))
-
-
-def in_percent(fraction: float) -> str:
-    """Return a fraction in per cent, for an axis."""
-    return f"{100 * fraction:g} %"
 
 
 def captioned(name: str, figure: Figure, caption: str) -> CaptionedFigure:

@@ -5,20 +5,20 @@ from math import isfinite
 from typing import Any
 
 import numpy as np
+import xarray as xr
 
 from studies.advice.front import pareto_front
 from studies.advice.stored import SETTINGS
 from studies.advice.verdict import EVERY_NUMBER, Measured, Verdict
 from studies.model.drawing import CaptionedFigure, Finding, Table
+from studies.report.plots import scaled
 from studies.report.section import Section
 from studies.report.style import (
     WIDTH,
     captioned,
-    in_percent,
     padding_style,
     panels,
     percent,
-    write_powers,
 )
 from studies.report.wording import (
     DECADES,
@@ -55,40 +55,44 @@ def _lines(verdict: Verdict) -> dict[str, list[Measured]]:
 
 def _front(verdict: Verdict) -> CaptionedFigure:
     """Draw the bounds of all settings over their times."""
+    of = (
+        "the largest bound of a number"
+        if verdict.measure == EVERY_NUMBER
+        else "bound of the L1 error"
+    )
+    seconds = xr.DataArray(
+        [one.seconds for one in verdict.settings], name="time",
+        attrs={"units": "s", "long_name": "processor time of a solve, on one thread"},
+    )  # fmt: skip
+    unit, across = scaled(seconds)
     fig, (ax,) = panels(1, width=WIDTH, height=5.0)
     styles = ("-", "--", ":", "-.", (0, (1, 3)), (0, (5, 1, 1, 1, 1, 1)))
     seen: dict[str, int] = {}
+    best = verdict.best()
     for label, line in _lines(verdict).items():
         name = label.partition(",")[0]
         style: dict[str, Any] = padding_style(name) | {
             "ls": styles[seen.get(name, 0) % len(styles)]
         }
         seen[name] = seen.get(name, 0) + 1
-        is_own = label == verdict.own
-        width = {"lw": 3.0, "ms": 7, "zorder": 4} if is_own else {"lw": 1.0, "ms": 4}
-        times = np.array([one.seconds for one in line])
-        bounds = np.array([verdict.bound(one) for one in line])
-        front = pareto_front(times, bounds)
-        times, bounds = times[front], bounds[front]
-        ax.loglog(times, bounds, label=padding_name(label), **style | width)
-    ax.axhline(verdict.error, color="k", ls="--", lw=1.2)
+        width = {"lw": 1.0, "ms": 4}
+        if label == verdict.own:
+            width = {"lw": 3.0, "ms": 7, "zorder": 4}
+        times = np.array([one.seconds for one in line]) / unit
+        bounds = 100 * np.array([verdict.bound(one) for one in line])
+        shown = {*pareto_front(times, bounds), *(k for k, one in enumerate(line) if one is best)}
+        front = sorted(shown, key=times.__getitem__)
+        ax.loglog(times[front], bounds[front], label=padding_name(label), **style | width)
+    ax.axhline(100 * verdict.error, color="k", ls="--", lw=1.2)
     ax.text(
-        0.99, verdict.error * 1.04, f"requested {percent(verdict.error)}",
+        0.99, 104 * verdict.error, f"requested {percent(verdict.error)}",
         transform=ax.get_yaxis_transform(), ha="right", va="bottom", fontsize="small",
     )  # fmt: skip
-    if (best := verdict.best()) is not None:
-        ax.plot(
-            best.seconds, verdict.bound(best), "o", ms=19, mfc="none", mec="k", mew=1.8, zorder=6
-        )
+    if best is not None:
+        ring: Any = {"ms": 19, "mfc": "none", "mec": "k", "mew": 1.8, "zorder": 6}
+        ax.plot(best.seconds / unit, 100 * verdict.bound(best), "o", **ring)
         ax.set_title(setting_text(best), loc="left")
-    of = (
-        "the largest bound of a number"
-        if verdict.measure == EVERY_NUMBER
-        else "bound of the L1 error"
-    )
-    ax.set(xlabel="processor time of a solve, on one thread", ylabel=of)
-    write_powers(ax.xaxis, seconds_text)
-    write_powers(ax.yaxis, in_percent)
+    ax.set(xlabel=across, ylabel=f"{of} [%]")
     return captioned(
         "front",
         fig,

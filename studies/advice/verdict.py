@@ -78,7 +78,7 @@ class Measured:
         The setting.
     l1, error, worst
         Bound of the pressure in L1, the largest bound of any number that :func:`~contactstudy.solve` judges, and what
-        that number is.
+        that number is; nan where only the pressure was asked for.
     difference
         L1 difference of its pressure to the reference, nan without one.
     seconds
@@ -279,8 +279,8 @@ class _Trials:
             return None
 
     def _measured(self, setting: Setting, reference: Array | None) -> Measured | None:
-        l1 = error = difference = 0.0
-        seconds, worst = inf, ""
+        l1 = difference = 0.0
+        error, seconds, worst = 0.0 if self.measure == EVERY_NUMBER else nan, inf, ""
         for number, (scene, grid) in enumerate(self.variants(setting)):
             with caching(None):
                 start = process_time()
@@ -294,7 +294,8 @@ class _Trials:
                 )
                 return None
             l1 = max(l1, answer.error.l1.total)
-            error, worst = max((error, worst), _worst(answer))
+            if self.measure == EVERY_NUMBER:
+                error, worst = max((error, worst), _worst(answer))
             pressure = last_of(answer).pressure
             if number == 0:
                 self.pressures[setting] = pressure

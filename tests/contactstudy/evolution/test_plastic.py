@@ -446,7 +446,5 @@ def test_a_dent_has_no_bound_where_nothing_yields_on_half_the_cells() -> None:
     found = cs.solve(pressed(1.92), grid_of(1.92, 0.425, 6.8), EXACT, times=(0.0, 1.0, 2.0))
     dent = found.quantities["dent_depth"]
     assert dent.value > 0
-    assert (dent.bound, dent.reason) == (
-        inf,
-        "No bound: nothing yields on half the cells, give more.",
-    )
+    assert dent.bound == inf
+    assert "half the cells" in dent.reason

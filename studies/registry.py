@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 
 from contactstudy import InvalidInput
 from contactstudy.domain.checks import suggestion
-from studies.model.axis import one_of
+from studies.model.axis import Axis, one_of
 from studies.model.drawing import Drawing, no_items
 from studies.model.study import Study
 from studies.study_file import module_in, module_name, study_in
@@ -72,11 +72,23 @@ def _chapter(name: str) -> Study:
     from studies.advice.reference_error import against
     from studies.scene_study.study_of import study_of
 
-    path = chapter_file(name)
-    study = study_of(path, name=name)
-    title = path.read_text(encoding="utf-8").partition("\n")[0].removeprefix("# ")
-    study = replace(study, title=title)
+    study = replace(study_of(chapter_file(name), name=name), title=_title(name))
     return against(study, "padding", SCENES[name]) if SCENES[name] else study
+
+
+def _title(name: str) -> str:
+    """Return the first line of the scene file of a chapter."""
+    return chapter_file(name).read_text(encoding="utf-8").partition("\n")[0].removeprefix("# ")
+
+
+def outline(name: str) -> tuple[str, tuple[Axis, ...]]:
+    """Return the title and the axes of a study; the grids of a scene, which takes seconds, are not planned."""
+    if name not in SCENES:
+        study = load(name)
+        return study.title, study.axes
+    from studies.scene_study.study_of import axes_of
+
+    return _title(name), axes_of(chapter_file(name))
 
 
 def has_own_figures(name: str) -> bool:

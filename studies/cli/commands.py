@@ -27,7 +27,7 @@ from studies.cli.vary import (
     write_sensitivity,
 )
 from studies.model.plain_text import one_line
-from studies.registry import BUILT_IN, has_own_figures, load, load_drawing
+from studies.registry import BUILT_IN, has_own_figures, load, load_drawing, outline
 
 # What runs is imported by the commands that run, and what draws by those that draw: help comes at once.
 
@@ -235,9 +235,9 @@ for command in (compare, new, plan, show, solve):
 def studies() -> None:
     """List the built-in studies with the lengths of their axes."""
     for name in BUILT_IN:
-        study = load(name)
-        axes = ", ".join(f"{axis.name} ({len(axis.values)})" for axis in study.axes)
-        click.echo(f"{name:<12} {study.title} Axes: {axes}.")
+        title, axes = outline(name)
+        lengths = ", ".join(f"{axis.name} ({len(axis.values)})" for axis in axes)
+        click.echo(f"{name:<12} {title} Axes: {lengths}.")
 
 
 def _axes(arguments: list[str]) -> Mapping[str, str]:

@@ -1,9 +1,11 @@
 """Help text of a command, with the axes of its study."""
 
+from pathlib import Path
+
 import click
 
 from studies.model.axis import Axis
-from studies.registry import load
+from studies.registry import outline
 
 STUDY = "contactstudy.study"
 MAX_VALUES = 10  # of an axis
@@ -35,9 +37,8 @@ class StudyCommand(click.Command):
         name = ctx.meta.get(STUDY)
         if not isinstance(name, str) or name.endswith(".toml"):
             return
-        study = load(name)
-        with formatter.section(f"Axes of {study.name}"):
-            formatter.write_dl([_row(axis) for axis in study.axes])
+        with formatter.section(f"Axes of {Path(name).stem}"):
+            formatter.write_dl([_row(axis) for axis in outline(name)[1]])
 
 
 def _row(axis: Axis) -> tuple[str, str]:

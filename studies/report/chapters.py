@@ -8,7 +8,7 @@ from contactstudy import InvalidInput
 from contactstudy.domain.checks import suggestion
 from studies.advice.stored import SETTINGS
 from studies.model.study import Study
-from studies.registry import BUILT_IN, SCENES, load
+from studies.registry import BUILT_IN, SCENES, load, outline
 
 
 @dataclass(frozen=True)
@@ -112,7 +112,7 @@ def chapters(names: Sequence[str]) -> Sequence[Chapter]:
 
 def chapter_of_study(name: str) -> Chapter:
     """Return a study as a chapter of its own."""
-    return Chapter(name, load(name).title.rstrip("."), (Part(name, repeats=2),))
+    return Chapter(name, outline(name)[0].rstrip("."), (Part(name, repeats=2),))
 
 
 def _chapter(name: str) -> Chapter:

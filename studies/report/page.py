@@ -213,7 +213,6 @@ def write_outdated(out: Path, written: Iterable[Chapter], log: Log) -> Sequence[
     A page that cannot be drawn, such as one of files of an earlier version, is left with a line in the log.
     """
     pages = []
-    # a scene is planned where its study is loaded, which takes seconds
     drawn = (name for name in BUILT_IN if (out / f"{name}.html").exists())
     for chapter in [*CHAPTERS.values(), *map(chapter_of_study, drawn)]:
         files = [out / f"{part.name}.nc" for part in chapter.parts]

@@ -24,7 +24,7 @@ from contactstudy.planning.grid_requirements import (
 from contactstudy.planning.plan import MEMORY_FRACTION
 from contactstudy.scene.shapes.shape import length_scales_of
 from contactstudy.scene_file import SceneFile, tables_of
-from studies.model.axis import Value
+from studies.model.axis import Axis, Value
 from studies.model.case import Case, Computation
 from studies.model.study import Point, Study
 from studies.scene_study.document import Table, tables, varied_scenes
@@ -294,6 +294,12 @@ def study_of(
             f"here as in the scene that is varied.\n{text}"
         },
     )
+
+
+def axes_of(path: Path) -> tuple[Axis, ...]:
+    """Return the axes of the study of a scene file, of which nothing is planned."""
+    raw, groups, _ = _read(path)
+    return varied_scenes(raw, groups, path.parent, str(path)).axes
 
 
 def _digests(shapes: Sequence[cs.Shape]) -> tuple[str, ...]:

@@ -298,7 +298,7 @@ def study_of(
 
 def axes_of(path: Path) -> tuple[Axis, ...]:
     """Return the axes of the study of a scene file, of which nothing is planned."""
-    raw, groups, _ = _read(path)
+    raw, groups, _ = read_tables(path)
     return varied_scenes(raw, groups, path.parent, str(path)).axes
 
 

@@ -13,7 +13,7 @@ from contactstudy import InvalidInput, __version__
 from contactstudy.domain.checks import checked_relative_error
 from contactstudy.domain.imports import missing_package
 from studies.cli.new import new
-from studies.cli.options import PLOT, is_given, names_in, out_option, refuse
+from studies.cli.options import PLOT, echo, is_given, names_in, out_option, refuse
 from studies.cli.scenes import plan, solve
 from studies.cli.show import REMEDY_IN_CODE, REMEDY_IN_TIMES, compare, drawing, show
 from studies.cli.study_help import StudyCommand
@@ -262,7 +262,7 @@ def main() -> None:
     try:
         cli.main(standalone_mode=False)
     except InvalidInput as error:
-        click.echo(f"contactstudy: {error}", err=True)
+        echo(f"contactstudy: {error}", err=True)
         sys.exit(2)
     except click.ClickException as error:
         error.show()

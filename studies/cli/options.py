@@ -1,7 +1,10 @@
 """Options that several commands have."""
 
+import shutil
+import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from textwrap import fill
 from typing import Any
 
 import click
@@ -46,6 +49,24 @@ PLOT = click.option(
     metavar="NAMES",
     help="Variables to draw of a scene's sweep, such as central_film,minimum_film.  [default: the main ones]",
 )
+
+
+def echo(text: str, *, err: bool = False) -> None:
+    """Print a text, in a terminal with its lines wrapped at its width."""
+    if (sys.stderr if err else sys.stdout).isatty():
+        width = shutil.get_terminal_size().columns
+        lines = (
+            fill(
+                line,
+                width,
+                subsequent_indent="    ",
+                break_long_words=False,
+                break_on_hyphens=False,
+            )
+            for line in text.splitlines()
+        )
+        text = "\n".join(lines)
+    click.echo(text, err=err)
 
 
 def refuse(context: click.Context, reason: str, *names: str) -> None:

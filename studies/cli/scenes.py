@@ -18,7 +18,7 @@ from contactstudy.answers.answer import surface_notes
 from contactstudy.domain.checks import checked_errors
 from contactstudy.domain.errors import Request
 from contactstudy.domain.units import readable
-from studies.cli.options import FORMAT, JSON, PICTURES, SCENE, formats_in, out_option
+from studies.cli.options import FORMAT, JSON, PICTURES, SCENE, echo, formats_in, out_option
 from studies.model.plain_text import thread_count, two_digits
 
 if TYPE_CHECKING:
@@ -62,8 +62,11 @@ def plan(
 
     SCENE is a TOML file.
     """
+    from studies.cli.solving import SolveProgress
+
     described = _with_error(cs.read_scene(scene), error)
-    planned = described.plan(device=_device(device, threads))
+    with SolveProgress(str(scene)):
+        planned = described.plan(device=_device(device, threads))
     if as_json:
         texts = {"padding": repr(planned.padding), "device": repr(planned.device)}
         others = {"grid": asdict(planned.grid)}
@@ -76,26 +79,26 @@ def plan(
         return
     cells, extent = planned.grid.cells, planned.grid.extent
     size = f"{readable(extent[0])} x {readable(extent[1])}"
-    click.echo(f"{scene}: {cells[0]} x {cells[1]} cells over {size}")
+    echo(f"{scene}: {cells[0]} x {cells[1]} cells over {size}")
     for reason in planned.reasons:
-        click.echo(f"  {reason}")
-    click.echo(f"  period: {planned.period_check}")
+        echo(f"  {reason}")
+    echo(f"  period: {planned.period_check}")
     chosen = planned.device
     processor = thread_count(chosen.threads) if isinstance(chosen, cs.Cpu) else repr(chosen)
     is_unknown = isinf(planned.error)
     expected = "the error is known after the solve" if is_unknown else f"error {planned.error:.1g}"
     seconds = "a time not known" if isinf(planned.seconds) else f"{two_digits(planned.seconds)} s"
-    click.echo(
+    echo(
         f"  estimated: {expected}, {seconds} on {processor} without files and pictures, {planned.bytes / 1e6:.3g} MB"
     )
     for warning in planned.warnings:
-        click.echo(f"  warning: {warning}")
+        echo(f"  warning: {warning}")
     for note in _rollers(described.scene, planned.grid):
-        click.echo(f"  note: {note}")
+        echo(f"  note: {note}")
     for number, shape in enumerate(described.scene.shapes):
         if isinstance(shape, cs.Roughness) and shape.extent is None and shape.rms:
             width, length = planned.grid.extent
-            click.echo(
+            echo(
                 f"  note: shapes[{number}] has no extent, so its heights change with the grid: "
                 f"give extent = [{width:.6g}, {length:.6g}] to keep this surface"
             )
@@ -128,7 +131,7 @@ def solve(
 
     SCENE is a TOML file. The exit code is 0 if the solution converged, else 1; the result is written in both cases.
     """
-    from studies.cli.solving import solve_with_progress
+    from studies.cli.solving import SolveProgress, solve_with_progress
     from studies.store.netcdf import check_kind, open_folder
 
     chosen = _device(device, threads)
@@ -136,21 +139,24 @@ def solve(
     text = scene.read_text(encoding="utf-8-sig")
     formats_in(formats, PICTURES)  # refused before anything is solved
     check_kind(out / f"{scene.stem}.nc", "solution")
-    if isinstance(chosen, cs.Cpu):  # the solve reports whether another device can solve the scene
-        _announce(scene, described, chosen)
-    begin = perf_counter()
-    answer = solve_with_progress(described, scene, out, start, chosen)
-    path = open_folder(out) / f"{scene.stem}.nc"
-    files = _stored(answer, path, formats_in(formats, PICTURES), text)
-    seconds = perf_counter() - begin
+    with SolveProgress(str(scene)) as show:
+        if isinstance(
+            chosen, cs.Cpu
+        ):  # the solve reports whether another device can solve the scene
+            _announce(scene, described, chosen)
+        begin = perf_counter()
+        answer = solve_with_progress(described, scene, out, start, chosen, show)
+        path = open_folder(out) / f"{scene.stem}.nc"
+        files = _stored(answer, path, formats_in(formats, PICTURES), text)
+        seconds = perf_counter() - begin
     if as_json:
         click.echo(_as_json(scene, answer, seconds, surface_notes(described.scene), files))
     else:
-        click.echo(f"{scene}: {answer.summary()}")
+        echo(f"{scene}: {answer.summary()}")
         cells = " x ".join(map(str, answer.grid.cells))
         wrote = f"wrote {', '.join(map(str, files))}"
         for line in (f"{cells} cells, {two_digits(seconds)} s", wrote):
-            click.echo(f"  {line}")
+            echo(f"  {line}")
     if answer.status.name != "CONVERGED":
         sys.exit(1)
 
@@ -166,14 +172,14 @@ def _announce(scene: Path, described: cs.SceneFile, device: cs.Cpu | cs.Gpu) -> 
     """Print the warnings of the plan, and its cost if that is large; nothing without a curved shape."""
     if described.scene.hertz is None:
         for doubt in described.doubts:
-            click.echo(f"{scene}: warning: {doubt}", err=True)
+            echo(f"{scene}: warning: {doubt}", err=True)
         return
     planned = described.plan(device=device)
     for warning in planned.warnings:
-        click.echo(f"{scene}: warning: {warning}", err=True)
+        echo(f"{scene}: warning: {warning}", err=True)
     if LONG < planned.seconds < inf or planned.bytes > LARGE:
         cost = f"{two_digits(planned.seconds)} s and {planned.bytes / 1e9:.2g} GB"
-        click.echo(f"{scene}: estimated cost: {cost}", err=True)
+        echo(f"{scene}: estimated cost: {cost}", err=True)
 
 
 def _rollers(scene: cs.Scene, grid: cs.Grid) -> list[str]:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import shutil
 import sys
 from pathlib import Path
+from threading import Event, Thread
+from typing import Any, Self
 
 import click
 import numpy as np
@@ -13,56 +15,104 @@ from tqdm import tqdm
 import contactstudy as cs
 from contactstudy.answers.answer import Answer
 from contactstudy.domain.fields import Array
+from studies.engine.progress import LINE_INTERVAL, Lines, is_terminal
+from studies.store.stop import Stop, StopRun
 
-BAR = "{desc} {percentage:3.0f} %|{bar}| {postfix} [{elapsed}]"
+BAR = "{desc} {percentage:3.0f} %|{bar}|{postfix} [{elapsed}]"
+LINE = "{desc}: {percentage:.0f} %{postfix}, {elapsed} so far"
+# Seconds before a bar is shown, and between two looks at what it shows.
+FIRST, REFRESH = 2.0, 0.5
+
+
+class SolveProgress:
+    """Progress of a command on one scene, in a ``with`` statement: a bar in a terminal, elsewhere a line now and then.
+
+    It is called with a :class:`~contactstudy.Progress`; what takes long without one is named by :attr:`job`.
+    """
+
+    def __init__(self, name: str) -> None:
+        self.name, self.job = name, "plan"
+        self.last: cs.Progress | None = None
+        self._ended, self._thread = Event(), Thread(target=self._show, daemon=True)
+
+    def __enter__(self) -> Self:
+        self._thread.start()
+        return self
+
+    def __exit__(self, *raised: object) -> None:
+        self._ended.set()
+        self._thread.join()
+
+    def __call__(self, progress: cs.Progress) -> None:
+        """Take the progress of the solve."""
+        self.last, self.job = progress, progress.text
+
+    def _show(self) -> None:
+        in_terminal = is_terminal()
+        first, interval = (FIRST, REFRESH) if in_terminal else (LINE_INTERVAL, LINE_INTERVAL)
+        if self._ended.wait(first):
+            return
+        columns, rows = shutil.get_terminal_size()  # 80 and 24 where it does not know
+        style: dict[str, Any] = {"bar_format": BAR, "ncols": columns, "nrows": rows}
+        if not in_terminal:
+            lines = Lines(lambda text: click.echo(text, err=True))
+            style = {"bar_format": LINE, "file": lines}
+        # a delay of a moment, so that it is not shown before it is set
+        with tqdm(total=100, desc=self.name, delay=1e-9, leave=False, **style) as bar:
+            bar.start_t -= first
+            while True:
+                bar.n = round(100 * self.last.fraction) if self.last else 0
+                bar.set_postfix_str(self.job, refresh=False)
+                bar.refresh()
+                if self._ended.wait(interval):
+                    return
 
 
 def solve_with_progress(
-    described: cs.SceneFile, scene: Path, folder: Path, start: Path | None, device: cs.Cpu | cs.Gpu
+    described: cs.SceneFile,
+    scene: Path,
+    folder: Path,
+    start: Path | None,
+    device: cs.Cpu | cs.Gpu,
+    show: SolveProgress,
 ) -> Answer:
     """Solve a scene file and show the progress.
 
-    When the command is stopped, the frames of a scene in time, or the pressure of a contact at rest, stay in `folder`,
-    so that the solve can continue from there.
+    When the command is stopped, by Ctrl-C or another signal, the frames of a scene in time, or the pressure of a
+    contact at rest, stay in `folder`, so that the solve can continue from there.
     """
     frames_folder = folder / f"{scene.stem}.evolution"
-    last: list[cs.Progress] = []
-    with tqdm(
-        total=100, desc=str(scene), bar_format=BAR, disable=None, leave=False, delay=1
-    ) as bar:
-
-        def show(progress: cs.Progress) -> None:
-            last[:] = [progress]
-            bar.n = round(100 * progress.fraction)
-            bar.set_postfix_str(progress.text, refresh=False)
-            bar.update(0)
-
+    first = None if start is None else pressure_in(start)
+    with Stop() as stop:
         try:
-            answer = described.solve(
-                start=None if start is None else pressure_in(start),
-                folder=frames_folder if described.scene.supports_checkpoints else None,
-                progress=show,
-                device=device,
-            )
-        except KeyboardInterrupt:
-            from studies.store.netcdf import open_folder
-
-            if last and frames_folder.is_dir():
-                click.echo(
-                    f"contactstudy: stopped at {last[0].text}; the same command goes on from there",
-                    err=True,
+            with stop.interruptible():
+                answer = described.solve(
+                    start=first,
+                    folder=frames_folder if described.scene.supports_checkpoints else None,
+                    progress=show,
+                    device=device,
                 )
-                sys.exit(130)
-            if not last or last[0].pressure is None:
-                raise
-            path = _keep_stopped(last[0], open_folder(folder) / f"{scene.stem}.stopped.nc")
-            click.echo(
-                f"contactstudy: stopped at {last[0].text}; go on with contactstudy solve {scene} --start {path}",
-                err=True,
-            )
-            sys.exit(130)
+        except StopRun:
+            show.__exit__()
+            click.echo(f"contactstudy: {_kept(show.last, scene, folder, frames_folder)}", err=True)
+            assert stop.signal is not None
+            sys.exit(128 + stop.signal)
+    show.job = "bounds and files"
     shutil.rmtree(frames_folder, ignore_errors=True)
     return answer
+
+
+def _kept(last: cs.Progress | None, scene: Path, folder: Path, frames: Path) -> str:
+    """Keep what a stopped solve has reached, and return a sentence on it and on how to go on."""
+    from studies.store.netcdf import open_folder
+
+    at = "stopped" if last is None else f"stopped at {last.text}"
+    if frames.is_dir():
+        return f"{at}; the same command goes on from there"
+    if last is None or last.pressure is None:
+        return f"{at}; nothing of this scene is kept, and the same command begins anew"
+    path = _keep_stopped(last, open_folder(folder) / f"{scene.stem}.stopped.nc")
+    return f"{at}; go on with contactstudy solve {scene} --start {path}"
 
 
 def _keep_stopped(stopped: cs.Progress, path: Path) -> Path:

@@ -10,7 +10,7 @@ from tqdm import tqdm
 
 from studies.model.plain_text import Log, two_digits
 
-LINE_INTERVAL = 30.0  # seconds between two lines
+LINE_INTERVAL = 10.0  # seconds between two lines
 
 
 def progress_of(name: str, what: str, total: int, unit: str, log: Log) -> "Progress":
@@ -19,7 +19,7 @@ def progress_of(name: str, what: str, total: int, unit: str, log: Log) -> "Progr
     Lines go to `log` where there is no terminal.
     """
     shown: dict[str, Any] = {"total": total, "unit": unit, "disable": not total}
-    if _is_terminal():
+    if is_terminal():
         columns, rows = shutil.get_terminal_size()  # 80 and 24 where it does not know
         line = "{desc}: {percentage:3.0f}%|{bar}| {n_fmt}/{total_fmt} [{elapsed}{postfix}]"
         return Progress(
@@ -28,7 +28,7 @@ def progress_of(name: str, what: str, total: int, unit: str, log: Log) -> "Progr
     line = "{desc}, {n_fmt} of {total_fmt} {unit}s in {elapsed}{postfix}"
     times = {"delay": LINE_INTERVAL, "mininterval": LINE_INTERVAL, "maxinterval": LINE_INTERVAL}
     return Progress(
-        tqdm(**shown, **times, desc=what, file=_Lines(log), bar_format=line, leave=False)
+        tqdm(**shown, **times, desc=what, file=Lines(log), bar_format=line, leave=False)
     )
 
 
@@ -87,7 +87,7 @@ def seconds_left(instants: list[float], total: int) -> float | None:
     return (end - begin) / half * (total - done)
 
 
-class _Lines:
+class Lines:
     """A text file whose lines go to a log."""
 
     def __init__(self, log: Log) -> None:
@@ -102,7 +102,7 @@ class _Lines:
         """Do nothing."""
 
 
-def _is_terminal() -> bool:
+def is_terminal() -> bool:
     """Return whether the standard error is a terminal."""
     with suppress(AttributeError, ValueError):  # there may be no standard error, or a closed one
         return sys.stderr.isatty()

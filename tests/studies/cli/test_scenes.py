@@ -1,13 +1,16 @@
 import json
 import re
+import signal
 import sys
 from pathlib import Path
+from threading import Event
 
 import numpy as np
 import pytest
 import xarray as xr
 
 import contactstudy as cs
+from studies.cli.solving import SolveProgress
 from tests.studies.cli.conftest import said
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
@@ -123,3 +126,53 @@ def test_errors_of_some_numbers_are_requested_on_the_command_line(tmp_path: Path
     assert "12 % met by every number" in said("solve", scene, "--error", "12 %", *out)
     with pytest.raises(cs.InvalidInput, match=r"half_width.*give a relative error"):
         said("solve", scene, "--error", "half_width = big", *out)
+
+
+LONG = """
+[load]
+per_length = "100 N/mm"
+[[solids]]
+material = "steel"
+[[solids]]
+material = "steel"
+[[shapes]]
+kind = "Cylinder"
+radius = "10 mm"
+[grid]
+cells = [64, 1]
+extent = ["0.6 mm", "1 mm"]
+[wear]
+coefficient = 1e-14
+speed = "1 m/s"
+[time_steps]
+end = 1000
+instants = 2000
+"""
+
+
+def test_a_scene_in_time_that_is_terminated_says_how_far_it_is_and_how_to_go_on(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scene = tmp_path / "long.toml"
+    scene.write_text(LONG)
+    take, shown, reports = SolveProgress.__call__, Event(), []
+
+    def echo(text: str, **_: object) -> None:
+        sys.stdout.write(text)
+        if "of 1e+03 s, 00:" in text:
+            shown.set()
+
+    def stops(self: SolveProgress, progress: cs.Progress) -> None:
+        take(self, progress)
+        reports.append(progress.text)
+        if progress.fraction > 0.01:
+            assert shown.wait(60)
+            signal.raise_signal(signal.SIGTERM)
+
+    monkeypatch.setattr("studies.cli.scenes._announce", lambda *_: None)
+    monkeypatch.setattr("studies.cli.solving.LINE_INTERVAL", 0.1)
+    monkeypatch.setattr("studies.cli.solving.click.echo", echo)
+    monkeypatch.setattr(SolveProgress, "__call__", stops)
+    text = said("solve", scene, "--out", tmp_path, code=128 + signal.SIGTERM)
+    assert f"stopped at {reports[-1]}; the same command goes on from there" in text
+    assert list((tmp_path / "long.evolution").glob("frame_*.npz"))

@@ -24,7 +24,7 @@ def test_what_is_not_known_within_a_factor_of_two_is_not_said() -> None:
 
 
 def test_lines_say_how_many_and_how_long_still(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(progress, "_is_terminal", lambda: False)
+    monkeypatch.setattr(progress, "is_terminal", lambda: False)
     monkeypatch.setattr(progress, "LINE_INTERVAL", 0.0)
     monkeypatch.setattr(progress, "monotonic", itertools.count(0, 2).__next__)
     said: list[str] = []

@@ -87,3 +87,54 @@ def test_no_padding_has_the_error_of_one_lucky_grid() -> None:
             round((A / one.cell_size[0] + cells / 2) % 1, 6) for one in with_edges_moved(grid, A)
         }
         assert {0.0, 0.32, 0.5, 0.75} <= {place % 1 for place in places}
+
+
+def test_every_padding_has_the_error_of_the_cells_over_a_long_period_with_one_cell_along() -> None:
+    [period] = said("price", r"Over (\d+) half-widths every padding then has")
+    grid = cs.Grid((48, 1), (WIDTH * A, period * A))
+    exact = pressure(grid, cs.ExactPeriodicity())
+    by_cells = relative_l1(exact, hertz_means(HERTZ, grid))
+    for padding in (cs.ZeroPadding(), cs.DuplicatedPadding(), cs.Superposition(1)):
+        assert relative_l1(pressure(grid, padding), exact) < 0.1 * by_cells
+
+
+def test_a_window_fixed_to_the_domain_has_the_error_over_a_moving_one_of_its_page() -> None:
+    numbers = said(
+        "truncated-images",
+        r"([\d.]+) times that of a moving window of the same n at \$L = 0\.6 a\$, ([\d.]+) times at "
+        r"\$2\.4 a\$ and (\d+) times at \$9\.6 a\$, for n = 6",
+    )
+    for period, number in zip((0.6, 2.4, 9.6), numbers, strict=True):
+        grid = cs.Grid((48, 48), (WIDTH * A, period * A))
+        exact = pressure(grid, cs.ExactPeriodicity())
+        fixed, moving = (
+            relative_l1(pressure(grid, kind(6)), exact)
+            for kind in (cs.Superposition, cs.CircularSuperposition)
+        )
+        assert fixed / moving == pytest.approx(number, rel=0.05)
+
+
+def test_a_fixed_window_varies_along_the_length_as_its_page_says() -> None:
+    numbers = said(
+        "truncated-images",
+        r"by ([\d.]+) % of the peak pressure at n = 1 and by ([\d.]+) % at n = 6, on 128 x",
+    )
+    side = WIDTH * A
+    for images, number in zip((1, 6), numbers, strict=True):
+        variation = [
+            100 * np.ptp(pressure(cs.Grid((128, along), (side, side)), cs.Superposition(images)), axis=1).max() / P_H
+            for along in (128, 256)
+        ]  # fmt: skip
+        assert variation[0] == pytest.approx(number, rel=0.03)
+        assert variation[1] > 1.02 * variation[0]
+
+
+def test_all_that_is_above_the_law_with_six_periods_is_the_error_of_the_cells() -> None:
+    """The last of the table's rows, in which no image is left out, has it alone."""
+    grid = cs.Grid((129, 64), (WIDTH * A, WIDTH * A))
+    errors = [
+        pressure(grid, padding)[64].mean() / P_H - 1
+        for padding in (cs.Superposition(6), cs.ExactPeriodicity())
+    ]
+    law = cs.analytic.image_error(1, 6.5 * WIDTH)
+    assert 0 < errors[0] - law < 1.2 * errors[1]

@@ -134,7 +134,7 @@ class ZeroPadding:
 @suggest_fields
 @dataclass(frozen=True)
 class DuplicatedPadding:
-    """Padding with a copy of the pressure in the padded half of the axis (Liu, Wang & Liu 2000).
+    """Padding with a copy of the pressure in the padded half of the axis, in place of zeros.
 
     The pressure within one period to either side then acts on every point. The doubled transform equals a circular one
     with the folded coefficients ``K(d) + K(d - L)``, which is used here. The coefficient ``K(L)``, which wrap-around

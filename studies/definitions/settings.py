@@ -7,6 +7,7 @@ import xarray as xr
 
 import contactstudy as cs
 from contactstudy.domain.checks import positive, whole_number
+from contactstudy.io.scene_files.scene_writer import scene_text
 from studies.model.axis import Axis, one_of
 from studies.model.case import Case, dimensionless
 from studies.model.study import Point, Study
@@ -70,7 +71,7 @@ def preset(name: str) -> Study:
         case_at,
         profile_measures if name == "paper" else measures,
         attributes={
-            "scene": f"# the paper's cylinder, L = {WIDTH:g} a\n",
+            "scene": scene_text(SCENE),
             "scene_name": "the paper's cylinder",
             "against": "Hertz's contact",
         },

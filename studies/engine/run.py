@@ -203,7 +203,7 @@ class Results:
             "program": self.program.key,
             "versions": ", ".join(f"{name} {of}" for name, of in digests.items() if "." in of),
             "content": self._content(),
-            "timing": "wall time, least of the repeats, one case at a time, on one thread where no axis says more",
+            "timing": "processor and wall time, each the least of the repeats, on one thread where no axis says more",
         }  # fmt: skip
 
     def _content(self) -> str:

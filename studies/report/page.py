@@ -110,7 +110,7 @@ def run_and_write(
             done = f"{len(verdict.settings)} settings"
         else:
             study = part.study()
-            timed = replace(options, repeats=min(options.repeats, part.repeats))
+            timed = replace(options, repeats=part.repeats if options.repeats else 0)
             dataset = run(study, out, options=timed, log=messages.append)
             failed = ~dataset["case_status"].isin([CaseStatus.OK, CaseStatus.NOT_RUN])
             for message in messages if failed.any() else ():

@@ -71,9 +71,11 @@ def explanation(verdict: Verdict) -> Iterator[str]:
     """Yield sentences on other paddings, and on what the verdict stands on."""
     best, meeting = verdict.best(), verdict.meeting()
     if verdict.measure != EVERY_NUMBER:
-        yield "Other numbers of the answer may have larger errors."
+        one = best or verdict.nearest
+        yield f"Of the other numbers the bounds are up to {percent(one.error)} ({one.worst})."
     if verdict.nearest.setting.cells[1] == 1:
         yield "Nothing varies along the length, so that one cell along it is enough for every padding."
+        yield "The period is free too: over a hundred half-widths every padding has the error of the cells alone."
     if best is not None:
         fastest = {one.setting.label: one for one in reversed(meeting)}
         others = sorted(

@@ -83,6 +83,9 @@ def _front(verdict: Verdict) -> CaptionedFigure:
         shown = {*pareto_front(times, bounds), *(k for k, one in enumerate(line) if one is best)}
         front = sorted(shown, key=times.__getitem__)
         ax.loglog(times[front], bounds[front], label=padding_name(label), **style | width)
+        if images := label.partition("n = ")[2]:
+            end = times[front[-1]], bounds[front[-1]]
+            ax.annotate(images, end, (3, 2), textcoords="offset points", fontsize="x-small")
     ax.axhline(100 * verdict.error, color="k", ls="--", lw=1.2)
     ax.text(
         0.99, 104 * verdict.error, f"requested {percent(verdict.error)}",
@@ -98,7 +101,7 @@ def _front(verdict: Verdict) -> CaptionedFigure:
         fig,
         f"The price of accuracy for {verdict.name}: each line is one padding on the grids that are worth their time, "
         "the thick one the scene's own. A line that ends horizontally has the error of its padding, which no grid "
-        "reduces. The ring is the verdict.",
+        "reduces. Small numbers are the n of the windows. The ring is the verdict.",
     )
 
 

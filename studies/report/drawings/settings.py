@@ -113,11 +113,12 @@ def _exact(dataset: xr.Dataset) -> xr.DataArray:
 
 WHICH_N = Claim(
     "Which n, for which period?",
-    "Exact periodicity needs no n: its error is that of the cells, at most {exact}, at every period.",
+    "Exact periodicity needs no n: its error is that of the cells, {exact} on {grid} of them across, at every period.",
     "A window of n periods leaves out an error of a²/(2π(n + ½)²L²), so that a short period needs many (the table): "
     "with n = {n} the largest error of a circular window is {worst}. One copy (duplicated) is as n = ½.",
     {
         "exact": lambda d: finest(d)[ERROR].sel(padding="exact").max(),
+        "grid": lambda d: int(d["grid"][-1]),
         "n": lambda d: int(d["images"][-1]),
         "worst": lambda d: finest(d)[ERROR].sel(padding="circular").isel(images=-1).max(),
     },
@@ -159,7 +160,8 @@ ONE_CELL_ALONG = Claim(
     "How many cells along?",
     "One, for a smooth cylinder with any padding: with exact periodicity it takes {less} of the time of square cells.",
     "Nothing varies along the length. On {grid} cells across the L1 error is {one} with one cell along and {square} "
-    "with square ones, in {quick} and {slow} of processor time. The figures below have square cells, as the paper.",
+    "with square ones, in {quick} and {slow} of processor time. Its period is free too: over 100 a every padding "
+    "has the error of the cells alone. The figures below have square cells, as the paper.",
     {
         "less": lambda d: _of_square("total_time", "one")(d) / _of_square("total_time", "square")(d),
         "grid": lambda d: int(d["grid"][-1]),

@@ -57,10 +57,10 @@ def test_the_true_pressure_has_no_error_but_that_of_its_samples() -> None:
     assert found["length_variation"] == 0
     # half a cell from the peak
     beside = (1 - (CELL / 2) ** 2) ** 0.5 - 1
-    assert found["peak_pressure_error"] == pytest.approx(beside, rel=1e-9)
     # beside the axis against the mean of the same cell, by Simpson's rule
     mean = (1 + 4 * (1 - (CELL / 2) ** 2) ** 0.5 + (1 - CELL**2) ** 0.5) / 6
-    assert found["axis_pressure_error"] == pytest.approx((1 + beside) / mean - 1, rel=1e-3)
+    for name in ("axis_pressure_error", "peak_pressure_error"):
+        assert found[name] == pytest.approx((1 + beside) / mean - 1, rel=1e-3)
     assert abs(measured(hertz_means(HERTZ, CASE.grid))["axis_pressure_error"]) < 1e-12
 
 

@@ -1,8 +1,10 @@
-"""A half-space with a coating."""
+"""A half-space with a coating, and layers between them."""
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,6 +14,7 @@ from contactstudy.domain.checks import (
     check_fields,
     in_range,
     instance,
+    set_fields,
     suggest_fields,
 )
 from contactstudy.domain.units import Metres
@@ -33,46 +36,64 @@ EQUIVALENT_WAVE_NUMBER = 1.2
 @suggest_fields
 @dataclass(frozen=True)
 class CoatedHalfSpace:
-    """Layer of one material, bonded to a half-space of another; their interface neither slips nor opens.
+    """Layers of several materials, bonded to a half-space; their interfaces neither slip nor open.
 
     Parameters
     ----------
     coating, substrate
-        Materials of the layer and of the half-space below it.
+        Materials of the layer at the surface and of the half-space at the bottom.
     thickness
         Thickness of the coating [m], above zero.
+    interlayers
+        Layers between coating and substrate, from above: a :class:`HalfSpace` each, with its ``thickness`` [m].
 
     Raises
     ------
     InvalidInput
-        If the coating is rigid or more than 1e4 times as stiff as its substrate, or the thickness is not above zero.
+        If a layer is rigid, has no thickness above zero, or one material is more than 1e4 times as stiff as another
+        below it.
     """
 
     coating: HalfSpace
     thickness: Metres
     substrate: HalfSpace
+    interlayers: tuple[HalfSpace, ...] = ()
 
     def __post_init__(self) -> None:
-        for name in ("coating", "substrate"):
+        set_fields(self, interlayers=tuple(self.interlayers))
+        names = [f"interlayers[{number}]" for number in range(len(self.interlayers))]
+        solids = self.coating, *self.interlayers, self.substrate
+        for name, solid in zip(("coating", *names, "substrate"), solids, strict=True):
             field = f"CoatedHalfSpace.{name}"
-            solid = getattr(self, name)
             instance(field, solid, HalfSpace, "give a HalfSpace")
             if solid.free_faces < math.inf:
                 raise InvalidInput(
                     f"{field} is {solid!r}: free faces of a coated body are not computed, leave free_faces out, or the "
                     "coating."
                 )
+            if name in names and math.isinf(solid.thickness):
+                raise InvalidInput(f"{field} is {solid!r}, without a thickness: give it one [m].")
+            if name != "substrate" and math.isinf(solid.youngs_modulus):
+                raise InvalidInput(
+                    f"{field} is rigid: give it a finite Young's modulus, or a rigid HalfSpace as the body."
+                )
         remedy = "give a thickness above 0 m, or the substrate alone for none"
         check_fields(self, thickness=(in_range, remedy))
-        if math.isinf(self.coating.youngs_modulus):
-            raise InvalidInput(
-                "CoatedHalfSpace.coating is rigid: give it a finite Young's modulus, or a rigid HalfSpace as the body."
-            )
-        if (ratio := self._layer.shear_ratio) > LARGEST_RATIO:
-            raise InvalidInput(
-                f"CoatedHalfSpace.coating is {ratio:.3g} times as stiff as the substrate: give a ratio of "
-                f"shear moduli up to {LARGEST_RATIO:g}."
-            )
+        softest = math.inf
+        for name, shear in list(
+            zip(("coating", *names, "substrate"), map(_shear_modulus, solids), strict=True)
+        )[::-1]:
+            softest = min(softest, shear)
+            if (ratio := shear / softest) > LARGEST_RATIO and name != "substrate":
+                raise InvalidInput(
+                    f"CoatedHalfSpace.{name} is {ratio:.3g} times as stiff as what is below: give a ratio of shear "
+                    f"moduli up to {LARGEST_RATIO:g}."
+                )
+
+    @property
+    def layers(self) -> tuple[HalfSpace, ...]:
+        """The coating and the layers between it and the substrate, each with its thickness."""
+        return replace(self.coating, thickness=self.thickness), *self.interlayers
 
     @property
     def compliance(self) -> float:
@@ -85,59 +106,77 @@ class CoatedHalfSpace:
         It lies between that of the coating, far below the thickness, and that of the substrate, far above. The width
         of a line contact follows from it within a tenth for moduli a factor of 3 apart, within a quarter for 8.
         """
-        if self.coating == self.substrate:
+        if not self._interfaces:
             return self.compliance
-        k = EQUIVALENT_WAVE_NUMBER * self.thickness / half_width
-        remainder = float(np.real(self._layer.remainder(np.array([k])))[0])
-        ratio = 1 + self._layer.contrast * math.exp(-2 * k) + remainder
+        response, depth = self._interfaces[-1]
+        k = np.array([EQUIVALENT_WAVE_NUMBER * depth / half_width])
+        ratio = float(np.real(response.compliances(k))[0, 0])
         # that of a thin incompressible coating on a rigid substrate is lost in rounding
         return self.compliance * max(ratio, np.finfo(np.float64).eps)
 
     def response(self, datum: float) -> Mapping[Coefficients, float]:
-        """Return the coefficients of a half-space of the coating's material, and the change by the substrate."""
+        """Return the coefficients of a half-space of the coating's material, and the change by each material below."""
         alone = self.coating.response(datum)
-        if self.coating == self.substrate:
-            return alone
         weight = alone[BoussinesqCoefficients(datum)]
-        return {**alone, CoatingCoefficients(self._layer, self.thickness, datum): weight}
+        changes = (CoatingCoefficients(*interface, datum) for interface in self._interfaces)
+        return {**alone, **dict.fromkeys(changes, weight)}
 
     def shear_compliance(self, datum: float) -> "ShearCompliance":
-        """Return the displacement under traction of a half-space of the coating, and the change by the substrate."""
+        """Return the displacement under traction of a half-space of the coating, and the change by each one below."""
         # imported only where there is friction
         from contactstudy.elasticity.coating import CoatingShearCoefficients
 
-        alone = self.coating.shear_compliance(datum)
-        if self.coating == self.substrate:
-            return alone
         along = self.coating.compliance / math.pi
         normal = along / (2 * (1 - self.coating.poisson_ratio))
         return {
             name: {
                 **of_coating,
-                CoatingShearCoefficients(self._layer, self.thickness, name, datum): (
-                    normal if name in ("x", "y") else along
-                ),
+                **{
+                    CoatingShearCoefficients(response, depth, name, datum): (
+                        normal if name in ("x", "y") else along
+                    )
+                    for response, depth in self._interfaces
+                },
             }
-            for name, of_coating in alone.items()
+            for name, of_coating in self.coating.shear_compliance(datum).items()
         }
 
     @property
     def stress_model(self) -> "StressModel":
-        """The stress in the coating and in the substrate."""
+        """The stress in the layers and in the substrate."""
         # imported only for scenes with stress
         from contactstudy.scene.solids.coated_stress import CoatedStress
         from contactstudy.scene.solids.stress_model import HalfSpaceStress
 
-        if self.coating == self.substrate:
+        if not self._interfaces:
             return HalfSpaceStress(self.coating.poisson_ratio)
-        return CoatedStress(self._layer, self.thickness)
+        responses, depths = zip(*self._interfaces, strict=True)
+        return CoatedStress(responses, depths)
 
-    @property
-    def _layer(self) -> LayerResponse:
-        """Response of the layer to a wave, by the ratio of the shear moduli and Poisson's ratios."""
-        coating, substrate = (
-            solid.youngs_modulus / (2 * (1 + solid.poisson_ratio))
-            for solid in (self.coating, self.substrate)
+    @cached_property
+    def _interfaces(self) -> tuple[tuple[LayerResponse, float], ...]:
+        """The materials above and just below each interface between unlike ones, and its depth [m]."""
+        materials, depths, depth = [replace(self.coating, thickness=math.inf)], [], 0.0
+        for layer, below in pairwise((*self.layers, self.substrate)):
+            depth += layer.thickness
+            if (material := replace(below, thickness=math.inf)) != materials[-1]:
+                materials.append(material)
+                depths.append(depth)
+        ratios = [_shear_modulus(self.coating) / _shear_modulus(one) for one in materials[1:]]
+        poisson_ratios = [one.poisson_ratio for one in materials]
+        return tuple(
+            (
+                LayerResponse(
+                    tuple(ratios[:number]),
+                    tuple(poisson_ratios[: number + 1]),
+                    tuple(above / depth for above in depths[:number]),
+                ),
+                depth,
+            )
+            for number, depth in enumerate(depths, 1)
         )
-        ratios = self.coating.poisson_ratio, self.substrate.poisson_ratio
-        return LayerResponse(coating / substrate, *ratios)
+
+
+def _shear_modulus(solid: HalfSpace) -> float:
+    """Return the shear modulus [Pa] of a material."""
+    return solid.youngs_modulus / (2 * (1 + solid.poisson_ratio))

@@ -1,4 +1,4 @@
-"""Stress in a coating and in its substrate, as coefficients of cells under pressure and tangential traction."""
+"""Stress in layers and in their substrate, as coefficients of cells under pressure and tangential traction."""
 
 from dataclasses import dataclass
 
@@ -9,74 +9,76 @@ from contactstudy.elasticity.kernels.layer.stress_waves import FAMILIES, StressW
 from contactstudy.elasticity.kernels.layer.wave_coefficients import WaveCoefficients
 from contactstudy.scene.solids.stress_model import StressCoefficients
 
-# The substrate's side of the interface, over the thickness.
+# Smaller weights are rounding.
+LEAST_WEIGHT = 1e-14
+# The lower side of an interface, over its depth.
 BELOW = 1 + 1e-12
 
 
 @dataclass(frozen=True)
 class CoatedStress:
-    """Layer of one material on a half-space of another, as a body that is under stress.
+    """Layers on a half-space, as a body that is under stress.
 
-    The stress in the layer is the sum of that in a half-space of its material; at the depth mirrored in the interface,
-    of the layer's stress under the strain in a half-space of the substrate, less that in a half-space of the layer; and
-    of a remainder that decays within the thickness. Below the interface it is that in a half-space of the substrate and
-    a remainder. At the depth of the interface it is that of the layer; only a larger depth is in the substrate.
+    It begins with a half-space of the material at a depth, below the layers above it. Each interface below changes the
+    stress from that on a half-space of one material to that on a half-space of the next: at the depth mirrored in the
+    interface, by the stress under the strain in the one less that in the other, and by a remainder that decays within
+    the depth of the interface. At the depth of an interface the stress is that of the layer above it.
 
     Parameters
     ----------
-    materials
-        Ratio of the moduli and Poisson's ratios.
-    thickness
-        Thickness of the layer [m].
+    responses
+        For each interface the materials above it and that below.
+    depths
+        Depths of the interfaces [m].
     """
 
-    materials: LayerResponse
-    thickness: float
+    responses: tuple[LayerResponse, ...]
+    depths: tuple[float, ...]
 
     @property
     def faces(self) -> tuple[float, ...]:
-        """Depths [m] on either side of the interface, where stress jumps."""
-        return self.thickness, self.thickness * BELOW
+        """Depths [m] on either side of each interface, where stress jumps."""
+        return tuple(face for depth in self.depths for face in (depth, depth * BELOW))
 
     def coefficients(
         self, traction: str, component: str, depth: float
     ) -> tuple[tuple[Coefficients, float], ...]:
         """Return coefficients with their weights of a stress `component` at a `depth` [m] under a surface `traction`."""
-        stress = LayerStress(self.materials, depth / self.thickness)
-        remainder = WaveCoefficients(StressWaves(stress, traction), self.thickness, component)
-        layer = self.materials
-        nu1, nu2 = layer.coating_poisson_ratio, layer.substrate_poisson_ratio
+        number = sum(face < depth for face in self.depths)
+        found: dict[Coefficients, float] = {}
 
-        def half_space(name: str, depth: float, ratio: float) -> StressCoefficients:
-            return StressCoefficients(FAMILIES[traction][name], depth, ratio)
+        def half_space(name: str, depth: float, ratio: float, weight: float) -> None:
+            coefficients = StressCoefficients(FAMILIES[traction][name], depth, ratio)
+            found[coefficients] = found.get(coefficients, 0.0) + weight
 
-        if not stress.in_layer:
-            return (half_space(component, depth, nu2), 1.0), (remainder, 1.0)
-        direct = (half_space(component, depth, nu1), 1.0), (remainder, 1.0)
-        weights = self._strained(component)
-        if not weights:  # what does not depend on the material
-            return direct
-        image = self.thickness * stress.decay_rate
-        return (
-            *direct,
-            (half_space(component, image, nu1), -1.0),
-            *((half_space(field, image, nu2), weight) for field, weight in weights.items()),
-        )
+        for interface in range(max(number - 1, 0), len(self.depths)):
+            thickness = self.depths[interface]
+            stress = LayerStress(self.responses[interface], depth / thickness)
+            waves = StressWaves(stress, traction)
+            found[WaveCoefficients(waves, thickness, component)] = 1.0
+            if interface == max(number - 1, 0):
+                half_space(component, depth, stress.poisson_ratio, 1.0)
+            if stress.in_layer and component in ("xx", "yy", "xy"):
+                image = thickness * stress.decay_rate
+                for sign, below in ((1, stress.materials), (-1, stress.materials.above)):
+                    ratios = stress.ratios(below)
+                    for name, weight in _strained(component, *ratios).items():
+                        half_space(name, image, ratios[2], sign * weight)
+        return tuple(item for item in found.items() if abs(item[1]) > LEAST_WEIGHT)
 
-    def _strained(self, name: str) -> dict[str, float]:
-        """Return the layer's stress `name` under the substrate's strain, as weights of the substrate's stresses."""
-        layer = self.materials
-        ratio = layer.shear_ratio
-        nu1, nu2 = layer.coating_poisson_ratio, layer.substrate_poisson_ratio
-        if name == "xy":
-            return {"xy": ratio}
-        if name not in ("xx", "yy"):
-            return {}
-        a, b = nu2 / (1 + nu2), nu1 / (1 - nu1)
-        both = b * (1 - 2 * a) - a
-        transverse = "yy" if name == "xx" else "xx"
-        return {
-            name: ratio * (1 + both),
-            transverse: ratio * both,
-            "zz": b - ratio * a * (1 + 2 * b),
-        }
+
+def _strained(name: str, ratio: float, nu1: float, nu2: float) -> dict[str, float]:
+    """Return the stress `name` under the strain of a half-space, as weights of the stresses in that.
+
+    The `ratio` of the shear moduli is that over the half-space's, nu1 and nu2 are Poisson's ratios here and there.
+    """
+    if name == "xy":
+        return {"xy": ratio}
+    a, b = nu2 / (1 + nu2), nu1 / (1 - nu1)
+    both = b * (1 - 2 * a) - a
+    transverse = "yy" if name == "xx" else "xx"
+    return {
+        name: ratio * (1 + both),
+        transverse: ratio * both,
+        "zz": b - ratio * a * (1 + 2 * b),
+    }

@@ -173,8 +173,8 @@ class LayerRemainder:
             )
         far_field = FAR_FIELD_DISTANCE * h / self.response.pole_distance_from_zero
         last = int(np.ceil(max(far_field, 2 * dx) / width)) + 20
-        total = -2 * np.pi * self.response.slope * h * dx / width * np.ones_like(x)
-        second, fourth, sixth = self.response.taylor
+        total = -2 * np.pi * self.response.taylor[0] * h * dx / width * np.ones_like(x)
+        _, second, fourth, sixth = self.response.taylor
         ratio = h / width
         for side in (1, -1):
             # beyond, the integral over a strip is between ends of 2 r2 h^2 / x - 4 r4 h^4 / x^3 + 48 r6 h^6 / x^5
@@ -369,7 +369,7 @@ class RemainderRow:
 
         It is ``-r2 h^2 / r^3 + 9 r4 h^4 / r^5 - 225 r6 h^6 / r^7``, with r2, r4, r6 the coefficients of R.
         """
-        second, fourth, sixth = self.remainder.response.taylor
+        _, second, fourth, sixth = self.remainder.response.taylor
         h, period = self.remainder.thickness, self.period
         powers = (3, -second * h**2), (5, 9 * fourth * h**4), (7, -225 * sixth * h**6)
         total = np.zeros((x.size, y.size))

@@ -1,16 +1,18 @@
-"""Response of a layered half-space to a wave of pressure or tangential traction, and its short-ranged remainder.
+"""Response of layers on a half-space to a wave of pressure or tangential traction, and its short-ranged remainder.
 
-In space the remainder is two functions of one distance, tabulated once for each pair of materials.
+In space the remainder is two functions of one distance, tabulated once for each stack of materials.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.polynomial import chebyshev
+from numpy.polynomial import chebyshev, polynomial
 from numpy.typing import NDArray
+from scipy.interpolate import BSpline, make_interp_spline
 from scipy.special import j1, k1
 
 from contactstudy.domain.fields import Array
@@ -18,157 +20,232 @@ from contactstudy.elasticity.kernels.displacement_cell import mean_gauss_rule
 
 RealOrComplex = NDArray[np.inexact[Any]]
 
-# Below this the difference sinh(k)^2 - k^2 is summed as a series.
-SERIES_END = 1.0
+# Largest wave number times thickness of one step through a layer, and that beyond which a layer is a half-space.
+LONGEST_STEP, DEEP = 4.0, 20.0
+# Spline through a remainder: largest length of a piece, over the wave number and for long waves, points on each, degree.
+SPLINE_PIECE, LONG_PIECE, SPLINE_POINTS, SPLINE_DEGREE = 1 / 64, 0.25, 48, 7
+# Wave number over the distance of the nearest pole up to which a remainder is its Taylor series: it leaves SERIES_END^7.
+SERIES_END = 0.02
+# Values of a remainder beyond which a spline is made for all of them.
+MAX_DIRECT = 4096
+# R is below 2e-14 of its largest beyond this k; waves of 17 along both axes are the shortest that are asked for.
+LAST_WAVE, LAST_SPLINE_WAVE = 20.0, 25.0
 
 
 @dataclass(frozen=True)
 class LayerResponse:
-    """Displacement of a layer on a half-space under a wave of pressure, over that of the layer's own half-space.
+    """Layers on a half-space under a wave, and what the half-space adds to one of the deepest layer's material.
 
-    With k the wave number times the thickness, the quotient is ``1 + D(k)`` with ``D = d0 exp(-2 k) + R(k)``; d0 is
-    `contrast`, and R is the `remainder`, which is zero at k = 0 and decays like ``k^2 exp(-2 k)``.
+    The state is (2 G k U, 2 G k V, s_zz, s_xz), with displacement U along the wave and V along the normal, k the wave
+    number times the depth of the deepest interface, and G of the material at hand. The compliance under pressure and
+    shear is carried up through the layers from that of the half-space, and traction down: neither step has exponentials
+    that cancel. Normal displacement under pressure, over that of a half-space of the top layer, changes by
+    ``d0 exp(-2 k) + R(k)``; d0 is the first of `contrasts`, and R is the first of `remainders`, zero at k = 0.
 
-    Source: plane strain of a bonded layer (Burmister 1945; Johnson 1985, sect. 5.8). It holds for every direction of the
-    wave.
+    Source: plane strain of bonded layers (Burmister 1945; Johnson 1985, sect. 5.8), antiplane strain across the wave. It
+    holds for every direction of the wave.
 
     Parameters
     ----------
-    shear_ratio
-        Shear modulus of the layer over that of the substrate, from 0 (a rigid substrate) on.
-    coating_poisson_ratio, substrate_poisson_ratio
-        Poisson's ratios.
+    shear_ratios
+        Shear modulus of the top layer over that of each material below; 0 for a rigid half-space.
+    poisson_ratios
+        Poisson's ratios, from the top layer to the half-space.
+    interfaces
+        Depths of the interfaces over that of the deepest one.
     """
 
-    shear_ratio: float
-    coating_poisson_ratio: float
-    substrate_poisson_ratio: float
+    shear_ratios: tuple[float, ...]
+    poisson_ratios: tuple[float, ...]
+    interfaces: tuple[float, ...] = (1.0,)
 
-    @cached_property
-    def _mismatch(self) -> tuple[float, float, float, float, float]:
-        """Mismatch of the materials (Burmister 1945): lambda, kappa, ``1 - lambda``, ``1 - kappa`` and a cross term.
+    @property
+    def above(self) -> "LayerResponse":
+        """The same layers on a half-space of the deepest layer's material."""
+        return LayerResponse(self.shear_ratios[:-1], self.poisson_ratios[:-1], self.interfaces[:-1])
 
-        The cross term is ``lambda (1 - kappa) + kappa (1 - lambda)``.
+    @property
+    def contrasts(self) -> tuple[float, float, float, float]:
+        """Changes of long waves: displacement by pressure and by shear along the wave, its coupling, and across.
+
+        The first two are over ``(1 - nu^2) / E`` of the top layer, the coupling of the displacements is over 1 / (2 G)
+        and that across the wave over 1 / G.
         """
-        m, nu1, nu2 = (self.shear_ratio, self.coating_poisson_ratio, self.substrate_poisson_ratio)
-        below, above = 1 + m * (3 - 4 * nu2), m + 3 - 4 * nu1
-        lam = (m * (3 - 4 * nu2) - (3 - 4 * nu1)) / below
-        kap, one_lam, one_kap = (m - 1) / above, 4 * (1 - nu1) / below, 4 * (1 - nu1) / above
-        return lam, kap, one_lam, one_kap, lam * one_kap + kap * one_lam
+        before, ratio = (1.0, *self.shear_ratios)[-2:]
+        nu1, nu2 = self.poisson_ratios[-2:]
+        normal = (ratio * (1 - nu2) - before * (1 - nu1)) / (1 - self.poisson_ratios[0])
+        coupling = ratio * (1 - 2 * nu2) - before * (1 - 2 * nu1)
+        return normal, normal, coupling, ratio - before
 
     @property
     def contrast(self) -> float:
-        """Plane-strain modulus of the layer over that of the substrate, less one, d0."""
-        ratio = (1 - self.substrate_poisson_ratio) / (1 - self.coating_poisson_ratio)
-        return self.shear_ratio * ratio - 1
+        """First of `contrasts`, d0."""
+        return self.contrasts[0]
 
     @property
-    def coupling_contrast(self) -> float:
-        """``1 - 2 nu`` of the substrate times the ratio of the shear moduli, less that of the layer: h0."""
-        soft = 1 - 2 * self.substrate_poisson_ratio
-        return self.shear_ratio * soft - (1 - 2 * self.coating_poisson_ratio)
-
-    @property
-    def slope(self) -> float:
-        """Derivative of `remainder` at k = 0."""
-        lam, kap, one_lam, one_kap, cross = self._mismatch
-        return (4 * kap + 2 * (2 * lam * kap - self.contrast * cross)) / (one_lam * one_kap)
+    def _stiffness_ratio(self) -> float:
+        """Largest over smallest shear modulus, at least that of the top layer, without a rigid half-space."""
+        elastic = [ratio for ratio in (1.0, *self.shear_ratios) if ratio]
+        ratio = max(elastic) / min(elastic)
+        return max(self.shear_ratios[0], 1.0) if len(self.interfaces) == 1 else ratio
 
     @property
     def pole_distance_from_zero(self) -> float:
-        """Lower bound of the distance of singularities of `remainder` from k = 0.
+        """Lower bound of the distance of singularities of the remainders from k = 0.
 
-        The nearest one tends to ``k = -(1 - nu1) / (2 m (1 - nu2))`` for a stiff layer, with the ratio m of the shear
-        moduli; the bound takes nu1 = 1/2.
+        The nearest one of one layer tends to ``k = -(1 - nu1) / (2 m (1 - nu2))`` for a stiff one, with the ratio m of
+        the shear moduli; the bound takes nu1 = 1/2.
         """
-        return min(0.2, 0.25 / (1 - self.substrate_poisson_ratio)) / max(self.shear_ratio, 1.0)
+        return min(0.2, 0.25 / (1 - min(self.poisson_ratios[1:]))) / self._stiffness_ratio
 
     @property
     def pole_distance_from_real_axis(self) -> float:
-        """Lower bound of the distance of poles of `remainder` in the right half-plane from the real axis.
+        """Lower bound of the distance of poles of the remainders in the right half-plane from the real axis.
 
-        On the imaginary axis itself an incompressible layer on a rigid substrate has one at 0.74, where what is
-        integrated along that axis has decayed.
+        A plate on a soft half-space has one at the cube root of the ratio of moduli; a soft layer between stiff ones, in
+        which they shift, at its square root. On the imaginary axis itself an incompressible layer on a rigid half-space
+        has one at 0.74, where what is integrated along that axis has decayed.
         """
-        return float(0.85 * max(self.shear_ratio, 1.0) ** (-1 / 3))
+        power = 1 / 3 if len(self.interfaces) == 1 else 1 / 2
+        return float(0.85 * self._stiffness_ratio**-power)
+
+    def index(self, depth: float) -> int:
+        """Return the number of the material at a depth, to which its lower interface belongs."""
+        return int(np.searchsorted(self.interfaces, depth))
+
+    def state(
+        self, k: RealOrComplex, depth: float = 0.0
+    ) -> tuple[RealOrComplex, RealOrComplex, RealOrComplex, RealOrComplex]:
+        """Return compliance and traction (k, 2, 2) at a depth in the plane, and both (k,) along the crests.
+
+        The compliance is (2 G k U, 2 G k V) over (s_zz, s_xz), and G k W over the shear along the crests; the traction
+        is that over the same at the surface.
+        """
+        ratios = 1.0, *self.shear_ratios
+        cuts = sorted({0.0, *self.interfaces, depth})
+        along: RealOrComplex = np.ones_like(k)
+        nu = self.poisson_ratios[-1]
+        one = np.array([[1 - 2 * nu, 2 * nu - 2], [2 * nu - 2, 1 - 2 * nu]])
+        compliance: RealOrComplex = np.ones((k.size, 1, 1), k.dtype) * one
+        traction, through = np.ones((k.size, 1, 1), k.dtype) * np.eye(2), along
+        found, below = (compliance, along), len(ratios) - 1
+        for top, bottom in reversed(list(pairwise(cuts))):
+            material = self.index(bottom)
+            compliance, along = (
+                each * (ratios[below] / ratios[material]) if material < below else each
+                for each in (compliance, along)
+            )
+            below, t = material, k * (bottom - top)
+            if bottom > depth:
+                t = t / np.maximum(np.abs(t) / DEEP, 1)
+            steps = max(1, int(np.ceil(np.abs(t).max(initial=0.0) / LONGEST_STEP)))
+            up = _transfer(-t / steps, self.poisson_ratios[material])
+            for _ in range(steps):
+                inverse = np.linalg.inv(up[:, 2:, :2] @ compliance + up[:, 2:, 2:])
+                compliance = (up[:, :2, :2] @ compliance + up[:, :2, 2:]) @ inverse
+                if bottom <= depth:
+                    traction = traction @ inverse
+            turn = np.tanh(t)
+            if bottom <= depth:
+                through = through / (np.cosh(t) + along * np.sinh(t))
+            along = (along + turn) / (1 + along * turn)
+            if top >= depth:
+                found = compliance, along
+        return found[0], traction, found[1], through
+
+    def compliances(self, k: RealOrComplex) -> RealOrComplex:
+        """Return displacements by pressure and by shear along the wave, their coupling, and across (4, k).
+
+        They are over those of a half-space of the top layer, but for the coupling, which is over 1 / (2 G).
+        """
+        plane, _, across, _ = self.state(k)
+        stiff = 2 * (1 - self.poisson_ratios[0])
+        return np.stack([-plane[:, 1, 0] / stiff, -plane[:, 0, 1] / stiff, plane[:, 0, 0], across])
+
+    def remainders(self, k: RealOrComplex) -> RealOrComplex:
+        """Return what `compliances` add to those without the half-space, less ``contrasts exp(-2 k)`` (4, ...).
+
+        Many real values are those of a spline.
+        """
+        if k.size > MAX_DIRECT and not np.iscomplexobj(k):
+            return np.asarray(np.moveaxis(_spline(self)(k), -1, 0))
+        change, flat = self._change(k.ravel()), k.ravel()
+        long = np.abs(flat) < SERIES_END * self.pole_distance_from_zero
+        if long.any():
+            change[:, long] = polynomial.polyval(flat[long], np.array(self._series).T)
+        return np.asarray(change.reshape(4, *k.shape))
+
+    def _change(self, k: RealOrComplex) -> RealOrComplex:
+        """Return `remainders`, which lose the digits that long waves have in common."""
+        change = self.compliances(k) - self.above.compliances(k)
+        change -= np.multiply.outer(np.array(self.contrasts), np.exp(-2 * k))
+        return np.asarray(change)
 
     def remainder(self, k: RealOrComplex) -> RealOrComplex:
-        """Return R(k), the short-ranged response, without cancellation for small k or very unlike materials."""
-        return self._remainder(k, 1)
-
-    def shear_remainders(
-        self, k: RealOrComplex
-    ) -> tuple[RealOrComplex, RealOrComplex, RealOrComplex]:
-        """Return what R(k) is under tangential traction: along the wave, across it, and of the displacements' coupling.
-
-        Displacement by traction along the wave is ``2 (1 - nu1^2) / (E1 q) (1 + d0 exp(-2 k) + R)``. By traction across
-        the wave it is ``1 / (G1 q) (1 + (m - 1) exp(-2 k) + R)``, with m the ratio of the shear moduli. Normal
-        displacement by traction along the wave is ``1 / (2 G1 q) (1 - 2 nu1 + h0 exp(-2 k) + R)``, a quarter of a wave
-        behind, with h0 the `coupling_contrast`. The wave number q [1/m] times the thickness is k, and E1, G1 and nu1
-        are the layer's. Source: that of the class; antiplane strain of the layer across the wave.
-        """
-        _, kap, one_lam, one_kap, cross = self._mismatch
-        ratio = (self.shear_ratio - 1) / (self.shear_ratio + 1)
-        t, u = np.exp(-2 * k), -np.expm1(-2 * k)
-        antiplane = -2 * ratio**2 * t * u / ((1 - ratio) * (1 - ratio + ratio * u))
-        h0, remainder = self.coupling_contrast, u * cross + kap * self._higher_order(k)
-        above = 8 * kap * k * k * (1 - self.coating_poisson_ratio) - h0 * remainder
-        coupling = t * above / (one_lam * one_kap + remainder)
-        return self._remainder(k, -1), antiplane, np.asarray(coupling)
-
-    def _remainder(self, k: RealOrComplex, sign: int) -> RealOrComplex:
-        """Return the remainder under pressure (`sign` 1) or shear along the wave (-1)."""
-        lam, kap, one_lam, one_kap, cross = self._mismatch
-        t, u = np.exp(-2 * k), -np.expm1(-2 * k)
-        higher_order, d0 = self._higher_order(k), self.contrast
-        above = (
-            4 * kap * k * (sign + k) + u * (2 * lam * kap - d0 * cross) - d0 * kap * higher_order
-        )
-        return np.asarray(t * above / (one_lam * one_kap + u * cross + kap * higher_order))
-
-    def _higher_order(self, k: RealOrComplex) -> RealOrComplex:
-        """Return the part of the denominator over kappa that is of order k^2."""
-        lam, _, one_lam, *_ = self._mismatch
-        t, u = np.exp(-2 * k), -np.expm1(-2 * k)
-        # (1 - t)^2 - 4 k^2 t, of order k^4
-        fourth = u * u - 4 * k * k * t
-        small = np.abs(k) < SERIES_END
-        if small.any():
-            fourth[small] = 4 * t[small] * _sinh_square_less_square(k[small])
-        return np.asarray(lam * fourth - 4 * k * k * t * one_lam)
+        """Return the first of `remainders`, that under pressure."""
+        return np.asarray(self.remainders(k)[0])
 
     @cached_property
-    def taylor(self) -> tuple[float, float, float]:
-        """Coefficients of k^2, k^4 and k^6 in `remainder`, which give its far field in space."""
-        second, fourth, sixth = self.taylor_coefficients(self.remainder)[2::2]
-        return second, fourth, sixth
+    def _series(self) -> list[list[float]]:
+        """Taylor coefficients up to k^6 of all `remainders`, of which the first is zero."""
+        return [[0.0, *terms[1:]] for terms in self.taylor_coefficients(self._change)]
+
+    @property
+    def taylor(self) -> tuple[float, ...]:
+        """Coefficients of k, k^2, k^4 and k^6 in `remainder`, which give its far field in space."""
+        terms = self._series[0]
+        return terms[1], *terms[2::2]
 
     def taylor_coefficients(
         self, function: Callable[[RealOrComplex], RealOrComplex]
-    ) -> list[float]:
-        """Return the Taylor coefficients up to k^6 of a `function` that is as regular at k = 0 as the response."""
+    ) -> list[list[float]]:
+        """Return the Taylor coefficients up to k^6 of `function` (..., k), each as regular at k = 0 as the response."""
         around = 0.5 * self.pole_distance_from_zero
         turn = np.exp(2j * np.pi * np.arange(64) / 64)
-        terms = np.real(np.fft.fft(function(around * turn))) / 64
-        return [float(term / around**n) for n, term in enumerate(terms[:7])]
+        terms = np.real(np.fft.fft(function(around * turn)))[..., :7] / 64
+        return (terms / around ** np.arange(7.0)).tolist()
 
 
-def _sinh_square_less_square(k: RealOrComplex) -> RealOrComplex:
-    """Return ``sinh(k)^2 - k^2`` for small k: ``sum (2 k)^(2 n) / (2 (2 n)!)`` from n = 2 on."""
-    square = 4 * k * k
-    term = square * square / 48
-    total = term.copy()
-    for n in range(3, 14):
-        term = term * square / ((2 * n - 1) * (2 * n))
-        total = total + term
-    return np.asarray(total)
+def _transfer(t: RealOrComplex, nu: float) -> RealOrComplex:
+    """Return the exponential of t times the derivative of the state of :class:`LayerResponse` (t, 4, 4)."""
+    rate = np.array(
+        [[0, 1, 0, 2], [-nu, 0, 1 - 2 * nu, 0], [0, 0, 0, -1], [1, 0, nu, 0]], dtype=float
+    )
+    rate[[1, 3]] /= 1 - nu
+    cosh, sinh = np.cosh(t), np.sinh(t)
+    terms = cosh - t * sinh / 2, (3 * sinh - t * cosh) / 2, t * sinh / 2, (t * cosh - sinh) / 2
+    powers = [np.linalg.matrix_power(rate, n) for n in range(4)]
+    return np.asarray(
+        sum(np.multiply.outer(term, power) for term, power in zip(terms, powers, strict=True))
+    )
+
+
+def spline(function: Callable[[Array], RealOrComplex], first: float, last: float) -> BSpline:
+    """Return a spline through a `function` (..., k) of wave numbers up to `last`, whose first piece ends at `first`."""
+    ends = [0.0, first]
+    while ends[-1] < last:
+        ends.append(ends[-1] + min(ends[-1], max(LONG_PIECE, SPLINE_PIECE * ends[-1])))
+    k = np.concatenate(
+        [np.arange(SPLINE_POINTS) / SPLINE_POINTS * (end - at) + at for at, end in pairwise(ends)]
+    )
+    k = np.append(k, ends[-1])
+    return make_interp_spline(k, function(k).reshape(-1, k.size).T, SPLINE_DEGREE)
+
+
+@lru_cache(maxsize=32)
+def _spline(response: LayerResponse) -> BSpline:
+    """Return all remainders of a response as a spline."""
+
+    def remainders(k: Array) -> RealOrComplex:
+        blocks = np.array_split(k, 1 + k.size // MAX_DIRECT)
+        return np.concatenate([response.remainders(block) for block in blocks], axis=1)
+
+    return spline(remainders, response.pole_distance_from_zero / 2, LAST_SPLINE_WAVE)
 
 
 # The tables' pieces are [0, 1], [1, 2], [2, 4] ... thicknesses: singularities at two thicknesses and, of
 # the far form, at zero lie outside a Bernstein ellipse of rho = 5.8.
 CHEBYSHEV_POINTS = 22
-# R is below 2e-14 of its largest beyond this k.
-LAST_WAVE = 20.0
 # Gauss points on each piece of k, at most two oscillations long.
 GAUSS_POINTS = 18
 # exp(-x) is neglected beyond this x
@@ -226,7 +303,7 @@ class RemainderTables:
             tau, weight = self._imaginary(float(s[0]))
             even = np.real(response.remainder(1j * tau)) / tau
             far = k1(np.multiply.outer(s, tau)) @ (even * weight)
-            return np.asarray((response.slope / s - 2 / np.pi * far) / s)
+            return np.asarray((response.taylor[0] / s - 2 / np.pi * far) / s)
         k, weight = self._real(float(s[-1]))
         integrand = np.real(response.remainder(k)) / k * weight
         return np.asarray(j1(np.multiply.outer(s, k)) @ integrand / s)
@@ -238,7 +315,7 @@ class RemainderTables:
             tau, weight = self._imaginary(float(s[0]))
             even = np.real(response.remainder(1j * tau)) / tau**2
             far = np.exp(-np.multiply.outer(s, tau)) @ (even * weight)
-            return np.asarray((np.pi / 2 * response.slope - far) / s)
+            return np.asarray((np.pi / 2 * response.taylor[0] - far) / s)
         k, weight = self._real(float(s[-1]))
         integrand = np.real(response.remainder(k)) / k * weight
         return np.asarray(np.sinc(np.multiply.outer(s, k) / np.pi) @ integrand)

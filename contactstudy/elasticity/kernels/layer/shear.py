@@ -1,8 +1,8 @@
-"""Displacement of a coated surface under tangential traction, less that of a half-space of the coating."""
+"""Displacement of a layered surface under tangential traction, less that without the half-space."""
 
 from dataclasses import dataclass
 from enum import Enum
-from functools import lru_cache, partial
+from functools import lru_cache
 from typing import ClassVar
 
 import numpy as np
@@ -34,7 +34,7 @@ class Subtracted(Enum):
 
 @dataclass(frozen=True)
 class ShearWaves:
-    """Displacement under a wave of tangential traction that the substrate adds to that of a half-space of the coating.
+    """Displacement under a wave of tangential traction that the half-space below a layer adds to that of the layer's.
 
     Fields "xx", "xy" and "yy" are the displacements along the surface, over ``(1 - nu1^2) / (pi E1)``; "x" and "y" are
     the normal displacement under traction along either axis, over ``1 / (4 pi G1)``; all in thicknesses.
@@ -42,7 +42,7 @@ class ShearWaves:
     Parameters
     ----------
     materials
-        Ratio of the moduli and Poisson's ratios.
+        Materials and depths of their interfaces.
     subtracted
         Terms of long waves that are left out, as they are known in closed form.
     """
@@ -102,27 +102,23 @@ class ShearWaves:
         return responses
 
 
-def _remainders(
-    materials: LayerResponse, k: RealOrComplex
-) -> tuple[RealOrComplex, RealOrComplex, RealOrComplex]:
+def _remainders(materials: LayerResponse, k: RealOrComplex) -> tuple[RealOrComplex, ...]:
     """Return the short-ranged responses over the compliances of :class:`ShearWaves`."""
-    along, across, coupling = materials.shear_remainders(k)
-    return along, across / (1 - materials.coating_poisson_ratio), coupling
+    _, along, coupling, across = materials.remainders(k)
+    return along, across / (1 - materials.poisson_ratios[0]), coupling
 
 
 @lru_cache(maxsize=32)
 def _terms(materials: LayerResponse) -> tuple[tuple[float, ...], ...]:
     """Return :attr:`ShearWaves.terms`."""
-    stiff = 1 - materials.coating_poisson_ratio
-    constants = materials.contrast, (materials.shear_ratio - 1) / stiff, materials.coupling_contrast
+    _, along, coupling, across = materials.contrasts
+    constants = along, across / (1 - materials.poisson_ratios[0]), coupling
 
-    def growing(k: RealOrComplex, which: int) -> RealOrComplex:
-        return _remainders(materials, k)[which] * np.exp(2 * k)
+    def growing(k: RealOrComplex) -> RealOrComplex:
+        return np.array(_remainders(materials, k)) * np.exp(2 * k)
 
-    return tuple(
-        (constant, *materials.taylor_coefficients(partial(growing, which=which))[1:3])
-        for which, constant in enumerate(constants)
-    )
+    terms = materials.taylor_coefficients(growing)
+    return tuple((first, *more[1:3]) for first, more in zip(constants, terms, strict=True))
 
 
 # Potentials of a cell at a distance z from its plane, whose spectra are 2 pi exp(-q z) times the name of each:

@@ -16,7 +16,7 @@ STIFF = cs.HalfSpace(420e9, 0.2)
 CYLINDER = (cs.Cylinder(0.01),)
 ROUGH = (*CYLINDER, cs.Roughness(1.5e-7, hurst=0.8, roll_off=1e-4, cut_off=2e-5, seed=1))
 EXACT = cs.ExactPeriodicity()
-MATERIALS = [LayerResponse(4.0, 0.25, 0.35), LayerResponse(0.2, 0.3, 0.45)]
+MATERIALS = [LayerResponse((4.0,), (0.25, 0.35)), LayerResponse((0.2,), (0.3, 0.45))]
 FIELDS = ["xx", "yy", "xy", "x", "y"]
 
 
@@ -26,7 +26,7 @@ def test_a_wave_of_shear_moves_the_surface_as_its_stress_says(layer: LayerRespon
     k = np.linspace(0.05, 6, 40)
     along = ShearWaves(layer, Subtracted.NONE).plane_amplitudes(k)["xx"]
     pressed, sheared = LayerStress(layer, 0.0).plane(k)[:, 2]
-    nu, m = layer.coating_poisson_ratio, layer.shear_ratio
+    nu, (m,) = layer.poisson_ratios[0], layer.shear_ratios
     np.testing.assert_allclose(along, 2 * np.pi / k * (sheared / 2 - 1), atol=1e-12)
     coupling = ShearWaves(layer, Subtracted.NONE).plane_amplitudes(k)["x"]
     # by reciprocity, the displacement along the surface under pressure

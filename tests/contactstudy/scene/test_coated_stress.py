@@ -31,7 +31,7 @@ def under_ellipse(ratio: float, cells: int, *depths: float) -> np.ndarray:
     grid = cs.Grid((cells, 1), (2.4, 1.0))
     ends = grid.x[:, None] + np.array([-0.5, 0.5]) * grid.cell_size[0]
     pressure = np.diff(integral(ends), axis=1) / grid.cell_size[0]
-    medium = CoatedStress(LayerResponse(ratio, 0.3, 0.3), 1.0)
+    medium = CoatedStress((LayerResponse((ratio,), (0.3, 0.3)),), (1.0,))
     return SubsurfaceStressOperator(grid, LINE, medium, depths)(pressure)[..., 0]
 
 
@@ -78,7 +78,7 @@ def test_von_mises_stress_on_the_axis_is_that_of_a_quadrature() -> None:
 
 def test_one_wave_of_pressure_and_shear() -> None:
     """A system of six equations, solved with 40 digits."""
-    materials, k = LayerResponse(4.0, 0.25, 0.35), np.array([0.7])
+    materials, k = LayerResponse((4.0,), (0.25, 0.35)), np.array([0.7])
     for depth, expected in (
         (0.4, (-0.859772142243, -0.558805376983, -0.12054257933)),
         (BELOW, (-0.651302638895, -0.34616473468, 0.0410268304655)),
@@ -95,7 +95,10 @@ def test_equal_moduli_give_the_half_space_with_every_padding(paddings: cs.Paddin
     depths = (0.3,) if paddings == LATTICE else (0.3, 0.8)
     coated, plain = (
         SubsurfaceStressOperator(grid, paddings, medium, depths).with_shear(shear)(pressure)
-        for medium in (CoatedStress(LayerResponse(1.0, 0.3, 0.3), 0.5), HalfSpaceStress(0.3))
+        for medium in (
+            CoatedStress((LayerResponse((1.0,), (0.3, 0.3)),), (0.5,)),
+            HalfSpaceStress(0.3),
+        )
     )
     np.testing.assert_allclose(coated, plain, rtol=0, atol=1e-12)
 
@@ -109,7 +112,7 @@ def test_traction_is_continuous_at_the_bond_and_the_surface_bears_what_presses_i
     random = np.random.default_rng(5)
     pressure, shear = random.random(grid.cells), random.random((2, *grid.cells))
     shear *= paddings != LATTICE  # three times as many sums
-    medium = CoatedStress(LayerResponse(5.0, 0.2, 0.4), 0.5)
+    medium = CoatedStress((LayerResponse((5.0,), (0.2, 0.4)),), (0.5,))
     below = SubsurfaceStressOperator(grid, paddings, medium, (0.0, 0.5, 0.5 * BELOW))
     stress = (below.with_shear(shear) if shear.any() else below)(pressure)
     rows = [NAMES.index(name) for name in ("zz", "yz", "xz")]
@@ -123,7 +126,7 @@ def test_traction_is_continuous_at_the_bond_and_the_surface_bears_what_presses_i
 
 
 def test_what_is_alike_along_the_length_is_plane_strain() -> None:
-    medium = CoatedStress(LayerResponse(3.0, 0.25, 0.35), 0.2)
+    medium = CoatedStress((LayerResponse((3.0,), (0.25, 0.35)),), (0.2,))
     pressure = np.random.default_rng(2).random((5, 1))
     shear = np.stack([pressure**2, 1 - pressure])
     depths = 0.0, 0.4
@@ -138,7 +141,7 @@ def test_what_is_alike_along_the_length_is_plane_strain() -> None:
 
 def test_a_cell_alone_is_one_of_a_row_with_a_long_period() -> None:
     """What differs is what all other cells of the row, and of the lattice that stands for a cell, do there."""
-    medium = CoatedStress(LayerResponse(3.0, 0.25, 0.35), 0.2)
+    medium = CoatedStress((LayerResponse((3.0,), (0.25, 0.35)),), (0.2,))
     pressure = np.zeros((8, 64))
     pressure[2:6, 30:34] = 1.0
     grid = cs.Grid((8, 64), (1.0, 8.0))
@@ -150,7 +153,7 @@ def test_a_cell_alone_is_one_of_a_row_with_a_long_period() -> None:
 
 
 def test_a_cell_alone_in_a_thick_coating_is_the_same_on_a_wider_grid() -> None:
-    medium = CoatedStress(LayerResponse(3.0, 0.25, 0.35), 2.0)
+    medium = CoatedStress((LayerResponse((3.0,), (0.25, 0.35)),), (2.0,))
     random, stresses = np.random.default_rng(3).random((6, 6)), []
     for cells in (6, 48):
         grid, first = cs.Grid((cells, cells), (cells / 6, cells / 6)), cells // 2 - 3
@@ -169,14 +172,17 @@ def test_far_below_a_thin_coating_the_stress_is_that_in_the_substrate(ratio: flo
     pressure[32] = 1.0
     coated, plain = (
         SubsurfaceStressOperator(grid, LINE, medium, (1.0,))(pressure)
-        for medium in (CoatedStress(LayerResponse(ratio, 0.3, 0.3), 3e-4), HalfSpaceStress(0.3))
+        for medium in (
+            CoatedStress((LayerResponse((ratio,), (0.3, 0.3)),), (3e-4,)),
+            HalfSpaceStress(0.3),
+        )
     )
     np.testing.assert_allclose(coated, plain, rtol=0, atol=1e-3 * np.abs(plain).max())
 
 
 def test_a_substrate_that_does_not_yield_holds_the_coating_in_its_plane() -> None:
     """Without strain in the plane at the interface ``s_xx = nu / (1 - nu) s_zz``."""
-    medium = CoatedStress(LayerResponse(0.0, 0.3, 0.3), 0.5)
+    medium = CoatedStress((LayerResponse((0.0,), (0.3, 0.3)),), (0.5,))
     grid = cs.Grid((32, 1), (2.4, 1.0))
     pressure = np.sqrt(np.maximum(1 - grid.x[:, None] ** 2, 0))
     stress = SubsurfaceStressOperator(grid, LINE, medium, (0.5,))(pressure)

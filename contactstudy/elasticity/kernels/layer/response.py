@@ -3,7 +3,7 @@
 In space the remainder is two functions of one distance, tabulated once for each stack of materials.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import pairwise
@@ -113,29 +113,35 @@ class LayerResponse:
         """Return the number of the material at a depth, to which its lower interface belongs."""
         return int(np.searchsorted(self.interfaces, depth))
 
-    def state(
-        self, k: RealOrComplex, depth: float = 0.0
-    ) -> tuple[RealOrComplex, RealOrComplex, RealOrComplex, RealOrComplex]:
-        """Return compliance and traction (k, 2, 2) at a depth in the plane, and both (k,) along the crests.
+    def _slabs(self, depth: float) -> Iterator[tuple[int, float, float, float]]:
+        """Yield (material, factor, top, bottom) of each layer from below, cut at a depth.
 
-        The compliance is (2 G k U, 2 G k V) over (s_zz, s_xz), and G k W over the shear along the crests; the traction
-        is that over the same at the surface.
+        The factor changes what is over the shear modulus of the material below to what is over that of this one.
         """
-        ratios = 1.0, *self.shear_ratios
-        cuts = sorted({0.0, *self.interfaces, depth})
-        along: RealOrComplex = np.ones_like(k)
-        nu = self.poisson_ratios[-1]
-        one = np.array([[1 - 2 * nu, 2 * nu - 2], [2 * nu - 2, 1 - 2 * nu]])
-        compliance: RealOrComplex = np.ones((k.size, 1, 1), k.dtype) * one
-        traction, through = np.ones((k.size, 1, 1), k.dtype) * np.eye(2), along
-        found, below = (compliance, along), len(ratios) - 1
-        for top, bottom in reversed(list(pairwise(cuts))):
+        ratios, below = (1.0, *self.shear_ratios), len(self.interfaces)
+        for top, bottom in reversed(list(pairwise(sorted({0.0, *self.interfaces, depth})))):
             material = self.index(bottom)
-            compliance, along = (
-                each * (ratios[below] / ratios[material]) if material < below else each
-                for each in (compliance, along)
+            yield (
+                material,
+                ratios[below] / ratios[material] if material < below else 1.0,
+                top,
+                bottom,
             )
-            below, t = material, k * (bottom - top)
+            below = material
+
+    def plane(self, k: RealOrComplex, depth: float = 0.0) -> tuple[RealOrComplex, RealOrComplex]:
+        """Return compliance and traction at a depth (k, 2, 2) in the plane of the wave.
+
+        The compliance is (2 G k U, 2 G k V) over (s_zz, s_xz), and the traction that over the same at the surface.
+        """
+        nu, unity = self.poisson_ratios[-1], np.ones((k.size, 1, 1), k.dtype)
+        compliance = unity * np.array([[1 - 2 * nu, 2 * nu - 2], [2 * nu - 2, 1 - 2 * nu]])
+        traction = unity * np.eye(2)
+        found = compliance
+        for material, factor, top, bottom in self._slabs(depth):
+            compliance, t = compliance * factor, k * (bottom - top)
+            if bottom == depth:
+                found = compliance
             if bottom > depth:
                 t = t / np.maximum(np.abs(t) / DEEP, 1)
             steps = max(1, int(np.ceil(np.abs(t).max(initial=0.0) / LONGEST_STEP)))
@@ -145,22 +151,35 @@ class LayerResponse:
                 compliance = (up[:, :2, :2] @ compliance + up[:, :2, 2:]) @ inverse
                 if bottom <= depth:
                     traction = traction @ inverse
+        return found if depth else compliance, traction
+
+    def antiplane(
+        self, k: RealOrComplex, depth: float = 0.0
+    ) -> tuple[RealOrComplex, RealOrComplex]:
+        """Return compliance and traction at a depth along the crests of the wave, as `k`: G k W over the shear."""
+        compliance = through = found = np.ones_like(k)
+        for _, factor, top, bottom in self._slabs(depth):
+            compliance, t = compliance * factor, k * (bottom - top)
+            if bottom == depth:
+                found = compliance
             turn = np.tanh(t)
             if bottom <= depth:
-                through = through / (np.cosh(t) + along * np.sinh(t))
-            along = (along + turn) / (1 + along * turn)
-            if top >= depth:
-                found = compliance, along
-        return found[0], traction, found[1], through
+                through = through / (np.cosh(t) + compliance * np.sinh(t))
+            compliance = (compliance + turn) / (1 + compliance * turn)
+        return found if depth else compliance, through
 
     def compliances(self, k: RealOrComplex) -> RealOrComplex:
         """Return displacements by pressure and by shear along the wave, their coupling, and across (4, k).
 
         They are over those of a half-space of the top layer, but for the coupling, which is over 1 / (2 G).
         """
-        plane, _, across, _ = self.state(k)
-        stiff = 2 * (1 - self.poisson_ratios[0])
-        return np.stack([-plane[:, 1, 0] / stiff, -plane[:, 0, 1] / stiff, plane[:, 0, 0], across])
+        plane, stiff = self.plane(k)[0], 2 * (1 - self.poisson_ratios[0])
+        normal, along, across = (
+            -plane[:, 1, 0] / stiff,
+            -plane[:, 0, 1] / stiff,
+            self.antiplane(k)[0],
+        )
+        return np.stack([normal, along, plane[:, 0, 0], across])
 
     def remainders(self, k: RealOrComplex) -> RealOrComplex:
         """Return what `compliances` add to those without the half-space, less ``contrasts exp(-2 k)`` (4, ...).

@@ -114,7 +114,7 @@ class LayerStress:
 
 def _plane(materials: LayerResponse, depth: float, k: RealOrComplex) -> RealOrComplex:
     """Return (s_zz, s_xz, s_xx) under a unit pressure and a unit shear (load, component, k)."""
-    compliance, traction, *_ = materials.state(k, depth)
+    compliance, traction = materials.plane(k, depth)
     nu = materials.poisson_ratios[materials.index(depth)]
     # the stress at the surface is -P and -Q
     normal, shear = -np.moveaxis(traction, 0, -1)
@@ -126,7 +126,7 @@ def _antiplane(
     materials: LayerResponse, depth: float, k: RealOrComplex
 ) -> tuple[RealOrComplex, RealOrComplex]:
     """Return the shear along the crests over that at the surface, and G times the slope of the displacement."""
-    *_, compliance, traction = materials.state(k, depth)
+    compliance, traction = materials.antiplane(k, depth)
     return traction, compliance * traction
 
 

@@ -3,9 +3,9 @@
 from contactstudy.elasticity.kernels.layer.response import LayerResponse
 
 LAYERS = {
-    "stiff": LayerResponse(4.0, 0.25, 0.35),
-    "very stiff": LayerResponse(1e3, 0.3, 0.3),
-    "very soft": LayerResponse(1e-3, 0.3, 0.45),
-    "rubber on a rigid base": LayerResponse(0.0, 0.5, 0.3),
-    "alike": LayerResponse(1.02, 0.28, 0.3),
+    "stiff": LayerResponse((4.0,), (0.25, 0.35)),
+    "very stiff": LayerResponse((1e3,), (0.3, 0.3)),
+    "very soft": LayerResponse((1e-3,), (0.3, 0.45)),
+    "rubber on a rigid base": LayerResponse((0.0,), (0.5, 0.3)),
+    "alike": LayerResponse((1.02,), (0.28, 0.3)),
 }

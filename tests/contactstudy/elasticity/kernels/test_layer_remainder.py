@@ -65,7 +65,7 @@ def test_a_row_is_the_sum_of_its_images(name: str, thickness: float) -> None:
     away = (y[:, None] + shifts).ravel()
     summed = LayerRemainder(layer, thickness).cell(x, away, dx, dy).reshape(3, 3, -1).sum(axis=2)
     # what lies beyond: the tail -r2 h^2 / r^3 of both sides
-    second = layer.taylor[0]
+    second = layer.taylor[1]
     summed -= second * thickness**2 * dx * dy / ((images + 0.5) * period) ** 2 / period
     found = LayerRemainder(layer, thickness).row(x, y, dx, dy, period)
     # of the next terms of the tail, and rounding of so many images

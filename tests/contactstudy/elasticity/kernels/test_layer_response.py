@@ -67,7 +67,7 @@ def judged_layer(
 @pytest.mark.parametrize("k", [1e-4, 0.013, 0.4, 1.7, 6.0])
 def test_the_response_is_that_of_the_layered_boundary_value_problem(name: str, k: float) -> None:
     layer = LAYERS[name]
-    materials = layer.shear_ratio, layer.coating_poisson_ratio, layer.substrate_poisson_ratio
+    materials = *layer.shear_ratios, *layer.poisson_ratios
     wanted = judged_layer(*materials, k)
     found = 1 + layer.contrast * np.exp(-2 * k) + rest(layer, k)
     # rounding errors of d0 and of R, and those of d0 e^-2k in a sum that may cancel
@@ -76,18 +76,19 @@ def test_the_response_is_that_of_the_layered_boundary_value_problem(name: str, k
 
 
 def test_a_layer_of_its_substrates_material_has_no_rest() -> None:
-    alike = LayerResponse(1.0, 0.3, 0.3)
+    alike = LayerResponse((1.0,), (0.3, 0.3))
     k = np.geomspace(1e-6, 20, 50)
     assert alike.contrast == 0
-    assert np.abs(alike.remainder(k)).max() <= 4 * np.finfo(float).eps
+    # the rounding of some five steps of either stack
+    assert np.abs(alike.remainder(k)).max() <= 32 * np.finfo(float).eps
 
 
 def test_the_far_field_above_an_auxetic_substrate_is_that_of_long_waves() -> None:
     """The singularity nearest to zero comes closer as the substrate's Poisson's ratio falls below 0."""
-    layer = LayerResponse(1e4, 0.5, -0.99)
+    layer = LayerResponse((1e4,), (0.5, -0.99))
     # on a circle of half the distance of that singularity, 1 / (4 m (1 - nu2)), 64 points leave 2^-64
     radius = 0.5 / (4 * 1e4 * 1.99)
     around = layer.remainder(radius * np.exp(2j * np.pi * np.arange(64) / 64))
     terms = np.real(np.fft.fft(around)) / 64
     wanted = [terms[n] / radius**n for n in (2, 4, 6)]
-    assert layer.taylor == pytest.approx(wanted, rel=1e-10)
+    assert layer.taylor[1:] == pytest.approx(wanted, rel=1e-10)

@@ -206,14 +206,15 @@ def _parabola_excess(values: Array, index: int, *, wraps: bool) -> float:
 def interface_error(
     solution: Solution,
     thickness: float,
+    depth: float,
     shear: float,
     estimate: ErrorEstimate,
     coarse: Solution | None,
 ) -> ErrorParts:
-    """Return the relative error of the largest `shear` stress [Pa] at the interface of a coating.
+    """Return the relative error of the largest `shear` stress [Pa] at an interface at a `depth` [m].
 
-    It lies beside an edge of the contact, over a length of the `thickness` [m], so that it has a bound on cells of up to
-    half of that.
+    It lies beside an edge of the contact, over a length of the `thickness` [m] of the layer above, so that it has a
+    bound on cells of up to half of that.
     """
     cell, extent = solution.problem.grid.cell_size[0], solution.problem.grid.extent[0]
     largest = thickness * COATING.cell_at_interface
@@ -230,10 +231,10 @@ def interface_error(
     if reason:
         return ErrorParts(discretisation=inf, reason=reason)
     assert coarse is not None
-    stress = _stress_at(solution, thickness, coarse)
+    stress = _stress_at(solution, depth, coarse)
     change = INTERFACE_MARGIN * abs(float(interface_shear(stress).max()) / shear - 1)
     l1 = estimate.l1
-    at_steps = _error_at_steps(solution.traction) / shear * np.exp(-np.pi * thickness / cell)
+    at_steps = _error_at_steps(solution.traction) / shear * np.exp(-np.pi * depth / cell)
     cells = change + STRESS_ERROR * (l1.discretisation or 0.0) + float(at_steps)
     return ErrorParts(l1.images, cells, l1.residual, reason=l1.reason)
 

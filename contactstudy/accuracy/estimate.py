@@ -39,7 +39,7 @@ from contactstudy.domain.reuse import cache_of, caching
 from contactstudy.domain.units import readable
 from contactstudy.scene.scene import scene_of
 from contactstudy.scene.shapes_source import left_out, standing_heights
-from contactstudy.scene.solids.bodies import creeps, is_layered
+from contactstudy.scene.solids.bodies import creeps, layers_of
 from contactstudy.solvers.friction.rolling_traction import RollingTraction
 from contactstudy.solvers.solution import Solution
 
@@ -269,8 +269,7 @@ def _edge_rise(solution: Solution) -> tuple[float, float, str]:
     scene = scene_of(problem)
     if scene is None:
         return pressure, width, reason
-    for coating in filter(is_layered, scene.solids):
-        stiffer = coating.substrate.compliance / coating.compliance
+    for coating, stiffer in layers_of(scene.solids):
         cells = coating.thickness / problem.grid.cell_size[0]
         if stiffer > CONSTANTS.stiff_coating and cells < CONSTANTS.cells_in_coating:
             curvature = 1 / scene.hertz.radius if scene.hertz is not None else _curvature(solution)

@@ -12,7 +12,13 @@ from contactstudy.domain.fields import BLOCK_CELLS, Array
 from contactstudy.domain.grid import ExactPeriodicity
 from contactstudy.problem.problem import Field
 from contactstudy.scene.scene import Scene, scene_of
-from contactstudy.scene.solids.bodies import Body, HalfSpace, is_layered, modulus_at_own_width
+from contactstudy.scene.solids.bodies import (
+    Body,
+    HalfSpace,
+    in_part,
+    is_layered,
+    modulus_at_own_width,
+)
 from contactstudy.solvers.solution import Solution
 
 # Beyond these a contact is not one of elastic half-spaces: peak pressure over E*, slope of the heights, approach over
@@ -111,36 +117,39 @@ def _load_of_peak(pressure: float, radius: float, solids: tuple[Body, ...]) -> f
 
 
 def _beyond_coated_strength(solution: Solution, number: int, body: Any) -> str:
-    """Return a sentence if a coating or its substrate is beyond its yield stress or hardness, or ``""``.
+    """Return a sentence if a layer or the substrate is beyond its yield stress or hardness, or ``""``.
 
-    The stress is that at the surface, in the middle of the coating, on both sides of the interface, and where that in a
-    half-space is largest. The pressure on the substrate is compared with its hardness.
+    The stress is that at the surface, in the middle of each layer, on both sides of its lower interface, and where that
+    in a half-space is largest. The pressure on what is below a layer is compared with its hardness.
     """
-    materials = body.coating, body.substrate
-    if all(isinf(min(one.yield_stress, one.hardness)) for one in materials):
+    (_, *lower), name = body.parts.values(), f"Scene.solids[{number}]"
+    if all(isinf(min(one.yield_stress, one.hardness)) for _, one, *_ in body.parts.values()):
         return ""
     from contactstudy.scene.stress import (
         SubsurfaceStress,
         von_mises,
     )  # imported only where it is needed
 
-    problem, thickness = solution.problem, body.thickness
+    problem = solution.problem
     assert problem.paddings is not None
     width = np.count_nonzero(solution.pressure.any(axis=1)) * problem.grid.cell_size[0]
-    below = thickness * BELOW_INTERFACE
-    depths = tuple(sorted({0.0, thickness / 2, thickness, below, max(below, 0.35 * width)}))
+    found = {0.0}
+    for _, _, top, bottom in list(body.parts.values())[:-1]:
+        found |= {(top + bottom) / 2, bottom, bottom * BELOW_INTERFACE}
+    depths = tuple(sorted({*found, max(*found, 0.35 * width)}))
     # neighbours hardly matter at these depths, and each image of a window takes a second
     paddings = problem.paddings[0], ExactPeriodicity()
     operator = SubsurfaceStress(depths, number).of((body, body), problem.grid, paddings)
     if solution.traction is not None:
         operator = operator.with_shear(solution.traction.shear)
     stress = operator(solution.net_pressure)
-    pressed, hardness = -float(stress[2, depths.index(below)].min()), body.substrate.hardness
-    if pressed > hardness:
-        return (
-            f"The pressure on the substrate of Scene.solids[{number}] of {pressed / 1e9:.3g} GPa is "
-            f"{pressed / hardness:.2g} times its hardness, {hardness / 1e9:.3g} GPa: {GIVE_STRENGTH}"
-        )
+    for said, material, top, _ in lower:
+        pressed = -float(stress[2, depths.index(top * BELOW_INTERFACE)].min())
+        if pressed > (hardness := material.hardness):
+            return (
+                f"The pressure on {said} of {name} of {pressed / 1e9:.3g} GPa is "
+                f"{pressed / hardness:.2g} times its hardness, {hardness / 1e9:.3g} GPa: {GIVE_STRENGTH}"
+            )
     margin = yield_margin(body, number, np.array(depths), von_mises(stress))
     return margin.sentence
 
@@ -172,20 +181,16 @@ def stress_margin(scene: Scene, derived: Mapping[str, Field]) -> YieldMargin:
 
 
 def yield_margin(body: Any, number: int, depths: Array, von_mises: Array) -> YieldMargin:
-    """Return the margin to yield of the elastic body `number` of a scene, of a coated one that of the weaker part.
+    """Return the margin to yield of the elastic body `number` of a scene, of a coated one that of the weakest part.
 
     The stress `von_mises` (z, x, y) [Pa] is that at `depths` (z,) [m]; a depth of the thickness is in the coating.
     """
     name, least = f"Scene.solids[{number}]", YieldMargin()
-    parts = [(name, body, depths >= 0)]
-    if hasattr(body, "coating"):
-        in_coating = depths <= body.thickness
-        parts = [
-            (f"the coating of {name}", body.coating, in_coating),
-            (f"the substrate of {name}", body.substrate, ~in_coating),
-        ]
-    for part, material, inside in parts:
-        largest = float(von_mises[inside].max(initial=0.0))
+    parts: list[tuple[str, Any, float, float]] = [(name, body, 0.0, inf)]
+    if is_layered(body):
+        parts = [(f"{said} of {name}", *rest) for said, *rest in body.parts.values()]  # type: ignore[misc]
+    for part, material, top, bottom in parts:
+        largest = float(von_mises[in_part(depths, top, bottom)].max(initial=0.0))
         if isinstance(material, HalfSpace) and largest:
             found = YieldMargin(material.yield_stress / largest, largest, part)
             least = min(least, found, key=lambda margin: margin.ratio)

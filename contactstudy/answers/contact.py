@@ -21,7 +21,7 @@ from contactstudy.io.quantities.contact_quantities import contact_quantities
 from contactstudy.io.quantities.quantity import NO_ESTIMATE, Quantities, roller_length
 from contactstudy.problem.problem import DependsOnShear, Field
 from contactstudy.scene.scene import PosedScene, Scene, scene_of
-from contactstudy.scene.solids.bodies import is_layered
+from contactstudy.scene.solids.bodies import in_part, is_layered
 from contactstudy.solvers.solution import Solution
 
 if TYPE_CHECKING:
@@ -159,17 +159,18 @@ class Contact(Answer, Solution):
         if not is_layered(body):
             return {}
         stress, depths, mises = (self.derived[name].values for name in ("stress", "z", "von_mises"))
-        in_coating, errors = depths <= body.thickness, {}
-        for name, inside in (("coating", in_coating), ("substrate", ~in_coating)):
-            if inside.any():
+        errors: dict[str, Any] = {}
+        numbers: dict[str, ErrorParts] = {}
+        for name, (_, _, top, bottom) in body.parts.items():
+            into = numbers if name.startswith("interlayer") else errors
+            if (inside := in_part(depths, top, bottom)).any():
                 found = stress_errors(self, mises[inside], depths[inside], estimate, coarse)
-                errors[f"{name}_von_mises"] = found[0]
-        if (at := np.flatnonzero(depths == body.thickness)).size:
-            shear = float(interface_shear(stress[:, at[0]]).max())
-            errors["interface_shear"] = interface_error(
-                self, body.thickness, shear, estimate, coarse
-            )
-        return errors
+                into[f"{name}_von_mises"] = found[0]
+            if (at := np.flatnonzero(depths == bottom)).size:
+                shear = float(interface_shear(stress[:, at[0]]).max())
+                bound = interface_error(self, bottom - top, bottom, shear, estimate, coarse)
+                into["interface_shear" if name == "coating" else f"{name}_shear"] = bound
+        return errors | {"numbers": numbers}
 
     @cached_property
     def derived(self) -> Mapping[str, Field]:
@@ -211,7 +212,7 @@ class Contact(Answer, Solution):
         for number in range(1, len(self.problem.outputs) if found else 0):
             if suffix := self._suffix(number):
                 of_body = self._with_output_alone(number).quantities
-                names = [name for name in OF_STRESS if name in of_body]
+                names = [name for name in of_body if name in OF_STRESS or name[:10] == "interlayer"]
                 found |= {f"{name}{suffix}": of_body[name] for name in names}
         if self.time is None and any(each.reason == NO_ESTIMATE for each in found.values()):
             below = [level.quantities for level in self._below()]

@@ -357,8 +357,7 @@ def _of_worn_coating(scene: Scene, depths: Sequence[Array], times: Array) -> tup
     """
     body = 0 if scene.wear is None else scene.wear.body
     solid = scene.solids[body]
-    is_coated = getattr(solid, "coating", None) != getattr(solid, "substrate", None)
-    thickness = getattr(solid, "thickness", inf) if is_coated else inf
+    thickness = getattr(solid, "thickness", inf) if getattr(solid, "interfaces", ()) else inf
     sentences: list[str] = []
     for number, worn in enumerate(depths):
         deepest = float(worn.max())
@@ -377,8 +376,14 @@ def _unbounded(contact: Contact, reason: str) -> Contact:
     parts: dict[str, Any] = {
         name: replace(part, discretisation=inf, reason=reason) for name, part in contact.error
     }
+    numbers = {
+        name: replace(part, discretisation=inf, reason=reason)
+        for name, part in contact.error.numbers.items()
+    }
     warnings = reason, *contact.error.warnings
-    return replace(contact, estimate=replace(contact.error, warnings=warnings, **parts))
+    return replace(
+        contact, estimate=replace(contact.error, warnings=warnings, numbers=numbers, **parts)
+    )
 
 
 def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:

@@ -91,7 +91,7 @@ class ErrorEstimate:
     load, pull_off
         Errors of the load at a given approach, and of the pull-off load; None where they are not sought.
     numbers
-        Errors of further numbers of a film by their names.
+        Errors of further numbers by their names: of a film, and of layers below a coating.
     warnings
         A sentence for each bound that is infinite, or on what to change.
     slip_reason

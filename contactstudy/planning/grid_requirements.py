@@ -23,7 +23,7 @@ from contactstudy.domain.grid import (
 from contactstudy.domain.units import readable
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.shapes.shape import LengthScales, length_scales_of
-from contactstudy.scene.solids.bodies import Layered
+from contactstudy.scene.solids.bodies import Layered, layers_of
 
 
 @dataclass(frozen=True)
@@ -392,10 +392,12 @@ class GridRequirements:
         if substrate_compliance:
             substrate = readable(1 / substrate_compliance, "Pa", 3)
         modulus = 1 / coating.compliance_at(self.hertz.half_width)
+        below = [readable(layer.thickness) for layer in coating.layers[1:]]
+        further = f", above {', '.join(below)} of other materials" if below else ""
         return (
             f"coating {readable(coating.thickness)}: {coating.thickness / self.hertz.half_width:.3g} half-widths and "
-            f"{coating.thickness / grid.cell_size[0]:.3g} cells across thick. Its coefficients are exact at any "
-            f"thickness; the effective modulus of a smooth contact is about {readable(modulus, 'Pa', 3)}, between "
+            f"{coating.thickness / grid.cell_size[0]:.3g} cells across thick{further}. Its coefficients are exact at "
+            f"any thickness; the effective modulus of a smooth contact is about {readable(modulus, 'Pa', 3)}, between "
             f"{readable(coating_modulus, 'Pa', 3)} "
             f"of the coating and {substrate}. Width and error are those of solutions on coarse grids with the coating."
         )
@@ -403,8 +405,7 @@ class GridRequirements:
     def warnings(self, grid: Grid) -> tuple[str, ...]:
         """Return a sentence for each fault of `grid`."""
         messages = []
-        for coating in self.coatings:
-            stiffer = coating.substrate.compliance / coating.compliance
+        for coating, stiffer in layers_of(self.coatings):
             if (
                 stiffer > ESTIMATE.stiff_coating
                 and grid.cell_size[0] > coating.thickness / ESTIMATE.cells_in_coating
@@ -465,7 +466,7 @@ def grid_requirements(scene: Scene, padding: Padding | Paddings | None = None) -
         length_scales += (LengthScales(roller=length or inf),)
     coatings = tuple(solid for solid in scene.solids if isinstance(solid, Layered))
     asked = (scene.solids[output.body] for output in scene.outputs if hasattr(output, "body"))
-    thickness = min((body.thickness for body in asked if isinstance(body, Layered)), default=inf)
+    thickness = min((layer.thickness for layer, _ in layers_of(tuple(asked))), default=inf)
     requirements = GridRequirements(
         scene.hertz,
         length_scales,

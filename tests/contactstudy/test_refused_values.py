@@ -72,6 +72,11 @@ VALUES: list[tuple[str, Callable[[Any], object], list[Any]]] = [
     ("CoatedHalfSpace.thickness", field(COATED, "thickness"), [0.0, -1e-6, inf]),
     ("CoatedHalfSpace.coating", field(COATED, "coating"), [RIGID, 2e11, cs.FreeFaces(STEEL, 0.01)]),
     ("CoatedHalfSpace.substrate", field(COATED, "substrate"), ["steel"]),
+    (
+        "CoatedHalfSpace.interlayers",
+        lambda layer: replace(COATED, interlayers=(layer,)),
+        [STEEL, replace(RIGID, thickness=1e-6), cs.HalfSpace(1e17, 0.3, thickness=1e-6)],
+    ),
     ("CoatedHalfSpace.coating", field(COATED, "substrate"), [replace(STEEL, youngs_modulus=1e3)]),
     ("ElasticPlasticHalfSpace.yield_stress is 0.0: give a stress above 0 Pa", field(YIELDING, "yield_stress"), [0.0]),
     ("ElasticPlasticHalfSpace.youngs_modulus is inf: give a modulus", field(YIELDING, "youngs_modulus"), [inf]),

@@ -24,7 +24,7 @@ from contactstudy.domain.grid import axis_first
 from contactstudy.domain.units import readable
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.scene import scene_of
-from contactstudy.scene.solids.bodies import is_layered
+from contactstudy.scene.solids.bodies import layers_of
 from contactstudy.solvers.solution import Solution
 
 SHARP_EDGE = "a sharp edge or corner"
@@ -183,7 +183,7 @@ def _area_by_coating(solution: Solution) -> float:
     """Return the relative error of the area where a coating of few cells bends the law of edges; 0 without one."""
     scene, problem = scene_of(solution.problem), solution.problem
     thinnest = min(
-        (b.thickness for b in filter(is_layered, scene.solids if scene else ())), default=inf
+        (layer.thickness for layer, _ in layers_of(scene.solids if scene else ())), default=inf
     )
     across = int(np.count_nonzero(solution.pressure.any(axis=1)))
     is_thin = thinnest < CELLS_OF_EDGE_LAW * problem.grid.cell_size[0]

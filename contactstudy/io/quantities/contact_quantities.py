@@ -21,7 +21,7 @@ from contactstudy.io.quantities.quantity import Quantity, per_length, roller_len
 from contactstudy.problem.problem import Field
 from contactstudy.scene.scene import PosedScene, Scene, scene_of
 from contactstudy.scene.shapes_source import standing_heights
-from contactstudy.scene.solids.bodies import is_layered
+from contactstudy.scene.solids.bodies import in_part, is_layered
 from contactstudy.solvers.friction.fretting_traction import FrettingTraction
 from contactstudy.solvers.friction.rolling_traction import RollingTraction
 from contactstudy.solvers.solution import AdhesiveTraction, Solution, TangentialTraction
@@ -417,30 +417,33 @@ def _of_coating(
     axes: Mapping[str, Array],
     estimate: ErrorEstimate,
 ) -> dict[str, Quantity]:
-    """Return the largest von Mises stress in coating and substrate, and the largest shear stress at their interface.
+    """Return the largest von Mises stress in each layer and the substrate, and the largest shear stress at interfaces.
 
-    Each needs a depth there: down to the thickness, below it, and equal to it. The `name` is that of the body, with what
-    is said of given depths.
+    Each needs a depth there: above zero, down to the lower interface, and equal to it. The `name` is that of the body,
+    with what is said of given depths.
     """
     if not is_layered(body):
         return {}
-    depths, quantities = derived["z"].values, {}
-    in_coating, at_interface = depths <= body.thickness, depths == body.thickness
-    for part, inside in (("coating", in_coating), ("substrate", ~in_coating)):
-        if inside.any():
-            stress, dimensions = derived["von_mises"].values[inside], ("z", "x", "y")
+    depths, quantities, dimensions = derived["z"].values, {}, ("z", "x", "y")
+    for part, (said, _, top, bottom) in body.parts.items():
+        if (inside := in_part(depths, top, bottom)).any():
+            stress = derived["von_mises"].values[inside]
             largest, position = _largest(stress, {**axes, "z": depths[inside]}, dimensions)
-            label = f"largest von Mises stress in the {part} of {name}"
+            label = f"largest von Mises stress in {said} of {name}"
             found = Quantity(largest, "Pa", label, position=position)
-            error = getattr(estimate, f"{part}_von_mises")
-            quantities[f"{part}_von_mises"] = with_bound(found, error, estimate.warnings)
-    if at_interface.any():
-        shear = interface_shear(derived["stress"].values[:, at_interface][:, 0])
-        largest, position = _largest(shear, axes)
-        label = f"largest shear stress at the interface of {name.split(' at ')[0]}"
-        found = Quantity(largest, "Pa", label, position=position)
-        quantities["interface_shear"] = with_bound(found, estimate.interface_shear)
-    return quantities
+            quantities[f"{part}_von_mises"] = found
+        if (at_interface := depths == bottom).any():
+            shear = interface_shear(derived["stress"].values[:, at_interface][:, 0])
+            largest, position = _largest(shear, axes)
+            below = "" if part == "coating" and len(body.layers) == 1 else f" below {said}"
+            label = f"largest shear stress at the interface{below} of {name.split(' at ')[0]}"
+            found = Quantity(largest, "Pa", label, position=position)
+            quantities["interface_shear" if part == "coating" else f"{part}_shear"] = found
+    errors = dict(estimate) | dict(estimate.numbers)
+    return {
+        key: with_bound(found, errors.get(key), estimate.warnings)
+        for key, found in quantities.items()
+    }
 
 
 def _half_size(

@@ -97,6 +97,8 @@ def with_materials(table: Mapping[str, Any]) -> dict[str, Any]:
     """Return tables of a scene file with the constants of each ``material`` beside the keys given there."""
 
     def solid(value: Any, path: str) -> Any:
+        if isinstance(value, list):
+            return [solid(entry, f"{path}[{n}]") for n, entry in enumerate(value)]
         if not isinstance(value, Mapping):
             return value
         inner = {key: solid(entry, f"{path}.{key}") for key, entry in value.items()}

@@ -69,7 +69,7 @@ def has_proportional_compliances(
 def dundurs(solids: tuple[Body, ...]) -> float:
     """Return Dundurs' beta of the instantaneous response of two bodies, 0 for two equal bodies of any kind.
 
-    That of a coated body is the largest in magnitude, by its coating and by its substrate. Source: Dundurs
+    That of a coated body is the largest in magnitude, by its layers and by its substrate. Source: Dundurs
     (1969); Johnson (1985), sect. 5.4. Raises :class:`~contactstudy.InvalidInput` for bodies whose response to traction
     is not known.
     """
@@ -94,9 +94,9 @@ def _dundurs(first: Homogeneous, second: Homogeneous) -> float:
 
 
 def _materials(solid: Body) -> tuple[Homogeneous, ...]:
-    """Return the material of a body, or those of its coating and its substrate."""
+    """Return the material of a body, or those of its layers and its substrate."""
     if isinstance(solid, CoatedHalfSpace):
-        return solid.coating, solid.substrate
+        return *solid.layers, solid.substrate
     if isinstance(solid, Homogeneous) and not is_layered(solid):
         return (solid,)
     raise InvalidInput(

@@ -126,6 +126,11 @@ class FilmHeat:
                     f"FilmHeat.{name} is None, the properties of steel, and Scene.solids[{number}] is {solid!r}: give "
                     "ThermalBody(conductivity=..., heat_capacity=...), with its coating if it has one."
                 )
+            if getattr(solid, "interlayers", ()):
+                raise InvalidInput(
+                    f"Scene.solids[{number}].interlayers stand together with FilmHeat.{name}: heat is conducted through "
+                    "one coating alone, leave the interlayers or the FilmHeat out."
+                )
             if body is not None and (body.coating is None) == coated:
                 has = "no coating" if coated else "a coating"
                 raise InvalidInput(

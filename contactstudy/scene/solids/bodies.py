@@ -2,9 +2,12 @@
 
 import math
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol, TypeGuard, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
 
 from contactstudy.analytic import HertzLine
 from contactstudy.domain.checks import (
@@ -14,6 +17,7 @@ from contactstudy.domain.checks import (
     in_range_or_infinite,
     suggest_fields,
 )
+from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.domain.units import Hardness, Metres, Number, Pascals
 from contactstudy.elasticity.coefficients import (
@@ -145,11 +149,19 @@ def poisson_ratio(field: str, value: object, remedy: str) -> float:
 
 @runtime_checkable
 class Layered(Protocol):
-    """Body whose compliance depends on the width of the contact."""
+    """Body of layers, whose compliance depends on the width of the contact."""
+
+    @property
+    def layers(self) -> tuple[HalfSpace, ...]:
+        """Layers from the surface down, each with its thickness."""
+
+    @property
+    def parts(self) -> Mapping[str, tuple[str, HalfSpace, float, float]]:
+        """Each layer and the substrate by name: its name in words, material, and depths from and to [m]."""
 
     @property
     def thickness(self) -> float:
-        """Thickness of the coating [m]."""
+        """Thickness of the layer at the surface [m]."""
 
     @property
     def substrate(self) -> HalfSpace:
@@ -161,6 +173,20 @@ class Layered(Protocol):
 
     def compliance_at(self, half_width: float) -> float:
         """Return the contribution to 1/E* [1/Pa] in a contact of `half_width` [m]."""
+
+
+def layers_of(solids: Iterable[object]) -> Iterator[tuple[HalfSpace, float]]:
+    """Yield each layer of the bodies, with how many times it is as stiff as the softest material below it."""
+    for body in filter(is_layered, solids):
+        materials = *body.layers, body.substrate
+        for number, layer in enumerate(body.layers, 1):
+            softest = max(one.compliance for one in materials[number:])
+            yield layer, softest / layer.compliance
+
+
+def in_part(depths: Array, top: float, bottom: float) -> NDArray[np.bool_]:
+    """Return which depths [m] lie between `top` and `bottom` of a part, to which its lower interface belongs."""
+    return np.asarray((depths <= bottom) & ((depths > top) | (top <= 0)))
 
 
 def is_layered(solid: object) -> TypeGuard[Layered]:

@@ -96,6 +96,17 @@ class CoatedHalfSpace:
         return replace(self.coating, thickness=self.thickness), *self.interlayers
 
     @property
+    def parts(self) -> dict[str, tuple[str, HalfSpace, float, float]]:
+        """Each layer and the substrate by a name for numbers: name in words, material, depths from and to [m]."""
+        names = [f"interlayer_{number}" for number in range(len(self.interlayers))]
+        found: dict[str, tuple[str, HalfSpace, float, float]] = {}
+        depth = 0.0
+        for name, layer in zip(("coating", *names), self.layers, strict=True):
+            said = f"interlayers[{name[-1]}]" if name in names else "the coating"
+            found[name] = said, layer, depth, (depth := depth + layer.thickness)
+        return found | {"substrate": ("the substrate", self.substrate, depth, math.inf)}
+
+    @property
     def compliance(self) -> float:
         """Compliance of the coating alone [1/Pa], which holds in contacts far narrower than the coating is thick."""
         return self.coating.compliance
@@ -106,9 +117,9 @@ class CoatedHalfSpace:
         It lies between that of the coating, far below the thickness, and that of the substrate, far above. The width
         of a line contact follows from it within a tenth for moduli a factor of 3 apart, within a quarter for 8.
         """
-        if not self._interfaces:
+        if not self.interfaces:
             return self.compliance
-        response, depth = self._interfaces[-1]
+        response, depth = self.interfaces[-1]
         k = np.array([EQUIVALENT_WAVE_NUMBER * depth / half_width])
         ratio = float(np.real(response.compliances(k))[0, 0])
         # that of a thin incompressible coating on a rigid substrate is lost in rounding
@@ -118,7 +129,7 @@ class CoatedHalfSpace:
         """Return the coefficients of a half-space of the coating's material, and the change by each material below."""
         alone = self.coating.response(datum)
         weight = alone[BoussinesqCoefficients(datum)]
-        changes = (CoatingCoefficients(*interface, datum) for interface in self._interfaces)
+        changes = (CoatingCoefficients(*interface, datum) for interface in self.interfaces)
         return {**alone, **dict.fromkeys(changes, weight)}
 
     def shear_compliance(self, datum: float) -> "ShearCompliance":
@@ -135,7 +146,7 @@ class CoatedHalfSpace:
                     CoatingShearCoefficients(response, depth, name, datum): (
                         normal if name in ("x", "y") else along
                     )
-                    for response, depth in self._interfaces
+                    for response, depth in self.interfaces
                 },
             }
             for name, of_coating in self.coating.shear_compliance(datum).items()
@@ -148,13 +159,13 @@ class CoatedHalfSpace:
         from contactstudy.scene.solids.coated_stress import CoatedStress
         from contactstudy.scene.solids.stress_model import HalfSpaceStress
 
-        if not self._interfaces:
+        if not self.interfaces:
             return HalfSpaceStress(self.coating.poisson_ratio)
-        responses, depths = zip(*self._interfaces, strict=True)
+        responses, depths = zip(*self.interfaces, strict=True)
         return CoatedStress(responses, depths)
 
     @cached_property
-    def _interfaces(self) -> tuple[tuple[LayerResponse, float], ...]:
+    def interfaces(self) -> tuple[tuple[LayerResponse, float], ...]:
         """The materials above and just below each interface between unlike ones, and its depth [m]."""
         materials, depths, depth = [replace(self.coating, thickness=math.inf)], [], 0.0
         for layer, below in pairwise((*self.layers, self.substrate)):

@@ -169,6 +169,9 @@ def test_steel_is_the_default_of_steel_alone() -> None:
     for solid, body in ((coated, cs.ThermalBody()), (STEEL, layer)):
         with pytest.raises(cs.InvalidInput, match=r"FilmHeat.second has .* coating, unlike Scene"):
             between(STEEL, solid, cs.FilmHeat(second=body))
+    stack = replace(coated, interlayers=(replace(ceramic, thickness=1e-6),))
+    with pytest.raises(cs.InvalidInput, match="one coating alone"):
+        between(STEEL, stack, cs.FilmHeat(second=layer))
     hot = solve_lubricated(between(coated, STEEL, cs.FilmHeat(first=layer)), grid(160, 4.5))
     first = hot.temperatures.surface[0].max()
     bare = solve_lubricated(heated(1.0), grid(160, 4.5)).temperatures.surface.max(axis=(1, 2))

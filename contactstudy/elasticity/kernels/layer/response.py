@@ -222,7 +222,7 @@ class LayerResponse:
         around = 0.5 * self.pole_distance_from_zero
         turn = np.exp(2j * np.pi * np.arange(64) / 64)
         terms = np.real(np.fft.fft(function(around * turn)))[..., :7] / 64
-        return (terms / around ** np.arange(7.0)).tolist()
+        return [list(row) for row in np.atleast_2d(terms / around ** np.arange(7.0)).tolist()]
 
 
 def _transfer(t: RealOrComplex, nu: float) -> RealOrComplex:

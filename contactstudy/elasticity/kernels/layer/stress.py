@@ -76,7 +76,7 @@ class LayerStress:
         above, image = self.materials.above, np.array(half_space(k * self.decay_rate))
         change: RealOrComplex = self.plane(k) - _plane(above, self.depth, k)
         for sign, below in ((1, self.materials), (-1, above)):
-            change[:, 2] -= sign * self._strained(below, image[:, 0], image[:, 2])
+            change[:, 2] = change[:, 2] - sign * self._strained(below, image[:, 0], image[:, 2])
         return change
 
     def ratios(self, below: LayerResponse) -> tuple[float, float, float]:

@@ -7,5 +7,7 @@ LAYERS = {
     "very stiff": LayerResponse((1e3,), (0.3, 0.3)),
     "very soft": LayerResponse((1e-3,), (0.3, 0.45)),
     "rubber on a rigid base": LayerResponse((0.0,), (0.5, 0.3)),
+    "soft between stiff": LayerResponse((300.0, 0.5), (0.25, 0.4, 0.3), (0.4, 1.0)),
+    "two on a rigid base": LayerResponse((0.2, 5.0, 0.0), (0.3, 0.45, 0.2, 0.3), (0.3, 0.5, 1.0)),
     "alike": LayerResponse((1.02,), (0.28, 0.3)),
 }

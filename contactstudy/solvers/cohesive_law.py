@@ -13,6 +13,10 @@ class CohesiveLaw(Protocol):
     """Attraction between two surfaces as a function of their gap, which it falls with."""
 
     @property
+    def work(self) -> float:
+        """Work of adhesion [J/m^2]."""
+
+    @property
     def range(self) -> float:
         """Work of adhesion over the largest traction [m]."""
 
@@ -75,19 +79,36 @@ class Exponential:
         return self.work * np.exp(np.maximum(gap, 0) / -self.range)
 
 
-# Half the width of the fall of Dugdale's law, over its range: a sharp one would be trapped between two cells.
-RAMP = 0.1
+# Half the width of the fall of Dugdale's law over its range, and the least of it times the cells of the cohesive zone: a
+# sharper fall is trapped between two cells. On 24 cylinders with a ramp of 0.1 the contact was as if the work of
+# adhesion were off by up to 30 % on 3.5 cells in the zone, 17 % on 6 and 3 % on 14; with these by 2, 0.9 and 0.8 %.
+RAMP, CELLS_ON_RAMP = 0.1, 3.0
 
 
 @dataclass(frozen=True)
 class Dugdale:
-    """Cohesive law of Dugdale: the traction ``w / rho`` up to 0.9 times the range rho [m], and none beyond 1.1 times it.
+    """Cohesive law of Dugdale: a constant traction that falls to zero around the range, at any fall with the same work.
 
     Source: Maugis (1992), J. Colloid Interface Sci. 150, 243, there with a sharp fall.
+
+    Parameters
+    ----------
+    work
+        Work of adhesion w [J/m^2].
+    range
+        Range rho [m]: the traction is ``w / rho`` up to ``(1 - ramp) rho`` and zero from ``(1 + ramp) rho`` on.
+    ramp
+        Half the width of the fall over the range, at most 1.
     """
 
     work: float
     range: float
+    ramp: float = RAMP
+
+    @classmethod
+    def on_cells(cls, work: float, attraction_range: float, cells: float) -> "Dugdale":
+        """Return the law whose fall is the sharpest that is not trapped on this number of `cells` in its zone."""
+        return cls(work, attraction_range, min(max(RAMP, CELLS_ON_RAMP / cells), 1.0))
 
     @property
     def strength(self) -> float:
@@ -96,20 +117,20 @@ class Dugdale:
 
     def traction(self, gap: Array) -> Array:
         """Return the traction [Pa] at a `gap` [m]."""
-        fraction = np.clip(self._remaining(gap) / (2 * RAMP), 0, 1)
+        fraction = np.clip(self._remaining(gap) / (2 * self.ramp), 0, 1)
         return np.asarray(self.strength * fraction)
 
     def slope(self, gap: Array) -> Array:
         """Return ``-d traction / d gap`` [Pa/m] at a `gap` [m]."""
-        on_ramp = np.abs(self._remaining(gap) - RAMP) < RAMP
-        return np.asarray(on_ramp * self.strength / (2 * RAMP * self.range))
+        on_ramp = np.abs(self._remaining(gap) - self.ramp) < self.ramp
+        return np.asarray(on_ramp * self.strength / (2 * self.ramp * self.range))
 
     def remaining_work(self, gap: Array) -> Array:
         """Return the work [J/m^2] to separate surfaces from a `gap` [m]."""
         remaining = np.maximum(self._remaining(np.maximum(gap, 0)), 0)
-        on_ramp = np.minimum(remaining, 2 * RAMP)
-        return self.work * (remaining - on_ramp + on_ramp**2 / (4 * RAMP))
+        on_ramp = np.minimum(remaining, 2 * self.ramp)
+        return self.work * (remaining - on_ramp + on_ramp**2 / (4 * self.ramp))
 
     def _remaining(self, gap: Array) -> Array:
         """Return the distance to the gap without traction, over the range."""
-        return np.asarray(1 + RAMP - gap / self.range)
+        return np.asarray(1 + self.ramp - gap / self.range)

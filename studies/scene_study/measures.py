@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import replace
 from math import inf, isinf, pi, prod
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -13,7 +14,6 @@ from contactstudy.accuracy.discretisation.cells import contact_perimeter
 from contactstudy.accuracy.discretisation.coarser import touching_fraction
 from contactstudy.domain.fields import Array, inner
 from contactstudy.io.dataset import known_or_nan, labelled
-from contactstudy.scene.adhesion import LAWS
 from contactstudy.solvers.conjugate_gradients import conjugate_gradients
 from studies.advice.reference_error import pressure_error
 from studies.model.case import Answer, Case, dimensionless, error_estimates
@@ -81,7 +81,8 @@ def _adhesive_stiffness(contact: cs.Contact, active: Array) -> float:
     assert traction is not None
     assert contact.scene is not None
     assert contact.scene.adhesion is not None
-    law = LAWS[contact.scene.adhesion.law](contact.scene.adhesion.work, traction.range)
+    solver: Any = problem.adhesion
+    law = getattr(solver, "solver", solver).law  # a search for the pull-off load has a solver
     slope = np.where(
         contact.pressure > 0, active / problem.operator.self_compliance, law.slope(contact.gap)
     )

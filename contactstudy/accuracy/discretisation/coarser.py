@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, replace
 from math import inf
+from typing import Any
 
 import numpy as np
 
@@ -10,7 +11,8 @@ from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, edge_fraction, on_cells
 from contactstudy.problem.problem import Problem, Source
-from contactstudy.solvers.solution import Solution, Status
+from contactstudy.solvers.cohesive_law import Dugdale, Exponential
+from contactstudy.solvers.solution import Branch, Solution, Status
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Tolerance of the coarse solution, whose difference from the fine one needs two digits.
@@ -19,6 +21,8 @@ COARSE_TOLERANCE = 1e-4
 ADHESIVE_TOLERANCE = 1e-7
 # Bound over the change from cells of twice the size, which is the error itself where errors fall like the cell.
 FIRST_ORDER_MARGIN = 1.5
+# Error of the work of adhesion by which cells trap the edge of a contact, times the cells in the cohesive zone.
+TRAPPED_WORK: dict[type, float] = {Exponential: 0.06, Dugdale: 0.16}
 
 
 @dataclass(frozen=True)
@@ -130,12 +134,56 @@ def compare_grids(solution: Solution, coarse: Solution | None) -> Discretisation
         return DiscretisationErrors.unbounded(reason, load=inf)
     change = change_between_grids(solution, coarse)
     assert change.load is not None
-    return DiscretisationErrors(
+    errors = DiscretisationErrors(
         FIRST_ORDER_MARGIN * change.l1,
         FIRST_ORDER_MARGIN * change.peak_pressure,
         max(FIRST_ORDER_MARGIN * change.contact_area, edge_fraction(solution.pressure > 0)),
         FIRST_ORDER_MARGIN * change.mean_gap,
         FIRST_ORDER_MARGIN * change.load,
+    )
+    return errors if solution.adhesion is None else _with_trapping(errors, solution)
+
+
+def _with_trapping(errors: DiscretisationErrors, solution: Solution) -> DiscretisationErrors:
+    """Return the `errors` of a contact with adhesion with those by trapping of its edge.
+
+    Cells hold the edge of the contact as if the work of adhesion were off by a fraction that falls with the cells in the
+    cohesive zone: less where the bodies came from afar, more where they came from full contact. The errors are the
+    changes where the work is changed back; infinite where the bodies then come apart, or have no other solution.
+    """
+    problem, adhesion = solution.problem, solution.adhesion
+    assert adhesion is not None
+    if adhesion.first_unstable_load is not None:  # the search for a pull-off load has its own part
+        return errors
+    solver: Any = problem.adhesion
+    fraction = TRAPPED_WORK[type(solver.law)] / adhesion.cells_in_zone
+    signs = {Branch.FROM_AFAR: (1,), Branch.FROM_FULL_CONTACT: (-1,)}.get(solver.branch, (1, -1))
+    changes = []
+    for sign in signs:
+        factor = 1 + sign * fraction
+        law = replace(solver.law, work=factor * solver.law.work, range=factor * solver.law.range)
+        other = solve_contact(
+            replace(
+                problem,
+                friction=None,
+                adhesion=replace(solver.continued(adhesion.attraction), law=law),
+            ),
+            SolveOptions(ADHESIVE_TOLERANCE),
+            solution.pressure,
+        )
+        if comparable(other) is None or not other.pressure.any():
+            reason = (
+                f"No bound for the discretisation error: the cells hold the edge of the contact as a work of adhesion "
+                f"that is off by {fraction:.1%}, with which the bodies come apart, give more cells."
+            )
+            return DiscretisationErrors.unbounded(reason, load=inf)
+        changes.append(change_between_grids(solution, other))
+    return replace(
+        errors,
+        **{
+            name: getattr(errors, name) + max(getattr(change, name) for change in changes)
+            for name in ("l1", "peak_pressure", "contact_area", "mean_gap", "load")
+        },
     )
 
 

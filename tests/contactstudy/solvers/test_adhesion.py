@@ -81,6 +81,26 @@ def test_the_law_of_dugdale_has_the_pull_off_load_of_baney_and_hui() -> None:
     assert -force(found) / UNIT == pytest.approx(1.11303, rel=6e-4)
 
 
+@pytest.mark.parametrize(
+    ("branch", "lam", "load", "cells", "half_width", "peak"),
+    [  # by the equations of Baney & Hui (1997)
+        ("from afar", 4.0, 1.0, 256, 3.761244, 1.230132),
+        ("from full contact", 4.0, 1.0, 256, 3.761244, 1.230132),
+        ("from full contact", 3.0, -0.5, 128, 2.481765, 0.488991),
+    ],
+)
+def test_few_cells_in_the_zone_of_dugdale_do_not_trap_the_contact(
+    branch: str, lam: float, load: float, cells: int, half_width: float, peak: float
+) -> None:
+    scene = cylinder(lam, load, "dugdale", branch=branch)
+    found = cs.solve(scene, cs.Grid((cells, 1), (16.0, 1.0)), LINE)
+    assert 3 < found.quantities["cells_in_zone"].value < 5
+    numbers = found.quantities["peak_pressure"], found.quantities["half_width"]
+    for number, true in zip(numbers, (peak, half_width), strict=True):
+        assert number.value == pytest.approx(true, abs=number.bound)
+        assert number.value == pytest.approx(true, rel=0.02)
+
+
 def test_a_pull_that_does_not_converge_at_some_load_returns_the_last_stable_state(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

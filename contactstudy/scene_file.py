@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.device import Cpu, Device
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
+from contactstudy.domain.notebook import InNotebook
 from contactstudy.evolution.time_steps import TimeSteps
 from contactstudy.forecast import plan
 from contactstudy.io.scene_files.cycles import with_cycles
@@ -58,7 +59,7 @@ BARE_UNIT = re.compile(
 
 
 @dataclass(frozen=True)
-class SceneFile:
+class SceneFile(InNotebook):
     """Contents of a scene file: the scene, and grid, padding and options if given; a missing grid is planned.
 
     Parameters

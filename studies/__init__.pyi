@@ -1,6 +1,7 @@
 # The public names, each with the module that defines it, imported on first use.
 from contactstudy.io.pictures.figure import panels
 
+from .cli.solving import SolveProgress
 from .engine.options import RunOptions
 from .engine.run import run
 from .model.axis import Axis
@@ -18,6 +19,7 @@ __all__ = [
     "Drawing",
     "Finding",
     "RunOptions",
+    "SolveProgress",
     "Study",
     "Table",
     "error_estimates",

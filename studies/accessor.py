@@ -9,6 +9,7 @@ import xarray as xr
 from scipy.stats import linregress
 
 from contactstudy import InvalidInput, NotDefined
+from contactstudy.domain.notebook import InNotebook
 from studies.advice.front import pareto_front
 from studies.model.axis import one_of
 from studies.model.outcome import CaseStatus
@@ -18,6 +19,10 @@ from studies.registry import BUILT_IN, load_drawing
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
+
+
+# Rows and columns of a table in a notebook.
+ROWS, COLUMNS = 10, 8
 
 
 @dataclass(frozen=True)
@@ -30,7 +35,7 @@ class ConvergenceOrder:
 
 
 @xr.register_dataset_accessor("study")
-class StudyAccessor:
+class StudyAccessor(InNotebook):
     """Convergence, cost against error, and tables of a stored study.
 
     All methods raise :class:`~contactstudy.InvalidInput` for a name that the dataset does not have.
@@ -117,6 +122,16 @@ class StudyAccessor:
         chosen = [one_of("variable", name, names) for name in variables] or names
         flat = self._dataset[chosen].reset_coords(drop=True)
         return flat.to_dataframe(dim_order=list(self.axes)).reset_index()
+
+    def _rows(self) -> str:
+        table = self.table()
+        bounded = [name for name in table if f"{name}_bound" in table]
+        if bounded:
+            table = table[[*self.axes, *bounded]]
+        style = {"max_rows": ROWS, "max_cols": COLUMNS, "float_format": "{:.4g}".format}
+        return (
+            f"{self._dataset.attrs.get('title', 'study')}\n{table.to_string(index=False, **style)}"
+        )
 
     def _priced(self, error: str) -> "pd.DataFrame":
         """Return a table of all good points with their cost and the absolute error."""

@@ -3,7 +3,6 @@
 from base64 import b64encode
 from collections.abc import Mapping
 from functools import cached_property
-from html import escape
 from io import BytesIO
 from itertools import islice
 from math import inf, isfinite
@@ -18,6 +17,7 @@ from contactstudy.answers.judgement import (
 )
 from contactstudy.domain.errors import PRESSURE, ErrorEstimate, ErrorParts, Request
 from contactstudy.domain.grid import Grid, Padding, Paddings
+from contactstudy.domain.notebook import InNotebook
 from contactstudy.domain.units import readable
 from contactstudy.io.quantities.quantity import Quantities, as_text
 from contactstudy.scene.scene import Scene
@@ -44,7 +44,7 @@ SHOWN = 8
 Counts = Mapping[str, tuple[float, str]]
 
 
-class Answer:
+class Answer(InNotebook):
     """Members that every answer of :func:`~contactstudy.solve` has.
 
     Attributes
@@ -205,9 +205,12 @@ class Answer:
         head = f"{type(self).__name__}: {self.accuracy}"
         return f"{head}\n  {self.status.name}, {cells} cells\n{table}"
 
+    def _rows(self) -> str:
+        return repr(self)
+
     def _repr_html_(self) -> str:
-        """Return the representation beside a small picture, for notebooks."""
-        return f"<pre>{escape(repr(self))}</pre>{_image(self)}"
+        """Return the representation above a small picture, for notebooks."""
+        return super()._repr_html_() + _image(self)
 
 
 def surface_notes(scene: Scene | None) -> list[str]:

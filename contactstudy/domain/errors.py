@@ -3,6 +3,8 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields, replace
 
+from contactstudy.domain.notebook import InNotebook
+
 # A requested relative error: of every number, or of those that are named.
 Request = float | Mapping[str, float]
 # Name of the pressure in L1 in a request.
@@ -66,7 +68,7 @@ class ErrorParts:
 
 
 @dataclass(frozen=True)
-class ErrorEstimate:
+class ErrorEstimate(InNotebook):
     """Relative errors of an answer, as estimated bounds by quantity and cause.
 
     The L1 error of the pressure is against the cell means of the true pressure, relative to its L1 norm: the pressure of
@@ -128,3 +130,17 @@ class ErrorEstimate:
             parts = getattr(self, member.name)
             if isinstance(parts, ErrorParts):
                 yield member.name, parts
+
+    def _rows(self) -> str:
+        errors = {name: parts for name, parts in self if parts.by_cause} | dict(self.numbers)
+        rows = [
+            f"  {name:<24}{100 * parts.total:8.2g} %  "
+            + (
+                parts.reason
+                or ", ".join(
+                    f"{cause} {100 * part:.2g} %" for cause, part in parts.by_cause.items()
+                )
+            )
+            for name, parts in errors.items()
+        ]
+        return "\n".join(("bounds of relative errors", *rows, *self.warnings))

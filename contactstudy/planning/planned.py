@@ -5,11 +5,12 @@ from dataclasses import dataclass, field
 from contactstudy.domain.checks import set_fields
 from contactstudy.domain.device import ONE_THREAD, Device
 from contactstudy.domain.grid import Grid, Padding, Paddings
+from contactstudy.domain.notebook import InNotebook
 from contactstudy.scene.scene import Scene
 
 
 @dataclass(frozen=True)
-class Plan:
+class Plan(InNotebook):
     """A grid and a padding for a scene, with expected error and cost.
 
     Solve it with ``solve(plan.scene, plan.grid, plan.padding)``.

@@ -18,6 +18,7 @@ from contactstudy.domain.checks import (
 )
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings, across_and_along
+from contactstudy.domain.notebook import InNotebook
 from contactstudy.domain.units import Hardness, readable
 from contactstudy.elasticity.convolution import Convolution, superposed
 from contactstudy.problem.constraint import (
@@ -87,7 +88,7 @@ LENGTH_OVER_ELLIPSE = 1.2
 
 @suggest_fields
 @dataclass(frozen=True)
-class Scene:
+class Scene(InNotebook):
     """Line contact of two bodies, and the effects in it.
 
     Its effects determine what :func:`~contactstudy.solve` computes: a contact at rest, in time, rolling, or lubricated.

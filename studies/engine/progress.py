@@ -103,7 +103,7 @@ class Lines:
 
 
 def is_terminal() -> bool:
-    """Return whether the standard error is a terminal."""
+    """Return whether the standard error shows a bar: it is a terminal or the output of a notebook."""
     with suppress(AttributeError, ValueError):  # there may be no standard error, or a closed one
-        return sys.stderr.isatty()
+        return type(sys.stderr).__module__.startswith("ipykernel") or sys.stderr.isatty()
     return False

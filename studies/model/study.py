@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from contactstudy import InvalidInput
 from contactstudy.domain.checks import suggestion
+from contactstudy.domain.notebook import InNotebook
 from studies.model.axis import CONFIRM, MAX_POINTS, Axis, Value, check_count, one_of
 from studies.model.plain_text import name_problem, one_line, place_of, shortened
 
@@ -25,7 +26,7 @@ Measures = Callable[[Any, Any], "Mapping[str, xr.Variable]"]
 
 
 @dataclass(frozen=True, eq=False)
-class Study:
+class Study(InNotebook):
     """A study: its axes, the computation at each point, and what is measured there.
 
     Parameters

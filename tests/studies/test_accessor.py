@@ -76,6 +76,13 @@ def test_a_failed_case_is_no_setting(dataset: xr.Dataset) -> None:
     assert ("a", 16) not in list(zip(front["mode"], front["grid"], strict=True))
 
 
+def test_a_sweep_is_shown_as_the_first_rows_of_its_table(dataset: xr.Dataset) -> None:
+    html = dataset.study._repr_html_()
+    assert html.startswith("<pre style='font-family: monospace'>")
+    assert "error_max" in html
+    assert html.count("\n") == 1 + dataset["error_max"].size
+
+
 def test_a_table_has_a_row_for_every_point(dataset: xr.Dataset) -> None:
     table = dataset.study.table()
     assert len(table) == 8

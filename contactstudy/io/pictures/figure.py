@@ -1,5 +1,6 @@
 """Figures with panels, in one style."""
 
+from io import BytesIO
 from math import floor, log10
 from typing import Any, Literal
 
@@ -31,6 +32,15 @@ Share = Literal["none", "y", "both"]
 LAW_STYLE: dict[str, Any] = {"color": "black", "linestyle": ":", "linewidth": 1.0, "marker": "none"}
 
 
+class Picture(Figure):
+    """Figure that a notebook shows once, with or without pyplot."""
+
+    def _repr_png_(self) -> bytes:
+        file = BytesIO()
+        self.savefig(file, format="png", dpi=SETTINGS["figure.dpi"])
+        return file.getvalue()
+
+
 def panels(
     count: int, *, columns: int = 3, width: float = 3.4, height: float = 3.2, share: Share = "none"
 ) -> tuple[Figure, list[Axes]]:
@@ -41,7 +51,7 @@ def panels(
     columns = min(columns, count)
     rows = -(-count // columns)
     # not pyplot's: no figure stays open
-    figure = Figure(figsize=(width * columns, height * rows), layout="constrained")
+    figure = Picture(figsize=(width * columns, height * rows), layout="constrained")
     axes = (
         figure.subplots(
             rows, columns, squeeze=False, sharex=share == "both", sharey=share != "none"

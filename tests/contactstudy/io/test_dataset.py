@@ -92,6 +92,21 @@ def test_an_answer_is_shown_with_its_accuracy_first_and_a_picture(
     contact = cs.solve(line_contact.scene, grid, cs.ExactPeriodicity(), error="2 %")
     assert contact.accuracy in repr(contact).splitlines()[0]
     assert "data:image/png;base64," in contact._repr_html_()
+    assert (
+        contact.plot()._repr_png_().startswith(b"\x89PNG")
+    )  # shown once, as pyplot does not know it
+    plan = cs.plan(line_contact.scene, grid=grid)
+    for value, said in (
+        (contact, "CONVERGED, 32 x 16 cells"),
+        (contact.scene, "solids[1]"),
+        (contact.error, "peak_pressure"),
+        (plan, "Grid(cells=(32, 16)"),
+        (cs.SceneFile(contact.scene), "shapes[0]"),
+    ):
+        html = value._repr_html_()
+        assert html.startswith("<pre style='font-family: monospace'>")
+        assert said in html
+        assert html.count("\n") < 20
 
 
 def test_a_lubricated_contact_is_labelled_with_its_errors_and_drawn() -> None:

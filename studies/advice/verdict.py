@@ -46,6 +46,8 @@ LOWER_LOAD = 0.92
 # Other paddings are tried on cells of at most so many squares of the thickness of a layer: their coefficients are sums
 # over waves as short as the layer, which grow with it.
 MOST_WAVES = 30
+# A window that is folded off centre, by half a cell, has at least so many cells along.
+CENTRED = 8
 # Factors on the planned width that are tried while the contact reaches the edge.
 WIDER = (1.0, 1.5, 2.25)
 # A grid that is expected to take longer is announced [s].
@@ -232,6 +234,19 @@ class _Trials:
         across, along = (n * multiple if n > 1 else 1 for n in self.unit)
         return across, along
 
+    def setting(
+        self,
+        label: str,
+        padding: cs.Padding | cs.Paddings,
+        cells: tuple[int, int],
+        tolerance: float,
+    ) -> Setting:
+        """Return a setting on these cells, or on as many along as a copy needs to cover both sides alike."""
+        across, along = cells
+        if self.is_line and isinstance(padding, cs.DuplicatedPadding):
+            along = max(along, CENTRED)
+        return Setting(label, padding, (across, along), tolerance)
+
     def solve(
         self, setting: Setting, scene: cs.Scene | None = None, grid: cs.Grid | None = None
     ) -> Answer:
@@ -264,7 +279,7 @@ class _Trials:
             lower = replace(
                 self.scene, load=replace(load, **{name: LOWER_LOAD * getattr(load, name)})
             )
-            hertz = lower.hertz if setting.cells[1] == 1 else None
+            hertz = lower.hertz if self.unit[1] == 1 else None
             grids = [grid] if hertz is None else with_edges_moved(grid, hertz.half_width)
             yield from ((lower, moved) for moved in grids)
 
@@ -303,7 +318,7 @@ class _Trials:
                 difference = max(difference, relative_l1(pressure, hertz_means(hertz, grid)))
             elif number == 0 and reference is not None:
                 difference = relative_l1(pressure, reference)
-            if min(l1, error) > self.error and setting.cells[1] > 1:
+            if min(l1, error) > self.error and self.unit[1] > 1:
                 break
         return Measured(setting, l1, error, worst, difference, seconds)
 
@@ -384,6 +399,11 @@ def verdict_on(
             named = described.file.padding or trials.own
             own = _label(named)
             paddings |= all_paddings() | {own: named}
+        if trials.unit[1] == 1 and not trials.is_line and "duplicated" in paddings:
+            del paddings["duplicated"]
+            trials.notes["duplicated"] = (
+                "Duplicated padding was not tried, since its window is off centre with one cell."
+            )
         log(
             f"{described.name}: grids from {_cells(trials.cells(1))} cells, up to {len(paddings)} paddings"
         )
@@ -415,7 +435,7 @@ def verdict_on(
     if base in coarsest:
         loosest = _loosest(trials, Setting(base, trials.own, cells, loosest))
     settings = [
-        Setting(label, padding, coarsest.get(label, cells), loosest)
+        trials.setting(label, padding, coarsest.get(label, cells), loosest)
         for label, padding in paddings.items()
     ]
     tried = {one.setting for one in found}
@@ -445,7 +465,8 @@ def _on_grids(
         if (expected := seconds * prod(cells) / prod(coarser)) > LONG:
             say(f"about {expected:.0f} s or more on {_cells(cells)} cells")
         for label, padding in paddings.items():
-            one = trials.measured(Setting(label, padding, cells, trials.options.tolerance), None)
+            setting = trials.setting(label, padding, cells, trials.options.tolerance)
+            one = trials.measured(setting, None)
             if one is None:
                 continue
             yield one

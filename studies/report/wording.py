@@ -71,11 +71,15 @@ def explanation(verdict: Verdict) -> Iterator[str]:
     """Yield sentences on other paddings, and on what the verdict stands on."""
     best, meeting = verdict.best(), verdict.meeting()
     if verdict.measure != EVERY_NUMBER:
-        one = best or verdict.nearest
-        yield f"Of the other numbers the bounds are up to {percent(one.error)} ({one.worst})."
-    if verdict.nearest.setting.cells[1] == 1:
+        error = (best or verdict.nearest).error
+        here = f", here up to {percent(error)}" if isfinite(error) else ""
+        yield f"Other numbers of the answer may have larger errors{here}."
+    along = {one.setting.label: one.setting.cells[1] for one in verdict.settings}
+    if min(along.values()) == 1:
         yield "Nothing varies along the length, so that one cell along it is enough for every padding."
-        yield "The period is free too: over a hundred half-widths every padding has the error of the cells alone."
+        if (copied := along.get("duplicated", 1)) > 1:
+            yield f"Duplicated padding has {copied}, since its window is off centre on fewer."
+            yield "The period is free too: over 100 half-widths every padding has the error of the cells alone."
     if best is not None:
         fastest = {one.setting.label: one for one in reversed(meeting)}
         others = sorted(

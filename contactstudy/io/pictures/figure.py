@@ -17,6 +17,9 @@ SETTINGS: Any = {
     "savefig.dpi": 200,
     "font.size": 9.5,
     "axes.grid": True,
+    # labels of short ticks stand as far from the axis as those of long ones
+    "xtick.minor.pad": 5.0,
+    "ytick.minor.pad": 5.0,
     "grid.alpha": 0.25,
     "axes.spines.top": False,
     "axes.spines.right": False,

@@ -1,7 +1,7 @@
 """The verdict on a scene: what it promises of a scene file, and its choice among measurements made by hand."""
 
 from dataclasses import replace
-from math import inf
+from math import inf, pi
 from pathlib import Path
 
 import pytest
@@ -187,3 +187,11 @@ def test_a_verdict_is_read_again_for_its_scene_and_error_alone(
 def test_a_padding_survives_in_a_file(padding: cs.Padding | cs.Paddings) -> None:
     measured = replace(one(), setting=replace(one().setting, padding=padding))
     assert stored.from_dataset(stored.to_dataset(of(measured))) == of(measured)
+
+
+def test_a_copy_has_cells_enough_along_to_cover_both_sides_alike(cylinder: Verdict) -> None:
+    copied = [one for one in cylinder.settings if one.setting.label == "duplicated"]
+    assert {one.setting.cells[1] for one in cylinder.settings} == {1, 8}
+    # by the law of its reach, and not half as much again
+    for one in copied[-2:]:
+        assert one.difference == pytest.approx(1 / (2 * pi * 2.4**2), rel=0.2)

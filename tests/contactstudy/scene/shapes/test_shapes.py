@@ -127,7 +127,6 @@ def test_round_bodies_and_ends_have_their_heights() -> None:
     grid = cs.Grid((4, 3), (4.0, 6.0))
     x, y = np.array([-1.5, -0.5, 0.5, 1.5]), np.array([-2.0, 0.0, 2.0])
     assert cs.Cylinder(5.0).gap(grid) == pytest.approx((x**2 / 10)[:, None])
-    assert cs.Cylinder(5.0).curvature == 0.2
     assert cs.Sphere(5.0).gap(grid) == pytest.approx((x[:, None] ** 2 + y**2) / 10)
     assert cs.Crown(5.0).gap(grid) == pytest.approx((y**2 / 10)[None])
     # 4 m long: the middle cell and those whose centres lie on the ends
@@ -137,6 +136,16 @@ def test_round_bodies_and_ends_have_their_heights() -> None:
     assert cs.FiniteLength(3.9).covered_fractions(grid) == pytest.approx([0.0, 1.95, 0.0])
     assert cs.FiniteLength(4.4).covered_fractions(grid) == pytest.approx([0.6, 1.0, 0.6])
     assert cs.FiniteLength(6.0).covered_fractions(grid).tolist() == [1.0] * 3
+
+
+def test_a_cylinder_alone_is_curved_across_as_a_line_contact() -> None:
+    assert cs.Cylinder(5.0).curvature == 0.2
+    for straight in (
+        cs.Sphere(5.0), cs.Crown(5.0), cs.Tilt(0.01), cs.FiniteLength(2.0), cs.LundbergProfile(1e-6, 1e-5, 2.0),
+        cs.EndRelief(0.01, 0.008, end_radius=1.0), cs.ProfilePoints((0.0, 0.005), (0.0, 1e-6)),
+        cs.Texture(cs.Groove(1e-6, 1e-4), (3e-4, inf)), cs.Roughness(1e-7, 0.8, 1e-4, 3e-5),
+    ):  # fmt: skip
+        assert straight.curvature == 0
 
 
 FREE = (cs.ZeroPadding(), cs.ZeroPadding())

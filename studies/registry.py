@@ -14,10 +14,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from importlib.resources import files
-from importlib.util import find_spec
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from contactstudy import InvalidInput
 from contactstudy.domain.checks import suggestion
@@ -35,7 +34,7 @@ FAMILIES = {
     "effects": (
         "coating", "friction", "sliding", "creep", "wear", "plastic", "films", "roughness", "rough-paddings"
     ),
-    "": ("stability",),
+    "stability": ("stability",),
 }  # fmt: skip
 # Scene files whose [vary] is a study, with the value of an axis against which errors are, if any.
 SCENES = dict.fromkeys(FAMILIES["effects"], "") | {"rough-paddings": "ExactPeriodicity"}
@@ -53,12 +52,7 @@ def load(name: str) -> Study:
         return study_in(Path(name))
     if name in SCENES:
         return _chapter(name)
-    part = _part("studies.definitions", name)
-    if isinstance(part, Study):
-        return part
-    title = (part.__doc__ or name).strip().split("\n")[0]
-    times = getattr(part, "times", "taken")
-    return Study(name, title, tuple(part.axes), part.case_at, part.measures, times)
+    return cast(Study, _part("studies.definitions", name))
 
 
 def chapter_file(name: str) -> Path:
@@ -137,12 +131,9 @@ def _file_module(name: str) -> ModuleType:
 
 
 def _part(package: str, name: str) -> Any:
-    """Return the module of a study in a package, or the value of its name in the module of its family."""
-    studies = BUILT_IN
-    if name not in studies:
-        hint = suggestion(name, sorted(studies))
+    """Return the value of the name of a study in the module of its family."""
+    if name not in BUILT_IN:
+        hint = suggestion(name, sorted(BUILT_IN))
         raise InvalidInput(f"Study {name!r} is not known: {hint}, or give a .py file.")
-    if find_spec(f"{package}.{name}"):
-        return importlib.import_module(f"{package}.{name}")
     family = next(family for family, names in FAMILIES.items() if name in names)
     return getattr(importlib.import_module(f"{package}.{family}"), name.replace("-", "_"))

@@ -22,14 +22,13 @@ from studies.model.case import Answer
 from studies.model.plain_text import Log
 from studies.reference.line_contact import (
     HERTZ,
-    PADDINGS,
     SCENE,
     WIDTH,
     hertz_means,
-    padding_label,
     relative_l1,
     with_edges_moved,
 )
+from studies.reference.paddings import PADDINGS, padding_label, padding_text
 
 # Grids that are tried have these multiples of a sixth of the planned cells: up to twice those, or in a dry contact,
 # which takes milliseconds, up to this number of cells.
@@ -524,9 +523,7 @@ def _label(padding: cs.Padding | cs.Paddings) -> str:
     """Return the name of a padding that a scene has."""
     if isinstance(padding, tuple):
         return "repeating across and along" if padding[0].wraps else "free ends"
-    n = getattr(padding, "images", 0)
-    labels = (padding_label(name, n) for name, make in PADDINGS.items() if make(n) == padding)
-    return next(labels, repr(padding))
+    return padding_text(repr(padding))
 
 
 def _worst(answer: Answer) -> tuple[float, str]:

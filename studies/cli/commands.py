@@ -116,8 +116,6 @@ def report(
     for page_chapter in chosen:
         path = reporting.run_and_write(page_chapter, out, options=options, log=click.echo)
         click.echo(f"report: wrote {path}")
-    for path in reporting.write_outdated(out, chosen, click.echo):
-        click.echo(f"report: wrote {path}")
 
 
 @cli.command(

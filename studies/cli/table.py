@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 # Columns at the end of a table, in this order: the solver's work, the case, the times.
-SORTED_LAST = ("status", "iterations", "convolutions", "residual", "case_", "contended", "_time")
+SORTED_LAST = ("status", "iterations", "convolutions", "residual", "case_", "_time")
 # What stands for all columns.
 ALL = "all"
 
@@ -52,8 +52,7 @@ def csv_of(dataset: "xr.Dataset", file: Path, names: Sequence[str] = ()) -> tupl
         if set(variable.dims) <= set(axes) and bool(variable.dims) == bool(axes)
     ]
     columns.sort(key=_column_order)
-    timed = "contended" in columns and _with_flag_meanings(dataset["contended"]) != "not_timed"
-    if not np.any(timed):
+    if "solve_time" not in columns:
         columns = [name for name in columns if not is_time(name)]
     chosen = columns if ALL in names else [*names] or _main(columns)
     if set(chosen) <= set(columns):

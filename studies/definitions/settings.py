@@ -11,7 +11,8 @@ from contactstudy.io.scene_files.scene_writer import scene_text
 from studies.model.axis import Axis, one_of
 from studies.model.case import Case, dimensionless
 from studies.model.study import Point, Study
-from studies.reference.line_contact import HERTZ, PADDINGS, SCENE, WIDTH, measures, padding_at
+from studies.reference.line_contact import HERTZ, SCENE, WIDTH, measures
+from studies.reference.paddings import PADDINGS, padding_at
 
 # Cells along the length of a contact that does not vary along it; None for square ones. Every padding has both.
 ALONG = {"square": None, "one": 1}

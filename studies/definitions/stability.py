@@ -10,11 +10,12 @@ import contactstudy as cs
 from contactstudy.io.dataset import flags
 from studies.model.axis import Axis, one_of
 from studies.model.case import dimensionless, recorded
-from studies.model.study import Point
+from studies.model.study import Point, Study
 from studies.reference.hard_case import PADDINGS, SOLVERS, HardCase, Verdict
 from studies.reference.hard_cases import CASES
 
-axes = (
+TITLE = "Hard cases: whether an answer is within the error that the program states, with every padding and both solvers."
+AXES = (
     Axis("case", tuple(CASES), "hard case"),
     Axis(
         "padding",
@@ -23,9 +24,6 @@ axes = (
     ),
     Axis("solver", tuple(SOLVERS), "solver"),
 )
-
-# the grids are small, and their times are not reported
-times = "none"
 
 VERDICTS = tuple(verdict.name.lower() for verdict in Verdict)
 
@@ -78,3 +76,7 @@ def measures(case: HardCaseRun, solution: cs.Contact) -> Mapping[str, xr.Variabl
         ),
         "verdict": flags((), np.asarray(judged.verdict.value), VERDICTS, "verdict on the case"),
     }
+
+
+# the grids are small, and their times are not reported
+stability = Study("stability", TITLE, AXES, case_at, measures, "none")

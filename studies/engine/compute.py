@@ -18,7 +18,6 @@ from studies.model.outcome import (
     RESERVED_NAMES,
     CaseStatus,
     Failure,
-    HasFields,
     Outcome,
     RunSettings,
     TimedRun,
@@ -29,7 +28,6 @@ from studies.store.stop import StopRun
 # Arrays that cases of this process share, such as the coefficients of equal grids: up to so many bytes. Timed runs
 # compute their own.
 SHARED_ARRAYS = ArrayCache(2**26)
-REFERENCE_FIELD = np.outer(np.cos(np.arange(128.0)), np.sin(np.arange(128.0)))
 # Seconds. A first timed run of a kind of case that takes less is preceded by an untimed one, so that imports and the
 # first allocation of memory are not timed; in a longer case they are negligible.
 MAX_WARM_UP = 0.3
@@ -90,7 +88,7 @@ def _computed(task: Task, settings: RunSettings, stage: Stage) -> Outcome:
         if recorded := measured_variables(case.record(result), reserved, "record"):
             variables = measured_variables(variables | recorded, reserved)
         check_size(variables)
-        if settings.keeps_fields and isinstance(case, HasFields):
+        if settings.keeps_fields and hasattr(case, "fields"):
             fields = measured_variables(case.fields(result), (), "fields")
     return Outcome(CaseStatus.OK, variables, fields=fields)
 
@@ -106,24 +104,12 @@ def _timed(task: Task, _: RunSettings, __: Stage) -> Outcome:
 
 def time_once(case: Computation) -> TimedRun:
     """Return the wall and CPU time of one run of a case."""
-    before = _reference_time()
     wall, cpu = perf_counter(), process_time()
     prepared = case.prepare()
     ready, ready_cpu = perf_counter(), process_time()
     case.run(prepared)
     finished, finished_cpu = perf_counter(), process_time()
-    times = ready - wall, finished - ready, ready_cpu - cpu, finished_cpu - ready_cpu
-    return TimedRun(*times, max(before, _reference_time()))
-
-
-def _reference_time() -> float:
-    """Return the wall time [s] of a fixed piece of work, a transform of 128 x 128 cells: the least of three."""
-    least = np.inf
-    for _ in range(3):
-        start = perf_counter()
-        np.fft.irfft2(np.fft.rfft2(REFERENCE_FIELD))
-        least = min(least, perf_counter() - start)
-    return float(least)
+    return TimedRun(ready - wall, finished - ready, ready_cpu - cpu, finished_cpu - ready_cpu)
 
 
 def failed(error: BaseException, stage: str, seconds: float = 0.0) -> Outcome:

@@ -3,12 +3,10 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
-from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 import xarray as xr
 
-from contactstudy.io.dataset import flags
 from studies.model.study import Measures
 
 
@@ -25,9 +23,9 @@ class CaseStatus(IntEnum):
 
 # variables that the store adds to every case; and keywords of xarray's ``sel``, which no axis may have
 RESERVED_NAMES = frozenset((
-    "case_status", "case_key", "error", "error_type", "error_stage", "contended", "repeat", "wall_time",
+    "case_status", "case_key", "error", "error_type", "error_stage", "repeat", "wall_time",
     "tolerance", "method", "drop",
-    *(f"{part}_time{end}" for part in ("setup", "solve") for end in ("", "_median", "_cpu", "_all")),
+    *(f"{part}_time{end}" for part in ("setup", "solve") for end in ("", "_cpu", "_all")),
 ))  # fmt: skip
 
 
@@ -111,15 +109,6 @@ def summary_messages(dataset: xr.Dataset) -> Iterator[str]:
         yield f"no bound of {counts} of {places.size} cases"
 
 
-@runtime_checkable
-class HasFields(Protocol):
-    """Protocol of a computation whose result has fields to store."""
-
-    def fields(self, result: Any) -> Mapping[str, xr.Variable]:
-        """Return the fields with their coordinates."""
-        ...
-
-
 @dataclass(frozen=True, eq=False)
 class RunSettings:
     """Settings of a run that every case needs.
@@ -132,47 +121,21 @@ class RunSettings:
     axes: frozenset[str] = frozenset()
 
 
-# A neighbour on the core takes CPU time away; one on the memory bus, or a slower clock, makes repeats
-# differ, or a fixed piece of work take longer. Times are to hold within 10 %.
-MIN_CPU_FRACTION = 0.95
-MAX_SPREAD = 1.1
-
-
 @dataclass(frozen=True)
 class TimedRun:
-    """Wall and CPU times [s] of set-up and solve in one timed run of a case.
-
-    `calibration_time` is the wall time [s] of a fixed piece of work beside the run, the longer of before and after.
-    """
+    """Wall and processor times [s] of set-up and solve in one timed run of a case."""
 
     setup: float
     solve: float
     setup_cpu: float
     solve_cpu: float
-    calibration_time: float = 0.0
 
 
 def is_time(name: str) -> bool:
     """Return whether a variable has times of a case, which depend on the machine."""
-    return name == "contended" or name.startswith(("setup_time", "solve_time", "wall_time"))
+    return name.startswith(("setup_time", "solve_time", "wall_time"))
 
 
-def is_contended(samples: Sequence[TimedRun], calibration_time: float = np.inf) -> bool:
-    """Return whether the least time of a case may be more than 10 % too long.
-
-    It may be if its CPU time is below 95 % of its wall time, no other run confirms it, or the processor was slower than
-    at its best: a fixed piece of work then takes longer than its least time, `calibration_time` [s].
-    """
-    wall = np.array([sample.setup + sample.solve for sample in samples])
-    cpu = np.array([sample.setup_cpu + sample.solve_cpu for sample in samples])
-    least = int(wall.argmin())
-    lacks = cpu[least] < MIN_CPU_FRACTION * wall[least]
-    confirmed = len(wall) > 1 and np.sort(wall)[1] <= MAX_SPREAD * wall[least]
-    slowed = samples[least].calibration_time > MAX_SPREAD * calibration_time
-    return bool(lacks or not confirmed or slowed)
-
-
-CONTENDED = ("no", "yes", "not_timed")
 PARTS = {
     "setup": "to set up coefficients and transforms, where a solve does not do it itself",
     "solve": "to solve",
@@ -182,15 +145,15 @@ PARTS = {
 def timing_variables(
     names: tuple[str, ...], index: np.ndarray, samples: Sequence[Sequence[TimedRun]]
 ) -> Mapping[str, xr.Variable]:
-    """Return least and median wall time of each case, least processor time, every sample, and whether it can be trusted.
+    """Return the least wall and processor times of each case, and every wall time.
 
     The variables are over the axes `names`; `index` has the number of the case at each point. There are none where no
     case was timed.
     """
-    data = {}
     repeats = max((len(runs) for runs in samples), default=0)
     if not repeats:
         return {}
+    data = {}
 
     def seconds(attribute: str) -> np.ndarray:
         rows = [[getattr(sample, attribute) for sample in runs] for runs in samples]
@@ -201,17 +164,11 @@ def timing_variables(
         return xr.Variable(names + further_dims, values[index], {"units": "s", "long_name": what})
 
     for part, what in PARTS.items():
-        wall, cpu = np.ma.masked_invalid(seconds(part)), seconds(f"{part}_cpu")
-        least, middle = (np.ma.filled(of(wall, axis=1), np.nan) for of in (np.ma.min, np.ma.median))
-        least_cpu = np.ma.filled(np.ma.min(np.ma.masked_invalid(cpu), axis=1), np.nan)
+        wall, cpu = seconds(part), seconds(f"{part}_cpu")
         name = f"{part}_time"
-        data[name] = variable(least, f"wall time {what}, one case at a time, least of the repeats")
-        data[f"{name}_median"] = variable(middle, f"wall time {what}, median of the repeats")
-        data[f"{name}_cpu"] = variable(least_cpu, f"processor time {what}, least of the repeats")
-        data[f"{name}_all"] = variable(wall.data, f"wall time {what}, every repeat", "repeat")
-    calibrations = [sample.calibration_time for runs in samples for sample in runs]
-    fastest, not_timed = min(calibrations, default=np.inf), CONTENDED.index("not_timed")
-    flag_values = [int(is_contended(runs, fastest)) if runs else not_timed for runs in samples]
-    what = "whether another process may have lengthened the time by more than 10 %"
-    data["contended"] = flags(names, np.array(flag_values, dtype=np.int8)[index], CONTENDED, what)
+        about = f"wall time {what}, one case at a time, least of the repeats"
+        data[name] = variable(np.fmin.reduce(wall, axis=1), about)
+        about = f"processor time {what}, least of the repeats"
+        data[f"{name}_cpu"] = variable(np.fmin.reduce(cpu, axis=1), about)
+        data[f"{name}_all"] = variable(wall, f"wall time {what}, every repeat", "repeat")
     return data

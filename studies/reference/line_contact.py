@@ -1,6 +1,6 @@
 """The paper's smooth line contact: its scene at a point, and its errors against Hertz."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -8,10 +8,8 @@ import xarray as xr
 
 import contactstudy as cs
 from contactstudy.accuracy.discretisation.contact_edge import corrected_pressure, half_widths
-from contactstudy.domain.checks import whole_number
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import on_cells
-from studies.model.axis import one_of
 from studies.model.case import Case, dimensionless_variables, error_estimates
 
 STEEL = cs.HalfSpace(youngs_modulus=210e9, poisson_ratio=0.3)
@@ -37,24 +35,6 @@ ERRORS = {
     "length_variation": "pressure variation along the length over Hertz peak pressure",
 }
 BY_THE_EDGE = tuple(name for name in ERRORS if name != "length_variation")
-
-PADDINGS: dict[str, Callable[[int], cs.Padding]] = {
-    "zero": lambda images: cs.ZeroPadding(),
-    "duplicated": lambda images: cs.DuplicatedPadding(),
-    "superposed": cs.Superposition,
-    "circular": cs.CircularSuperposition,
-    "exact": lambda images: cs.ExactPeriodicity(),
-}
-
-
-# paddings with a number n of images
-HAS_IMAGES = frozenset(name for name, make in PADDINGS.items() if make(0) != make(1))
-
-
-def padding_at(padding: str, images: int) -> cs.Padding:
-    """Return the padding of a name, with a number of images where it has one."""
-    make = PADDINGS[one_of("padding", padding, PADDINGS)]
-    return make(whole_number("images", images, 0, "must be a whole number, at least 0"))
 
 
 def with_edges_moved(grid: cs.Grid, half_width: float) -> tuple[cs.Grid, ...]:
@@ -136,8 +116,3 @@ def total_time(dataset: xr.Dataset) -> xr.DataArray:
     """
     label = {"long_name": "processor time to set up and solve", "units": "s"}
     return (dataset["setup_time_cpu"] + dataset["solve_time_cpu"]).assign_attrs(label)
-
-
-def padding_label(padding: str, images: int) -> str:
-    """Return the name of a padding, with its n where it has one."""
-    return f"{padding}, n = {images}" if padding in HAS_IMAGES else padding

@@ -70,7 +70,7 @@ def drawing(
 
     def drawn(dataset: xr.Dataset) -> Sequence[CaptionedFigure]:
         made = [draw(dataset, one) if isinstance(one, Plot) else one(dataset) for one in figures]
-        if not any(made):
+        if figures and not any(made):
             wanted = [name for one in figures if isinstance(one, Plot) for name in one.y]
             missing = next((name for name in wanted if name not in dataset), wanted[0])
             raise InvalidInput(

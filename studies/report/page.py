@@ -1,6 +1,6 @@
 """Pages of the report: figures from stored studies, in one self-contained page for each chapter."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from time import monotonic
@@ -21,11 +21,12 @@ from studies.model.drawing import CaptionedFigure, Drawing, Finding
 from studies.model.outcome import CaseStatus
 from studies.model.plain_text import Log
 from studies.model.study import Study
+from studies.reference.paddings import padding_text
 from studies.registry import BUILT_IN, load_drawing
 from studies.report.chapters import CHAPTERS, MAIN, Chapter, Part, chapter_of_study
 from studies.report.drawings import comparison as settings
-from studies.report.section import FORMATS, Section, embedded, is_claim, saved
-from studies.report.style import marked, padding_text, plain
+from studies.report.section import FORMATS, Section, embedded, saved
+from studies.report.style import marked, plain
 from studies.store.netcdf import read
 
 MAX_LISTED = 10  # of an axis that a page lists
@@ -169,7 +170,7 @@ def write_page(
         main=MAIN,
         main_is_there=(out / MAIN.page).is_file(),
         explored={path.name for path in out.glob("*-explore.html")},
-        sections=_with_claims_beside_the_paper(sections),
+        sections=sections,
         figures={
             part.name: [embedded(figure, part.data, out, formats) for figure in part.figures]
             for part in sections
@@ -207,27 +208,6 @@ def _made(datasets: Mapping[str, xr.Dataset]) -> Mapping[str, str]:
     return made
 
 
-def write_outdated(out: Path, written: Iterable[Chapter], log: Log) -> Sequence[Path]:
-    """Write the pages of all other chapters whose data are stored, if a page is missing or older than its data.
-
-    A page that cannot be drawn, such as one of files of an earlier version, is left with a line in the log.
-    """
-    pages = []
-    drawn = (name for name in BUILT_IN if (out / f"{name}.html").exists())
-    for chapter in [*CHAPTERS.values(), *map(chapter_of_study, drawn)]:
-        files = [out / f"{part.name}.nc" for part in chapter.parts]
-        page = out / chapter.page
-        if chapter in written or not all(file.is_file() for file in files):
-            continue
-        newest = max(file.stat().st_mtime for file in files)
-        if not page.exists() or page.stat().st_mtime < newest:
-            try:
-                pages.append(draw_and_write(chapter, out))
-            except InvalidInput as error:
-                log(f"{chapter.name}: its page is not drawn: {error}")
-    return pages
-
-
 def axes_text(study: Study, dataset: xr.Dataset) -> str:
     """Return the axes with several values, in usual units, or the ends of more than ten; paddings are left out."""
     texts = []
@@ -258,22 +238,6 @@ def _check(figures: object, name: str) -> None:
             f"figure of {name!r} gives no studies.model.drawing.CaptionedFigure: return a tuple of them, or () for "
             "none."
         )
-
-
-def _with_claims_beside_the_paper(sections: Sequence[Section]) -> Sequence[Section]:
-    """Return the sections with all findings about the paper in its section, if there is one."""
-    if "paper" not in [section.name for section in sections]:
-        return sections
-    findings = [finding for section in sections for finding in section.findings]
-    claims = sorted(filter(is_claim, findings), key=lambda finding: finding.question)
-    return [
-        replace(
-            section,
-            findings=claims * (section.name == "paper")
-            + [finding for finding in section.findings if not is_claim(finding)],
-        )
-        for section in sections
-    ]
 
 
 def _others(chapter: Chapter, out: Path) -> Sequence[tuple[Chapter, bool]]:

@@ -21,13 +21,13 @@ from studies.model.axis import is_geometric
 from studies.model.drawing import CaptionedFigure
 from studies.model.outcome import CaseStatus
 from studies.model.plain_text import one_line
-from studies.reference.line_contact import padding_at, total_time
+from studies.reference.line_contact import total_time
+from studies.reference.paddings import padding_at, padding_text
 from studies.report.style import (
     COLORS,
     LAW_STYLE,
     captioned,
     padding_style,
-    padding_text,
     panels,
     tick_cells,
 )

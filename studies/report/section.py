@@ -10,7 +10,6 @@ from contactstudy.domain.files import replacing
 from studies.model.drawing import CaptionedFigure, Finding, Table
 
 FORMATS = ("png",)
-CLAIM_PREFIX = "The paper's"  # findings about the paper stand in its section
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +36,7 @@ class Section:
     @property
     def answers(self) -> Sequence[Finding]:
         """Findings that answer a question of the reader."""
-        return [item for item in self.findings if item.question.endswith("?") or is_claim(item)]
+        return [item for item in self.findings if item.question]
 
 
 def saved(drawn: CaptionedFigure, folder: Path, formats: Sequence[str]) -> bytes:
@@ -70,8 +69,3 @@ def embedded(
         "width": f"{100 * drawn.figure.get_figwidth():.0f}",
         "height": f"{100 * drawn.figure.get_figheight():.0f}",
     }
-
-
-def is_claim(finding: Finding) -> bool:
-    """Return whether a finding is about a claim of the paper."""
-    return finding.question.startswith(CLAIM_PREFIX)

@@ -14,7 +14,7 @@ from matplotlib.ticker import NullLocator
 
 from contactstudy.io.pictures.figure import LAW_STYLE, SETTINGS, add_legend, panels
 from studies.model.drawing import CaptionedFigure
-from studies.reference.line_contact import padding_label
+from studies.reference.paddings import padding_label, padding_text
 
 __all__ = ["LAW_STYLE", "add_legend", "panels"]
 
@@ -37,24 +37,10 @@ PADDING_STYLES = {
 }
 
 
-# Names of the classes of the paddings of a scene.
-SHORT_NAMES = {
-    "ZeroPadding": "zero", "DuplicatedPadding": "duplicated", "Superposition": "superposed",
-    "CircularSuperposition": "circular", "ExactPeriodicity": "exact",
-}  # fmt: skip
-
-
 def padding_style(padding: str) -> dict[str, Any]:
     """Return colour and marker as keywords for matplotlib; a padding without a style is ochre."""
     name = padding_text(padding).partition(",")[0]
     return dict(PADDING_STYLES.get(name, {"color": "#E69F00", "marker": "D"}))
-
-
-def padding_text(value: object) -> str:
-    """Return the name of a padding of a scene as the report has it, such as "superposed, n = 6"; others as they are."""
-    name, _, images = str(value).partition("(images=")
-    short = SHORT_NAMES.get(name)
-    return str(value) if short is None else f"{short}, n = {images[:-1]}" if images else short
 
 
 def setting_label(dataset: xr.Dataset | xr.DataArray) -> str:

@@ -6,7 +6,8 @@ import numpy as np
 import xarray as xr
 
 from studies.model.drawing import CaptionedFigure, Table
-from studies.reference.line_contact import HAS_IMAGES, total_time
+from studies.reference.line_contact import total_time
+from studies.reference.paddings import HAS_IMAGES
 from studies.report.claims import Claim, drawing
 from studies.report.plots import Law, Plot
 from studies.report.style import (

@@ -1,4 +1,3 @@
-import os
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
@@ -109,18 +108,12 @@ def test_the_report_stands_alone_and_its_links_lead_somewhere(out: Path, text: s
 
 
 @pytest.mark.whole
-def test_the_claims_of_the_paper_stand_beside_its_figures_with_measured_numbers(text: str) -> None:
-    sections = dict(
-        re.findall(r'<section aria-labelledby="(.*?)">(.*?)</section>', text, re.DOTALL)
-    )
-    paper = sections.pop("paper")
-    claims = ("n ≥ 6 gives very similar results", "Independent of the domain extent")
-    for claim in claims:
-        assert claim in paper
-        assert not any(claim in other for other in sections.values())
+def test_the_claims_of_the_paper_stand_with_measured_numbers(text: str) -> None:
+    for claim in ("n ≥ 6 gives very similar results", "Independent of the domain extent"):
+        assert claim in text
     # beside the axis, near a^2 / (8 D^2) at D = L = 3 a and (6 + 1/2) L; the variation along the length with n = 1
     for shown in ("1.3\xa0%", "0.038\xa0%", "28\xa0%"):
-        assert shown in paper
+        assert shown in text
 
 
 @pytest.mark.whole
@@ -166,17 +159,7 @@ def test_a_chapter_is_run_with_a_line_a_study_and_later_drawn_by_itself(tmp_path
     examine(text, tmp_path, 4)
     pdfs = {file.name for file in tmp_path.rglob("*.pdf")}
     assert pdfs == {"reach.pdf", "over_period.pdf", "over_images.pdf"}
-    # nothing else is stored; then a page is drawn again where its data are newer
-    assert not report.write_outdated(tmp_path, [chapter], quiet)
     page = report.draw_and_write(chapter_of_study("period"), tmp_path)
-    assert not report.write_outdated(tmp_path, [], quiet)
-    xr.Dataset({"case_status": ("axis", [1])}).to_netcdf(tmp_path / "grid.nc")  # of other axes
-    newer = (tmp_path / "period.nc").stat().st_mtime - 10
-    for old in (page, tmp_path / "grid.html"):
-        old.write_text("old", encoding="utf-8")
-        os.utime(old, (newer, newer))
-    assert report.write_outdated(tmp_path, [], lines.append) == [page]
-    assert lines[-1].startswith("grid: its page is not drawn: File")
     assert "A chapter of" in page.read_text(encoding="utf-8")
 
 

@@ -1,0 +1,26 @@
+import numpy as np
+import pytest
+
+import contactstudy as cs
+from contactstudy.accuracy.discretisation.cells import contact_perimeter
+
+GRID = cs.Grid((4, 5), (4 * 2.0, 5 * 3.0))  # a cell is 2 m across and 3 m along
+
+EXACT, FREE = cs.ExactPeriodicity(), cs.ZeroPadding()
+
+
+@pytest.mark.parametrize(
+    ("paddings", "round_the_ends"),
+    [
+        (None, 0), ((FREE, FREE), 0), ((EXACT, FREE), 3), ((FREE, EXACT), 4), ((EXACT, EXACT), 7),
+        ((FREE, cs.DuplicatedPadding()), 4),
+    ],
+)  # fmt: skip
+def test_a_perimeter_counts_the_edges_of_cells_round_the_ends_that_repeat(
+    paddings: cs.Paddings | None, round_the_ends: float
+) -> None:
+    """Two cells in the corner, one behind the other along x, and one alone in the middle."""
+    touching = np.zeros(GRID.cells, dtype=bool)
+    touching[0, 0] = touching[1, 0] = touching[2, 3] = True
+    # along x an edge is 3 m: one behind the two, and two of the one; along y it is 2 m: two and two
+    assert contact_perimeter(touching, GRID, paddings) == 3 * 3 + 2 * 4 + round_the_ends

@@ -5,6 +5,7 @@ import re
 from collections.abc import Iterable, Iterator, Sequence, Sized
 from dataclasses import dataclass, field
 from itertools import chain, islice
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,6 +13,9 @@ from contactstudy import InvalidInput
 from contactstudy.domain.checks import suggestion
 from contactstudy.domain.device import available_bytes
 from studies.model.plain_text import is_storable, name_problem, shortened
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Value = str | int | float
 # largest difference of two equal numbers, relative to the axis' span and to the larger of them
@@ -129,6 +133,14 @@ class Axis:
                 f"Axis {self.name!r} has the value {shortened(value)}: give finite numbers."
             )
         return number
+
+    @property
+    def coordinate(self) -> "xr.Variable":
+        """Values with long name and units, as a Dataset has them; names have no units."""
+        import xarray as xr  # not where studies are only listed
+
+        units = {} if self.kind is str else {"units": self.units}
+        return xr.Variable((self.name,), list(self.values), {"long_name": self.long_name} | units)
 
     @property
     def kind(self) -> type:

@@ -96,7 +96,7 @@ def section(part: Part, dataset: xr.Dataset) -> Section:
         findings=drawing.findings(dataset),
         figures=shown,
         tables=drawing.tables(dataset)[: part.tables],
-        axes_text=axes_text(study, dataset),
+        axes_text=axes_text(dataset),
     )
 
 
@@ -188,16 +188,8 @@ def _made(datasets: Mapping[str, xr.Dataset]) -> Mapping[str, str]:
     """Return what the files of a page were made with, by name; several different texts side by side."""
     made = {"files": ", ".join(f"{name}.nc" for name in datasets)}
     names = (
-        "command",
-        "git_revision",
-        "source",
-        "transforms",
-        "python",
-        "platform",
-        "cpu",
-        "cpu_count",
-        "timing",
-    )
+        "command", "git_revision", "source", "transforms", "python", "platform", "cpu", "cpu_count", "timing",
+    )  # fmt: skip
     for name in names:
         key = "history" if name == "command" else name
         texts = [str(one.attrs[key]) for one in datasets.values() if key in one.attrs]
@@ -208,12 +200,12 @@ def _made(datasets: Mapping[str, xr.Dataset]) -> Mapping[str, str]:
     return made
 
 
-def axes_text(study: Study, dataset: xr.Dataset) -> str:
+def axes_text(dataset: xr.Dataset) -> str:
     """Return the axes with several values, in usual units, or the ends of more than ten; paddings are left out."""
     texts = []
-    for axis in study.axes:
-        coordinate = dataset[axis.name]
-        if coordinate.size < 2 or axis.name == "padding":  # the figures name all paddings
+    for name in dataset["case_status"].dims:
+        coordinate = dataset[name]
+        if coordinate.size < 2 or name == "padding":  # the figures name all paddings
             continue
         size, unit = 1.0, ""
         if coordinate.dtype.kind in "iuf":
@@ -226,7 +218,8 @@ def axes_text(study: Study, dataset: xr.Dataset) -> str:
         if len(values) > MAX_LISTED:
             text = f"{len(values)} values"
             text += f" from {values[0]} to {values[-1]}" * (coordinate.dtype.kind in "iuf")
-        texts.append(f"{axis.long_name.partition(' (')[0]}: {text} {unit}".rstrip())
+        long_name = str(coordinate.attrs.get("long_name", name)).partition(" (")[0]
+        texts.append(f"{long_name}: {text} {unit}".rstrip())
     return "; ".join(texts)
 
 

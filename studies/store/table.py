@@ -46,11 +46,7 @@ def assemble(
     numbers = [rows.setdefault(case, len(rows)) for case in table.keys]
     index = np.array(numbers, dtype=int).reshape(shape)
     outcomes = [outcome_of(case) for case in rows]
-    coords: dict[str, xr.Variable] = {}
-    for axis in table.axes:
-        units = {} if axis.kind is str else {"units": axis.units}
-        attrs = {"long_name": axis.long_name} | units
-        coords[axis.name] = xr.Variable((axis.name,), list(axis.values), attrs)
+    coords = {axis.name: axis.coordinate for axis in table.axes}
     data: dict[str, xr.Variable] = {}
     left_out: list[str] = []
     for name, variables in _chosen(outcomes, index.size, left_out):

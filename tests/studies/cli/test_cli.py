@@ -210,27 +210,17 @@ def test_there_are_eight_commands_with_forty_one_options_at_most() -> None:
     assert all(len(types) == 1 for types in kinds.values()), kinds
 
 
-@pytest.mark.parametrize("arguments", [["period", "--help"], ["--out", "here", "period", "-h"]])
-def test_help_on_a_study_lists_its_axes_with_their_values(arguments: list[str]) -> None:
-    shown = " ".join(said("run", *arguments).split())
-    assert "--workers" in shown
-    axes = shown.split("Axes of period: ")[1]
-    for axis in load("period").axes:
-        values = ", ".join(str(value) for value in axis.values)
-        assert f"--{axis.name} " in axes
-        assert f"{axis.long_name}. [default: {values}]" in axes
-
-
-def test_help_on_a_study_of_ones_own_has_its_units(tmp_path: Path) -> None:
+def test_help_on_a_study_lists_its_axes_with_their_values_and_units(tmp_path: Path) -> None:
+    for arguments in (["period", "--help"], ["--out", "here", "period", "-h"]):
+        axes = " ".join(said("run", *arguments).split()).split("Axes of period: ")[1]
+        for axis in load("period").axes:
+            values = ", ".join(str(value) for value in axis.values)
+            assert f"--{axis.name} " in axes
+            assert f"{axis.long_name}. [default: {values}]" in axes
     file = tmp_path / "mine.py"
     file.write_text(OWN.replace('"a number"', '"a number", "m"'), encoding="utf-8")
-    shown = said("run", file, "--help")
-    assert "--number COUNTS  a number [m].  [default: 1, 2]" in shown
-
-
-def test_help_without_a_study_lists_no_axes_and_with_a_wrong_one_says_which_is_meant() -> None:
-    for arguments in (["--help"], ["examples/oil.toml", "--help"]):
-        assert "Axes of" not in said("run", *arguments)
+    assert "--number COUNTS  a number [m].  [default: 1, 2]" in said("run", file, "--help")
+    assert "Axes of" not in said("run", "examples/oil.toml", "--help")
     with pytest.raises(InvalidInput, match="did you mean 'period'"):
         said("run", "peroid", "--help")
 
@@ -335,14 +325,15 @@ def test_a_scene_to_begin_with_solves(kind: str, tmp_path: Path) -> None:
     said("solve", tmp_path / "scene.toml", "--out", tmp_path)
 
 
-def test_no_file_is_replaced(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_scene_is_begun_by_a_known_name_and_replaces_no_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.chdir(tmp_path)
     said("new", "rough")
-    with pytest.raises(cs.InvalidInput, match="exists already: give another file"):
-        said("new", "rough")
-
-
-def test_another_kind_is_answered_with_a_known_one() -> None:
-    for words, remedy in ((["rollers"], "did you mean 'roller'"), ([], "choose from")):
+    for words, remedy in (
+        (["rough"], "exists already: give another file"),
+        (["rollers"], "did you mean 'roller'"),
+        ([], "choose from"),
+    ):
         with pytest.raises(cs.InvalidInput, match=remedy):
             said("new", *words)

@@ -29,16 +29,6 @@ def fork_of_c() -> None:
     ctypes.CDLL(None).fork()
 
 
-def fork_and_exit() -> None:
-    if os.fork() == 0:
-        sys.exit(0)
-
-
-def fork_in_a_session_of_its_own() -> None:
-    if os.fork() == 0:
-        os.setsid()
-
-
 def joined_process() -> None:
     process = multiprocessing.get_context("fork").Process(target=print)
     process.start()
@@ -52,8 +42,7 @@ def left_behind() -> None:
 FORKS = {
     one.__name__: one
     for one in (
-        fork, fork_of_c, fork_and_exit, fork_in_a_session_of_its_own,
-        joined_process, left_behind,
+        fork, fork_of_c, joined_process, left_behind,
     )
 }  # fmt: skip
 

@@ -116,13 +116,6 @@ def test_the_claims_of_the_paper_stand_with_measured_numbers(text: str) -> None:
         assert shown in text
 
 
-@pytest.mark.whole
-def test_two_paddings_are_enough_for_a_claim_of_the_paper(stored: Mapping[str, xr.Dataset]) -> None:
-    drawing = load_drawing("paper")
-    for paddings, count in ((["duplicated", "superposed"], 1), (["duplicated", "exact"], 0)):
-        assert len(drawing.findings(stored["paper"].sel(padding=paddings))) == count
-
-
 @pytest.mark.parametrize(
     ("names", "pages"),
     [

@@ -15,7 +15,7 @@ from contactstudy import InvalidInput
 from studies.model.outcome import CaseStatus, Failure, Outcome, TimedRun
 from studies.store.journal import FORMAT, Journal, decoded_variable, encoded, encoded_variable
 
-SAMPLE = TimedRun(1.0, 2.0, 0.5, 1.5, 0.1)
+SAMPLE = TimedRun(1.0, 2.0, 0.5, 1.5)
 FIRST = {"point": {"number": 1}, "program": "p", "fields": {}}
 
 

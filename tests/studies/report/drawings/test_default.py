@@ -88,23 +88,6 @@ def test_a_caption_says_what_has_no_figure() -> None:
     assert "more" not in one.caption
 
 
-@pytest.mark.parametrize(
-    ("axis", "notes", "is_said"),
-    [
-        ("rms", "", True),
-        ("rms", "along rms: load.per_length = 1e4, 2e4", False),
-        ("load_per_length", "", False),
-        ("load_case", "", False),
-    ],
-)
-def test_a_caption_says_the_load_that_is_the_same_at_all_points(
-    axis: str, notes: str, *, is_said: bool
-) -> None:
-    text = {"scene": '[load]\nper_length = "50 N/mm"\n', "notes": notes}
-    [drawn] = figures(numbered_ok({axis: [1.0, 2.0]}, "approach").assign_attrs(text))
-    assert ("load per length 50 N/mm" in drawn.caption) is is_said
-
-
 def test_a_median_of_samples_says_of_how_many_it_is() -> None:
     dataset = numbered_ok({"rms": RMS, "seed": [1, 2, 3]}, "approach")
     dataset["approach"][0, 1] = np.nan
@@ -124,12 +107,6 @@ def test_maps_show_a_measure_over_two_axes() -> None:
     # a row of names is no map
     named = axes_text({"padding": ["exact", "zero"], "load_per_length": LOADS})
     assert figures(named, "maps")[0].name == "curves"
-    # long names are cut with a mark
-    axis = ("hardness", ["2000000000", "x" * 40])
-    [ax, *_] = figures(axes_text({"hardness": ["a", "b"]}).assign_coords(hardness=axis))[
-        0
-    ].figure.axes
-    assert [text.get_text() for text in ax.get_xticklabels()] == ["2000000000", "x" * 30 + " ..."]
 
 
 def test_times_are_drawn_where_there_is_nothing_else_and_without_measures_nothing() -> None:

@@ -84,6 +84,7 @@ from .scene.solids.bodies import Body, HalfSpace
 from .scene.solids.coated import CoatedHalfSpace
 from .scene.solids.elastic_plastic import ElasticPlasticHalfSpace
 from .scene.solids.free_faces import FreeFaces
+from .scene.solids.hardness_profile import HardnessProfile
 from .scene.solids.viscoelastic import ViscoelasticHalfSpace
 from .scene.stress import SubsurfaceStress
 from .scene.surfaces.measured_surface import MeasuredSurface
@@ -159,6 +160,7 @@ __all__ = [
     "Groove",
     "HalfSpace",
     "HardnessLimited",
+    "HardnessProfile",
     "HarmonicFill",
     "InvalidInput",
     "Iterate",

@@ -91,6 +91,7 @@ def stress_errors(
     depths: Array,
     estimate: ErrorEstimate,
     coarse: Solution | None,
+    weights: Array | None = None,
 ) -> tuple[ErrorParts, ErrorParts]:
     """Return the relative errors of the largest von Mises stress at some depths, and of its depth.
 
@@ -115,7 +116,11 @@ def stress_errors(
         Errors of its pressure.
     coarse
         The same contact on cells of twice the size; None where there is none.
+    weights
+        Factor on the stress at each depth (z,), such as one over the yield stress; None for 1.
     """
+    weights = np.ones(len(depths)) if weights is None else weights
+    von_mises = von_mises * weights[:, None, None]
     if has_isolated_cells(solution):
         no_bound = ErrorParts(discretisation=inf, reason=TOO_FEW_CELLS)
         return no_bound, no_bound
@@ -133,8 +138,9 @@ def stress_errors(
         assert solution.problem.paddings is not None
         every_image = with_all_images(solution.problem.paddings)
         whole = [_largest_at(solution, float(depth), solution, every_image) for depth in depths]
-        images += float(np.abs(whole - largest).max()) / peak
-    change = abs(_largest_at(solution, float(depths[level]), coarse) / peak - 1)
+        images += float(np.abs(weights * whole - largest).max()) / peak
+    on_coarse = _largest_at(solution, float(depths[level]), coarse)
+    change = abs(weights[level] * on_coarse / peak - 1)
     source, at_end = solution.problem.source, estimate.peak_pressure
     if source is not None and source.ends_along and at_end is not None:
         change *= SHARP_END_MARGIN if at_end.discretisation == inf else 1.0

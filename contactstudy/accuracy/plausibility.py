@@ -82,8 +82,8 @@ def beyond_strength(solution: Solution) -> str:
                 f"The peak pressure of {peak / 1e9:.3g} GPa is {peak / limit:.2g} times the hardness of "
                 f"Scene.solids[{number}], {limit / 1e9:.3g} GPa: give Scene.hardness, or a body that yields."
             )
-        if is_layered(body):
-            if said := _beyond_coated_strength(solution, number, body):
+        if is_layered(body) or getattr(body, "hardness_profile", None) is not None:
+            if said := _beyond_varying_strength(solution, number, body):
                 return said
             continue
         if not isinstance(body, HalfSpace) or isinf(body.yield_stress):
@@ -116,14 +116,15 @@ def _load_of_peak(pressure: float, radius: float, solids: tuple[Body, ...]) -> f
     return pi * radius * pressure**2 / modulus
 
 
-def _beyond_coated_strength(solution: Solution, number: int, body: Any) -> str:
-    """Return a sentence if a layer or the substrate is beyond its yield stress or hardness, or ``""``.
+def _beyond_varying_strength(solution: Solution, number: int, body: Any) -> str:
+    """Return a sentence if a body whose strength varies with depth is beyond its yield stress or hardness, or ``""``.
 
     The stress is that at the surface, in the middle of each layer, on both sides of its lower interface, and where that
-    in a half-space is largest. The pressure on what is below a layer is compared with its hardness.
+    in a half-space is largest; of a hardness profile, at depths up to those of its points. The pressure on what is below
+    a layer is compared with its hardness.
     """
-    (_, *lower), name = body.parts.values(), f"Scene.solids[{number}]"
-    if all(isinf(min(one.yield_stress, one.hardness)) for _, one, *_ in body.parts.values()):
+    parts, name = list(getattr(body, "parts", {}).values()), f"Scene.solids[{number}]"
+    if parts and all(isinf(min(one.yield_stress, one.hardness)) for _, one, *_ in parts):
         return ""
     from contactstudy.scene.stress import (
         SubsurfaceStress,
@@ -134,16 +135,18 @@ def _beyond_coated_strength(solution: Solution, number: int, body: Any) -> str:
     assert problem.paddings is not None
     width = np.count_nonzero(solution.pressure.any(axis=1)) * problem.grid.cell_size[0]
     found = {0.0}
-    for _, _, top, bottom in list(body.parts.values())[:-1]:
+    if not parts:
+        found |= {0.1 * width, 0.2 * width, 0.7 * width, width, *body.hardness_profile.points[0]}
+    for _, _, top, bottom in parts[:-1]:
         found |= {(top + bottom) / 2, bottom, bottom * BELOW_INTERFACE}
-    depths = tuple(sorted({*found, max(*found, 0.35 * width)}))
+    depths = tuple(sorted({*found, max(*found, 0.35 * width) if parts else 0.35 * width}))
     # neighbours hardly matter at these depths, and each image of a window takes a second
     paddings = problem.paddings[0], ExactPeriodicity()
     operator = SubsurfaceStress(depths, number).of((body, body), problem.grid, paddings)
     if solution.traction is not None:
         operator = operator.with_shear(solution.traction.shear)
     stress = operator(solution.net_pressure)
-    for said, material, top, _ in lower:
+    for said, material, top, _ in parts[1:]:
         pressed = -float(stress[2, depths.index(top * BELOW_INTERFACE)].min())
         if pressed > (hardness := material.hardness):
             return (
@@ -156,11 +159,12 @@ def _beyond_coated_strength(solution: Solution, number: int, body: Any) -> str:
 
 @dataclass(frozen=True)
 class YieldMargin:
-    """Yield stress over the largest von Mises stress [Pa], of the `part` of a body where that is least; or infinite."""
+    """Yield stress over the largest von Mises stress [Pa] at the `depth` [m] and `part` of a body where it is least."""
 
     ratio: float = inf
     von_mises: float = 0.0
     part: str = ""
+    depth: float = 0.0
 
     @property
     def sentence(self) -> str:
@@ -185,16 +189,30 @@ def yield_margin(body: Any, number: int, depths: Array, von_mises: Array) -> Yie
 
     The stress `von_mises` (z, x, y) [Pa] is that at `depths` (z,) [m]; a depth of the thickness is in the coating.
     """
-    name, least = f"Scene.solids[{number}]", YieldMargin()
-    parts: list[tuple[str, Any, float, float]] = [(name, body, 0.0, inf)]
+    largest, strength = von_mises.max(axis=(1, 2)), yield_stresses(body, depths)
+    ratios = np.divide(strength, largest, out=np.full(largest.shape, inf), where=largest > 0)
+    level = int(ratios.argmin())
+    if isinf(ratios[level]):
+        return YieldMargin()
+    depth, part = float(depths[level]), f"Scene.solids[{number}]"
+    for said, _, top, bottom in body.parts.values() if is_layered(body) else ():
+        if in_part(np.array(depth), top, bottom):
+            part = f"{said} of {part}"
+    return YieldMargin(float(ratios[level]), float(largest[level]), part, depth)
+
+
+def yield_stresses(body: Any, depths: Array) -> Array:
+    """Return the yield stress [Pa] of an elastic body at `depths` [m], infinite where it is not known."""
     if is_layered(body):
-        parts = [(f"{said} of {name}", *rest) for said, *rest in body.parts.values()]  # type: ignore[misc]
-    for part, material, top, bottom in parts:
-        largest = float(von_mises[in_part(depths, top, bottom)].max(initial=0.0))
-        if isinstance(material, HalfSpace) and largest:
-            found = YieldMargin(material.yield_stress / largest, largest, part)
-            least = min(least, found, key=lambda margin: margin.ratio)
-    return least
+        of_parts = (
+            np.where(in_part(depths, top, bottom), material.yield_stress, inf)
+            for _, material, top, bottom in body.parts.values()
+        )
+        return np.asarray(np.minimum.reduce(list(of_parts)))
+    if (profile := getattr(body, "hardness_profile", None)) is not None:
+        return np.asarray(profile.yield_stress(depths))
+    stress = body.yield_stress if isinstance(body, HalfSpace) else inf
+    return np.full(depths.shape, stress)
 
 
 def _slope(solution: Solution) -> float:

@@ -33,8 +33,8 @@ if TYPE_CHECKING:
 
 # Quantities of the stress in one body.
 OF_STRESS = (
-    "largest_von_mises", "largest_von_mises_depth", "safety_factor", "coating_von_mises", "substrate_von_mises",
-    "interface_shear",
+    "largest_von_mises", "largest_von_mises_depth", "safety_factor", "safety_factor_depth", "coating_von_mises",
+    "substrate_von_mises", "interface_shear",
 )  # fmt: skip
 
 
@@ -133,35 +133,38 @@ class Contact(Answer, Solution):
         largest, depth = stress_errors(self, stress, depths, estimate, coarse)
         scene = None if beyond_strength(self) else self.scene
         yields = "" if scene is None else stress_margin(scene, self.derived).sentence
-        of_coating = self._of_coating(estimate, coarse)
-        unresolved = of_coating["interface_shear"].reason if "interface_shear" in of_coating else ""
+        of_depths = self._of_depths(estimate, coarse)
+        unresolved = of_depths["interface_shear"].reason if "interface_shear" in of_depths else ""
         return replace(
             estimate,
             approach=approach,
             largest_von_mises=largest,
             largest_von_mises_depth=depth,
             warnings=(*filter(None, (yields, unresolved)), *warnings),
-            **of_coating,
+            **of_depths,
         )
 
-    def _of_coating(self, estimate: ErrorEstimate, coarse: Solution | None) -> dict[str, Any]:
-        """Return the errors of the largest stresses of a coated body, each as that of the whole; none of another."""
+    def _of_depths(self, estimate: ErrorEstimate, coarse: Solution | None) -> dict[str, Any]:
+        """Return the errors of what a body has at some depths: stresses of layers, safety where the strength varies."""
         from contactstudy.accuracy.approach_and_stress import (
             interface_error,
             interface_shear,
             stress_errors,
         )
+        from contactstudy.accuracy.plausibility import yield_stresses
 
         assert self.scene is not None
         body = next(
             self.scene.solids[out.body] for out in self.scene.outputs if hasattr(out, "body")
         )
-        if not is_layered(body):
-            return {}
         stress, depths, mises = (self.derived[name].values for name in ("stress", "z", "von_mises"))
         errors: dict[str, Any] = {}
         numbers: dict[str, ErrorParts] = {}
-        for name, (_, _, top, bottom) in body.parts.items():
+        strength = yield_stresses(body, depths)
+        if (least := strength.min()) < strength.max():
+            found = stress_errors(self, mises, depths, estimate, coarse, least / strength)
+            numbers["safety_factor"], numbers["safety_factor_depth"] = found
+        for name, (_, _, top, bottom) in (body.parts if is_layered(body) else {}).items():
             into = numbers if name.startswith("interlayer") else errors
             if (inside := in_part(depths, top, bottom)).any():
                 found = stress_errors(self, mises[inside], depths[inside], estimate, coarse)

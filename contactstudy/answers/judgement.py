@@ -11,7 +11,7 @@ from contactstudy.domain.grid import Grid
 from contactstudy.io.quantities.quantity import RELATIVE_TO_ZERO, Quantities, Quantity
 
 # Numbers that are known to the distance of depths, whatever the cells.
-OF_DEPTHS = ("largest_von_mises_depth",)
+OF_DEPTHS = ("largest_von_mises_depth", "safety_factor_depth")
 # Components, whose errors are relative to those of the whole.
 WHOLE = {"lateral_traction_coefficient": "traction_coefficient"}
 

@@ -24,6 +24,7 @@ from contactstudy.elasticity.kernels.stress_cell import COMPONENTS
 from contactstudy.elasticity.transforms import TRANSFORMS
 from contactstudy.problem.problem import Field, ResidualStress
 from contactstudy.scene.solids.bodies import Body, Homogeneous
+from contactstudy.scene.solids.hardness_profile import HardnessProfile
 from contactstudy.scene.solids.stress_model import HalfSpaceStress, HasStressModel, StressModel
 
 Z = {"axis": "Z", "positive": "down"}
@@ -31,6 +32,10 @@ Z = {"axis": "Z", "positive": "down"}
 AUTO = "auto"
 # Ratio of successive depths in the search for the largest stress, and then of depths around the best of these to it.
 COARSE_STEP, FINE_STEPS = 1.35, (1.1**-2, 1.1**-1, 1.1, 1.1**2)
+# Widths of the contact down to which the least safety is searched where the yield stress changes with depth.
+DEEPEST = 4.0
+# Factor on the stress at a depth.
+Weight = Callable[[float], float]
 # Largest number of values in the result for all chosen depths.
 MAX_VALUES = 2**25
 
@@ -100,7 +105,14 @@ class SubsurfaceStress:
             assert isinstance(body, Homogeneous)
             medium = HalfSpaceStress(body.poisson_ratio)
         depths = () if isinstance(self.depths, str) else self.depths
-        below = SubsurfaceStressOperator(grid, paddings, medium, depths, 1 - 2 * self.body)
+        below = SubsurfaceStressOperator(
+            grid,
+            paddings,
+            medium,
+            depths,
+            1 - 2 * self.body,
+            profile=getattr(body, "hardness_profile", None),
+        )
         if (length := getattr(body, "free_faces", inf)) == inf:
             return below
         if not isclose(length, grid.length):
@@ -137,6 +149,8 @@ class SubsurfaceStressOperator:
         Returns the residual stress of the body, None if it does not yield; or None.
     ended
         Coefficients of the body if it has free faces, else None.
+    profile
+        Yield stress by depth, over which the depths are searched as well; or None.
     """
 
     grid: Grid
@@ -147,6 +161,7 @@ class SubsurfaceStressOperator:
     shear: Array | None = None
     residual: Callable[[], ResidualStress | None] | None = None
     ended: FreeFaceCoefficients | None = None
+    profile: HardnessProfile | None = None
 
     def with_residual_stress(
         self, residual: Callable[[int, float], ResidualStress | None]
@@ -220,20 +235,27 @@ class SubsurfaceStressOperator:
     def searched_depths(self, width: float) -> list[float]:
         """Return the depths [m] from the surface to below a contact of this `width` [m] at which a search begins."""
         cell = min(self.grid.cell_size)
-        deepest = max(width, 2 * cell)
+        kinks = self.profile.points[0] if self.profile else ()
+        deepest = max(width, 2 * cell, min(max(kinks, default=0.0), DEEPEST * width))
         count = 2 + int(np.ceil(np.log(2 * deepest / cell) / np.log(COARSE_STEP)))
-        return [0.0, *np.geomspace(cell / 2, deepest, count).tolist(), *self.medium.faces]
+        return [
+            0.0,
+            *np.geomspace(cell / 2, deepest, count).tolist(),
+            *self.medium.faces,
+            *kinks[1:],
+        ]
 
     def count_searched(self, width: float) -> int:
         """Return the number of depths at which a search computes the stress under a contact of this `width` [m]."""
-        return len(self.searched_depths(width)) + len(FINE_STEPS)
+        fine = len(FINE_STEPS) * (2 if self.profile else 1)
+        return len(self.searched_depths(width)) + fine
 
     def at_chosen_depths(self, pressure: Array) -> dict[float, Array]:
         """Return the stress (component, x, y) by ascending depths [m] that include the largest von Mises stress, to 1 %.
 
         Near its maximum the stress changes slowly with depth, so that steps by a third find the neighbouring depths, and
         steps by a tenth between them the maximum. On a large grid only the depth of the maximum, those beside it and the
-        faces of an interface are returned.
+        faces of an interface are returned. The least safety is found likewise where the yield stress changes with depth.
         """
         rows = np.flatnonzero((pressure > 0).any(axis=1))
         width = (rows[-1] - rows[0] + 1) * self.grid.cell_size[0] if rows.size else 0.0
@@ -244,21 +266,28 @@ class SubsurfaceStressOperator:
         def at(depth: float) -> Array:
             return replace(self, depths=(depth,), residual=lambda: residual)(pressure)[:, 0]
 
-        def depth_of_largest(depths: Iterable[float]) -> float:
-            for depth in map(float, depths):
+        def depth_of_largest(depths: Iterable[float], weight: Weight) -> float:
+            for depth in {*map(float, depths)} - largest.keys():
                 stress[depth] = at(depth)
                 largest[depth] = float(von_mises(stress[depth]).max())
                 if (len(COMPONENTS) + 1) * len(stress) * pressure.size > MAX_VALUES:
                     del stress[depth]
-            return max(largest, key=largest.__getitem__)
+            return max(largest, key=lambda depth: largest[depth] * weight(depth))
 
-        best = depth_of_largest(self.searched_depths(width))
-        if best > 0:
-            best = depth_of_largest(best * factor for factor in FINE_STEPS)
+        weights: list[Weight] = [lambda _: 1.0]
+        if (profile := self.profile) is not None:
+            weights.append(lambda depth: float(1 / profile.yield_stress(np.array(depth))))
+        found = []
+        for weight in weights:
+            best = depth_of_largest(self.searched_depths(width), weight)
+            if best > 0:
+                best = depth_of_largest((best * factor for factor in FINE_STEPS), weight)
+            found.append(best)
         depths = sorted(largest)
         if len(stress) < len(depths):
-            nearest = depths.index(best)
-            depths = sorted({*depths[max(nearest - 1, 0) : nearest + 2], *self.medium.faces})
+            indices = [depths.index(best) for best in found]
+            near = {depth for n in indices for depth in depths[max(n - 1, 0) : n + 2]}
+            depths = sorted({*near, *self.medium.faces})
         return {depth: stress[depth] if depth in stress else at(depth) for depth in depths}
 
     def fields(self, pressure: Array) -> Mapping[str, Field]:

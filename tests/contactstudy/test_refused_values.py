@@ -19,6 +19,7 @@ SMOOTH = cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL), (cs.Cylinder(0.01),))
 GRID = cs.Grid((16, 8), (2e-4, 1e-4))
 HEIGHTS = np.random.default_rng(0).standard_normal(GRID.cells) * 1e-7
 YIELDING = cs.ElasticPlasticHalfSpace(2e11, 0.3, 1e9)
+CASE = cs.HardnessProfile(surface=7e9, core=3e9, case_depth=1e-3)
 COATED = cs.CoatedHalfSpace(cs.HalfSpace(250e9, 0.22), 2e-6, STEEL)
 ROUGH = cs.Roughness(rms=2e-7, hurst=0.8, roll_off=5e-5, cut_off=1e-5)
 DIMPLE, GROOVE = cs.Dimple(5e-6, 1e-4), cs.Groove(2e-6, 4e-5)
@@ -72,6 +73,16 @@ VALUES: list[tuple[str, Callable[[Any], object], list[Any]]] = [
     ("CoatedHalfSpace.thickness", field(COATED, "thickness"), [0.0, -1e-6, inf]),
     ("CoatedHalfSpace.coating", field(COATED, "coating"), [RIGID, 2e11, cs.FreeFaces(STEEL, 0.01)]),
     ("CoatedHalfSpace.substrate", field(COATED, "substrate"), ["steel"]),
+    ("HalfSpace.hardness_profile", field(STEEL, "hardness_profile"), [7e9]),
+    ("HardnessProfile.depths", lambda depths: cs.HardnessProfile(depths, (7e9, 3e9)), [(0, 0), (1e-4, 1e-3), (0,)]),
+    ("HardnessProfile.hardness", lambda hardness: cs.HardnessProfile((0,), (hardness,)), [0.0, inf]),
+    ("HardnessProfile", lambda case: cs.HardnessProfile(**case), [{}, {"surface": 7e9}, {"hardness": (7e9,)}]),
+    (
+        "HardnessProfile.surface",
+        lambda surface: cs.HardnessProfile(surface=surface, core=3e9, case_depth=1e-3),
+        [5e9],
+    ),
+    ("CoatedHalfSpace.coating", field(COATED, "coating"), [replace(STEEL, hardness_profile=CASE)]),
     (
         "CoatedHalfSpace.interlayers",
         lambda layer: replace(COATED, interlayers=(layer,)),

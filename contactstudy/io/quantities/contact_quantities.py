@@ -402,11 +402,17 @@ def stress_quantities(
     if least.ratio < inf:
         label = f"yield stress over von Mises stress in {least.part}{at_depths}"
         margin = Quantity(least.ratio, "1", label)
-        error = estimate.largest_von_mises
-        if error is not None and error.total < 1 and least.von_mises == largest:
+        varies = "safety_factor" in estimate.numbers
+        error = estimate.numbers["safety_factor"] if varies else estimate.largest_von_mises
+        if error is not None and error.total < 1:
             bound = margin.value * error.total / (1 - error.total)
             margin = replace(margin, bound=bound, reason="")
         quantities["safety_factor"] = margin
+        if varies:
+            depth = Quantity(least.depth, "m", f"depth of the least safety in {where}")
+            quantities["safety_factor_depth"] = with_bound(
+                depth, estimate.numbers["safety_factor_depth"], fallback_reasons
+            )
     return quantities | _of_coating(scene.solids[number], where, derived, axes, estimate)
 
 

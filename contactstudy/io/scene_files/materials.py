@@ -48,7 +48,7 @@ class Material:
     yield_stress: float = inf
     hardness: float = inf
 
-    def body_fields(self, kind: object = None) -> dict[str, float]:
+    def body_fields(self, kind: object = None) -> dict[str, Any]:
         """Return the fields of a body of this material, by name; `kind` is that of the body in a file."""
         elastic = {"youngs_modulus": self.youngs_modulus, "poisson_ratio": self.poisson_ratio}
         if kind == ElasticPlasticHalfSpace.__name__:

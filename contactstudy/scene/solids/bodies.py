@@ -15,6 +15,7 @@ from contactstudy.domain.checks import (
     check_fields,
     finite,
     in_range_or_infinite,
+    instance,
     suggest_fields,
 )
 from contactstudy.domain.fields import Array
@@ -26,6 +27,7 @@ from contactstudy.elasticity.coefficients import (
     FreeFaceCoefficients,
 )
 from contactstudy.scene.shapes.shape import Shape
+from contactstudy.scene.solids.hardness_profile import HardnessProfile
 
 if TYPE_CHECKING:
     from contactstudy.elasticity.tangential import ShearCompliance
@@ -84,6 +86,9 @@ class HalfSpace:
     thickness
         Thickness of the body [m], infinite if it is not known. It stays a half-space: an answer says by how much that is
         wrong for a contact of more than a quarter of this width.
+    hardness_profile
+        Yield stress by depth, in place of `yield_stress`, as of a case-hardened body; None for one at all depths. An
+        answer says where the safety against yield is least.
 
     Raises
     ------
@@ -97,8 +102,13 @@ class HalfSpace:
     hardness: Hardness = math.inf
     free_faces: Metres = math.inf
     thickness: Metres = math.inf
+    hardness_profile: HardnessProfile | None = None
 
     def __post_init__(self) -> None:
+        kind = HardnessProfile | None
+        instance(
+            "HalfSpace.hardness_profile", self.hardness_profile, kind, "give a HardnessProfile"
+        )
         modulus = "give a modulus above 0 Pa, or inf for a rigid body"
         stress = "give a stress above 0 Pa, or inf if it is not known"
         check_fields(

@@ -71,6 +71,10 @@ class CoatedHalfSpace:
                     f"{field} is {solid!r}: free faces of a coated body are not computed, leave free_faces out, or the "
                     "coating."
                 )
+            if solid.hardness_profile is not None:
+                raise InvalidInput(
+                    f"{field} has a hardness_profile, which is that of an uncoated body: give it a yield_stress."
+                )
             if name in names and math.isinf(solid.thickness):
                 raise InvalidInput(f"{field} is {solid!r}, without a thickness: give it one [m].")
             if name != "substrate" and math.isinf(solid.youngs_modulus):

@@ -184,3 +184,40 @@ def test_a_large_grid_keeps_the_depths_beside_the_largest_stress(
     contact = cs.solve(scene.problem(grid, cs.ExactPeriodicity()))
     assert contact.derived["von_mises"].values.max(axis=(1, 2)).argmax() == 1
     assert contact.quantities["largest_von_mises_depth"].bound > 0
+
+
+@pytest.mark.parametrize("sliding", [None, cs.Sliding(0.0)])
+@pytest.mark.parametrize(
+    "profile",
+    [
+        cs.HardnessProfile(surface="720 HV", core="350 HV", case_depth="0.15 mm"),
+        cs.HardnessProfile(("0 mm", "0.2 mm", "0.6 mm"), ("720 HV", "690 HV", "300 HV")),
+        cs.HardnessProfile((0.0, 1.5e-3), yield_stresses=(1.9e9, 0.4e9)),
+        cs.HardnessProfile((0.0, 2e-3, 2.1e-3), yield_stresses=(2e9, 2e9, 0.1e9)),
+    ],
+)
+def test_the_least_safety_of_a_case_is_that_of_the_stress_below_hertz(
+    profile: cs.HardnessProfile, sliding: cs.Sliding | None
+) -> None:
+    """By Johnson (1985), eqs. 4.46, at many depths on the axis, where the stress is largest."""
+    body = replace(STEEL, hardness_profile=profile)
+    scene = cs.Scene(
+        cs.LineLoad("800 N/mm"),
+        (body, STEEL),
+        (cs.Cylinder("10 mm"),),
+        friction=sliding,
+        outputs=(cs.SubsurfaceStress(),),
+    )
+    hertz, z = scene.hertz, np.geomspace(1e-6, 3e-3, 20001)
+    t = z / hertz.half_width
+    root = np.sqrt(1 + t * t)
+    across, down = 2 * t - (1 + 2 * t * t) / root, -1 / root
+    along = 0.3 * (across + down)
+    square = (across - down) ** 2 + (down - along) ** 2 + (along - across) ** 2
+    safety = profile.yield_stress(z) / (hertz.peak_pressure * np.sqrt(square / 2))
+    numbers = cs.solve(scene, error=0.02).quantities
+    found, depth = numbers["safety_factor"], numbers["safety_factor_depth"]
+    assert abs(found.value - safety.min()) <= found.bound < 0.1 * found.value
+    assert abs(depth.value - z[safety.argmin()]) <= depth.bound < 0.4 * depth.value
+    said = any("von Mises" in text for text in cs.solve(replace(scene, outputs=())).error.warnings)
+    assert said == (found.value < 1)

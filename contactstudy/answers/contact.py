@@ -288,7 +288,8 @@ class Contact(Answer, Solution):
         with needed_for("Contact.to_dataset"):
             from contactstudy.io.dataset import contact_dataset
 
-        return contact_dataset(self, self.error, self.quantities, self.derived)
+        dataset = contact_dataset(self, self.error, self.quantities, self.derived)
+        return dataset.assign_attrs(accuracy=self.accuracy)
 
     def plot(self, dataset: "xr.Dataset | None" = None) -> "Figure":
         """Return a picture of pressure, gap and stress as a matplotlib figure."""

@@ -288,6 +288,9 @@ class Evolution(Answer):
 
     def to_dataset(self) -> "xr.Dataset":
         """Return fields over (time, x, y) and quantities with units, long names, bounds and the scene."""
+        return self._labelled().assign_attrs(accuracy=self.accuracy)
+
+    def _labelled(self) -> "xr.Dataset":
         with needed_for("Evolution.to_dataset"):
             from contactstudy.io import evolution_dataset as labels
             from contactstudy.io.dataset import labelled

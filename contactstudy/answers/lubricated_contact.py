@@ -77,7 +77,8 @@ class LubricatedContact(Answer, FilmSolution):
         with needed_for("LubricatedContact.to_dataset"):
             from contactstudy.io.dataset import film_dataset
 
-        return film_dataset(self, self.error, self.quantities)
+        dataset = film_dataset(self, self.error, self.quantities)
+        return dataset if self.time is not None else dataset.assign_attrs(accuracy=self.accuracy)
 
     def plot(
         self,

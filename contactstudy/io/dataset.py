@@ -18,15 +18,19 @@ from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.errors import ErrorEstimate
 from contactstudy.domain.fields import Array
 from contactstudy.domain.version import VERSION
-from contactstudy.io.quantities.quantity import Quantities
+from contactstudy.io.quantities.quantity import Quantities, per_length, roller_length
 from contactstudy.io.scene_files.scene_writer import scene_text
 from contactstudy.problem.constraint import HardnessLimited
 from contactstudy.problem.problem import Field
 from contactstudy.scene.loads.constant_load import ConstantLoad
 from contactstudy.scene.loads.load_history import ChangingLoad
 from contactstudy.scene.scene import PosedScene
+from contactstudy.scene.shapes.profile import EndRelief, ProfilePoints
+from contactstudy.scene.shapes.roller import Crown, LundbergProfile
+from contactstudy.scene.shapes.tilt import Tilt
 from contactstudy.scene.shapes_source import with_extent_of
 from contactstudy.scene.surfaces.measured_surface import MeasuredSurface
+from contactstudy.solvers.friction.fretting import FrettingShear
 from contactstudy.solvers.friction.fretting_traction import FrettingTraction
 from contactstudy.solvers.friction.rolling_traction import RollingTraction
 from contactstudy.solvers.solution import (
@@ -40,6 +44,8 @@ if TYPE_CHECKING:
     from contactstudy.lubrication.lubricated_contact import FilmSolution
 
 X = {"units": "m", "axis": "X", "long_name": "position across the contact"}
+# Shapes that drop along a roller.
+PROFILES = (Crown, LundbergProfile, EndRelief, ProfilePoints, Tilt)
 Y = {"units": "m", "axis": "Y", "long_name": "position along the contact"}
 
 
@@ -134,8 +140,36 @@ def contact_dataset(
         if scene.adhesion is None and isinstance(scene.load, ConstantLoad | ChangingLoad):
             dataset = dataset.assign(_hertz(scene.hertz))
         dataset.attrs |= scene_attributes(description)
+        dataset = dataset.assign(_profile(description) | _fretting_loop(solution, description))
     dataset = dataset.assign({name: field_variable(field) for name, field in derived.items()})
     return with_quantities(_with_errors(dataset, error), quantities)
+
+
+def _profile(posed: PosedScene) -> dict[str, xr.Variable]:
+    """Return the drop of profiles, crowns and tilt along a roller; empty for a scene without."""
+    length, grid = posed.scene.roller_length, posed.grid
+    drops = [shape.gap(grid) for shape in posed.scene.shapes if isinstance(shape, PROFILES)]
+    along = [drop[0] for drop in drops if drop.shape[0] == 1]
+    if not along or length is None:
+        return {}
+    drop = np.sum(along, axis=0) * np.ones(grid.cells[1])
+    drop = np.where(np.abs(grid.y) <= length / 2, drop - drop.min(), np.nan)
+    return {"drop": labelled("y", drop, "m", "drop of the profile along the roller")}
+
+
+def _fretting_loop(solution: Solution, posed: PosedScene) -> dict[str, xr.Variable]:
+    """Return the loop of force over displacement of a contact that frets; empty for another."""
+    friction = solution.problem.friction
+    if not isinstance(friction, FrettingShear):
+        return {}
+    forces, displacements, slips = friction.loop(solution)
+    of_one = per_length(1.0, "N", "tangential force", roller_length(posed), posed.grid.length)
+    slid = "rigid-body displacement of the second against the first body"
+    return {
+        "loop_force": labelled("loop", forces * of_one.value, of_one.unit, of_one.label),
+        "loop_displacement": labelled("loop", displacements, "m", slid),
+        "loop_slip": labelled("loop", slips, "m", f"{slid}, less that of full stick"),
+    }
 
 
 def with_quantities(dataset: xr.Dataset, quantities: Quantities) -> xr.Dataset:

@@ -1,7 +1,6 @@
 """Pictures of one contact, and of two beside each other."""
 
 from collections.abc import Sequence
-from textwrap import fill
 from typing import Any
 
 import matplotlib as mpl
@@ -16,6 +15,7 @@ from contactstudy.io.pictures.figure import (
     LAW_STYLE,
     SETTINGS,
     add_legend,
+    finish,
     in_display_unit,
     name_axes,
     panels,
@@ -24,7 +24,9 @@ from contactstudy.io.pictures.interference import interference_colours
 
 # Half-width of an interferogram in Hertz's half-widths.
 INTERFEROGRAM = 2.0
-WARNING_WIDTH = 70  # letters over one panel
+# Fraction of half a roller's length that is drawn at each end, and half-width of a film in Hertz's half-widths.
+OF_LENGTH, FILM_WIDTH = 0.4, 2.0
+TEMPERATURE: dict[str, Any] = {"color": "#CC79A7"}
 PRESSURE: dict[str, Any] = {"color": "#0072B2"}
 GAP: dict[str, Any] = {"color": "#009E73"}
 STRESS: dict[str, Any] = {"color": "#D55E00"}
@@ -34,17 +36,15 @@ def contact_picture(dataset: xr.Dataset) -> Figure:
     """Draw a contact as its dataset labels it: pressure, cross-sections, gap and stress."""
     plane_strain = dataset.sizes["y"] == 1
     drawn = [_across, _gap] if plane_strain else [_map, _along, _across, _gap]
-    drawers = {"shear_x": _shear, "von_mises": _stress}
+    drawers = {
+        "drop": _ends, "shear_x": _shear, "loop_force": _fretting_loop, "von_mises": _stress,
+    }  # fmt: skip
     drawn += [draw for name, draw in drawers.items() if name in dataset]
     with mpl.rc_context(SETTINGS):
         figure, axes = panels(len(drawn), columns=2 if len(drawn) < 5 else 3, width=4.6, height=3.4)
         for draw, ax in zip(drawn, axes, strict=True):
             draw(ax, dataset)
-        add_legend(figure)
-        if "warnings" in dataset.attrs:
-            warning = fill(str(dataset.attrs["warnings"]), WARNING_WIDTH * min(len(drawn), 2))
-            figure.suptitle(f"warning: {warning}", color=STRESS["color"], fontsize="small")
-    return figure
+        return finish(figure, dataset)
 
 
 def _map(ax: Axes, dataset: xr.Dataset) -> None:
@@ -100,10 +100,44 @@ def _shear(ax: Axes, dataset: xr.Dataset) -> None:
     x, across = in_display_unit(dataset["x"], "m", "across")
     middle = dataset.isel(y=dataset.sizes["y"] // 2)
     scale, unit = display_unit_of(abs(middle["shear_x"]) + abs(middle["shear_y"]), "Pa")
-    for name, direction, style in (("shear_x", "across", PRESSURE), ("shear_y", "along", GAP)):
+    for name, direction, style in (
+        ("shear_x", "traction across", STRESS),
+        ("shear_y", "traction along", GAP),
+    ):
         if middle[name].any():
             ax.plot(x, middle[name] / scale, label=direction, **style)
     name_axes(ax, across, f"traction [{unit}]", "tangential traction in the middle")
+
+
+def _ends(ax: Axes, dataset: xr.Dataset) -> None:
+    """Draw the largest pressure across, and the drop, against the distance from the end of a roller."""
+    drop = dataset["drop"].dropna("y")
+    y = drop["y"]
+    middle, half = float(y[[0, -1]].mean()), float(y[-1] - y[0]) * (0.5 + 0.5 / max(len(y) - 1, 1))
+    pressure, up = in_display_unit(dataset["pressure"].max("x").sel(y=y), "Pa", "pressure")
+    depth, down = in_display_unit(drop, "m", "drop")
+    beside = ax.twinx()
+    symmetric = np.allclose(pressure, pressure[::-1], atol=1e-3 * float(pressure.max()))
+    for side, style in ((1, "-"), (-1, "--"))[: 1 if symmetric else 2]:
+        shown = side * (y - middle) >= (1 - OF_LENGTH) * half
+        distance, along = in_display_unit((half - side * (y - middle))[shown], "m", "from the end")
+        end = "" if symmetric else f"end at {'larger' if side > 0 else 'smaller'} y"
+        ax.plot(distance, pressure[shown], style, label=end, color=PRESSURE["color"])
+        beside.plot(distance, depth[shown], style, color=STRESS["color"])
+    name_axes(ax, along, up, "at the ends")
+    ax.yaxis.label.set_color(PRESSURE["color"])
+    beside.set_ylabel(down, color=STRESS["color"])
+    beside.spines["right"].set_visible(True)
+    beside.invert_yaxis()
+    beside.grid(visible=False)
+
+
+def _fretting_loop(ax: Axes, dataset: xr.Dataset) -> None:
+    slid, across = in_display_unit(dataset["loop_slip"], "m", "slip")
+    unit = dataset["loop_force"].attrs["units"]
+    force, up = in_display_unit(dataset["loop_force"], unit, "tangential force")
+    ax.plot(slid, force, ".-", **PRESSURE)
+    name_axes(ax, across, up, "loop of a cycle")
 
 
 def _stress(ax: Axes, dataset: xr.Dataset) -> None:
@@ -168,7 +202,7 @@ def film_picture(
     mapped = interference or contact.sizes["y"] > 1
     with mpl.rc_context(SETTINGS):
         figure, axes = panels(3 if mapped else 2, columns=3, width=4.6, height=3.4)
-        _across(axes[0], contact)
+        _film(axes[0], contact)
         x, across = in_display_unit(contact["x"], "m", "across")
         film, up = in_display_unit(contact["film"].isel(y=contact.sizes["y"] // 2), "m", "film")
         axes[1].semilogy(x, film, **GAP)
@@ -177,8 +211,35 @@ def film_picture(
             _interferogram(axes[2], contact, refractive_index, wavelengths)
         elif mapped:
             _map(axes[2], contact)
-        add_legend(figure)
-    return figure
+        return finish(figure, contact)
+
+
+def _film(ax: Axes, contact: xr.Dataset) -> None:
+    """Draw pressure, film and temperature across the middle of a film, each on a scale of its own."""
+    middle = contact.isel(y=contact.sizes["y"] // 2)
+    reach = FILM_WIDTH * float(contact["hertz_half_width"])
+    inside = middle.sel(x=slice(-reach, reach))
+    _across(ax, contact.sel(x=slice(-reach, reach)))
+    ax.yaxis.label.set_color(PRESSURE["color"])
+    scales = [("film", "m", "film", GAP)]
+    if "film_temperature_rise" in contact:
+        scales.append(("film_temperature_rise", "K", "temperature rise", TEMPERATURE))
+    x, _ = in_display_unit(inside["x"], "m", "across")
+    for number, (name, unit, label, style) in enumerate(scales):
+        beside = ax.twinx()
+        # in the unit of the film in the contact, which is hundreds of times as thick beside it
+        shown = (
+            inside[name].where(inside["film"] < 8 * inside["film"].min())
+            if name == "film"
+            else inside[name]
+        )
+        values, up = in_display_unit(shown, unit, label)
+        beside.plot(x, values, label=label, **style)
+        beside.set_ylim(bottom=0)
+        beside.set_ylabel(up, color=style["color"])
+        beside.spines["right"].set(visible=True, position=("axes", 1 + 0.2 * number))
+        beside.grid(visible=False)
+    ax.set_title("pressure and film" if len(scales) == 1 else "pressure, film and temperature")
 
 
 def _interferogram(

@@ -13,7 +13,7 @@ from contactstudy.domain.units import display_unit_of, readable
 from contactstudy.io.pictures.figure import (
     LAW_STYLE,
     SETTINGS,
-    add_legend,
+    finish,
     in_display_unit,
     name_axes,
     panels,
@@ -50,7 +50,7 @@ def evolution_picture(evolved: xr.Dataset) -> Figure:
         figure, axes = panels(len(drawn), columns=2, width=5.4, height=3.4)
         for draw, ax in zip(drawn, axes, strict=True):
             draw(ax, evolved)
-    return figure
+        return finish(figure, evolved)
 
 
 def film_evolution_picture(evolved: xr.Dataset) -> Figure:
@@ -80,8 +80,7 @@ def film_evolution_picture(evolved: xr.Dataset) -> Figure:
             label = evolved[name].attrs["long_name"]
             axes[3].plot(evolved["time"], evolved[name] / film[0], color=color, label=label)
         axes[3].set(xlabel="time [s]", ylabel=f"film [{film[1]}]")
-        axes[3].legend(loc="upper center", bbox_to_anchor=(0.5, -0.2))
-    return figure
+        return finish(figure, evolved)
 
 
 def passes_picture(rolled: xr.Dataset) -> Figure:
@@ -106,8 +105,7 @@ def passes_picture(rolled: xr.Dataset) -> Figure:
         for ax in axes:
             ax.set(ylabel=down)
             ax.invert_yaxis()
-        add_legend(figure)
-    return figure
+        return finish(figure, rolled)
 
 
 def _lines(ax: Axes, evolved: xr.Dataset, name: str, scale: tuple[float, str]) -> None:

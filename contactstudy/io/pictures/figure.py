@@ -2,6 +2,7 @@
 
 from io import BytesIO
 from math import floor, log10
+from textwrap import fill
 from typing import Any, Literal
 
 import xarray as xr
@@ -78,9 +79,9 @@ def name_axes(ax: Axes, across: str, up: str, title: str) -> None:
     ax.set(xlabel=across, ylabel=up, title=title)
 
 
-def number_text(value: float) -> str:
-    """Return a number for an axis: as it is from 0.001 to 10000, else with a power of ten."""
-    if value == 0 or 1e-3 <= abs(value) < 1e5:
+def number_text(value: float, *others: float) -> str:
+    """Return a number for an axis: as it is if it and all `others` there are from 0.001 to 10000, else as a power."""
+    if value == 0 or all(1e-3 <= abs(number) < 1e5 for number in (value, *others)):
         return f"{value:g}"
     exponent = floor(log10(abs(value)) + 1e-9)
     digits = f"{value / 10.0**exponent:.3g}"
@@ -99,7 +100,11 @@ def label_logarithmic(axis: Axis) -> None:
     if isinstance(axis.get_minor_locator(), NullLocator):
         return
     own = axis.get_major_formatter()
-    text = own if isinstance(own, FuncFormatter) else FuncFormatter(lambda x, _: number_text(x))
+    text = (
+        own
+        if isinstance(own, FuncFormatter)
+        else FuncFormatter(lambda x, _: number_text(x, low, high))
+    )
     axis.set_major_formatter(text)
     if high < 5 * low:
         axis.set_major_locator(MaxNLocator(4, steps=[1, 2, 5, 10]))
@@ -114,21 +119,40 @@ def label_logarithmic(axis: Axis) -> None:
 LEGEND_WIDTH = 5.4  # [in], which a telephone shows of a figure without scrolling
 
 
-def add_legend(figure: Figure) -> None:
-    """Add one legend for all panels below them, at the left, and label logarithmic axes."""
+def label_axes(figure: Figure) -> None:
+    """Label all logarithmic axes in one way."""
+    for axis in (axis for ax in figure.axes for axis in (ax.xaxis, ax.yaxis)):
+        if axis.get_scale() == "log":
+            label_logarithmic(axis)
+        elif axis.get_scale() == "symlog":
+            axis.set_major_formatter(lambda value, _: number_text(value))
+
+
+def finish(figure: Figure, dataset: xr.Dataset) -> Figure:
+    """Return a figure with its legend, its warnings above, and below what error was asked and is met."""
+    letters = int(14 * figure.get_figwidth())
+    add_legend(figure, fill(str(dataset.attrs.get("accuracy", "")), letters))
+    if "warnings" in dataset.attrs:
+        warning = fill(f"warning: {dataset.attrs['warnings']}", letters)
+        figure.suptitle(warning, color="#D55E00", fontsize="small")
+    return figure
+
+
+def add_legend(figure: Figure, title: str = "") -> None:
+    """Add one legend with a `title` for all panels below them, at the left, and label logarithmic axes."""
+    label_axes(figure)
     entries: dict[str, Any] = {}
-    for ax in figure.axes:
-        for axis in (ax.xaxis, ax.yaxis):
-            if axis.get_scale() == "log":
-                label_logarithmic(axis)
-            elif axis.get_scale() == "symlog":
-                axis.set_major_formatter(lambda value, _: number_text(value))
+    for ax in (ax for ax in figure.axes if ax.get_legend() is None):
         for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
             entries.setdefault(label, handle)
     if not entries:
+        figure.supxlabel(title, fontsize="small", x=0.01, ha="left")
         return
     width = max(1.3, 0.55 + 0.065 * max(map(len, entries)))  # of an entry [in]
     rows = -(-len(entries) // max(1, int(min(figure.get_figwidth(), LEGEND_WIDTH) / width)))
     columns = -(-len(entries) // rows)
     figure.set_figheight(figure.get_figheight() + 0.2 * (rows - 1))
-    figure.legend(entries.values(), entries.keys(), loc="outside lower left", ncols=columns)
+    style = {"title": title or None, "title_fontsize": "small", "alignment": "left"}
+    figure.legend(
+        entries.values(), entries.keys(), loc="outside lower left", ncols=columns, **style
+    )

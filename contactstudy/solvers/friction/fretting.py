@@ -21,6 +21,8 @@ from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Difference of two forces over the largest one within which they count as the same.
 SAME_FORCE = 1e-9
+# Points of a loop between two forces, the tolerance to which they are solved, and the factor on friction to stick.
+LOOP_POINTS, LOOP_TOLERANCE, STICKING = 8, 1e-6, 1e3
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,6 +87,34 @@ class FrettingShear:
         return with_traction(
             normal, worst(statuses), residual, applications, 2.0 * applications, traction
         )
+
+    def loop(self, solution: Solution) -> tuple[Array, Array, Array]:
+        """Return forces along x [N], rigid displacements [m] and slip [m] along the last whole cycle, or the history.
+
+        Each point between two forces is solved from the traction after the first of them. The slip is the displacement
+        less that of a contact which sticks all over; the area of both loops is the energy lost.
+        """
+        traction, problem = solution.traction, solution.problem
+        assert isinstance(traction, FrettingTraction)
+        limit = self.coefficient * solution.pressure
+        rigid, forces = traction.rigid_displacement, traction.forces
+        start, end = traction.cycle or (0, len(forces) - 1)
+        points = [(forces[start], rigid[start])]
+        for step in range(start, end):
+            shear = traction.shears[step - 1] if step else np.zeros_like(traction.shear)
+            for force in np.linspace(forces[step], forces[step + 1], LOOP_POINTS + 1)[1:-1]:
+                total = np.array([force / problem.grid.cell_area, 0.0])
+                found = slip_step(self.response, limit, shear, LOOP_TOLERANCE, 1000, total=total)
+                points.append((force, rigid[step] + float(found.rigid[0])))
+            points.append((forces[step + 1], rigid[step + 1]))
+        forces, rigid = np.transpose(points)
+        slip, largest = np.zeros_like(rigid), float(np.abs(forces).max())
+        if largest:
+            total = np.array([largest / problem.grid.cell_area, 0.0])
+            at_rest, sticking = np.zeros_like(traction.shear), STICKING * limit
+            stuck = slip_step(self.response, sticking, at_rest, LOOP_TOLERANCE, 1000, total=total)
+            slip = rigid - forces / largest * float(stuck.rigid[0])
+        return forces, rigid, slip
 
 
 def _last_cycle(forces: Sequence[float]) -> tuple[int, int] | None:

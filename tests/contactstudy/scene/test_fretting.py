@@ -3,6 +3,7 @@ from math import log, pi
 
 import numpy as np
 import pytest
+from scipy.integrate import simpson
 
 import contactstudy as cs
 from tests.conftest import STEEL
@@ -49,6 +50,21 @@ def test_shear_on_the_way_down_is_mindlin_and_deresiewicz() -> None:
             sampled = np.interp((0, 0.5, 0.7, 0.9), STRIP.x, shear[0, :, 0] / (MU * P0))
             errors.append(np.abs(sampled - values).mean())
     assert np.mean(errors) < 1e-3
+
+
+def test_the_loop_is_that_of_masing_s_rule_and_its_area_the_energy() -> None:
+    force = 0.6 * MU
+    dataset = fretted(cs.Fretting.cycle(MU, force)).to_dataset()
+    forces, slips = dataset["loop_force"].values, dataset["loop_slip"].values
+    displacements = dataset["loop_displacement"].values
+    assert forces[[0, len(forces) // 2, -1]] == pytest.approx([force, -force, force])
+    # back from the reversal as on the first way, at twice the scale
+    first = fretted(cs.Fretting(MU, ((force - forces[3]) / 2,))).traction.rigid_displacement[-1]
+    assert displacements[0] - displacements[3] == pytest.approx(2 * first, rel=1e-5)
+    for along in (slips, displacements):  # by Simpson's rule on each way, rough beside the reversal
+        area = sum(simpson(forces[part], along[part]) for part in (slice(9), slice(8, None)))
+        assert abs(area) == pytest.approx(energy_per_cycle(0.6), rel=2e-2)
+    assert np.ptp(slips) < 0.3 * np.ptp(displacements)
 
 
 @pytest.mark.parametrize("fraction", [0.3, 0.6, 0.9])

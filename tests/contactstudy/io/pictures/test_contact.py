@@ -2,7 +2,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from contactstudy.io.pictures.contact import contact_picture
+import contactstudy as cs
+from contactstudy.io.pictures.contact import contact_picture, film_picture
+from contactstudy.io.pictures.figure import label_axes, panels
 
 X = np.array([-1e-4, 0.0, 1e-4])
 Y = np.array([0.0, 1e-3, 2e-3, 3e-3])
@@ -69,3 +71,62 @@ def test_stress_is_drawn_over_depth_or_across_at_a_single_depth() -> None:
     assert list(bond.get_ydata()) == pytest.approx([10, 10])
     single = contact_picture(stressed.isel(z=[1])).axes[4]
     assert single.lines[0].get_xydata() == pytest.approx(np.transpose([X * 1e6, [15, 19, 23]]))
+
+
+def test_the_drop_is_drawn_beside_the_pressure_at_the_ends_and_what_was_met_below() -> None:
+    solids = (cs.HalfSpace(210e9, 0.3),) * 2
+    crown = cs.Crown.of_drop(2e-6, 8e-3)
+    shapes = (cs.Cylinder(5e-3), crown, cs.FiniteLength(8e-3))
+    scene = cs.Scene(cs.LineLoad(1e5), solids, shapes)
+    found = cs.solve(scene, cs.Grid((24, 40), (4e-4, 1e-2)), cs.ZeroPadding())
+    dataset = found.to_dataset()
+    on_roller = abs(found.grid.y) < 4e-3
+    drop = crown.gap(found.grid)[0] - crown.gap(found.grid).min()
+    np.testing.assert_allclose(dataset["drop"][on_roller], drop[on_roller])
+    assert np.isnan(dataset["drop"][~on_roller]).all()
+    figure = found.plot(dataset)
+    ax = next(ax for ax in figure.axes if ax.get_title() == "at the ends")
+    beside = next(ax for ax in figure.axes if ax.get_ylabel() == "drop [µm]")
+    (pressure,), (dropped,) = ax.get_lines(), beside.get_lines()
+    assert min(pressure.get_xdata()) == pytest.approx(0.125)  # mm from the end, half a cell
+    assert max(pressure.get_ydata()) == pytest.approx(found.pressure[:, 30].max() / 1e6, rel=0.3)
+    assert max(dropped.get_ydata()) == pytest.approx(1e6 * drop[on_roller].max())
+    (legend,) = figure.legends
+    assert "".join(legend.get_title().get_text().split()) == "".join(found.accuracy.split())
+
+
+def test_pressure_film_and_temperature_are_drawn_in_one() -> None:
+    x = np.linspace(-3e-4, 3e-4, 61)
+    fields = {
+        "film": ("m", 1e-7 + 100 * x**2),
+        "film_temperature_rise": ("K", 20 * np.exp(-((x / 1e-4) ** 2))),
+        "pressure": ("Pa", 1e9 * np.clip(1 - (x / 1e-4) ** 2, 0, None)),
+    }
+    film = xr.Dataset(
+        {
+            name: (("x", "y"), values[:, None], {"units": unit})
+            for name, (unit, values) in fields.items()
+        }
+        | {"hertz_half_width": 1e-4, "hertz_peak_pressure": 1e9},
+        {"x": x, "y": [0.0]},
+    )
+    axes = film_picture(film).axes
+    assert axes[0].get_title() == "pressure, film and temperature"
+    drawn = {
+        ax.get_ylabel(): ax.get_lines()[0].get_ydata()
+        for ax in axes
+        if ax.get_xlim() == axes[0].get_xlim()
+    }
+    assert np.nanmax(drawn["pressure [GPa]"]) == pytest.approx(1)
+    assert np.nanmin(drawn["film [nm]"]) == pytest.approx(100)
+    assert np.nanmax(drawn["temperature rise [K]"]) == pytest.approx(20)
+
+
+def test_numbers_of_one_logarithmic_axis_have_one_format() -> None:
+    figure, (ax,) = panels(1)
+    ax.loglog([1, 10], [2e-4, 3e-3])
+    label_axes(figure)
+    figure.draw_without_rendering()
+    texts = [label.get_text() for label in ax.get_yticklabels(which="both") if label.get_text()]
+    assert texts
+    assert all("10^{" in text for text in texts)

@@ -42,7 +42,7 @@ def test_fringes_are_half_a_wavelength_in_oil_apart(wavelength: float, index: fl
 def test_a_contact_is_drawn_in_these_colours() -> None:
     contact = film_answer(solve_lubricated(by_moes(20, 5), grid(100, 4.5)))
     figure = contact.plot(colours="interference", refractive_index=1.45)
-    (image,) = figure.axes[-1].images
+    (image,) = (image for ax in figure.axes for image in ax.images)
     near = np.abs(contact.grid.x) <= 2 * contact.scales.hertz.half_width
     drawn = np.asarray(image.get_array())[:, 0]
     assert drawn == pytest.approx(interference_colours(contact.film[near, 0], 1.45))

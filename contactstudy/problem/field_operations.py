@@ -108,7 +108,7 @@ class ArrayOperations:
         self._is_large = large_for_cpu or device_loops() is not None
 
     def preconditioner_precision(self, undeformed_gap: Array) -> Precision | None:
-        """Return single precision on large fields whose largest height it can hold, where loops are compiled, else None.
+        """Return single precision on large fields of a CPU or a GPU whose largest height it can hold, else None.
 
         It takes half the time and no more iterations.
         """

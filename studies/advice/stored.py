@@ -81,20 +81,24 @@ def to_dataset(verdict: Verdict) -> xr.Dataset:
         name: ("setting", numbers[name], {"units": units, "long_name": long_name})
         for name, (units, long_name) in LABELS.items()
     }
+    tolerance = {"units": "1", "long_name": "tolerance of a solve"}
     data = {
         "label": ("setting", [one.label for one in settings], {"long_name": "padding"}),
-        "padding": ("setting", [repr(one.padding) for one in settings], {"long_name": "padding in Python"}),
-        "cells": (("setting", "axis"), [one.cells for one in settings], {"units": "1", "long_name": "cells"}),
-        "solver_tolerance": ("setting", [one.tolerance for one in settings], {"units": "1", "long_name": "tolerance"}),
+        "padding": ("setting", [repr(one.padding) for one in settings], {"long_name": "padding as in Python"}),
+        "cells": (("setting", "axis"), [one.cells for one in settings], {"units": "1", "long_name": "number of cells"}),
+        "solver_tolerance": ("setting", [one.tolerance for one in settings], tolerance),
         "worst": ("setting", [one.worst for one in verdict.settings], {"long_name": "number of the largest bound"}),
         **labelled,
     }  # fmt: skip
     texts = {name: getattr(verdict, name) for name in ("measure", "own", "reference")}
     attributes = {
         "title": f"Settings of {verdict.name}", "scene_name": verdict.name, "scene": verdict.text,
-        "requested_error": verdict.error, "extent": verdict.extent, "notes": json.dumps(verdict.notes), **texts,
+        "requested_error": verdict.error, "extent": verdict.extent, **texts,
     }  # fmt: skip
-    return xr.Dataset(data, {"axis": ["across", "along"]}, attributes)
+    if verdict.notes:
+        attributes["notes"] = json.dumps(verdict.notes)
+    axis = ("axis", ["across", "along"], {"long_name": "direction of the cells"})
+    return xr.Dataset(data, {"axis": axis}, attributes)
 
 
 def _padding(text: str) -> cs.Padding | cs.Paddings:
@@ -122,5 +126,6 @@ def from_dataset(dataset: xr.Dataset) -> Verdict:
     width, length = np.asarray(attributes["extent"], float).tolist()
     return Verdict(
         attributes["scene_name"], attributes["scene"], float(attributes["requested_error"]), attributes["measure"],
-        (width, length), attributes["own"], attributes["reference"], settings, tuple(json.loads(attributes["notes"])),
+        (width, length), attributes["own"], attributes["reference"], settings,
+        tuple(json.loads(attributes.get("notes", "[]"))),
     )  # fmt: skip

@@ -15,7 +15,7 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.identity import digest
 from contactstudy.domain.reuse import caching
 from contactstudy.io.scene_files.scene_schema import PlanSettings
-from contactstudy.io.scene_files.scene_writer import settings_text
+from contactstudy.io.scene_files.scene_writer import scene_text, settings_text
 from contactstudy.planning.grid_requirements import grid_requirements, with_random_extents
 from studies.advice.reference_error import last_of
 from studies.model.case import Answer
@@ -372,7 +372,7 @@ def paper_scene() -> SceneToJudge:
     """Return the paper's steel cylinder on its extent."""
     side = WIDTH * HERTZ.half_width
     file = cs.SceneFile(SCENE, grid=cs.Grid((128, 128), (side, side)))
-    return SceneToJudge("the paper's cylinder", "# the paper's cylinder\n", file)
+    return SceneToJudge("the paper's cylinder", scene_text(SCENE, grid=file.grid), file)
 
 
 def verdict_on(

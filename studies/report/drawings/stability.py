@@ -68,7 +68,8 @@ def verdicts(dataset: xr.Dataset) -> Table:
     return Table(
         "Hard cases, over all paddings and both solvers: solves with an error within the stated one, with a status "
         "that explains why there is no answer, and with neither; largest and largest stated error of the pressure "
-        "in L1. An error by rounding alone may be above a stated one of nearly zero.",
+        "in L1. An error by rounding alone may be above a stated one of nearly zero. Where one cell bears the load, or "
+        "all of it is at the hardness, the load gives the pressure, and the case tests the status alone.",
         ("hard case", "within stated", "explained", "neither", "largest error", "largest stated"),
         tuple(rows),
     )

@@ -123,9 +123,10 @@ class Contact(Answer, Solution):
         """
         from contactstudy.accuracy.approach_and_stress import approach_error, stress_errors
         from contactstudy.accuracy.plausibility import beyond_strength, stress_margin
-        from contactstudy.accuracy.roller_end import end_of_half_space
+        from contactstudy.accuracy.roller_end import end_of_half_space, unrelieved_ends
 
-        warnings = (*filter(None, (end_of_half_space(self),)), *estimate.warnings)
+        of_ends = () if self.is_coarse else (end_of_half_space(self), unrelieved_ends(self))
+        warnings = (*filter(None, of_ends), *estimate.warnings)
         approach = approach_error(self, estimate, coarse)
         if "von_mises" not in self.derived:
             return replace(estimate, approach=approach, warnings=warnings)

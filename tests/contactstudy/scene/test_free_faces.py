@@ -1,3 +1,4 @@
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -145,3 +146,26 @@ def test_without_faces_the_first_warning_says_how_much_they_lower_the_end() -> N
     ]
     assert f'free_faces = "{LENGTH * 1e3:.4g} mm" of Scene.solids[0]' in first
     assert lower == pytest.approx(1 - ends[0] / ends[1], abs=0.01)
+
+
+@pytest.mark.parametrize("drop", [0.0, 1e-6])
+def test_ends_that_a_profile_does_not_relieve_are_told_a_drop_that_does(drop: float) -> None:
+    steel = cs.HalfSpace(210e9, 0.3)
+    grid, load = cs.Grid((32, 120), (6e-4, 10e-3)), cs.TotalLoad(1500.0, 10e-3)
+
+    def solved(profile: cs.Shape) -> cs.Contact:
+        scene = cs.Scene(load, (steel, steel), (cs.Cylinder(5e-3), profile, cs.FiniteLength(10e-3)))
+        return cs.solve(scene, grid, cs.ZeroPadding())
+
+    (said,) = (
+        text
+        for text in solved(cs.Crown.of_drop(drop, 10e-3)).error.warnings
+        if "suggested drop" in text
+    )
+    numbers = dict(re.findall(r"(amplitude|end_drop|length)=([-+.e\d]+)", said))
+    relieved = solved(cs.LundbergProfile(**{name: float(text) for name, text in numbers.items()}))
+    along = relieved.pressure.max(axis=0)
+    assert along.max() < 1.05 * along[12:-12].max()
+    highest = float(said.split("on this grid is ")[1].split(" GPa")[0])
+    assert highest == pytest.approx(along.max() / 1e9, rel=5e-3)  # of a drop of three digits
+    assert not any("suggested drop" in text for text in relieved.error.warnings)

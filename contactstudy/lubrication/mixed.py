@@ -8,6 +8,7 @@ Transverse ridges may have two solutions at one speed: ridges in a thick film, o
 higher speed leads to the first where it exists, the dry contact to the second.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -40,6 +41,9 @@ class MixedTuning:
         Residual of the dry contact to start from.
     speeds
         Speeds of the continuation where neither start converges.
+    faster, slower
+        Factors on the speed of the films and the dry contacts from which other films are sought: of eight speeds of
+        three waves, where two films were known, one or both led to the other.
     """
 
     from_film: float = 0.1
@@ -50,6 +54,8 @@ class MixedTuning:
     dry_steps: int = 30
     dry_residual: float = 1e-10
     speeds: SpeedSteps = SpeedSteps(1.3, 5, 1.02)  # noqa: RUF009 (a frozen value)
+    faster: float = 4.0
+    slower: float = 3.0
 
 
 TUNING = MixedTuning()
@@ -64,22 +70,8 @@ def solve_mixed(
     in plane strain higher speeds. The dry contact comes before Hertz's pressure where the film of Moes is thinner than
     the boundary film.
     """
+    controls, film_controls, dry_controls = _controls(posed, controls)
     in_plane_strain = posed.upstream.cells[1] == 1
-    controls = replace(
-        controls,
-        max_active_set_iterations=TUNING.max_active_set_iterations
-        if in_plane_strain
-        else TUNING.max_active_set_iterations_along,
-    )
-    film_controls = replace(
-        controls,
-        time_step=TUNING.from_film,
-        viscosity_change=TUNING.change,
-        converged_only=in_plane_strain,
-    )
-    dry_controls = replace(controls, time_step=TUNING.from_dry)
-    if in_plane_strain:
-        dry_controls = replace(dry_controls, max_iterations=TUNING.dry_steps)
     iterations: list[FilmIteration] = []
     if warm is not None:
         film, cavitated = warm
@@ -107,6 +99,43 @@ def solve_mixed(
         )
         iterations += [from_higher_speed] if from_higher_speed else []
     return min(iterations, key=lambda iteration: iteration.residual)
+
+
+def other_films(posed: PosedFilm, controls: FilmControls) -> Iterator[FilmIteration]:
+    """Iterate over films in plane strain from a faster one, and from the dry contact at a lower speed."""
+    controls, film_controls, dry_controls = _controls(posed, controls)
+    speed = posed.equation.speed_parameter
+    for factor, start, start_controls in (
+        (TUNING.faster, _film_start, film_controls),
+        (1 / TUNING.slower, _dry_start, dry_controls),
+    ):
+        other = posed.at(factor * speed)
+        at_other_speed = _iterated(other, start(other), start_controls)
+        if at_other_speed.converged(controls.tolerance):
+            yield _iterated(posed, at_other_speed.film, film_controls)
+
+
+def _controls(
+    posed: PosedFilm, controls: FilmControls
+) -> tuple[FilmControls, FilmControls, FilmControls]:
+    """Return the controls of a mixed film, those from a film, and those from the dry contact."""
+    in_plane_strain = posed.upstream.cells[1] == 1
+    controls = replace(
+        controls,
+        max_active_set_iterations=TUNING.max_active_set_iterations
+        if in_plane_strain
+        else TUNING.max_active_set_iterations_along,
+    )
+    film_controls = replace(
+        controls,
+        time_step=TUNING.from_film,
+        viscosity_change=TUNING.change,
+        converged_only=in_plane_strain,
+    )
+    dry_controls = replace(controls, time_step=TUNING.from_dry)
+    if in_plane_strain:
+        dry_controls = replace(dry_controls, max_iterations=TUNING.dry_steps)
+    return controls, film_controls, dry_controls
 
 
 def _film_start(posed: PosedFilm) -> Film:

@@ -1,5 +1,6 @@
 """Steady film on one grid: nested grids, continuation in speed where a cold start fails, and the contact in SI units."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from math import ceil, inf, log
 
@@ -14,7 +15,7 @@ from contactstudy.lubrication.lubricated_contact import (
     ShearedFilm,
     rise_beside_lowest,
 )
-from contactstudy.lubrication.mixed import solve_mixed
+from contactstudy.lubrication.mixed import other_films, solve_mixed
 from contactstudy.lubrication.newton.pseudo_time import (
     FilmControls,
     FilmIteration,
@@ -57,7 +58,8 @@ class SteadyTuning:
         In plane strain a second film is sought where the rms height is more than ``relative_roughness`` times the film,
         by heights that grow from that by the factor ``growth``.
     distinct
-        Relative difference of the mean thickness by which two films are distinct.
+        Relative difference of the mean thickness, or part of the load that asperities carry in one film alone, by which
+        two films are distinct.
     speeds
         Speeds of the continuation where a cold start fails.
     """
@@ -103,8 +105,8 @@ def _solved(
 ) -> FilmSolution:
     """Return the film of a posed equation, from another contact where that converges, else from a cold start.
 
-    In plane strain without a boundary film, where the rms height is more than twice the film, a second film is sought,
-    and the status says if it exists.
+    In plane strain, where the rms height is more than twice the film, a second film is sought, and the status says if it
+    exists.
     """
     if posed.equation.boundary_film:
         warm, before = None, (0, 0)
@@ -118,7 +120,9 @@ def _solved(
             iterations=mixed.iterations + before[0],
             linear_iterations=mixed.linear_iterations + before[1],
         )
-        return film_solution(scene, grid, padding, posed, mixed, controls.tolerance)
+        contact = film_solution(scene, grid, padding, posed, mixed, controls.tolerance)
+        others = _other_films(posed, controls, is_cold=start is None)
+        return _with_other_films(contact, posed, mixed, others, controls)
     last = cold = None
     if start is not None and start.status is not Status.FILM_NOT_CONVERGED:
         film, cavitated = start_from(posed, start)
@@ -129,20 +133,36 @@ def _solved(
     if last is None or not last.converged(controls.tolerance):
         last = cold = continued(posed, controls)
     contact = film_solution(scene, grid, padding, posed, last, controls.tolerance)
-    if not (
-        last.converged(controls.tolerance) and posed.relative_roughness > TUNING.relative_roughness
-    ):
+    others = _other_films(posed, controls, is_cold=cold is not None)
+    return _with_other_films(contact, posed, last, others, controls)
+
+
+def _other_films(
+    posed: PosedFilm, controls: FilmControls, *, is_cold: bool
+) -> Iterator[FilmIteration]:
+    """Iterate over films from other starts: a cold one, lower heights, and of mixed films other speeds."""
+    is_mixed = posed.equation.boundary_film > 0
+    if not is_cold:
+        yield solve_mixed(posed, controls) if is_mixed else _nested(posed, controls)
+    if is_mixed:
+        yield from other_films(posed, controls)
+    elif from_lower_heights := _with_growing_ridges(posed, controls):
+        yield from_lower_heights
+
+
+def _with_other_films(
+    contact: FilmSolution,
+    posed: PosedFilm,
+    last: FilmIteration,
+    others: Iterator[FilmIteration],
+    controls: FilmControls,
+) -> FilmSolution:
+    """Return a contact with the status of several films where heights are well above the film and another is found."""
+    is_rough = posed.relative_roughness > TUNING.relative_roughness
+    if not (last.converged(controls.tolerance) and is_rough):
         return contact
-    alternatives = (
-        [from_lower_heights]
-        if (from_lower_heights := _with_growing_ridges(posed, controls))
-        else []
-    )
-    if cold is None:
-        alternatives.append(_nested(posed, controls))
     has_second_film = any(
-        alternative.converged(controls.tolerance) and _differs(posed, last, alternative)
-        for alternative in alternatives
+        other.converged(controls.tolerance) and _differs(posed, last, other) for other in others
     )
     return replace(contact, status=Status.SEVERAL_FILMS) if has_second_film else contact
 
@@ -173,11 +193,18 @@ def _with_growing_ridges(posed: PosedFilm, controls: FilmControls) -> FilmIterat
         TUNING.relative_roughness / posed.relative_roughness, 1, number + 1
     ):
         lower = replace(posed, equation=replace(posed.equation, gap=smooth + fraction * heights))
-        last = (
-            _iterated(lower, last.film, controls, last.cavitated)
-            if last
-            else _nested(lower, controls)
-        )
+        if last is None:
+            last = _nested(lower, controls)
+        else:
+            before = last.film
+            film = with_minimum_film(
+                lower.equation,
+                before.pressure,
+                before.void,
+                before.separation,
+                float(before.thickness.min()) / 2,
+            )
+            last = _iterated(lower, film, controls, last.cavitated)
         if not last.converged(controls.tolerance):
             return None
     return last
@@ -186,12 +213,13 @@ def _with_growing_ridges(posed: PosedFilm, controls: FilmControls) -> FilmIterat
 def _differs(
     posed: PosedFilm, first_iteration: FilmIteration, second_iteration: FilmIteration
 ) -> bool:
-    """Return whether two films have distinct mean thicknesses in the Hertzian zone."""
+    """Return whether two films have distinct mean thicknesses in the Hertzian zone, or asperity loads."""
     inside = np.abs(posed.x) < 1
-    first, second = (
-        iteration.film.thickness[inside].mean() for iteration in (first_iteration, second_iteration)
-    )
-    return bool(abs(first - second) > TUNING.distinct * first)
+    films = first_iteration.film, second_iteration.film
+    first, second = (film.thickness[inside].mean() for film in films)
+    load, other_load = (film.asperity_pressure.sum() for film in films)
+    of_load = abs(load - other_load) / films[0].total_pressure.sum()
+    return bool(max(abs(first - second) / first, of_load) > TUNING.distinct)
 
 
 def continued(posed: PosedFilm, controls: FilmControls) -> FilmIteration:

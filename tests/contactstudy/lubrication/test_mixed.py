@@ -58,6 +58,20 @@ def test_load_share_film_flow_and_friction_are_those_of_the_reference(
     assert contact.friction == pytest.approx(friction, rel=3e-3)
 
 
+def test_two_films_on_which_asperities_touch_are_reported_from_either_start() -> None:
+    """At M = 20, L = 0, and another film than from a cold start where the speed falls from 3.3 times this one."""
+
+    def scene(speed: float) -> cs.Scene:
+        film = by_moes(20, 0, *ridges(0.03), shear=cs.Eyring(5e6))
+        layer = cs.Boundary(0.004 * UNIT, 0.12)
+        return with_motion(film, mean_speed=speed * film.lubrication.largest_speed, boundary=layer)
+
+    cold = solve_lubricated(scene(0.06), grid(400))
+    slowed = solve_lubricated(scene(0.06), grid(400), start=solve_lubricated(scene(0.2), grid(400)))
+    assert slowed.contact_load_fraction > 1.3 * cold.contact_load_fraction
+    assert {cold.status, slowed.status} == {cs.Status.SEVERAL_FILMS}
+
+
 def test_asperities_bear_only_where_the_film_is_the_boundary_film() -> None:
     contact = solve_lubricated(mixed(0.06, 0.06), grid(400))
     touching = contact.contact_pressure > 0

@@ -20,7 +20,7 @@ from sphinx.util.typing import stringify_annotation
 import contactstudy as cs
 from contactstudy.domain.units import Unit
 from contactstudy.io.scene_files.materials import materials
-from contactstudy.io.scene_files.scene_schema import KINDS, NO_KIND, SceneDocument
+from contactstudy.io.scene_files.scene_schema import DESCRIPTIONS, KINDS, NO_KIND, SceneDocument
 from studies.model.outcome import CaseStatus
 from studies.registry import BUILT_IN, load
 
@@ -237,10 +237,12 @@ def keys() -> str:
     ]
     done: set[type] = set()
     plain = [one for hint in get_type_hints(SceneDocument).values() for one in _plain(hint)]
-    for kind in plain + [kind for kinds in KINDS.values() for kind in kinds.values()]:
-        if kind in done:
+    queue = plain + [kind for kinds in KINDS.values() for kind in kinds.values()]
+    for kind in queue:  # which grows by the tables inside
+        if kind in done or kind in DESCRIPTIONS:
             continue
         done.add(kind)
+        queue += [one for hint in get_type_hints(kind).values() for one in _plain(hint)]
         name = next(
             (n for kinds in KINDS.values() for n, k in kinds.items() if k is kind), kind.__name__
         )

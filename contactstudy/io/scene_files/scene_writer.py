@@ -78,7 +78,7 @@ def _toml_value(value: object, name: str, scene_path: Path | None = None) -> Any
         return value.name.lower()
     if isinstance(value, MeasuredSurface):
         return _measured_surface_table(value, name, scene_path)
-    if is_dataclass(value) and type(value).__module__.startswith("contactstudy."):
+    if is_dataclass(value) and type(value).__module__.startswith("contactstudy"):
         return {"kind": type(value).__name__} | _fields(value, name, scene_path)
     if isinstance(value, np.generic):
         value = value.item()

@@ -167,7 +167,7 @@ class Layered(Protocol):
 
     @property
     def parts(self) -> Mapping[str, tuple[str, HalfSpace, float, float]]:
-        """Each layer and the substrate by name: its name in words, material, and depths from and to [m]."""
+        """Name in words, material, and depths from and to [m] of each layer and the substrate, by the names of numbers."""
 
     @property
     def thickness(self) -> float:

@@ -167,7 +167,7 @@ class Layered(Protocol):
 
     @property
     def parts(self) -> Mapping[str, tuple[str, HalfSpace, float, float]]:
-        """Name in words, material, and depths from and to [m] of each layer and the substrate, by the names of numbers."""
+        """Words, material, and depths from and to [m] of each layer and the substrate, by the names of numbers."""
 
     @property
     def thickness(self) -> float:

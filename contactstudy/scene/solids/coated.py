@@ -101,7 +101,7 @@ class CoatedHalfSpace:
 
     @property
     def parts(self) -> dict[str, tuple[str, HalfSpace, float, float]]:
-        """Name in words, material, and depths from and to [m] of each layer and the substrate, by the names of numbers."""
+        """Words, material, and depths from and to [m] of each layer and the substrate, by the names of numbers."""
         names = [f"interlayer_{number}" for number in range(len(self.interlayers))]
         found: dict[str, tuple[str, HalfSpace, float, float]] = {}
         depth = 0.0

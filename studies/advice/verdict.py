@@ -51,8 +51,8 @@ CENTRED = 8
 WIDER = (1.0, 1.5, 2.25)
 # A grid that is expected to take longer is announced [s].
 LONG = 60.0
-# Rounds of times of the fastest: as many as take this processor time [s].
-ROUND_SECONDS = 0.5
+# Rounds of times of the fastest: as many as take this processor time [s], at most so many.
+ROUND_SECONDS, MAX_ROUNDS = 4.0, 40
 
 NO_GRID = "no grid that was tried keeps the error with exact periodicity, or the ends of the scene"
 NO_REFERENCE = "no finer solution, which would cost more than all the grids that were tried"
@@ -589,18 +589,16 @@ def _timed(trials: _Trials, found: Sequence[Measured]) -> Iterator[Measured]:
     """Yield what was measured with the least processor time of rounds in which all settings that meet it take turns."""
     times = {one.setting: one.seconds for one in found}
 
-    def take(settings: Sequence[Setting], rounds: int) -> None:
-        for _ in range(rounds):
+    def take(settings: Sequence[Setting], most: int, least: int = 0) -> None:
+        total = sum(times[setting] for setting in settings)
+        for _ in range(max(least, min(most, int(ROUND_SECONDS / total))) if settings else 0):
             for setting in settings:
                 times[setting] = min(times[setting], trials.seconds(setting))
 
-    total = sum(times.values())
-    take(list(times), int(ROUND_SECONDS / total))  # none where a solve takes long
+    take(list(times), 2)  # none where a solve takes long
     meeting = [one.setting for one in found if trials.meets(one)]
-    total = sum(times[setting] for setting in meeting)
-    take(meeting, max(2, int(ROUND_SECONDS / total)) if meeting else 0)
+    take(meeting, 2, 2)
     fastest = min((times[setting] for setting in meeting), default=inf)
-    near = [setting for setting in meeting if times[setting] <= TIE**3 * fastest]
-    total = sum(times[setting] for setting in near)
-    take(near, max(1, int(ROUND_SECONDS / total)) if near else 0)
+    # a busy machine adds more than a tie to most times of a setting, and not to all
+    take([setting for setting in meeting if times[setting] <= TIE**3 * fastest], MAX_ROUNDS, 1)
     yield from (replace(one, seconds=times[one.setting]) for one in found)

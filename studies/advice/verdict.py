@@ -212,6 +212,7 @@ class _Trials:
     notes: dict[str, str] = field(default_factory=dict)
     pressures: dict[Setting, Array] = field(default_factory=dict)
     at_edge: bool = False
+    given: tuple[int, int] | None = None
 
     @property
     def is_line(self) -> bool:
@@ -343,6 +344,14 @@ class _Trials:
         finest = self.cells(self.multiples[-1])[0]
         return bool(last * (fine / finest) ** rate <= self.error)
 
+    def on_given_grid(self, base: str) -> Measured | None:
+        """Return what was measured on the cells of the scene file if they meet the error, else None."""
+        if self.given is None:
+            return None
+        setting = self.setting(base, self.own, self.given, self.options.tolerance)
+        one = self.measured(setting, None)
+        return one if one is not None and self.meets(one) else None
+
     def hertz_of(self, scene: cs.Scene) -> "cs.analytic.HertzLine | None":
         """Return Hertz's line contact where it is the exact solution: a smooth elastic cylinder under a load."""
         at_rest = scene.lubrication is None and not scene.rolls and not scene.takes_times
@@ -453,8 +462,8 @@ def _on_grids(
 ) -> Iterator[Measured]:
     """Yield what was measured with some paddings on grids from the coarsest.
 
-    The last grid is the first on which the padding of the name `base` meets the error. Of lines, whose solves take
-    milliseconds, further ones are tried.
+    The last grid is the first on which the padding of the name `base` meets the error; that of the scene file stands in
+    where no other does. Of lines, whose solves take milliseconds, further ones are tried.
     """
     last, seconds, cells, tried = inf, 0.0, (1, 1), list[Measured]()
     for multiple in trials.multiples:
@@ -473,6 +482,9 @@ def _on_grids(
                 seconds = one.seconds
                 tried.append(one)
                 if not trials.is_worth_refining(tried, multiple):
+                    if not trials.meets(one) and (own := trials.on_given_grid(base)):
+                        yield own
+                        return
                     trials.choose_measure(tried)
                 if not trials.is_worth_refining(tried, multiple):
                     last = min(last, multiple * (FINER if trials.is_line else 1))
@@ -506,8 +518,9 @@ def _trials(file: cs.SceneFile, error: float, measure: str, wider: float) -> _Tr
     scene = with_random_extents(file.scene, grid.extent)
     times = file.time_steps if scene.takes_times and file.time_steps != cs.TimeSteps() else None
     return _Trials(
-        scene, grid.extent, own, (max(2, across), along), file.options, times, error, measure
-    )
+        scene, grid.extent, own, (max(2, across), along), file.options, times, error, measure,
+        given=None if file.grid is None else file.grid.cells,
+    )  # fmt: skip
 
 
 def all_paddings() -> dict[str, cs.Padding]:

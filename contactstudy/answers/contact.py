@@ -31,10 +31,9 @@ if TYPE_CHECKING:
     from contactstudy.evolution.rolling.steady_rolling import SteadyRolling
 
 
-# Quantities of the stress in one body.
+# What is in the names of the quantities of the stress in one body.
 OF_STRESS = (
-    "largest_von_mises", "largest_von_mises_depth", "safety_factor", "safety_factor_depth", "coating_von_mises",
-    "substrate_von_mises", "interface_shear",
+    "von_mises", "safety_factor", "shear_stress", "orthogonal_shear", "surface_tension", "interface_shear", "interlayer",
 )  # fmt: skip
 
 
@@ -92,7 +91,10 @@ class Contact(Answer, Solution):
 
     @cached_property
     def error(self) -> ErrorEstimate:
-        """Estimate of the errors, see :func:`~contactstudy.accuracy.estimate.error_estimate`."""
+        """Estimate of the errors, none of a coarse contact: :func:`~contactstudy.accuracy.estimate.error_estimate`."""
+        if self.is_coarse:
+            unknown = ErrorParts(discretisation=inf, reason=NO_ESTIMATE)
+            return ErrorEstimate(unknown)
         try:
             if self.rolling is not None and self.estimate is None:
                 return self.rolling.error_estimate()
@@ -216,7 +218,7 @@ class Contact(Answer, Solution):
         for number in range(1, len(self.problem.outputs) if found else 0):
             if suffix := self._suffix(number):
                 of_body = self._with_output_alone(number).quantities
-                names = [name for name in of_body if name in OF_STRESS or name[:10] == "interlayer"]
+                names = [name for name in of_body if any(part in name for part in OF_STRESS)]
                 found |= {f"{name}{suffix}": of_body[name] for name in names}
         if self.time is None and any(each.reason == NO_ESTIMATE for each in found.values()):
             below = [level.quantities for level in self._below()]

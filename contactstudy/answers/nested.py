@@ -42,6 +42,8 @@ class NestedConstants:
         Least change, over the L1 error of the pressure, since a change may vanish by chance.
     area_floor
         The same of an area, or of a number left by a plastic zone, over the fraction of its cells that lie at its edge.
+    stress_floor, depth_floor
+        Least change of a shear stress, relative, and of its depth, which lie between those at which they are computed.
     inlet
         Bound over the change of a number of a film from twice the width, as its error falls with the square of that.
     """
@@ -49,6 +51,8 @@ class NestedConstants:
     margin: float = 1.5
     floor: float = 0.1
     area_floor: float = 0.5
+    stress_floor: float = 5e-4
+    depth_floor: float = 1e-2
     inlet: float = 4 / 3
 
 
@@ -143,6 +147,10 @@ def with_nested_bounds(
                 floor = max(floor, CONSTANTS.area_floor * edge_fraction)
             if name.startswith(BY_YIELD):
                 floor = max(floor, CONSTANTS.area_floor * zone_edge)
+            if name.endswith(("shear_depth", "shear_stress_depth", "von_mises_depth")):
+                floor = max(floor, CONSTANTS.depth_floor)
+            if "shear_stress" in name or "orthogonal_shear" in name:
+                floor = max(floor, CONSTANTS.stress_floor)
             change = changes([quantity.value, *known])
             bound = CONSTANTS.margin * max(change, floor * size) + other_causes * size
             if wider is not None and name in wider:

@@ -315,3 +315,33 @@ def von_mises(stress: Array) -> Array:
     xx, yy, zz, yz, xz, xy = stress
     normal = ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 2
     return np.asarray(np.sqrt(normal + 3 * (yz**2 + xz**2 + xy**2)))
+
+
+def principal_stresses(stress: Array) -> tuple[Array, Array]:
+    """Return the largest and the least principal stress, from components in the order of ``COMPONENTS``.
+
+    They follow from the invariants J2 and J3 of the deviator (Malvern 1969, sect. 3.3).
+    """
+    xx, yy, zz, yz, xz, xy = stress
+    mean = (xx + yy + zz) / 3
+    a, b, c = xx - mean, yy - mean, zz - mean
+    third = a * b * c + 2 * yz * xz * xy - a * yz**2 - b * xz**2 - c * xy**2
+    size = von_mises(stress) / 3  # root of J2 / 3
+    cosine = third / np.maximum(2 * size**3, np.finfo(np.float64).tiny)
+    angle = np.arccos(np.clip(cosine, -1, 1)) / 3
+    return mean + 2 * size * np.cos(angle), mean + 2 * size * np.cos(angle + 2 * np.pi / 3)
+
+
+def largest_shear(stress: Array) -> Array:
+    """Return the largest shear stress on any plane, half the difference of the outer principal stresses (Tresca)."""
+    largest, least = principal_stresses(stress)
+    return (largest - least) / 2
+
+
+def orthogonal_shear(stress: Array) -> Array:
+    """Return the amplitude of the shear stress xz, half its range along x at one depth, at all x (..., x, y).
+
+    A point of a body that rolls along x sees the whole range (Lundberg & Palmgren 1947).
+    """
+    amplitude = np.ptp(stress[4], axis=-2, keepdims=True) / 2
+    return np.broadcast_to(amplitude, stress[4].shape)

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from math import inf, isfinite
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,7 @@ from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import readable
+from contactstudy.io.quantities.fatigue_quantities import fatigue_quantities
 from contactstudy.io.quantities.quantity import Quantity, per_length, roller_length, with_bound
 from contactstudy.problem.problem import Field
 from contactstudy.scene.scene import PosedScene, Scene, scene_of
@@ -413,7 +414,15 @@ def stress_quantities(
             quantities["safety_factor_depth"] = with_bound(
                 depth, estimate.numbers["safety_factor_depth"], fallback_reasons
             )
-    return quantities | _of_coating(scene.solids[number], where, derived, axes, estimate)
+    body, depths = scene.solids[number], derived["z"].values
+    parts: dict[str, tuple[str, Any, Any]] = {"": (where, body, depths >= 0)}
+    for name, (said, material, top, bottom) in body.parts.items() if is_layered(body) else ():
+        if (inside := in_part(depths, top, bottom)).any():
+            parts[f"{name}_"] = f"{said} of {where}", material, inside
+    quantities |= fatigue_quantities(
+        derived["stress"].values, axes, parts, estimate, _largest, given=is_given
+    )
+    return quantities | _of_coating(body, where, derived, axes, estimate)
 
 
 def _of_coating(

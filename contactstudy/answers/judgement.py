@@ -10,8 +10,15 @@ from contactstudy.domain.errors import PRESSURE, Request
 from contactstudy.domain.grid import Grid
 from contactstudy.io.quantities.quantity import RELATIVE_TO_ZERO, Quantities, Quantity
 
-# Numbers that are known to the distance of depths, whatever the cells.
-OF_DEPTHS = ("largest_von_mises_depth", "safety_factor_depth")
+# Ends of the names of numbers that cells do not make known better: the depths of a stress are known to their distance,
+# and the bound of the tension beside an edge falls like the root of the cell.
+NOT_BY_CELLS = (
+    "safety_factor_depth",
+    "von_mises_depth",
+    "shear_stress_depth",
+    "orthogonal_shear_depth",
+    "surface_tension",
+)
 # Components, whose errors are relative to those of the whole.
 WHOLE = {"lateral_traction_coefficient": "traction_coefficient"}
 
@@ -107,7 +114,7 @@ def _judged(name: str, quantities: Quantities, requested: float) -> Judged:
     scale = 1.0 if name.endswith("_fraction") else max(abs(quantity.value), abs(whole.value))
     bound = quantity.bound / scale if scale else inf
     label, reason = quantity.label.split(" (")[0], quantity.reason
-    return Judged(label, bound, requested, reason, name not in OF_DEPTHS)
+    return Judged(label, bound, requested, reason, not name.endswith(NOT_BY_CELLS))
 
 
 def without_bound(numbers: Iterable[Judged]) -> str:

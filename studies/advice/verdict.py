@@ -337,10 +337,12 @@ class _Trials:
             return False
         bounds = [(one.setting.cells[0], bound_of(one, self.measure)) for one in tried]
         bounds = [(cells, bound) for cells, bound in bounds if isfinite(bound)][-3:]
-        if len(bounds) < 3 or self.is_cheap(self.multiples[self.multiples.index(multiple) + 1]):
+        if len(bounds) < 3 or multiple < SIXTHS:
             return True
         (coarse, first), _, (fine, last) = bounds
         rate = log(first / last) / log(fine / coarse)
+        if self.is_cheap(self.multiples[self.multiples.index(multiple) + 1]):
+            return rate > 0
         finest = self.cells(self.multiples[-1])[0]
         return bool(last * (fine / finest) ** rate <= self.error)
 

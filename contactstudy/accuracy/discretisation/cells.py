@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from contactstudy.accuracy.discretisation.contact_edge import (
     edge_error,
     edge_position,
-    resolved_width,
+    resolved_edges,
 )
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings, axis_first
@@ -176,8 +176,8 @@ def contact_area_in_cells(pressure: Array, wraps: tuple[bool, bool]) -> float:
     by :data:`CONSTANTS.side_excess` in the mean (Yastrebov, Anciaux & Molinari 2017, Tribology International 114, 161).
     """
     count = int(np.count_nonzero(pressure))
-    if (width := resolved_width(pressure)) is not None:
-        return float(width * pressure.shape[1])
+    if (edges := resolved_edges(pressure)) is not None:
+        return float(sum(edge.sum() for edge in edges))
     sides = 0
     for axis, is_periodic in enumerate(wraps):
         touching = axis_first(pressure, axis) > 0
@@ -206,7 +206,7 @@ def contact_area_error(pressure: Array, wraps: tuple[bool, bool]) -> float:
         pressure.max(),
         contact_area_in_cells(pressure, wraps),
     )
-    is_resolved = resolved_width(pressure) is not None
+    is_resolved = resolved_edges(pressure) is not None
     found: list[tuple[int, float, int]] = []
     for axis, is_periodic in enumerate(wraps):
         along = axis_first(pressure, axis)

@@ -300,22 +300,22 @@ def half_widths(pressure: Array, x: Array) -> Array:
     return (_positions(pressure, x) + _positions(pressure[::-1], -x[::-1])) / 2
 
 
-def resolved_width(pressure: Array) -> float | None:
-    """Return the mean width in contact, in cells; None unless every edge across is straight and smooth.
+def resolved_edges(pressure: Array) -> tuple[Array, Array] | None:
+    """Return the places of both edges across, (y,) each, in cells outward of the middle of the grid.
 
-    Each place along the length touches without a gap, and both its edges follow the law of this module.
+    None unless every edge across is straight and smooth: each place along the length touches without a gap, and both its
+    edges follow the law of this module.
     """
     touching = pressure > 0
     if len(pressure) < CONSTANTS.min_touching or not touching.any(axis=0).all():
         return None
     if np.count_nonzero(np.diff(touching, axis=0)) != 2 * pressure.shape[1]:
         return None
-    sides = [_resolved(side) for side in (pressure, pressure[::-1])]
-    if any(len(edges.iy) < pressure.shape[1] for edges in sides):
+    right, left = (_resolved(side) for side in (pressure, pressure[::-1]))
+    if min(len(right.iy), len(left.iy)) < pressure.shape[1]:
         return None
-    last = len(pressure) - 1
-    outer = sum(float((edges.last + edges.outward).mean()) for edges in sides)
-    return outer - last
+    middle = (len(pressure) - 1) / 2
+    return right.last + right.outward - middle, left.last + left.outward - middle
 
 
 def corrected_pressure(pressure: Array) -> Array:

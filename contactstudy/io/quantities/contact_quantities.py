@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from contactstudy.accuracy.approach_and_stress import interface_shear
 from contactstudy.accuracy.discretisation.cells import contact_area_in_cells, with_ends
-from contactstudy.accuracy.discretisation.contact_edge import resolved_width
+from contactstudy.accuracy.discretisation.contact_edge import resolved_edges
 from contactstudy.accuracy.plausibility import stress_margin
 from contactstudy.accuracy.range_errors import NO_LIMIT
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
@@ -469,20 +469,26 @@ def _half_size(
 ) -> Quantity:
     """Return half the distance between the outermost edges in contact along an axis, with its bound.
 
-    Straight smooth edges lie inside their cells, with the error of the area. Elsewhere the outer faces of the outermost
-    cells count. On cells of any size, contact reaches at least to where a touching cell has another beside it, and at
+    Straight smooth edges lie inside their cells, with the error of the area, and where they bend along the length with
+    what they do so between two cells. Elsewhere the outer faces of the outermost cells count. On cells of any size, contact reaches at least to where a touching cell has another beside it, and at
     most to where the gap is no larger than heights inside a cell, which the second difference of the gap shows.
     """
     touching, grid = solution.pressure > 0, solution.problem.grid
     cell = grid.cell_size[axis]
-    resolved = None
+    resolved: tuple[Array, Array] | None = None
     if axis == 0 and solution.adhesion is None:
-        resolved = resolved_width(solution.pressure)
-    size = _half_extent(touching, axis, cell) if resolved is None else resolved * cell / 2
+        resolved = resolved_edges(solution.pressure)
+    size = _half_extent(touching, axis, cell)
+    if resolved is not None:
+        size = sum(float(edge.max()) for edge in resolved) * cell / 2
     name = ("half-width", "half-length")[axis]
     half = Quantity(size, "m", f"{name} (outermost edges)")
-    if resolved is not None or area_error is None or not isfinite(area_error.total):
+    if area_error is None or not isfinite(area_error.total):
         return with_bound(half, area_error, fallback_reasons)
+    if resolved is not None:
+        bends = (np.roll(edge, 1) + np.roll(edge, -1) - 2 * edge for edge in resolved)
+        bent = sum(float(np.abs(bend).max()) for bend in bends) * cell / 2
+        return replace(half, bound=area_error.total * size + bent, reason="")
     beside, hidden = np.zeros_like(touching), np.zeros_like(solution.gap)
     for across in (0, 1):
         if grid.cells[across] > 1:

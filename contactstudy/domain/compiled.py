@@ -28,6 +28,7 @@ OVER_BLOCKS = (
     "interpolated_outside",
     "interpolated_outside_transposed",
 )
+LOOPS: list[Any] = []
 # Sums may be reordered and the sign of a zero may be lost; nan and inf keep their meaning.
 REASSOCIATED = {"reassoc", "nsz"}
 
@@ -78,6 +79,7 @@ def summing(function: Loop) -> Loop:
 def _compiled(function: Loop, fastmath: set[str]) -> Loop:
     loop: Any = njit(nogil=True, error_model="numpy", fastmath=fastmath)(function)
     loop._cache = LockedCache(function)  # type: ignore[no-untyped-call]  # in place of cache=True
+    LOOPS.append(loop)
     return cast(Loop, loop)
 
 

@@ -470,8 +470,9 @@ def _half_size(
     """Return half the distance between the outermost edges in contact along an axis, with its bound.
 
     Straight smooth edges lie inside their cells, with the error of the area, and where they bend along the length with
-    what they do so between two cells. Elsewhere the outer faces of the outermost cells count. On cells of any size, contact reaches at least to where a touching cell has another beside it, and at
-    most to where the gap is no larger than heights inside a cell, which the second difference of the gap shows.
+    what they do so between two cells. Elsewhere the outer faces of the outermost cells count. On cells of any size,
+    contact reaches at least to where a touching cell has another beside it, and at most to where the gap is no larger
+    than heights inside a cell, which the second difference of the gap shows.
     """
     touching, grid = solution.pressure > 0, solution.problem.grid
     cell = grid.cell_size[axis]

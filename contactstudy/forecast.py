@@ -1,6 +1,5 @@
 """Function plan: the grid, memory and seconds of a solve, from its first levels."""
 
-import sys
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from math import inf, log, prod
@@ -13,6 +12,7 @@ from contactstudy.domain.checks import InvalidInput, checked_errors
 from contactstudy.domain.device import ONE_THREAD, Device
 from contactstudy.domain.errors import DEFAULT_ERROR, Request, pressure_request
 from contactstudy.domain.grid import Grid, Padding, Paddings
+from contactstudy.domain.imports import loaded
 from contactstudy.planning.cost import speedup
 from contactstudy.planning.plan import plan_grid
 from contactstudy.planning.planned import Plan
@@ -40,8 +40,6 @@ class ForecastConstants:
         Cells across below which a grid tells nothing.
     least_fraction
         Least fraction of a solve that is extrapolated from.
-    outlier
-        Ratio of the seconds of a solve to those expected, from which it is repeated.
     max_power
         Largest power of the cells with which seconds are expected to grow.
     coarsest_with_adhesion
@@ -61,7 +59,6 @@ class ForecastConstants:
     exact_seconds: tuple[float, float] = (0.2, 0.7)
     least_cells: int = 12
     least_fraction: float = 1e-4
-    outlier: float = 4.0
     max_power: float = 2.5
     coarsest_with_adhesion: int = 2
     estimate_cost: float = 1.6
@@ -268,13 +265,7 @@ class _Request:
                 if levels[-1].answer is None or is_long:
                     break
             try:
-                level = self.solved(grid, factor, levels[-1].looser if levels else 1.0)
-                if levels and level.seconds > CONSTANTS.outlier * self.seconds_on(
-                    level.grid, levels
-                ):
-                    # what is compiled is not counted
-                    level = self.solved(grid, factor, levels[-1].looser)
-                levels.append(level)
+                levels.append(self.solved(grid, factor, levels[-1].looser if levels else 1.0))
             except InvalidInput as fault:  # such as waves that so few cells do not resolve
                 refused = fault
         if not levels:
@@ -291,11 +282,10 @@ class _Request:
         if self.is_steady_film and self.target is not None:
             error = min(self.target * factor**2, CONSTANTS.most_error)
         takes_chosen = self.is_steady_film and self.is_chosen and grid.cells[1] == 1
-        modules = 0
         while True:
             if self.scene.takes_times:
                 named["times"] = self.times if looser == 1 else self.looser_steps(looser)
-            modules, watch = len(sys.modules), _Watch()
+            before, watch = loaded(), _Watch()
             try:
                 answer: Any = solve(
                     self.scene,
@@ -307,12 +297,14 @@ class _Request:
                 )
                 len(answer.quantities)  # with the stress
             except _TimeLimitReached:
+                if before < loaded():  # what is imported or compiled is not counted
+                    continue
                 if self.looser_steps(4 * looser):
                     looser *= 4
                     continue
                 seconds, solves = watch.whole
                 return Level(grid, looser * seconds, round(looser * solves), None, looser)
-            if modules == len(sys.modules):  # what is imported is not counted
+            if before == loaded():
                 solves = round(looser * watch.solves(answer))
                 return Level(answer.grid, looser * watch.seconds, solves, answer, looser)
 

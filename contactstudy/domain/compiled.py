@@ -28,6 +28,7 @@ OVER_BLOCKS = (
     "interpolated_outside",
     "interpolated_outside_transposed",
 )
+# All loops, for those who count what is compiled.
 LOOPS: list[Any] = []
 # Sums may be reordered and the sign of a zero may be lost; nan and inf keep their meaning.
 REASSOCIATED = {"reassoc", "nsz"}

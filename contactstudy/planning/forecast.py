@@ -1,6 +1,5 @@
 """Forecasts of error and cost, from the first grids of a refinement."""
 
-import sys
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from math import inf, prod
@@ -12,6 +11,7 @@ from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.device import Cpu
 from contactstudy.domain.grid import Grid, Padding, Paddings
+from contactstudy.domain.imports import loaded
 from contactstudy.planning.cost import memory
 from contactstudy.planning.grid_requirements import CONSTANTS as GRID
 from contactstudy.planning.grid_requirements import GridRequirements, halvable_count
@@ -158,9 +158,9 @@ def forecast_of_refinement(
         progress=lambda _: stamps.append(process_time()),
     )
     extent = requirements.grid(0.1, period).extent
-    modules, levels = 0, list[BoundedSolution]()
-    while modules < len(sys.modules):  # what is imported is not counted
-        modules = len(sys.modules)
+    before, levels = 0, list[BoundedSolution]()
+    while before < loaded():  # what is imported or compiled is not counted
+        before = loaded()
         stamps[:] = [process_time()]
         levels = refinement.solve_levels(extent)
     seconds, last = stamps[-1] - stamps[0], levels[-1]

@@ -129,15 +129,24 @@ def plan(
     except InvalidInput as refused:
         reason = f"seconds: unknown, since {refused}"
         return replace(planned, seconds=inf, reasons=(*planned.reasons, reason))
-    reasons = planned.reasons
-    if forecast.grid != planned.grid:
-        reasons += (f"refinement: a solve begins on {_cells(planned.grid)}.",)
+    first, reasons = planned, planned.reasons
+    if forecast.grid != first.grid:  # what is said of the last grid, and the error and bytes of it
+        planned = plan_grid(
+            first.scene,
+            error=error,
+            grid=forecast.grid,
+            padding=padding,
+            times=times,
+            device=device,
+        )
+        begins = f"refinement: a solve begins on {_cells(first.grid)}."
+        planned = replace(planned, warnings=first.warnings)
+        reasons = (*planned.reasons, begins)
     return replace(
         planned,
-        grid=forecast.grid,
         seconds=forecast.seconds / request.speedup,
+        coarse_seconds=first.coarse_seconds,
         solves=forecast.solves or planned.solves,
-        bytes=round(planned.bytes * prod(forecast.grid.cells) / prod(planned.grid.cells)),
         reasons=(*reasons, f"seconds: {forecast.reason}"),
     )
 

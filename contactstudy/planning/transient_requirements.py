@@ -11,6 +11,7 @@ from contactstudy.domain.units import readable
 from contactstudy.elasticity.eigenstrain.volume import Volume
 from contactstudy.evolution.states.plastic_volume import layers
 from contactstudy.planning.grid_requirements import CONSTANTS as GRID
+from contactstudy.planning.grid_requirements import grid_requirements
 from contactstudy.scene.friction.fretting import Fretting
 from contactstudy.scene.loads.constant_load import LineLoad
 from contactstudy.scene.loads.load_history import ChangingLoad
@@ -259,6 +260,8 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
         least, warnings = _smallest_load(scene, last)
         if least < elastic.largest_load:
             narrow = replace(elastic, load=LineLoad(least))
+            if hertz is not None:  # no solve tells how heights, a crown or the hardness widen it
+                half_width *= grid_requirements(elastic).half_width / hertz.half_width
             reasons = (f"load: the cells are for loads from {readable(least, 'N m-1')} on.",)
     width = 2 * GRID.width_factor * half_width
     return TransientRequirements(narrow, width, width, bodies, fields, reasons, warnings, plastic)

@@ -1,10 +1,13 @@
 from dataclasses import replace
 from math import inf
+from time import process_time
+from typing import Any
 
 import numpy as np
 import pytest
 
 import contactstudy as cs
+from contactstudy.planning.plan import plan_grid
 from tests.conftest import STEEL, LineContact
 from tests.contactstudy.lubrication import scenes as films
 
@@ -38,12 +41,12 @@ def test_images_that_a_padding_omits_are_in_the_error_of_its_plan_and_change_no_
 ) -> None:
     request = {"error": 1e-3, "period": 5 * line_contact.hertz.half_width}
     exact = cs.plan(line_contact.scene, **request)
-    few = cs.plan(line_contact.scene, **request, padding=cs.Superposition(3))
+    few = cs.plan(line_contact.scene, **request, padding=cs.Superposition(1))
     solved = cs.solve(line_contact.scene, few.grid, few.padding).error.l1
     assert few.grid == exact.grid
     assert few.error - exact.error == pytest.approx(solved.images, rel=0.05)
     assert (
-        "plan.padding is Superposition(images=3): the images that the padding omits"
+        "plan.padding is Superposition(images=1): the images that the padding omits"
         in few.warnings[-1]
     )
     unknown = cs.plan(line_contact.scene, **request, padding=(cs.Superposition(2),) * 2)
@@ -366,3 +369,37 @@ def test_a_plan_is_the_grid_of_the_solve_and_wider_than_the_contact(
         answer.grid.x[(answer.pressure.reshape(-1, *answer.grid.cells).any(axis=(0, 2)))]
     )
     assert 2 * touching.max() < planned.grid.extent[0]
+
+
+def test_a_plan_speaks_of_the_grid_on_which_its_solve_ends() -> None:
+    steel = cs.ElasticPlasticHalfSpace(2.1e11, 0.3, yield_stress=8e8, hardening_modulus=5e9)
+    scene = cs.Scene(
+        cs.LoadHistory((0.0, 1.0, 2.0), (0.0, 6e5, 0.0)), (steel, steel), (cs.Cylinder(0.01),)
+    )
+    plan = cs.plan(scene, error=0.1)
+    [begins] = [reason for reason in plan.reasons if "begins on" in reason]
+    assert f"{plan.grid.cells[0]} x 1 cells" not in begins
+    again = plan_grid(scene, error=0.1, grid=plan.grid)
+    assert (plan.bytes, plan.error) == (again.bytes, again.error)
+    assert any(reason.startswith(f"{plan.grid.cells[0]} x 1 cells:") for reason in plan.reasons)
+
+
+def test_seconds_count_nothing_that_is_compiled(
+    monkeypatch: pytest.MonkeyPatch, line_contact: LineContact
+) -> None:
+    exact = pytest.importorskip("contactstudy.domain.compiled").exact
+    scene, grid = line_contact.scene, line_contact.grid((64, 64), 1.4)
+    spent = []
+
+    def solve(*arguments: Any, **options: Any) -> cs.Contact:
+        if not spent:  # as a solve that calls a loop for the first time
+            exact(lambda x: x + 1.0)(1.0)
+            begin = process_time()
+            while process_time() < begin + 0.5:
+                pass
+        spent.append(0)
+        return cs.solve(*arguments, **options)
+
+    monkeypatch.setattr("contactstudy.forecast.solve", solve)
+    assert cs.plan(scene, grid=grid).seconds < 0.5
+    assert len(spent) > 1

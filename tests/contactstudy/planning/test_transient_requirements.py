@@ -9,7 +9,7 @@ from contactstudy.evolution.integration.evolve import evolve
 from contactstudy.evolution.rolling.steady_rolling import solve_rolling
 from contactstudy.planning.plan import plan_grid
 from contactstudy.planning.transient_requirements import expected_plastic_zone
-from tests.conftest import STEEL
+from tests.conftest import STEEL, LineContact
 from tests.contactstudy.evolution.creeping import LOAD, SOLID, rolling_cylinder
 
 ONE = cs.LineLoad(1.0)
@@ -173,3 +173,16 @@ def test_a_grid_that_does_not_show_a_stiff_coat_is_said_to_err_more() -> None:
     )
     assert any("cells in a coating" in said for said in coarse)
     assert not any("cells in a coating" in said for said in fine)
+
+
+def test_a_rough_contact_under_a_growing_load_fits_on_its_grid(line_contact: LineContact) -> None:
+    a, radius = line_contact.hertz.half_width, line_contact.hertz.radius
+    rough = cs.Roughness(0.1 * a**2 / (2 * radius), hurst=0.8, roll_off=a, cut_off=a / 4, seed=3)
+    largest = line_contact.with_shapes(rough)
+    load = largest.largest_load
+    history = replace(
+        largest, load=cs.LoadHistory((0.0, 1.0), (load / 2, load)), wear=cs.Wear(1e-20, 1.0)
+    )
+    planned = plan_grid(history, error=0.2)
+    at_rest = replace(planned.scene, load=largest.load, wear=None)
+    assert cs.solve(at_rest, planned.grid, planned.padding).status is cs.Status.CONVERGED

@@ -8,6 +8,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.domain.grid import Grid
+from studies.advice import verdict
 from studies.reference.line_contact import (
     HERTZ,
     P_H,
@@ -77,6 +78,19 @@ def test_the_bound_by_images_contains_what_few_cells_add(padding: cs.Padding, al
 def test_a_window_over_three_periods_reaches_as_far_as_its_page_says() -> None:
     [images] = said("price", r"with n = 1 reaches as far as n = (\d+) over one")
     assert cs.CircularSuperposition(1).reach(3.0) == cs.CircularSuperposition(int(images)).reach(1)
+
+
+def test_the_rules_of_a_verdict_have_the_numbers_of_their_page() -> None:
+    [lower] = said("price", r"load that is (\d+) % lower")
+    assert lower == pytest.approx(100 * (1 - verdict.LOWER_LOAD))
+    [copied] = said("price", r"\) then has (\d+) or is left out")
+    assert (
+        copied
+        == verdict.CENTRED
+        == said("periodicity", r"gives duplicated padding (\d+) cells along")[0]
+    )
+    assert verdict.FINEST / verdict.SIXTHS == 2
+    assert pytest.approx(1.1) == verdict.TIE
 
 
 def test_no_padding_has_the_error_of_one_lucky_grid() -> None:

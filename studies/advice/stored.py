@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import xarray as xr
+from threadpoolctl import threadpool_limits
 
 import contactstudy as cs
 from contactstudy.domain.version import source_hash
@@ -57,7 +58,8 @@ def verdict_of(
             log(f"read the measurements stored in {path}")
             return from_dataset(dataset)
     open_folder(out)  # refused before anything is measured
-    verdict = verdict_on(described, error, log, measure)
+    with threadpool_limits(1):  # times are of one thread, and idle ones of a library count as well
+        verdict = verdict_on(described, error, log, measure)
     write(to_dataset(verdict).assign_attrs(identity), path)
     return verdict
 

@@ -182,7 +182,7 @@ def _on_axis(padding: str, end: int) -> Callable[[xr.Dataset], xr.DataArray]:
 
 
 LENGTH_CLAIM = Claim(
-    "The paper's second claim",
+    "What does the paper say of the length?",
     "“Independent of the domain extent in the length direction”: true only for exact periodicity.",
     "Error of the pressure beside the axis at L = {short} a and at L = {long} a: duplicated {duplicated_short} and "
     "{duplicated_long}; superposed, n = 6, {superposed_short} and {superposed_long}; exact {exact_short} and "
@@ -287,7 +287,7 @@ def _factor(dataset: xr.Dataset) -> str:
 
 
 SIMILAR_CLAIM = Claim(
-    "The paper's first claim",
+    "What does the paper say of n?",
     "“n ≥ 6 gives very similar results to duplicated padding”: the errors differ by a factor of {factor}.",
     "The error of the pressure beside the axis is {duplicated} with duplicated padding and {superposed} with n = 6: "
     "one copy reaches one period to each side, as n = ½ would. Superposition errs along the length instead: there the "

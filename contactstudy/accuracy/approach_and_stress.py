@@ -275,6 +275,6 @@ def _stress_at(
         if isinstance(output, kind) and output.sign in signs[:1]:
             below = replace(output, depths=(depth,), paddings=paddings or output.paddings)
             if on.traction is not None:
-                below = below.with_shear(on.traction.shear)
+                below = below.with_shear(on.traction.shear, on.traction.bulk)
             return below(on.net_pressure)[:, 0]
     return np.zeros((6, *on.problem.grid.cells))

@@ -19,7 +19,7 @@ from contactstudy.domain.grid import Grid, Padding, Paddings, edge_fraction
 from contactstudy.domain.imports import needed_for
 from contactstudy.io.quantities.contact_quantities import contact_quantities
 from contactstudy.io.quantities.quantity import NO_ESTIMATE, Quantities, roller_length
-from contactstudy.problem.problem import DependsOnShear, Field
+from contactstudy.problem.problem import DependsOnShear, Derived, Field
 from contactstudy.scene.scene import PosedScene, Scene, scene_of
 from contactstudy.scene.solids.bodies import in_part, is_layered
 from contactstudy.solvers.solution import Solution
@@ -183,8 +183,9 @@ class Contact(Answer, Solution):
         """Fields of the outputs that the scene names, such as stress below the surface."""
         fields: dict[str, Field] = {}
         for number, output in enumerate(self.problem.outputs):
-            sheared = self.traction is not None and isinstance(output, DependsOnShear)
-            with_shear = output.with_shear(self.traction.shear) if sheared else output  # type: ignore[union-attr, attr-defined]
+            with_shear: Derived = output
+            if self.traction is not None and isinstance(output, DependsOnShear):
+                with_shear = output.with_shear(self.traction.shear, self.traction.bulk)
             for name, found in with_shear.fields(self.net_pressure).items():
                 suffix = self._suffix(number) if name != "component" else ""
                 axes = [f"{axis}{suffix}" if axis == "z" else axis for axis in found.dimensions]

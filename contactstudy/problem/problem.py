@@ -39,8 +39,8 @@ class Derived(Protocol):
 class DependsOnShear(Protocol):
     """Derived quantities that also depend on tangential traction on the surface."""
 
-    def with_shear(self, shear: Array) -> Derived:
-        """Return the quantities under `shear` (component, x, y) [Pa] on the first body."""
+    def with_shear(self, shear: Array, bulk: tuple[float, float] = (0.0, 0.0)) -> Derived:
+        """Return the quantities under `shear` (component, x, y) [Pa] on the first body, and a `bulk` stress of each."""
 
 
 # From the depths (z,) [m] to the residual stress (6, z, x, y) [Pa] of one body there.

@@ -145,6 +145,8 @@ class SubsurfaceStressOperator:
         1 for the first body, -1 for the second.
     shear
         Tangential traction (component, x, y) on the body, or None.
+    bulk
+        Stress of the whole body along x [Pa].
     residual
         Returns the residual stress of the body, None if it does not yield; or None.
     ended
@@ -159,6 +161,7 @@ class SubsurfaceStressOperator:
     depths: tuple[float, ...]
     sign: int = 1
     shear: Array | None = None
+    bulk: float = 0.0
     residual: Callable[[], ResidualStress | None] | None = None
     ended: FreeFaceCoefficients | None = None
     profile: HardnessProfile | None = None
@@ -170,9 +173,14 @@ class SubsurfaceStressOperator:
         deepest = max(self.depths, default=self.grid.extent[0])
         return replace(self, residual=partial(residual, (1 - self.sign) // 2, deepest))
 
-    def with_shear(self, shear: Array) -> "SubsurfaceStressOperator":
-        """Return this map with `shear` (component, x, y) on the first body, and its reaction on the second."""
-        return replace(self, shear=self.sign * shear)
+    def with_shear(
+        self, shear: Array, bulk: tuple[float, float] = (0.0, 0.0)
+    ) -> "SubsurfaceStressOperator":
+        """Return this map with `shear` (component, x, y) on the first body, and its reaction on the second.
+
+        The stress `bulk` of either body along x has that along y which prevents strain there.
+        """
+        return replace(self, shear=self.sign * shear, bulk=bulk[(1 - self.sign) // 2])
 
     def __call__(self, pressure: Array) -> Array:
         """Return stress (component, z, x, y) in the unit of `pressure` (x, y)."""
@@ -185,6 +193,10 @@ class SubsurfaceStressOperator:
             for direction, shear in zip(("across", "along"), self.shear, strict=True):
                 if shear.any():
                     stress += self._stress_of(direction, shear)
+        if self.bulk:
+            assert isinstance(self.medium, HalfSpaceStress)
+            stress[0] += self.bulk
+            stress[1] += self.medium.poisson_ratio * self.bulk
         if self.residual is not None and (residual := self.residual()) is not None:
             stress += residual(np.array(self.depths))
         return stress

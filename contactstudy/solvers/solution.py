@@ -1,7 +1,7 @@
 """The result of a solve: fields, and a status that says how far they can be trusted."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from enum import Enum
 from types import MappingProxyType
 from typing import NamedTuple
@@ -143,12 +143,15 @@ class TangentialTraction:
     iterations
         Number of applications of the response to traction, of tractive rolling on the finest grid in the last outer
         iteration; where the traction follows from pressures alone, of normal contacts solved.
+    bulk
+        Bulk stress along x of each body [Pa].
     """
 
     shear: Array
     stick: NDArray[np.bool_]
     method: str
     iterations: int
+    bulk: tuple[float, float] = field(default=(0.0, 0.0), kw_only=True)
 
 
 class Branch(Enum):

@@ -7,6 +7,7 @@ import numpy as np
 
 from contactstudy.domain.checks import (
     InvalidInput,
+    body_index,
     check_fields,
     each,
     finite,
@@ -17,11 +18,13 @@ from contactstudy.domain.checks import (
 )
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
-from contactstudy.domain.units import Metres, NewtonsPerMetre, Number, Seconds, readable
+from contactstudy.domain.units import Metres, NewtonsPerMetre, Number, Pascals, Seconds, readable
 from contactstudy.elasticity.tangential import ShearResponse, shear_response
 from contactstudy.scene.friction.friction_law import (
+    BULK,
     COEFFICIENT,
     SAMPLES,
+    bulk_compliance,
     check_similar,
     check_static,
     check_tangential_response,
@@ -31,6 +34,7 @@ from contactstudy.scene.friction.friction_law import (
 )
 from contactstudy.scene.loads.load_history import ChangingLoad, PiecewiseLinear, checked_times
 from contactstudy.scene.solids.bodies import SceneContext
+from contactstudy.solvers.friction.bulk_stress import BulkStress
 from contactstudy.solvers.friction.fretting import FrettingShear
 
 
@@ -80,6 +84,12 @@ class Fretting:
     period
         Duration of one cycle [s], with `times`. A force step that takes n half periods stands for n half cycles: slip
         and wear of one are counted n times (cycle jump). None counts each force once.
+    bulk_stresses
+        Stresses of one whole body along x [Pa], tension positive, one for each force, in phase with the forces or not
+        (fretting fatigue). A strain of ``(1 - nu^2) / E`` times their change adds to the slip of a step, and the last
+        one to the stress below the surface. Without `times`; None for none.
+    bulk_body
+        Index (0 or 1) of the body with the bulk stress.
 
     Raises
     ------
@@ -94,6 +104,8 @@ class Fretting:
     times: tuple[Seconds, ...] | None = None
     displacements: tuple[Metres, ...] | None = None
     period: Seconds | None = None
+    bulk_stresses: tuple[Pascals, ...] | None = None
+    bulk_body: int = 0
 
     def __post_init__(self) -> None:
         check_fields(self, coefficient=COEFFICIENT)
@@ -119,12 +131,30 @@ class Fretting:
                 "Fretting.times is None together with displacements: give times [s]."
             )
 
+        if self.bulk_stresses is not None:
+            self._check_bulk()
         if self.period is not None:
             positive("Fretting.period", self.period, "give the duration of a cycle above 0 s")
             if self.times is None:
                 raise InvalidInput(
                     "Fretting.period is given without times: give the times [s] of the forces, or leave period out."
                 )
+
+    def _check_bulk(self) -> None:
+        """Raise InvalidInput for bulk stresses of another number, or beside times."""
+        assert self.bulk_stresses is not None
+        given = each("Fretting.bulk_stresses", self.bulk_stresses, *BULK)
+        if self.times is not None:
+            raise InvalidInput(
+                "Fretting.bulk_stresses are given together with times: leave the times out, or the stresses."
+            )
+        if len(given) != len(self.forces or ()):
+            raise InvalidInput(
+                f"Fretting.bulk_stresses has {len(given)} stresses and Fretting.forces {len(self.forces or ())}: give "
+                "one for each force."
+            )
+        set_fields(self, bulk_stresses=given)
+        body_index("Fretting.bulk_body", self.bulk_body)
 
     @property
     def history(self) -> "FrettingHistory | None":
@@ -136,23 +166,36 @@ class Fretting:
         return FrettingHistory(self.times, values)
 
     @classmethod
-    def cycle(cls, coefficient: float, amplitude: float, steps: int = 1) -> "Fretting":
+    def cycle(
+        cls,
+        coefficient: float,
+        amplitude: float,
+        steps: int = 1,
+        bulk_stress: float = 0.0,
+        bulk_body: int = 0,
+    ) -> "Fretting":
         """Return one cycle of fretting, from 0 to the `amplitude` [N/m], to its opposite, and to the amplitude again.
 
-        Each half cycle takes equal `steps`. One is exact where nothing varies along the length.
+        Each half cycle takes equal `steps`. One is exact where nothing varies along the length. A bulk stress with an
+        amplitude of `bulk_stress` [Pa] is in phase.
         """
         count = whole_number(
             "Fretting.cycle.steps", steps, 1, "give at least one step a half cycle"
         )
-        down = [amplitude * (1 - 2 * (n + 1) / count) for n in range(count)]
-        down[-1] = -amplitude
-        return cls(coefficient, (amplitude, *down, *(-force for force in down)))
+        down = [1 - 2 * (n + 1) / count for n in range(count)]
+        down[-1] = -1.0
+        parts = (1.0, *down, *(-part for part in down))
+        stresses = tuple(bulk_stress * part for part in parts) if bulk_stress else None
+        forces = tuple(amplitude * part for part in parts)
+        return cls(coefficient, forces, bulk_stresses=stresses, bulk_body=bulk_body)
 
     def check(self, scene: SceneContext) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if the contact cannot stick, or its traction is not supported."""
         self._check_motion(scene)
         check_tangential_response(scene, "Fretting", creep="follows")
         check_similar(scene, "Fretting")
+        if self.bulk_stresses is not None:
+            bulk_compliance(scene, self.bulk_body, "Fretting.bulk_stresses")
         if self.times is not None:
             self._check_forces(scene)
             return
@@ -201,7 +244,12 @@ class Fretting:
         """Return the solver of this scene on a grid."""
         assert self.forces is not None
         forces = tuple(mean_over_grid(force, scene, grid, paddings) for force in self.forces)
-        return FrettingShear(self.coefficient, forces, self.response(scene, grid, paddings, datum))
+        response = self.response(scene, grid, paddings, datum)
+        if not any(self.bulk_stresses or ()):
+            return FrettingShear(self.coefficient, forces, response)
+        compliance = bulk_compliance(scene, self.bulk_body, "Fretting.bulk_stresses", paddings)
+        bulk = BulkStress(0.0, self.bulk_body, compliance)
+        return FrettingShear(self.coefficient, forces, response, bulk, self.bulk_stresses or ())
 
     @staticmethod
     def response(

@@ -4,7 +4,7 @@ from itertools import product
 from math import inf
 from typing import Literal, Protocol, runtime_checkable
 
-from contactstudy.domain.checks import InvalidInput, below_one
+from contactstudy.domain.checks import InvalidInput, below_one, finite
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.domain.units import readable
@@ -30,6 +30,8 @@ from contactstudy.scene.solids.coated import CoatedHalfSpace
 
 # Check of a coefficient of friction, and its remedy.
 COEFFICIENT = below_one, "give a coefficient of friction above 0, and below 1"
+# Check of a bulk stress, and its remedy.
+BULK = finite, "give a stress along x, tension positive"
 # Instants at which a force is compared with the friction limit under a load that changes.
 SAMPLES = 201
 
@@ -186,6 +188,32 @@ def transmitted_force(scene: SceneContext, coefficient: float, load: float) -> f
     """
     follows = scene.adhesion is not None or isinstance(scene.load, Approach)
     return inf if follows else coefficient * load
+
+
+def bulk_compliance(
+    scene: SceneContext, body: int, field: str, paddings: Paddings | None = None
+) -> float:
+    """Return strain along x over a bulk stress [1/Pa] of the body with this index, whose strain along y is prevented.
+
+    Raises :class:`~contactstudy.InvalidInput`, which names the `field`, for a body that is no elastic half-space, and
+    for `paddings` with which it repeats across.
+    """
+    solid = scene.solids[body]
+    if (
+        type(solid) is not HalfSpace
+        or getattr(solid, "free_faces", inf) < inf
+        or not solid.compliance
+    ):
+        raise InvalidInput(
+            f"{field} acts on Scene.solids[{body}], a {type(solid).__name__}: give the index of an elastic HalfSpace "
+            "without free_faces."
+        )
+    window = None if paddings is None else paddings[0].window
+    if paddings is not None and (window is None or len(window) > 1):
+        raise InvalidInput(
+            f"{field} is given with images across, between which no stretch is periodic: leave padding_across out."
+        )
+    return solid.compliance
 
 
 def check_force(scene: SceneContext, law: "TransmittedForce", load: float, remedy: str) -> None:

@@ -4,13 +4,21 @@ from dataclasses import dataclass
 from math import inf
 from typing import ClassVar
 
-from contactstudy.domain.checks import InvalidInput, check_fields, finite, suggest_fields
+from contactstudy.domain.checks import (
+    InvalidInput,
+    body_index,
+    check_fields,
+    finite,
+    suggest_fields,
+)
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
-from contactstudy.domain.units import Newtons, NewtonsPerMetre, Number
+from contactstudy.domain.units import Newtons, NewtonsPerMetre, Number, Pascals
 from contactstudy.elasticity.tangential import shear_response
 from contactstudy.scene.friction.friction_law import (
+    BULK,
     COEFFICIENT,
+    bulk_compliance,
     check_force,
     check_similar,
     check_static,
@@ -22,6 +30,7 @@ from contactstudy.scene.friction.friction_law import (
 )
 from contactstudy.scene.loads.resulting_load import Approach
 from contactstudy.scene.solids.bodies import SceneContext, is_layered
+from contactstudy.solvers.friction.bulk_stress import BulkStress
 from contactstudy.solvers.friction.laws import CiavarellaJaeger, PartialSlipShear
 
 
@@ -44,6 +53,11 @@ class PartialSlip:
         coefficient times the load, and beside adhesion times the sum of the load and of the attraction.
     total
         The same on the whole length of a roller [N], in place of `tangential`.
+    bulk_stress
+        Stress of one whole body along x [Pa], tension positive, which rises with the force (fretting fatigue). A strain
+        of ``(1 - nu^2) / E`` times this adds to the slip, and its stress to that below the surface.
+    bulk_body
+        Index (0 or 1) of the body with the bulk stress.
 
     Raises
     ------
@@ -56,9 +70,12 @@ class PartialSlip:
     coefficient: Number
     tangential: NewtonsPerMetre | None = None
     total: Newtons | None = None
+    bulk_stress: Pascals = 0.0
+    bulk_body: int = 0
 
     def __post_init__(self) -> None:
-        check_fields(self, coefficient=COEFFICIENT)
+        check_fields(self, coefficient=COEFFICIENT, bulk_stress=BULK)
+        body_index("PartialSlip.bulk_body", self.bulk_body)
         if (self.tangential is None) == (self.total is None):
             raise InvalidInput(
                 "PartialSlip.tangential and PartialSlip.total are both given or both None: give a force along x [N/m], "
@@ -73,6 +90,8 @@ class PartialSlip:
         check_tangential_response(scene, "PartialSlip", ", or Sliding")
         check_similar(scene, "PartialSlip", ", or Sliding")
         check_force(scene, self, scene.largest_load, "a smaller force, or Sliding")
+        if self.bulk_stress:
+            bulk_compliance(scene, self.bulk_body, "PartialSlip.bulk_stress")
 
     def solver(
         self, scene: SceneContext, gap: Array, grid: Grid, paddings: Paddings, datum: float
@@ -80,17 +99,23 @@ class PartialSlip:
         """Return superposition where it is exact for this gap, else the problem of two components."""
         force = force_per_length(self, scene)
         assert force is not None
-        if self.superposes(scene, varies=bool((gap != gap[:, :1]).any()), paddings=paddings):
+        if not self.bulk_stress and self.superposes(
+            scene, varies=bool((gap != gap[:, :1]).any()), paddings=paddings
+        ):
             return CiavarellaJaeger(
                 self.coefficient, force / (self.coefficient * scene.largest_load)
             )
         response = shear_response(shearable(scene.solids), grid, paddings, datum)
         mean = mean_over_grid(force, scene, grid, paddings)
-        return PartialSlipShear(self.coefficient, mean, response)
+        bulk = None
+        if self.bulk_stress:
+            compliance = bulk_compliance(scene, self.bulk_body, "PartialSlip.bulk_stress", paddings)
+            bulk = BulkStress(self.bulk_stress, self.bulk_body, compliance)
+        return PartialSlipShear(self.coefficient, mean, response, bulk)
 
     def explanation(self, scene: SceneContext, *, varies: bool, paddings: Paddings) -> str:
         """Return a sentence on the solves: two normal contacts where they are exact, else two components of traction."""
-        if self.superposes(scene, varies=varies, paddings=paddings):
+        if not self.bulk_stress and self.superposes(scene, varies=varies, paddings=paddings):
             is_plane = not varies and paddings[1].window is None
             return (
                 "friction: partial slip by Ciavarella and Jaeger's superposition, two solves, which is exact as "
@@ -99,7 +124,9 @@ class PartialSlip:
         return (
             "friction: partial slip for both components of traction, since "
             + (
-                "a hardness limits the pressure;"
+                "a bulk stress stretches a body;"
+                if self.bulk_stress
+                else "a hardness limits the pressure;"
                 if scene.hardness != inf
                 else "adhesion adds to the pressure;"
                 if scene.adhesion is not None

@@ -13,6 +13,7 @@ from contactstudy.domain.device import Device
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.tangential import ShearResponse
 from contactstudy.problem.problem import Problem
+from contactstudy.solvers.friction.bulk_stress import BulkStress
 from contactstudy.solvers.friction.coulomb_newton import shear_status
 from contactstudy.solvers.friction.fretting_traction import FrettingTraction
 from contactstudy.solvers.friction.partial_slip import slip_step, transmission_status
@@ -37,11 +38,17 @@ class FrettingShear:
         Tangential forces along x [N/m], each less than friction transmits, starting from 0.
     response
         Displacement under traction, A.
+    bulk
+        Body that carries a bulk stress.
+    bulk_stresses
+        Bulk stresses [Pa] that act with the forces; none if empty.
     """
 
     coefficient: float
     forces_per_length: tuple[float, ...]
     response: ShearResponse
+    bulk: BulkStress = BulkStress()  # noqa: RUF009 (frozen)
+    bulk_stresses: tuple[float, ...] = ()
 
     def solve(
         self, problem: Problem, options: SolveOptions, start: Array | None, device: Device
@@ -60,9 +67,13 @@ class FrettingShear:
         limits = options.tolerance, options.max_iterations
         # without a load there is no tangential force
         forces = self.forces_per_length if limit.any() else ()
-        for force in forces:
+        stresses = (0.0, *(self.bulk_stresses or (0.0,) * len(self.forces_per_length)))
+        for number, force in enumerate(forces):
+            stretch = None
+            if stresses[number] != stresses[number + 1]:
+                stretch = self.bulk.stretch(problem.grid, *stresses[number : number + 2])
             total = np.array([force * problem.grid.length / problem.grid.cell_area, 0.0])
-            step = slip_step(self.response, limit, shear, *limits, total=total)
+            step = slip_step(self.response, limit, shear, *limits, total=total, stretch=stretch)
             sliding.append(np.hypot(*step.slip))
             displacements.append(displacements[-1] + float(step.rigid[0]))
             shear, stick = step.shear, step.stick
@@ -70,7 +81,7 @@ class FrettingShear:
             applications += step.applications
             residual = max(residual, step.residual)
             statuses.append(shear_status(step.residual, step.applications, *limits))
-        cycle = _last_cycle([0.0, *forces])
+        cycle = _last_cycle([0.0, *forces], stresses)
         slip_distance = sum(sliding[slice(*cycle or (None,))], start=np.zeros_like(limit))
         traction = FrettingTraction(
             shear=shear,
@@ -83,6 +94,7 @@ class FrettingShear:
             slip_distance=slip_distance,
             energy=limit * slip_distance,
             cycle=cycle,
+            bulk=self.bulk.of_bodies(stresses[-1]),
         )
         return with_traction(
             normal, worst(statuses), residual, applications, 2.0 * applications, traction
@@ -117,16 +129,21 @@ class FrettingShear:
         return forces, rigid, slip
 
 
-def _last_cycle(forces: Sequence[float]) -> tuple[int, int] | None:
+def _last_cycle(forces: Sequence[float], stresses: Sequence[float]) -> tuple[int, int] | None:
     """Return where the last whole cycle starts and ends: at a reversal and the next but one, at the same force.
 
-    The last force counts as a reversal, the first one, before which nothing has slipped, does not.
+    The last force counts as a reversal, the first one, before which nothing has slipped, does not. The bulk `stresses`
+    are the same too; where they alone change, their reversals count.
     """
+    if len(set(forces[1:])) == 1 < len(set(stresses)):
+        forces, stresses = stresses, forces
     moved = [0, *(n for n in range(1, len(forces)) if forces[n] != forces[n - 1])]
     triples = zip(moved, moved[1:], moved[2:], strict=False)
     turns = [b for a, b, c in triples if (forces[b] > forces[a]) != (forces[c] > forces[b])]
     turns += moved[1:][-1:]
-    same = SAME_FORCE * max(map(abs, forces))
-    cycles = zip(turns, turns[2:], strict=False)
-    whole = [(a, b) for a, b in cycles if abs(forces[a] - forces[b]) <= same]
+    whole = [
+        (a, b)
+        for a, b in zip(turns, turns[2:], strict=False)
+        if all(abs(of[a] - of[b]) <= SAME_FORCE * max(map(abs, of)) for of in (forces, stresses))
+    ]
     return whole[-1] if whole else None

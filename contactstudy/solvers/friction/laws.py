@@ -10,6 +10,7 @@ from contactstudy.elasticity.convolution import GeneralConvolution
 from contactstudy.elasticity.tangential import ShearResponse
 from contactstudy.problem.problem import Problem
 from contactstudy.solvers.fixed_point import solve_by_fixed_point_iteration
+from contactstudy.solvers.friction.bulk_stress import BulkStress
 from contactstudy.solvers.friction.coulomb_newton import shear_status
 from contactstudy.solvers.friction.partial_slip import slip_step, transmission_status
 from contactstudy.solvers.solution import Solution, TangentialTraction, with_traction, worst
@@ -121,12 +122,14 @@ class PartialSlipShear:
     It has two components and minimises ``1/2 q A q``. A is self-adjoint and positive definite and the set convex, so
     that the minimum is unique. Cells within their limit stick, those at it slip against the traction. Loading is
     monotonic. `coefficient` is mu,
-    `force_per_length` the resultant [N/m], and `response` is A. Source: Kalker (1990), ch. 4.
+    `force_per_length` the resultant [N/m], `response` is A, and `bulk` stretches the bodies as the force rises. Source:
+    Kalker (1990), ch. 4; with a bulk stress Nowell & Hills (1987), Int. J. Mech. Sci. 29, 355.
     """
 
     coefficient: float
     force_per_length: float
     response: ShearResponse
+    bulk: BulkStress | None = None
 
     def solve(
         self, problem: Problem, options: SolveOptions, start: Array | None, device: Device
@@ -138,8 +141,12 @@ class PartialSlipShear:
         total = self.force_per_length * problem.grid.length / problem.grid.cell_area
         limits = options.tolerance, options.max_iterations
         unloaded, sums = np.zeros((2, *limit.shape)), np.array([total, 0.0])
-        step = slip_step(self.response, limit, unloaded, *limits, total=sums)
+        bulk = self.bulk or BulkStress()
+        stretch = bulk.stretch(problem.grid, 0.0, bulk.size) if bulk.size else None
+        step = slip_step(self.response, limit, unloaded, *limits, total=sums, stretch=stretch)
         count = step.applications
         status = worst([acts, shear_status(step.residual, count, *limits)])
-        traction = TangentialTraction(step.shear, step.stick, "partial slip, Newton", count)
+        traction = TangentialTraction(
+            step.shear, step.stick, "partial slip, Newton", count, bulk=bulk.of_bodies(bulk.size)
+        )
         return with_traction(normal, status, step.residual, count, 2.0 * count, traction)

@@ -88,6 +88,7 @@ def slip_step(
     total: Array | None = None,
     rigid: Array | None = None,
     start: Array | None = None,
+    stretch: Array | None = None,
 ) -> SlipStep:
     """Return the tangential traction after a step from a `reference`, under a given resultant or rigid displacement.
 
@@ -112,6 +113,8 @@ def slip_step(
         slides fully.
     start
         Traction (component, x, y) [Pa] to begin with; None begins with the reference.
+    stretch
+        Displacement along x (x, 1) [m] of the first against the second body by bulk strain in this step; None for none.
     """
     if not limit.any():
         zeros, displacement = np.zeros_like(reference), np.zeros(2) if rigid is None else rigid
@@ -120,6 +123,8 @@ def slip_step(
     free_slip = -response(reference)
     if rigid is not None:
         free_slip -= rigid[:, None, None]
+    if stretch is not None:
+        free_slip[0] += stretch
     first = newton.gathered(reference if start is None else start)
     shear, slip, displacement, residual = newton.solve(
         free_slip, first, tolerance, max_applications - 1

@@ -3,6 +3,7 @@ import tracemalloc
 import pytest
 
 import contactstudy as cs
+from contactstudy.domain.grid import across_and_along
 from contactstudy.problem import memory
 from tests.conftest import LineContact
 
@@ -23,3 +24,16 @@ def test_a_solve_is_refused_where_half_of_what_it_takes_is_left(
     monkeypatch.setattr(memory, "available_bytes", lambda: taken / 2)
     with pytest.raises(cs.InvalidInput, match=r"a solve needs 0\.00.* GB more and this machine ha"):
         cs.solve(problem, precision=precision)
+
+
+@pytest.mark.parametrize("padding", [cs.ExactPeriodicity(), cs.ZeroPadding()])
+def test_the_memory_named_before_a_solve_is_what_it_takes(
+    padding: cs.Padding, line_contact: LineContact
+) -> None:
+    grid = line_contact.grid((128, 64), 1.0)
+    cs.solve(line_contact.scene, grid, padding)
+    tracemalloc.start()
+    cs.solve(line_contact.scene, grid, padding)
+    taken = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert 0.7 < memory.solve_bytes(grid, across_and_along(padding)) / taken < 1.5

@@ -141,7 +141,8 @@ def test_round_bodies_and_ends_have_their_heights() -> None:
 def test_a_cylinder_alone_is_curved_across_as_a_line_contact() -> None:
     assert cs.Cylinder(5.0).curvature == 0.2
     for straight in (
-        cs.Sphere(5.0), cs.Crown(5.0), cs.Tilt(0.01), cs.FiniteLength(2.0), cs.LundbergProfile(1e-6, 1e-5, 2.0),
+        cs.Sphere(5.0), cs.Ellipsoid(5.0, 6.0), cs.Crown(5.0), cs.Tilt(0.01), cs.FiniteLength(2.0),
+        cs.LundbergProfile(1e-6, 1e-5, 2.0),
         cs.EndRelief(0.01, 0.008, end_radius=1.0), cs.ProfilePoints((0.0, 0.005), (0.0, 1e-6)),
         cs.Texture(cs.Groove(1e-6, 1e-4), (3e-4, inf)), cs.Roughness(1e-7, 0.8, 1e-4, 3e-5),
     ):  # fmt: skip

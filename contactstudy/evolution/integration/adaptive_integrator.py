@@ -31,7 +31,7 @@ NAMES_OF_ERRORS = "pressure", "states", "peak_pressure"
 CHECKPOINTED = ("breakpoint", "time_discretisation_errors", "double_step", "rejected", "restarts", "solves",
                 "iterations", "convolutions")  # fmt: skip
 # The same of its errors.
-CHECKPOINTED_ERRORS = "largest_by_cells", "largest_by_residual", "after_stiff_step"
+CHECKPOINTED_ERRORS = "largest_by_cells", "largest_by_residual", "after_stiff_step", "after_step"
 # Steps make no pair where their lengths differ by a larger factor: an error of first order is 1.08 times the difference
 # to one step of both lengths at this factor, once that at equal lengths, and 5 times at 10.
 MAX_RATIO_OF_PAIR = 1.5

@@ -349,9 +349,12 @@ def _of_creepage(
 
 
 def _with_slip_bound(quantity: Quantity, bound: float, estimate: ErrorEstimate) -> Quantity:
-    """Return a quantity with its `bound` if that is finite, and the slip has one."""
+    """Return a quantity with its `bound` if that is finite, and slip and pressure have one."""
     if estimate.slip_reason:
         return replace(quantity, reason=estimate.slip_reason)
+    if not isfinite(estimate.l1.total):
+        reasons = (estimate.l1.reason, *estimate.warnings, quantity.reason)
+        return replace(quantity, reason=next(filter(None, reasons)))
     return replace(quantity, bound=bound, reason="") if isfinite(bound) else quantity
 
 

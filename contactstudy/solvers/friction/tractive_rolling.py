@@ -41,6 +41,9 @@ from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Fewest cells along an axis of a coarser grid.
 COARSEST = 24
+# Least relative refinement that the change between two grids is divided by: that between nearly equal ones vanishes by
+# chance.
+LEAST_REFINEMENT = 0.5
 # Residual on coarser grids, whose own error is larger.
 LEVEL_TOLERANCE = 1e-3
 # Outer iterations between pressure and tangential traction of elastically dissimilar bodies.
@@ -215,23 +218,25 @@ class TractiveShear:
         contact_length = np.count_nonzero(touching) / np.count_nonzero(
             touching[1:] & ~touching[:-1]
         )
-        return replace(
-            steady, convolutions=work, errors=self._errors(np.array(levels), contact_length)
-        )
+        cells = np.array([level.cells for level in coarser_grids(grid)])
+        finer = (cells[1:] / cells[:-1]).max(axis=1)
+        errors = self._errors(np.array(levels), finer, contact_length)
+        return replace(steady, convolutions=work, errors=errors)
 
-    def _errors(self, levels: Array, contact_length: float) -> RollingErrors:
+    def _errors(self, levels: Array, finer: Array, contact_length: float) -> RollingErrors:
         """Return the errors of the last of `levels`: (grid, number), forces over the load, creepage and power.
 
-        Each grid has half the cells' width of the one before along axes that allow it, and the error is of first
-        order: the last difference estimates it, and half of the one before guards against a last one that is small by
-        chance. The stick-slip boundary is uncertain by STICK_SLIP_BOUNDARY_CELLS, with the effect on force or creepage
+        Each grid is `finer` than the one before by these factors, and the error is of first order: the last difference
+        estimates it, and half of the one before guards against a last one that is small by chance; a single one counts
+        twice. The stick-slip boundary is uncertain by STICK_SLIP_BOUNDARY_CELLS, with the effect on force or creepage
         of Carter's closed form for a contact of `contact_length` cells along x.
         """
         if len(levels) == 1:
             return UNKNOWN
-        orders = np.array([[1.0], [2.0]])[: len(levels) - 1]
+        orders = np.array([1.0, 2.0])[: len(finer)] if len(finer) > 1 else np.array([0.5])
+        changes = np.abs(np.diff(levels, axis=0))[::-1][:2]
         longitudinal, lateral, creepage, power = (
-            np.abs(np.diff(levels, axis=0))[::-1][:2] / orders
+            changes / (orders * np.maximum(finer[::-1][:2] - 1, LEAST_REFINEMENT))[:, None]
         ).max(axis=0)
         *force, found_creepage, found_power = np.abs(levels[-1])
         size = float(np.hypot(*force))

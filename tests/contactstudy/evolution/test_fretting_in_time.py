@@ -1,5 +1,6 @@
 import sys
 from dataclasses import replace
+from itertools import pairwise
 from math import log, pi
 from pathlib import Path
 from typing import Any
@@ -321,6 +322,22 @@ def test_fretting_of_bodies_that_creep_is_within_its_error_by_the_steps() -> Non
         error = np.abs(other.shear - one.shear).sum() / np.abs(one.shear).sum()
         assert error <= one.error.l1.by_cause["steps"]
     assert coarse[-1].error.l1.by_cause["steps"] < 0.05
+
+
+def test_the_error_by_the_steps_does_not_vanish_where_force_and_load_turn_over_creeping_bodies() -> (
+    None
+):
+    times, forces = (0.0, 1.133, 1.932, 3.403), (0.0, 0.24, -0.063, -0.223)
+    loads = (0.452, 0.888, 0.436, 0.508)
+    scene = replace(creeping(BODY.youngs_modulus, 0.75, 0.35), load=cs.LoadHistory(times, loads))
+    friction = cs.Fretting(MU, tuple(MU * force for force in forces), times=times)
+    pieces = [np.linspace(*ends, 4) for ends in pairwise(times)]
+    few = np.unique(np.concatenate(pieces))
+    many = np.unique(np.concatenate([np.linspace(*ends, 9) for ends in pairwise(few)]))
+    coarse, fine = (fretted(friction, instants, scene).frames for instants in (few, many))
+    for one, other in zip(coarse[1:], fine[8::8], strict=True):
+        error = np.abs(other.shear - one.shear).sum() / np.abs(one.shear).sum()
+        assert error <= one.error.l1.steps
 
 
 FREE = cs.ZeroPadding(), cs.ZeroPadding()

@@ -9,7 +9,7 @@ from contactstudy.scene.friction.friction_law import dundurs
 from tests.conftest import STEEL
 from tests.contactstudy.scene.shapes.test_own_shapes import Own
 
-MU, RADIUS = 0.3, 0.01
+MU, RADIUS, EXACT = 0.3, 0.01, cs.ExactPeriodicity()
 CYLINDER = (cs.Cylinder(radius=RADIUS),)
 ROUGH = (*CYLINDER, cs.Roughness(2e-7, hurst=0.8, roll_off=1e-4, cut_off=2e-5, seed=1))
 CROWN = cs.Crown(1.0)
@@ -460,3 +460,21 @@ def test_the_error_of_a_drive_that_creeps_covers_its_change_on_finer_cells() -> 
     for name in ("traction_coefficient", "frictional_power", "rolling_resistance", "peak_pressure"):
         known, better = coarse.quantities[name], fine.quantities[name]
         assert abs(known.value - better.value) < known.bound + better.bound < inf
+
+
+def test_the_force_on_a_stiff_coating_of_few_cells_is_within_its_bound() -> None:
+    """Grids of 39 and 24 cells, which are no halves, have nearly the same error."""
+    substrate = cs.HalfSpace(1.1e9, 0.5)
+    coat = cs.CoatedHalfSpace(cs.HalfSpace(7e9, 0.5), 1.44e-7, substrate)
+    rolling = cs.TractiveRolling(0.138, longitudinal=5.05e-5)
+    scene = cs.Scene(
+        cs.LineLoad(0.627), (coat, substrate), (cs.Cylinder(3.125e-4),), friction=rolling
+    )
+    force, reference = (
+        cs.solve(scene, cs.Grid((cells, 1), (1.7335e-6, 5e-7)), EXACT).quantities[
+            "traction_coefficient"
+        ]
+        for cells in (39, 624)
+    )
+    error = abs(force.value - reference.value)
+    assert 0.2 * reference.value < error < force.bound + reference.bound

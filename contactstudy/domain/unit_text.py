@@ -141,10 +141,12 @@ def _of_hardness(field: str, value: object, number: float, scale: str) -> float:
     return number * VICKERS
 
 
-def remedy_of(unit: Unit) -> str:
-    """Return what to give in place of a value that is not of `unit`."""
+def remedy_of(unit: Unit, limits: str = "") -> str:
+    """Return what to give in place of a value that is not of `unit`, or not within the `limits`."""
+    if not unit.symbol and limits:  # the example need not lie within them
+        return f"give {unit.quantity}{limits}"
     number = f", or a number in {unit.symbol}" * bool(unit.symbol)
-    return f"give {unit.quantity}, such as {unit.example!r}{number}"
+    return f"give {unit.quantity}{limits}, such as {unit.example!r}{number}"
 
 
 @cache

@@ -1,20 +1,14 @@
 """Adhesion between the bodies of a scene: work, range and law, and the history that selects a state."""
 
-from dataclasses import dataclass
 from math import pi, sqrt
-from typing import Any
+from typing import Any, Literal
 
 from contactstudy.analytic import HertzLine
-from contactstudy.domain.checks import (
-    InvalidInput,
-    check_fields,
-    in_range,
-    suggest_fields,
-    suggestion,
-)
+from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import JoulesPerSquareMetre, Metres, readable
+from contactstudy.domain.validation import validated
 from contactstudy.scene.loads.load_history import ChangingLoad
 from contactstudy.scene.loads.resulting_load import Approach
 from contactstudy.scene.shapes.roller import Sphere
@@ -48,8 +42,7 @@ CONFLICTS = {
 ZONE_CELLS, MIN_ZONE_CELLS = 6.0, 2.0
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class Adhesion:
     """Adhesion: an attraction between the surfaces that falls with their gap.
 
@@ -85,20 +78,8 @@ class Adhesion:
 
     work: JoulesPerSquareMetre
     range: Metres | None = None
-    law: str = "exponential"
-    branch: str = "from afar"
-
-    def __post_init__(self) -> None:
-        check_fields(self, work=(in_range, "give a work above 0 J/m^2"))
-        if self.range is not None:
-            remedy = "give a range above 0 m, or None for the limit of short ranges"
-            check_fields(self, range=(in_range, remedy))
-        for name, choices in (("law", LAWS), ("branch", BRANCHES)):
-            value = getattr(self, name)
-            if not isinstance(value, str) or value not in choices:
-                raise InvalidInput(
-                    f"Adhesion.{name} is {value!r}: {suggestion(str(value), choices)}."
-                )
+    law: Literal["exponential", "dugdale"] = "exponential"
+    branch: Literal["from afar", "from full contact"] = "from afar"
 
     def check(self, scene: SceneContext) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if adhesion is not defined in this scene."""

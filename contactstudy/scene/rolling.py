@@ -1,21 +1,14 @@
 """Rolling of the bodies: steady, or repeated over one that yields."""
 
-from dataclasses import dataclass
 from enum import Enum
 from itertools import pairwise
 from math import inf
+from typing import Annotated
 
 from contactstudy.analytic import HertzLine
-from contactstudy.domain.checks import (
-    InvalidInput,
-    check_fields,
-    in_range_from_zero,
-    instance,
-    positive,
-    suggest_fields,
-    whole_number,
-)
+from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.units import Metres, MetresPerSecond, Number
+from contactstudy.domain.validation import FROM_ZERO_TO_INFINITE, at_least, validated
 from contactstudy.scene.loads.load_history import ChangingLoad, PiecewiseLinear
 from contactstudy.scene.shapes.shape import Shape
 
@@ -29,8 +22,7 @@ class RollingPressure(Enum):
     ELASTIC = "elastic"
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class Rolling:
     """Rolling: the contact moves to larger x, steadily over both bodies, or repeatedly over one that yields.
 
@@ -58,30 +50,20 @@ class Rolling:
         outside these limits; in a scene with heights that move with a body.
     """
 
-    speed: MetresPerSecond | None = None
-    passes: int | None = None
+    speed: Annotated[MetresPerSecond, FROM_ZERO_TO_INFINITE] | None = None
+    passes: Annotated[int, at_least(1)] | None = None
     pressure: RollingPressure = RollingPressure.SOLVED
     distance: Metres | None = None
     steady: Number = 5e-3
 
-    def __post_init__(self) -> None:
+    def check_together(self) -> None:
+        """Check that rolling is either steady or by passes, and that a setting of passes has them."""
         if self.speed is None and self.passes is None:
             raise InvalidInput("Rolling.speed is None: give a speed of at least 0 m/s, or passes.")
         if self.speed is not None and self.passes is not None:
             raise InvalidInput(
                 f"Rolling.speed is {self.speed!r} with passes, which do not depend on it: leave one of them out."
             )
-        if self.speed not in (None, inf):
-            check_fields(self, speed=(in_range_from_zero, "give a speed of at least 0 m/s"))
-        if self.passes is not None:
-            whole_number(
-                "Rolling.passes", self.passes, 1, "give a whole number of passes of at least 1"
-            )
-        if self.distance is not None:
-            positive("Rolling.distance", self.distance, "give a distance above 0 m, or None")
-        positive("Rolling.steady", self.steady, "give a part of the yield strain, such as 5e-3")
-        remedy = "give RollingPressure.SOLVED or RollingPressure.ELASTIC"
-        instance("Rolling.pressure", self.pressure, RollingPressure, remedy)
         if self.passes is None:
             for name in ("pressure", "distance", "steady"):
                 if (value := getattr(self, name)) != getattr(Rolling, name):

@@ -1,23 +1,15 @@
 """Sliding wear of the bodies."""
 
-from dataclasses import dataclass
+from typing import Annotated
 
-from contactstudy.domain.checks import (
-    InvalidInput,
-    body_index,
-    check_fields,
-    in_range_from_zero,
-    positive,
-    set_fields,
-    suggest_fields,
-)
+from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.units import Metres, MetresPerSecond, PerPascal
+from contactstudy.domain.validation import AT_LEAST_ZERO, BodyIndex, validated
 from contactstudy.scene.loads.load_history import ChangingLoad
 from contactstudy.scene.solids.bodies import SceneContext, creeps, yields
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class Wear:
     """Sliding wear after Archard (1953), ``dw/ds = coefficient p``.
 
@@ -46,20 +38,10 @@ class Wear:
         If a number is outside these limits; in a scene whose motion contradicts it, or whose bodies do not touch.
     """
 
-    coefficient: PerPascal
-    speed: MetresPerSecond
-    body: int = 0
+    coefficient: Annotated[PerPascal, AT_LEAST_ZERO]
+    speed: Annotated[MetresPerSecond, AT_LEAST_ZERO]
+    body: BodyIndex = 0
     circumference: Metres | None = None
-
-    def __post_init__(self) -> None:
-        check_fields(
-            self,
-            coefficient=(in_range_from_zero, "give a coefficient of at least 0 1/Pa"),
-            speed=(in_range_from_zero, "give a speed of at least 0 m/s"),
-        )
-        set_fields(self, body=body_index("Wear.body", self.body))
-        if self.circumference is not None:
-            positive("Wear.circumference", self.circumference, "give a length above 0 m, or None")
 
     def check(self, scene: SceneContext) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if the motion of `scene` gives another sliding or turning."""

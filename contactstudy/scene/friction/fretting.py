@@ -1,29 +1,19 @@
 """Fretting: partial slip under a sequence of tangential forces or displacements."""
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import numpy as np
 
-from contactstudy.domain.checks import (
-    InvalidInput,
-    body_index,
-    check_fields,
-    each,
-    finite,
-    positive,
-    set_fields,
-    suggest_fields,
-    whole_number,
-)
+from contactstudy.domain.checks import InvalidInput, whole_number
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
-from contactstudy.domain.units import Metres, NewtonsPerMetre, Number, Pascals, Seconds, readable
+from contactstudy.domain.units import Metres, NewtonsPerMetre, Pascals, Seconds, readable
+from contactstudy.domain.validation import FINITE, BodyIndex, validated
 from contactstudy.elasticity.tangential import ShearResponse, shear_response
 from contactstudy.scene.friction.friction_law import (
-    BULK,
-    COEFFICIENT,
     SAMPLES,
+    FrictionCoefficient,
     bulk_compliance,
     check_similar,
     check_static,
@@ -32,7 +22,12 @@ from contactstudy.scene.friction.friction_law import (
     shearable,
     transmitted_force,
 )
-from contactstudy.scene.loads.load_history import ChangingLoad, PiecewiseLinear, checked_times
+from contactstudy.scene.loads.load_history import (
+    ChangingLoad,
+    PiecewiseLinear,
+    Times,
+    check_ascending,
+)
 from contactstudy.scene.solids.bodies import SceneContext
 from contactstudy.solvers.friction.bulk_stress import BulkStress
 from contactstudy.solvers.friction.fretting import FrettingShear
@@ -56,8 +51,7 @@ class FrettingHistory(PiecewiseLinear):
         return sorted({*times, *self.times, *getattr(load, "times", ())})
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class Fretting:
     """Partial slip under tangential forces that follow one another.
 
@@ -99,62 +93,54 @@ class Fretting:
 
     sticks: ClassVar[bool] = True
 
-    coefficient: Number
-    forces: tuple[NewtonsPerMetre, ...] | None = None
-    times: tuple[Seconds, ...] | None = None
-    displacements: tuple[Metres, ...] | None = None
+    coefficient: FrictionCoefficient
+    forces: tuple[Annotated[NewtonsPerMetre, FINITE], ...] | None = None
+    times: Times | None = None
+    displacements: tuple[Annotated[Metres, FINITE], ...] | None = None
     period: Seconds | None = None
-    bulk_stresses: tuple[Pascals, ...] | None = None
-    bulk_body: int = 0
+    bulk_stresses: tuple[Annotated[Pascals, FINITE], ...] | None = None
+    bulk_body: BodyIndex = 0
 
-    def __post_init__(self) -> None:
-        check_fields(self, coefficient=COEFFICIENT)
+    def check_together(self) -> None:
+        """Check that forces or displacements are given, and that times go with them."""
         if (self.forces is None) == (self.displacements is None):
             raise InvalidInput(
                 "Fretting.forces and Fretting.displacements are both given or both None: give one of them."
             )
         name = "forces" if self.displacements is None else "displacements"
         values = getattr(self, name)
-        remedy = "give a tuple along x, such as (1e4, -1e4, 1e4)"
-        if not isinstance(values, tuple | list) or not values:
-            raise InvalidInput(f"Fretting.{name} is {values!r}: {remedy}.")
-        set_fields(self, **{name: each(f"Fretting.{name}", values, finite, "give a finite number")})
+        if not values:
+            raise InvalidInput(f"Fretting.{name} is (): give some, such as (1e4, -1e4, 1e4).")
         if self.times is not None:
             if len(self.times) != len(values):
                 raise InvalidInput(
                     f"Fretting.times has {len(self.times)} instants and Fretting.{name} {len(values)}: give one time "
                     "for each."
                 )
-            set_fields(self, times=checked_times("Fretting.times", self.times))
+            check_ascending("Fretting.times", self.times)
         elif self.displacements is not None:
             raise InvalidInput(
                 "Fretting.times is None together with displacements: give times [s]."
             )
-
         if self.bulk_stresses is not None:
             self._check_bulk()
-        if self.period is not None:
-            positive("Fretting.period", self.period, "give the duration of a cycle above 0 s")
-            if self.times is None:
-                raise InvalidInput(
-                    "Fretting.period is given without times: give the times [s] of the forces, or leave period out."
-                )
+        if self.period is not None and self.times is None:
+            raise InvalidInput(
+                "Fretting.period is given without times: give the times [s] of the forces, or leave period out."
+            )
 
     def _check_bulk(self) -> None:
         """Raise InvalidInput for bulk stresses of another number, or beside times."""
         assert self.bulk_stresses is not None
-        given = each("Fretting.bulk_stresses", self.bulk_stresses, *BULK)
         if self.times is not None:
             raise InvalidInput(
                 "Fretting.bulk_stresses are given together with times: leave the times out, or the stresses."
             )
-        if len(given) != len(self.forces or ()):
+        if len(self.bulk_stresses) != len(self.forces or ()):
             raise InvalidInput(
-                f"Fretting.bulk_stresses has {len(given)} stresses and Fretting.forces {len(self.forces or ())}: give "
+                f"Fretting.bulk_stresses has {len(self.bulk_stresses)} stresses and Fretting.forces {len(self.forces or ())}: give "
                 "one for each force."
             )
-        set_fields(self, bulk_stresses=given)
-        body_index("Fretting.bulk_body", self.bulk_body)
 
     @property
     def history(self) -> "FrettingHistory | None":

@@ -2,12 +2,13 @@
 
 from itertools import product
 from math import inf
-from typing import Literal, Protocol, runtime_checkable
+from typing import Annotated, Literal, Protocol, runtime_checkable
 
-from contactstudy.domain.checks import InvalidInput, below_one, finite
+from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
-from contactstudy.domain.units import readable
+from contactstudy.domain.units import Number, readable
+from contactstudy.domain.validation import BELOW_ONE
 from contactstudy.elasticity.convolution import GeneralConvolution
 from contactstudy.elasticity.tangential import (
     ShearableBody,
@@ -28,10 +29,7 @@ from contactstudy.scene.solids.bodies import (
 )
 from contactstudy.scene.solids.coated import CoatedHalfSpace
 
-# Check of a coefficient of friction, and its remedy.
-COEFFICIENT = below_one, "give a coefficient of friction above 0, and below 1"
-# Check of a bulk stress, and its remedy.
-BULK = finite, "give a stress along x, tension positive"
+FrictionCoefficient = Annotated[Number, BELOW_ONE]
 # Instants at which a force is compared with the friction limit under a load that changes.
 SAMPLES = 201
 

@@ -1,23 +1,16 @@
 """Partial slip under a tangential force."""
 
-from dataclasses import dataclass
 from math import inf
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
-from contactstudy.domain.checks import (
-    InvalidInput,
-    body_index,
-    check_fields,
-    finite,
-    suggest_fields,
-)
+from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
-from contactstudy.domain.units import Newtons, NewtonsPerMetre, Number, Pascals
+from contactstudy.domain.units import Newtons, NewtonsPerMetre, Pascals
+from contactstudy.domain.validation import FINITE, BodyIndex, validated
 from contactstudy.elasticity.tangential import shear_response
 from contactstudy.scene.friction.friction_law import (
-    BULK,
-    COEFFICIENT,
+    FrictionCoefficient,
     bulk_compliance,
     check_force,
     check_similar,
@@ -34,8 +27,7 @@ from contactstudy.solvers.friction.bulk_stress import BulkStress
 from contactstudy.solvers.friction.laws import CiavarellaJaeger, PartialSlipShear
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class PartialSlip:
     """Partial slip under a tangential force that friction holds back.
 
@@ -67,22 +59,19 @@ class PartialSlip:
 
     sticks: ClassVar[bool] = True
 
-    coefficient: Number
-    tangential: NewtonsPerMetre | None = None
-    total: Newtons | None = None
-    bulk_stress: Pascals = 0.0
-    bulk_body: int = 0
+    coefficient: FrictionCoefficient
+    tangential: Annotated[NewtonsPerMetre, FINITE] | None = None
+    total: Annotated[Newtons, FINITE] | None = None
+    bulk_stress: Annotated[Pascals, FINITE] = 0.0
+    bulk_body: BodyIndex = 0
 
-    def __post_init__(self) -> None:
-        check_fields(self, coefficient=COEFFICIENT, bulk_stress=BULK)
-        body_index("PartialSlip.bulk_body", self.bulk_body)
+    def check_together(self) -> None:
+        """Check that one force is given."""
         if (self.tangential is None) == (self.total is None):
             raise InvalidInput(
                 "PartialSlip.tangential and PartialSlip.total are both given or both None: give a force along x [N/m], "
                 "or on the whole of a roller [N]."
             )
-        name = "total" if self.tangential is None else "tangential"
-        check_fields(self, **{name: (finite, "give a force along x")})
 
     def check(self, scene: SceneContext) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if the contact cannot stick, or its traction is not supported."""

@@ -1,19 +1,13 @@
 """Full sliding by Coulomb's law."""
 
-from dataclasses import dataclass
 from math import log
+from typing import Annotated
 
-from contactstudy.domain.checks import (
-    InvalidInput,
-    body_index,
-    check_fields,
-    in_range_from_zero,
-    set_fields,
-    suggest_fields,
-)
+from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.domain.units import Number
+from contactstudy.domain.validation import FROM_ZERO_BELOW_ONE, BodyIndex, validated
 from contactstudy.scene.friction.friction_law import (
     are_similar,
     dundurs,
@@ -23,8 +17,7 @@ from contactstudy.scene.solids.bodies import SceneContext, creeps
 from contactstudy.solvers.friction.laws import FullSliding
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class Sliding:
     """Full sliding: the second body slides to larger x over the first one.
 
@@ -47,16 +40,8 @@ class Sliding:
         roll.
     """
 
-    coefficient: Number
-    standing: int | None = None
-
-    def __post_init__(self) -> None:
-        if self.standing is not None:
-            set_fields(self, standing=body_index("Sliding.standing", self.standing))
-        value, remedy = self.coefficient, "give a coefficient of friction from 0, and below 1"
-        check_fields(self, coefficient=(in_range_from_zero, remedy))
-        if self.coefficient >= 1:
-            raise InvalidInput(f"Sliding.coefficient is {value!r}: {remedy}.")
+    coefficient: Annotated[Number, FROM_ZERO_BELOW_ONE]
+    standing: BodyIndex | None = None
 
     def check(self, scene: SceneContext) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if the coupling of these bodies is not supported."""

@@ -1,20 +1,20 @@
 """Steady rolling with friction: creepage or tangential force, stick and slip."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cache
 from math import inf, isinf
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
-from contactstudy.domain.checks import InvalidInput, check_fields, in_range_or_zero, suggest_fields
+from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.domain.units import MetresPerSecond, Newtons, NewtonsPerMetre, Number, PerMetre
+from contactstudy.domain.validation import ANY_SIGN, validated
 from contactstudy.elasticity.tangential import shear_response
 from contactstudy.scene.friction.friction_law import (
-    COEFFICIENT,
+    FrictionCoefficient,
     are_similar,
     check_force,
     check_tangential_response,
@@ -34,8 +34,7 @@ from contactstudy.solvers.friction.tractive_rolling import ShearPressureCoupling
 STATIONARY_HEIGHTS = "The heights are fixed in the frame of the contact: traction under moving heights is not computed."
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class TractiveRolling:
     """Steady rolling with creepage: a part of the contact sticks, the rest slips.
 
@@ -75,32 +74,22 @@ class TractiveRolling:
     is_steady: ClassVar[bool] = True
     sticks: ClassVar[bool] = True
 
-    coefficient: Number
-    longitudinal: Number | None = None
-    tangential: NewtonsPerMetre | None = None
-    lateral: Number = 0.0
-    spin: PerMetre = 0.0
-    speed: MetresPerSecond = 1.0
-    total: Newtons | None = None
+    coefficient: FrictionCoefficient
+    longitudinal: Annotated[Number, ANY_SIGN] | None = None
+    tangential: Annotated[NewtonsPerMetre, ANY_SIGN] | None = None
+    lateral: Annotated[Number, ANY_SIGN] = 0.0
+    spin: Annotated[PerMetre, ANY_SIGN] = 0.0
+    speed: Annotated[MetresPerSecond, ANY_SIGN] = 1.0
+    total: Annotated[Newtons, ANY_SIGN] | None = None
 
-    def __post_init__(self) -> None:
-        check_fields(self, coefficient=COEFFICIENT)
+    def check_together(self) -> None:
+        """Check that one creepage or force along x is given, and that the contact rolls."""
         given = [n for n in ("longitudinal", "tangential", "total") if getattr(self, n) is not None]
         if len(given) != 1:
             raise InvalidInput(
                 f"TractiveRolling has {' and '.join(given) or 'none'} of longitudinal, tangential and total: give one, "
                 "the creepage along x, the force along x [N/m], or that on the whole of a roller [N]."
             )
-        for name, remedy in (
-            ("longitudinal", "give a creepage, such as 1e-3"),
-            ("tangential", "give a force along x [N/m]"),
-            ("total", "give a force along x [N]"),
-            ("lateral", "give a creepage, such as 1e-3"),
-            ("spin", "give a rotation over the distance rolled [1/m]"),
-            ("speed", "give a speed [m/s], negative if the contact moves to smaller x"),
-        ):
-            if getattr(self, name) is not None:
-                check_fields(self, **{name: (in_range_or_zero, remedy)})
         if self.speed == 0:
             raise InvalidInput(
                 "TractiveRolling.speed is 0: give a speed other than 0 m/s, or PartialSlip for a contact at rest."

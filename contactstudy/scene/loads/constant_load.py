@@ -1,22 +1,16 @@
 """Constant loads that press the bodies together."""
 
-from dataclasses import dataclass
 from math import isclose
+from typing import Annotated
 
-from contactstudy.domain.checks import (
-    InvalidInput,
-    check_fields,
-    in_range,
-    in_range_or_zero,
-    suggest_fields,
-)
+from contactstudy.domain.checks import InvalidInput, in_range
 from contactstudy.domain.units import Metres, Newtons, NewtonsPerMetre
+from contactstudy.domain.validation import ANY_SIGN, validated
 
 LOAD_REMEDY = "give a load above 0 N/m"
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class LineLoad:
     """Constant normal load per length of the contact.
 
@@ -32,10 +26,7 @@ class LineLoad:
         If the load is no finite number; in a scene without adhesion, if it is not above zero.
     """
 
-    per_length: NewtonsPerMetre
-
-    def __post_init__(self) -> None:
-        check_fields(self, per_length=(in_range_or_zero, LOAD_REMEDY))
+    per_length: Annotated[NewtonsPerMetre, ANY_SIGN]
 
     def check_compressive(self) -> None:
         """Raise :class:`~contactstudy.InvalidInput` unless the load presses the bodies together."""
@@ -47,8 +38,7 @@ class LineLoad:
         return self.per_length
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class TotalLoad:
     """Constant normal load on the whole length of a roller.
 
@@ -68,13 +58,8 @@ class TotalLoad:
         is none here, if both differ, or if the load is not above zero and there is no adhesion.
     """
 
-    total: Newtons
+    total: Annotated[Newtons, ANY_SIGN]
     length: Metres | None = None
-
-    def __post_init__(self) -> None:
-        check_fields(self, total=(in_range_or_zero, "give a load above 0 N"))
-        if self.length is not None:
-            check_fields(self, length=(in_range, "give the roller's length above 0 m"))
 
     def length_on(self, shortest: float | None) -> float:
         """Return the length of the roller [m]: that given, or else that of the `shortest` roller among the shapes."""

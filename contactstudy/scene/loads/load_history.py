@@ -1,23 +1,13 @@
 """Loads that change in time."""
 
 from bisect import bisect_left, bisect_right
-from dataclasses import dataclass
 from itertools import pairwise
 from math import asin, ceil, floor, pi, sin
-from typing import ClassVar, Protocol, runtime_checkable
+from typing import Annotated, ClassVar, Protocol, runtime_checkable
 
-from contactstudy.domain.checks import (
-    InvalidInput,
-    check_fields,
-    each,
-    finite,
-    in_range,
-    in_range_from_zero,
-    in_range_or_zero,
-    set_fields,
-    suggest_fields,
-)
+from contactstudy.domain.checks import InvalidInput, each, in_range_from_zero
 from contactstudy.domain.units import NewtonsPerMetre, PerSecond, Radians, Seconds
+from contactstudy.domain.validation import ANY_SIGN, AT_LEAST_ZERO, FINITE, validated
 
 HISTORY_REMEDY = "give a load of at least 0 N/m"
 # Load over the largest one below which it is zero: its rounding error.
@@ -132,19 +122,19 @@ class PiecewiseLinear:
         return (self.at(start) + self.before(end)) / 2
 
 
-def checked_times(name: str, times: tuple[Seconds, ...]) -> tuple[float, ...]:
-    """Return `times` [s] that do not decrease; raise :class:`~contactstudy.InvalidInput` for others, by their `name`."""
-    checked = each(name, times, finite, "give a time [s]")
-    for number, (before, after) in enumerate(pairwise(checked), start=1):
-        if after < before or checked[: number + 1].count(after) > 2:
+Times = tuple[Annotated[Seconds, FINITE], ...]
+
+
+def check_ascending(name: str, times: tuple[float, ...]) -> None:
+    """Raise :class:`~contactstudy.InvalidInput` for `times` [s], of this `name`, that decrease, or stand three times."""
+    for number, (before, after) in enumerate(pairwise(times), start=1):
+        if after < before or times[: number + 1].count(after) > 2:
             raise InvalidInput(
                 f"{name}[{number}] is {after!r}: give times that do not decrease, the same one twice at the most."
             )
-    return checked
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class LoadHistory(PiecewiseLinear):
     """Load given at instants, linear between them and held after the last.
 
@@ -163,28 +153,23 @@ class LoadHistory(PiecewiseLinear):
         in a scene without adhesion, if one is below zero.
     """
 
-    times: tuple[Seconds, ...]
-    per_length: tuple[NewtonsPerMetre, ...]
+    times: Times
+    per_length: tuple[Annotated[NewtonsPerMetre, ANY_SIGN], ...]
 
-    def __post_init__(self) -> None:
-        for name in ("times", "per_length"):
-            values = getattr(self, name)
-            if not isinstance(values, tuple | list) or not values:
-                raise InvalidInput(
-                    f"LoadHistory.{name} is {values!r}: give a tuple of numbers, one for each instant."
-                )
-        times = checked_times("LoadHistory.times", self.times)
-        loads = each("LoadHistory.per_length", self.per_length, in_range_or_zero, HISTORY_REMEDY)
-        if len(times) != len(loads):
+    def check_together(self) -> None:
+        """Check that times do not decrease, with a load for each, one of them above 0."""
+        check_ascending("LoadHistory.times", self.times)
+        loads = self.per_length
+        if len(self.times) != len(loads) or not loads:
             raise InvalidInput(
-                f"LoadHistory.per_length has {len(loads)} loads for {len(times)} times: give one for each."
+                f"LoadHistory.per_length has {len(loads)} loads for {len(self.times)} times: give one for each of at "
+                "least one."
             )
         if max(loads) <= 0:
             throughout = "0" if max(loads) == min(loads) == 0 else "not above 0"
             raise InvalidInput(
                 f"LoadHistory.per_length is {throughout} throughout: give a load above 0 N/m."
             )
-        set_fields(self, times=times, per_length=loads)
 
     @property
     def values(self) -> tuple[float, ...]:
@@ -201,8 +186,7 @@ class LoadHistory(PiecewiseLinear):
         each("LoadHistory.per_length", self.per_length, in_range_from_zero, HISTORY_REMEDY)
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class SineLoad:
     """Sinusoidal load ``mean_load + amplitude sin(2 pi frequency t + phase)`` from t = 0 on, cut off at zero.
 
@@ -224,21 +208,15 @@ class SineLoad:
     #: Start of the load [s].
     start: ClassVar[float] = 0.0
 
-    mean_load: NewtonsPerMetre
-    amplitude: NewtonsPerMetre
+    mean_load: Annotated[NewtonsPerMetre, AT_LEAST_ZERO]
+    amplitude: Annotated[NewtonsPerMetre, AT_LEAST_ZERO]
     frequency: PerSecond
-    phase: Radians = 0.0
+    phase: Annotated[Radians, FINITE] = 0.0
 
-    def __post_init__(self) -> None:
-        load = in_range_from_zero, HISTORY_REMEDY
-        check_fields(self, mean_load=load, amplitude=load)
+    def check_together(self) -> None:
+        """Check that there is a load."""
         if self.mean_load == self.amplitude == 0:
             raise InvalidInput("SineLoad.amplitude and mean_load are 0: give a load above 0 N/m.")
-        check_fields(
-            self,
-            frequency=(in_range, "give a frequency above 0 Hz"),
-            phase=(finite, "give an angle [rad]"),
-        )
 
     @property
     def largest(self) -> float:

@@ -1,25 +1,17 @@
 """Loads that are results: an approach, or the point of separation, given in place of a load."""
 
-from dataclasses import dataclass
 from math import e, exp, pi
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
-from contactstudy.domain.checks import (
-    InvalidInput,
-    below_one,
-    check_fields,
-    in_range,
-    in_range_or_zero,
-    suggest_fields,
-)
+from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.units import Metres, NewtonsPerMetre, Number, readable
+from contactstudy.domain.validation import ANY_SIGN, Limits, validated
 
 # Distance from the axis at which the surface does not move, over the equivalent radius, where none is given.
 DATUM_OVER_RADIUS = 2.0
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class Approach:
     """Approach of the bodies, given in place of a load: the load is a result.
 
@@ -47,13 +39,8 @@ class Approach:
     #: Largest given load [N/m]: none is given.
     largest: ClassVar[float] = 0.0
 
-    approach: Metres
+    approach: Annotated[Metres, ANY_SIGN]
     datum: Metres | None = None
-
-    def __post_init__(self) -> None:
-        check_fields(self, approach=(in_range_or_zero, "give an approach [m]"))
-        if self.datum is not None:
-            check_fields(self, datum=(in_range, "give a distance above 0 m"))
 
     def check_datum(self, *, endless_axes: int) -> None:
         """Raise InvalidInput for a datum unless it has an effect: of one axis with infinitely many images."""
@@ -86,8 +73,7 @@ class Approach:
         return float(pi * contact_modulus * largest * exp(1 - turns))
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class PullOff:
     """Separation of an adhesive contact, in place of a load: the pull-off load is a result.
 
@@ -107,16 +93,8 @@ class PullOff:
         If the load is no finite number, or the error not between 1e-6 and 1; in a scene without adhesion.
     """
 
-    preload: NewtonsPerMetre
-    error: Number = 4e-3
-
-    def __post_init__(self) -> None:
-        remedy = "give an error between 1e-6 and 1"
-        check_fields(
-            self, preload=(in_range_or_zero, "give a load [N/m]"), error=(below_one, remedy)
-        )
-        if self.error < 1e-6:
-            raise InvalidInput(f"PullOff.error is {self.error!r}: {remedy}.")
+    preload: Annotated[NewtonsPerMetre, ANY_SIGN]
+    error: Annotated[Number, Limits("from 1e-6 and below 1", lambda x: 1e-6 <= x < 1)] = 4e-3
 
     @property
     def per_length(self) -> float:

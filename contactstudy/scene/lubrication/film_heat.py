@@ -1,18 +1,11 @@
 """Shear heating of a film: thermal properties of the lubricant and of the bodies."""
 
-from dataclasses import dataclass
-from math import exp, log
+from math import exp, inf, log
+from typing import Annotated
 
 import numpy as np
 
-from contactstudy.domain.checks import (
-    InvalidInput,
-    check_fields,
-    in_range,
-    in_range_from_zero,
-    instance,
-    suggest_fields,
-)
+from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 from contactstudy.domain.units import (
     Kelvins,
@@ -20,6 +13,7 @@ from contactstudy.domain.units import (
     ThermalConductivity,
     VolumetricHeatCapacity,
 )
+from contactstudy.domain.validation import AT_LEAST_ZERO, Limits, validated
 from contactstudy.scene.solids.bodies import Body, Layered
 
 # Viscosity [Pa s] of Roelands' pole, the limit at high temperature, and the temperature [K] at which his viscosity
@@ -27,11 +21,10 @@ from contactstudy.scene.solids.bodies import Body, Layered
 LEAST_VISCOSITY, LEAST_TEMPERATURE = exp(-9.67), 138.0
 # Young's moduli [Pa] of steel.
 OF_STEEL = (1.9e11, 2.2e11)
-SUPPLY = "give the temperature of the supply, above 138 K, such as 313"
+ABOVE_LEAST = Limits(f"above {LEAST_TEMPERATURE:g} K", lambda x: LEAST_TEMPERATURE < x < inf)
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class ThermalBody:
     """Thermal properties of a body, those of steel by default.
 
@@ -54,20 +47,15 @@ class ThermalBody:
     heat_capacity: VolumetricHeatCapacity = 3.6e6
     coating: "ThermalBody | None" = None
 
-    def __post_init__(self) -> None:
-        remedy = "give the ThermalBody of one coating, or None"
-        instance("ThermalBody.coating", self.coating, ThermalBody | None, remedy)
-        if self.coating is not None:
-            instance("ThermalBody.coating.coating", self.coating.coating, type(None), remedy)
-        check_fields(
-            self,
-            conductivity=(in_range, "must be above 0 W/(m K), such as 46"),
-            heat_capacity=(in_range, "must be above 0 J/(m^3 K), such as 3.6e6"),
-        )
+    def check_together(self) -> None:
+        """Check that there is one coating at the most."""
+        if self.coating is not None and self.coating.coating is not None:
+            raise InvalidInput(
+                f"ThermalBody.coating.coating is {self.coating.coating!r}: give the ThermalBody of one coating."
+            )
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class FilmHeat:
     """Heat of a sheared film, which lowers its viscosity and with it the friction.
 
@@ -92,24 +80,11 @@ class FilmHeat:
         For other values.
     """
 
-    temperature_viscosity: PerKelvin = 0.04
+    temperature_viscosity: Annotated[PerKelvin, AT_LEAST_ZERO] = 0.04
     conductivity: ThermalConductivity = 0.14
     first: ThermalBody | None = None
     second: ThermalBody | None = None
-    supply_temperature: Kelvins = 313.15
-
-    def __post_init__(self) -> None:
-        check_fields(
-            self,
-            temperature_viscosity=(in_range_from_zero, "must be at least 0 1/K, such as 0.04"),
-            conductivity=(in_range, "must be above 0 W/(m K), such as 0.14"),
-            supply_temperature=(in_range, SUPPLY),
-        )
-        if (supply := self.supply_temperature) <= LEAST_TEMPERATURE:
-            raise InvalidInput(f"FilmHeat.supply_temperature is {supply:g} K: {SUPPLY}.")
-        for name in ("first", "second"):
-            remedy = "give a ThermalBody(conductivity=...), or None for steel"
-            instance(f"FilmHeat.{name}", getattr(self, name), ThermalBody | None, remedy)
+    supply_temperature: Annotated[Kelvins, ABOVE_LEAST] = 313.15
 
     @property
     def bodies(self) -> tuple[ThermalBody, ThermalBody]:

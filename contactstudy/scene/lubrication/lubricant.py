@@ -1,20 +1,12 @@
 """Lubricant with its laws of viscosity, density and shear stress."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import inf, log
-from typing import Protocol, runtime_checkable
+from typing import Annotated, Protocol, runtime_checkable
 
 import numpy as np
 
-from contactstudy.domain.checks import (
-    InvalidInput,
-    check_fields,
-    in_range,
-    in_range_from_zero,
-    instance,
-    suggest_fields,
-    up_to_one,
-)
+from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 from contactstudy.domain.units import (
     Compressibility,
@@ -23,6 +15,7 @@ from contactstudy.domain.units import (
     PascalSeconds,
     PressureViscosity,
 )
+from contactstudy.domain.validation import AT_LEAST_ZERO, UP_TO_ONE, validated
 from contactstudy.scene.lubrication.film_heat import LEAST_VISCOSITY
 
 
@@ -40,8 +33,7 @@ class ViscosityLaw(Protocol):
         """Return the relative fall of viscosity with temperature at ``pressure`` [Pa], over that at zero pressure."""
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class Barus:
     """Viscosity that grows by ``eta = eta0 exp(alpha p)`` (Barus 1893): too fast beyond some 0.5 GPa."""
 
@@ -54,8 +46,7 @@ class Barus:
         return np.ones_like(pressure)
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class Roelands:
     """Viscosity that grows by ``ln(eta / eta0) = alpha p0 / z ((1 + p / p0)^z - 1)`` (Roelands 1966).
 
@@ -73,14 +64,8 @@ class Roelands:
         For other values.
     """
 
-    exponent: Number | None = None
+    exponent: Annotated[Number, UP_TO_ONE] | None = None
     reference_pressure: Pascals = 1.96e8
-
-    def __post_init__(self) -> None:
-        remedy = "give an exponent above 0 and up to 1, such as 0.6, or None"
-        check_fields(self, reference_pressure=(in_range, "give a pressure above 0 Pa"))
-        if self.exponent is not None:
-            check_fields(self, exponent=(up_to_one, remedy))
 
     def consistent_exponent(self, viscosity: float, coefficient: float) -> float:
         """Return the exponent z that a viscosity [Pa s] and its coefficient alpha [1/Pa] have in common.
@@ -113,8 +98,7 @@ class DensityLaw(Protocol):
         """Return ``rho / rho0`` and its derivative [1/Pa] at ``pressure`` [Pa], at least 0 Pa."""
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class ConstantDensity:
     """An incompressible lubricant."""
 
@@ -123,8 +107,7 @@ class ConstantDensity:
         return np.ones_like(pressure), np.zeros_like(pressure)
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class DowsonHigginson:
     """Density that grows by ``rho / rho0 = 1 + c p / (1 + d p)`` (Dowson & Higginson 1966), of mineral oil by default.
 
@@ -141,16 +124,8 @@ class DowsonHigginson:
         For other values.
     """
 
-    compressibility: Compressibility = 0.6e-9
+    compressibility: Annotated[Compressibility, AT_LEAST_ZERO] = 0.6e-9
     saturation: Compressibility = 1.7e-9
-
-    def __post_init__(self) -> None:
-        remedy = "give a compressibility of at least 0 1/Pa"
-        check_fields(
-            self,
-            compressibility=(in_range_from_zero, remedy),
-            saturation=(in_range, "give 1/Pa above 0"),
-        )
 
     def ratio(self, pressure: Array) -> tuple[Array, Array]:
         """Return ``rho / rho0`` and its derivative [1/Pa] at ``pressure`` [Pa]."""
@@ -166,8 +141,7 @@ class ShearLaw(Protocol):
         """Return the shear stress [Pa] where that of a Newtonian lubricant is ``newtonian`` [Pa]."""
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class Newtonian:
     """A shear stress in proportion to the shear rate, without a limit."""
 
@@ -176,8 +150,7 @@ class Newtonian:
         return newtonian.copy()
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class Eyring:
     """Shear stress ``tau = tau0 asinh(eta rate / tau0)`` (Eyring 1936).
 
@@ -194,16 +167,12 @@ class Eyring:
 
     reference: Pascals = 5e6
 
-    def __post_init__(self) -> None:
-        check_fields(self, reference=(in_range, "give an Eyring stress above 0 Pa, such as 5e6"))
-
     def stress(self, newtonian: Array, pressure: Array) -> Array:
         """Return the shear stress [Pa]."""
         return np.asarray(self.reference * np.arcsinh(newtonian / self.reference))
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class Carreau:
     """Shear stress ``tau = tau_N (1 + (tau_N / tau0)^2)^((n - 1) / 2)`` of the Newtonian stress tau_N (Carreau 1972).
 
@@ -221,14 +190,7 @@ class Carreau:
     """
 
     reference: Pascals = 5e6
-    exponent: Number = 0.5
-
-    def __post_init__(self) -> None:
-        check_fields(
-            self,
-            reference=(in_range, "must be above 0 Pa, such as 5e6"),
-            exponent=(up_to_one, "must be above 0 and at most 1, such as 0.5"),
-        )
+    exponent: Annotated[Number, UP_TO_ONE] = 0.5
 
     def stress(self, newtonian: Array, pressure: Array) -> Array:
         """Return the shear stress [Pa]."""
@@ -237,8 +199,7 @@ class Carreau:
         return np.asarray(newtonian * thinning)
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class LimitingShear:
     """Shear stress ``tau = tau_L tanh(eta rate / tau_L)`` with a limit ``tau_L = tau_0 + Lambda p`` (Bair & Winer 1979).
 
@@ -256,15 +217,7 @@ class LimitingShear:
     """
 
     coefficient: Number = 0.07
-    ambient: Pascals = 3e6
-
-    def __post_init__(self) -> None:
-        remedy = "give the limiting shear stress over pressure, above 0, such as 0.07"
-        check_fields(
-            self,
-            coefficient=(in_range, remedy),
-            ambient=(in_range_from_zero, "must be at least 0 Pa, such as 3e6"),
-        )
+    ambient: Annotated[Pascals, AT_LEAST_ZERO] = 3e6
 
     def stress(self, newtonian: Array, pressure: Array) -> Array:
         """Return the shear stress [Pa]."""
@@ -273,8 +226,7 @@ class LimitingShear:
         return np.asarray(limit * np.tanh(bounded))
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class Lubricant:
     """Lubricant at one temperature.
 
@@ -300,25 +252,13 @@ class Lubricant:
     """
 
     viscosity: PascalSeconds
-    pressure_viscosity: PressureViscosity
+    pressure_viscosity: Annotated[PressureViscosity, AT_LEAST_ZERO]
     viscosity_law: ViscosityLaw = Roelands()
     density: DensityLaw = DowsonHigginson()
     shear: ShearLaw = Newtonian()
 
-    def __post_init__(self) -> None:
-        remedy = "give a coefficient of at least 0 1/Pa, such as 2e-8"
-        check_fields(
-            self,
-            viscosity=(in_range, "give a viscosity above 0 Pa s"),
-            pressure_viscosity=(in_range_from_zero, remedy),
-        )
-        for name, kind, example in (
-            ("viscosity_law", ViscosityLaw, "Roelands()"),
-            ("density", DensityLaw, "DowsonHigginson()"),
-            ("shear", ShearLaw, "Eyring(5e6)"),
-        ):
-            remedy = f"give a law, such as {example}"
-            instance(f"Lubricant.{name}", getattr(self, name), kind, remedy)
+    def check_together(self) -> None:
+        """Check that Roelands' exponent that follows from viscosity and coefficient is one."""
         law = self.viscosity_law
         if isinstance(law, Roelands) and law.exponent is None:
             exponent = law.consistent_exponent(self.viscosity, self.pressure_viscosity)

@@ -1,24 +1,14 @@
 """Lubrication of a contact: cavitation, boundary film, and the motion that entrains the lubricant."""
 
-from dataclasses import dataclass
 from math import inf
-from typing import Protocol, runtime_checkable
+from typing import Annotated, Protocol, runtime_checkable
 
 import numpy as np
 
-from contactstudy.domain.checks import (
-    InvalidInput,
-    check_fields,
-    each,
-    finite,
-    in_range,
-    in_range_from_zero,
-    instance,
-    set_fields,
-    suggest_fields,
-)
-from contactstudy.domain.units import Metres, MetresPerSecond, Number, Seconds
-from contactstudy.scene.loads.load_history import ChangingLoad, History
+from contactstudy.domain.checks import InvalidInput
+from contactstudy.domain.units import Metres, MetresPerSecond, Number
+from contactstudy.domain.validation import AT_LEAST_ZERO, FINITE, validated
+from contactstudy.scene.loads.load_history import ChangingLoad, History, Times
 from contactstudy.scene.lubrication.film_heat import LEAST_VISCOSITY, FilmHeat
 from contactstudy.scene.lubrication.lubricant import Lubricant, Roelands
 from contactstudy.scene.solids.bodies import SceneContext, creeps, yields
@@ -27,8 +17,7 @@ from contactstudy.scene.solids.bodies import SceneContext, creeps, yields
 CONTRADICTION = 0.02
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class ElrodAdams:
     """Cavitation that conserves mass: where the pressure is zero, lubricant fills a fraction of the gap.
 
@@ -36,8 +25,7 @@ class ElrodAdams:
     """
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class ReynoldsCavitation:
     """Cavitation that only forbids negative pressures: the film counts as full where the pressure is zero.
 
@@ -50,8 +38,7 @@ class ReynoldsCavitation:
 Cavitation = ElrodAdams | ReynoldsCavitation
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class Boundary:
     """Adsorbed boundary film, on which asperities carry load where the fluid film is no thicker than it.
 
@@ -69,14 +56,7 @@ class Boundary:
     """
 
     film: Metres
-    coefficient: Number = 0.12
-
-    def __post_init__(self) -> None:
-        check_fields(
-            self,
-            film=(in_range, "give a thickness above 0 m, such as 5e-9"),
-            coefficient=(in_range_from_zero, "must be at least 0, such as 0.12"),
-        )
+    coefficient: Annotated[Number, AT_LEAST_ZERO] = 0.12
 
 
 @runtime_checkable
@@ -84,8 +64,7 @@ class ChangingSpeed(History, Protocol):
     """Mean speed [m/s] as a function of time [s]."""
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class SpeedHistory:
     """Mean speed given at instants, linear between them, and held before the first and after the last.
 
@@ -102,22 +81,16 @@ class SpeedHistory:
         For other values.
     """
 
-    times: tuple[Seconds, ...]
-    mean_speed: tuple[MetresPerSecond, ...]
+    times: Times
+    mean_speed: tuple[Annotated[MetresPerSecond, AT_LEAST_ZERO], ...]
 
-    def __post_init__(self) -> None:
-        for name in ("times", "mean_speed"):
-            values = getattr(self, name)
-            if not isinstance(values, tuple | list) or len(values) < 2:
-                raise InvalidInput(
-                    f"SpeedHistory.{name} is {values!r}: give a tuple of two or more numbers, one for each instant."
-                )
-        times = each("SpeedHistory.times", self.times, finite, "give a time [s]")
-        remedy = "give a speed of at least 0 m/s"
-        speeds = each("SpeedHistory.mean_speed", self.mean_speed, in_range_from_zero, remedy)
-        if len(times) != len(speeds):
+    def check_together(self) -> None:
+        """Check that times ascend, with a speed for each, and that the film is steady at the first."""
+        times, speeds = self.times, self.mean_speed
+        if len(times) != len(speeds) or len(times) < 2:
             raise InvalidInput(
-                f"SpeedHistory.mean_speed has {len(speeds)} speeds for {len(times)} times: give one for each."
+                f"SpeedHistory.mean_speed has {len(speeds)} speeds for {len(times)} times: give one for each of two or "
+                "more."
             )
         if sorted(set(times)) != list(times):
             raise InvalidInput(f"SpeedHistory.times is {self.times!r}: give ascending times.")
@@ -125,7 +98,6 @@ class SpeedHistory:
             raise InvalidInput(
                 "SpeedHistory.mean_speed[0] is 0 m/s, where no film is steady: give a speed above it."
             )
-        set_fields(self, times=times, mean_speed=speeds)
 
     @property
     def largest(self) -> float:
@@ -147,8 +119,7 @@ class SpeedHistory:
         return float(np.interp(time, self.times, self.mean_speed))
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class Lubrication:
     """Lubricant of a contact, and the mean motion of the surfaces to larger x that entrains it.
 
@@ -180,31 +151,20 @@ class Lubrication:
 
     lubricant: Lubricant
     mean_speed: MetresPerSecond | ChangingSpeed
-    slide_roll_ratio: Number = 0.0
+    slide_roll_ratio: Annotated[Number, FINITE] = 0.0
     cavitation: Cavitation = ElrodAdams()
     boundary: Boundary | None = None
     supply: Metres | None = None
     thermal: FilmHeat | None = None
 
-    def __post_init__(self) -> None:
-        remedy = "give a Lubricant(viscosity=..., pressure_viscosity=...)"
-        instance("Lubrication.lubricant", self.lubricant, Lubricant, remedy)
-        speed = self.mean_speed
-        # a load history has all of a speed
-        if not isinstance(speed, ChangingSpeed) or isinstance(speed, ChangingLoad):
-            remedy = "give a speed above 0 m/s, or a SpeedHistory, or leave Scene.lubrication out for the dry contact"
-            check_fields(self, mean_speed=(in_range, remedy))
-        remedy = "give the sliding speed over the mean speed, such as 0.1"
-        check_fields(self, slide_roll_ratio=(finite, remedy))
-        remedy = "give ElrodAdams() or ReynoldsCavitation()"
-        instance("Lubrication.cavitation", self.cavitation, Cavitation, remedy)
-        if self.supply is not None:
-            remedy = "give the thickness of a layer above 0 m, or None for a flooded inlet"
-            check_fields(self, supply=(in_range, remedy))
+    def check_together(self) -> None:
+        """Check that cavitation and temperatures have a meaning."""
+        if isinstance(self.mean_speed, ChangingLoad):  # which has all of a speed
+            raise InvalidInput(
+                f"Lubrication.mean_speed is {self.mean_speed!r}, a load: give a speed above 0 m/s, or a SpeedHistory."
+            )
         if self.thermal is not None:
             self._check_thermal()
-        remedy = "give a Boundary(film=...), or None"
-        instance("Lubrication.boundary", self.boundary, Boundary | None, remedy)
         for name in ("supply", "boundary"):
             if getattr(self, name) is not None and not isinstance(self.cavitation, ElrodAdams):
                 raise InvalidInput(
@@ -214,7 +174,6 @@ class Lubrication:
 
     def _check_thermal(self) -> None:
         """Raise :class:`~contactstudy.InvalidInput` where temperatures have no meaning."""
-        instance("Lubrication.thermal", self.thermal, FilmHeat, "give a FilmHeat(), or None")
         if self.lubricant.viscosity <= LEAST_VISCOSITY:
             raise InvalidInput(
                 f"Lubricant.viscosity is {self.lubricant.viscosity:g} Pa s, where Roelands' law has no temperature: "

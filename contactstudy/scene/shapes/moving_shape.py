@@ -6,9 +6,10 @@ from typing import Any, ClassVar, Self, cast
 import numpy as np
 from scipy import ndimage
 
-from contactstudy.domain.checks import InvalidInput, body_index, suggest_fields
+from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
+from contactstudy.domain.validation import BodyIndex, validated
 from contactstudy.scene.shapes.shape import LengthScales, Shape, length_scales_of
 
 
@@ -24,8 +25,7 @@ class ShiftedGrid(Grid):
         return np.asarray(super().x - self.shift)
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class MovingShape:
     """A shape on the surface of a body, which moves with it to larger x: see :func:`~contactstudy.solve`.
 
@@ -49,16 +49,11 @@ class MovingShape:
     curvature: ClassVar[float] = 0.0
 
     shape: Shape
-    body: int = 0
+    body: BodyIndex = 0
 
-    def __post_init__(self) -> None:
-        body_index("MovingShape.body", self.body)
-        if (
-            isinstance(self.shape, type)
-            or not isinstance(self.shape, Shape)
-            or self.shape.curvature
-            or any(scales.roller for scales in length_scales_of([self.shape]))
-        ):
+    def check_together(self) -> None:
+        """Check that the shape is heights alone."""
+        if self.shape.curvature or any(scales.roller for scales in length_scales_of([self.shape])):
             raise InvalidInput(
                 f"MovingShape.shape is {self.shape!r}: give heights that shape no roller, such as Roughness."
             )

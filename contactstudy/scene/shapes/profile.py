@@ -1,27 +1,16 @@
 """Profiles of rollers as drawings and measurements give them: points, tangential arcs, rounded and chamfered ends."""
 
-from dataclasses import dataclass
 from enum import Enum
 from math import inf, tan
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import numpy as np
 
-from contactstudy.domain.checks import (
-    InvalidInput,
-    check_fields,
-    each,
-    finite,
-    in_range,
-    in_range_from_zero,
-    in_range_or_infinite,
-    set_fields,
-    suggest_fields,
-)
+from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import Metres, Radians
-from contactstudy.scene.shapes.roller import LENGTH_REMEDY
+from contactstudy.domain.validation import AT_LEAST_ZERO, FINITE, OR_INFINITE, Limits, validated
 from contactstudy.scene.shapes.shape import LengthScales
 
 
@@ -32,8 +21,7 @@ class Axis(Enum):
     ACROSS = "across the contact"
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class ProfilePoints:
     """Profile through points of position and drop, by monotone cubic interpolation.
 
@@ -59,13 +47,13 @@ class ProfilePoints:
     #: Curvature [1/m]: the profile does not bend the cross-section.
     curvature: ClassVar[float] = 0.0
 
-    positions: tuple[Metres, ...]
-    drops: tuple[Metres, ...]
+    positions: tuple[Annotated[Metres, FINITE], ...]
+    drops: tuple[Annotated[Metres, FINITE], ...]
     axis: Axis = Axis.ALONG
 
-    def __post_init__(self) -> None:
-        positions = each("ProfilePoints.positions", self.positions, finite, "give a position [m]")
-        drops = each("ProfilePoints.drops", self.drops, finite, "give a drop [m]")
+    def check_together(self) -> None:
+        """Check that positions increase, with a drop for each."""
+        positions, drops = self.positions, self.drops
         if len(positions) != len(drops) or len(drops) < 2:
             raise InvalidInput(
                 f"ProfilePoints.drops has {len(drops)} numbers for {len(positions)} positions: give one for each of at "
@@ -75,7 +63,6 @@ class ProfilePoints:
             raise InvalidInput(
                 f"ProfilePoints.positions is {positions!r}: give positions that increase."
             )
-        set_fields(self, positions=positions, drops=drops)
 
     @property
     def length(self) -> float:
@@ -102,8 +89,7 @@ class ProfilePoints:
         return np.asarray(drop[:, None] if self.axis is Axis.ACROSS else drop[None, :])
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class EndRelief:
     """Profile of a middle part, straight or of a large radius, with arcs or chamfers at both ends.
 
@@ -133,25 +119,16 @@ class EndRelief:
     curvature: ClassVar[float] = 0.0
 
     length: Metres
-    middle: Metres
-    end_radius: Metres = inf
-    end_angle: Radians = 0.0
-    radius: Metres = inf
+    middle: Annotated[Metres, AT_LEAST_ZERO]
+    end_radius: Annotated[Metres, OR_INFINITE] = inf
+    end_angle: Annotated[Radians, Limits("from 0 to 1.5 rad", lambda x: 0 <= x <= 1.5)] = 0.0
+    radius: Annotated[Metres, OR_INFINITE] = inf
 
-    def __post_init__(self) -> None:
-        remedy, angle = "give a radius above 0 m, or inf", "give an angle from 0 to 1.5 rad"
-        check_fields(
-            self,
-            length=(in_range, LENGTH_REMEDY),
-            middle=(in_range_from_zero, "give a length of at least 0 m, below that of the roller"),
-            end_radius=(in_range_or_infinite, remedy),
-            radius=(in_range_or_infinite, remedy),
-            end_angle=(in_range_from_zero, angle),
-        )
-        if self.middle >= self.length or self.end_angle > 1.5:
-            name, remedy = ("end_angle", angle) if self.end_angle > 1.5 else ("middle", "give less")
+    def check_together(self) -> None:
+        """Check that the ends have a length, and that their arcs reach over it."""
+        if self.middle >= self.length:
             raise InvalidInput(
-                f"EndRelief.{name} is {getattr(self, name)!r} of a roller of {self.length!r} m: {remedy}."
+                f"EndRelief.middle is {self.middle!r} of a roller of {self.length!r} m: give less."
             )
         if (self.length - self.middle) / 2 > self.end_radius * (1 + 1e-9):
             raise InvalidInput(

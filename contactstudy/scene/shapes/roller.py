@@ -1,31 +1,22 @@
 """Rollers: round bodies, profiles along their length, and where they end."""
 
-from dataclasses import dataclass
 from math import expm1, inf, log, pi
-from typing import ClassVar, Self
+from typing import Annotated, ClassVar, Self
 
 import numpy as np
 
 from contactstudy.analytic import HertzLine
-from contactstudy.domain.checks import (
-    InvalidInput,
-    check_fields,
-    curved,
-    in_range,
-    in_range_from_zero,
-    in_range_or_infinite,
-    suggest_fields,
-)
+from contactstudy.domain.checks import InvalidInput, in_range, in_range_from_zero
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import Metres
+from contactstudy.domain.validation import AT_LEAST_ZERO, CURVED, OR_INFINITE, validated
 from contactstudy.scene.shapes.shape import LengthScales
 
-RADIUS_REMEDY = "give a radius above 0 m, of a hollow body below 0 m, of a flat inf"
+Radius = Annotated[Metres, CURVED]
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class Cylinder:
     """Parabolic cylinder about the length axis, ``x^2 / (2 R)``, as in Hertz's theory.
 
@@ -43,10 +34,7 @@ class Cylinder:
         If the radius is zero or no number.
     """
 
-    radius: Metres
-
-    def __post_init__(self) -> None:
-        check_fields(self, radius=(curved, RADIUS_REMEDY))
+    radius: Radius
 
     @property
     def curvature(self) -> float:
@@ -63,8 +51,7 @@ class Cylinder:
         return (grid.x**2 / (2 * self.radius))[:, None]
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class Sphere:
     """Paraboloid about the origin, ``(x^2 + y^2) / (2 R)``, as in Hertz's theory of a sphere.
 
@@ -85,12 +72,12 @@ class Sphere:
     #: Curvature [1/m]: a sphere adds none to the line contact.
     curvature: ClassVar[float] = 0.0
 
-    radius: Metres
+    radius: Radius
 
-    def __post_init__(self) -> None:
-        check_fields(self, radius=(curved, RADIUS_REMEDY))
+    def check_together(self) -> None:
+        """Check that the sphere is round."""
         if self.radius == inf:
-            raise InvalidInput(f"Sphere.radius is inf: {RADIUS_REMEDY}, a flat is left out.")
+            raise InvalidInput("Sphere.radius is inf: give a finite radius, a flat is left out.")
 
     @property
     def curvatures(self) -> tuple[float, float]:
@@ -107,8 +94,7 @@ class Sphere:
         return np.asarray((grid.x[:, None] ** 2 + grid.y**2) / (2 * self.radius))
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class Ellipsoid:
     """Surface with two principal radii, ``x^2 / (2 Rx) + y^2 / (2 Ry)``: a barrel, a raceway's groove, a wheel, a rail.
 
@@ -131,12 +117,8 @@ class Ellipsoid:
     #: Curvature [1/m]: as of a sphere, none is added to the line contact.
     curvature: ClassVar[float] = 0.0
 
-    radius: Metres
-    radius_along: Metres
-
-    def __post_init__(self) -> None:
-        remedy = RADIUS_REMEDY
-        check_fields(self, radius=(curved, remedy), radius_along=(curved, remedy))
+    radius: Radius
+    radius_along: Radius
 
     @property
     def curvatures(self) -> tuple[float, float]:
@@ -154,11 +136,10 @@ class Ellipsoid:
         return np.asarray(grid.x[:, None] ** 2 * (across / 2) + grid.y**2 * (along / 2))
 
 
-HEIGHT_REMEDY, LENGTH_REMEDY = "give a height of 0 m or more", "give the roller's length above 0 m"
+LENGTH_REMEDY = "give the roller's length above 0 m"
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class Crown:
     """Parabolic crown along the length, ``y^2 / (2 R)``.
 
@@ -182,20 +163,13 @@ class Crown:
     #: Curvature [1/m]: a crown does not bend the cross-section.
     curvature: ClassVar[float] = 0.0
 
-    radius: Metres = inf
-    length: Metres = inf
-
-    def __post_init__(self) -> None:
-        check_fields(
-            self,
-            radius=(in_range_or_infinite, "give a radius above 0 m, or inf for no crown"),
-            length=(in_range_or_infinite, LENGTH_REMEDY),
-        )
+    radius: Annotated[Metres, OR_INFINITE] = inf
+    length: Annotated[Metres, OR_INFINITE] = inf
 
     @classmethod
     def of_drop(cls, end_drop: float, length: float) -> Self:
         """Return the crown of a roller of `length` [m] that drops by `end_drop` [m], at least zero, at both ends."""
-        drop = in_range_from_zero("Crown end_drop", end_drop, HEIGHT_REMEDY)
+        drop = in_range_from_zero("Crown end_drop", end_drop, "give a drop of 0 m or more")
         length = in_range("Crown length", length, LENGTH_REMEDY)
         return cls(length**2 / (8 * drop) if drop else inf, length)
 
@@ -216,8 +190,7 @@ class Crown:
         return (grid.y**2 / (2 * self.radius))[None, :]
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class LundbergProfile:
     """Lundberg's logarithmic profile, ``-A ln(1 - (1 - exp(-d / A)) (2 y / L)^2)``.
 
@@ -246,22 +219,17 @@ class LundbergProfile:
     #: Curvature [1/m]: the profile does not bend the cross-section.
     curvature: ClassVar[float] = 0.0
 
-    amplitude: Metres
-    end_drop: Metres
+    amplitude: Annotated[Metres, AT_LEAST_ZERO]
+    end_drop: Annotated[Metres, AT_LEAST_ZERO]
     length: Metres
-    straight: Metres = 0.0
+    straight: Annotated[Metres, AT_LEAST_ZERO] = 0.0
 
-    def __post_init__(self) -> None:
-        remedy = "give a length of at least 0 m, below that of the roller"
-        check_fields(
-            self,
-            amplitude=(in_range_from_zero, HEIGHT_REMEDY),
-            end_drop=(in_range_from_zero, HEIGHT_REMEDY),
-            length=(in_range, LENGTH_REMEDY),
-            straight=(in_range_from_zero, remedy),
-        )
+    def check_together(self) -> None:
+        """Check that a part of the roller is profiled."""
         if self.straight >= self.length:
-            raise InvalidInput(f"LundbergProfile.straight is {self.straight!r}: {remedy}.")
+            raise InvalidInput(
+                f"LundbergProfile.straight is {self.straight!r}: give less than the length of the roller."
+            )
 
     @classmethod
     def for_load(
@@ -339,8 +307,7 @@ class LundbergProfile:
         return np.where(inside, drop, self.end_drop)[None, :]
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class FiniteLength:
     """Roller that ends at ``|y| = length / 2``, with flat, sharp-edged faces.
 
@@ -363,9 +330,6 @@ class FiniteLength:
     curvature: ClassVar[float] = 0.0
 
     length: Metres
-
-    def __post_init__(self) -> None:
-        check_fields(self, length=(in_range, LENGTH_REMEDY))
 
     @property
     def length_scales(self) -> LengthScales:

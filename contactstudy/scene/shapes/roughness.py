@@ -1,28 +1,18 @@
 """Self-affine random roughness, the same surface on every grid."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
-from typing import ClassVar, Self
+from typing import Annotated, ClassVar, Self
 
 import numpy as np
 from scipy import fft
 
-from contactstudy.domain.checks import (
-    InvalidInput,
-    below_one,
-    check_fields,
-    in_range,
-    in_range_from_zero,
-    set_fields,
-    suggest_fields,
-    whole_number,
-    whole_quotient,
-    width_and_length,
-)
+from contactstudy.domain.checks import InvalidInput, whole_quotient
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.reuse import cached_array
 from contactstudy.domain.units import Metres, Number, readable
+from contactstudy.domain.validation import AT_LEAST_ZERO, BELOW_ONE, at_least, validated
 from contactstudy.scene.shapes.shape import LengthScales
 
 # Highest point of a surface over its rms height.
@@ -37,8 +27,7 @@ ROUNDING = 1e-9
 NEAR, SUBCELLS = 4, 16
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class RmsSlope:
     """Roughness given by its root mean square slope Sdq (ISO 25178-2).
 
@@ -48,17 +37,13 @@ class RmsSlope:
         Root mean square of ``|grad h|``, at least zero.
     """
 
-    slope: Number
-
-    def __post_init__(self) -> None:
-        check_fields(self, slope=(in_range_from_zero, "give a slope of 0 or more"))
+    slope: Annotated[Number, AT_LEAST_ZERO]
 
     def __bool__(self) -> bool:
         return self.slope > 0
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class Sa:
     """Roughness given by its arithmetic mean height Sa (ISO 25178-2).
 
@@ -70,10 +55,7 @@ class Sa:
         Mean of ``|h|`` [m], at least zero.
     """
 
-    height: Metres
-
-    def __post_init__(self) -> None:
-        check_fields(self, height=(in_range_from_zero, "give a mean height of 0 m or more"))
+    height: Annotated[Metres, AT_LEAST_ZERO]
 
     def __bool__(self) -> bool:
         return self.height > 0
@@ -84,8 +66,7 @@ class Sa:
         return float(self.height * np.sqrt(np.pi / 2))
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class Roughness:
     """Gaussian surface with the spectral density ``k^(-2 (1 + H))`` between two wavelengths.
 
@@ -122,34 +103,20 @@ class Roughness:
     #: Curvature [1/m]: roughness does not bend the mean cross-section.
     curvature: ClassVar[float] = 0.0
 
-    rms: Metres | RmsSlope | Sa
-    hurst: Number
+    rms: Annotated[Metres, AT_LEAST_ZERO] | RmsSlope | Sa
+    hurst: Annotated[Number, BELOW_ONE]
     roll_off: Metres
     cut_off: Metres
-    seed: int = 0
+    seed: Annotated[int, at_least(0)] = 0
     peklenik: Number = 1.0
     extent: tuple[Metres, Metres] | None = None
 
-    def __post_init__(self) -> None:
-        if not isinstance(self.rms, RmsSlope | Sa):
-            check_fields(self, rms=(in_range_from_zero, "give an rms height of 0 m or more"))
-        wavelength = in_range, "give a wavelength above 0 m"
-        check_fields(
-            self,
-            hurst=(below_one, "give an exponent between 0 and 1"),
-            cut_off=wavelength,
-            roll_off=wavelength,
-        )
+    def check_together(self) -> None:
+        """Check that the spectrum begins at a longer wave than it ends."""
         if self.roll_off < self.cut_off:
             raise InvalidInput(
                 f"Roughness.roll_off is {self.roll_off!r}: give a wavelength no shorter than cut_off."
             )
-        remedy = "give a whole number of at least 0"
-        set_fields(self, seed=whole_number("Roughness.seed", self.seed, 0, remedy))
-        check_fields(self, peklenik=(in_range, "give a ratio of lengths above 0, 1 for no lay"))
-        if self.extent is not None:
-            remedy = "give two lengths, (width, length) [m], or None for the grid's"
-            check_fields(self, extent=(width_and_length, remedy))
 
     @property
     def length_scales(self) -> LengthScales:

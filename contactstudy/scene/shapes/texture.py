@@ -1,37 +1,33 @@
 """Machined textures, such as dimples and grooves, and waviness."""
 
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import field
 from math import inf, pi
-from typing import ClassVar, Protocol, Self
+from typing import Annotated, ClassVar, Protocol, Self, runtime_checkable
 
 import numpy as np
 
 from contactstudy.domain.checks import (
     InvalidInput,
     below_one,
-    check_fields,
-    each,
-    finite,
     in_range,
-    in_range_from_zero,
-    in_range_or_infinite,
-    in_range_or_zero,
-    instance,
-    pair,
-    set_fields,
-    suggest_fields,
     whole_quotient,
 )
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import Metres, Radians
+from contactstudy.domain.validation import (
+    ANY_SIGN,
+    AT_LEAST_ZERO,
+    FINITE,
+    OR_INFINITE,
+    validated,
+)
 from contactstudy.scene.shapes.shape import LengthScales
 
-DEPTH_REMEDY = "give a depth of 0 m or more"
-PROFILE_REMEDY = "give a profile, such as Cosine()"
+Wavelength = Annotated[Metres, OR_INFINITE]
 
 
+@runtime_checkable
 class Profile(Protocol):
     """Shape of the flank of a dimple or a groove, from its middle to its rim."""
 
@@ -39,8 +35,7 @@ class Profile(Protocol):
         """Return the fraction of the depth at each fraction `t`, of any shape, of the way from middle (0) to rim (1)."""
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class Parabolic:
     """Parabolic flank ``1 - t^2``: a spherical cap, as the paraboloid that stands for a sphere in Hertz's theory."""
 
@@ -49,8 +44,7 @@ class Parabolic:
         return (1 - t) * (1 + t)
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class Cosine:
     """Cosine flank ``(1 + cos(pi t)) / 2``, without a kink at the rim."""
 
@@ -59,8 +53,7 @@ class Cosine:
         return np.asarray((1 + np.cos(np.pi * t)) / 2)
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class FlatBottomed:
     """Flat bottom: the full depth up to the rim, for cylindrical dimples and rectangular grooves."""
 
@@ -69,8 +62,7 @@ class FlatBottomed:
         return np.ones_like(t)
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class Dimple:
     """Round dimple of a texture.
 
@@ -84,17 +76,9 @@ class Dimple:
         Flank, such as :class:`~contactstudy.Parabolic`.
     """
 
-    depth: Metres
+    depth: Annotated[Metres, AT_LEAST_ZERO]
     diameter: Metres
     profile: Profile = field(default_factory=Parabolic)
-
-    def __post_init__(self) -> None:
-        instance("Dimple.profile", self.profile, Callable, PROFILE_REMEDY)
-        check_fields(
-            self,
-            depth=(in_range_from_zero, DEPTH_REMEDY),
-            diameter=(in_range, "give a diameter above 0 m"),
-        )
 
     @property
     def size(self) -> float:
@@ -106,8 +90,7 @@ class Dimple:
         return pi / 4 * (self.diameter / pitch[0]) * (self.diameter / pitch[1])
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class Groove:
     """Straight groove of a texture.
 
@@ -121,17 +104,9 @@ class Groove:
         Flank, such as :class:`~contactstudy.Cosine`.
     """
 
-    depth: Metres
+    depth: Annotated[Metres, AT_LEAST_ZERO]
     width: Metres
     profile: Profile = field(default_factory=Cosine)
-
-    def __post_init__(self) -> None:
-        instance("Groove.profile", self.profile, Callable, PROFILE_REMEDY)
-        check_fields(
-            self,
-            depth=(in_range_from_zero, DEPTH_REMEDY),
-            width=(in_range, "give a width above 0 m"),
-        )
 
     @property
     def size(self) -> float:
@@ -143,8 +118,7 @@ class Groove:
         return self.width / min(pitch)
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class Texture:
     """Dimples on a rectangular lattice, or parallel grooves, one of them centred at the origin.
 
@@ -168,12 +142,11 @@ class Texture:
     curvature: ClassVar[float] = 0.0
 
     feature: Dimple | Groove
-    pitch: tuple[Metres, Metres]
+    pitch: tuple[Wavelength, Wavelength]
 
-    def __post_init__(self) -> None:
-        instance("Texture.feature", self.feature, Dimple | Groove, "give a Dimple or a Groove")
-        both = pair("Texture.pitch", self.pitch, "give two lengths, (across, along) [m]")
-        pitch = each("Texture.pitch", both, in_range_or_infinite, "give a pitch above 0 m")
+    def check_together(self) -> None:
+        """Check that features have the pitches of their kind, and do not overlap."""
+        pitch = self.pitch
         finite_pitches = 2 if isinstance(self.feature, Dimple) else 1
         if sum(distance < inf for distance in pitch) != finite_pitches:
             raise InvalidInput(
@@ -185,7 +158,6 @@ class Texture:
                 f"Texture.pitch is {pitch!r}: give pitches of at least {self.feature.size!r} m, the size "
                 "of the feature, so that none overlap."
             )
-        set_fields(self, pitch=pitch)
 
     @classmethod
     def of_density(cls, feature: Dimple | Groove, area_density: float, along: float = inf) -> Self:
@@ -251,8 +223,7 @@ def _from_nearest(position: Array, pitch: float) -> Array:
     return np.asarray(position - pitch * np.round(position / pitch))
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class Waviness:
     """Plane wave of height, ``amplitude cos(2 pi (x / across + y / along) + phase)``.
 
@@ -277,20 +248,10 @@ class Waviness:
     #: Curvature [1/m]: waves do not bend the mean cross-section.
     curvature: ClassVar[float] = 0.0
 
-    amplitude: Metres
-    across: Metres = inf
-    along: Metres = inf
-    phase: Radians = 0.0
-
-    def __post_init__(self) -> None:
-        wavelength = in_range_or_infinite, "give a wavelength above 0 m"
-        check_fields(
-            self,
-            amplitude=(in_range_or_zero, "give a height in m"),
-            phase=(finite, "give an angle in rad"),
-            across=wavelength,
-            along=wavelength,
-        )
+    amplitude: Annotated[Metres, ANY_SIGN]
+    across: Wavelength = inf
+    along: Wavelength = inf
+    phase: Annotated[Radians, FINITE] = 0.0
 
     @property
     def length_scales(self) -> LengthScales:

@@ -1,23 +1,24 @@
 """Misalignment of a roller."""
 
-from dataclasses import dataclass
 from math import inf, tan
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import numpy as np
 
-from contactstudy.domain.checks import InvalidInput, check_fields, finite, suggest_fields
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import Radians
+from contactstudy.domain.validation import Limits, validated
 from contactstudy.scene.shapes.shape import LengthScales
 
 # Angle [rad] of a roller beyond which its ends leave the half-space.
 MAX_ANGLE = 0.1
+Angle = Annotated[
+    Radians, Limits(f"between -{MAX_ANGLE:g} and {MAX_ANGLE:g} rad", lambda x: abs(x) <= MAX_ANGLE)
+]
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class Tilt:
     """Misalignment: the axis of a roller turned by an angle out of the plane of contact, ``y tan(angle)``.
 
@@ -40,13 +41,7 @@ class Tilt:
     #: Curvature [1/m]: a tilt does not bend the cross-section.
     curvature: ClassVar[float] = 0.0
 
-    angle: Radians
-
-    def __post_init__(self) -> None:
-        remedy = f"give an angle between -{MAX_ANGLE:g} and {MAX_ANGLE:g} rad"
-        check_fields(self, angle=(finite, remedy))
-        if abs(self.angle) > MAX_ANGLE:
-            raise InvalidInput(f"Tilt.angle is {self.angle!r}: {remedy}.")
+    angle: Angle
 
     @property
     def length_scales(self) -> LengthScales:

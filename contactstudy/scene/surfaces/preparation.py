@@ -1,31 +1,26 @@
 """Preparation of measured heights: tiles, missing points, trend, periodic extension (seam) and resampling to cells."""
 
-from dataclasses import dataclass
 from enum import Enum
 from math import inf, log, pi, sqrt
-from typing import ClassVar, Literal, Protocol
+from typing import Annotated, ClassVar, Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from contactstudy.domain.checks import (
-    InvalidInput,
-    below_one,
-    check_fields,
-    in_range_from_zero,
-    in_range_or_infinite,
-    pair,
-    set_fields,
-    suggest_fields,
-    up_to_one,
-    whole_number,
-)
+from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
-from contactstudy.domain.units import Metres, readable
+from contactstudy.domain.units import Metres, Number, readable
+from contactstudy.domain.validation import (
+    AT_LEAST_ZERO,
+    BELOW_ONE,
+    OR_INFINITE,
+    UP_TO_ONE,
+    at_least,
+    validated,
+)
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class Tile:
     """Tile of a measured surface that is cut into equal ones.
 
@@ -44,20 +39,14 @@ class Tile:
         If there is no tile of that index.
     """
 
-    tiles: tuple[int, int]
-    number: int = 0
+    tiles: tuple[Annotated[int, at_least(1)], Annotated[int, at_least(1)]]
+    number: Annotated[int, at_least(0)] = 0
 
-    def __post_init__(self) -> None:
-        remedy = "give two whole numbers, (across, along)"
-        across, along = pair("Tile.tiles", self.tiles, remedy)
-        tiles = (
-            whole_number("Tile.tiles[0]", across, 1, "give at least 1 tile across"),
-            whole_number("Tile.tiles[1]", along, 1, "give at least 1 tile along"),
-        )
-        count = tiles[0] * tiles[1]
-        remedy = f"give a number from 0 to {count - 1}"
-        number = whole_number("Tile.number", self.number, 0, remedy, at_most=count - 1)
-        set_fields(self, tiles=tiles, number=number)
+    def check_together(self) -> None:
+        """Check that there is a tile of that index."""
+        last = self.tiles[0] * self.tiles[1] - 1
+        if self.number > last:
+            raise InvalidInput(f"Tile.number is {self.number}: give a number from 0 to {last}.")
 
     def of(self, points: Array) -> Array:
         """Return this tile of `points` (x, y)."""
@@ -87,8 +76,7 @@ class Missing(Protocol):
         """Return heights with a number at every point, from heights with nan where one is missing."""
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class RefuseMissing:
     """Rule that refuses a surface with missing points."""
 
@@ -107,8 +95,7 @@ class RefuseMissing:
         return heights
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class HarmonicFill:
     """Rule that interpolates missing points by Laplace's equation.
 
@@ -122,10 +109,7 @@ class HarmonicFill:
 
     description: ClassVar[str] = "filled by Laplace's equation from the edges of their holes"
 
-    up_to: float = 0.1
-
-    def __post_init__(self) -> None:
-        check_fields(self, up_to=(below_one, "give a fraction above 0 and below 1"))
+    up_to: Annotated[Number, BELOW_ONE] = 0.1
 
     def check(self, missing: int, points: int) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if more points are missing than the fraction allows."""
@@ -274,8 +258,7 @@ def _from_middle(count: int) -> Array:
     return np.asarray((2 * np.arange(count) - (count - 1)) / max(count - 1, 1), dtype=np.float64)
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class GaussianFilter:
     """Gaussian filter of zero phase of a profile (ISO 16610-21) or a surface (ISO 16610-61).
 
@@ -295,16 +278,15 @@ class GaussianFilter:
         If a cut-off is no length, or lambda_c is not above lambda_s.
     """
 
-    lambda_s: Metres = 0.0
-    lambda_c: Metres = inf
+    lambda_s: Annotated[Metres, AT_LEAST_ZERO] = 0.0
+    lambda_c: Annotated[Metres, OR_INFINITE] = inf
 
-    def __post_init__(self) -> None:
-        remedy = "give a cut-off wavelength [m], lambda_c above lambda_s"
-        check_fields(
-            self, lambda_s=(in_range_from_zero, remedy), lambda_c=(in_range_or_infinite, remedy)
-        )
+    def check_together(self) -> None:
+        """Check that waves pass the filter."""
         if self.lambda_c <= self.lambda_s:
-            raise InvalidInput(f"GaussianFilter.lambda_c is {self.lambda_c!r}: {remedy}.")
+            raise InvalidInput(
+                f"GaussianFilter.lambda_c is {self.lambda_c!r}: give a cut-off above lambda_s."
+            )
 
     @property
     def description(self) -> str:
@@ -350,8 +332,7 @@ class PeriodicExtension(Protocol):
         """Return one period (x, y) [m] along the length of the surface `heights` (x, y)."""
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class AsMeasured:
     """Unchanged surface: the step between its end and its beginning stays."""
 
@@ -364,8 +345,7 @@ class AsMeasured:
         return heights
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class Mirrored:
     """Surface followed by its mirror image: no step, twice the period, all heights unchanged."""
 
@@ -378,8 +358,7 @@ class Mirrored:
         return np.concatenate([heights, heights[:, ::-1]], axis=1)
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class Tapered:
     """Surface that falls to its mean at both ends as a cosine (Tukey's window; Harris 1978, Proc. IEEE 66, eq. 38).
 
@@ -394,11 +373,7 @@ class Tapered:
     #: Period, in lengths of the surface.
     lengths: ClassVar[int] = 1
 
-    fraction: float = 0.1
-
-    def __post_init__(self) -> None:
-        remedy = "give a fraction of the length above 0 and up to 1"
-        check_fields(self, fraction=(up_to_one, remedy))
+    fraction: Annotated[Number, UP_TO_ONE] = 0.1
 
     @property
     def description(self) -> str:

@@ -1,0 +1,205 @@
+"""Frozen dataclasses whose annotations say what a field may be: its unit, limits and kind."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, fields
+from enum import Enum
+from functools import cache, wraps
+from math import inf
+from numbers import Integral, Real
+from types import NoneType, UnionType
+from typing import (
+    Annotated,
+    Any,
+    Literal,
+    TypeVar,
+    Union,
+    dataclass_transform,
+    get_args,
+    get_origin,
+    get_type_hints,
+)
+
+from contactstudy.domain.checks import (
+    MAX_SIZE,
+    MIN_SIZE,
+    InvalidInput,
+    UnknownField,
+    parameters,
+    suggestion,
+)
+from contactstudy.domain.unit_text import in_si, remedy_of
+from contactstudy.domain.units import Unit
+
+Class = TypeVar("Class", bound=type)
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Limits of a number, and how a message says them. A number with a unit is above 0 where no others are given."""
+
+    text: str
+    hold: Callable[[float], bool]
+
+
+def at_least(least: int) -> Limits:
+    """Return the limits of a number that is not below `least`."""
+    return Limits(f"of at least {least}", lambda x: least <= x < inf)
+
+
+# Sizes are wide enough for any measured value, and narrow enough that products and quotients stay finite.
+ABOVE_ZERO = Limits("above 0", lambda x: MIN_SIZE <= x <= MAX_SIZE)
+AT_LEAST_ZERO = Limits("of at least 0", lambda x: x == 0 or MIN_SIZE <= x <= MAX_SIZE)
+ANY_SIGN = Limits("that is finite", lambda x: x == 0 or MIN_SIZE <= abs(x) <= MAX_SIZE)
+OR_INFINITE = Limits("above 0, or inf", lambda x: x == inf or MIN_SIZE <= x <= MAX_SIZE)
+FROM_ZERO_TO_INFINITE = Limits(
+    "of at least 0, or inf", lambda x: x in (0, inf) or MIN_SIZE <= x <= MAX_SIZE
+)
+CURVED = Limits(
+    "above 0 of a convex body, below 0 of a hollow one, inf of a flat",
+    lambda x: x == inf or MIN_SIZE <= abs(x) <= MAX_SIZE,
+)
+UP_TO_ONE = Limits("above 0 and up to 1", lambda x: MIN_SIZE <= x <= 1)
+BELOW_ONE = Limits("above 0 and below 1", lambda x: MIN_SIZE <= x < 1)
+FROM_ZERO_BELOW_ONE = Limits("of at least 0 and below 1", lambda x: x == 0 or MIN_SIZE <= x < 1)
+# Of a number without a unit, unless it has others.
+FINITE = Limits("", lambda x: -inf < x < inf)
+# Index of a body in Scene.solids.
+BodyIndex = Annotated[
+    int, Limits("0 or 1, the body's index in Scene.solids", lambda x: x in (0, 1))
+]
+
+
+@dataclass_transform(frozen_default=True, field_specifiers=(field,))
+def validated(cls: Class) -> Class:
+    """Make a frozen dataclass whose constructor checks each field by its annotation, and converts texts with a unit.
+
+    It then calls ``check_together``, if the class has it, for what fields must have in common. An unknown keyword raises
+    :class:`~contactstudy.InvalidInput` with the most similar field.
+    """
+    made: Any = dataclass(frozen=True)(cls)
+    construct, names = made.__init__, parameters(made)
+
+    @wraps(construct)
+    def __init__(self: Any, *values: object, **named: object) -> None:
+        for name in named:
+            if name not in names:
+                raise UnknownField(
+                    f"{cls.__name__}.{name} is not known: {suggestion(name, names)}."
+                )
+        construct(self, *values, **named)
+        for name, hint in _hints(made):
+            value = valid(f"{type(self).__name__}.{name}", getattr(self, name), hint)
+            object.__setattr__(self, name, value)
+        getattr(self, "check_together", lambda: None)()
+
+    made.__init__ = __init__
+    return made  # type: ignore[no-any-return]
+
+
+@cache
+def _hints(cls: type) -> list[tuple[str, Any]]:
+    hints = get_type_hints(cls, include_extras=True)
+    return [(name, hints[name]) for name in (one.name for one in fields(cls) if one.init)]
+
+
+def valid(name: str, value: Any, hint: Any) -> Any:
+    """Return `value` as the annotation `hint` says it; raise :class:`InvalidInput` with `name` and a remedy."""
+    origin, options = get_origin(hint), get_args(hint)
+    if origin in (Union, UnionType):
+        return _one_of(name, value, hint)
+    if origin is tuple:
+        return _entries(name, value, options, hint)
+    if origin is Literal:
+        if value not in options:
+            raise InvalidInput(f"{name} is {value!r}: {suggestion(str(value), options)}.")
+        return value
+    kind, unit, limits = options[0] if origin is Annotated else hint, *_notes(hint)
+    if kind is float:
+        number = _float(in_si(name, value, unit) if isinstance(value, str) and unit else value)
+        if number is not None and limits.hold(number):
+            return number
+    elif kind is int:
+        if _is(value, Integral) and limits.hold(value):
+            return int(value)
+    elif not isinstance(value, type) and isinstance(value, get_origin(kind) or kind):
+        return value
+    raise InvalidInput(f"{name} is {value!r}: {remedy(hint)}.")
+
+
+def _one_of(name: str, value: Any, hint: Any) -> Any:
+    """Return `value` as the first of the annotations that it fits, of a union of them."""
+    of_its_kind = []
+    for option in get_args(hint):
+        try:
+            return valid(name, value, option)
+        except InvalidInput as error:
+            is_meant = isinstance(value, str) and _notes(option)[0] is not None
+            if is_meant or (isinstance(value, tuple | list) and get_origin(option) is tuple):
+                of_its_kind.append(error)
+    raise next(iter(of_its_kind), InvalidInput(f"{name} is {value!r}: {remedy(hint)}."))
+
+
+def _entries(name: str, value: Any, options: tuple[Any, ...], hint: Any) -> tuple[Any, ...]:
+    """Return a tuple, a list or a flat array as a tuple of valid entries: of one kind, or one for each."""
+    if getattr(value, "ndim", None) == 1 and hasattr(value, "tolist"):
+        value = value.tolist()
+    any_number = options[-1] is ...
+    if not isinstance(value, tuple | list) or not (any_number or len(value) == len(options)):
+        raise InvalidInput(f"{name} is {value!r}: {remedy(hint)}.")
+    kinds = [options[0]] * len(value) if any_number else options
+    pairs = enumerate(zip(value, kinds, strict=True))
+    return tuple(valid(f"{name}[{n}]", entry, kind) for n, (entry, kind) in pairs)
+
+
+def _notes(hint: Any) -> tuple[Unit | None, Limits]:
+    """Return the unit of an annotation, if it has one, and its limits."""
+    notes = getattr(hint, "__metadata__", ())
+    unit = next((note for note in notes if isinstance(note, Unit)), None)
+    default = FINITE if unit is None else ABOVE_ZERO
+    return unit, next((note for note in notes if isinstance(note, Limits)), default)
+
+
+def _is(value: object, kind: Any) -> bool:
+    return isinstance(value, kind) and not isinstance(value, bool)
+
+
+def _float(value: Any) -> float | None:
+    """Return a real number as a float, an int beyond any float as infinite; None for what is no number."""
+    if not _is(value, Real):
+        return None
+    try:
+        return float(value)
+    except OverflowError:
+        return inf
+
+
+def remedy(hint: Any) -> str:
+    """Return a sentence, without its subject, on what an annotation accepts."""
+    return "give " + ", or ".join(dict.fromkeys(_accepted(hint)))
+
+
+def _accepted(hint: Any) -> Iterator[str]:
+    origin, options = get_origin(hint), get_args(hint)
+    unit, limits = _notes(hint)
+    kind = options[0] if origin is Annotated else hint
+    if origin in (Union, UnionType):
+        for option in options:
+            yield from _accepted(option)
+    elif hint is NoneType:
+        yield "None"
+    elif origin is tuple:
+        entries = [next(_accepted(one)) for one in options if one is not ...]
+        many = "a list, each entry " if options[-1] is ... else f"{len(options)} values: "
+        yield many + ", ".join(dict.fromkeys(entries))
+    elif unit is not None:
+        yield remedy_of(unit, f" {limits.text}".rstrip()).removeprefix("give ")
+    elif kind is int and limits.text[:1].isdigit():
+        yield limits.text
+    elif kind in (int, float):
+        yield f"a {'whole ' * (kind is int)}number {limits.text}".strip()
+    elif isinstance(kind, type) and issubclass(kind, Enum):
+        yield " or ".join(f"{kind.__name__}.{member.name}" for member in kind)
+    else:
+        plain = {str: "a text", bool: "true or false"}
+        word = getattr(kind, "__name__", str(kind))
+        yield plain.get(kind, f"{'an' if word[0] in 'AEIOU' else 'a'} {word}")

@@ -5,30 +5,22 @@ circular (``wraps``, n points) or padded with zeros (2 n points). A line contact
 periodic along y; either axis may take any padding.
 """
 
-from dataclasses import dataclass
 from math import inf
-from typing import ClassVar, Protocol
+from typing import Annotated, ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from contactstudy.domain.checks import (
-    InvalidInput,
-    pair,
-    set_fields,
-    suggest_fields,
-    whole_number,
-    width_and_length,
-)
+from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 from contactstudy.domain.units import Metres
+from contactstudy.domain.validation import at_least, validated
 
 # Largest ratio of the sides of a cell.
 LARGEST_ASPECT_RATIO = 1e9
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class Grid:
     """Grid of equal rectangular cells, centred on the origin.
 
@@ -50,22 +42,15 @@ class Grid:
         aspect ratio of a cell exceeds 1e9, where its influence coefficients would be lost in rounding.
     """
 
-    cells: tuple[int, int]
+    cells: tuple[Annotated[int, at_least(2)], Annotated[int, at_least(1)]]
     extent: tuple[Metres, Metres]
 
-    def __post_init__(self) -> None:
-        nx, ny = pair("Grid.cells", self.cells, "give two whole numbers, (across, along)")
-        cells = (
-            whole_number("Grid.cells[0]", nx, 2, "give at least 2 cells across the width"),
-            whole_number("Grid.cells[1]", ny, 1, "give at least 1 cell along the length"),
-        )
-        remedy = "give two lengths, (width, length) [m]"
-        extent = width_and_length("Grid.extent", self.extent, remedy)
-        set_fields(self, cells=cells, extent=extent)
+    def check_together(self) -> None:
+        """Check the ratio of the sides of a cell."""
         aspect_ratio = self.cell_size[1] / self.cell_size[0]
         if not 1 / LARGEST_ASPECT_RATIO <= aspect_ratio <= LARGEST_ASPECT_RATIO:
             raise InvalidInput(
-                f"Grid.extent is {extent!r}: give lengths whose cells are no more than {LARGEST_ASPECT_RATIO:g} times "
+                f"Grid.extent is {self.extent!r}: give lengths whose cells are at most {LARGEST_ASPECT_RATIO:g} times "
                 f"as long as wide, or as wide as long; these are {aspect_ratio:g} times as long."
             )
 
@@ -118,8 +103,7 @@ class Padding(Protocol):
         """Return the distance to each side whose pressure acts on a point in the middle, in the unit of `period`."""
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class ZeroPadding:
     """Padding with zeros, the classical DC-FFT: no images, not periodic (Liu, Wang & Liu 2000)."""
 
@@ -131,8 +115,7 @@ class ZeroPadding:
         return period / 2
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class DuplicatedPadding:
     """Padding with a copy of the pressure in the padded half of the axis, in place of zeros.
 
@@ -150,16 +133,13 @@ class DuplicatedPadding:
         return period
 
 
-@dataclass(frozen=True)
+Images = Annotated[int, at_least(0)]
+
+
 class _Counted:
     """Padding with a number of images on each side; the subclass says whether of the domain or of each point."""
 
     images: int
-
-    def __post_init__(self) -> None:
-        field = f"{type(self).__name__}.images"
-        remedy = "it must be a whole number of periods of at least 0"
-        set_fields(self, images=whole_number(field, self.images, 0, remedy))
 
     @property
     def window(self) -> range:
@@ -171,8 +151,7 @@ class _Counted:
         return (self.images + 0.5) * period
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class Superposition(_Counted):
     """Padding with zeros, and coefficients summed over images on each side.
 
@@ -186,10 +165,10 @@ class Superposition(_Counted):
     """
 
     wraps: ClassVar[bool] = False
+    images: Images
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class CircularSuperposition(_Counted):
     """Periodic axis with coefficients summed over images on each side of every point.
 
@@ -204,10 +183,10 @@ class CircularSuperposition(_Counted):
     """
 
     wraps: ClassVar[bool] = True
+    images: Images
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class ExactPeriodicity:
     """Periodic axis with the sum over infinitely many images, in closed form.
 

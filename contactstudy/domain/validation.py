@@ -187,10 +187,11 @@ def _accepted(hint: Any) -> Iterator[str]:
             yield from _accepted(option)
     elif hint is NoneType:
         yield "None"
+    elif origin is Literal:
+        yield from map(repr, options)
     elif origin is tuple:
-        entries = [next(_accepted(one)) for one in options if one is not ...]
-        many = "a list, each entry " if options[-1] is ... else f"{len(options)} values: "
-        yield many + ", ".join(dict.fromkeys(entries))
+        entries = [next(_accepted(one)).split(", such as")[0] for one in options if one is not ...]
+        yield f"({', '.join(entries)}{', ...' * (options[-1] is ...)})"
     elif unit is not None:
         yield remedy_of(unit, f" {limits.text}".rstrip()).removeprefix("give ")
     elif kind is int and limits.text[:1].isdigit():

@@ -3,14 +3,15 @@
 from dataclasses import dataclass
 from enum import Enum
 from math import sqrt
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from contactstudy.domain.checks import InvalidInput, set_fields, suggest_fields, whole_number
 from contactstudy.domain.units import Number, Seconds
-from contactstudy.scene.loads.load_history import ChangingLoad
+from contactstudy.domain.validation import FINITE
+from contactstudy.scene.loads.load_history import ChangingLoad, Times
 
 # Recorded instants of a history where none are named.
 DEFAULT_INSTANTS = 41
@@ -89,8 +90,8 @@ class TimeSteps:
         If an `error` is given beside :attr:`ErrorEstimator.NONE` or a `step`, or `times` beside `end` or `instants`.
     """
 
-    times: tuple[Seconds, ...] | None = None
-    end: Seconds | None = None
+    times: Times | None = None
+    end: Annotated[Seconds, FINITE] | None = None
     instants: int | None = None
     error: Number | None = None
     scheme: Scheme = Scheme.IMPLICIT

@@ -4,20 +4,15 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from math import inf, isclose, isinf
+from typing import Annotated, Literal
 
 import numpy as np
 
-from contactstudy.domain.checks import (
-    InvalidInput,
-    body_index,
-    each,
-    non_negative,
-    set_fields,
-    suggest_fields,
-)
+from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Paddings, ZeroPadding
 from contactstudy.domain.units import Metres, readable
+from contactstudy.domain.validation import AT_LEAST_ZERO, BodyIndex, validated
 from contactstudy.elasticity.coefficients import FreeFaceCoefficients
 from contactstudy.elasticity.convolution import on_padded_grid, padded_cells
 from contactstudy.elasticity.kernels.stress_cell import COMPONENTS
@@ -40,8 +35,7 @@ Weight = Callable[[float], float]
 MAX_VALUES = 2**25
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class SubsurfaceStress:
     """Stress below the surface of one body: all six components and von Mises' stress.
 
@@ -66,18 +60,15 @@ class SubsurfaceStress:
         For other depths or indices; in a scene where that body is rigid, or a body yields that rolls in passes.
     """
 
-    depths: tuple[Metres, ...] | str = AUTO
-    body: int = 0
+    depths: tuple[Annotated[Metres, AT_LEAST_ZERO], ...] | Literal["auto"] = "auto"
+    body: BodyIndex = 0
 
-    def __post_init__(self) -> None:
-        remedy = 'give a list of depths [m], such as [1e-4, 2e-4], or "auto"'
-        if self.depths != AUTO and (not isinstance(self.depths, tuple | list) or not self.depths):
-            raise InvalidInput(f"SubsurfaceStress.depths is {self.depths!r}: {remedy}.")
-        given_depths = self.depths if self.depths != AUTO else ()
-        depths = each(
-            "SubsurfaceStress.depths", given_depths, non_negative, "give a depth of at least 0 m"
-        )
-        set_fields(self, depths=depths or AUTO, body=body_index("SubsurfaceStress.body", self.body))
+    def check_together(self) -> None:
+        """Check that there is a depth."""
+        if not self.depths:
+            raise InvalidInput(
+                'SubsurfaceStress.depths is (): give depths [m], such as [1e-4, 2e-4], or "auto".'
+            )
 
     def check(self, solids: tuple[Body, ...]) -> None:
         """Raise :class:`~contactstudy.InvalidInput` for a rigid body, or one that is no half-space."""

@@ -6,11 +6,11 @@ from dataclasses import dataclass, field, fields, replace
 from enum import Enum
 from math import inf
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
-from contactstudy.domain.checks import InvalidInput, up_to_one
+from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.grid import (
     CircularSuperposition,
     DuplicatedPadding,
@@ -21,6 +21,13 @@ from contactstudy.domain.grid import (
     ZeroPadding,
 )
 from contactstudy.domain.units import Hardness, Metres, NewtonsPerMetre, Number, Pascals
+from contactstudy.domain.validation import (
+    AT_LEAST_ZERO,
+    FINITE,
+    OR_INFINITE,
+    UP_TO_ONE,
+    BodyIndex,
+)
 from contactstudy.evolution.time_steps import TimeSteps
 from contactstudy.io.scene_files.structuring import NO_KIND
 from contactstudy.scene.adhesion import Adhesion
@@ -163,9 +170,9 @@ class CrownTable:
         Drop at both ends of the `length` [m], at least zero, in place of the radius.
     """
 
-    radius: Metres | None = None
-    end_drop: Metres | None = None
-    length: Metres | None = None
+    radius: Annotated[Metres, OR_INFINITE] | None = None
+    end_drop: Annotated[Metres, AT_LEAST_ZERO] | None = None
+    length: Annotated[Metres, OR_INFINITE] | None = None
 
     def shape(self, _folder: Path, _: ProfileContext) -> Crown:
         """Return the crown."""
@@ -189,8 +196,8 @@ class ProfilePointsTable:
         relative path starts at the folder of the scene file.
     """
 
-    positions: tuple[Metres, ...] = ()
-    drops: tuple[Metres, ...] = ()
+    positions: tuple[Annotated[Metres, FINITE], ...] = ()
+    drops: tuple[Annotated[Metres, FINITE], ...] = ()
     file: str | None = None
     axis: Axis = Axis.ALONG
 
@@ -243,14 +250,14 @@ class LundbergProfileTable:
     """
 
     length: Metres
-    amplitude: Metres | None = None
-    end_drop: Metres | None = None
-    straight: Metres = 0.0
+    amplitude: Annotated[Metres, AT_LEAST_ZERO] | None = None
+    end_drop: Annotated[Metres, AT_LEAST_ZERO] | None = None
+    straight: Annotated[Metres, AT_LEAST_ZERO] = 0.0
     for_load: NewtonsPerMetre | None = None
     iso_16281_diameter: Metres | None = None
     k1: Number = 1.0
-    k2: Number = 1.0
-    z_m: Metres | None = None
+    k2: Annotated[Number, UP_TO_ONE] = 1.0
+    z_m: Annotated[Metres, AT_LEAST_ZERO] | None = None
 
     def shape(self, _folder: Path, context: ProfileContext) -> LundbergProfile:
         """Return the profile; one for a load needs the curvature and the bodies of the scene."""
@@ -289,7 +296,6 @@ class LundbergProfileTable:
             even = LundbergProfile.for_load(
                 self.for_load, contact_modulus=modulus, radius=radius, length=self.length
             )
-            up_to_one("LundbergProfile.k2", self.k2, "give a part above 0 and up to 1")
             drop = even.end_drop if self.z_m is None else self.z_m
             straight = (1 - self.k2) * self.length
             return LundbergProfile(self.k1 * even.amplitude, drop, self.length, straight)
@@ -330,7 +336,7 @@ class MovingShapeTable:
     """Shape that a body carries, which may be given by a file."""
 
     shape: Shape
-    body: int = 0
+    body: BodyIndex = 0
 
 
 @dataclass(frozen=True)
@@ -372,7 +378,7 @@ class SceneDocument:
     load: ChangingLoad
     solids: tuple[Body, Body]
     shapes: tuple[Shape, ...] = ()
-    hardness: Hardness = inf
+    hardness: Annotated[Hardness, OR_INFINITE] = inf
     outputs: tuple[Output, ...] = ()
     friction: Friction | None = None
     wear: Wear | None = None

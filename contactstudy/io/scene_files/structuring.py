@@ -6,15 +6,14 @@ from difflib import get_close_matches
 from enum import Enum
 from math import inf
 from types import NoneType, UnionType
-from typing import Annotated, Any, TypeVar, Union, get_args, get_origin
+from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 
 import cattrs
 from cattrs.errors import ForbiddenExtraKeysError
 from cattrs.gen import make_dict_structure_fn
 
 from contactstudy.domain.checks import InvalidInput, parameters, suggestion
-from contactstudy.domain.unit_text import in_si, remedy_of
-from contactstudy.domain.units import Number, Unit
+from contactstudy.domain.validation import remedy, valid
 
 # Classes that a table may describe, by the type of the field and their names; NO_KIND is the default.
 NO_KIND = ""
@@ -57,16 +56,14 @@ class _Structure:
         self.kinds = kinds
         self.converter = cattrs.Converter(forbid_extra_keys=True)
         hooks: tuple[tuple[Callable[[Any], bool], Callable[[Any, Any], Any]], ...] = (
-            (lambda target: get_origin(target) is Annotated, _number),
+            (lambda target: get_origin(target) in (Annotated, Literal), _as_annotated),
             (lambda target: isinstance(target, type) and issubclass(target, Enum), _enum_member),
             (lambda target: get_origin(target) is tuple, self._tuple),
             (self._has_kinds, self._of_kind),
         )
         self.converter.register_structure_hook_factory(is_dataclass, self._dataclass)
-        self.converter.register_structure_hook(int, _whole)
-        self.converter.register_structure_hook(float, lambda value, _: _number(value, Number))
-        self.converter.register_structure_hook(str, _text)
-        self.converter.register_structure_hook(bool, _switch)
+        for kind in (int, float, str, bool):
+            self.converter.register_structure_hook(kind, _as_annotated)
         for applies, hook in hooks:
             self.converter.register_structure_hook_func(applies, hook)
 
@@ -216,27 +213,8 @@ def _closest(key: str, names: set[str]) -> str | None:
     return next(iter(get_close_matches(key, sorted(names), n=1)), None)
 
 
-def _number(value: object, target: Any) -> float:
-    unit = next(note for note in target.__metadata__ if isinstance(note, Unit))
-    return in_si("it", value, unit)
-
-
-def _whole(value: object, _: Any) -> int:
-    if isinstance(value, bool) or not isinstance(value, int):
-        raise InvalidInput(f"it is {value!r}: give a whole number.")
-    return value
-
-
-def _switch(value: object, _: Any) -> bool:
-    if not isinstance(value, bool):
-        raise InvalidInput(f"it is {value!r}: give true or false.")
-    return value
-
-
-def _text(value: object, _: Any) -> str:
-    if not isinstance(value, str):
-        raise InvalidInput(f"it is {value!r}: give a text.")
-    return value
+def _as_annotated(value: object, target: Any) -> Any:
+    return valid("it", value, target)
 
 
 def _enum_member(value: object, target: Any) -> Enum:
@@ -271,10 +249,6 @@ def _sentence(error: BaseException, target: type | None) -> str:
         }
         return "; ".join(f"unknown key {key!r}: {remedies[key]}" for key in unknown) + "."
     if isinstance(error, KeyError):
-        choices = get_args(target) if get_origin(target) in (Union, UnionType) else (target,)
-        notes = (note for choice in choices for note in getattr(choice, "__metadata__", ()))
-        unit = next((note for note in notes if isinstance(note, Unit)), None)
-        kinds: dict[Any, str] = {int: "a whole number", str: "a text", tuple: "a list"}
-        what = f"give {kinds.get(get_origin(target) or target, 'a table')}"
-        return f"it is missing: {what if unit is None else remedy_of(unit)}."
+        is_class = isinstance(target, type) and target not in (int, float, str, bool)
+        return f"it is missing: {'give a table' if is_class else remedy(target)}."
     return str(error)

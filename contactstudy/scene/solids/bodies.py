@@ -3,24 +3,17 @@
 import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol, TypeGuard, runtime_checkable
+from typing import TYPE_CHECKING, Annotated, Any, Protocol, TypeGuard, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contactstudy.analytic import HertzLine
-from contactstudy.domain.checks import (
-    InvalidInput,
-    check_fields,
-    finite,
-    in_range_or_infinite,
-    instance,
-    suggest_fields,
-)
+from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.domain.units import Hardness, Metres, Number, Pascals
+from contactstudy.domain.validation import OR_INFINITE, Limits, validated
 from contactstudy.elasticity.coefficients import (
     BoussinesqCoefficients,
     Coefficients,
@@ -32,6 +25,9 @@ from contactstudy.scene.solids.hardness_profile import HardnessProfile
 if TYPE_CHECKING:
     from contactstudy.elasticity.tangential import ShearCompliance
     from contactstudy.scene.rolling import Rolling
+
+
+PoissonRatio = Annotated[Number, Limits("above -1 and up to 0.5", lambda x: -1 < x <= 0.5)]
 
 
 @runtime_checkable
@@ -63,8 +59,7 @@ class Homogeneous(Body, Protocol):
         """Poisson's ratio, constant in time."""
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class HalfSpace:
     """Homogeneous, isotropic elastic half-space.
 
@@ -96,30 +91,13 @@ class HalfSpace:
         If a number is outside these limits; in a scene that faces cannot be combined with.
     """
 
-    youngs_modulus: Pascals
-    poisson_ratio: Number
-    yield_stress: Pascals = math.inf
-    hardness: Hardness = math.inf
-    free_faces: Metres = math.inf
-    thickness: Metres = math.inf
+    youngs_modulus: Annotated[Pascals, OR_INFINITE]
+    poisson_ratio: PoissonRatio
+    yield_stress: Annotated[Pascals, OR_INFINITE] = math.inf
+    hardness: Annotated[Hardness, OR_INFINITE] = math.inf
+    free_faces: Annotated[Metres, OR_INFINITE] = math.inf
+    thickness: Annotated[Metres, OR_INFINITE] = math.inf
     hardness_profile: HardnessProfile | None = None
-
-    def __post_init__(self) -> None:
-        kind = HardnessProfile | None
-        instance(
-            "HalfSpace.hardness_profile", self.hardness_profile, kind, "give a HardnessProfile"
-        )
-        modulus = "give a modulus above 0 Pa, or inf for a rigid body"
-        stress = "give a stress above 0 Pa, or inf if it is not known"
-        check_fields(
-            self,
-            youngs_modulus=(in_range_or_infinite, modulus),
-            poisson_ratio=(poisson_ratio, POISSON_RATIO),
-            yield_stress=(in_range_or_infinite, stress),
-            hardness=(in_range_or_infinite, stress),
-            free_faces=(in_range_or_infinite, "give a length above 0 m, or inf for no faces"),
-            thickness=(in_range_or_infinite, "give a thickness above 0 m, or inf if not known"),
-        )
 
     @property
     def compliance(self) -> float:
@@ -144,17 +122,6 @@ class HalfSpace:
         from contactstudy.elasticity.tangential import half_space_shear_compliance
 
         return half_space_shear_compliance(self.compliance, self.poisson_ratio, datum)
-
-
-POISSON_RATIO = "give a ratio above -1 and up to 0.5"
-
-
-def poisson_ratio(field: str, value: object, remedy: str) -> float:
-    """Return `value` as a Poisson's ratio above -1 and up to 0.5, or raise InvalidInput with `field` and `remedy`."""
-    ratio = finite(field, value, remedy)
-    if not -1 < ratio <= 0.5:
-        raise InvalidInput(f"{field} is {value!r}: {remedy}.")
-    return ratio
 
 
 @runtime_checkable

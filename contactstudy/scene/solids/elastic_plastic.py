@@ -2,23 +2,16 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from typing import Annotated
 
-from contactstudy.domain.checks import (
-    InvalidInput,
-    check_fields,
-    in_range,
-    in_range_from_zero,
-    in_range_or_infinite,
-    suggest_fields,
-)
-from contactstudy.domain.units import Number, Pascals
+from contactstudy.domain.checks import InvalidInput
+from contactstudy.domain.units import Pascals
+from contactstudy.domain.validation import AT_LEAST_ZERO, OR_INFINITE, validated
 from contactstudy.elasticity.coefficients import Coefficients
-from contactstudy.scene.solids.bodies import POISSON_RATIO, HalfSpace, SceneContext, poisson_ratio
+from contactstudy.scene.solids.bodies import HalfSpace, PoissonRatio, SceneContext
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class ElasticPlasticHalfSpace:
     """Half-space that yields by the criterion of von Mises, with linear hardening.
 
@@ -46,23 +39,10 @@ class ElasticPlasticHalfSpace:
     """
 
     youngs_modulus: Pascals
-    poisson_ratio: Number
-    yield_stress: Pascals
-    hardening_modulus: Pascals = 0.0
-    kinematic_modulus: Pascals = 0.0
-
-    def __post_init__(self) -> None:
-        modulus = "give a modulus above 0 Pa, or a rigid HalfSpace for a body that does not yield"
-        stress = "give a stress above 0 Pa, or inf for a body that does not yield"
-        hardening = in_range_from_zero, "give a modulus of at least 0 Pa"
-        check_fields(
-            self,
-            youngs_modulus=(in_range, modulus),
-            poisson_ratio=(poisson_ratio, POISSON_RATIO),
-            yield_stress=(in_range_or_infinite, stress),
-            hardening_modulus=hardening,
-            kinematic_modulus=hardening,
-        )
+    poisson_ratio: PoissonRatio
+    yield_stress: Annotated[Pascals, OR_INFINITE]
+    hardening_modulus: Annotated[Pascals, AT_LEAST_ZERO] = 0.0
+    kinematic_modulus: Annotated[Pascals, AT_LEAST_ZERO] = 0.0
 
     @property
     def instantaneous(self) -> HalfSpace:

@@ -5,29 +5,20 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
-from contactstudy.domain.checks import (
-    InvalidInput,
-    check_fields,
-    in_range,
-    in_range_from_zero,
-    pair,
-    sequence,
-    set_fields,
-    suggest_fields,
-)
-from contactstudy.domain.units import Number, Pascals, Seconds
+from contactstudy.domain.checks import InvalidInput
+from contactstudy.domain.units import Pascals, Seconds
+from contactstudy.domain.validation import AT_LEAST_ZERO, validated
 from contactstudy.elasticity.coefficients import BoussinesqCoefficients, Coefficients
 from contactstudy.elasticity.viscoelastic import Creep, creep_from_relaxation, retarded
-from contactstudy.scene.solids.bodies import POISSON_RATIO, Body, HalfSpace, poisson_ratio
+from contactstudy.scene.solids.bodies import Body, HalfSpace, PoissonRatio
 
 if TYPE_CHECKING:
     from contactstudy.elasticity.tangential import ShearCompliance
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class ViscoelasticHalfSpace:
     """Linear viscoelastic half-space with the relaxation modulus ``E(t) = E_inf + sum(E_i exp(-t / tau_i))``.
 
@@ -48,32 +39,17 @@ class ViscoelasticHalfSpace:
         If a number is outside these limits, or there is no modulus at all.
     """
 
-    equilibrium_modulus: Pascals
-    poisson_ratio: Number
+    equilibrium_modulus: Annotated[Pascals, AT_LEAST_ZERO]
+    poisson_ratio: PoissonRatio
     relaxation: tuple[tuple[Pascals, Seconds], ...] = ()
 
-    def __post_init__(self) -> None:
-        modulus = "give a modulus above 0 Pa, or 0 for a Maxwell fluid"
-        check_fields(
-            self,
-            equilibrium_modulus=(in_range_from_zero, modulus),
-            poisson_ratio=(poisson_ratio, POISSON_RATIO),
-        )
-        field = "ViscoelasticHalfSpace.relaxation"
-        remedy = "give pairs of a modulus [Pa] and a time [s], such as ((1e6, 0.1), (2e6, 1.0))"
-        terms = []
-        for number, term in enumerate(sequence(field, self.relaxation, remedy)):
-            first, second = pair(f"{field}[{number}]", term, remedy)
-            stiffness = in_range(f"{field}[{number}][0]", first, "give a modulus above 0 Pa")
-            terms.append(
-                (stiffness, in_range(f"{field}[{number}][1]", second, "give a time above 0 s"))
-            )
-        if self.equilibrium_modulus == 0 and not terms:
+    def check_together(self) -> None:
+        """Check that there is a modulus."""
+        if self.equilibrium_modulus == 0 and not self.relaxation:
             raise InvalidInput(
                 "ViscoelasticHalfSpace.equilibrium_modulus is 0 and there is no relaxation: give a "
                 "modulus above 0 Pa, or pairs of a modulus and a time."
             )
-        set_fields(self, relaxation=tuple(terms))
 
     @cached_property
     def creep(self) -> Creep:

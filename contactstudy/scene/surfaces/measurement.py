@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from enum import Enum
 from os import PathLike, fspath
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from contactstudy.domain.checks import (
 from contactstudy.domain.fields import Array
 from contactstudy.domain.imports import import_for
 from contactstudy.domain.units import Metres, Number, readable
+from contactstudy.domain.validation import FINITE
 from contactstudy.scene.surfaces.text_file import Header, TextTable, decoded, length_unit, table
 
 # Points and their sizes (x, y) [m], if they have any.
@@ -91,7 +92,7 @@ class Reading:
 
     extent: tuple[Metres, Metres] | None = None
     unit: str | None = None
-    invalid: Number | None = None
+    invalid: Annotated[Number, FINITE] | None = None
     decimal: str | None = None
     transpose: bool = False
     flip: Flip = Flip.NONE

@@ -119,42 +119,9 @@ def in_range(field: str, value: object, remedy: str) -> float:
     return number
 
 
-def up_to_one(field: str, value: object, remedy: str) -> float:
-    """Return `value` as a float above zero and up to one, or raise :class:`InvalidInput` with `field` and `remedy`."""
-    number = in_range(field, value, remedy)
-    if number > 1:
-        raise InvalidInput(f"{field} is {value!r}: {remedy}.")
-    return number
-
-
-def below_one(field: str, value: object, remedy: str) -> float:
-    """Return `value` as a float above zero and below one, or raise :class:`InvalidInput` with `field` and `remedy`."""
-    number = up_to_one(field, value, remedy)
-    if number == 1:
-        raise InvalidInput(f"{field} is {value!r}: {remedy}.")
-    return number
-
-
 def in_range_or_infinite(field: str, value: object, remedy: str) -> float:
     """Return `value` as a float above zero within the limits or infinite, or raise :class:`InvalidInput`."""
     return math.inf if value == math.inf else in_range(field, value, remedy)
-
-
-def curved(field: str, value: object, remedy: str) -> float:
-    """Return `value` as a radius of either sign within the limits, or infinite, or raise :class:`InvalidInput`."""
-    if value == math.inf:
-        return math.inf
-    if (radius := in_range_or_zero(field, value, remedy)) == 0:
-        raise InvalidInput(f"{field} is {value!r}: {remedy}.")
-    return radius
-
-
-def non_negative(field: str, value: object, remedy: str) -> float:
-    """Return `value` as a finite float not below zero, or raise :class:`InvalidInput` with `field` and `remedy`."""
-    number = finite(field, value, remedy)
-    if number < 0:
-        raise InvalidInput(f"{field} is {value!r}: {remedy}.")
-    return number
 
 
 def in_range_or_zero(field: str, value: object, remedy: str) -> float:
@@ -169,7 +136,10 @@ def in_range_or_zero(field: str, value: object, remedy: str) -> float:
 
 def in_range_from_zero(field: str, value: object, remedy: str) -> float:
     """Return `value` as a float that is zero, or positive and within the limits, or raise :class:`InvalidInput`."""
-    return in_range_or_zero(field, non_negative(field, value, remedy), remedy)
+    number = in_range_or_zero(field, value, remedy)
+    if number < 0:
+        raise InvalidInput(f"{field} is {value!r}: {remedy}.")
+    return number
 
 
 def whole_number(
@@ -187,11 +157,6 @@ def instance(field: str, value: object, kind: Any, remedy: str) -> None:
     """Raise :class:`InvalidInput` unless `value` is an instance of `kind`, which may be a protocol."""
     if isinstance(value, type) or not isinstance(value, kind):
         raise InvalidInput(f"{field} is {value!r}: {remedy}.")
-
-
-def body_index(field: str, value: object) -> int:
-    """Return `value` as the index of a body in ``Scene.solids``, or raise :class:`InvalidInput`."""
-    return whole_number(field, value, 0, "give 0 or 1, the body's index in Scene.solids", at_most=1)
 
 
 def each(

@@ -7,7 +7,7 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
-from contactstudy.domain.checks import InvalidInput, suggest_fields
+from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 
@@ -27,7 +27,6 @@ class Shape(Protocol):
         """
 
 
-@suggest_fields
 @dataclass(frozen=True)
 class LengthScales:
     """Length scales of a shape that decide which grid resolves it.

@@ -8,18 +8,19 @@ import numpy as np
 
 from contactstudy.domain.checks import (
     InvalidInput,
-    below_one,
     in_range,
     whole_quotient,
 )
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
-from contactstudy.domain.units import Metres, Radians
+from contactstudy.domain.units import Metres, Number, Radians
 from contactstudy.domain.validation import (
     ANY_SIGN,
     AT_LEAST_ZERO,
+    BELOW_ONE,
     FINITE,
     OR_INFINITE,
+    valid,
     validated,
 )
 from contactstudy.scene.shapes.shape import LengthScales
@@ -165,8 +166,7 @@ class Texture:
 
         `along` [m] is the pitch of dimples along the length; grooves run along it and have none.
         """
-        remedy = "give a fraction of the surface above 0 and below 1"
-        density = below_one("Texture area_density", area_density, remedy)
+        density = valid("Texture area_density", area_density, Annotated[Number, BELOW_ONE])
         if isinstance(feature, Dimple):
             in_range(
                 "Texture along", along, "give the pitch of the dimples along the length, above 0 m"

@@ -38,7 +38,7 @@ class Limits:
     """Limits of a number, and how a message says them. A number with a unit is above 0 where no others are given."""
 
     text: str
-    hold: Callable[[float], bool]
+    hold: Callable[[float], bool] = field(repr=False)
 
 
 def at_least(least: int) -> Limits:
@@ -113,7 +113,7 @@ def valid(name: str, value: Any, hint: Any) -> Any:
         if value not in options:
             raise InvalidInput(f"{name} is {value!r}: {suggestion(str(value), options)}.")
         return value
-    kind, unit, limits = options[0] if origin is Annotated else hint, *_notes(hint)
+    kind, unit, limits = options[0] if origin is Annotated else hint, *notes(hint)
     if kind is float:
         number = _float(in_si(name, value, unit) if isinstance(value, str) and unit else value)
         if number is not None and limits.hold(number):
@@ -133,7 +133,7 @@ def _one_of(name: str, value: Any, hint: Any) -> Any:
         try:
             return valid(name, value, option)
         except InvalidInput as error:
-            is_meant = isinstance(value, str) and _notes(option)[0] is not None
+            is_meant = isinstance(value, str) and notes(option)[0] is not None
             if is_meant or (isinstance(value, tuple | list) and get_origin(option) is tuple):
                 of_its_kind.append(error)
     raise next(iter(of_its_kind), InvalidInput(f"{name} is {value!r}: {remedy(hint)}."))
@@ -151,12 +151,12 @@ def _entries(name: str, value: Any, options: tuple[Any, ...], hint: Any) -> tupl
     return tuple(valid(f"{name}[{n}]", entry, kind) for n, (entry, kind) in pairs)
 
 
-def _notes(hint: Any) -> tuple[Unit | None, Limits]:
+def notes(hint: Any) -> tuple[Unit | None, Limits]:
     """Return the unit of an annotation, if it has one, and its limits."""
-    notes = getattr(hint, "__metadata__", ())
-    unit = next((note for note in notes if isinstance(note, Unit)), None)
+    marks = getattr(hint, "__metadata__", ())
+    unit = next((note for note in marks if isinstance(note, Unit)), None)
     default = FINITE if unit is None else ABOVE_ZERO
-    return unit, next((note for note in notes if isinstance(note, Limits)), default)
+    return unit, next((note for note in marks if isinstance(note, Limits)), default)
 
 
 def _is(value: object, kind: Any) -> bool:
@@ -180,7 +180,7 @@ def remedy(hint: Any) -> str:
 
 def _accepted(hint: Any) -> Iterator[str]:
     origin, options = get_origin(hint), get_args(hint)
-    unit, limits = _notes(hint)
+    unit, limits = notes(hint)
     kind = options[0] if origin is Annotated else hint
     if origin in (Union, UnionType):
         for option in options:

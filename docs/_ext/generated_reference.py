@@ -9,7 +9,7 @@ from importlib import import_module
 from importlib.util import find_spec
 from inspect import getdoc, isclass
 from pathlib import Path
-from typing import Annotated, Any, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, Literal, get_args, get_origin, get_type_hints
 
 import numpy as np
 from key_meanings import meanings
@@ -18,7 +18,7 @@ from sphinx.application import Sphinx
 from sphinx.util.typing import stringify_annotation
 
 import contactstudy as cs
-from contactstudy.domain.units import Unit
+from contactstudy.domain.validation import notes
 from contactstudy.io.scene_files.materials import materials
 from contactstudy.io.scene_files.scene_schema import DESCRIPTIONS, KINDS, NO_KIND, SceneDocument
 from studies.model.outcome import CaseStatus
@@ -172,8 +172,12 @@ def inner_names() -> list[str]:
 def _type(wanted: Any) -> str:
     """A type as a person writes it in a scene file."""
     if get_origin(wanted) is Annotated:
-        unit = next(note for note in get_args(wanted) if isinstance(note, Unit))
-        return f"{unit.quantity} ({unit.symbol or 'no unit'})"
+        unit, limits = notes(wanted)
+        what = "a whole number" if unit is None else unit.quantity
+        symbol = "" if unit is None else f" ({unit.symbol or 'no unit'})"
+        return f"{what} {limits.text}".strip() + symbol
+    if get_origin(wanted) is Literal:
+        return "one of " + ", ".join(f'`"{one}"`' for one in get_args(wanted))
     if wanted in KINDS:
         text = "a table with a `kind`: " + ", ".join(f"`{kind}`" for kind in KINDS[wanted] if kind)
         without = KINDS[wanted].get(NO_KIND)
@@ -348,7 +352,11 @@ def write(app: Sphinx) -> None:
 
 # Texts in signatures, and what a person reads instead: a quantity is a float, a field an Array; units are in the docstring.
 PLAINER = (
-    (r"~?(?:typing\.)?Annotated\[float, ~?contactstudy\.domain\.units\.Unit\([^()]*\)\]", "float"),
+    (
+        r"~?(?:typing\.)?Annotated\[(float|int)(?:, ~?contactstudy\.domain\.\w+\.\w+"
+        r"\((?:[^()]|\([^()]*\))*\))+\]",
+        r"\1",
+    ),
     (re.escape(stringify_annotation(NDArray[np.floating[Any]], "smart")), "Array"),
     (re.escape(stringify_annotation(ArrayLike, "smart")), "ArrayLike"),
     (re.escape(stringify_annotation(DTypeLike, "smart")), "~numpy.typing.DTypeLike"),

@@ -123,7 +123,14 @@ def valid(name: str, value: Any, hint: Any) -> Any:
             return int(value)
     elif not isinstance(value, type) and isinstance(value, get_origin(kind) or kind):
         return value
-    raise InvalidInput(f"{name} is {value!r}: {remedy(hint)}.")
+    raise InvalidInput(f"{name} is {value!r}: {remedy(hint)}{_sizes(value)}.")
+
+
+def _sizes(value: object) -> str:
+    """Return the limits of all sizes, for a number that is beyond them."""
+    number = _float(value)
+    is_size = not number or MIN_SIZE <= abs(number) <= MAX_SIZE or abs(number) == inf
+    return "" if is_size or number != number else f", between {MIN_SIZE:g} and {MAX_SIZE:g}"
 
 
 def _one_of(name: str, value: Any, hint: Any) -> Any:

@@ -208,15 +208,6 @@ def set_fields(instance: object, **values: object) -> None:
         object.__setattr__(instance, name, value)
 
 
-def check_fields(
-    instance: object, **checks: tuple[Callable[[str, object, str], object], str]
-) -> None:
-    """Replace fields of a frozen dataclass by checked ones, each by one of the functions above and its remedy."""
-    for name, (check, remedy) in checks.items():
-        field = f"{type(instance).__name__}.{name}"
-        set_fields(instance, **{name: check(field, getattr(instance, name), remedy)})
-
-
 def suggestion(name: str, known: Iterable[str]) -> str:
     """Return a suggestion for an unknown `name`: a `known` one that begins so, the most similar one, or all of them."""
     choices = list(known)

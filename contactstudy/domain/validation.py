@@ -143,7 +143,8 @@ def _one_of(name: str, value: Any, hint: Any) -> Any:
             is_meant = isinstance(value, str) and notes(option)[0] is not None
             if is_meant or (isinstance(value, tuple | list) and get_origin(option) is tuple):
                 of_its_kind.append(error)
-    raise next(iter(of_its_kind), InvalidInput(f"{name} is {value!r}: {remedy(hint)}."))
+    none_fits = InvalidInput(f"{name} is {value!r}: {remedy(hint)}{_sizes(value)}.")
+    raise next(iter(of_its_kind), none_fits)
 
 
 def _entries(name: str, value: Any, options: tuple[Any, ...], hint: Any) -> tuple[Any, ...]:

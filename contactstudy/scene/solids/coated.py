@@ -2,22 +2,16 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contactstudy.domain.checks import (
-    InvalidInput,
-    check_fields,
-    in_range,
-    instance,
-    set_fields,
-    suggest_fields,
-)
+from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.units import Metres
+from contactstudy.domain.validation import validated
 from contactstudy.elasticity.coating import CoatingCoefficients
 from contactstudy.elasticity.coefficients import BoussinesqCoefficients, Coefficients
 from contactstudy.elasticity.kernels.layer.response import LayerResponse
@@ -33,8 +27,7 @@ LARGEST_RATIO = 1e4
 EQUIVALENT_WAVE_NUMBER = 1.2
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class CoatedHalfSpace:
     """Layers of several materials, bonded to a half-space; their interfaces neither slip nor open.
 
@@ -59,13 +52,12 @@ class CoatedHalfSpace:
     substrate: HalfSpace
     interlayers: tuple[HalfSpace, ...] = ()
 
-    def __post_init__(self) -> None:
-        set_fields(self, interlayers=tuple(self.interlayers))
+    def check_together(self) -> None:
+        """Check that every layer has a thickness and a stiffness that the coefficients are verified for."""
         names = [f"interlayers[{number}]" for number in range(len(self.interlayers))]
         solids = self.coating, *self.interlayers, self.substrate
         for name, solid in zip(("coating", *names, "substrate"), solids, strict=True):
             field = f"CoatedHalfSpace.{name}"
-            instance(field, solid, HalfSpace, "give a HalfSpace")
             if solid.free_faces < math.inf:
                 raise InvalidInput(
                     f"{field} is {solid!r}: free faces of a coated body are not computed, leave free_faces out, or the "
@@ -81,8 +73,6 @@ class CoatedHalfSpace:
                 raise InvalidInput(
                     f"{field} is rigid: give it a finite Young's modulus, or a rigid HalfSpace as the body."
                 )
-        remedy = "give a thickness above 0 m, or the substrate alone for none"
-        check_fields(self, thickness=(in_range, remedy))
         softest = math.inf
         for name, shear in list(
             zip(("coating", *names, "substrate"), map(_shear_modulus, solids), strict=True)

@@ -1,27 +1,19 @@
 """Hardness that falls with depth, as in a case-hardened body."""
 
-from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
-from contactstudy.domain.checks import (
-    InvalidInput,
-    check_fields,
-    each,
-    in_range,
-    non_negative,
-    set_fields,
-    suggest_fields,
-)
+from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 from contactstudy.domain.units import Hardness, Metres, Pascals
+from contactstudy.domain.validation import AT_LEAST_ZERO, validated
 
 # Hardness at the case depth (ISO 18203): 550 HV [Pa]; tensile yield stress over hardness (Tabor 1951).
 CASE_LIMIT, YIELD_OVER_HARDNESS = 550 * 9.80665e6, 1 / 3
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class HardnessProfile:
     """Hardness or yield stress of a body by its depth: a table, or surface, core and case depth.
 
@@ -47,15 +39,15 @@ class HardnessProfile:
         If neither or both are given, or a number is outside these limits.
     """
 
-    depths: tuple[Metres, ...] = ()
+    depths: tuple[Annotated[Metres, AT_LEAST_ZERO], ...] = ()
     hardness: tuple[Hardness, ...] = ()
     yield_stresses: tuple[Pascals, ...] = ()
     surface: Hardness | None = None
     core: Hardness | None = None
     case_depth: Metres | None = None
 
-    def __post_init__(self) -> None:
-        remedy = "give a value above 0"
+    def check_together(self) -> None:
+        """Check that there is one description, and that a table has one value for each depth."""
         case = [
             name for name in ("surface", "core", "case_depth") if getattr(self, name) is not None
         ]
@@ -66,7 +58,6 @@ class HardnessProfile:
                 "yield_stresses, or surface, core and case_depth."
             )
         if case:
-            check_fields(self, **dict.fromkeys(case, (in_range, remedy)))
             if not self.core < CASE_LIMIT < self.surface:  # type: ignore[operator]
                 raise InvalidInput(
                     f"HardnessProfile.surface is {self.surface!r} Pa and its core {self.core!r} Pa: a case depth is "
@@ -74,13 +65,11 @@ class HardnessProfile:
                 )
             return
         (name,) = tables
-        depths = each("HardnessProfile.depths", self.depths, non_negative, "give at least 0 m")
-        values = each(f"HardnessProfile.{name}", getattr(self, name), in_range, remedy)
+        depths, values = self.depths, getattr(self, name)
         if len(values) != len(depths) or depths[0] or any(np.diff(depths) <= 0):
             raise InvalidInput(
                 f"HardnessProfile.depths is {depths!r}: give as many as {name}, from 0 m, each larger than the last."
             )
-        set_fields(self, **{"depths": depths, name: values})
 
     @property
     def points(self) -> tuple[tuple[float, ...], tuple[float, ...]]:

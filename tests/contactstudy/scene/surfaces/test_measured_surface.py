@@ -132,7 +132,7 @@ def test_tiles_are_counted_along_the_length_first_and_keep_the_size_of_a_point()
 def test_the_last_tile_is_the_one_before_the_count() -> None:
     assert cs.Tile((2, 3), 5).number == 5
     for number in (6, -1):
-        with pytest.raises(cs.InvalidInput, match="Tile.number"):
+        with pytest.raises(cs.InvalidInput, match=r"Tile\.number"):
             cs.Tile((2, 3), number)
     narrow = cs.MeasuredSurface(np.zeros((5, 4)), trend=cs.Trend.NONE)
     assert narrow.cut(cs.Tile((2, 2), 3)).heights.shape == (2, 2)

@@ -138,8 +138,8 @@ class Fretting:
             )
         if len(self.bulk_stresses) != len(self.forces or ()):
             raise InvalidInput(
-                f"Fretting.bulk_stresses has {len(self.bulk_stresses)} stresses and Fretting.forces {len(self.forces or ())}: give "
-                "one for each force."
+                f"Fretting.bulk_stresses has {len(self.bulk_stresses)} stresses and Fretting.forces "
+                f"{len(self.forces or ())}: give one for each force."
             )
 
     @property

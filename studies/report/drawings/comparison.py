@@ -62,7 +62,7 @@ def _front(verdict: Verdict) -> CaptionedFigure:
     )
     seconds = xr.DataArray(
         [one.seconds for one in verdict.settings], name="time",
-        attrs={"units": "s", "long_name": "processor time of a solve, on one thread"},
+        attrs={"units": "s", "long_name": "processor time of a solve"},
     )  # fmt: skip
     unit, across = scaled(seconds)
     fig, (ax,) = panels(1, width=WIDTH, height=5.0)

@@ -159,7 +159,7 @@ def _of_square(measure: str, along: str) -> Callable[[xr.Dataset], float]:
 
 ONE_CELL_ALONG = Claim(
     "How many cells along?",
-    "One, for a smooth cylinder with any padding: with exact periodicity it takes {less} of the time of square cells.",
+    "One, for a smooth cylinder: with exact periodicity it takes {less} of the time of square cells.",
     "Nothing varies along the length. On {grid} cells across the L1 error is {one} with one cell along and {square} "
     "with square ones, in {quick} and {slow} of processor time. Its period is free too: over 100 a every padding "
     "has the error of the cells alone. The figures below have square cells, as the paper.",
@@ -239,7 +239,8 @@ def pressures(dataset: xr.Dataset) -> CaptionedFigure:
 
 
 ERRORS = {
-    ERROR: "pressure in L1", "axis_pressure_error": "beside the axis", "pressure_error_max": "largest",
+    ERROR: "pressure in L1", "axis_pressure_error": "beside the axis", "peak_pressure_error": "highest cell",
+    "pressure_error_max": "largest",
     "length_variation": "along the length", "half_width_error": "half-width",
 }  # fmt: skip
 

@@ -3,7 +3,7 @@
 import json
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, is_dataclass
-from math import isfinite
+from math import copysign, isfinite
 from os import PathLike
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -63,10 +63,10 @@ def sensitivity_study(
 ) -> Study:
     """Return the study of a scene over each of its numbers, lowered, as given and raised.
 
-    A number changes by the tolerance that stands behind it, such as ``"10 mm +- 0.05 mm"``, else by 1 %; a list of
-    numbers as a whole. Whole numbers, numbers that are zero without a tolerance, and those of grid, padding, plan,
-    solver, steps in time and outputs are left out. Its axes are ``number``, the path as that of a varied field, and
-    ``side``.
+    The size of a number changes by the tolerance behind it, such as ``"10 mm +- 0.05 mm"``, else by 1 %; that of all
+    numbers of a list together, and that of both bodies where they must be alike. Whole numbers, numbers that are zero
+    without a tolerance, and those of grid, padding, plan, solver, steps in time and outputs are left out. Its axes are
+    ``number``, the path as that of a varied field, and ``side``.
 
     Raises :class:`~contactstudy.InvalidInput` for a scene without a number that it could change.
     """
@@ -82,6 +82,7 @@ def sensitivity_study(
         return scene_file_from(document, folder)
 
     as_given = file_of(raw)
+    are_alike = raw["solids"][0] == raw["solids"][1]
     changes, left_out = dict[str, str](), list[str]()
     points: dict[tuple[str, ...], SceneFile | Refused] = {}
     for path, value in _leaves({key: raw[key] for key in DESCRIBED if key in raw}):
@@ -90,9 +91,15 @@ def sensitivity_study(
         if not _is_number(at(base, path)[1], value) or ends[0] == ends[1]:
             left_out += [name] if _has_number(value) else []
             continue
+        found = [_or_refused(file_of, replaced(raw, path, end)) for end in ends]
+        if all(isinstance(one, Refused) for one in found) and path[0] == "solids" and are_alike:
+            if path[1] == "1":  # changed with that of the first body
+                continue
+            name, other = f"solids.{'.'.join(path[2:])}", ("solids", "1", *path[2:])
+            both = (replaced(replaced(raw, path, end), other, end) for end in ends)
+            found = [_or_refused(file_of, tables) for tables in both]
         changes[name], points[name, GIVEN] = _text(value), as_given
-        for side, end in zip((LOWERED, RAISED), ends, strict=True):
-            points[name, side] = _or_refused(file_of, replaced(raw, path, end))
+        points[name, LOWERED], points[name, RAISED] = found
     files = [one for one in points.values() if isinstance(one, SceneFile)]
     try:
         placed, notes = on_shared_grids(files)
@@ -246,7 +253,7 @@ def _has_number(value: object) -> bool:
 
 
 def _changed(name: str, value: Any, sign: int) -> Any:
-    """Return a number, a text with a number, or a list of these, raised (sign 1) or lowered (-1)."""
+    """Return a number, a text with a number, or a list of these, raised (sign 1) or lowered (-1) in size."""
     if isinstance(value, list | tuple):
         return [_changed(f"{name}[{number}]", one, sign) for number, one in enumerate(value)]
     if not _has_number(value):
@@ -257,7 +264,8 @@ def _changed(name: str, value: Any, sign: int) -> Any:
     size = float(number)
     if not isfinite(size):
         return value
-    return f"{size + sign * (abs(size) * CHANGE if tolerance is None else tolerance):.15g} {unit}".strip()
+    change = size * CHANGE if tolerance is None else copysign(tolerance, size)
+    return f"{size + sign * change:.15g} {unit}".strip()
 
 
 def _text(value: Any) -> str:

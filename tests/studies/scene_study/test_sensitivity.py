@@ -9,6 +9,7 @@ import xarray as xr
 import contactstudy as cs
 from contactstudy import InvalidInput
 from studies import RunOptions, sensitivity
+from studies.scene_study.sensitivity import sensitivity_study
 from tests.studies.cli.conftest import said
 from tests.studies.scene_study.conftest import CYLINDER, LOAD, STEEL, given
 
@@ -61,14 +62,32 @@ def test_a_number_that_the_scene_cannot_have_leaves_its_side_empty(changes: xr.D
     assert np.isnan(raised).values.tolist() == [False, True]
 
 
-def test_lists_change_as_a_whole_and_scenes_in_python_as_files() -> None:
+def test_lists_change_in_size_as_a_whole_and_scenes_in_python_as_files() -> None:
     steel = cs.HalfSpace(210e9, 0.3)
     friction = cs.Fretting(0.5, (2e4, -2e4, 2e4))
     scene = cs.Scene(cs.LineLoad(1e5), (steel, steel), (cs.Cylinder(0.01),), friction=friction)
     described = cs.SceneFile(scene, grid=cs.Grid((64, 1), (4e-4, 4e-4)))
-    changes = sensitivity(described, options=HERE).sel(number="friction.forces")
+    every = sensitivity(described, options=HERE)
+    # bodies that fret are alike
+    assert "solids.youngs_modulus" in every["number"]
+    changes = every.sel(number="friction.forces")
     ratio = changes["traction_coefficient_change"] / changes["traction_coefficient"]
     assert ratio.values == pytest.approx([-0.01, 0.01])
+    # the energy of a cycle grows as the third power of its force, and faster
+    ratio = changes["energy_per_cycle_change"] / changes["energy_per_cycle"]
+    assert ratio.values == pytest.approx([-0.035, 0.035], abs=5e-3)
+
+
+def test_texts_in_lists_change_in_size(scene: Path) -> None:
+    fretting = scene.with_name("fretting.toml")
+    cycle = 'forces = ["20 N/mm", "-20 N/mm ± 1 N/mm", "20 N/mm"]'
+    fretting.write_text(
+        f'{LOAD}{STEEL}{STEEL}{CYLINDER}[friction]\nkind = "Fretting"\ncoefficient = 0.5\n{cycle}\n'
+        + given(64, "0.4 mm")
+    )
+    study = sensitivity_study(fretting)
+    raised = study.case_at({"number": "friction.forces", "side": "raised"}).scene.friction.forces
+    assert raised == pytest.approx((20.2e3, -21e3, 20.2e3))
 
 
 def test_the_command_prints_and_draws_the_changes_and_goes_on_where_it_stopped(scene: Path) -> None:

@@ -10,13 +10,13 @@ from threadpoolctl import threadpool_limits
 
 import contactstudy as cs
 from contactstudy.domain.version import source_hash
+from studies.advice.trials import verdict_on
 from studies.advice.verdict import (
     EVERY_NUMBER,
     Measured,
     SceneToJudge,
     Setting,
     Verdict,
-    verdict_on,
 )
 from studies.model.plain_text import Log
 from studies.store.netcdf import check_kind, open_folder, read, write

@@ -9,6 +9,7 @@ import xarray as xr
 
 import contactstudy as cs
 from studies.advice import stored
+from studies.advice.trials import verdict_on
 from studies.advice.verdict import (
     EVERY_NUMBER,
     PRESSURE,
@@ -18,7 +19,6 @@ from studies.advice.verdict import (
     Verdict,
     paper_scene,
     scene_in,
-    verdict_on,
 )
 from studies.reference.line_contact import HERTZ, SCENE
 from studies.report.wording import claim, explanation, lines

@@ -107,6 +107,7 @@ from .solvers.preconditioned_cg import PreconditionedCG
 from .solvers.solution import Solution, Status
 from .solvers.solve import SolveOptions, Solver
 from .solving import solve
+from .stiffness import contact_stiffness, distant_approach
 
 __version__: str
 
@@ -233,7 +234,9 @@ __all__ = [
     "ZeroPadding",
     "analytic",
     "compare",
+    "contact_stiffness",
     "convolution",
+    "distant_approach",
     "kernels",
     "material",
     "plan",

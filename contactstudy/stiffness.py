@@ -1,7 +1,7 @@
-"""Normal stiffness of a dry contact, and the bound of its error."""
+"""Normal stiffness of a dry contact, and the bound of its error; approach and stiffness between distant points."""
 
-from dataclasses import replace
-from math import inf, pi
+from dataclasses import dataclass, replace
+from math import exp, inf, isclose, log, pi
 from typing import Any
 
 import numpy as np
@@ -9,7 +9,12 @@ from scipy.sparse.linalg import LinearOperator, minres
 
 from contactstudy.accuracy.discretisation.cells import contact_perimeter
 from contactstudy.answers.contact import Contact
+from contactstudy.domain.checks import InvalidInput, NotDefined, pair
 from contactstudy.domain.fields import Array, inner
+from contactstudy.domain.unit_text import in_si, unit_of
+from contactstudy.domain.units import Metres, readable
+from contactstudy.io.quantities.contact_quantities import approach_datum
+from contactstudy.io.quantities.quantity import Quantity
 from contactstudy.scene.loads.resulting_load import PullOff
 from contactstudy.solvers.conjugate_gradients import conjugate_gradients
 from contactstudy.solving import solve
@@ -127,3 +132,125 @@ def stiffness_error(contact: Contact, stiffness: float) -> float:
     of_cells = perimeter * contact.grid.cell_size[0] / 2 / (touching * contact.grid.cell_area)
     area_error = contact.quantities["contact_area"].relative_bound + of_cells
     return STIFFNESS_MARGIN * growth * borders * area_error
+
+
+def contact_stiffness(contact: Contact) -> Quantity:
+    """Return the normal stiffness d load / d approach of a dry contact with its bound, [N/m], of a line per length.
+
+    It counts from where the approach does, which the label says; see :func:`distant_approach` for that between the axes
+    of cylinders. It is computed with the cells in contact fixed.
+
+    Raises :class:`~contactstudy.NotDefined` for a contact without a scene, and of bodies that do not touch.
+    """
+    scene = contact.scene
+    if scene is None or not (contact.pressure.any() or contact.adhesion is not None):
+        raise NotDefined(
+            "The stiffness is not defined: the contact has no scene, or bears no load."
+        )
+    is_point = scene.ellipse is not None
+    # a roller carries its load on its own length, whatever that of the grid
+    per_grid = normal_stiffness(contact)
+    value = per_grid * contact.grid.length / (1.0 if is_point else contact.loaded_length)
+    datum = approach_datum(contact)
+    detail = f", from a point {readable(datum)} away" if datum else ""
+    error = stiffness_error(contact, per_grid)
+    reason = (
+        ""
+        if error < inf
+        else "No bound: none is known with adhesion, or where no cell carries more."
+    )
+    unit = "N m-1" if is_point else "N m-2"
+    return Quantity(
+        value,
+        unit,
+        "normal stiffness",
+        error * abs(value) if error < inf else inf,
+        reason,
+        detail=detail,
+    )
+
+
+@dataclass(frozen=True)
+class DistantApproach:
+    """Approach [m] of two distant points of the bodies of a line contact, and the stiffness [N/m per m] between them."""
+
+    approach: Quantity
+    stiffness: Quantity
+
+
+def distant_approach(
+    contact: Contact, radii: tuple[float | str, float | str], depth: float | str | None = None
+) -> DistantApproach:
+    """Return approach and stiffness of a line contact between the axes of its cylinders, or a point below a flat body.
+
+    With the plane-strain compliance c of a body, ``c P / pi`` times ``2 ln(4 R / a) - 1`` is the compression of a
+    cylinder between the contact and its axis, if it is loaded opposite to the contact, and ``2 ln(2 d / a) - nu / (1 -
+    nu)`` that of a flat body down to a depth d (Johnson 1985, sect. 5.6). Both differ from the approach of half-spaces
+    by a constant times the load, whatever the surfaces are like. On a roller that ends, the constant is that of its
+    pressure, at mid-length.
+
+    Parameters
+    ----------
+    contact
+        A line contact at rest.
+    radii
+        Radius of each body [m] across the contact; infinite or negative of a flat or a hollow one.
+    depth
+        Depth [m] of the point in a flat or hollow body.
+
+    Raises
+    ------
+    InvalidInput
+        For radii that are not those of the scene, and a flat body without a depth.
+    NotDefined
+        For a point contact, and for one with images across.
+    """
+    scene, grid, unit = contact.scene, contact.grid, unit_of(Metres)
+    assert unit is not None
+    remedy = "give the radii of both bodies across, such as (0.01, inf)"
+    given = [in_si("radii", one, unit) for one in pair("radii", radii, remedy)]
+    datum = approach_datum(contact)
+    paddings = contact.problem.paddings
+    windows = None if paddings is None else [padding.window for padding in paddings]
+    is_free = windows is not None and windows[0] is not None and len(windows[0]) == 1
+    if scene is None or scene.ellipse is not None or not is_free or windows is None:
+        raise NotDefined(
+            "The approach of axes is not defined: the contact is no line contact that is free across."
+        )
+    if not datum and (windows[1] is None or len(windows[1]) > 1):
+        raise NotDefined(
+            "The approach of axes is not defined: images are left out, give ExactPeriodicity along the length."
+        )
+    curvature = sum(1 / one for one in given)
+    if scene.radius and not isclose(curvature, 1 / scene.radius, rel_tol=1e-6):
+        raise InvalidInput(
+            f"radii are {radii!r}, which make an equivalent radius of {readable(1 / curvature) if curvature else inf}, "
+            f"and the scene has {readable(scene.radius)}: {remedy}."
+        )
+    per_length = float(contact.net_pressure.sum()) * grid.cell_area / contact.loaded_length
+    shift, places = 0.0, []
+    for number, (solid, radius) in enumerate(zip(scene.solids, given, strict=True)):
+        material: Any = getattr(solid, "substrate", solid)
+        if 0 < radius < inf:
+            distance = 2 * radius / exp(1)
+            places.append("the axis")
+        elif depth is None:
+            raise InvalidInput(
+                f"radii[{number}] is {radius!r}, of a body without an axis: give the depth of a point in it."
+            )
+        else:
+            below = in_si("depth", depth, unit)
+            distance = below * exp(-1 / (2 * (1 - material.poisson_ratio)))
+            places.append(f"a depth of {readable(below)}")
+        if datum:
+            shift += 2 * material.compliance / pi * log(datum / distance)
+        else:
+            weights = grid.cell_area / np.hypot(distance, grid.y - grid.y.mean())
+            of_load = float((contact.net_pressure * weights).sum()) / per_length
+            shift += material.compliance / pi * of_load
+    detail = f", between {' and '.join(places)}"
+    near, found = contact.quantities["approach"], contact_stiffness(contact)
+    approach = replace(near, value=near.value - shift * per_length, detail=detail)
+    value = 1 / (1 / found.value - shift)
+    bound = found.bound * (value / found.value) ** 2
+    return DistantApproach(approach, replace(found, value=value, bound=bound, detail=detail))

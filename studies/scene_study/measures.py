@@ -11,7 +11,7 @@ import contactstudy as cs
 from contactstudy.accuracy.discretisation.cells import contact_perimeter
 from contactstudy.accuracy.discretisation.coarser import touching_fraction
 from contactstudy.io.dataset import known_or_nan, labelled
-from contactstudy.stiffness import normal_stiffness, stiffness_error
+from contactstudy.stiffness import contact_stiffness
 from studies.advice.reference_error import pressure_error
 from studies.model.case import Answer, Case, dimensionless, error_estimates
 from studies.model.plain_text import one_line
@@ -83,13 +83,10 @@ def _of_contact(case: Case, contact: cs.Contact) -> dict[str, xr.Variable]:
         measured["contact_area_over_hertz"] = dimensionless(ratio, "contact area over Hertz's")
     errors = dict.fromkeys(("contact_fraction", "contact_area_over_hertz"), area_error)
     if contact.pressure.any() or contact.adhesion is not None:
-        is_point = scene.ellipse is not None
-        stiffness = normal_stiffness(contact) * grid.length / (1.0 if is_point else length)
-        what = {"description": "d load / d approach"}
-        measured["stiffness"] = labelled(
-            (), stiffness, "N m-1" if is_point else "N m-2", "normal stiffness", **what
-        )
-        errors["stiffness"] = stiffness_error(contact, stiffness)
+        found = contact_stiffness(contact)
+        what = {"description": f"d load / d approach{found.detail}"}
+        measured["stiffness"] = labelled((), found.value, found.unit, found.label, **what)
+        errors["stiffness"] = found.relative_bound
     for name, error in errors.items():
         if (value := measured.get(name)) is not None:
             label = f"bound of the error: {value.attrs['long_name']}"

@@ -54,3 +54,54 @@ def test_the_stiffness_of_an_adhesive_contact_counts_how_the_attraction_changes(
     assert normal_stiffness(here) == pytest.approx(slope, rel=5e-3)
     rigid = replace(here, adhesion=None)
     assert normal_stiffness(rigid) > 1.01 * slope
+
+
+def johnson(
+    load: float, half: float, radii: tuple[float, float], depth: float
+) -> tuple[float, float]:
+    """Approach of the axes, or of a point below a flat body, and load over its rise (Johnson 1985, sect. 5.6)."""
+    of_body = [
+        2 * np.log(4 * radius / half) - 1
+        if np.isfinite(radius)
+        else 2 * np.log(2 * depth / half) - 0.3 / 0.7
+        for radius in radii
+    ]
+    factor = (1 - 0.3**2) / (np.pi * 210e9)
+    return load * factor * sum(of_body), 1 / (factor * (sum(of_body) - 2))
+
+
+@pytest.mark.parametrize("radii", [(0.01, 0.02), (np.inf, 0.01)])
+def test_axes_of_cylinders_approach_as_johnson_has_it(radii: tuple[float, float]) -> None:
+    shapes = tuple(cs.Cylinder(radius) for radius in radii if np.isfinite(radius))
+    scene = cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL), shapes)
+    contact = cs.solve(scene, cs.Grid((128, 1), (4e-4, 4e-4)), EXACT)
+    found = cs.distant_approach(contact, radii, depth="5 mm")
+    assert scene.hertz is not None
+    approach, stiffness = johnson(1e5, scene.hertz.half_width, radii, 5e-3)
+    assert abs(found.approach.value - approach) <= found.approach.bound < 0.01 * approach
+    assert abs(found.stiffness.value - stiffness) <= found.stiffness.bound < 0.1 * stiffness
+    assert "the axis" in found.approach.detail
+    near = cs.contact_stiffness(contact)
+    assert near.value < found.stiffness.value  # a point 2 R away moves more than the axis
+    assert "20 mm away" in near.detail or radii[1] == 0.02
+
+
+def test_axes_of_a_long_roller_that_ends_approach_as_those_of_an_endless_one() -> None:
+    flat = cs.FiniteLength(0.08)
+    scene = cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL), (cs.Cylinder(0.01), flat))
+    contact = cs.solve(scene, cs.Grid((48, 48), (4e-4, 0.08)), cs.ZeroPadding())
+    found = cs.distant_approach(contact, (0.01, np.inf), depth=5e-3)
+    # in the middle the load per length is less than at the ends
+    load = contact.net_pressure[:, 24].sum() * contact.grid.cell_size[0]
+    half = replace(scene, load=cs.LineLoad(load), shapes=scene.shapes[:1]).hertz.half_width
+    approach, _ = johnson(load, half, (0.01, np.inf), 5e-3)
+    assert found.approach.value == pytest.approx(approach, rel=2e-3)
+
+
+def test_radii_of_another_scene_and_a_flat_body_without_a_depth_are_refused() -> None:
+    scene = cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL), (cs.Cylinder(0.01),))
+    contact = cs.solve(scene, cs.Grid((32, 1), (4e-4, 4e-4)), EXACT)
+    with pytest.raises(cs.InvalidInput, match="an equivalent radius of"):
+        cs.distant_approach(contact, (0.01, 0.02))
+    with pytest.raises(cs.InvalidInput, match="depth of a point"):
+        cs.distant_approach(contact, (0.01, np.inf))

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
+from contactstudy.accuracy.discretisation import bound, subcell
 from contactstudy.domain.grid import Grid
 from studies.advice import verdict
 from studies.reference.line_contact import (
@@ -19,6 +20,8 @@ from studies.reference.line_contact import (
     relative_l1,
     with_edges_moved,
 )
+from tests.accuracy.__main__ import NAMES
+from tests.accuracy.matrix import matrix
 
 PAGES = Path(__file__).parents[1] / "docs" / "explanation"
 TIGHT = cs.SolveOptions(1e-9)
@@ -152,3 +155,19 @@ def test_all_that_is_above_the_law_with_six_periods_is_the_error_of_the_cells() 
     ]
     law = cs.analytic.image_error(1, 6.5 * WIDTH)
     assert 0 < errors[0] - law < 1.2 * errors[1]
+
+
+def test_what_hidden_heights_add_to_a_bound_is_what_its_page_says() -> None:
+    page = "error-estimates"
+    assert (
+        subcell.CONSTANTS.pressure_rise
+        == said(page, r"peak by up to ([\d.]+) times the pressure")[0]
+    )
+    assert bound.CONSTANTS.hidden_error == pytest.approx(4 / 5)
+    two_cells, one_cell = said(
+        page, r"takes ([\d.]+) times this where the wave is two cells long, and ([\d.]+) times"
+    )
+    # Johnson (1985), eq. 13.7: a wave of amplitude h and length l is flattened by pi E* h / l
+    assert (two_cells, one_cell) == pytest.approx((np.pi / 2, np.pi), abs=0.05)
+    contacts = said(page, r"on about (\d+) contacts")[0]
+    assert len((*matrix(), *NAMES)) == pytest.approx(contacts, rel=0.1)

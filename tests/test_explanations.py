@@ -9,7 +9,7 @@ import pytest
 import contactstudy as cs
 from contactstudy.accuracy.discretisation import bound, subcell
 from contactstudy.domain.grid import Grid
-from studies.advice import verdict
+from studies.advice import trials, verdict
 from studies.reference.line_contact import (
     HERTZ,
     P_H,
@@ -85,14 +85,14 @@ def test_a_window_over_three_periods_reaches_as_far_as_its_page_says() -> None:
 
 def test_the_rules_of_a_verdict_have_the_numbers_of_their_page() -> None:
     [lower] = said("price", r"load that is (\d+) % lower")
-    assert lower == pytest.approx(100 * (1 - verdict.LOWER_LOAD))
+    assert lower == pytest.approx(100 * (1 - trials.LOWER_LOAD))
     [copied] = said("price", r"\) then has (\d+) or is left out")
     assert (
         copied
-        == verdict.CENTRED
+        == trials.CENTRED
         == said("periodicity", r"gives duplicated padding (\d+) cells along")[0]
     )
-    assert verdict.FINEST / verdict.SIXTHS == 2
+    assert trials.FINEST / trials.SIXTHS == 2
     assert pytest.approx(1.1) == verdict.TIE
 
 
@@ -107,7 +107,7 @@ def test_no_padding_has_the_error_of_one_lucky_grid() -> None:
 
 
 def test_every_padding_has_the_error_of_the_cells_over_a_long_period_with_one_cell_along() -> None:
-    [period] = said("price", r"Over (\d+) half-widths every padding then has")
+    [period] = said("price", r"Over (\d+) half-widths the pressure of every padding then has")
     grid = cs.Grid((48, 1), (WIDTH * A, period * A))
     exact = pressure(grid, cs.ExactPeriodicity())
     by_cells = relative_l1(exact, hertz_means(HERTZ, grid))

@@ -76,10 +76,10 @@ def explanation(verdict: Verdict) -> Iterator[str]:
         yield f"Other numbers of the answer may have larger errors{here}."
     along = {one.setting.label: one.setting.cells[1] for one in verdict.settings}
     if min(along.values()) == 1:
-        yield "Nothing varies along the length, so that one cell along it is enough for every padding."
+        yield "Nothing varies along the length, so that one cell along it is enough."
         if (copied := along.get("duplicated", 1)) > 1:
             yield f"Duplicated padding has {copied}, since its window is off centre on fewer."
-            yield "The period is free too: over 100 half-widths every padding has the error of the cells alone."
+            yield "The period is free too: over 100 half-widths every padding has the cells' error alone."
     if best is not None:
         fastest = {one.setting.label: one for one in reversed(meeting)}
         others = sorted(

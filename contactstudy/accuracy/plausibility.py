@@ -103,7 +103,7 @@ def beyond_strength(solution: Solution) -> str:
             unit = "N/mm" if kind == "line" else "N"
             at = f" at {load / 1e3:.3g} {unit}" if scene.hertz else ""
             return (
-                f"The peak pressure of {peak / 1e9:.3g} GPa is {peak / pressure:.2g} times that at which "
+                f"The peak pressure of {peak / 1e9:.3g} GPa is {peak / pressure:.3g} times that at which "
                 f"Scene.solids[{number}] first yields in a smooth {kind} contact{at}: give an ElasticPlasticHalfSpace, "
                 "or the yield_stress of your material."
             )

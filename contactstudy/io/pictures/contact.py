@@ -206,7 +206,9 @@ def film_picture(
         x, across = in_display_unit(contact["x"], "m", "across")
         film, up = in_display_unit(contact["film"].isel(y=contact.sizes["y"] // 2), "m", "film")
         axes[1].semilogy(x, film, **GAP)
-        name_axes(axes[1], across, up, "film in the middle")
+        ratio = contact.get("lambda_ratio")
+        of_film = "" if ratio is None else f", lambda ratio {float(ratio):.3g}"
+        name_axes(axes[1], across, up, f"film in the middle{of_film}")
         if interference:
             _interferogram(axes[2], contact, refractive_index, wavelengths)
         elif mapped:

@@ -9,6 +9,7 @@ import xarray as xr
 from threadpoolctl import threadpool_limits
 
 import contactstudy as cs
+from contactstudy.domain.errors import Request
 from contactstudy.domain.version import source_hash
 from studies.advice.trials import verdict_on
 from studies.advice.verdict import (
@@ -39,7 +40,7 @@ def path_in(out: Path) -> Path:
 
 
 def verdict_of(
-    described: SceneToJudge, error: float, out: Path, log: Log, measure: str = EVERY_NUMBER
+    described: SceneToJudge, error: Request, out: Path, log: Log, measure: str = EVERY_NUMBER
 ) -> Verdict:
     """Return the verdict on a scene that a folder has, or measure it and store it there.
 
@@ -97,6 +98,8 @@ def to_dataset(verdict: Verdict) -> xr.Dataset:
         "title": f"Settings of {verdict.name}", "scene_name": verdict.name, "scene": verdict.text,
         "requested_error": verdict.error, "extent": verdict.extent, **texts,
     }  # fmt: skip
+    if verdict.named:
+        attributes["named_errors"] = json.dumps(verdict.named)
     if verdict.notes:
         attributes["notes"] = json.dumps(verdict.notes)
     axis = ("axis", ["across", "along"], {"long_name": "direction of the cells"})
@@ -129,5 +132,5 @@ def from_dataset(dataset: xr.Dataset) -> Verdict:
     return Verdict(
         attributes["scene_name"], attributes["scene"], float(attributes["requested_error"]), attributes["measure"],
         (width, length), attributes["own"], attributes["reference"], settings,
-        tuple(json.loads(attributes.get("notes", "[]"))),
+        tuple(json.loads(attributes.get("notes", "[]"))), json.loads(attributes.get("named_errors", "{}")),
     )  # fmt: skip

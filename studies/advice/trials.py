@@ -10,6 +10,7 @@ from math import inf, isfinite, log, nan, prod
 from time import process_time
 
 import contactstudy as cs
+from contactstudy.domain.errors import Request
 from contactstudy.domain.fields import Array
 from contactstudy.domain.reuse import caching
 from contactstudy.io.scene_files.scene_schema import PlanSettings
@@ -17,6 +18,7 @@ from contactstudy.planning.grid_requirements import grid_requirements, with_rand
 from studies.advice.reference_error import last_of
 from studies.advice.verdict import (
     EVERY_NUMBER,
+    NAMED,
     PRESSURE,
     TIE,
     Measured,
@@ -71,12 +73,17 @@ class _Trials:
     unit: tuple[int, int]
     options: cs.SolveOptions
     times: cs.TimeSteps | None
-    error: float
+    request: Request
     measure: str
     notes: dict[str, str] = field(default_factory=dict)
     pressures: dict[Setting, Array] = field(default_factory=dict)
     at_edge: bool = False
     given: tuple[int, int] | None = None
+
+    @property
+    def error(self) -> float:
+        """Requested error, the least of several."""
+        return least_error(self.request)
 
     @property
     def is_line(self) -> bool:
@@ -119,7 +126,7 @@ class _Trials:
             scene or self.scene,
             grid or cs.Grid(setting.cells, self.extent),
             setting.padding,
-            error=self.error,
+            error=self.request,
             times=self.times,
             options=replace(self.options, tolerance=setting.tolerance),
         )
@@ -159,7 +166,7 @@ class _Trials:
 
     def _measured(self, setting: Setting, reference: Array | None) -> Measured | None:
         l1 = difference = 0.0
-        error, seconds, worst = 0.0 if self.measure == EVERY_NUMBER else nan, inf, ""
+        error, seconds, worst = nan if self.measure == PRESSURE else 0.0, inf, ""
         for number, (scene, grid) in enumerate(self.variants(setting)):
             with caching(None):
                 start = process_time()
@@ -173,8 +180,8 @@ class _Trials:
                 )
                 return None
             l1 = max(l1, answer.error.l1.total)
-            if self.measure == EVERY_NUMBER:
-                error, worst = max((error, worst), _worst(answer))
+            if self.measure != PRESSURE:
+                error, worst = max((error, worst), _worst(answer, self.request))
             pressure = last_of(answer).pressure
             if number == 0:
                 self.pressures[setting] = pressure
@@ -192,7 +199,7 @@ class _Trials:
 
     def choose_measure(self, found: Sequence[Measured]) -> None:
         """Let the pressure alone keep the error, where no setting keeps it by every number."""
-        if not any(map(self.meets, found)):
+        if self.measure == EVERY_NUMBER and not any(map(self.meets, found)):
             self.measure = PRESSURE
 
     def is_worth_refining(self, tried: Sequence[Measured], multiple: int) -> bool:
@@ -238,9 +245,12 @@ class _Trials:
 
 
 def verdict_on(
-    described: SceneToJudge, error: float, log: Log = lambda text: None, measure: str = EVERY_NUMBER
+    described: SceneToJudge,
+    error: Request,
+    log: Log = lambda text: None,
+    measure: str = EVERY_NUMBER,
 ) -> Verdict:
-    """Return what was measured of a scene's settings for a relative error, and the choice among them.
+    """Return what was measured of a scene's settings for a relative error, or some by name, and the choice among them.
 
     Grids are tried from the coarsest until the bound of one meets the error; then tolerances and paddings on that grid.
     For Hertz's line contact all paddings are tried on all grids. A scene whose bodies end along it, or
@@ -252,6 +262,8 @@ def verdict_on(
     InvalidInput
         If the scene does not determine a grid and has none.
     """
+    asked = error if isinstance(error, Mapping) else {}
+    measure = NAMED if asked else measure
     for wider in WIDER:
         trials = _trials(described.file, error, measure, wider)
         base = _label(trials.own)
@@ -304,9 +316,10 @@ def verdict_on(
     found += [one for setting in settings if (one := trials.measured(setting, reference))]
     log(f"{described.name}: times of {sum(map(trials.meets, found))} settings that meet it")
     return Verdict(
-        described.name, described.text, error, trials.measure, trials.extent, own, against,
+        described.name, described.text, trials.error, trials.measure, trials.extent, own, against,
         tuple(_timed(trials, found)),
         tuple(note for label, note in trials.notes.items() if label not in {one.setting.label for one in found}),
+        asked,
     )  # fmt: skip
 
 
@@ -343,7 +356,12 @@ def _on_grids(
                     last = min(last, multiple * (FINER if trials.is_line else 1))
 
 
-def _trials(file: cs.SceneFile, error: float, measure: str, wider: float) -> _Trials:
+def least_error(request: Request) -> float:
+    """Return a requested error, the least of several."""
+    return min(request.values()) if isinstance(request, Mapping) else request
+
+
+def _trials(file: cs.SceneFile, error: Request, measure: str, wider: float) -> _Trials:
     """Return the solves of a scene on the extent of its grid, or of the plan for the error, so many times as wide."""
     padding: cs.Padding | cs.Paddings | None = None
     if isinstance(file.padding, tuple):
@@ -392,8 +410,17 @@ def _label(padding: cs.Padding | cs.Paddings) -> str:
     return padding_text(repr(padding))
 
 
-def _worst(answer: Answer) -> tuple[float, str]:
-    """Return the largest bound that is judged, and of what it is; numbers without a bound are left out."""
+def _worst(answer: Answer, request: Request) -> tuple[float, str]:
+    """Return the largest bound that is judged, and of what it is; numbers without a bound are left out.
+
+    Those of numbers that are named are in proportion to the least request, and infinite without a bound.
+    """
+    if isinstance(request, Mapping):
+        least = least_error(request)
+        named = [(number.ratio * least, number) for number in answer.judged.values()]
+        counted, worst = max(named, key=lambda one: one[0])
+        asked = f", whose {100 * worst.bound:.2g} % of {100 * worst.requested:g} % asked count so"
+        return counted, f"in the {worst.label}" + asked * (worst.requested > least)
     measure, parts = answer.judged_error
     bounds = [
         (number.bound, f"in the {number.label}")

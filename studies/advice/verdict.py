@@ -1,6 +1,7 @@
 """Settings of a scene that were measured, and the choice among them."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from math import prod
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from studies.reference.line_contact import HERTZ, SCENE, WIDTH
 # A setting within this factor of the fastest is as fast; the one with the scene's own padding is then chosen.
 TIE = 1.1
 EVERY_NUMBER, PRESSURE = "every number", "the pressure in L1"
+NAMED = "every number that is named, in proportion to its own request"
 
 
 @dataclass(frozen=True)
@@ -58,9 +60,9 @@ class Verdict:
     name, text
         Name of the scene, and the scene as TOML.
     error
-        Requested error.
+        Requested error; of numbers that are named the least, in proportion to which the bounds of the others count.
     measure
-        What keeps it: every number, or where that is out of reach the pressure in L1 alone.
+        What keeps it: every number, those that are named, or where no setting does the pressure in L1 alone.
     extent
         Width and length [m] of all grids.
     own
@@ -71,6 +73,8 @@ class Verdict:
         What was measured, in the order in which it was tried.
     notes
         A sentence for each padding that has no answer.
+    named
+        Requested errors by the names of numbers; empty where one holds for all.
     """
 
     name: str
@@ -82,6 +86,7 @@ class Verdict:
     reference: str
     settings: tuple[Measured, ...]
     notes: tuple[str, ...] = ()
+    named: Mapping[str, float] = field(default_factory=dict)
 
     def best(self, error: float | None = None) -> Measured | None:
         """Return the fastest setting that meets an error, with the scene's own padding where that is as fast."""
@@ -112,20 +117,20 @@ class Verdict:
         setting = chosen.setting
         options = cs.SolveOptions(tolerance=setting.tolerance)
         plan = settings_text(cs.Grid(setting.cells, self.extent), setting.padding, options)
-        error = (
-            f"{{ pressure = {self.error:g} }}" if self.measure == PRESSURE else f"{self.error:g}"
-        )
-        return f"{plan}\n[plan]\nerror = {error}\n"
+        named = {"pressure": self.error} if self.measure == PRESSURE else self.named
+        errors = ", ".join(f"{name} = {error:g}" for name, error in named.items())
+        return f"{plan}\n[plan]\nerror = {f'{{ {errors} }}' if named else f'{self.error:g}'}\n"
 
 
 def bound_of(one: Measured, measure: str) -> float:
     """Return the bound of a setting that counts for a measure."""
-    return one.error if measure == EVERY_NUMBER else one.l1
+    return one.l1 if measure == PRESSURE else one.error
 
 
 def meets(one: Measured, error: float, measure: str) -> bool:
     """Return whether the bound of a setting meets an error, and what was measured does not contradict it."""
-    return bound_of(one, measure) <= error and not one.difference > error
+    contradicts = measure != NAMED and one.difference > error
+    return bound_of(one, measure) <= error and not contradicts
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,8 @@ from typing import Any, Literal, NoReturn
 import click
 
 from contactstudy import InvalidInput, __version__
-from contactstudy.domain.checks import checked_relative_error
+from contactstudy.domain.checks import checked_errors
+from contactstudy.domain.errors import Request
 from contactstudy.domain.imports import missing_package
 from studies.cli.new import new
 from studies.cli.options import PLOT, echo, is_given, names_in, out_option, refuse
@@ -65,8 +66,8 @@ def cli() -> None:
     "--error",
     default="1 %",
     show_default=True,
-    callback=lambda _context, _option, value: checked_relative_error("--error", value),
-    help="With --scene: requested relative error, such as '3 %' or 0.03.",
+    callback=lambda _context, _option, value: checked_errors("--error", value),
+    help="With --scene: relative error of every number, such as '3 %', or of some: 'peak_pressure = 2 %'.",
 )
 @OUT
 @WORKERS
@@ -76,7 +77,7 @@ def report(
     /,
     chapter: tuple[str, ...],
     scene: Path | None,
-    error: float,
+    error: Request,
     out: Path,
     workers: int,
 ) -> None:

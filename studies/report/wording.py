@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from math import isfinite
 
-from studies.advice.verdict import EVERY_NUMBER, TIE, Measured, Verdict
+from studies.advice.verdict import PRESSURE, TIE, Measured, Verdict
 from studies.model.plain_text import two_digits
 from studies.report.style import percent
 
@@ -45,7 +45,7 @@ def setting_text(one: Measured) -> str:
 def bound_text(verdict: Verdict, one: Measured) -> str:
     """Return the bound of a setting with what it is of, and the measured difference."""
     bound = verdict.bound(one)
-    where = one.worst if verdict.measure == EVERY_NUMBER else "in L1"
+    where = "in L1" if verdict.measure == PRESSURE else one.worst
     reached = (
         f"error at most {percent(bound)} {where}" if isfinite(bound) else "an error without a bound"
     )
@@ -70,7 +70,7 @@ def claim(verdict: Verdict) -> str:
 def explanation(verdict: Verdict) -> Iterator[str]:
     """Yield sentences on other paddings, and on what the verdict stands on."""
     best, meeting = verdict.best(), verdict.meeting()
-    if verdict.measure != EVERY_NUMBER:
+    if verdict.measure == PRESSURE:
         error = (best or verdict.nearest).error
         here = f", here up to {percent(error)}" if isfinite(error) else ""
         yield f"Other numbers of the answer may have larger errors{here}."

@@ -9,7 +9,7 @@ import xarray as xr
 
 from studies.advice.front import pareto_front
 from studies.advice.stored import SETTINGS
-from studies.advice.verdict import EVERY_NUMBER, Measured, Verdict
+from studies.advice.verdict import PRESSURE, Measured, Verdict
 from studies.model.drawing import CaptionedFigure, Finding, Table
 from studies.report.plots import scaled
 from studies.report.section import Section
@@ -55,11 +55,7 @@ def _lines(verdict: Verdict) -> dict[str, list[Measured]]:
 
 def _front(verdict: Verdict) -> CaptionedFigure:
     """Draw the bounds of all settings over their times."""
-    of = (
-        "the largest bound of a number"
-        if verdict.measure == EVERY_NUMBER
-        else "bound of the L1 error"
-    )
+    of = "bound of the L1 error" if verdict.measure == PRESSURE else "the largest bound of a number"
     seconds = xr.DataArray(
         [one.seconds for one in verdict.settings], name="time",
         attrs={"units": "s", "long_name": "processor time of a solve"},

@@ -61,6 +61,26 @@ def test_the_tables_of_a_verdict_solve_the_scene_to_met(
         assert {measured.setting.padding for measured in verdict.settings} == {free}
 
 
+def test_a_verdict_keeps_the_errors_of_the_numbers_that_are_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("studies.advice.trials.ROUND_SECONDS", 0.0)  # no times are judged
+    path = EXAMPLES / "smooth.toml"
+    request = {"peak_pressure": 1e-3, "mean_gap": 0.02}
+    verdict = stored.verdict_of(scene_in(path), request, tmp_path, quiet)
+    best = verdict.best()
+    assert best is not None
+    answer = pasted(path.read_text(encoding="utf-8"), verdict, tmp_path).solve()
+    assert answer.requested == request
+    assert answer.met, answer.accuracy
+    # a number counts in proportion to its own request
+    ratios = [number.ratio for number in answer.judged.values()]
+    assert 1e-3 * max(ratios) <= best.error <= 1e-3 == verdict.error
+    assert "is kept by every number that is named" in claim(verdict)
+    again = stored.verdict_of(scene_in(path), request, tmp_path, quiet)
+    assert again.toml(best) == verdict.toml(best)
+
+
 def test_the_pressure_keeps_the_error_under_a_somewhat_lower_load(cylinder: Verdict) -> None:
     best = cylinder.best()
     assert best is not None

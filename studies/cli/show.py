@@ -57,7 +57,6 @@ FORMATS = (*PICTURES, "vtk", "html", "excel")
     type=click.Choice(["checked", "confirmed"]),
     help="Whether sizes, units and heights of a surface that are not plausible are refused.  [default: checked]",
 )
-@click.option("--raw", is_flag=True, help="Draw a measured surface as it was measured beside.")
 @click.pass_context
 def show(
     context: click.Context,
@@ -74,11 +73,11 @@ def show(
     invalid: float | None,
     decimal: str | None,
     sizes: str | None,
-    raw: bool,  # noqa: FBT001 (click's own way)
 ) -> None:
     """Draw what is in FILE, or its NAMES: a solution, a study, or a measured surface.
 
-    A measured surface is drawn with its parameters, also those of a scene in a TOML file, prepared as the scene says.
+    A measured surface is drawn with its parameters, also those of a scene in a TOML file, prepared as the scene says;
+    with the name raw also as it was measured.
     """
     from studies.store.netcdf import open_folder, read_any
 
@@ -90,11 +89,13 @@ def show(
         "sizes": Sizes(sizes or "checked"),
     }
     if surfaces := surfaces_of(file, extent, **keys):
-        refuse(context, "a study, and not for a surface", "names", "figures", "plot", "as_table")
-        drawn = drawn_surfaces(surfaces, with_raw=raw)
+        refuse(context, "a study, and not for a surface", "figures", "as_table")
+        if set(named) - {"raw"}:
+            raise InvalidInput(f"{named[0]!r} is no picture of a surface: give raw, or no name.")
+        drawn = drawn_surfaces(surfaces, with_raw=bool(named))
         _save(drawn, open_folder(out or file.parent), [name for name in chosen if name in PICTURES])
         return
-    refuse(context, "a measured surface", "unit", "extent", "invalid", "decimal", "sizes", "raw")
+    refuse(context, "a measured surface", "unit", "extent", "invalid", "decimal", "sizes")
     dataset = read_any(file)
     if as_table:
         refuse(context, "pictures, and not for --csv", "figures")

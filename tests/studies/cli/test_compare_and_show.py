@@ -358,7 +358,7 @@ def test_a_march_is_a_row_for_each_instant(tmp_path: Path) -> None:
 def test_a_measured_surface_is_shown_with_its_parameters_before_any_contact(tmp_path: Path) -> None:
     heights = 0.1 * np.cos(np.pi * (np.arange(64) + 0.5) / 8)[:, None] * np.ones(48)
     np.savetxt(tmp_path / "map.csv", heights, delimiter=";", fmt="%.5f")
-    text = said("show", tmp_path / "map.csv", "--unit", "um", "--extent", "64 um, 48 um", "--raw")
+    text = said("show", tmp_path / "map.csv", "--unit", "um", "--extent", "64 um, 48 um", "raw")
     assert "64 x 48 points (across x along) over 64 µm x 48 µm" in text
     assert "Sq   70.71 nm" in text
     assert (tmp_path / "map.png").stat().st_size > 10_000

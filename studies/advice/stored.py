@@ -12,13 +12,7 @@ import contactstudy as cs
 from contactstudy.domain.errors import Request
 from contactstudy.domain.version import source_hash
 from studies.advice.trials import verdict_on
-from studies.advice.verdict import (
-    EVERY_NUMBER,
-    Measured,
-    SceneToJudge,
-    Setting,
-    Verdict,
-)
+from studies.advice.verdict import EVERY_NUMBER, Measured, SceneToJudge, Setting, Verdict
 from studies.model.plain_text import Log
 from studies.store.netcdf import check_kind, open_folder, read, write
 from studies.store.provenance import provenance

@@ -30,11 +30,7 @@ from studies.advice.verdict import (
 )
 from studies.model.case import Answer
 from studies.model.plain_text import Log
-from studies.reference.line_contact import (
-    hertz_means,
-    relative_l1,
-    with_edges_moved,
-)
+from studies.reference.line_contact import hertz_means, relative_l1, with_edges_moved
 from studies.reference.paddings import PADDINGS, padding_label, padding_text
 
 # Grids that are tried have these multiples of a sixth of the planned cells: up to twice those, or in a dry contact,

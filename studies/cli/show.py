@@ -45,8 +45,7 @@ FORMATS = (*PICTURES, "vtk", "html", "excel")
 )
 @click.option("--unit", help="Unit of the heights of a measured surface, of a file without one.")
 @click.option(
-    "--extent",
-    help="Width and length of a measured surface without sizes, such as '1 mm, 2 mm'.",
+    "--extent", help="Width and length of a measured surface without sizes, such as '1 mm, 2 mm'."
 )
 @click.option("--invalid", type=float, help="Number of points that were not measured in a surface.")
 @click.option(

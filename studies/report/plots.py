@@ -23,14 +23,7 @@ from studies.model.outcome import CaseStatus
 from studies.model.plain_text import one_line
 from studies.reference.line_contact import total_time
 from studies.reference.paddings import padding_at, padding_text
-from studies.report.style import (
-    COLORS,
-    LAW_STYLE,
-    captioned,
-    padding_style,
-    panels,
-    tick_cells,
-)
+from studies.report.style import COLORS, LAW_STYLE, captioned, padding_style, panels, tick_cells
 
 WIDTHS = {1: 5.6, 2: 4.6}  # of a panel beside as many [in]; else 3.4
 DASHES = ("-", "--", "-.", ":")

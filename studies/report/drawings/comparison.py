@@ -13,13 +13,7 @@ from studies.advice.verdict import PRESSURE, Measured, Verdict
 from studies.model.drawing import CaptionedFigure, Finding, Table
 from studies.report.plots import scaled
 from studies.report.section import Section
-from studies.report.style import (
-    WIDTH,
-    captioned,
-    padding_style,
-    panels,
-    percent,
-)
+from studies.report.style import WIDTH, captioned, padding_style, panels, percent
 from studies.report.wording import (
     DECADES,
     cells_text,

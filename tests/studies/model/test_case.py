@@ -4,12 +4,7 @@ import xarray as xr
 import contactstudy as cs
 from contactstudy.io.dataset import flags
 from studies.model.case import contact_fraction, solver_status
-from studies.model.outcome import (
-    CaseStatus,
-    TimedRun,
-    summary_messages,
-    timing_variables,
-)
+from studies.model.outcome import CaseStatus, TimedRun, summary_messages, timing_variables
 
 
 def test_a_status_is_a_flag_of_all_that_there_are() -> None:

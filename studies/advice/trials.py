@@ -203,13 +203,14 @@ class _Trials:
         if self.meets(tried[-1]) or multiple == self.multiples[-1]:
             return False
         bounds = [(one.setting.cells[0], bound_of(one, self.measure)) for one in tried]
-        bounds = [(cells, bound) for cells, bound in bounds if isfinite(bound)][-3:]
-        if len(bounds) < 3 or multiple < SIXTHS:
+        bounds = [(cells, bound) for cells, bound in bounds if isfinite(bound)]
+        if len(bounds) < 4 or multiple < SIXTHS:
             return True
-        (coarse, first), _, (fine, last) = bounds
-        rate = log(first / last) / log(fine / coarse)
+        *coarser, (coarse, first), middle, (fine, last) = bounds
         if self.is_cheap(self.multiples[self.multiples.index(multiple) + 1]):
-            return rate > 0
+            # a bound that counts cells jumps from one grid to the next
+            return min(first, middle[1], last) < min(bound for _, bound in coarser)
+        rate = log(first / last) / log(fine / coarse)
         finest = self.cells(self.multiples[-1])[0]
         return bool(last * (fine / finest) ** rate <= self.error)
 

@@ -243,6 +243,8 @@ class _Request:
             if further is not None and prod(further.cells) > prod(grid.cells):
                 seconds += self.seconds_on(further, levels)
                 numbers = f" Numbers other than the pressure take {_cells(further)}."
+                if isinstance(self.error, Mapping):  # of all numbers the solve itself decides
+                    grid = further
         solves = last.solves
         if self.scene.rolling is not None and self.scene.rolling.passes is not None:
             solves = round(solves * grid.cells[0] / last.grid.cells[0])  # one step for a cell

@@ -351,7 +351,7 @@ class PlanSettings:
         Length [m] of a grid that is chosen.
     """
 
-    error: Number | Mapping[str, Number] | None = None
+    error: Number | Mapping[str, Number] | None = field(default=None, hash=False)
     period: Metres | None = None
 
 

@@ -42,6 +42,21 @@ def test_separated_bodies_are_a_result_of_a_sweep_and_no_failure(tmp_path: Path)
     assert apart == 0 < pressed
 
 
+def test_a_sweep_keeps_the_errors_of_the_numbers_that_are_named(
+    smooth: Path, tmp_path: Path
+) -> None:
+    named = "{ peak_pressure = '0.2 %', contact_area = '50 %' }"
+    smooth.write_text(SMOOTH.replace("1e-2", named), encoding="utf-8")
+    swept = solved(smooth, tmp_path, "80,100 N/mm")
+    assert swept["accuracy_met"].values.tolist() == [1.0, 1.0]
+    assert (swept["peak_pressure_bound"] <= 2e-3 * swept["peak_pressure"]).all()
+    # the bound of every other number may be any
+    smooth.write_text(smooth.read_text() + given(16, "0.3 mm"), encoding="utf-8")
+    [case] = studies.study_of(smooth, {"load.per_length": "100 N/mm"}).cases()
+    found = measures(case, case.run(case.prepare()))
+    assert str(found["above_request"].values) == "peak_pressure"
+
+
 def test_areas_over_hertz_s_keep_to_their_bounds(smooth: Path) -> None:
     smooth.write_text(SMOOTH + given(46, "0.4 mm", "0.4 mm"), encoding="utf-8")
     [case] = studies.study_of(smooth, {"load.per_length": "100 N/mm"}).cases()

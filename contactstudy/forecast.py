@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from contactstudy.domain.checks import InvalidInput, checked_errors
 from contactstudy.domain.device import ONE_THREAD, Device
-from contactstudy.domain.errors import DEFAULT_ERROR, Request, pressure_request
+from contactstudy.domain.errors import DEFAULT_ERROR, PRESSURE, Request, pressure_request
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.domain.imports import loaded
 from contactstudy.planning.cost import speedup
@@ -243,7 +243,8 @@ class _Request:
             if further is not None and prod(further.cells) > prod(grid.cells):
                 seconds += self.seconds_on(further, levels)
                 numbers = f" Numbers other than the pressure take {_cells(further)}."
-                if isinstance(self.error, Mapping):  # of all numbers the solve itself decides
+                # of all numbers the solve itself decides, and of the pressure its refinement
+                if isinstance(self.error, Mapping) and {*self.error} != {PRESSURE}:
                     grid = further
         solves = last.solves
         if self.scene.rolling is not None and self.scene.rolling.passes is not None:

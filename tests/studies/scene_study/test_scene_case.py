@@ -51,7 +51,7 @@ def test_a_sweep_keeps_the_errors_of_the_numbers_that_are_named(
     assert swept["accuracy_met"].values.tolist() == [1.0, 1.0]
     assert (swept["peak_pressure_bound"] <= 2e-3 * swept["peak_pressure"]).all()
     # the bound of every other number may be any
-    smooth.write_text(smooth.read_text() + given(16, "0.3 mm"), encoding="utf-8")
+    smooth.write_text(smooth.read_text(encoding="utf-8") + given(16, "0.3 mm"), encoding="utf-8")
     [case] = studies.study_of(smooth, {"load.per_length": "100 N/mm"}).cases()
     found = measures(case, case.run(case.prepare()))
     assert str(found["above_request"].values) == "peak_pressure"

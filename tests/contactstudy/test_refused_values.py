@@ -85,8 +85,8 @@ VALUES: list[tuple[str, Callable[[Any], object], list[Any]]] = [
     ("CoatedHalfSpace.coating", field(COATED, "coating"), [replace(STEEL, hardness_profile=CASE)]),
     (
         "CoatedHalfSpace.interlayers",
-        lambda layer: replace(COATED, interlayers=(layer,)),
-        [STEEL, replace(RIGID, thickness=1e-6), cs.HalfSpace(1e17, 0.3, thickness=1e-6)],
+        lambda layer: replace(COATED, interlayers=(layer,) if layer is not RIGID else layer),
+        [STEEL, RIGID, replace(RIGID, thickness=1e-6), cs.HalfSpace(1e17, 0.3, thickness=1e-6)],
     ),
     ("CoatedHalfSpace.coating", field(COATED, "substrate"), [replace(STEEL, youngs_modulus=1e3)]),
     ("ElasticPlasticHalfSpace.yield_stress is 0.0: give", field(YIELDING, "yield_stress"), [0.0]),

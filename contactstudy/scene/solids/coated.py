@@ -96,7 +96,7 @@ class CoatedHalfSpace:
         found: dict[str, tuple[str, HalfSpace, float, float]] = {}
         depth = 0.0
         for name, layer in zip(("coating", *names), self.layers, strict=True):
-            said = f"interlayers[{name[-1]}]" if name in names else "the coating"
+            said = f"interlayers[{name[11:]}]" if name in names else "the coating"
             found[name] = said, layer, depth, (depth := depth + layer.thickness)
         return found | {"substrate": ("the substrate", self.substrate, depth, math.inf)}
 

@@ -222,7 +222,9 @@ class WaveCoefficients:
 
     def _near(self, start: Array, end: Array) -> Array:
         """Return the response to near strips, by quadrature over real waves."""
-        longest = min(0.5, PIECE_PHASE / max(float(end.max()), self.waves.decay_rate))
+        # by octaves, so that grids share the waves
+        octave = np.ceil(np.log2(max(float(end.max()), self.waves.decay_rate)))
+        longest = min(0.5, PIECE_PHASE / 2.0 ** float(octave))
         ends = [0.0, min(self.waves.materials.pole_distance_from_zero / 4, longest)]
         while ends[-1] < ROUNDING_EXPONENT / self.waves.decay_rate:
             ends.append(ends[-1] + min(ends[-1], longest))
@@ -255,7 +257,7 @@ class WaveCoefficients:
         return np.asarray((decay @ (1j * fields[self.name])).real)
 
 
-@lru_cache(maxsize=16)
+@lru_cache(maxsize=128)
 def _plane_waves(
     waves: WaveResponse, ends: tuple[float, ...], direction: complex
 ) -> tuple[Array, dict[str, RealOrComplex]]:

@@ -6,16 +6,19 @@ from contactstudy.domain.units import readable
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.solids.bodies import HalfSpace
 
-# Half-width over the radius, and thickness over the half-width, at which a half-space is no good approximation any more.
+# Largest half-width of the contact over a body's radius, and least thickness of a body over the half-width, for which the
+# body counts as a half-space. At that half-width a parabola in place of a circle changes the load by 0.6 %.
 LARGEST_WIDTH, LEAST_THICKNESS = 1 / 8, 4.0
-# Difference of the radii of a hollow and a convex body, over that of the convex one, up to which they conform.
+# Radius of a hollow body less that of the convex body in it, over the latter, below which the two are called conforming and
+# are compared with a pin in a hole.
 CONFORMING_CLEARANCE = 0.2
 
 
 def beyond_half_space(scene: Scene | None) -> str:
     """Return a sentence if a body is too small for its contact to be a half-space, with the error where it is known.
 
-    The contact is Hertz's. A body has the radii of the shapes, and the ``thickness`` of a half-space.
+    The half-width is that of Hertz's theory. The radius of a body is that of its shape. Its thickness is the field
+    ``thickness`` of a half-space.
     """
     if scene is None or (hertz := scene.hertz) is None:
         return ""
@@ -50,21 +53,27 @@ def beyond_half_space(scene: Scene | None) -> str:
 
 
 def _curvatures(shape: object) -> tuple[float, float]:
+    """Return the curvatures [1/m] of a shape across and along, above zero where it is convex; zero for one without any."""
     return getattr(shape, "curvatures", (getattr(shape, "curvature", 0.0), 0.0))
 
 
 def _error_of_curvature(scene: Scene, bends: list[float], half_width: float) -> str:
-    """Return what is known of the error of a contact of this `half_width` [m] on bodies with curvatures [1/m]."""
+    """Return, as a clause of a sentence, what is known of the error due to the curvature of the bodies.
+
+    `bends` [1/m] are the curvatures of both bodies along one axis, and `half_width` [m] is that of the contact along it.
+    """
     convex = sum(bend for bend in bends if bend > 0)
     hollow = -sum(bend for bend in bends if bend < 0)
     hertz = scene.hertz
     assert hertz is not None
     if scene.ellipse is None and 0 < convex / (hollow or inf) - 1 < CONFORMING_CLEARANCE:
         radius = 1 / convex
+        # twice E* is E / (1 - nu^2) of two bodies of one material
         load = hertz.load_per_length / (2 * hertz.contact_modulus * (1 / hollow - radius))
         ratio = hertz.peak_pressure / (hertz.load_per_length / radius * pin_in_hole(load))
         return f"Hertz's peak pressure is {ratio:.3g} times that of a pin in a hole (Persson 1964)"
-    # the load of the gap's fourth power over that of its second, of a line contact
+    # The gap below a circle of radius R is x^2 / (2 R) + x^4 / (8 R^3) + ... In a line contact of half-width a, the second
+    # term takes 3 a^2 / (8 R^2) times the load of the first. The gaps of the two bodies add up.
     change = 3 / 8 * half_width**2 * sum(bend**3 for bend in bends) / sum(bends)
     return (
         f"parabolas in place of circles alone change its load by about {100 * change:.2g} %, and the error "
@@ -73,19 +82,22 @@ def _error_of_curvature(scene: Scene, bends: list[float], half_width: float) -> 
 
 
 def pin_in_hole(load: float) -> float:
-    """Return the peak pressure, times R over the load per length, of a pin of radius R in a hole of its material.
+    """Return the dimensionless peak pressure of a pin of radius R in a hole of the same material.
+
+    It is the peak pressure times R, over the load per length.
 
     Parameters
     ----------
     load
-        Load per length over ``E / (1 - nu^2)`` and the difference of the radii.
+        Dimensionless load: the load per length, over the product of ``E / (1 - nu^2)`` and the difference of the radii.
 
-    Persson (1964), by way of Ciavarella & Decuzzi (2001), Int. J. Solids Struct. 38, 4507, eqs. 41 and 43, with the
-    tangent b of a quarter of the arc in contact.
+    The solution is Persson's (1964), in the form of Ciavarella & Decuzzi (2001), Int. J. Solids Struct. 38, 4507, eqs. 41
+    and 43. There b is the tangent of a quarter of the angle of the arc in contact.
     """
     from scipy.optimize import brentq  # imported late, since it is slow
 
     def excess(log_b: float) -> float:
+        """Return eq. 41 for ``b = 10**log_b``, less the reciprocal of the load; it is zero at the b of this load."""
         square = 10 ** (2 * log_b)
         arc = (log(square + 1) + 2 * square**2) / (pi * square * (square + 1))
         return 2 * (1 - square) / (pi * square) - arc - 1 / load

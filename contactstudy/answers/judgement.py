@@ -10,8 +10,9 @@ from contactstudy.domain.errors import PRESSURE, Request
 from contactstudy.domain.grid import Grid
 from contactstudy.io.quantities.quantity import RELATIVE_TO_ZERO, Quantities, Quantity
 
-# Ends of the names of numbers that cells do not make known better: the depths of a stress are known to their distance,
-# and the bound of the tension beside an edge falls like the root of the cell.
+# Ends of the names of numbers for which finer cells are no remedy. The depth of a largest stress is known only to the
+# distance between the depths at which stress is computed. The bound of the tension beside an edge falls only like the
+# square root of the cell size.
 NOT_BY_CELLS = (
     "safety_factor_depth",
     "von_mises_depth",
@@ -19,7 +20,7 @@ NOT_BY_CELLS = (
     "orthogonal_shear_depth",
     "surface_tension",
 )
-# Components, whose errors are relative to those of the whole.
+# Names of components, with the whole quantity: the error of a component is relative to the whole, if that is larger.
 WHOLE = {"lateral_traction_coefficient": "traction_coefficient"}
 
 
@@ -32,7 +33,7 @@ class Judged:
     label
         Name for display.
     bound
-        Bound of its relative error; of a fraction, of its error. Infinite where it has none.
+        Bound of its relative error, or of the error itself where the number is a fraction. Infinite where it has none.
     requested
         Error not to exceed; infinite without a request.
     reason
@@ -54,7 +55,10 @@ class Judged:
 
     @property
     def finer(self) -> float:
-        """Factor on the cells along an axis with which a bound of first order meets the request."""
+        """Factor on the number of cells along an axis with which a bound proportional to the cell size meets the request.
+
+        It is infinite for a number that finer cells do not help.
+        """
         return self.ratio if self.by_cells else inf
 
     def __str__(self) -> str:
@@ -64,7 +68,7 @@ class Judged:
 
 
 def judged_numbers(quantities: Quantities, request: Request | None) -> dict[str, Judged]:
-    """Return the numbers that a request speaks of, by name; of all that have an error if none are named.
+    """Return the numbers that a request speaks of, by name: all that have an error if it names none.
 
     A name of the request stands for the number of that name and for all that end with it, so that ``von_mises`` is the
     largest stress of the body, of its coating and of its substrate.
@@ -96,7 +100,7 @@ def judged_numbers(quantities: Quantities, request: Request | None) -> dict[str,
 
 
 def _is_named(name: str, key: str) -> bool:
-    """Return whether `key` names a number, which may end with the index of its body."""
+    """Return whether `key` is the name of a number, or its last words; the index of a body at the end does not count."""
     return sub(r"_\d$", "", name).endswith(f"_{key}") or name == key
 
 
@@ -109,6 +113,7 @@ def _is_uncertain(quantity: Quantity) -> bool:
 
 
 def _judged(name: str, quantities: Quantities, requested: float) -> Judged:
+    """Return the number `name` of the `quantities`, with a `requested` relative error."""
     quantity = quantities[name]
     whole = quantities.get(WHOLE.get(name, name), quantity)
     scale = 1.0 if name.endswith("_fraction") else max(abs(quantity.value), abs(whole.value))

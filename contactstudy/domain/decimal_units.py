@@ -1,16 +1,23 @@
-"""SI units with decimal prefixes, their powers, products and quotients: those of most texts, without a slow import."""
+"""SI units with decimal prefixes, their powers, products and quotients.
+
+These units occur most. A table reads them faster than the library for all other units, whose import is slow.
+"""
 
 import re
 from functools import cache
 
+# Power of ten of each prefix. The micro sign and the Greek letter mu, two characters, both stand for micro.
 PREFIXES = {"G": 9, "M": 6, "k": 3, "": 0, "c": -2, "m": -3, "u": -6, "µ": -6, "μ": -6, "n": -9}
-# Powers of metre, kilogram, second and kelvin.
+# Powers of metre, kilogram, second and kelvin in each unit.
 UNITS = {
     "m": (1, 0, 0, 0), "s": (0, 0, 1, 0), "K": (0, 0, 0, 1), "rad": (0, 0, 0, 0), "Hz": (0, 0, -1, 0),
     "N": (1, 1, -2, 0), "Pa": (-1, 1, -2, 0), "J": (2, 1, -2, 0), "W": (2, 1, -3, 0),
 }  # fmt: skip
+# A power of ten, and powers of metre, kilogram, second and kelvin.
 Scale = tuple[int, tuple[int, ...]]
+# Scale of a number without unit.
 ONE: Scale = (0, (0, 0, 0, 0))
+# Scale of every prefix and unit together.
 KNOWN: dict[str, Scale] = {"": ONE, "1": ONE} | {
     prefix + unit: (power, powers)
     for prefix, power in PREFIXES.items()
@@ -20,7 +27,10 @@ KNOWN: dict[str, Scale] = {"": ONE, "1": ONE} | {
 
 @cache
 def decimal_unit(symbol: str) -> Scale | None:
-    """Return the power of ten of a unit such as ``N/mm`` and its powers of base units; None for one not in the table."""
+    """Return the power of ten of a unit such as ``N/mm``, and its powers of metre, kilogram, second and kelvin.
+
+    None for a unit that is not in the table.
+    """
     factors = re.split(r"\s*([*/])\s*", symbol.replace("**", "^").replace("·", "*"))
     total, totals = ONE
     for sign, factor in zip(("*", *factors[1::2]), factors[::2], strict=True):

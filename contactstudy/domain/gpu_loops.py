@@ -1,4 +1,7 @@
-"""Loops over fields on a GPU, those of the module `compiled`: each is one launch of a kernel in ``loops.cu``."""
+"""Loops over fields on a GPU: each is one launch of a CUDA kernel in ``loops.cu``.
+
+They do on a GPU what the loops of the same names in the module `compiled` do on the processor.
+"""
 
 from functools import cache, partial
 from importlib import import_module
@@ -11,16 +14,21 @@ import numpy as np
 from contactstudy.domain.device import Array
 
 SOURCE = Path(__file__).with_name("loops.cu")
-# Threads of a block, the least cells for one of them, and blocks of a processor, as the kernels are compiled for.
+# Threads of a block, the least number of cells for each thread, and blocks on each multiprocessor. THREADS and BLOCKS are
+# the ``__launch_bounds__`` of the kernels in ``loops.cu``.
 THREADS, CELLS, BLOCKS = 512, 2, 2
-# Most sums of a kernel.
+# Largest number of sums that a kernel returns.
 MAX_SUMS = 8
-# Types of the numbers in fields, and of the parts of complex ones.
+# C type of the numbers in a field, by NumPy's character for its dtype; of a complex field, the type of either part.
 _TYPES = {"d": "double", "f": "float", "D": "double", "F": "float"}
 
 
 class _Memory(local):
-    """Of a thread: the barrier and the sums of a launch on the GPU, and its totals in memory of the host."""
+    """Memory that the launches of one thread of Python share.
+
+    `work` is on the GPU. It holds two numbers for the barrier between blocks, then the sums of all blocks twice, since
+    successive totals take turns. `out` is memory of the host and takes the totals.
+    """
 
     def __init__(self) -> None:
         cupy: Any = import_module("cupy")
@@ -36,19 +44,19 @@ class _Memory(local):
 
 @cache
 def _memory() -> _Memory:
-    """Return the memory of launches."""
+    """Return the memory of launches, made at the first call, since it needs a GPU."""
     return _Memory()
 
 
 @cache
 def _kernel(name: str, real: str, preconditioner: str) -> Any:
-    """Return a kernel for fields of these types."""
+    """Return the kernel `name`; `real` and `preconditioner` are keys of `_TYPES` for the two kinds of fields."""
     return _module(_TYPES[real], _TYPES[preconditioner]).get_function(name)
 
 
 @cache
 def _module(real: str, preconditioner: str) -> Any:
-    """Return the compiled kernels for fields of these types; CuPy keeps them on disk."""
+    """Return the compiled kernels for fields of these C types, see :func:`described`; CuPy keeps them on disk."""
     options = f"-DREAL={real}", f"-DPRE={preconditioner}", "-std=c++17"
     source = SOURCE.read_text(encoding="utf-8")
     return import_module("cupy").RawModule(
@@ -57,9 +65,10 @@ def _module(real: str, preconditioner: str) -> Any:
 
 
 def described(arguments: tuple[Any, ...]) -> tuple[str, str, int, int]:
-    """Return the types of an iteration's fields and of its preconditioner's, and the cells of the first field and a row.
+    """Return what the `arguments` of a kernel need: two characters of types, and two numbers of cells.
 
-    A field of complex numbers has two cells for each.
+    The types are that of the first field, and that of a field of the preconditioner, which may have less precision. The
+    numbers are those of the cells in the first field and in one row of it. A complex number counts as two cells.
     """
     first = arguments[0]
     real, columns, cells = first.dtype.char, first.shape[-1], first.size
@@ -70,7 +79,10 @@ def described(arguments: tuple[Any, ...]) -> tuple[str, str, int, int]:
 
 
 def launch(name: str, *arguments: Any, results: int = 0) -> Array:
-    """Run a kernel over the cells of its first argument, and return its `results` (results, 1), valid until the next."""
+    """Run the kernel `name` over the cells of its first argument, and return its sums (results, 1).
+
+    `results` is the number of sums. Their array is memory that the next launch of this thread overwrites.
+    """
     memory = _memory()
     real, preconditioner, cells, columns = described(arguments)
     blocks = min(memory.blocks, -(-cells // (THREADS * CELLS)))

@@ -1,6 +1,8 @@
 """Stress and displacement by plastic strain and pressure that are constant in cells, by their Fourier modes.
 
-Waves shorter than two cells represent the edges of cells; at the middles of cells they equal longer waves.
+A field that is constant in cells has waves of all lengths. Waves longer than two cells are resolved. Short waves, those
+shorter than two cells, represent the edges of cells: each has the values of one resolved wave, its alias, at the
+middles of the cells.
 """
 
 from collections.abc import Callable, Iterator
@@ -28,14 +30,17 @@ from contactstudy.elasticity.eigenstrain.half_space_wave import (
 )
 from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
 
-# Number of orders of short waves that are summed one by one; shorter waves are summed together.
+# Short waves have some whole number of periods in a cell more than their alias, their order. Up to this order either
+# way along each axis they are summed one by one. Shorter waves are summed together.
 SUMMED_ORDERS = 2
-# Depth in cells at which short waves of pressure have decayed. The surface correction of those of
-# strain has decayed from half that depth on.
+# Depth, in lengths of the longer side of a cell, at which the stress by short waves of pressure has decayed. The
+# surface correction of short waves of strain has decayed from half that depth on, since it decays on the way up and
+# down.
 DEEP = 3.0
-# Layers so deep that short waves have decayed at the surface are treated as if they were at this multiple of that depth.
+# Layers below that half depth are treated as if they were at this multiple of it, so that all such layers of one
+# thickness share their coefficients.
 REMOTE_DEPTHS = 1e3
-# Distance in cells between layers that act on one another by short waves.
+# Largest distance between layers that act on one another by short waves, in lengths of the shorter side of a cell.
 NEAR = 0.6
 
 
@@ -57,7 +62,7 @@ class SurfaceLoad(Enum):
 
 @dataclass(frozen=True, eq=False)
 class LayerCoupling:
-    """Stress in `layers` by strain in as many layers `sources`, each layer by the one of the same place in `sources`.
+    """Stress in `layers` by strain in as many layers `sources`: in the first by the first, in the second by the second.
 
     `blocks` (components, 5, waves) [Pa] are the stress by unit strain, the same for each pair.
     """
@@ -90,7 +95,10 @@ class Aliases:
     y: Array
 
     def alias(self, across: int, along: int) -> WaveDirection:
-        """Return the aliases that have `across` and `along` more periods to a cell than the resolved modes."""
+        """Return the aliases that have `across` and `along` more periods in a cell than the resolved modes.
+
+        Their weight is the square of the mean of a wave over a cell, ``sinc^2`` along each axis.
+        """
         dx, dy = self.volume.grid.cell_size
         x, y = self.x + 2 * pi * across / dx, self.y + 2 * pi * along / dy
         q = np.hypot(x, y)
@@ -165,7 +173,11 @@ class Aliases:
         return total
 
     def _directions(self) -> Iterator[WaveDirection]:
-        """Yield the short waves of the first `SUMMED_ORDERS`, then waves that represent all shorter ones together."""
+        """Yield the short waves of the first `SUMMED_ORDERS`, then waves that represent all shorter ones together.
+
+        The weights ``sinc^2`` of all aliases along an axis, the resolved wave among them, add up to 1. What the first
+        orders leave of 1 is the weight of the shorter ones, which point along the axis either way.
+        """
         (dx, dy), orders = self.volume.grid.cell_size, range(-SUMMED_ORDERS, SUMMED_ORDERS + 1)
         for shift in product(orders, repeat=2):
             if any(shift):
@@ -269,7 +281,7 @@ class Waves:
         return np.asarray((parts[0] + 1j * parts[1]).reshape(strain.shape[2:]))
 
     def diagonal_blocks(self, fractions: Array) -> Array:
-        """Return the stress that strain in a cell takes from that cell itself, by layer (layers, 5, 5) [Pa].
+        """Return what these waves add to minus the residual stress of a cell by its own unit strain (layers, 5, 5) [Pa].
 
         `fractions` (orders,) are the fractions of the waves in the strain of one cell.
         """
@@ -339,7 +351,11 @@ def _real(strain: Complex) -> Array:
 
 
 def _complex(parts: Array, components: Components, shape: tuple[int, ...]) -> Complex:
-    """Return complex waves (components, layers, ...) from their real and imaginary parts, as :func:`_real` gives."""
+    """Return complex waves (components, layers, *shape) from their `parts` (components, layers, 2, waves).
+
+    The parts are real and imaginary. This is the inverse of :func:`_real`: components that are odd in depth are
+    multiplied by i.
+    """
     waves = parts[:, :, 0] + 1j * parts[:, :, 1]
     waves[components.signs < 0] *= 1j
     return np.asarray(waves.reshape(*waves.shape[:2], *shape))

@@ -1,8 +1,13 @@
 """Stress of one wave along the surface of a half-space: under pressure, and by plastic strain constant in layers.
 
-A wave ``exp(i q n.x)`` has the wave number q and the direction ``n = (c, s, 0)``; ``t = (-s, c, 0)``. Fields depend
-on n and z alone, so that plane strain in (n, z) and antiplane shear along t do not couple. Tensors are given
-by nn, tt, zz, nz / i, nt, tz / i, where all coefficients are real.
+A wave ``exp(i q n.x)`` has the wave number q and the direction ``n = (c, s, 0)``, where c and s are the cosine and the
+sine of its angle to x; ``t = (-s, c, 0)`` lies along its crests and z points into the body. Fields depend on n and z
+alone, so that plane strain in (n, z) and antiplane shear along t do not couple. Tensors are given by nn, tt, zz,
+nz / i, nt, tz / i: by these, all coefficients between strain, traction and stress are real.
+
+Plane strain has Airy's stress function ``phi``, of the components ``nn = d2 phi / dz2``, ``zz = -q^2 phi``,
+``nz / i = -q d phi / dz`` and ``tt = nu (nn + zz)``. Where the modes of :class:`Sources` stand for ``q^2 phi`` and -nt,
+all stresses below follow by differentiation and from equilibrium.
 """
 
 from collections.abc import Sequence
@@ -15,9 +20,9 @@ from scipy.special import gammainc
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.eigenstrain.volume import Moduli
 
-# q times a depth at which a mode has decayed, but does not underflow.
+# q times a depth at which a mode has decayed: exp(-700) is 1e-304, just above the least number in double precision.
 MAX_DECAY = 700.0
-# nn, tt, zz, nz / i, nt, tz / i
+# The six fields nn, tt, zz, nz / i, nt, tz / i of a symmetric tensor.
 Tensor = tuple[Array, Array, Array, Array, Array, Array]
 
 
@@ -31,10 +36,10 @@ def means(ratio: Array) -> tuple[Array, Array]:
 class Sources:
     """Amplitudes of the Fourier modes of plastic strain in layers, each field (layers, ..., waves).
 
-    Where strain jumps from a layer to the one below, modes ``(a + b q z) exp(-q z)`` of Airy's stress function and ``c
-    exp(-q z)`` of antiplane stress decay downwards, and others upwards: these are linear in the jump. `down` and `up`
-    are their amplitudes (a, b, c) for each layer's own strain. `zz`, `tt` and `tz` are the stress of a layer whose
-    displacement does not change with depth; its other components are zero.
+    Where strain jumps from a layer to the one below, modes ``(a + b q z) exp(-q z)`` of Airy's stress function times
+    q^2 and ``c exp(-q z)`` of the antiplane stress -nt decay downwards from there, and others upwards: these are linear
+    in the jump. `down` and `up` are their amplitudes (a, b, c) for each layer's own strain. `zz`, `tt` and `tz` are the
+    stress of a layer whose displacement does not change with depth; its other components are zero.
     """
 
     down: Array
@@ -71,8 +76,8 @@ class Sources:
 class CellLayer:
     """Attenuation of Fourier modes over a layer.
 
-    `ratio` (waves,) is the wave number q times the thickness; `decay` and `means` are ``exp(-ratio)`` and the
-    :func:`means` over the layer.
+    `ratio` (waves,) is the wave number q times the thickness. `decay` is ``exp(-ratio)``. `means` are those of
+    ``exp(-s)`` and ``s exp(-s)`` over the layer, see the function :func:`means`.
     """
 
     ratio: Array
@@ -92,17 +97,22 @@ class CellLayer:
 
 
 def surface_correction(up: Array) -> Array:
-    """Return the amplitudes, decaying downwards, that free the surface of the traction of modes of amplitudes `up`."""
+    """Return the amplitudes (a, b, c) of modes that decay downwards and free the surface of traction.
+
+    `up` are the amplitudes at the surface of modes that decay upwards. The stresses zz, nz and tz of both together are
+    zero at z = 0.
+    """
     return np.stack((-up[0], up[1] - 2 * up[0], up[2]))
 
 
 def layer_stresses(sources: Sources, layers: Sequence[CellLayer], nu: float) -> Tensor:
     """Return the means of the stress over each of the `layers` (layers, ..., waves) by plastic strain in all of them.
 
-    The layers are in order from the surface on. One sweep up and one down: the work grows with the number of layers, not
-    with its square.
+    The layers are in order from the surface on. One sweep up and one down: the work grows with the number of layers,
+    not with its square.
     """
     count = len(layers)
+    # at each interface the sources are those of the strain below less those of the strain above, which is zero outside
     up, down = np.empty_like(sources.up), np.empty_like(sources.down)
     state = -sources.up[:, -1]
     for number in range(count - 1, -1, -1):
@@ -122,7 +132,7 @@ def layer_stresses(sources: Sources, layers: Sequence[CellLayer], nu: float) -> 
 
 
 def self_stress(sources: Sources, top: Array, layer: CellLayer, nu: float) -> Tensor:
-    """Return the means of the stress over a `layer` by its own plastic strain, (any, waves).
+    """Return the means of the stress over a `layer` by its own plastic strain alone, each (any, waves).
 
     `top` is q times the depth of its upper side.
     """
@@ -135,11 +145,13 @@ def stress_of_other_layer(
 ) -> Tensor:
     """Return the means of the stress over the second of two `layers` by plastic strain in the first, above or below it.
 
-    `tops` are q times the depths of their upper sides, or so large for deep layers that the surface correction vanishes.
+    `tops` are q times the depths of their upper sides. For deep layers both may be moved down together, until the
+    surface correction vanishes.
     """
     (source, layer), (begin, end) = layers, tops
     down, up = _surface_part(sources, source, begin, end), np.zeros_like(sources.up)
     if np.all(begin < end):
+        # one side has the sources of the strain, the other one minus those
         from_both_sides = source.attenuated(sources.down) - sources.down
         down += _attenuated(from_both_sides, end - begin - source.ratio)
     else:
@@ -150,7 +162,7 @@ def stress_of_other_layer(
 def _surface_part(sources: Sources, source: CellLayer, begin: Array, end: Array) -> Array:
     """Return the amplitudes at a depth `end` of the surface correction of the modes of a layer.
 
-    `begin` is the depth of the upper side of that layer, the `source`; depths are times q.
+    `source` is that layer, and `begin` the depth of its upper side. Both depths are times q.
     """
     up = _attenuated(sources.up - source.attenuated(sources.up), begin)
     return _attenuated(surface_correction(up), end)
@@ -166,7 +178,8 @@ def _attenuated(amplitudes: Array, ratio: Array) -> Array:
 def stress_under_pressure(top: Array, layer: CellLayer, nu: float) -> Tensor:
     """Return the means of the stress over a `layer` under a wave of unit pressure (waves,).
 
-    `top` is q times the depth of its upper side. Source: Johnson (1985), sect. 2.2, summed to a wave.
+    `top` is q times the depth of its upper side. Source: Johnson (1985), sect. 2.2, the stress under a line load,
+    summed to a wave.
     """
     decay = np.exp(-np.minimum(top, MAX_DECAY))
     m0 = decay * layer.means[0]
@@ -181,7 +194,7 @@ def stress_under_shear(
     """Return the means of the stress over a `layer` under a wave of unit traction along x (waves,), divided by i.
 
     `top` is q times the depth of its upper side, and `direction` is that of n, (c, s). Source: Johnson (1985), sect.
-    2.3, summed to a wave, and antiplane shear along t.
+    2.3, the stress under a tangential line load, summed to a wave, and antiplane shear along t.
     """
     decay = np.exp(-np.minimum(top, MAX_DECAY))
     m0 = decay * layer.means[0]
@@ -209,10 +222,14 @@ def _layer_stress(
 
 
 def _wave_stress(down: Array, up: Array, layer_means: tuple[Array, Array], nu: float) -> Tensor:
-    """Return the means of the stress over a layer by waves `down` and `up`; `layer_means` are its :func:`means`."""
+    """Return the means of the stress over a layer by modes, without that of its own uniform strain.
+
+    `down` are the amplitudes (a, b, c) of those that decay downwards, at its upper side; `up` are those of the modes
+    that decay upwards, at its lower side. `layer_means` are those of ``exp(-s)`` and ``s exp(-s)`` over the layer.
+    """
     m0, m1 = layer_means
     sums, differences = down + up, down - up
-    # exp(-q z) and q z exp(-q z) times their amplitudes
+    # nn, tt, zz and nt do not depend on the direction of decay; nz and tz, with one index z, change their signs with it
     b = m0 * sums[1]
     zz = m0 * sums[0]
     zz += m1 * sums[1]
@@ -228,7 +245,7 @@ class Components(Enum):
     Its value has one sign for each component: -1 for one with a single index z, which is odd in depth.
     """
 
-    #: The five of the deviator, in the basis of the operator.
+    #: (xx - zz) / sqrt(2), (2 yy - xx - zz) / sqrt(6), sqrt(2) xz, sqrt(2) xy, sqrt(2) yz: the basis of the deviator.
     DEVIATOR = (1, 1, -1, 1, -1)
     #: xx, yy, zz, yz, xz, xy.
     TENSOR = (1, 1, 1, -1, -1, 1)
@@ -254,7 +271,7 @@ class WaveDirection:
     def strain(self, e: Array) -> Tensor:
         """Return the strain nn, tt, zz, nz / i, nt, tz / i of waves.
 
-        `e` (5, ..., waves) are its components in the basis of the operator.
+        `e` (5, ..., waves) are its components in the basis of ``Components.DEVIATOR``.
         """
         c, s = self.c, self.s
         xx, yy = e[0] / 2**0.5 - e[1] / 6**0.5, (2 / 6**0.5) * e[1]

@@ -14,11 +14,12 @@ from contactstudy.elasticity.eigenstrain.plane_strain_operator import (
     PlaneStrainOperator,
 )
 
-# Odd terms are summed up to a distance of this number of depths of the volume; beyond it their asymptote is used.
+# Terms that are odd across are summed one by one up to a distance of this number of depths of the volume. Beyond it the
+# sum of their asymptote is added.
 DEPTHS = 16
-# Factors on the in-plane components when x changes its sign.
+# Factors on the components when x changes its sign: -1 for the shear xz, 1 for the others.
 MIRRORED = np.where(np.arange(len(PLANE_STRAIN_BASIS)) == ODD, -1.0, 1.0)
-# Odd terms decay like these negative powers of the distance.
+# Powers n of the two leading terms 1 / x^n of the asymptote of odd terms at the distance x.
 POWERS = np.array([3.0, 5.0])
 
 
@@ -26,9 +27,13 @@ POWERS = np.array([3.0, 5.0])
 class OuterStrain:
     """Influence of plastic strain beyond the volume of an `operator`, at smaller x (left) and at larger x (right).
 
-    On either side strain does not vary along x: it is a profile (3, layers). Coefficients are summed over all cells of
-    a side. Sums of terms that are even across follow from the closed form of the sum over both sides. Odd terms are
-    replaced by their asymptote beyond `DEPTHS` depths, with an error of 1e-6 of the largest.
+    On either side strain does not vary along x: it is a profile (3, layers), of the deviatoric components of plane
+    strain, ``(xx - zz) / sqrt(2), (2 yy - xx - zz) / sqrt(6), sqrt(2) xz``. In-plane components are xx, zz and
+    ``sqrt(2) xz``.
+
+    Coefficients are summed over all cells of a side. Those between xz and another component are odd across, the others
+    are even. Sums of even ones follow from the closed form of the sum over both sides. Odd ones are replaced by their
+    asymptote beyond `DEPTHS` depths, with an error of 1e-6 of the largest.
     """
 
     operator: PlaneStrainOperator
@@ -79,11 +84,14 @@ class OuterStrain:
 
     @cached_property
     def _surface_displacements(self) -> Array:
-        """Sums of in-plane stress (3, layers, x) by pressure in a cell, over all cells more than x to its right."""
+        """Sums of in-plane stress (3, layers, x) by unit pressure in a cell, over all cells more than x to its right.
+
+        By reciprocity they are also the displacement of that cell by the strain in those, per thickness of a layer.
+        """
         xx, zz, xz = stress_means_under_pressure(
             np.arange(float(self._count)), self.operator.edges_in_cells
         )
-        # under pressure that is the same everywhere, xx = zz = -1
+        # under unit pressure on all of the surface, xx = zz = -1
         uniform = -np.ones((len(xx), 1))
         sums = _even_sums(xx, uniform), _even_sums(zz, uniform), _odd_sums(2**0.5 * xz)
         return np.stack(sums)
@@ -98,7 +106,7 @@ class OuterStrain:
 def _even_sums(values: Array, total: Array) -> Array:
     """Return sums of even `values` (..., distance) over all distances above 0, above 1 ... on one side.
 
-    `total` is the sum over both sides and the middle.
+    The values do not change when the distance changes its sign. `total` is the sum over the distance 0 and over both sides.
     """
     before = np.cumsum(values[..., 1:], axis=-1) - values[..., 1:]
     return np.asarray((total - values[..., :1]) / 2 - before)
@@ -107,7 +115,8 @@ def _even_sums(values: Array, total: Array) -> Array:
 def _odd_sums(values: Array) -> Array:
     """Return sums of odd `values` (..., distance) over all distances above 0, above 1 ... on one side.
 
-    Beyond the last distance they are extrapolated with the powers `POWERS` of the distance.
+    The values change their signs with the distance. Beyond the last distance they are extrapolated with the negative
+    powers `POWERS` of the distance, fitted to the last value and to that at half its distance.
     """
     last = values.shape[-1] - 1
     fitted = np.array([last, last // 2])

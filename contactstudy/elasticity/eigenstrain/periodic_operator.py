@@ -28,7 +28,7 @@ from contactstudy.elasticity.eigenstrain.plane_strain_operator import (
 )
 from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
 
-# Number of the component that is odd in x.
+# Number of yz among the two antiplane components xy and yz. Coefficients between the two are odd in x, others even.
 ODD_SHEAR = 1
 
 
@@ -50,7 +50,10 @@ class AntiplaneOperator:
 
     @cached_property
     def _spectrum_and_blocks(self) -> tuple[Array, Array]:
-        """Real matrices (waves, 2 layers, 2 layers), and the blocks of each layer's cells on themselves."""
+        """Real matrices (waves, 2 layers, 2 layers) between layers, and blocks of a cell on itself (layers, 2, 2) [Pa].
+
+        Rows and columns of a matrix are in the order of component, then layer.
+        """
         layers, across, _ = self.volume.shape
         edges = np.array(self.volume.edges) / self.volume.grid.cell_size[0]
         blocks = 2 * self.moduli.shear * antiplane_means(across, edges)
@@ -72,7 +75,12 @@ def antiplane_means(count: int, edges: Array) -> Array:
     """Return minus the residual stress xy or yz over 2G of unit plastic strain xy or yz, (2, 2, layers, layers, x).
 
     It is the mean over cells of each layer by strain in each layer, at `count` offsets 0, 1, 2 ... across; offsets and
-    the `edges` of the layers are in cells.
+    the `edges` of the layers are in cells. Axes are the components and then the layers of stress and of strain.
+
+    Minus the residual stress over 2G is the plastic strain less the total strain. The total strain is given by second
+    derivatives of the function N in the docstring of this module. Means over the cells of stress and sums over those of
+    strain are differences of its integrals. The integrals of ln r depend on the difference of the depths of stress and
+    source, so that a difference over the depth of the source changes their sign. Those of ln R depend on the sum.
     """
     x = np.arange(-1.0, count + 1)
     direct = _integrals(x, edges[:, None, None] - edges[:, None])
@@ -80,6 +88,10 @@ def antiplane_means(count: int, edges: Array) -> Array:
     thickness = np.diff(edges)[:, None, None]
 
     def mean(field: Array) -> Array:
+        """Return the means over cells of the function whose integral, twice over z and over x, is `field`.
+
+        Axes of `field` are the edges of the layers of stress, the edges of those of strain, and x.
+        """
         change = np.diff(np.diff(field, axis=0), axis=1)
         return (change[..., 2:] - 2 * change[..., 1:-1] + change[..., :-2]) / thickness
 
@@ -96,9 +108,9 @@ def antiplane_means(count: int, edges: Array) -> Array:
 
 
 def _integrals(x: Array, z: Array) -> tuple[Array, Array, Array]:
-    """Return the derivatives xx, xz, zz of ``ln r``, each integrated twice over x and twice over z.
+    """Return the second derivatives xx, xz, zz of ``ln r``, each integrated twice over x and twice over z.
 
-    Polynomials that the differences over cells remove are left out.
+    Polynomials of so low a degree that the differences over cells remove them are left out.
     """
     squared = x * x + z * z
     log = log_distance(squared)
@@ -113,9 +125,10 @@ def _integrals(x: Array, z: Array) -> tuple[Array, Array, Array]:
 
 # The tensors of plane strain, then sqrt(2) xy and sqrt(2) yz, in terms of xx, yy, zz, yz, xz, xy.
 BASIS = np.vstack((PLANE_STRAIN_BASIS, np.eye(6)[[5, 3]] / 2**0.5))
-# A wave with wave number k along the length decays across like exp(-k |x|); it is cut off at this fraction.
+# A wave with wave number k along the length decays across like exp(-k |x|). The period across is so long that its
+# repeated image has at most this fraction of it.
 WRAP = 1e-8
-# Number of complex values of a field that are transformed together.
+# Number of complex values of one component of a field up to which waves are transformed together.
 TOGETHER = 2**15
 
 
@@ -127,7 +140,10 @@ class PeriodicOperator:
     strain and antiplane shear, in closed form on an infinite axis. The part that varies along the length is a
     sum of waves that repeat across, with periods so long that an image contributes at most the fraction `WRAP`. Waves
     longer than two cells act on all layers. Shorter waves, which represent the edges of cells, act on their own layer
-    and on those less than `NEAR` cells away.
+    and on those at most `NEAR` cells away, a constant of the module `fourier_modes`.
+
+    Fields written (..., orders) are transformed along the length alone; (..., period, orders) are transformed across
+    too.
     """
 
     volume: Volume
@@ -212,13 +228,16 @@ class PeriodicOperator:
         return self._transformed_back(along)
 
     def _write(self, waves: Complex, group: "WaveGroup", along: Complex) -> None:
-        """Write waves (components, layers, period, orders) across, transformed back, to the cells of the volume."""
+        """Transform waves (components, layers, period, orders) back across, and write them to the `group` in `along`.
+
+        `along` (components, layers, x, orders) has all orders along the length, in the cells of the volume across.
+        """
         across = along.shape[2]
         field = fft.ifft(waves, axis=2, overwrite_x=True, workers=threads())
         along[..., group.orders] = field[:, :, :across]
 
     def _transformed_back(self, along: Complex) -> Array:
-        """Return the field (components, layers, x, y) with these waves `along`."""
+        """Return the field (components, layers, x, y) whose transform along the length is `along`."""
         ny = self.volume.grid.cells[1]
         return np.asarray(fft.irfft(along, ny, axis=-1, workers=threads()))
 
@@ -254,7 +273,7 @@ class WaveGroup:
     Attributes
     ----------
     orders
-        Numbers of waves in the grid's period.
+        Numbers of wavelengths in the grid's length.
     period
         Period across, in cells.
     window
@@ -262,8 +281,8 @@ class WaveGroup:
     around_window
         Index of each cell of the window in the period across, counted from the first cell of the volume.
     fractions
-        Weight (orders,) of each wave in the strain of one cell: 2 / period where a wave represents its complex conjugate
-        too, else 1 / period.
+        Weight (orders,) of each wave in the strain of one cell: 2 / period where a wave represents its complex
+        conjugate too, else 1 / period.
     waves
         Stress and displacement of the waves.
     """

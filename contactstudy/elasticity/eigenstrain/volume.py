@@ -73,6 +73,10 @@ class EigenstrainOperator(Protocol):
     Components are deviatoric, in an orthonormal (Mandel) basis of C tensors: 3 in plane strain, 5 otherwise. x points
     across, y along, z into the body. Stress is positive in tension, pressure in compression; plastic strain has no
     unit.
+
+    Methods speak of three maps. S gives the stress under a pressure, its transpose the displacement by a strain. B
+    gives minus the residual stress by a strain: in the inner product
+    of cell volumes it is symmetric, with eigenvalues above 0 and below 2 G, twice the shear modulus.
     """
 
     @property
@@ -92,7 +96,10 @@ class EigenstrainOperator(Protocol):
 
     @property
     def diagonal_blocks(self) -> Array:
-        """Minus the residual stress of a cell by its own unit strain, the diagonal blocks of B, (layers, C, C) [Pa]."""
+        """Minus the residual stress of a cell by its own unit strain, (layers, C, C) [Pa].
+
+        These are the blocks on the diagonal of the map B of :meth:`negative_residual_stress`.
+        """
 
     def stress_of_pressure(self, pressure: Array) -> Array:
         """Return the deviatoric stress S p (C, layers, x, y) [Pa] under `pressure` p (x, y) [Pa] on the whole grid."""
@@ -101,7 +108,7 @@ class EigenstrainOperator(Protocol):
         """Return the deviatoric stress (C, layers, x, y) [Pa] under `shear` along x (x, y) [Pa] on the whole grid."""
 
     def negative_residual_stress(self, strain: Array) -> Array:
-        """Return B e, minus the deviatoric residual stress (C, layers, x, y) [Pa] of plastic `strain` e; 0 < B < 2G."""
+        """Return B e, minus the deviatoric residual stress (C, layers, x, y) [Pa] of plastic `strain` e."""
 
     def residual_displacement(self, strain: Array) -> Array:
         """Return the surface displacement ``S^T e`` (x, y) [m] by plastic `strain` e, into the body, on the whole grid.

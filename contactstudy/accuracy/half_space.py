@@ -6,11 +6,11 @@ from contactstudy.domain.units import readable
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.solids.bodies import HalfSpace
 
-# Largest half-width of the contact over a body's radius, and least thickness of a body over the half-width, for which the
-# body counts as a half-space. At that half-width a parabola in place of a circle changes the load by 0.6 %.
+# Largest half-width of the contact over a body's radius, and least thickness of a body over the half-width, for which
+# the body counts as a half-space. At that half-width a parabola in place of a circle changes the load by 0.6 %.
 LARGEST_WIDTH, LEAST_THICKNESS = 1 / 8, 4.0
-# Radius of a hollow body less that of the convex body in it, over the latter, below which the two are called conforming and
-# are compared with a pin in a hole.
+# Radius of a hollow body less that of the convex body in it, over the latter, below which the two are called conforming
+# and are compared with a pin in a hole.
 CONFORMING_CLEARANCE = 0.2
 
 
@@ -53,14 +53,14 @@ def beyond_half_space(scene: Scene | None) -> str:
 
 
 def _curvatures(shape: object) -> tuple[float, float]:
-    """Return the curvatures [1/m] of a shape across and along, above zero where it is convex; zero for one without any."""
+    """Return the curvatures [1/m] of a shape across and along, above zero where it is convex; zero without any."""
     return getattr(shape, "curvatures", (getattr(shape, "curvature", 0.0), 0.0))
 
 
 def _error_of_curvature(scene: Scene, bends: list[float], half_width: float) -> str:
     """Return, as a clause of a sentence, what is known of the error due to the curvature of the bodies.
 
-    `bends` [1/m] are the curvatures of both bodies along one axis, and `half_width` [m] is that of the contact along it.
+    `bends` [1/m] are the curvatures of both bodies along one axis. `half_width` [m] is that of the contact along it.
     """
     convex = sum(bend for bend in bends if bend > 0)
     hollow = -sum(bend for bend in bends if bend < 0)
@@ -72,8 +72,8 @@ def _error_of_curvature(scene: Scene, bends: list[float], half_width: float) -> 
         load = hertz.load_per_length / (2 * hertz.contact_modulus * (1 / hollow - radius))
         ratio = hertz.peak_pressure / (hertz.load_per_length / radius * pin_in_hole(load))
         return f"Hertz's peak pressure is {ratio:.3g} times that of a pin in a hole (Persson 1964)"
-    # The gap below a circle of radius R is x^2 / (2 R) + x^4 / (8 R^3) + ... In a line contact of half-width a, the second
-    # term takes 3 a^2 / (8 R^2) times the load of the first. The gaps of the two bodies add up.
+    # The gap below a circle of radius R is x^2 / (2 R) + x^4 / (8 R^3) + ... In a line contact of half-width a, the
+    # second term takes 3 a^2 / (8 R^2) times the load of the first. The gaps of the two bodies add up.
     change = 3 / 8 * half_width**2 * sum(bend**3 for bend in bends) / sum(bends)
     return (
         f"parabolas in place of circles alone change its load by about {100 * change:.2g} %, and the error "
@@ -91,8 +91,8 @@ def pin_in_hole(load: float) -> float:
     load
         Dimensionless load: the load per length, over the product of ``E / (1 - nu^2)`` and the difference of the radii.
 
-    The solution is Persson's (1964), in the form of Ciavarella & Decuzzi (2001), Int. J. Solids Struct. 38, 4507, eqs. 41
-    and 43. There b is the tangent of a quarter of the angle of the arc in contact.
+    The solution is Persson's (1964), in the form of Ciavarella & Decuzzi (2001), Int. J. Solids Struct. 38, 4507, eqs.
+    41 and 43. There b is the tangent of a quarter of the angle of the arc in contact.
     """
     from scipy.optimize import brentq  # imported late, since it is slow
 

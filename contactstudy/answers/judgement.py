@@ -55,7 +55,7 @@ class Judged:
 
     @property
     def finer(self) -> float:
-        """Factor on the number of cells along an axis with which a bound proportional to the cell size meets the request.
+        """Factor on the cells along an axis with which a bound proportional to the cell size meets the request.
 
         It is infinite for a number that finer cells do not help.
         """
@@ -100,7 +100,7 @@ def judged_numbers(quantities: Quantities, request: Request | None) -> dict[str,
 
 
 def _is_named(name: str, key: str) -> bool:
-    """Return whether `key` is the name of a number, or its last words; the index of a body at the end does not count."""
+    """Return whether `key` is the `name` of a number or its last words, before the index of a body where it has one."""
     return sub(r"_\d$", "", name).endswith(f"_{key}") or name == key
 
 

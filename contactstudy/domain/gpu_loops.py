@@ -14,8 +14,8 @@ import numpy as np
 from contactstudy.domain.device import Array
 
 SOURCE = Path(__file__).with_name("loops.cu")
-# Threads of a block, the least number of cells for each thread, and blocks on each multiprocessor. THREADS and BLOCKS are
-# the ``__launch_bounds__`` of the kernels in ``loops.cu``.
+# Threads of a block, the least number of cells for each thread, and blocks on each multiprocessor. THREADS and BLOCKS
+# are the ``__launch_bounds__`` of the kernels in ``loops.cu``.
 THREADS, CELLS, BLOCKS = 512, 2, 2
 # Largest number of sums that a kernel returns.
 MAX_SUMS = 8

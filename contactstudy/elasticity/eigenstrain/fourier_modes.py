@@ -281,7 +281,7 @@ class Waves:
         return np.asarray((parts[0] + 1j * parts[1]).reshape(strain.shape[2:]))
 
     def diagonal_blocks(self, fractions: Array) -> Array:
-        """Return what these waves add to minus the residual stress of a cell by its own unit strain (layers, 5, 5) [Pa].
+        """Return the part by these waves of minus a cell's residual stress by its own unit strain, (layers, 5, 5) [Pa].
 
         `fractions` (orders,) are the fractions of the waves in the strain of one cell.
         """

@@ -106,7 +106,7 @@ class OuterStrain:
 def _even_sums(values: Array, total: Array) -> Array:
     """Return sums of even `values` (..., distance) over all distances above 0, above 1 ... on one side.
 
-    The values do not change when the distance changes its sign. `total` is the sum over the distance 0 and over both sides.
+    The values do not change when the distance changes its sign. `total` is the sum over the distance 0 and both sides.
     """
     before = np.cumsum(values[..., 1:], axis=-1) - values[..., 1:]
     return np.asarray((total - values[..., :1]) / 2 - before)

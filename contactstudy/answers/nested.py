@@ -45,6 +45,8 @@ class NestedConstants:
         0.75 of its error.
     floor
         Least change, over the L1 error of the pressure, since a change may vanish by chance.
+    dent_floor
+        The same of the largest plastic indentation, which one cell has.
     area_floor
         The same of an area, or of a number left by a plastic zone, over the fraction of its cells that lie at its edge.
     stress_floor, depth_floor
@@ -56,6 +58,7 @@ class NestedConstants:
     margin: float = 1.5
     half_order_margin: float = 2.4
     floor: float = 0.1
+    dent_floor: float = 2 / 3  # with the margin, no less than that error itself
     area_floor: float = 0.5
     stress_floor: float = 5e-4
     depth_floor: float = 1e-2
@@ -148,7 +151,8 @@ def with_nested_bounds(
             found[name] = replace(quantity, reason=l1.reason or quantity.reason)
         else:
             size = abs(quantity.value)
-            floor = CONSTANTS.floor * (l1.discretisation or 0.0)
+            of_l1 = CONSTANTS.dent_floor if name == "yielded_depth" else CONSTANTS.floor
+            floor = of_l1 * (l1.discretisation or 0.0)
             if name.endswith("contact_area"):
                 floor = max(floor, CONSTANTS.area_floor * edge_fraction)
             if name.startswith(BY_YIELD):

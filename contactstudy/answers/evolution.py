@@ -60,7 +60,8 @@ NO_STEP_ERROR = "No bound: the error of one step is not estimated; the errors of
 NO_BOUND_OF_FILMS = (
     "No bound for the discretisation error: that of a film that changes in time is not estimated."
 )
-# Reasons of numbers whose bound follows from coarser cells.
+# Reasons for which a number has no bound until it is compared with solutions on coarser cells; these then give the
+# bound.
 BY_GRIDS = frozenset({NO_ESTIMATE, NO_BOUND_OF_STATES, NO_BOUND_OF_FILMS})
 
 
@@ -87,7 +88,8 @@ class Evolution(Answer):
     yielding_films
         Films over a body that yields, with its plastic strain; None for others.
     coarser
-        Function that solves the scene on coarser cells with longer steps; None where bounds do not take it.
+        Function of a level k that solves the scene on 1 / 2^k of the cells along each axis with 2^k times longer steps,
+        for bounds by comparison, and of a multiple of the width; None where bounds take no other solution.
     """
 
     frames: "tuple[Contact | LubricatedContact, ...]"
@@ -126,7 +128,7 @@ class Evolution(Answer):
 
     @cached_property
     def error(self) -> ErrorEstimate:
-        """Estimate of the errors at the worst instant, by cause."""
+        """Estimate of the errors by cause: at the instant of the largest L1 error, with the warnings of all instants."""
         # separated bodies have no pressure, hence no relative error
         touching = [
             frame for frame in self.frames if frame.pressure.any() or frame.status.is_failure
@@ -178,7 +180,10 @@ class Evolution(Answer):
 
     @property
     def _zone_edge(self) -> float:
-        """The largest fraction of the cells (z, x) of a body's plastic zone, seen along y, that lie at its edge."""
+        """Fraction of the cells (z, x) of a body's plastic zone that lie at its edge; the largest of all bodies.
+
+        The zone is seen along y: a cell (z, x) belongs to it that has yielded anywhere along the length.
+        """
         zones = (
             field.values[-1].any(axis=-1)
             for name, field in self._plastic_fields.items()
@@ -193,7 +198,7 @@ class Evolution(Answer):
 
     @cached_property
     def _wider(self) -> "Evolution | None":
-        """Films on half the cells over twice the width, which tell the error of the inlet; None for others."""
+        """Films on half the cells over twice the width, which tell the error due to the inlet; None without films."""
         if self.films is None or self.coarser is None:
             return None
         return solved_or_none(self.coarser, 1, 2)  # type: ignore[return-value]
@@ -217,7 +222,7 @@ class Evolution(Answer):
 
     @property
     def _quantities(self) -> dict[str, Quantity]:
-        """Quantities by name, without the bounds by coarser cells."""
+        """Quantities by name, without the bounds that follow from solutions on coarser cells."""
         if self.passes is not None:
             last = self.frames[-1].quantities["peak_pressure"]
             return {"peak_pressure": last} | passes_quantities(self.passes)
@@ -291,6 +296,7 @@ class Evolution(Answer):
         return self._labelled().assign_attrs(accuracy=self.accuracy)
 
     def _labelled(self) -> "xr.Dataset":
+        """Return the dataset of :meth:`to_dataset` without the accuracy among its attributes."""
         with needed_for("Evolution.to_dataset"):
             from contactstudy.io import evolution_dataset as labels
             from contactstudy.io.dataset import labelled
@@ -347,7 +353,10 @@ def evolution_answer(
 
 
 def _of_worn_coating(scene: Scene, depths: Sequence[Array], times: Array) -> tuple[list[str], bool]:
-    """Return what is said of a coating at each instant until it is worn through, and whether it is.
+    """Return a sentence on the worn coating at each instant, and whether it is worn through at the last of them.
+
+    A sentence is empty where the coating is as thick as at first. There are none for instants after the coating is worn
+    through.
 
     Parameters
     ----------
@@ -390,7 +399,11 @@ def _unbounded(contact: Contact, reason: str) -> Contact:
 
 
 def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
-    """Return a recorded frame as an answer; its gap includes the wear depth and the residual displacement."""
+    """Return a recorded frame as an answer; its gap includes the wear depth and the residual displacement.
+
+    A frame with a solution is a contact whose equilibrium keeps no state from earlier instants, with the errors of one
+    at rest. Otherwise only the errors of the pressure and of its peak are known.
+    """
     if frame.solution is not None:
         solution = replace(frame.solution, status=frame.status)
         contact = contact_answer(

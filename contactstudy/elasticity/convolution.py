@@ -1,4 +1,8 @@
-"""Operator from pressure to displacement, by one pruned, real transform pair."""
+"""Operator from pressure to displacement: a convolution with influence coefficients, by real Fourier transforms.
+
+One transform of the pressure and one back give the displacement. Parts of either that are known to be zero, or that are
+not asked for, are left out: the pair is pruned.
+"""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
@@ -35,7 +39,8 @@ from contactstudy.elasticity.transforms import (
     transforms,
 )
 
-# Wave numbers with less than this fraction of the energy of the largest one do not count.
+# Wave numbers along the length with less than this fraction of the energy of the strongest one are left out of a sum: in
+# amplitude 1e-14, somewhat above rounding in double precision.
 NEGLIGIBLE_ENERGY = 1e-28
 
 
@@ -46,14 +51,14 @@ class OperatorConstants:
     Attributes
     ----------
     min_coarsened
-        Least cells along an axis of a coarser grid. With 64, contacts take up to 1.2 times the convolutions; with 8, as
-        many.
+        Least number of cells along an axis of a coarser grid. If it is 64, contacts take up to 1.2 times as many
+        convolutions; if it is 8, they take as many as now.
     direct_cells
-        Most cells in plane strain whose equations a direct solution preconditions. It saves half of the convolutions
-        there, and up to a quarter of the time.
+        Largest number of cells in plane strain for which the preconditioner solves the equations of the contact
+        directly. It saves half of the convolutions there, and up to a quarter of the time.
     mean_compliance
-        Compliance of the mean over the largest coefficient, which makes these equations positive definite. From 1 to
-        1000 it changes nothing.
+        Constant that is added to the coefficients of these equations, over the largest of them. It makes the equations
+        positive definite. From 1 to 1000 it changes nothing.
     """
 
     min_coarsened: int = 32
@@ -191,8 +196,9 @@ class Convolution:
     def coarsened(self) -> "Convolution":
         """Return the operator on larger cells: mean displacement of blocks of cells under a pressure constant in each.
 
-        Galerkin coarsening: in the spectrum, restriction and prolongation multiply by ``cos(pi k / n)^2``, and the
-        larger cells alias the upper half of the wave numbers to the lower.
+        Galerkin coarsening: in the spectrum, restriction to larger cells and prolongation to smaller ones together
+        multiply the wave k of n points along an axis by ``cos(pi k / n)^2``. The larger cells alias the upper half of
+        the wave numbers to the lower.
         """
         (px, py), blocks = self.padded, self.blocks
         cells = self.cells[0] // blocks[0], self.cells[1] // blocks[1]
@@ -227,7 +233,7 @@ class Convolution:
 
     @property
     def _beyond_free_ends(self) -> tuple[int, int]:
-        """Cells (across, along) with a margin beyond each axis that ends, a multiple of 4."""
+        """Cells (across, along) of the grid with a margin beyond the ends of each axis that ends, a multiple of 4."""
         across, along = (
             4 * fft.next_fast_len(ceil(n * (1 + MARGIN) / 4)) if ends and n > 1 else n
             for n, ends in zip(self.cells, self.ends, strict=True)
@@ -303,8 +309,8 @@ def convolution(
 ) -> Convolution:
     """Return the operator of two half-spaces in contact.
 
-    An axis that wraps is circular; one that does not is padded to at least twice its cells, which makes it linear (Liu,
-    Wang & Liu 2000).
+    Along an axis that wraps the convolution is circular. An axis that does not is padded to at least twice its cells,
+    which makes the convolution linear there (Liu, Wang & Liu 2000).
 
     Parameters
     ----------
@@ -357,7 +363,7 @@ def superposed(
         unshifted, shift = without_shift(coefficients, grid, paddings)
         key = unshifted, grid, paddings
         transform = cached_array(key, partial(_spectrum, *key))
-        # an array that is not cached is changed in place
+        # an array that the cache does not keep is writeable, and is changed in place
         target = transform if transform.flags.writeable else None
         spectrum = np.multiply(transform, weight, out=target)
         spectrum[0, 0] += weight * shift * padded[0] * padded[1]
@@ -389,8 +395,8 @@ def odd_convolution(
 ) -> GeneralConvolution:
     """Return the convolution with a weighted sum of coefficients that are odd along one axis.
 
-    It is antisymmetric, so that no solver takes it: its displacement is lagged. Arguments are those of
-    :func:`superposed`.
+    It is antisymmetric, so that no solver takes it: its displacement is taken from the iterate before. Arguments are
+    those of :func:`superposed`.
     """
     paddings = across_and_along(padding)
     around = on_padded_grid(response.items(), grid, paddings)

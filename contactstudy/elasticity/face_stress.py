@@ -1,4 +1,9 @@
-"""Stress below the surface of a body with two free faces: that of three half-spaces, one of them for each face."""
+"""Stress below the surface of a body that ends along its length at two free faces.
+
+The body is taken for three half-spaces, whose stresses add up: one below the surface, one behind each face. The loads
+on them together leave the surface with its pressure and the faces without traction (Hetenyi 1970; Wang, Guo, Wong &
+Zhang 2017). The module `free_faces` finds these loads.
+"""
 
 from dataclasses import dataclass
 
@@ -11,20 +16,23 @@ from contactstudy.elasticity.coefficients import FreeFaceCoefficients
 from contactstudy.elasticity.free_faces import CONSTANTS, Faces, cardinal, faces_on, first_distance
 from contactstudy.elasticity.kernels.stress_cell import COMPONENTS, CellKernel
 
-# Component in the half-space of a face, whose depth is along y, for each of the body; and its sign at the second face.
+# For each component of stress in the body, its name in the half-space of the first face, where the depth is y, not z,
+# and its sign by a load on the second face over that by the same load on the first.
 ON_FACE = {
     "xx": ("xx", 1), "yy": ("zz", 1), "zz": ("yy", 1), "yz": ("yz", -1), "xz": ("xy", 1), "xy": ("xz", -1),
 }  # fmt: skip
-# Ratio of the sizes of neighbouring cells on a face.
+# Ratio of the sizes of neighbouring cells down a face, away from the depths where cells are finest.
 GROWTH = 1.3
 
 
 @dataclass(frozen=True, eq=False)
 class StressByFaces:
-    """Loads on the surface and on the faces of `body` under a pressure on `grid`, whose ends are the faces.
+    """Loads on the surface and on the faces of `body` under a pressure on `grid`, and the stress by those on the faces.
 
-    The load on the surface is continued evenly about both faces, with what the faces add to it; that on each face is
-    continued evenly about the surface. Each acts on a half-space, and the stresses add up.
+    The ends of `grid` along y are the faces. The load on the surface is the pressure and what the faces add to it, as
+    if mirrored about both faces. The load on each face is mirrored about the surface. Loads on a face are known at
+    distances from the surface in a geometric progression, the nodes; the same distances from the face are nodes of the
+    stress.
     """
 
     body: FreeFaceCoefficients
@@ -50,20 +58,24 @@ class StressByFaces:
 
     @property
     def _across(self) -> int:
-        """Points of the transforms across."""
+        """Number of points of the Fourier transforms along x."""
         return 2 * int(fft.next_fast_len(self.continued_grid.cells[0]))
 
     def _on_wide_grid(self, added: str) -> Faces:
-        """Return what the faces add, on the grid with the cells beside the contact."""
+        """Return the field `added` by the faces on the grid with the cells beside the contact.
+
+        It is the name of a field of ``FaceTable``: ``"load"`` on the surface, or ``"pressure"`` on the faces.
+        """
         (nx, _), (width, _) = self.continued_grid.cells, self.continued_grid.extent
         grid = Grid((nx, self.grid.cells[1]), (width, self.grid.length))
         return faces_on(self.body, grid, self._across, added)
 
     def stress(self, pressure: Array, depths: tuple[float, ...]) -> Array:
-        """Return the stress (component, z, x, y) at some `depths` [m] by the loads on both faces."""
+        """Return the stress (component, z, x, y) [Pa] at some `depths` [m] by the loads on both faces alone."""
         pressure = np.pad(pressure, ((self.beside, self.beside), (0, 0)))
         faces = self._on_wide_grid("pressure")
         equal, opposite = np.moveaxis(faces.parts(pressure, self._across), 1, 0) / np.sqrt(2)
+        # transforms of the loads on the first and on the second face (wave, face, node), from their sum and difference
         waves = np.stack([equal + opposite, equal - opposite], axis=1)
         stress = np.empty((len(COMPONENTS), len(depths), *self.grid.cells))
         inside = slice(self.beside, self.beside + self.grid.cells[0])
@@ -91,7 +103,8 @@ class StressByFaces:
         centres = np.array([0, depth, -depth])
         candidates = np.unique(np.add.outer(centres, [*steps, *-steps]))
         edges = [candidates[0]]
-        for edge in candidates:  # without slivers where the cells of two centres overlap
+        # leaves out edges that would make slivers where the cells about two centres overlap
+        for edge in candidates:
             size = max(finest, (GROWTH - 1) * np.abs(edge - centres).min()) / 2
             if edge - edges[-1] > size:
                 edges.append(edge)
@@ -104,9 +117,11 @@ class StressByFaces:
         return cardinal(np.minimum(index, count - 2), count)
 
     def _kernel(self, component: CellKernel, depth: float, edges: Array, count: int) -> Array:
-        """Return the transform (wave, cell, node) of a stress `component` in the half-space of a face over the load.
+        """Return the transform (wave, cell, node) along x of a stress `component` by unit loads on cells of a face.
 
-        Times -i for a component that is odd across.
+        The cells lie between the `edges`, the component is that in the half-space of the face, at a `depth` below the
+        surface and at `count` nodes, distances from the face. It is real: of a component that is odd along x it is the
+        sine transform, and the Fourier transform is -i times that.
         """
         dx, step = self.grid.cell_size[0], CONSTANTS.ratio**CONSTANTS.stride
         nodes = first_distance(self.body, self.grid) * step ** (np.arange(count) - 1.0)

@@ -19,19 +19,21 @@ from contactstudy.scene.scene import Scene
 from contactstudy.scene.shapes.shape import LengthScales
 from contactstudy.solvers.solution import Status
 
-# Largest known shear stress of a lubricant: at zero pressure [Pa], and over the pressure; and the largest fraction of
-# the friction above it that is accepted.
+# Largest known shear stress of a lubricant (Bair & Winer 1979, 1992), the sum of two parts: a constant [Pa], and a
+# fraction of the pressure. Then the largest fraction of the friction that may be above that stress without a remark.
 SHEAR_LIMIT, SHEAR_LIMIT_OVER_PRESSURE, FRICTION_BEYOND_LIMIT = 1e7, 0.15, 0.01
 # Least slip at which a stress is evaluated, and below which asperities stick, over the sliding speed; relative step for
 # the derivative of the stress by slip; steps of Newton's method at most, and the relative change where they stop.
 LEAST_SLIP, STICK, SLIP_STEP, MAX_STEPS, SHEAR_TOLERANCE = 1e-9, 1e-6, 1e-5, 100, 1e-7
-# Half of the part of a roller that its central film is a mean over.
+# Half of the fraction of a roller's length over which its central film is a mean.
 MIDDLE_OF_ROLLER = 1 / 16
-# Size of the slide-roll ratio at which a surface stands still.
+# Size of the slide-roll ratio, the sliding speed over the mean speed, at which one of the surfaces stands still.
 STANDS_STILL = 2.0
-# Largest logarithm of the viscosity over that at rest for the friction.
+# Largest logarithm of the viscosity over that at zero pressure that enters the friction: exp(300) is 1e130.
 MAX_GROWTH = 300.0
-# Largest thermal loading at which the inlet heating is known, and the largest residual of converged temperatures.
+# Largest thermal loading ``L = beta eta0 u_m^2 / k_f`` at which the heating of the inlet is known, by the formula of
+# Gupta et al. (1992), and the largest residual of temperatures that count as converged. Here beta is the temperature
+# coefficient of the viscosity eta0, u_m the mean speed, and k_f the thermal conductivity of the lubricant.
 MAX_THERMAL_LOADING, TEMPERATURE_RESIDUAL = 10.0, 1e-6
 
 
@@ -71,7 +73,8 @@ class FilmSolution:
     Attributes
     ----------
     scene, grid, padding, scales
-        What was solved: the scene, its cells, the padding along the length, and Hertz's units.
+        What was solved: the scene, its cells, the padding along the length, and the units of Hertz's contact in which
+        the equations are written.
     pressure
         Pressure [Pa] of lubricant and asperities together.
     film
@@ -95,7 +98,8 @@ class FilmSolution:
     flow
         Volume flow per length [m^2/s], at the density of zero pressure.
     flux_spread
-        Range of the flow over x, with Reynolds cavitation up to the end of the pressure, over its mean.
+        Largest less smallest flow over all x, over the mean flow: zero where the flow is conserved. With Reynolds'
+        condition for cavitation it is taken up to the end of the pressure.
     estimate
         Estimate of the errors; None unless an error was asked for.
     contact_pressure
@@ -106,7 +110,8 @@ class FilmSolution:
     wear_depth
         Depth [m] of wear until now, which is part of the gap; None without wear.
     central_weights
-        Weights (x,) of the cells in the central film.
+        Weights (x,) of the cells in the central film, which add up to 1: those of a cubic through the cells about the
+        axis of a smooth contact, or of a mean over the middle where heights vary.
     film_rate
         Rate of the film thickness in time (x, y) [m/s] where there is pressure; None of a steady film.
     creep_loss
@@ -313,8 +318,9 @@ class FilmSolution:
     def power_loss(self) -> float:
         """Power loss per length [W/m]: by sliding, of the film by rolling and squeeze, and in bodies that creep.
 
-        That of the film is the work ``-int p (u_m dh/dx + dh/dt) dx`` of the lubricant's pressure, which converges with
-        few cells, where a sum of the dissipation under a spike does not.
+        That of the film is the work ``-int p (u_m dh/dx + dh/dt) dx`` of the lubricant's pressure p on the film
+        thickness h at the mean speed u_m. It converges with few cells, where a sum of the dissipation under a spike
+        does not.
         """
         squeeze = 0.0 if self.film_rate is None else -self._work(self.film_rate)
         return self.sliding_loss + self._film_force * self.mean_speed + squeeze + self.creep_loss
@@ -330,7 +336,10 @@ class FilmSolution:
 
     @property
     def _film_force(self) -> float:
-        """Force [N/m] of the lubricant's pressure against rolling, with a heated inlet by the factor of the film."""
+        """Force [N/m] of the lubricant's pressure against rolling.
+
+        With a heated inlet it is that of the isothermal film, times the factor by which heat makes the film thinner.
+        """
         force = -self._work(np.gradient(self.film, self.grid.cell_size[0], axis=0))
         return force if self.temperatures is None else self.temperatures.reduction * force
 
@@ -421,8 +430,10 @@ class ShearedFilm:
     def elastic(self, viscosity_ratio: Array | float = 1.0) -> tuple[Array, Array]:
         """Return stress [Pa] and slip [m/s], both at least zero, in series with the bodies' tangential compliance.
 
-        Surfaces enter unsheared, and ``slip = du - u_m C dtau/dx`` (Johnson & Tevaarwerk 1977). C is that of a Winkler
-        foundation, ``4 a / (pi E*)``, on which bodies that stick have Carter's (1926) friction 2 S R / a.
+        Surfaces enter unsheared, and ``slip = du - u_m C dtau/dx`` (Johnson & Tevaarwerk 1977), with the sliding speed
+        du, the mean speed u_m, the shear stress tau and the compliance C. C is that of a Winkler foundation,
+        ``4 a / (pi E*)``, on which bodies of the radius R that stick at the slide-roll ratio S on the half-width a have
+        Carter's (1926) coefficient of friction, 2 S R / a.
         Newton's method converges from above, as the stress is a concave function of the slip.
         """
         hertz, sliding = self.scales.hertz, self.sliding
@@ -430,7 +441,7 @@ class ShearedFilm:
             return np.zeros_like(self.pressure), np.zeros_like(self.pressure)
         compliance = 4 * hertz.half_width / (np.pi * hertz.contact_modulus)
         rate = abs(self.mean_speed) * compliance / self.cell
-        # the bodies stick everywhere at first
+        # first guess: the bodies stick everywhere, so that the stress grows linearly from the inlet
         cells = np.arange(1, len(self.pressure) + 1).reshape(-1, *[1] * (self.pressure.ndim - 1))
         shear, least = sliding / rate * cells + 0 * self.pressure, LEAST_SLIP * sliding
         for _ in range(MAX_STEPS):

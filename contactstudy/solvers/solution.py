@@ -95,7 +95,10 @@ class Status(Enum):
 
     @property
     def has_converged(self) -> bool:
-        """True if the residual of a contact or film is below the tolerance, whatever it warns of but detachment."""
+        """True if the residual of a contact or film is below the tolerance.
+
+        What the status warns of makes no difference, except detachment: without contact there is no pressure to trust.
+        """
         return self in (
             Status.CONVERGED, Status.CONTACT_AT_EDGE, Status.YIELD_AT_EDGE, Status.ATTRACTION_AT_EDGE,
             Status.STARVED_INLET, Status.FILM_BELOW_CELL, Status.SEVERAL_FILMS, Status.PASS_NOT_STEADY,
@@ -109,6 +112,8 @@ class Status(Enum):
 
 def worst(statuses: Sequence[Status]) -> Status:
     """Return the most serious of `statuses`; converged if there is none."""
+    # first those without a pressure, then those without an equilibrium, then those whose residual is above the
+    # tolerance, then what a converged contact or film warns of
     order = (
         Status.NOT_FINITE, Status.NO_ADMISSIBLE_PRESSURE, Status.WORN_THROUGH, Status.SHEAR_BEYOND_YIELD,
         Status.NOT_CONVERGED, Status.FILM_NOT_CONVERGED, Status.STALLED, Status.ITERATION_LIMIT, Status.PRECISION_LIMIT,
@@ -119,9 +124,10 @@ def worst(statuses: Sequence[Status]) -> Status:
 
 
 def worst_until(last: Status, earlier: Sequence[Status]) -> Status:
-    """Return the status of the last of successive contacts: the worst of all.
+    """Return the status of the last of successive contacts: the worst of its own and of those `earlier`.
 
-    Detachment counts of the last one alone; where that is detached, warnings of those before it do not count.
+    Earlier contacts that were detached do not count. Where the `last` one is detached, warnings of earlier ones that
+    converged do not count either.
     """
     if last is Status.DETACHED:
         return worst([last, *(status for status in earlier if not status.has_converged)])
@@ -139,10 +145,11 @@ class TangentialTraction:
     stick
         Cells (x, y) that stick.
     method
-        Method, in words.
+        Method by which the traction was found, in words.
     iterations
-        Number of applications of the response to traction, of tractive rolling on the finest grid in the last outer
-        iteration; where the traction follows from pressures alone, of normal contacts solved.
+        Number of applications of the response to traction. In tractive rolling it counts those on the finest grid in
+        the last outer iteration, between pressure and traction. Where the traction follows from pressures alone, it is
+        the number of normal contacts solved.
     bulk
         Bulk stress along x of each body [Pa].
     """
@@ -176,9 +183,10 @@ class AdhesiveTraction:
     branch
         History that the state belongs to, in words.
     energies
-        Energy [J] of the deformed bodies, the load and the adhesive traction after each outer iteration but those whose
-        mixed iterate was rejected, relative to undeformed bodies far apart; the potential of the load counts from zero
-        approach.
+        Energy [J] of the deformed bodies, the load and the adhesive traction after each outer iteration, relative to
+        undeformed bodies far apart. The potential of the load counts from zero approach. Outer iterations are
+        accelerated by iterates mixed from earlier ones; a mixed iterate that raises the energy is rejected, and has no
+        entry.
     cells_in_zone
         Number of cells in the cohesive zone, over which the traction falls at the edge of a contact.
     tabor
@@ -186,7 +194,7 @@ class AdhesiveTraction:
     regularised
         Whether the range was chosen for the grid, in place of the JKR limit of short ranges.
     outer_iterations
-        Number of contacts solved with a frozen traction, those of rejected mixed iterates too.
+        Number of contacts solved with a frozen adhesive traction, those of rejected mixed iterates too.
     range
         Range of the traction [m]: the work of adhesion over the largest traction.
     first_unstable_load
@@ -214,8 +222,8 @@ class Solution:
     """Solved contact: fields (x, y) and a status.
 
     ``gap = undeformed gap + displacement - approach`` holds to rounding, so that `gap` in the contact shows the
-    remaining error of the solver. Where the pressure is limited it is negative by the depth of yielding, `dent`, and
-    the gap is 0.
+    remaining error of the solver. The exception are cells that yield, where a hardness limits the pressure: there the
+    right side is minus the depth of yielding, `dent`, and `gap` is 0.
 
     Parameters
     ----------
@@ -228,8 +236,8 @@ class Solution:
     gap
         Gap between the deformed bodies [m].
     approach
-        Approach of the bodies [m], counted from the undeformed gap; the displacement counts from the datum of the
-        operator, so that the approach does too.
+        Approach of the bodies [m], as in the equation of the gap. The operator gives the displacement relative to that
+        at a certain distance, its datum, so that the approach is relative to it too.
     status
         Outcome of the solve, with cause and remedy.
     iterations
@@ -381,7 +389,10 @@ def net_pressure(pressure: Array, adhesion: AdhesiveTraction | None) -> Array:
 
 
 class CoupledSolution(NamedTuple):
-    """Contact that was solved together with a state of the bodies, and the `energy` [J] that the state adds."""
+    """Contact that was solved together with a state of the bodies, and the `energy` [J] that the state adds.
+
+    The `state`, such as plastic strain, has arrays by name. It is empty where the contact was solved alone.
+    """
 
     solution: Solution
     state: Mapping[str, Array] = MappingProxyType({})

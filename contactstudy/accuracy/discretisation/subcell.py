@@ -6,6 +6,8 @@
    the requested confidence.
 3. Under a pressure, hidden heights count as the pressure that would flatten them; a corner raises the pressure at each
    halving of the cells.
+
+E* is the contact modulus and dx the size of a cell along the axis in question.
 """
 
 from dataclasses import dataclass
@@ -41,20 +43,21 @@ class SubgridConstants:
     points
         Points in a cell along a line, where all shapes name their length scales.
     points_at_corners
-        The same on lines that may have a corner.
+        Points in a cell along a line that may have a corner, where all shapes name their length scales.
     points_without_scales
-        The same where a shape names no length scales.
+        Points in a cell along a line, where a shape names no length scales.
     lines
-        Number of lines up to which all are examined.
+        Least number of lines along an axis that are examined, or all if there are fewer.
     sparse
-        Of more lines, one in this many is examined.
+        Of many lines, one in this many is examined, but at least `lines`.
     feature_area
-        Fraction of a cell's area above which a feature is found with the requested confidence.
+        Fraction of a cell's area: a feature that covers more of the cell is found with the requested confidence.
     pressure_rise
-        Rise of the pressure where a hidden height h is pressed flat, over ``E* h / dx``: pi / 2 and pi for waves of two
-        cells and of one, and pi / 2 for a bump ``exp(-r^2 / dx^2)``.
+        Rise of the pressure where a hidden height h is pressed flat, over ``E* h / dx``. It is pi / 2 and pi for waves
+        of two cells and of one, and pi / 2 for a bump ``exp(-r^2 / dx^2)``; a value between is taken.
     resolved_fraction
-        Largest interpolation error of a feature that the centres resolve, over their second difference.
+        Largest interpolation error of a feature that the centres resolve, over the second difference of the heights at
+        the centres. An error beyond that belongs to a feature that the centres do not show.
     """
 
     points: int = 4
@@ -75,8 +78,10 @@ class SubgridEffect:
     """Effect of the heights inside the cells on a contact.
 
     Heights that a cubic through the centres misses are hidden. They count by the pressure that would flatten them, at
-    most the pressure there. A corner that points out of the body by a slope S raises the pressure by ``E* S / (2 pi) ln
-    2`` each time the cell is halved, and so without limit.
+    most the pressure there. A corner that points out of the body, at which the slope changes by S, raises the pressure
+    by ``E* S / (2 pi) ln 2`` each time the cell is halved, and so without limit: the pressure near the apex of a blunt
+    wedge is logarithmic (Johnson 1985, sect. 5.2). A kink stands for a height ``|x|^n`` with n between 1 and 2, whose
+    rises get smaller at each halving and have a finite sum.
 
     Attributes
     ----------
@@ -93,7 +98,7 @@ class SubgridEffect:
     mean_height
         Mean of the heights inside the cells below that at their centres [m].
     kink_rise
-        Fraction by which the peak pressure may still rise on finer cells under a height ``|x|^n`` with n below 2.
+        Fraction by which the peak pressure may still rise on finer cells at a kink.
     """
 
     hidden_load: float
@@ -172,14 +177,16 @@ class SubgridHeights:
         peak = float(loaded.max())
         risen = loaded + CONSTANTS.pressure_rise * hidden
         if self.between_lines is not None:
-            missed, protrusion_there, narrow, unseen = (field[rows] for field in self.between_lines)
+            missed, protrusion_there, width, unresolved = (
+                field[rows] for field in self.between_lines
+            )
             stiffness = max(
                 _modulus(problem, axis) / problem.grid.cell_size[axis] for axis in (0, 1)
             )
             hidden = np.maximum(hidden, missed * stiffness)
             protrusion = np.maximum(protrusion, protrusion_there * stiffness)
             risen = np.maximum(
-                risen, loaded + CONSTANTS.pressure_rise * unseen * stiffness / narrow
+                risen, loaded + CONSTANTS.pressure_rise * unresolved * stiffness / width
             )
         rise = float(risen[beside > 0].max(initial=peak)) / peak - 1
         protrudes = bool((protrusion[beside > 0] > peak).any())
@@ -194,8 +201,8 @@ class _HiddenHeights:
     """Heights hidden inside the cells along one `axis`, examined on some lines (across, along).
 
     `missed` is the interpolation error of cubics through the centres and `protrusion` the height above all centres about
-    a cell, both [m]; `corner` and `kink` are slopes; `mean` is the mean height of the points below that of the centres
-    [m]. The `kink` is None for shapes that name their length scales.
+    a cell, both [m]; `corner` and `kink` are the changes of slope there; `mean` is the mean height of the points below
+    that of the centres [m]. The `kink` is None for shapes that name their length scales.
     """
 
     axis: int
@@ -265,12 +272,14 @@ def _hidden_heights(problem: Problem, axis: int, points_each: int) -> _HiddenHei
 
 
 def _between_lines(problem: Problem, confidence: float) -> tuple[Array, Array, Array, Array]:
-    """Return (missed [m], protrusion [m], width [cells], hidden [m]), fields (x, y) of the heights off the lines.
+    """Return (missed [m], protrusion [m], width [cells], unresolved [m]), fields (x, y) of the heights off the lines.
 
-    `missed` is the largest interpolation error of cubics through the centres, `width` that of a round bump
-    ``exp(-r^2 / s^2)`` whose mean square in the cell is as large, and `hidden` the error beyond that of a feature which
-    the centres resolve. With the probability ``(1 - q)^k`` none of k random points in a cell hits a feature over the
-    fraction q of it; points of low discrepancy leave smaller holes. Each point is examined in all cells at once.
+    `missed` is the largest interpolation error of cubics through the centres, and `protrusion` the height above all
+    centres about a cell. `width` is the length s of a round bump ``exp(-r^2 / s^2)`` with the same largest and mean
+    square error in the cell: the mean square is ``pi s^2 / 2`` of the square of the largest. `unresolved` is the error
+    beyond that of a feature which the centres resolve. With the probability ``(1 - q)^k`` none of k random points in a
+    cell hits a feature over the fraction q of it; points of low discrepancy leave smaller holes. Each point is examined
+    in all cells at once.
     """
     from scipy import ndimage  # imported late, since it is slow
 
@@ -301,6 +310,7 @@ def _between_lines(problem: Problem, confidence: float) -> tuple[Array, Array, A
     protrusion_there = np.maximum(ndimage.minimum_filter(centres, 3, mode=mode) - lowest, 0)
     largest = count * missed**2
     fraction = np.divide(squares, largest, out=np.ones(grid.cells), where=largest > 0)
+    # the second difference of the centres, the larger one of both axes
     shown = np.zeros(grid.cells)
     for axis, is_periodic in enumerate(wraps):
         padded = extended_by_two(axis_first(centres, axis), wraps=is_periodic)[1:-1]
@@ -357,7 +367,10 @@ def _with_neighbours(pressure: Array, problem: Problem) -> Array:
 
 
 def _modulus(problem: Problem, axis: int) -> float:
-    """Return E* [Pa] from the displacement under an alternating pressure, ``2 dx / (pi E*)`` for a half-space."""
+    """Return E* [Pa] from the displacement under a pressure that alternates from cell to cell along an `axis`.
+
+    A wave of pressure p of the wave number k displaces a half-space by ``2 p / (E* k)``, here with ``k = pi / dx``.
+    """
     across, along = (np.ones(count) for count in problem.grid.cells)
     alternating = along if axis else across
     alternating[1::2] = -1

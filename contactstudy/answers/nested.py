@@ -48,7 +48,8 @@ class NestedConstants:
     dent_floor
         The same of the largest plastic indentation, which one cell has.
     area_floor
-        The same of an area, or of a number left by a plastic zone, over the fraction of its cells that lie at its edge.
+        The same of an area, of a stick fraction, or of a number left by a plastic zone, over the fraction of its cells
+        that lie at its edge.
     stress_floor, depth_floor
         Least change of a shear stress, relative, and of its depth, which lie between those at which they are computed.
     inlet
@@ -153,7 +154,7 @@ def with_nested_bounds(
             size = abs(quantity.value)
             of_l1 = CONSTANTS.dent_floor if name == "yielded_depth" else CONSTANTS.floor
             floor = of_l1 * (l1.discretisation or 0.0)
-            if name.endswith("contact_area"):
+            if name.endswith(("contact_area", "stick_fraction")):
                 floor = max(floor, CONSTANTS.area_floor * edge_fraction)
             if name.startswith(BY_YIELD):
                 floor = max(floor, CONSTANTS.area_floor * zone_edge)

@@ -571,7 +571,9 @@ def grid_for_numbers(answer: Any, *, is_default: bool) -> Grid | None:
         return None
     most = DEFAULT_WORK if is_default else REQUESTED_WORK
     largest = MAX_CELLS if scene.friction is None else MAX_CELLS_OF_SLIP
-    missed = (number for number in answer.judged.values() if 1 < number.ratio < inf)
+    missed = (
+        number for number in answer.judged.values() if number.refines and 1 < number.ratio < inf
+    )
     factors = sorted((MARGIN * number.finer for number in missed), reverse=True)
     # iterations grow about as the root of the cells along an axis
     left = most / answer.counts["convolutions"][0]

@@ -1,7 +1,7 @@
 """Whether the bounds of an answer keep a requested error, and which of its numbers keep it least."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil, inf, isfinite
 from re import sub
 
@@ -20,6 +20,8 @@ NOT_BY_CELLS = (
     "orthogonal_shear_depth",
     "surface_tension",
 )
+# What is in the names of numbers for which no grid is refined unless they are named.
+NOT_REFINED = "shear_stress", "orthogonal_shear", "_safety_factor"
 # Names of components, with the whole quantity: the error of a component is relative to the whole, if that is larger.
 WHOLE = {"lateral_traction_coefficient": "traction_coefficient"}
 
@@ -40,6 +42,8 @@ class Judged:
         Why it has no bound; empty where it has one.
     by_cells
         Whether finer cells lessen the bound.
+    refines
+        Whether a grid is refined for it.
     """
 
     label: str
@@ -47,6 +51,7 @@ class Judged:
     requested: float
     reason: str = ""
     by_cells: bool = True
+    refines: bool = True
 
     @property
     def ratio(self) -> float:
@@ -81,7 +86,11 @@ def judged_numbers(quantities: Quantities, request: Request | None) -> dict[str,
     uncertain = {name: quantity for name, quantity in quantities.items() if _is_uncertain(quantity)}
     if not isinstance(request, Mapping):
         requested = inf if request is None else request
-        return {name: _judged(name, quantities, requested) for name in uncertain}
+        every = {name: _judged(name, quantities, requested) for name in uncertain}
+        return {
+            name: replace(one, refines=not any(part in name for part in NOT_REFINED))
+            for name, one in every.items()
+        }
     found: dict[str, Judged] = {}
     for key, requested in request.items():
         if key == PRESSURE:

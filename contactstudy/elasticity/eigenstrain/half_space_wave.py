@@ -54,7 +54,7 @@ class Sources:
 
         At the sides of a layer the modes make traction and displacement in n and z continuous. Of their amplitudes, `f`
         balances half of the stress s_zz that the layer would have without displacement along z, and `g` and `h` make up
-        for its strains nn - zz and nz.
+        for its strains nn - zz and nz. Of `down`, a and b are h + f and h + g; of `up`, they are h - f and h - g.
         """
         nn, tt, zz, nz, nt, tz = strain
         nu, shear, half = moduli.poisson_ratio, moduli.shear, moduli.plane_strain / 2

@@ -83,7 +83,7 @@ def beyond_strength(solution: Solution) -> str:
                 f"Scene.solids[{number}], {limit / 1e9:.3g} GPa: give Scene.hardness, or a body that yields."
             )
         if is_layered(body) or getattr(body, "hardness_profile", None) is not None:
-            if said := _beyond_varying_strength(solution, number, body):
+            if said := _beyond_varying_strength(solution, number, body, shear):
                 return said
             continue
         if not isinstance(body, HalfSpace) or isinf(body.yield_stress):
@@ -116,7 +116,7 @@ def _load_of_peak(pressure: float, radius: float, solids: tuple[Body, ...]) -> f
     return pi * radius * pressure**2 / modulus
 
 
-def _beyond_varying_strength(solution: Solution, number: int, body: Any) -> str:
+def _beyond_varying_strength(solution: Solution, number: int, body: Any, shear: float) -> str:
     """Return a sentence if a body whose strength varies with depth is beyond its yield stress or hardness, or ``""``.
 
     The stress is that at the surface, in the middle of each layer, on both sides of its lower interface, and where that
@@ -125,6 +125,12 @@ def _beyond_varying_strength(solution: Solution, number: int, body: Any) -> str:
     """
     parts, name = list(getattr(body, "parts", {}).values()), f"Scene.solids[{number}]"
     if parts and all(isinf(min(one.yield_stress, one.hardness)) for _, one, *_ in parts):
+        return ""
+    # a layer is stressed by the traction on it, and by the strain of what is below times its own modulus
+    moduli = [one.youngs_modulus for _, one, *_ in parts] or [1.0]
+    traction = solution.peak_pressure + 2 * shear
+    largest = traction * (1 + max(moduli) / min(moduli))
+    if parts and largest < min(min(one.yield_stress, one.hardness) for _, one, *_ in parts):
         return ""
     from contactstudy.scene.stress import (
         SubsurfaceStress,

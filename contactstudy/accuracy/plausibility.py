@@ -126,10 +126,9 @@ def _beyond_varying_strength(solution: Solution, number: int, body: Any, shear: 
     parts, name = list(getattr(body, "parts", {}).values()), f"Scene.solids[{number}]"
     if parts and all(isinf(min(one.yield_stress, one.hardness)) for _, one, *_ in parts):
         return ""
-    # a layer is stressed by the traction on it, and by the strain of what is below times its own modulus
-    moduli = [one.youngs_modulus for _, one, *_ in parts] or [1.0]
-    traction = solution.peak_pressure + 2 * shear
-    largest = traction * (1 + max(moduli) / min(moduli))
+    # the stress in a half-space is at most its pressure; a stiff layer takes the strain of what is below
+    moduli = [one.youngs_modulus for _, one, *_ in parts if not isinf(one.youngs_modulus)] or [1.0]
+    largest = (solution.peak_pressure + 2 * shear) * max(moduli) / min(moduli)
     if parts and largest < min(min(one.yield_stress, one.hardness) for _, one, *_ in parts):
         return ""
     from contactstudy.scene.stress import (

@@ -44,7 +44,8 @@ def implausible(solution: Solution) -> str:
         "heights": "are heights given in µm as if they were m?",
         "modulus": "is a modulus given in GPa or MPa as if it were Pa?",
         "extent": "is a length of the grid or the load given in another unit, such as mm or N/mm?",
-        "load": "is the load or a radius given in another unit, such as N/mm or mm?",
+        "load": "is the load or a radius given in another unit, such as N/mm or mm? If not, strains are too large for "
+        "linear elasticity.",
     }
     facts, hint = [], "modulus" if modulus < MIN_MODULUS else ""
     if slope > MAX_SLOPE:

@@ -419,8 +419,8 @@ class GridRequirements:
         if hertz.half_width > CONSTANTS.max_width_over_radius * hertz.radius:
             messages.append(
                 f"The half-width of Hertz is {readable(hertz.half_width)} on a radius of {readable(hertz.radius)}, too "
-                "large a fraction for half-spaces: give loads and radii in N/m and m, and "
-                "HalfSpace.youngs_modulus in Pa (steel has 210e9)."
+                "large a fraction for half-spaces: reduce the load, or, if a unit is mistaken, give loads and radii in "
+                "N/m and m, and HalfSpace.youngs_modulus in Pa (steel has 210e9)."
             )
         for axis, (cell, wave) in enumerate(
             zip(grid.cell_size, self.shortest_wavelengths, strict=True)

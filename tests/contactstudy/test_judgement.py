@@ -85,6 +85,7 @@ def test_components_count_over_the_whole_and_fractions_over_one() -> None:
     judged = judged_numbers(numbers, 1e-2)
     assert judged["lateral_traction_coefficient"].ratio == pytest.approx(0.5)
     assert judged["stick_fraction"].ratio == pytest.approx(0.2)
+    assert str(judged["stick_fraction"]) == "0.2 % in the fraction that sticks (absolute)"
     assert "pressure_shift" not in judged  # zero, of which no error is a part
     assert all(isfinite(number.ratio) for number in judged.values())
 

@@ -326,7 +326,8 @@ class MeanPressure:
             )
         if width is None:
             raise InvalidInput(
-                "load.pressure acts on a surface of a size that is not known: give a [grid], or a MeasuredSurface."
+                "load.pressure acts on a surface of a size that is not known: give a [grid], of whole waves or pitches, "
+                "or a MeasuredSurface."
             )
         return LineLoad(self.pressure * width)
 

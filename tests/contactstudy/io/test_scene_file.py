@@ -229,7 +229,7 @@ def test_a_mean_pressure_on_a_flat_is_periodic_both_ways_as_westergaard_has_it(
         (
             '[grid]\ncells = [128, 1]\nextent = ["1 mm", "1 mm"]',
             "",
-            "give a \\[grid\\], or a Measured",
+            "give a \\[grid\\], of whole waves",
         ),
         (
             "[grid]",

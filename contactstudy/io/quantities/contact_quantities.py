@@ -17,7 +17,7 @@ from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import readable
-from contactstudy.io.quantities.fatigue_quantities import fatigue_quantities
+from contactstudy.io.quantities.fatigue_quantities import between_depths, fatigue_quantities
 from contactstudy.io.quantities.quantity import Quantity, per_length, roller_length, with_bound
 from contactstudy.problem.problem import Field
 from contactstudy.scene.scene import PosedScene, Scene, scene_of
@@ -390,6 +390,9 @@ def stress_quantities(
     axes = dict(coordinates)
     axes |= {axis: derived[axis].values for axis in stress.dimensions if axis in derived}
     largest, position = _largest(stress.values, axes, stress.dimensions)
+    if "z" in position:
+        peaks = stress.values.max(axis=(1, 2))
+        position["z"] = between_depths(derived["z"].values, peaks, given=is_given)[1]
     fallback_reasons = estimate.warnings
     number = next(output.body for output in scene.outputs if hasattr(output, "body"))
     where = f"Scene.solids[{number}]{at_depths}"
@@ -425,7 +428,7 @@ def stress_quantities(
     quantities |= fatigue_quantities(
         derived["stress"].values, axes, parts, estimate, _largest, given=is_given
     )
-    return quantities | _of_coating(body, where, derived, axes, estimate)
+    return quantities | _of_coating(body, where, derived, axes, estimate, quantities)
 
 
 def _of_coating(
@@ -434,11 +437,12 @@ def _of_coating(
     derived: Mapping[str, Field],
     axes: Mapping[str, Array],
     estimate: ErrorEstimate,
+    known: Mapping[str, Quantity],
 ) -> dict[str, Quantity]:
     """Return the largest von Mises stress in each layer and the substrate, and the largest shear stress at interfaces.
 
     Each needs a depth there: above zero, down to the lower interface, and equal to it. The `name` is that of the body,
-    with what is said of given depths.
+    with what is said of given depths; among the `known` quantities are the depths of the largest stresses.
     """
     if not is_layered(body):
         return {}
@@ -447,6 +451,8 @@ def _of_coating(
         if (inside := in_part(depths, top, bottom)).any():
             stress = derived["von_mises"].values[inside]
             largest, position = _largest(stress, {**axes, "z": depths[inside]}, dimensions)
+            depth = known.get(f"{part}_von_mises_depth")
+            position |= {"z": depth.value} if depth else {}
             label = f"largest von Mises stress in {said} of {name}"
             found = Quantity(largest, "Pa", label, position=position)
             quantities[f"{part}_von_mises"] = found

@@ -76,7 +76,7 @@ def fatigue_quantities(
                 position.pop("x", None)
             depth = None
             if "z" in position:
-                shift, position["z"] = _between(depths, values.max(axis=(1, 2)), given=given)
+                shift, position["z"] = between_depths(depths, values.max(axis=(1, 2)), given=given)
                 value += shift * (name != "von_mises")
                 depth = Quantity(position["z"], "m", f"depth of the {label} in {where}")
                 if given:  # the largest of all depths lies up to beside the neighbouring ones
@@ -114,7 +114,7 @@ def fatigue_quantities(
     return found
 
 
-def _between(depths: Array, peaks: Array, *, given: bool) -> tuple[float, float]:
+def between_depths(depths: Array, peaks: Array, *, given: bool) -> tuple[float, float]:
     """Return by how much the largest stress exceeds the largest of some `peaks` at their depths, and its depth.
 
     It lies at the vertex of the parabola in the logarithm of the depth through the largest peak and its neighbours; at

@@ -157,6 +157,21 @@ def test_the_largest_stress_has_its_place(line_contact: LineContact) -> None:
     assert contact.quantities["largest_von_mises_depth"].value == number.position["z"]
 
 
+def test_the_place_of_the_largest_stress_is_its_depth_in_body_and_substrate() -> None:
+    steel, coating = cs.HalfSpace(206e9, 0.3), cs.HalfSpace(206.1e9, 0.3)
+    coated = cs.CoatedHalfSpace(coating, 2e-6, steel)  # as good as none: Hertz's depth
+    outputs = (cs.SubsurfaceStress(),)
+    scene = cs.Scene(cs.LineLoad(2e5), (coated, steel), (cs.Cylinder(8e-3),), outputs=outputs)
+    width = scene.hertz.half_width  # type: ignore[union-attr]
+    numbers = cs.solve(
+        scene, cs.Grid((128, 1), (2.4 * width, 1e-3)), cs.ExactPeriodicity()
+    ).quantities
+    for part in ("largest", "substrate"):
+        depth = numbers[f"{part}_von_mises_depth"].value
+        assert depth == pytest.approx(0.704 * width, rel=0.015)
+        assert numbers[f"{part}_von_mises"].position["z"] == depth  # type: ignore[index]
+
+
 def test_a_safety_factor_holds_within_the_bound_of_the_stress(line_contact: LineContact) -> None:
     steel = replace(STEEL, yield_stress=1e9)
     outputs = (cs.SubsurfaceStress((2e-5, 4e-5, 8e-5)),)

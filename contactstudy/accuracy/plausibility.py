@@ -80,7 +80,7 @@ def beyond_strength(solution: Solution) -> str:
         limit = getattr(getattr(body, "coating", body), "hardness", inf)
         if peak > limit:
             return (
-                f"The peak pressure of {peak / 1e9:.3g} GPa is {peak / limit:.2g} times the hardness of "
+                f"The peak pressure of {peak / 1e9:.3g} GPa is {peak / limit:.3g} times the hardness of "
                 f"Scene.solids[{number}], {limit / 1e9:.3g} GPa: give Scene.hardness, or a body that yields."
             )
         if is_layered(body) or getattr(body, "hardness_profile", None) is not None:

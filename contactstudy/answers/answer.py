@@ -19,7 +19,7 @@ from contactstudy.domain.errors import PRESSURE, ErrorEstimate, ErrorParts, Requ
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.domain.notebook import InNotebook
 from contactstudy.domain.units import readable
-from contactstudy.io.quantities.quantity import Quantities, as_text
+from contactstudy.io.quantities.quantity import Quantities, as_text, per_cent
 from contactstudy.scene.scene import Scene
 from contactstudy.solvers.solution import Status
 
@@ -134,9 +134,7 @@ class Answer(InNotebook):
         numbers = list(self.judged.values())
         measure, parts = self.judged_error
         reached = (
-            f"{100 * parts.total:.2g} % {measure}"
-            if isfinite(parts.total)
-            else f"no bound {measure}"
+            f"{per_cent(parts.total)} {measure}" if isfinite(parts.total) else f"no bound {measure}"
         )
         bounded = [number for number in numbers if isfinite(number.bound)]
         worst = max(bounded, key=lambda number: number.bound, default=None)

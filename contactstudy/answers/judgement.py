@@ -8,7 +8,7 @@ from re import sub
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.errors import PRESSURE, Request
 from contactstudy.domain.grid import Grid
-from contactstudy.io.quantities.quantity import RELATIVE_TO_ZERO, Quantities, Quantity
+from contactstudy.io.quantities.quantity import RELATIVE_TO_ZERO, Quantities, Quantity, per_cent
 
 # Ends of the names of numbers for which finer cells are no remedy. The depth of a largest stress is known only to the
 # distance between the depths at which stress is computed. The bound of the tension beside an edge falls only like the
@@ -68,7 +68,7 @@ class Judged:
 
     def __str__(self) -> str:
         """Return the bound and the name, such as ``0.7 % in the half-width``."""
-        bound = f"{100 * self.bound:.2g} %" if isfinite(self.bound) else "no bound"
+        bound = per_cent(self.bound) if isfinite(self.bound) else "no bound"
         return f"{bound} in the {self.label}"
 
 

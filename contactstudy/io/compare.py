@@ -67,7 +67,7 @@ class Comparison:
             f"pressure in L1: {100 * self.l1:.3g} %",
             f"peak pressure: {100 * self.peak_pressure:+.3g} %",
             *[f"contact area: {100 * self.contact_area:+.3g} %"] * isfinite(self.contact_area),
-            f"load: {100 * round(self.load, 9):+.3g} %",  # without rounding errors
+            f"load: {100 * round(self.load, 9) + 0.0:+.3g} %",  # without rounding errors
             f"largest difference: {readable(self.largest, 'Pa')} at x = {x}, y = {y}",
         ]
         if isfinite(self.approach):
@@ -190,9 +190,8 @@ def _scene(dataset: xr.Dataset, attribute: str = "scene") -> dict[str, object]:
 
     That in the attribute ``scene_file`` has the keys which the user wrote.
     """
-    text = str(dataset.attrs.get(attribute, ""))
     try:
-        return {} if text.startswith("#") else _flattened(tomllib.loads(text), "")
+        return _flattened(tomllib.loads(str(dataset.attrs.get(attribute, ""))), "")
     except tomllib.TOMLDecodeError:
         return {}
 

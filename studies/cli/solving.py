@@ -92,12 +92,13 @@ def solve_with_progress(
                     progress=show,
                     device=device,
                 )
+                show.job = "bounds and files"
+                answer.quantities  # noqa: B018 (their bounds take long: a stop keeps the pressure)
         except StopRun:
             show.__exit__()
             click.echo(f"contactstudy: {_kept(show.last, scene, folder, frames_folder)}", err=True)
             assert stop.signal is not None
             sys.exit(128 + stop.signal)
-    show.job = "bounds and files"
     shutil.rmtree(frames_folder, ignore_errors=True)
     return answer
 

@@ -149,8 +149,13 @@ def _error_text(quantity: Quantity) -> str:
         return ""
     if not quantity.value:
         return f"error <= {readable(quantity.bound, quantity.unit, 2)}"
-    percent = 100 * quantity.relative_bound
-    return f"error <= {percent:.2g} %" if percent < 99.5 else f"error <= {percent:.0f} %"
+    return f"error <= {per_cent(quantity.relative_bound)}"
+
+
+def per_cent(ratio: float) -> str:
+    """Return a ratio in per cent with two digits, or whole from 100 % on."""
+    percent = 100 * ratio
+    return f"{percent:.2g} %" if percent < 99.5 else f"{percent:.0f} %"
 
 
 def _unbounded(quantities: Quantities) -> dict[str, list[str]]:

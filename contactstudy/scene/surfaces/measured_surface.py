@@ -312,8 +312,8 @@ class MeasuredSurface:
         points = len(heights), 1 if count == 1 else count * self.seam.lengths
         if points not in (grid.cells, (grid.cells[0], 1)):
             raise InvalidInput(
-                f"MeasuredSurface.extent is None, and its {points} points are not the {grid.cells} cells of the grid: "
-                "give extent, the size of all points."
+                f"MeasuredSurface.extent is None, so that its {points[0]} x {points[1]} points must be the cells of the "
+                f"grid, now {grid.cells[0]} x {grid.cells[1]}: give extent, the width and length of all points."
             )
         return -heights
 

@@ -70,7 +70,9 @@ def test_a_comparison_names_the_key_that_was_changed_in_the_file(tmp_path: Path)
         crown = f'[[shapes]]\nkind = "Crown"\nend_drop = "{drop} um"\nlength = "1 mm"\n'
         grid = '[grid]\ncells = [24, 16]\nextent = ["0.6 mm", "1 mm"]\n'
         scene = tmp_path / f"crown-{drop}.toml"
-        scene.write_text(SMOOTH + crown + grid + '[padding]\nkind = "ZeroPadding"\n')
+        scene.write_text(
+            "# a crowned roller\n\n" + SMOOTH + crown + grid + '[padding]\nkind = "ZeroPadding"\n'
+        )
         said("solve", scene, "--out", tmp_path)
     first, second = (tmp_path / f"crown-{drop}.nc" for drop in (10, 12))
     text = said("compare", first, second)

@@ -33,6 +33,8 @@ class ForecastConstants:
     ----------
     seconds, all_seconds
         Seconds that each of these solves may take, and all together.
+    grid_seconds
+        Seconds that a solve on several grids may take where nothing of the last of them is done.
     exact_seconds
         Seconds that a solve on the planned grid may take to be one of them: where that grid is the last, and where its
         bound says which is.
@@ -55,6 +57,7 @@ class ForecastConstants:
     """
 
     seconds: float = 1.0
+    grid_seconds: float = 10.0
     all_seconds: float = 2.0
     exact_seconds: tuple[float, float] = (0.2, 0.7)
     least_cells: int = 12
@@ -397,11 +400,18 @@ class _Watch:
     def __init__(self) -> None:
         self._begin = process_time()
         self.reports: list[tuple[float, float]] = []
+        self._first, self._begun = 0, 0.0
 
     def __call__(self, progress: Progress) -> None:
-        """Record the fraction that is done."""
+        """Record the fraction that is done, which begins anew on each grid of a film."""
+        if self.reports and progress.fraction < self.reports[-1][0]:
+            self._first, self._begun = len(self.reports), self.reports[-1][1]
         self.reports.append((progress.fraction, self.seconds))
-        if self.seconds > CONSTANTS.seconds:
+        # a fraction of 0 says nothing yet of a finer grid
+        limit = (
+            CONSTANTS.grid_seconds if self._first and not progress.fraction else CONSTANTS.seconds
+        )
+        if self.seconds > limit:
             raise _TimeLimitReached
 
     @property
@@ -412,14 +422,15 @@ class _Watch:
     @property
     def whole(self) -> tuple[float, int]:
         """Seconds and reports of all of the solve, whose fraction goes with a power of the seconds."""
-        done, seconds = self.reports[-1]
+        reports = [(done, at - self._begun) for done, at in self.reports[self._first :]]
+        done, seconds = reports[-1]
         done = min(max(done, CONSTANTS.least_fraction), 1.0)
-        half = max((one for one, at in self.reports if at <= seconds / 2), default=done / 2)
+        half = max((one for one, at in reports if at <= seconds / 2), default=done / 2)
         power = log(done / max(half, CONSTANTS.least_fraction / 2)) / log(2)
         ratio = done ** (
             -1 / min(max(power, CONSTANTS.progress_powers[0]), CONSTANTS.progress_powers[1])
         )
-        return seconds * ratio, round(len(self.reports) * ratio)
+        return self._begun + seconds * ratio, round(len(self.reports) * ratio)
 
     def solves(self, answer: Any) -> int:
         """Return the contacts that are solved for an answer, where they are counted; else 0."""

@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
+from contactstudy.forecast import _TimeLimitReached, _Watch
 from contactstudy.planning.plan import plan_grid
+from contactstudy.progress import Progress
 from tests.conftest import STEEL, LineContact
 from tests.contactstudy.lubrication import scenes as films
 
@@ -403,3 +405,18 @@ def test_seconds_count_nothing_that_is_compiled(
     monkeypatch.setattr("contactstudy.forecast.solve", solve)
     assert cs.plan(scene, grid=grid).seconds < 0.5
     assert len(spent) > 1
+
+
+def test_a_solve_that_is_ended_on_a_later_grid_is_extrapolated_from_what_is_done_there(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    now = 0.0
+    monkeypatch.setattr("contactstudy.forecast.process_time", lambda: now)
+    watch = _Watch()
+    for now, fraction in ((0.1, 0.5), (0.2, 1.0), (1.5, 0.0)):  # noqa: B007 (the clock reads it)
+        watch(Progress(fraction, ""))
+    now = 1.7
+    with pytest.raises(_TimeLimitReached):
+        watch(Progress(0.5, ""))
+    seconds, _ = watch.whole
+    assert 1.7 < seconds < 10

@@ -27,7 +27,9 @@ def surfaces_of(file: Path, extent: str | None, **keys: Any) -> dict[str, cs.Mea
             if isinstance(shape, cs.MeasuredSurface)
         }
         if not found:
-            raise InvalidInput(f"{str(file)!r} has no measured surface: give a scene that has one.")
+            raise InvalidInput(
+                f"{str(file)!r} has no measured surface: give a scene that has one, or the .nc file that its solve wrote."
+            )
         return found
     if not file.is_file() or (file.suffix == ".nc" and not _holds_heights(file)):
         return {}

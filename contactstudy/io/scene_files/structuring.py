@@ -182,11 +182,13 @@ def likely_units(raw: object, path: str = "") -> Iterator[str]:
 
 
 def _kind_of(table: Mapping[str, object], kinds: Mapping[str, type]) -> type:
-    """Return the kind that `table` names, else the default or the only one that has its keys."""
+    """Return the kind that `table` names, else the only one that has its keys, or those that are likely meant."""
     named = {name: kind for name, kind in kinds.items() if name != NO_KIND}
     if "kind" not in table:
         default = kinds.get(NO_KIND)
-        matching_kinds = {kind for kind in named.values() if set(table) <= set(parameters(kind))}
+        known = {name for kind in named.values() for name in parameters(kind)}
+        likely = {key if key in known else _closest(key, known) or key for key in table}
+        matching_kinds = {kind for kind in named.values() if likely <= set(parameters(kind))}
         if len(matching_kinds) == 1 and default not in matching_kinds:
             return matching_kinds.pop()
         own_fields = set(parameters(default)) if default is not None else set()

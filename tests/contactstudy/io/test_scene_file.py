@@ -126,6 +126,7 @@ def test_either_axis_has_its_padding(tmp_path: Path) -> None:
         ('"100 N/mm"', "true", "load.per_length: it is True: give a load per length"),
         ('[load]\nper_length = "100 N/mm"', "", "load: it is missing: give a table."),
         ('per_length = "100 N/mm"', "", "it is missing: give a load per length"),
+        ('per_length = "100 N/mm"', 'totl = "1 kN"', "load: unknown key 'totl': did you mean 'total'"),
         ("rms = {slope = 0.01}", "", "shapes[1].rms: it is missing: give a length"),
         ("[load]", '[load]\ntotal = "1 kN"', "load: it has per_length, total together: give the keys of"),
         ('"100 N/mm"', '"1,5 N/mm"', "with a decimal point"),

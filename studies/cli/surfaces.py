@@ -28,7 +28,7 @@ def surfaces_of(file: Path, extent: str | None, **keys: Any) -> dict[str, cs.Mea
         }
         if not found:
             raise InvalidInput(
-                f"{str(file)!r} has no measured surface: give a scene that has one, or the .nc file that its solve wrote."
+                f"{str(file)!r} has no measured surface: give one that has, or the .nc file of its solve."
             )
         return found
     if not file.is_file() or (file.suffix == ".nc" and not _holds_heights(file)):

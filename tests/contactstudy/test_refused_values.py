@@ -172,7 +172,7 @@ VALUES: list[tuple[str, Callable[[Any], object], list[Any]]] = [
     ("MeasuredSurface.seam is *: give ", lambda one: cs.MeasuredSurface(HEIGHTS, seam=one), [cs.Tapered]),
     ("MeasuredSurface.missing is *: give ", lambda one: cs.MeasuredSurface(HEIGHTS, missing=one), [0.0]),
     (
-        "MeasuredSurface.extent is None, and its (16, 4) points are not",
+        "MeasuredSurface.extent is None*16 x 4 points",
         lambda one: cs.MeasuredSurface(one).gap(GRID), [HEIGHTS[:, :4], np.zeros((16, 4))],
     ),
     ("MeasuredSurface.heights has *: give an array", cs.MeasuredSurface, [

@@ -91,7 +91,7 @@ class Contact(Answer, Solution):
 
     @cached_property
     def error(self) -> ErrorEstimate:
-        """Estimate of the errors, none of a coarse contact: :func:`~contactstudy.accuracy.estimate.error_estimate`."""
+        """Estimate of the errors by :func:`~contactstudy.accuracy.estimate.error_estimate`, none of a coarse contact."""
         if self.is_coarse:
             unknown = ErrorParts(discretisation=inf, reason=NO_ESTIMATE)
             return ErrorEstimate(unknown)

@@ -128,7 +128,7 @@ class Evolution(Answer):
 
     @cached_property
     def error(self) -> ErrorEstimate:
-        """Estimate of the errors by cause: at the instant of the largest L1 error, with the warnings of all instants."""
+        """Estimate of the errors by cause at the instant of the largest L1 error, with the warnings of all instants."""
         # separated bodies have no pressure, hence no relative error
         touching = [
             frame for frame in self.frames if frame.pressure.any() or frame.status.is_failure

@@ -110,7 +110,7 @@ def valid(name: str, value: Any, hint: Any) -> Any:
     if origin is tuple:
         return _entries(name, value, options, hint)
     if origin is Literal:
-        if value not in options:
+        if not isinstance(value, str) or value not in options:
             raise InvalidInput(f"{name} is {value!r}: {suggestion(str(value), options)}.")
         return value
     kind, unit, limits = options[0] if origin is Annotated else hint, *notes(hint)
@@ -141,7 +141,8 @@ def _one_of(name: str, value: Any, hint: Any) -> Any:
             return valid(name, value, option)
         except InvalidInput as error:
             is_meant = isinstance(value, str) and notes(option)[0] is not None
-            if is_meant or (isinstance(value, tuple | list) and get_origin(option) is tuple):
+            is_several = isinstance(value, tuple | list) or getattr(value, "ndim", 0) > 0
+            if is_meant or (is_several and get_origin(option) is tuple):
                 of_its_kind.append(error)
     none_fits = InvalidInput(f"{name} is {value!r}: {remedy(hint)}{_sizes(value)}.")
     raise next(iter(of_its_kind), none_fits)

@@ -116,7 +116,8 @@ VALUES: list[tuple[str, Callable[[Any], object], list[Any]]] = [
         "*body is 1, a rigid body: give 0",
         field(replace(SMOOTH, solids=(STEEL, RIGID)), "outputs"), [(replace(STRESS, body=1),)],
     ),
-    ("SubsurfaceStress.depths", cs.SubsurfaceStress, [(), 1e-4, None, (-1e-5,), (1e-4, nan), ("1 mN",), np.array([1e-4, -1e-4]), np.ones((2, 2))]),
+    ("SubsurfaceStress.depths", cs.SubsurfaceStress, [(), 1e-4, None, (-1e-5,), (1e-4, nan), ("1 mN",)]),
+    ("SubsurfaceStress.depths", cs.SubsurfaceStress, [np.array([1e-4, -1e-4]), np.ones((2, 2))]),
     ('SubsurfaceStress.depths is *: give', cs.SubsurfaceStress, ["deep"]),
     ("SubsurfaceStress.body is *: give 0 or 1", field(STRESS, "body"), [2, -1, True, 0.5]),
     # shapes

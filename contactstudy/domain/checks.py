@@ -39,17 +39,21 @@ def suggest_fields(cls: type[Described]) -> type[Described]:
 
     @wraps(construct)
     def __init__(self: Described, *values: object, **named: object) -> None:
-        for name in named:
-            if name not in names:
-                raise UnknownField(
-                    f"{cls.__name__}.{name} is not known: {suggestion(name, names)}."
-                )
+        refuse_unknown(cls, named)
         given = [number(name, value) for name, value in zip(names, values, strict=False)]
         named = {name: number(name, value) for name, value in named.items()}
         construct(self, *given, *values[len(given) :], **named)
 
     cls.__init__ = __init__  # type: ignore[assignment]
     return cls
+
+
+def refuse_unknown(cls: type, named: Iterable[str]) -> None:
+    """Raise :class:`UnknownField` for a name that is no parameter of a dataclass, with the most similar one."""
+    names = parameters(cls)
+    for name in named:
+        if name not in names:
+            raise UnknownField(f"{cls.__name__}.{name} is not known: {suggestion(name, names)}.")
 
 
 def parameters(cls: Any) -> list[str]:

@@ -23,8 +23,7 @@ from contactstudy.domain.checks import (
     MAX_SIZE,
     MIN_SIZE,
     InvalidInput,
-    UnknownField,
-    parameters,
+    refuse_unknown,
     suggestion,
 )
 from contactstudy.domain.unit_text import in_si, remedy_of
@@ -77,15 +76,11 @@ def validated(cls: Class) -> Class:
     :class:`~contactstudy.InvalidInput` with the most similar field.
     """
     made: Any = dataclass(frozen=True)(cls)
-    construct, names = made.__init__, parameters(made)
+    construct = made.__init__
 
     @wraps(construct)
     def __init__(self: Any, *values: object, **named: object) -> None:
-        for name in named:
-            if name not in names:
-                raise UnknownField(
-                    f"{cls.__name__}.{name} is not known: {suggestion(name, names)}."
-                )
+        refuse_unknown(made, named)
         construct(self, *values, **named)
         for name, hint in _hints(made):
             value = valid(f"{type(self).__name__}.{name}", getattr(self, name), hint)

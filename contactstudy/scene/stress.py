@@ -23,8 +23,6 @@ from contactstudy.scene.solids.hardness_profile import HardnessProfile
 from contactstudy.scene.solids.stress_model import HalfSpaceStress, HasStressModel, StressModel
 
 Z = {"axis": "Z", "positive": "down"}
-# Value of `depths` that chooses them.
-AUTO = "auto"
 # Ratio of successive depths in the search for the largest stress, and then of depths around the best of these to it.
 COARSE_STEP, FINE_STEPS = 1.35, (1.1**-2, 1.1**-1, 1.1, 1.1**2)
 # Widths of the contact down to which the least safety is searched where the yield stress changes with depth.

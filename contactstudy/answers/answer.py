@@ -162,7 +162,7 @@ class Answer(InNotebook):
 
     @property
     def _why(self) -> str:
-        """What stands in the way of the request, and what it would take."""
+        """Sentence on what stands in the way of the request, and what it would take."""
         parts = self.judged_error[1]
         if reason := parts.reason or self.error.l1.reason:
             return reason

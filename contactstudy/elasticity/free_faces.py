@@ -72,7 +72,7 @@ ROWS = 8
 
 
 class FaceTable(NamedTuple):
-    """What a face adds under a line of unit load along a wave across (n, n), by the distances of the point and the line.
+    """Contribution of a face under a line of unit load along a wave across (n, n), by the distances of point and line.
 
     Distances (n,) are in units of 1 / k. The point is on the surface, or on the face for its `pressure`.
     """
@@ -130,7 +130,7 @@ def face_table(poisson_ratio: float) -> FaceTable:
 
 @dataclass(frozen=True, eq=False)
 class Faces:
-    """What two faces add to the displacement of cells between them, or to their load.
+    """Contribution of two faces to the displacement of cells between them, or to their load.
 
     Attributes
     ----------

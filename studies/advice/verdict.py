@@ -28,7 +28,7 @@ class Setting:
 
 @dataclass(frozen=True)
 class Measured:
-    """What was measured of a setting.
+    """Measurement of a setting.
 
     Attributes
     ----------

@@ -153,7 +153,7 @@ class Program:
 
     @cached_property
     def _has_users(self) -> bool:
-        """Whether modules of the user's count."""
+        """True if modules of the user's count."""
         return any(not _is_own(name) for name in self.digests if name != MEASURES)
 
 

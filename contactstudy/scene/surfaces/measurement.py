@@ -61,7 +61,7 @@ class Flip(Enum):
 
 
 class Sizes(Enum):
-    """Whether sizes and heights of a file are checked for plausibility and against the keys beside it."""
+    """Choice of whether sizes and heights of a file are checked for plausibility and against the keys beside it."""
 
     CHECKED = "checked"
     CONFIRMED = "confirmed"

@@ -290,7 +290,7 @@ class GaussianFilter:
 
     @property
     def description(self) -> str:
-        """What the filter removes."""
+        """Sentence on what the filter removes."""
         removed = [f"below lambda_s = {readable(self.lambda_s)}"] * (self.lambda_s > 0)
         removed += [f"above lambda_c = {readable(self.lambda_c)}"] * (self.lambda_c < inf)
         return f"waves {' and '.join(removed) or 'of no length'} were removed by Gaussian filters"

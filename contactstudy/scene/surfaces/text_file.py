@@ -69,7 +69,7 @@ TWO = re.compile(
 
 @dataclass
 class Header:
-    """What the header of a text file says, by axis: x (along a row), y (from row to row), z (the height).
+    """Statements of the header of a text file by axis: x (along a row), y (from row to row), z (the height).
 
     Sizes of all points and steps are in metres, or in a unit that the header leaves open (``is_bare``). `unknown` are
     units that are no length, `doubts` lines that contradict others, `unused` lines with lengths that nothing uses.

@@ -7,7 +7,7 @@ import numpy as np
 
 import contactstudy as cs
 from contactstudy.domain.fields import Array
-from studies.reference.hard_case import (
+from studies.definitions.hard_case import (
     AT_EDGE,
     CELLS,
     ENDED,
@@ -18,8 +18,8 @@ from studies.reference.hard_case import (
     noise,
     with_heights,
 )
-from studies.reference.hard_cases import CASES as NAMED
-from studies.reference.hard_cases import between
+from studies.definitions.hard_cases import CASES as NAMED
+from studies.definitions.hard_cases import between
 from studies.reference.line_contact import P_H, SCENE, A
 from tests.hard_cases.equivalent import perturbation, units
 

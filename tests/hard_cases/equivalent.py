@@ -10,8 +10,7 @@ import contactstudy as cs
 from contactstudy.accuracy.residual_errors import residual_errors
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import across_and_along
-from studies.reference.dense_solver import answer
-from studies.reference.hard_case import (
+from studies.definitions.hard_case import (
     AT_EDGE,
     PADDINGS,
     ROUGH,
@@ -21,6 +20,7 @@ from studies.reference.hard_case import (
     with_heights,
 )
 from studies.reference.line_contact import HERTZ_HEIGHT, SCENE, STEEL
+from tests.hard_cases.dense_solver import DenseAnswer
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class EquivalentCase(HardCase):
     form: EquivalentForm | None = None
 
     def reference(
-        self, solution: cs.Contact, padding: cs.Padding | cs.Paddings, solver: cs.Solver
+        self, solution: cs.Contact, padding: cs.Padding | cs.Paddings, dense: DenseAnswer
     ) -> tuple[Array, float]:
         """Return the converted pressure of the form, and a bound on its error.
 
@@ -52,8 +52,7 @@ class EquivalentCase(HardCase):
         form = self.form
         assert form is not None
         problem = form.scene.problem(form.grid, padding)
-        other = self.solve(problem, solver)
-        dense = answer(self.scene, self.grid, across_and_along(padding), solution)
+        other = self.solve(problem, cs.PreconditionedCG())
         bound = residual_errors(other).l1 + dense.error
         if form.other_heights:
             change = problem.undeformed_gap - solution.problem.undeformed_gap

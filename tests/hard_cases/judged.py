@@ -1,11 +1,30 @@
-"""What every hard case is held to, the named ones of the study ``stability`` among them."""
+"""What every hard case is held to, the named ones of the study ``stability`` among them: a dense matrix."""
 
 import numpy as np
 import pytest
 
 import contactstudy as cs
-from studies.reference.hard_case import PADDINGS, SOLVERS, Verdict
+from contactstudy.domain.grid import across_and_along
+from studies.definitions.hard_case import PADDINGS, SOLVERS, HardCase, Judgement, Verdict
 from tests.hard_cases.cases import CASES
+from tests.hard_cases.dense_solver import answer, influence_matrix, plane_strain_matrix
+from tests.hard_cases.equivalent import EquivalentCase
+
+
+def judged_by(
+    case: HardCase, solution: cs.Contact, padding: str, *, strips: bool = False
+) -> Judgement:
+    """The verdict by a dense matrix, whose strips are those of plane strain, or by an equivalent form."""
+
+    def reference() -> tuple[np.ndarray, float]:
+        both = across_and_along(PADDINGS[padding])
+        matrix_of = plane_strain_matrix if strips else influence_matrix
+        dense = answer(case.scene, case.grid, both, solution, matrix_of)
+        if isinstance(case, EquivalentCase):
+            return case.reference(solution, PADDINGS[padding], dense)
+        return dense.pressure * solution.problem.scales.pressure, dense.error
+
+    return case.judge(solution, padding, reference)
 
 
 def ends_well(name: str, padding: str, solver: str) -> cs.Solution:
@@ -17,7 +36,7 @@ def ends_well(name: str, padding: str, solver: str) -> cs.Solution:
         assert np.isfinite(field).all()
     assert (solution.pressure >= 0).all()
     assert (solution.pressure <= case.scene.hardness).all()
-    judged = case.judge(solution, padding, SOLVERS[solver])
+    judged = judged_by(case, solution, padding, strips=name == "strips of plane strain")
     assert judged.verdict in (Verdict.WITHIN_STATED_ERROR, Verdict.EXPLAINED_BY_STATUS), judged
     if judged.verdict is Verdict.WITHIN_STATED_ERROR:
         carried = solution.pressure.sum() / problem.control.total

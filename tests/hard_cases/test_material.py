@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from studies.reference.hard_case import EXACT, grid
+from studies.definitions.hard_case import EXACT, grid
 from studies.reference.line_contact import P_H, SCENE
 from tests.hard_cases.cases import CASES
 from tests.hard_cases.judged import ends_well

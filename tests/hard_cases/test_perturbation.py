@@ -3,8 +3,9 @@ from dataclasses import replace
 import pytest
 
 import contactstudy as cs
-from studies.reference.hard_case import PADDINGS, Verdict
+from studies.definitions.hard_case import PADDINGS, Verdict
 from tests.hard_cases.cases import CASES
+from tests.hard_cases.judged import judged_by
 
 
 @pytest.mark.parametrize(
@@ -15,6 +16,6 @@ def test_a_truncated_window_tells_what_exact_periodicity_does_not(name: str, pad
     assert padding not in CASES[name].paddings
     solver = cs.PreconditionedCG()
     solution = case.solve(case.scene.problem(case.grid, PADDINGS[padding]), solver)
-    judged = case.judge(solution, padding, solver)
+    judged = judged_by(case, solution, padding)
     assert judged.error > 1e-3 > judged.stated
     assert judged.verdict is Verdict.WRONG

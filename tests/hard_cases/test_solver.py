@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from studies.reference.hard_case import EXACT, SOLVERS
+from studies.definitions.hard_case import EXACT, SOLVERS
 from tests.hard_cases.cases import CASES
 
 

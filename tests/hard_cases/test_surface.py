@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 import contactstudy as cs
-from studies.reference.hard_case import EXACT, ROUGH, grid, with_heights
+from studies.definitions.hard_case import EXACT, ROUGH, grid, with_heights
 from studies.reference.line_contact import HERTZ_HEIGHT, SCENE
 
 HEIGHTS = ROUGH * HERTZ_HEIGHT

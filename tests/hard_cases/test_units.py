@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from studies.reference.hard_case import CELLS, EXACT, FREE, grid, noise
+from studies.definitions.hard_case import CELLS, EXACT, FREE, grid, noise
 from studies.reference.line_contact import P_H, SCENE, A
 
 ENDS = [5e-324, 1e-310, 1e-200, 1e200, 1.7e308]

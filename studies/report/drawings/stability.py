@@ -3,9 +3,9 @@
 import numpy as np
 import xarray as xr
 
+from studies.definitions.hard_case import Verdict
+from studies.definitions.hard_cases import CASES
 from studies.model.drawing import Table
-from studies.reference.hard_case import Verdict
-from studies.reference.hard_cases import CASES
 from studies.report.claims import Claim, drawing
 
 RIGHT, EXPLAINED, WRONG = (
@@ -35,12 +35,13 @@ def _median(dataset: xr.Dataset) -> float:
 
 STABLE = Claim(
     "Is it stable?",
-    "{all} hard cases end with an error within the stated one, or with a status that explains why there is no answer.",
+    "{all} hard cases end with the same answer by two solvers, within the errors that both state, or with a status that "
+    "explains why there is none.",
     "{cases} difficult contacts were solved with {paddings} paddings and {solvers} solvers, where the combination "
-    "applies: {right} solves have an error within the one that the program states for its residual, {explained} end "
-    "with a status that explains why there is no answer, and {wrong}. The median error is {median} of the stated "
-    "error. The references are dense matrices, built pair by pair without transforms and solved directly; the "
-    "coefficients of a cell are the program's own, but for one case in plane strain.",
+    "applies: {right} solves differ from those of the other solver by no more than the errors that the program states "
+    "for their residuals, {explained} end with a status that explains why there is no answer, and {wrong}. The median "
+    "difference is {median} of the stated error. The tests compare each with a dense matrix, built pair by pair "
+    "without transforms and solved directly.",
     {
         "all": lambda d: "Not all" if _count(d, WRONG) else "All",
         "cases": lambda d: d.sizes["case"],

@@ -11,8 +11,6 @@ import numpy as np
 import contactstudy as cs
 from contactstudy.accuracy.residual_errors import residual_errors
 from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import across_and_along
-from studies.reference.dense_solver import InfluenceMatrix, answer, influence_matrix
 from studies.reference.line_contact import HERTZ_HEIGHT, SCENE, A, relative_l1
 
 FREE, EXACT = cs.ZeroPadding(), cs.ExactPeriodicity()
@@ -66,8 +64,6 @@ class Judgement(NamedTuple):
 class HardCase:
     """A scene on a grid that is difficult to solve.
 
-    Its pressure is compared with that of :mod:`studies.reference.dense_solver`.
-
     Attributes
     ----------
     scene, grid
@@ -80,8 +76,6 @@ class HardCase:
         Function of problem and solver that returns the pressure to start from.
     paddings
         Names of the paddings to which the case applies.
-    matrix_of
-        Influence coefficients of the reference.
     """
 
     scene: cs.Scene
@@ -90,7 +84,6 @@ class HardCase:
     options: cs.SolveOptions = field(default_factory=lambda: cs.SolveOptions(1e-10))
     start: Start | None = None
     paddings: tuple[str, ...] = tuple(PADDINGS)
-    matrix_of: InfluenceMatrix = influence_matrix
 
     def solve(self, problem: cs.Problem, solver: cs.Solver) -> cs.Contact:
         """Return the solution of ``problem`` with this case's settings."""
@@ -102,33 +95,32 @@ class HardCase:
         cut_off = padding == "zero" and cs.Status.CONVERGED in self.ends
         return self.ends | {cs.Status.CONTACT_AT_EDGE} if cut_off else self.ends
 
-    def reference(
-        self, solution: cs.Contact, padding: cs.Padding | cs.Paddings, solver: cs.Solver
-    ) -> tuple[Array, float]:
-        """Return the reference for the pressure (x, y) [Pa] of a solution, and a bound on its own relative L1 error."""
-        paddings = across_and_along(padding)
-        dense = answer(self.scene, self.grid, paddings, solution, self.matrix_of)
-        return dense.pressure * solution.problem.scales.pressure, dense.error
-
-    def judge(self, solution: cs.Contact, padding: str, solver: cs.Solver) -> Judgement:
+    def judge(
+        self, solution: cs.Contact, padding: str, reference: Callable[[], tuple[Array, float]]
+    ) -> Judgement:
         """Return the verdict on a solution, with its error and the one that the program states.
 
-        The stated error is that by the residual in ``solution.error``, which knows nothing of the reference. It must be
-        small enough to be worth stating, so that an answer which says that it is wrong by all of itself is refused.
+        `reference` gives the pressure (x, y) [Pa] to compare with, and a bound on its own relative L1 error. The stated
+        error is that by the residual in ``solution.error``. It must be small enough to be worth stating, so that an
+        answer which says that it is wrong by all of itself is refused.
         """
         if padding not in self.paddings:
             return Judgement(Verdict.NOT_APPLICABLE)
         expected = solution.status in self.allowed_statuses(padding)
         if solution.status in UNFINISHED:
             return Judgement(Verdict.EXPLAINED_BY_STATUS if expected else Verdict.WRONG)
-        reference, of_reference = self.reference(solution, PADDINGS[padding], solver)
-        error = relative_l1(solution.pressure, reference)
-        stated = solution.error.l1.residual
-        if stated is None:  # no bound is known for windows along both axes
-            stated = residual_errors(solution).l1
+        pressure, of_reference = reference()
+        error, stated = relative_l1(solution.pressure, pressure), stated_error(solution)
         useful = max(WORTHLESS, WORTHLESS_TOLERANCES * self.options.tolerance)
         right = expected and error <= stated + of_reference and stated <= useful
         return Judgement(Verdict.WITHIN_STATED_ERROR if right else Verdict.WRONG, error, stated)
+
+
+def stated_error(solution: cs.Contact) -> float:
+    """Return the relative L1 error of the pressure that the program states for the residual of a solution."""
+    stated = solution.error.l1.residual
+    # no bound is known for windows along both axes
+    return residual_errors(solution).l1 if stated is None else stated
 
 
 def grid(

@@ -1,4 +1,4 @@
-"""What the study of hard cases refuses: answers that are worse than the program says."""
+"""What the judgement of hard cases refuses: answers that are worse than the program says."""
 
 from dataclasses import dataclass, replace
 
@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from studies.reference.dense_solver import answer, influence_matrix, plane_strain_matrix
-from studies.reference.hard_case import PADDINGS, ROUGH, HardCase, Verdict, grid, with_heights
-from studies.reference.hard_cases import CASES
+from studies.definitions.hard_case import PADDINGS, ROUGH, HardCase, Verdict, grid, with_heights
+from studies.definitions.hard_cases import CASES
+from tests.hard_cases.dense_solver import answer, influence_matrix, plane_strain_matrix
+from tests.hard_cases.judged import judged_by
 
 CASE = HardCase(with_heights(ROUGH), grid())
 SOLVER = cs.PreconditionedCG()
@@ -21,7 +22,7 @@ def solution() -> cs.Contact:
 
 
 def test_an_answer_is_judged_by_the_error_that_the_program_states(solution: cs.Contact) -> None:
-    judged = CASE.judge(solution, PADDING, SOLVER)
+    judged = judged_by(CASE, solution, PADDING)
     assert judged.verdict is Verdict.WITHIN_STATED_ERROR
     assert judged.error <= judged.stated == solution.error.l1.residual < 1e-8
     dense = answer(CASE.scene, CASE.grid, (cs.ZeroPadding(), cs.ExactPeriodicity()), solution)
@@ -52,7 +53,7 @@ def test_a_solver_that_misreports_its_residual_is_refused(part: float) -> None:
     misreporting = Misreporting(part)
     problem = CASE.scene.problem(CASE.grid, PADDINGS[PADDING])
     noisy = CASE.solve(problem, misreporting)
-    assert CASE.judge(noisy, PADDING, misreporting).verdict is Verdict.WRONG
+    assert judged_by(CASE, noisy, PADDING).verdict is Verdict.WRONG
 
 
 def test_a_pressure_with_noise_is_refused_however_large_the_error_that_is_stated(
@@ -61,13 +62,13 @@ def test_a_pressure_with_noise_is_refused_however_large_the_error_that_is_stated
     noise = 1 + 0.3 * np.random.default_rng(2).standard_normal(solution.pressure.shape)
     pressure = np.maximum(solution.pressure * noise, 0.0)
     alone = replace(solution, pressure=pressure)
-    assert CASE.judge(alone, PADDING, SOLVER).verdict is Verdict.WRONG
+    assert judged_by(CASE, alone, PADDING).verdict is Verdict.WRONG
     # with the gap that it leaves, of which the program states an error above its own
     operator = solution.problem.operator
     displacement = operator(pressure)
     gap = solution.gap + displacement - solution.displacement
     honest = replace(solution, pressure=pressure, displacement=displacement, gap=gap)
-    judged = CASE.judge(honest, PADDING, SOLVER)
+    judged = judged_by(CASE, honest, PADDING)
     assert judged.stated > judged.error > 0.1
     assert judged.verdict is Verdict.WRONG
 
@@ -75,19 +76,19 @@ def test_a_pressure_with_noise_is_refused_however_large_the_error_that_is_stated
 @pytest.mark.parametrize("other", ["duplicated", "superposed", "circular", "zero"])
 def test_a_solution_with_the_window_of_another_padding_is_refused(other: str) -> None:
     solution = CASE.solve(CASE.scene.problem(CASE.grid, PADDINGS[other]), SOLVER)
-    assert CASE.judge(solution, other, SOLVER).verdict is Verdict.WITHIN_STATED_ERROR
+    assert judged_by(CASE, solution, other).verdict is Verdict.WITHIN_STATED_ERROR
     # the dense answer of exact periodicity, in the scales of this problem
-    assert CASE.judge(solution, PADDING, SOLVER).verdict is Verdict.WRONG
+    assert judged_by(CASE, solution, PADDING).verdict is Verdict.WRONG
 
 
 def test_a_status_explains_a_missing_answer_only_where_it_is_expected(solution: cs.Contact) -> None:
     case = CASES["hardness below the mean pressure"]
     problem = case.scene.problem(case.grid, PADDINGS[PADDING])
     soft = case.solve(problem, SOLVER)
-    assert case.judge(soft, PADDING, SOLVER).verdict is Verdict.EXPLAINED_BY_STATUS
+    assert judged_by(case, soft, PADDING).verdict is Verdict.EXPLAINED_BY_STATUS
     stalled = replace(solution, status=cs.Status.STALLED)
-    assert CASE.judge(stalled, PADDING, SOLVER).verdict is Verdict.WRONG
-    assert CASE.judge(solution, "of another name", SOLVER).verdict is Verdict.NOT_APPLICABLE
+    assert judged_by(CASE, stalled, PADDING).verdict is Verdict.WRONG
+    assert judged_by(CASE, solution, "of another name").verdict is Verdict.NOT_APPLICABLE
 
 
 def test_strips_of_plane_strain_have_coefficients_of_their_own() -> None:

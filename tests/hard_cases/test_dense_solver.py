@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from studies.reference import dense_solver
+from tests.hard_cases import dense_solver
 
 
 @pytest.mark.parametrize("count", [2, 3, 7])

@@ -34,7 +34,6 @@ from contactstudy.solvers.solve import ReportingSolver, SolveOptions, solve_cont
 if TYPE_CHECKING:
     from contactstudy.answers.evolution import Evolution
     from contactstudy.answers.lubricated_contact import LubricatedContact
-    from contactstudy.evolution.equilibrium.yielding_film import YieldingFilms
     from contactstudy.evolution.time_steps import TimeSteps
 
 # Most iterations of a film by default, and the fraction of the requested error for its steps in time.
@@ -184,8 +183,7 @@ class _Request:
                 self.refuse_unless("a film that wears", "times", "error")
                 return self.film_wear()
             if scene.time_dependent_field is not None:
-                used = () if any(map(yields, self.scene.solids)) else ("error", "step")
-                self.refuse_unless("a film that changes in time", "times", *used)
+                self.refuse_unless("a film that changes in time", "times", "error", "step")
                 return self.time_dependent_film()
             self.refuse_unless("a steady film", "start")
             return self.film()
@@ -236,12 +234,9 @@ class _Request:
 
     def refuse_options_of_films(self) -> None:
         """Raise InvalidInput for an option, or a start, that a film cannot use."""
-        default, names = SolveOptions(), ["solver"]
-        bodies_yield = any(map(yields, self.scene.solids))
-        if not bodies_yield:  # the precision is that of the operators of plastic strain
-            names.append("precision")
-            if self.scene.time_dependent_field is not None and not self.scene.wears_steadily:
-                names.append("max_iterations")
+        default, names = SolveOptions(), ["solver", "precision"]
+        if self.scene.time_dependent_field is not None and not self.scene.wears_steadily:
+            names.append("max_iterations")
         for name in names:
             if (value := getattr(self.options, name)) != getattr(default, name):
                 raise InvalidInput(
@@ -527,13 +522,6 @@ class _Request:
         from contactstudy.answers.evolution import films_answer
         from contactstudy.lubrication.evolve_lubricated import evolve_lubricated
 
-        if any(map(yields, self.scene.solids)):
-            from contactstudy.evolution.equilibrium.yielding_film import follow_yielding_film
-
-            def yielding(films: "YieldingFilms", requested: Request | None) -> "Evolution":
-                return replace(films_answer(films, requested), yielding_films=films)
-
-            return self._followed(follow_yielding_film, yielding, options=self._film_options)
         step, error = self.steps.step, self._error_of_a_step
         tolerance = self.options.tolerance
         if step is None:

@@ -60,7 +60,7 @@ nitpick_ignore_regex = [
     # parts of answers and of scenes, whose classes have no page of their own
     (
         "py:class",
-        r"SteadyRolling|RepeatedRolling|Trajectory|FilmTrajectory|YieldingFilms|StressModel|AdhesiveSolver|ShearCompliance",
+        r"SteadyRolling|RepeatedRolling|Trajectory|FilmTrajectory|StressModel|AdhesiveSolver|ShearCompliance",
     ),
 ]
 

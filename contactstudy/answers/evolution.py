@@ -42,7 +42,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from contactstudy.answers.lubricated_contact import LubricatedContact
-    from contactstudy.evolution.equilibrium.yielding_film import YieldingFilms
     from contactstudy.evolution.rolling.repeated_rolling import RepeatedRolling
     from contactstudy.evolution.trajectory import Frame, Trajectory
     from contactstudy.lubrication.film_trajectory import FilmTrajectory
@@ -85,8 +84,6 @@ class Evolution(Answer):
         Recorded instants of a film; None for others.
     passes
         Recorded passes of a repeatedly rolling contact; None for others.
-    yielding_films
-        Films over a body that yields, with its plastic strain; None for others.
     coarser
         Function of a level k that solves the scene on 1 / 2^k of the cells along each axis with 2^k times longer steps,
         for bounds by comparison, and of a multiple of the width; None where bounds take no other solution.
@@ -99,7 +96,6 @@ class Evolution(Answer):
     trajectory: "Trajectory | None" = None
     films: "FilmTrajectory | None" = None
     passes: "RepeatedRolling | None" = None
-    yielding_films: "YieldingFilms | None" = None
     coarser: Coarser | None = None
 
     @property
@@ -174,8 +170,6 @@ class Evolution(Answer):
         if self.trajectory is not None and self.trajectory.coupled is not None:
             last_frame = self.trajectory.frames[-1]
             return self.trajectory.coupled.over_time([last_frame.coupled_state])
-        if self.yielding_films is not None:
-            return self.yielding_films.plastic.over_time(self.yielding_films.states[-1:])
         return {}
 
     @property
@@ -253,8 +247,6 @@ class Evolution(Answer):
         """Fields that the last instant keeps from those before, such as the wear depth."""
         if self.trajectory is not None:
             return self.trajectory.frames[-1].fields
-        if self.yielding_films is not None:
-            return self.yielding_films.plastic.fields(self.yielding_films.states[-1])
         worn = None if self.films is None else self.films.contacts[-1].wear_depth
         return {} if worn is None else {"wear_depth": Field(("x", "y"), worn, "m", "wear depth")}
 
@@ -313,11 +305,7 @@ class Evolution(Answer):
             (), step_error, "1", "largest error of a step, of the film in L1 over its mean",
             comment="in the Hertzian zone" if isfinite(step_error) else NO_STEP_ERROR,
         )  # fmt: skip
-        if self.yielding_films is None:
-            return dataset
-        return dataset.assign(
-            labels.plastic_variables(self.yielding_films.plastic, self.yielding_films.states)
-        )
+        return dataset
 
     def plot(self, dataset: "xr.Dataset | None" = None) -> "Figure":
         """Return a picture of the fields and of the numbers over time as a matplotlib figure."""

@@ -1,9 +1,8 @@
 """The answer for a lubricated contact."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 from contactstudy.answers.answer import Answer, Counts
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts, Request
@@ -80,36 +79,12 @@ class LubricatedContact(Answer, FilmSolution):
         dataset = film_dataset(self, self.error, self.quantities)
         return dataset if self.time is not None else dataset.assign_attrs(accuracy=self.accuracy)
 
-    def plot(
-        self,
-        dataset: "xr.Dataset | None" = None,
-        *,
-        colours: Literal["pressure", "interference"] = "pressure",
-        refractive_index: float = 1.5,
-        wavelengths: Sequence[float] | None = None,
-    ) -> "Figure":
-        """Return a picture of pressure and film as a matplotlib figure.
-
-        Parameters
-        ----------
-        dataset
-            What :meth:`to_dataset` returned, if at hand.
-        colours
-            Map of the pressure, or of the film in the colours of two-beam interference, dark where it vanishes.
-        refractive_index
-            Refractive index of the lubricant, for interference.
-        wavelengths
-            Wavelengths [m] of the light, for interference; white light if None.
-        """
+    def plot(self, dataset: "xr.Dataset | None" = None) -> "Figure":
+        """Return a picture of pressure and film as a matplotlib figure; `dataset` is that of :meth:`to_dataset`."""
         with needed_for("LubricatedContact.plot"):
             from contactstudy.io.pictures.contact import film_picture
 
-        return film_picture(
-            self.to_dataset() if dataset is None else dataset,
-            colours,
-            refractive_index,
-            wavelengths,
-        )
+        return film_picture(self.to_dataset() if dataset is None else dataset)
 
 
 def film_answer(contact: FilmSolution, **further_fields: Any) -> LubricatedContact:

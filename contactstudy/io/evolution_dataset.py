@@ -27,7 +27,6 @@ from contactstudy.solvers.solution import Status
 
 if TYPE_CHECKING:
     from contactstudy.evolution.rolling.repeated_rolling import RepeatedRolling
-    from contactstudy.evolution.states.state_variables import CoupledStateVariable
     from contactstudy.evolution.trajectory import Trajectory
 
 Z = {"units": "m", "long_name": "depth", "axis": "Z", "positive": "down"}
@@ -108,16 +107,6 @@ def evolution_dataset(evolution: "Trajectory", quantities: Quantities) -> xr.Dat
     for fields in (_states, _tractions, _outputs):
         dataset = dataset.assign(fields(evolution))
     return with_quantities(dataset, quantities)
-
-
-def plastic_variables(
-    coupled: "CoupledStateVariable", states: Sequence[Mapping[str, Array]]
-) -> dict[str, xr.Variable]:
-    """Return residual displacement and plastic strain of bodies that yield, at every instant."""
-    fields = _over_time([coupled.fields(state) for state in states])
-    return fields | {
-        name: field_variable(field) for name, field in coupled.over_time(states).items()
-    }
 
 
 def _tractions(evolution: "Trajectory") -> dict[str, xr.Variable]:

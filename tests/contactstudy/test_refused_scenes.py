@@ -195,17 +195,8 @@ BESIDE: list[tuple[str, cs.Scene, dict[str, Any]]] = [
           ("Scene.shapes[0]", {}, {"shapes": (WAVY, CYLINDER)}),
       )),
     (
-        "Scene.solids[0] yields, and its surface moves * give -2", FILM,
-        oiled(slide_roll_ratio=0.0) | {"solids": (YIELDING, STEEL)},
-    ),
-    (
-        "Scene.solids[1] yields, * give 2,", FILM,
+        "Scene.solids[1] * plastic strain * dry contacts only", FILM,
         oiled(slide_roll_ratio=-2.0) | {"solids": (STEEL, YIELDING)},
-    ),
-    (
-        "*steady at each instant", FILM,
-        oiled(slide_roll_ratio=-2.0)
-        | {"load": HISTORY, "solids": (YIELDING, STEEL), "outputs": (cs.SubsurfaceStress(),)},
     ),
 ]  # fmt: skip
 

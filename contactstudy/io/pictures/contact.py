@@ -1,6 +1,5 @@
 """Pictures of one contact, and of two beside each other."""
 
-from collections.abc import Sequence
 from typing import Any
 
 import matplotlib as mpl
@@ -9,7 +8,6 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.units import display_unit_of
 from contactstudy.io.pictures.figure import (
     LAW_STYLE,
@@ -20,10 +18,7 @@ from contactstudy.io.pictures.figure import (
     name_axes,
     panels,
 )
-from contactstudy.io.pictures.interference import interference_colours
 
-# Half-width of an interferogram in Hertz's half-widths.
-INTERFEROGRAM = 2.0
 # Fraction of half a roller's length that is drawn at each end, and half-width of a film in Hertz's half-widths.
 OF_LENGTH, FILM_WIDTH = 0.4, 2.0
 TEMPERATURE: dict[str, Any] = {"color": "#CC79A7"}
@@ -186,20 +181,9 @@ def comparison_picture(fields: xr.Dataset, at: tuple[float, float]) -> Figure:
     return figure
 
 
-def film_picture(
-    contact: xr.Dataset,
-    colours: str = "pressure",
-    refractive_index: float = 1.5,
-    wavelengths: Sequence[float] | None = None,
-) -> Figure:
-    """Draw pressure and film across the middle of a lubricated contact, and a map.
-
-    The map is of the pressure where that varies along the length, or of the film in `colours` of interference.
-    """
-    if colours not in ("pressure", "interference"):
-        raise InvalidInput(f"plot.colours is {colours!r}: give 'pressure' or 'interference'.")
-    interference = colours == "interference"
-    mapped = interference or contact.sizes["y"] > 1
+def film_picture(contact: xr.Dataset) -> Figure:
+    """Draw pressure and film across the middle of a lubricated contact, and a map of a pressure that varies along it."""
+    mapped = contact.sizes["y"] > 1
     with mpl.rc_context(SETTINGS):
         figure, axes = panels(3 if mapped else 2, columns=3, width=4.6, height=3.4)
         _film(axes[0], contact)
@@ -209,9 +193,7 @@ def film_picture(
         ratio = contact.get("lambda_ratio")
         of_film = "" if ratio is None else f", lambda ratio {float(ratio):.3g}"
         name_axes(axes[1], across, up, f"film in the middle{of_film}")
-        if interference:
-            _interferogram(axes[2], contact, refractive_index, wavelengths)
-        elif mapped:
+        if mapped:
             _map(axes[2], contact)
         return finish(figure, contact)
 
@@ -242,25 +224,3 @@ def _film(ax: Axes, contact: xr.Dataset) -> None:
         beside.spines["right"].set(visible=True, position=("axes", 1 + 0.2 * number))
         beside.grid(visible=False)
     ax.set_title("pressure and film" if len(scales) == 1 else "pressure, film and temperature")
-
-
-def _interferogram(
-    ax: Axes, contact: xr.Dataset, refractive_index: float, wavelengths: Sequence[float] | None
-) -> None:
-    """Draw the film near the contact in colours of interference; one line of cells as a band."""
-    reach = INTERFEROGRAM * float(contact["hertz_half_width"])
-    film = contact["film"].sel(x=slice(-reach, reach))
-    scaled_x, across = in_display_unit(film["x"], "m", "across")
-    scaled_y, along = in_display_unit(film["y"], "m", "along")
-    x, y = scaled_x.values, scaled_y.values
-    dx, dy = x[1] - x[0], y[1] - y[0] if len(y) > 1 else 1.0
-    ax.imshow(
-        interference_colours(film.values, refractive_index, wavelengths),
-        origin="lower",
-        aspect="auto",
-        extent=(y[0] - dy / 2, y[-1] + dy / 2, x[0] - dx / 2, x[-1] + dx / 2),
-    )
-    if len(y) == 1:
-        ax.set_xticks([])
-    name_axes(ax, along, across, "film by interference")
-    ax.grid(visible=False)

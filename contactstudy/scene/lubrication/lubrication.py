@@ -214,6 +214,14 @@ class Lubrication:
                 "the pressure of a lubricant follows from its flow, which a limit would interrupt: leave the hardness "
                 "out, and compare the peak pressure with it",
             ),
+            *(
+                (
+                    yields(solid),
+                    f"Scene.solids[{number}]",
+                    "plastic strain is computed in dry contacts only: give an elastic HalfSpace",
+                )
+                for number, solid in enumerate(scene.solids)
+            ),
             (
                 any(map(creeps, scene.solids))
                 and scene.time_dependent_field not in (None, "Scene.wear"),
@@ -227,9 +235,6 @@ class Lubrication:
                 )
         if self.thermal is not None:
             self.thermal.check(scene.solids)
-        for number, solid in enumerate(scene.solids):
-            if yields(solid):
-                self._check_yielding(scene, number)
         for name in ("boundary", "thermal"):
             if getattr(self, name) is not None and (changing := self._changing_field(scene)):
                 raise InvalidInput(
@@ -241,25 +246,7 @@ class Lubrication:
         """Return the name of a field by which the film is not steady at each instant, or None."""
         if isinstance(self.mean_speed, ChangingSpeed):
             return "Lubrication.mean_speed"
-        is_steady = scene.wear is not None or any(map(yields, scene.solids))
-        return None if is_steady else scene.time_dependent_field
-
-    def _check_yielding(self, scene: SceneContext, number: int) -> None:
-        """Raise InvalidInput unless the body that yields, of this `number`, stands still below a steady film."""
-        at_rest = -2.0 if number == 0 else 2.0
-        if self.slide_roll_ratio != at_rest:
-            raise InvalidInput(
-                f"Scene.solids[{number}] yields, and its surface moves at a Lubrication.slide_roll_ratio of "
-                f"{self.slide_roll_ratio:g}, which carries its strain out of the contact: give {at_rest:g}, at which it "
-                "stands still, or an elastic body."
-            )
-        moves = any(hasattr(shape, "gap_after") for shape in scene.shapes)
-        changes = isinstance(self.mean_speed, ChangingSpeed) or moves or scene.wear is not None
-        if changes or scene.outputs:
-            raise InvalidInput(
-                f"Scene.solids[{number}] yields below a film, which is steady at each instant: give one speed, shapes "
-                "that stand still, no wear and no outputs."
-            )
+        return None if scene.wear is not None else scene.time_dependent_field
 
     @property
     def contact_speeds(self) -> tuple[float, float]:

@@ -39,8 +39,8 @@ A scene names its effects. Each pair of effects is tried on a small scene: `+` i
 pair that is refused, with the message of this number below. Bodies that yield roll in passes (`Rolling(passes=...)`),
 bodies that creep roll at a speed. Partial slip is `Fretting` with times; with adhesion it is a cycle without times
 (`Fretting.cycle`). Wear of a contact that rolls is that of a body that turns (`Wear(circumference=...)`), wear with a
-film that of the asperities on its boundary film. A body that yields below a film stands still. This page is written by
-the test that tries the pairs.
+film that of the asperities on its boundary film. This page is written by the test that tries the
+pairs.
 
 """
 
@@ -62,8 +62,6 @@ def scene_with(first: str, second: str) -> dict[str, Any]:
         fields["adhesion"] = cs.Adhesion(work=5.0, range=2e-7)
         if "partial slip" in (first, second):
             fields["friction"] = cs.Fretting.cycle(0.3, 1e4)
-    if {first, second} == {"yielding", "film"}:
-        fields["lubrication"] = replace(fields["lubrication"], slide_roll_ratio=-2.0)
     if {first, second} == {"partial slip", "wear"}:
         fields["wear"] = cs.Wear(1e-15, 0.0)
     if {first, second} == {"wear", "rolling"}:

@@ -1,7 +1,7 @@
 """The program that computes a case: what must be equal for a stored case to be used again.
 
 A stored case is used again if its fields, its study's measures, every numerical source file of the program, the user's
-modules that the study imports, the files that it depends on, and the versions of Python and of the libraries that
+modules that the study names, the files that it depends on, and the versions of Python and of the libraries that
 compute are the same.
 """
 
@@ -12,8 +12,7 @@ import site
 import sys
 import sysconfig
 import time
-from collections.abc import Iterable, Iterator, Mapping
-from contextlib import suppress
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache, cached_property
 from importlib.metadata import PackageNotFoundError, packages_distributions, version
@@ -44,15 +43,16 @@ INSTALLED = tuple(
         *site.getsitepackages(), site.getusersitepackages(),
     }
 )  # fmt: skip
-IMPORT = re.compile(
-    rb"(?:^|[;:])[ \t]*(?:from[ \t]+([.\w]+)[ \t]+import\b[ \t]*(\([^)]*\)|[^#;\n]*)|import[ \t]+([^#;\n]+))",
-    re.MULTILINE,
-)
 WORD = re.compile(rb"\w+")
 # words of a source that may import any module
-AT_RUN_TIME = re.compile(
-    rb"\b(?:import_module|__import__|spec_from_file_location|pkgutil|runpy|exec)\b"
-)
+AT_RUN_TIME = {
+    b"import_module",
+    b"__import__",
+    b"spec_from_file_location",
+    b"pkgutil",
+    b"runpy",
+    b"exec",
+}
 UNREADABLE, MEASURES = "cannot be read", "the study's measures"
 
 Digests = Mapping[str, str]  # of files and versions, by their names
@@ -99,12 +99,10 @@ class Program:
                 about["typed code"] = hashed(_pickled((study.measures, kinds_by_name)))
         if users:
             look()
-            files = _imported(users, sources)
+            files, words = _named(users, sources)
             about |= {name: content(path) for name, path in files.items()}
             _refuse([name for name in files if _LOADED.get(name, about[name]) != about[name]])
-            texts = [*sources.values(), *(_bytes(path) or b"" for path in files.values())]
-            names = [name for text in texts for name in imported_names(text)]
-            about |= _versions_imported(names, files)
+            about |= {of: version(of) for of in _distributions(words)}
         loaded = modules.get(getattr(study.case_at, "__module__", ""), {}).get("__depends__", {})
         paths = {name: study.folder / name for name in study.depends}
         about |= {name: content(path) for name, path in paths.items()}
@@ -134,9 +132,7 @@ class Program:
                 f"{_listed(unknown)} was imported while a case was computed: import it at the top of the study's file."
             )
         files = {name: path for name, path in files.items() if name in self.digests}
-        now = {
-            name: _content_now(of) for name, of in ({**_own_files(), **files, **self.paths}).items()
-        }
+        now = {name: content(of) for name, of in ({**_own_files(), **files, **self.paths}).items()}
         now = {**own_digests(), **now}
         own = set(filter(_is_own, self.digests))
         stale = {name for name, path in _own_files().items() if _is_newer(path, LOADED)}
@@ -196,7 +192,7 @@ def own_digests() -> Digests:
             found[name] = version(name)
         except PackageNotFoundError:
             continue
-    return {**{name: _content_now(path) for name, path in _own_files().items()}, **found}
+    return {**{name: content(path) for name, path in _own_files().items()}, **found}
 
 
 @cache
@@ -229,65 +225,32 @@ def _is_users(name: str, module: Mapping[str, Any]) -> bool:
     return not str(file).startswith(INSTALLED) if file else name == "__main__"
 
 
-def _imported(start: Iterable[str], sources: Mapping[str, bytes]) -> dict[str, Path]:
-    """Return the files of the user's loaded modules that the modules of some names import, these included.
+def _named(
+    start: Iterable[str], sources: Mapping[str, bytes]
+) -> tuple[dict[str, Path], set[bytes]]:
+    """Return the files of the user's loaded modules that those of some names may import, these included, and all words.
 
-    `sources` are those of study files by the names of their modules. A name that is imported need not be a module.
+    A module counts if its name stands anywhere in the source of one that counts, which it does in every way to import
+    it. `sources` are those of study files by the names of their modules.
     """
-    loaded, found = user_files(), dict[str, Path]()
-    queue = list(start)
-    seen = set(queue)
-    while queue:
-        name = queue.pop()
-        source = sources.get(name, b"")
-        if name in loaded:
-            found[name] = loaded[name]
-            source = _bytes(loaded[name]) or b""
-        named = set(imported_names(source, name, loaded.get(name)))
-        if AT_RUN_TIME.search(source):
-            named |= loaded.keys()
-        queue += named - seen
-        seen |= named
-    return found
+    loaded, files, words = user_files(), dict[str, Path](), set[bytes]()
+    news, others = set(start), loaded.keys() - {*start, "__main__"}
+    while news:
+        files |= {name: loaded[name] for name in news & loaded.keys()}
+        for name in news:
+            source = sources.get(name) or (_bytes(loaded[name]) if name in loaded else None) or b""
+            words |= {*WORD.findall(source), *name.encode().split(b".")}
+        others -= news
+        is_any = bool(words & AT_RUN_TIME)
+        news = {name for name in others if is_any or name.rpartition(".")[2].encode() in words}
+    return files, words
 
 
-def imported_names(source: bytes, module: str = "", path: Path | None = None) -> Iterator[str]:
-    """Yield the dotted names that a source imports, also in its functions, and those of the packages that they are in.
-
-    Relative ones are those of the module with a name and a path.
-    """
-    package = module.split(".") if path and path.stem == "__init__" else module.split(".")[:-1]
-    yield from _with_parents(module)
-    for origin, names, modules in IMPORT.findall(source.replace(b"\\\n", b" ")):
-        base = origin.decode().lstrip(".")
-        if dots := len(origin) - len(base):
-            base = ".".join([*package[: len(package) - dots + 1], *filter(None, [base])])
-        several = [part.split()[0].decode() for part in modules.split(b",") if part.split()]
-        for name in (*several, base, *(f"{base}.{part.decode()}" for part in WORD.findall(names))):
-            yield from _with_parents(name)
-
-
-def _with_parents(name: str) -> Iterator[str]:
-    """Yield a dotted name and those of the packages that it is in."""
-    parts = name.split(".")
-    for end in range(1, len(parts) + 1):
-        yield ".".join(parts[:end])
-
-
-def _versions_imported(names: Iterable[str], files: Mapping[str, Path]) -> dict[str, str]:
-    """Return the versions of the further distributions that have modules of some names."""
-    known = {*sys.stdlib_module_names, *PACKAGES, "", *(name.partition(".")[0] for name in files)}
-    named = {name.partition(".")[0] for name in names} - known
-    return {of: version(of) for name in named for of in _distributions(name)}
-
-
-@cache
-def _distributions(module: str) -> list[str]:
-    """Return the names of the distributions that have a module; most have one of their own name, which is quick."""
-    with suppress(PackageNotFoundError):
-        version(module)
-        return [module]
-    return list(packages_distributions().get(module, ()))
+def _distributions(words: Iterable[bytes]) -> set[str]:
+    """Return the names of the other distributions that have a module called like one of the words."""
+    modules = packages_distributions()
+    named = {word.decode() for word in words} & modules.keys() - set(PACKAGES)
+    return {distribution for name in named for distribution in modules[name]}
 
 
 # digests of the user's modules as they were loaded, by name; empty where that is not certain
@@ -314,24 +277,22 @@ def _is_newer(path: Path, instant: float) -> bool:
     return max(status.st_mtime, status.st_ctime) > instant
 
 
+_CONTENT: dict[Path, tuple[Stat | None, str]] = {}
+
+
 def content(path: Path) -> str:
-    """Return the digest of a file's content; of its archive, for a module in one."""
-    source = _bytes(path)
-    return hashed(source) if source is not None else UNREADABLE
+    """Return the digest of a file's content, read again only if its size or its times have changed.
 
-
-_CONTENT: dict[Path, tuple[Stat, str]] = {}
-
-
-def _content_now(path: Path) -> str:
-    """Return the digest of a file's content, which is read again only if its size or its times have changed."""
+    For a module in an archive it is that of the archive.
+    """
     try:
         status = os.stat(path)  # noqa: PTH116 (twice as quick)
         stat = status.st_mtime_ns, status.st_ctime_ns, status.st_size
     except OSError:
-        return content(path)
-    if path not in _CONTENT or _CONTENT[path][0] != stat:
-        _CONTENT[path] = stat, content(path)
+        stat = None
+    if stat is None or _CONTENT.get(path, (None, ""))[0] != stat:
+        source = _bytes(path)
+        _CONTENT[path] = stat, UNREADABLE if source is None else hashed(source)
     return _CONTENT[path][1]
 
 

@@ -41,6 +41,7 @@ FILES = {
     "deep/__init__.py": "", "deep/inner.py": "import distributed_here\nexact = 1\n",
     "site/distributed_here.py": "", "site/distributed_here-1.0.dist-info/METADATA":
     "Metadata-Version: 2.1\nName: distributed_here\nVersion: 1.0\n",
+    "site/distributed_here-1.0.dist-info/RECORD": "distributed_here.py,,\n",
 }  # fmt: skip
 SCRIPT = """
 import sys

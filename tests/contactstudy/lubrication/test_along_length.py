@@ -88,7 +88,7 @@ def test_nothing_flows_out_of_cells_that_hold_nothing() -> None:
 def test_without_the_compiler_the_film_is_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
     scene = by_moes(20, 5, crossed(0.3 * film_scale(by_moes(20, 5))))
     with_it = solve_lubricated(scene, grid(64, 4.0, 16))
-    monkeypatch.setattr(local_stage, "sweeper", lambda: local_stage.sweep_by_arrays)
+    monkeypatch.setattr(local_stage, "compiled_sweep", lambda: None)
     without = solve_lubricated(scene, grid(64, 4.0, 16))
     assert without.film == pytest.approx(with_it.film, rel=1e-6)
 

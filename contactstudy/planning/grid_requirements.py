@@ -18,7 +18,6 @@ from contactstudy.domain.grid import (
     Padding,
     Paddings,
     ZeroPadding,
-    across_and_along,
 )
 from contactstudy.domain.units import readable
 from contactstudy.scene.scene import Scene
@@ -477,9 +476,7 @@ def grid_requirements(scene: Scene, padding: Padding | Paddings | None = None) -
     )
     if scene.friction is None:
         return requirements
-    friction = scene.friction.explanation(
-        scene, varies=requirements.varies, paddings=across_and_along(requirements.padding())
-    )
+    friction = scene.friction.explanation(scene)
     return replace(requirements, friction=friction, sticks=getattr(scene.friction, "sticks", False))
 
 

@@ -244,7 +244,7 @@ class Fretting:
         """Return the displacement of both bodies of `scene` under tangential traction."""
         return shear_response(shearable(scene.solids), grid, paddings, datum)
 
-    def explanation(self, scene: SceneContext, *, varies: bool, paddings: Paddings) -> str:
+    def explanation(self, scene: SceneContext) -> str:
         """Return a sentence on the solves of the traction."""
         count = len(self.forces or self.displacements or ())
         return (

@@ -46,8 +46,8 @@ class Friction(Protocol):
     ) -> FrictionSolver:
         """Return the solver of this scene with friction, on a grid."""
 
-    def explanation(self, scene: SceneContext, *, varies: bool, paddings: Paddings) -> str:
-        """Return a sentence on how traction is solved and why; `varies`: whether the gap varies along the length."""
+    def explanation(self, scene: SceneContext) -> str:
+        """Return a sentence on how traction is solved and why."""
 
 
 def has_proportional_compliances(
@@ -209,7 +209,8 @@ def bulk_compliance(
     window = None if paddings is None else paddings[0].window
     if paddings is not None and (window is None or len(window) > 1):
         raise InvalidInput(
-            f"{field} is given with images across, between which no stretch is periodic: leave padding_across out."
+            "Scene.friction has a bulk stress with images across, between which no stretch is periodic: leave "
+            "padding_across out."
         )
     return solid.compliance
 

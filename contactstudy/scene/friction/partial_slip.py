@@ -1,6 +1,5 @@
 """Partial slip under a tangential force."""
 
-from math import inf
 from typing import Annotated, ClassVar
 
 from contactstudy.domain.checks import InvalidInput
@@ -8,7 +7,7 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.domain.units import Newtons, NewtonsPerMetre, Pascals
 from contactstudy.domain.validation import FINITE, BodyIndex, validated
-from contactstudy.elasticity.tangential import shear_response
+from contactstudy.scene.friction.fretting import Fretting
 from contactstudy.scene.friction.friction_law import (
     FrictionCoefficient,
     bulk_compliance,
@@ -17,24 +16,17 @@ from contactstudy.scene.friction.friction_law import (
     check_static,
     check_tangential_response,
     force_per_length,
-    has_proportional_compliances,
-    mean_over_grid,
-    shearable,
 )
-from contactstudy.scene.loads.resulting_load import Approach
-from contactstudy.scene.solids.bodies import SceneContext, is_layered
-from contactstudy.solvers.friction.bulk_stress import BulkStress
-from contactstudy.solvers.friction.laws import CiavarellaJaeger, PartialSlipShear
+from contactstudy.scene.solids.bodies import SceneContext
+from contactstudy.solvers.friction.fretting import PartialSlipShear
 
 
 @validated
 class PartialSlip:
     """Partial slip under a tangential force that friction holds back.
 
-    The bodies are pressed first, then loaded tangentially, and never unloaded. Traction is found by Ciavarella and
-    Jaeger's superposition where that is exact: under a load on half-spaces without adhesion or a hardness, where the
-    gap does not vary along an exactly periodic length, or Poisson's ratio is 0. Else both components of traction are
-    solved for.
+    The bodies are pressed first, then loaded tangentially, and never unloaded. The traction is that of
+    :class:`~contactstudy.Fretting` with this one force, whose answer also has the slip and the energy lost.
 
     Parameters
     ----------
@@ -84,58 +76,19 @@ class PartialSlip:
 
     def solver(
         self, scene: SceneContext, gap: Array, grid: Grid, paddings: Paddings, datum: float
-    ) -> CiavarellaJaeger | PartialSlipShear:
-        """Return superposition where it is exact for this gap, else the problem of two components."""
+    ) -> PartialSlipShear:
+        """Return the solver of this scene on a grid: that of fretting with one force."""
         force = force_per_length(self, scene)
         assert force is not None
-        if not self.bulk_stress and self.superposes(
-            scene, varies=bool((gap != gap[:, :1]).any()), paddings=paddings
-        ):
-            return CiavarellaJaeger(
-                self.coefficient, force / (self.coefficient * scene.largest_load)
-            )
-        response = shear_response(shearable(scene.solids), grid, paddings, datum)
-        mean = mean_over_grid(force, scene, grid, paddings)
-        bulk = None
-        if self.bulk_stress:
-            compliance = bulk_compliance(scene, self.bulk_body, "PartialSlip.bulk_stress", paddings)
-            bulk = BulkStress(self.bulk_stress, self.bulk_body, compliance)
-        return PartialSlipShear(self.coefficient, mean, response, bulk)
-
-    def explanation(self, scene: SceneContext, *, varies: bool, paddings: Paddings) -> str:
-        """Return a sentence on the solves: two normal contacts where they are exact, else two components of traction."""
-        if not self.bulk_stress and self.superposes(scene, varies=varies, paddings=paddings):
-            is_plane = not varies and paddings[1].window is None
-            return (
-                "friction: partial slip by Ciavarella and Jaeger's superposition, two solves, which is exact as "
-                + ("nothing varies along the length." if is_plane else "Poisson's ratio is 0.")
-            )
-        return (
-            "friction: partial slip for both components of traction, since "
-            + (
-                "a bulk stress stretches a body;"
-                if self.bulk_stress
-                else "a hardness limits the pressure;"
-                if scene.hardness != inf
-                else "adhesion adds to the pressure;"
-                if scene.adhesion is not None
-                else "an approach is given in place of a load;"
-                if isinstance(scene.load, Approach)
-                else "the tangential compliance of a coating differs from its normal one;"
-                if any(map(is_layered, scene.solids))
-                else "something varies along the length, or is not periodic along it, and Poisson's ratio is not 0;"
-            )
-            + " 20 to 60 applications of four transforms each, in addition to the normal solve."
+        stresses = (self.bulk_stress,) if self.bulk_stress else None
+        fretting = Fretting(
+            self.coefficient, (force,), bulk_stresses=stresses, bulk_body=self.bulk_body
         )
+        return PartialSlipShear(fretting.solver(scene, gap, grid, paddings, datum))
 
-    @staticmethod
-    def superposes(scene: SceneContext, *, varies: bool, paddings: Paddings) -> bool:
-        """Return whether two normal contacts make up the traction exactly."""
-        # a pressure that is capped or attracted is no difference of two contacts, and the second needs a load
-        is_elastic = scene.hardness == inf and scene.adhesion is None
-        is_loaded = not isinstance(scene.load, Approach)
+    def explanation(self, scene: SceneContext) -> str:
+        """Return a sentence on the solves of the traction."""
         return (
-            is_elastic
-            and is_loaded
-            and has_proportional_compliances(scene.solids, varies=varies, paddings=paddings)
+            "friction: partial slip by Newton's method, 20 to 60 applications of the response to both components of "
+            "traction, four transforms each, in addition to the normal solve."
         )

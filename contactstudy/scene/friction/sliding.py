@@ -75,7 +75,7 @@ class Sliding:
         coupling = shear_coupling(scene.solids, "x", grid, paddings, datum)
         return FullSliding(self.coefficient, coupling[0] if coupling else None)
 
-    def explanation(self, scene: SceneContext, *, varies: bool, paddings: Paddings) -> str:
+    def explanation(self, scene: SceneContext) -> str:
         """Return a sentence on the solves: one if the bodies are elastically similar, else a sequence of them."""
         beta = dundurs(scene.solids)
         if are_similar(scene.solids) or self.coefficient == 0:

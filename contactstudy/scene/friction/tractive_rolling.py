@@ -160,7 +160,7 @@ class TractiveRolling:
             not isinf(scales.shortest_wavelengths[0]) for scales in length_scales_of(scene.shapes)
         )
 
-    def explanation(self, scene: SceneContext, *, varies: bool, paddings: Paddings) -> str:
+    def explanation(self, scene: SceneContext) -> str:
         """Return a sentence on the solves of the traction."""
         sentence = "friction: tractive rolling by Newton's method, 10 to 60 applications of the tangential compliance"
         if not are_similar(scene.solids):

@@ -5,7 +5,7 @@ reverse within it. Source: Mindlin & Deresiewicz (1953), J. Appl. Mech. 20, 327.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from contactstudy.solvers.friction.bulk_stress import BulkStress
 from contactstudy.solvers.friction.coulomb_newton import shear_status
 from contactstudy.solvers.friction.fretting_traction import FrettingTraction
 from contactstudy.solvers.friction.partial_slip import slip_step, transmission_status
-from contactstudy.solvers.solution import Solution, with_traction, worst
+from contactstudy.solvers.solution import Solution, TangentialTraction, with_traction, worst
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Difference of two forces over the largest one within which they count as the same.
@@ -127,6 +127,25 @@ class FrettingShear:
             stuck = slip_step(self.response, sticking, at_rest, LOOP_TOLERANCE, 1000, total=total)
             slip = rigid - forces / largest * float(stuck.rigid[0])
         return forces, rigid, slip
+
+
+@dataclass(frozen=True, eq=False)
+class PartialSlipShear:
+    """Tangential traction of a `fretting` contact, without the slip and the energy, which partial slip does not name."""
+
+    fretting: FrettingShear
+
+    def solve(
+        self, problem: Problem, options: SolveOptions, start: Array | None, device: Device
+    ) -> Solution:
+        """Return the normal contact with the tangential traction after the last force."""
+        solution = self.fretting.solve(problem, options, start, device)
+        found = solution.traction
+        assert found is not None
+        traction = TangentialTraction(
+            found.shear, found.stick, "partial slip, Newton", found.iterations, bulk=found.bulk
+        )
+        return replace(solution, traction=traction)
 
 
 def _last_cycle(forces: Sequence[float], stresses: Sequence[float]) -> tuple[int, int] | None:

@@ -1,5 +1,3 @@
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -47,11 +45,3 @@ def test_single_precision_solves_to_a_tolerance_it_can_reach(
     double = cs.solve(posed, tolerance=1e-9)
     difference = np.abs(single.pressure - double.pressure).max() / posed.scales.pressure
     assert difference < 64 * 1e-5 * 10  # a residual times the operator's condition
-
-
-def test_a_small_force_has_a_residual_of_one_at_most(line_contact: LineContact) -> None:
-    """The two pressures whose difference is the traction are then the same to rounding."""
-    scene = replace(line_contact.scene, friction=cs.PartialSlip(0.3, 3e-5))
-    paddings = cs.ZeroPadding(), cs.ExactPeriodicity()
-    posed = scene.problem(line_contact.grid((256, 1), 1.0), paddings)
-    assert cs.solve(posed, precision=SINGLE).residual == 1.0

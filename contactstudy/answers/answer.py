@@ -84,8 +84,12 @@ class Answer(InNotebook):
         """Return fields and quantities with dimensions, units, long names, bounds and the scene."""
         raise NotImplementedError
 
+    def dataset_to_draw(self) -> "xr.Dataset":
+        """Return the dataset of :meth:`to_dataset` with what a picture alone shows."""
+        return self.to_dataset()
+
     def plot(self, dataset: "xr.Dataset | None" = None) -> "Figure":
-        """Return a picture of the fields, of the `dataset` from :meth:`to_dataset` if it is given."""
+        """Return a picture of the fields, of the `dataset` from :meth:`dataset_to_draw` if it is given."""
         raise NotImplementedError
 
     @property

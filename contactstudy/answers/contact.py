@@ -295,12 +295,19 @@ class Contact(Answer, Solution):
         dataset = contact_dataset(self, self.error, self.quantities, self.derived)
         return dataset.assign_attrs(accuracy=self.accuracy)
 
+    def dataset_to_draw(self) -> "xr.Dataset":
+        """Return the dataset with the loop of force and displacement of a contact that frets, by some 17 solves."""
+        dataset = self.to_dataset()
+        from contactstudy.io.dataset import fretting_loop
+
+        return dataset.assign(fretting_loop(self))
+
     def plot(self, dataset: "xr.Dataset | None" = None) -> "Figure":
         """Return a picture of pressure, gap and stress as a matplotlib figure."""
         with needed_for("Contact.plot"):
             from contactstudy.io.pictures.contact import contact_picture
 
-        return contact_picture(self.to_dataset() if dataset is None else dataset)
+        return contact_picture(self.dataset_to_draw() if dataset is None else dataset)
 
 
 def contact_answer(solution: Solution, **further_fields: Any) -> Contact:

@@ -140,7 +140,7 @@ def contact_dataset(
         if scene.adhesion is None and isinstance(scene.load, ConstantLoad | ChangingLoad):
             dataset = dataset.assign(_hertz(scene.hertz))
         dataset.attrs |= scene_attributes(description)
-        dataset = dataset.assign(_profile(description) | _fretting_loop(solution, description))
+        dataset = dataset.assign(_profile(description))
     dataset = dataset.assign({name: field_variable(field) for name, field in derived.items()})
     return with_quantities(_with_errors(dataset, error), quantities)
 
@@ -157,10 +157,10 @@ def _profile(posed: PosedScene) -> dict[str, xr.Variable]:
     return {"drop": labelled("y", drop, "m", "drop of the profile along the roller")}
 
 
-def _fretting_loop(solution: Solution, posed: PosedScene) -> dict[str, xr.Variable]:
-    """Return the loop of force over displacement of a contact that frets; empty for another."""
-    friction = solution.problem.friction
-    if not isinstance(friction, FrettingShear):
+def fretting_loop(solution: Solution) -> dict[str, xr.Variable]:
+    """Return the loop of force over displacement of a contact that frets, by further solves; empty for another."""
+    friction, posed = solution.problem.friction, solution.problem.description
+    if not isinstance(friction, FrettingShear) or not isinstance(posed, PosedScene):
         return {}
     forces, displacements, slips = friction.loop(solution)
     of_one = per_length(1.0, "N", "tangential force", roller_length(posed), posed.grid.length)

@@ -54,7 +54,9 @@ def test_shear_on_the_way_down_is_mindlin_and_deresiewicz() -> None:
 
 def test_the_loop_is_that_of_masing_s_rule_and_its_area_the_energy() -> None:
     force = 0.6 * MU
-    dataset = fretted(cs.Fretting.cycle(MU, force)).to_dataset()
+    answer = fretted(cs.Fretting.cycle(MU, force))
+    assert "loop_force" not in answer.to_dataset()  # which takes further solves
+    dataset = answer.dataset_to_draw()
     forces, slips = dataset["loop_force"].values, dataset["loop_slip"].values
     displacements = dataset["loop_displacement"].values
     assert forces[[0, len(forces) // 2, -1]] == pytest.approx([force, -force, force])

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contactstudy.accuracy.discretisation.coarser import halved
+from contactstudy.domain.changes import AREA_FLOOR, FLOOR, INLET, MARGIN, largest_change
 from contactstudy.domain.checks import InvalidInput, NotDefined
 from contactstudy.domain.errors import ErrorParts
 from contactstudy.domain.fields import Array
@@ -56,26 +57,22 @@ class NestedConstants:
         Bound over the change of a number of a film from twice the width, as its error falls with the square of that.
     """
 
-    margin: float = 1.5
+    margin: float = MARGIN
     half_order_margin: float = 2.4
-    floor: float = 0.1
+    floor: float = FLOOR
     dent_floor: float = 2 / 3  # with the margin, no less than that error itself
-    area_floor: float = 0.5
+    area_floor: float = AREA_FLOOR
     stress_floor: float = 5e-4
     depth_floor: float = 1e-2
-    inlet: float = 4 / 3
+    inlet: float = INLET
 
 
 CONSTANTS = NestedConstants()
 
 
 def changes(values: Sequence[float]) -> float:
-    """Return the change of a value from half the cells, at least half of that from a quarter to half.
-
-    Where a quarter of the cells has no solution, the only change counts twice.
-    """
-    last = abs(values[0] - values[1])
-    return max(last, abs(values[1] - values[2]) / 2) if len(values) > 2 else 2 * last
+    """Return the largest change of a value between a grid, half and a quarter of its cells, by the rule of all."""
+    return largest_change([abs(fine - coarse) for fine, coarse in pairwise(values)])
 
 
 def halved_grid(grid: Grid, times: int) -> Grid:
@@ -179,5 +176,4 @@ def l1_bound(pressures: Sequence[Array]) -> float:
     on_fine = [on_cells(pressure, fine.shape) for pressure in pressures]
     distances = [float(np.abs(a - b).sum()) for a, b in pairwise(on_fine)]
     norm = float(np.abs(fine).sum())
-    largest = max(distances[0], distances[1] / 2) if len(distances) > 1 else 2 * distances[0]
-    return CONSTANTS.margin * largest / norm if norm else 0.0
+    return CONSTANTS.margin * largest_change(distances) / norm if norm else 0.0

@@ -1,41 +1,53 @@
-"""Errors of a steady film, from films on further grids."""
+"""Errors of a steady film by the rule of all numbers: their changes to fewer cells, and to twice the width."""
 
 from dataclasses import replace
+from itertools import pairwise
 from math import inf
 from operator import attrgetter
+from typing import Any
 
 import numpy as np
 
+from contactstudy.domain.changes import AREA_FLOOR, FLOOR, INLET, MARGIN, largest_change
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings, across_and_along, edge_fraction
-from contactstudy.lubrication.lubricated_contact import FilmSolution, rise_beside_lowest
+from contactstudy.lubrication.lubricated_contact import FilmSolution
 from contactstudy.lubrication.newton.pseudo_time import FilmControls
 from contactstudy.lubrication.posed_film import interpolated, lubricated_scales
 from contactstudy.lubrication.steady_film import solve_on
-from contactstudy.scene.lubrication.lubricant import Eyring, LimitingShear, Newtonian
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.shapes.roughness import Roughness
 from contactstudy.solvers.solution import Status
 
-# The error by the inlet falls with its length^-2: it is this part of the change to twice the length. A constriction of
-# few cells hides this fraction of the rise of the film beside it.
-INLET_ERROR_OVER_CHANGE, HIDDEN_RISE = 4 / 3, 0.2
-# Error of the least film of a roller over its change from half the cells: it lies anywhere in a cell along, near an end.
-LEAST_ALONG_ROLLER = 2.0
-# Least change from half the cells to all, over that from a quarter to half: it may vanish by chance.
-NEXT_CHANGE = 1 / 3
-# Numbers whose errors by the cells are this multiple of their change, as of numbers of any answer, by their attributes.
-OTHERS = {name: name for name in ("power_loss", "rolling_resistance", "meniscus")} | {
-    "thermal_reduction": "temperatures.reduction"
+# Numbers with errors of their own, further ones, and those of asperities and of heat, with their attributes.
+NUMBERS = {
+    "peak_pressure": "peak_pressure",
+    "central_film": "central_film",
+    "minimum_film": "minimum_film",
+    "friction_coefficient": "friction",
 }
-OTHER_MARGIN = 1.5
+FURTHER = {name: name for name in ("power_loss", "rolling_resistance", "meniscus")}
+OF_ASPERITIES = "contact_load_fraction", "contact_area_fraction"
+OF_HEAT = "flash_temperature", "film_temperature"
+# A number that changes by more than this from half the cells, and by no less than from a quarter to half, may grow with
+# the cells, as does the friction of a Newtonian stress under a spike.
+NOTICEABLE = 0.02
+GROWS = (
+    "No bound: from half the cells it changes by {:.2g} %, no less than before, so that it may grow with them, as below "
+    "a spike of the pressure. Give more cells, or a shear law that thins, such as Eyring()."
+)
+# Outcomes without a film to compare with.
+UNRESOLVED = (
+    Status.FILM_NOT_CONVERGED,
+    Status.FILM_BELOW_CELL,
+    Status.SEVERAL_FILMS,
+    Status.CONTACT_AT_EDGE,
+)
 # Cells of the coarsest grid of an estimate, at least.
 MIN_CELLS = 8
 # A second peak of pressure is a spike if it rises from the valley before it by more than SPIKE of the highest pressure.
-# Friction has no estimate where a spike adds more than SPIKE_DRAG of it, and SPIKE_GROWTH times as much as on half the
-# cells.
-SPIKE, SPIKE_DRAG, SPIKE_GROWTH = 0.02, 0.01, 1.5
+SPIKE = 0.02
 OF_SPIKE = (
     "The peak pressure has no estimate: it may be that of the spike before the outlet, which grows with the number of "
     "cells."
@@ -67,12 +79,9 @@ def with_error(
 def film_error(contact: FilmSolution) -> ErrorEstimate:
     """Return an estimate of the errors of ``contact``, from solutions on three further grids.
 
-    These have half the cells along both axes, a quarter, and half the cells over twice the width.
-
-    1. The error by the cells is the difference to half as many, as the observed order is 1 to 2.3. It is at least a
-       third of the difference between half and a quarter, since the error may change its sign; that of the minimum film
-       is at least a fifth of the rise from the lowest cell to the next.
-    2. The error by the inlet is 4/3 of the change by twice its length, as it falls with the square of that.
+    These have half the cells along both axes, a quarter, and half the cells over twice the width. The error of each
+    number by the cells follows from its changes by the rule of all numbers (:mod:`contactstudy.domain.changes`); that by
+    the inlet is 4/3 of the change by twice its length, as it falls with the square of that.
 
     No estimate is finite where the film, or one on the grids with half the cells, has not converged, is not resolved, or
     is one of several. A film on a quarter of the cells that is such takes no part.
@@ -128,26 +137,8 @@ def _without_estimate(scene: Scene, grid: Grid, padding: Padding | Paddings) -> 
 def _unknown(reason: str) -> ErrorEstimate:
     """Return an estimate without bounds, with the ``reason``."""
     parts = ErrorParts(discretisation=inf, inlet=inf, residual=inf, reason=reason)
-    return _estimate(parts, parts, parts, parts, parts)
-
-
-def _estimate(
-    l1: ErrorParts,
-    peak_pressure: ErrorParts,
-    central_film: ErrorParts,
-    minimum_film: ErrorParts,
-    friction: ErrorParts,
-) -> ErrorEstimate:
-    """Return the estimate of a film; its warnings are the reasons of its parts, each once."""
-    parts = l1, peak_pressure, central_film, minimum_film, friction
-    return ErrorEstimate(
-        l1,
-        peak_pressure,
-        central_film=central_film,
-        minimum_film=minimum_film,
-        friction_coefficient=friction,
-        warnings=tuple(dict.fromkeys(part.reason for part in parts if part.reason)),
-    )
+    every: Any = dict.fromkeys(NUMBERS, parts)
+    return ErrorEstimate(parts, **every, warnings=(reason,))
 
 
 def _grids_of_estimate(grid: Grid) -> tuple[Grid, Grid, Grid]:
@@ -168,132 +159,97 @@ def _compared(
     longer: FilmSolution,
 ) -> ErrorEstimate:
     """Return the errors of a contact from those on the grids of the estimate."""
-    unresolved = (
-        Status.FILM_NOT_CONVERGED,
-        Status.FILM_BELOW_CELL,
-        Status.SEVERAL_FILMS,
-        Status.CONTACT_AT_EDGE,
-    )
-    failed = [film for film in (contact, coarse, longer) if film.status in unresolved]
+    failed = [film for film in (contact, coarse, longer) if film.status in UNRESOLVED]
     is_too_coarse = any(film.status is Status.FILM_BELOW_CELL for film in failed)
     is_other = any(film.status is not Status.FILM_BELOW_CELL for film in failed)
-    residual = inf if is_other else contact.residual
     reason = ""
     if failed:
         cells = failed[0].grid.cells[0]
         reason = (
             f"With {cells} cells across a film of the estimate is no answer: {failed[0].status}"
         )
+    nested = [contact, coarse, *[coarsest] * (coarsest.status not in UNRESOLVED)]
 
-    def parts(name: str, margin: float = 1.0) -> ErrorParts:
-        fine, half, quarter, long_inlet = (
-            float(attrgetter(name)(film)) for film in (contact, coarse, coarsest, longer)
-        )
-        scale = abs(fine) or 1.0
-        change = abs(fine - half)
-        if coarsest.status not in unresolved:
-            change = max(change, NEXT_CHANGE * abs(half - quarter))
+    def parts(cells: float, inlet: float, why: str = "") -> ErrorParts:
         return ErrorParts(
-            discretisation=inf if is_too_coarse else margin * change / scale,
-            inlet=INLET_ERROR_OVER_CHANGE * abs(half - long_inlet) / scale,
-            residual=residual,
-            reason=reason,
+            discretisation=inf if is_too_coarse or why else MARGIN * cells,
+            inlet=INLET * inlet,
+            residual=inf if is_other else contact.residual,
+            reason=reason or why,
         )
 
-    on_coarse, on_longer = (_pressure_at(contact.grid, film) for film in (coarse, longer))
-    pressure = ErrorParts(
-        discretisation=inf if is_too_coarse else _l1(contact.pressure, on_coarse),
-        inlet=INLET_ERROR_OVER_CHANGE * _l1(on_coarse, on_longer),
-        residual=residual,
-        reason=reason,
-    )
-    peak = parts("peak_pressure")
-    if has_spike(contact.pressure) or _falls_within_a_cell(contact.pressure):
-        peak = replace(peak, discretisation=inf, reason=reason or OF_SPIKE)
-    friction = parts("friction")
-    drag, coarse_drag = _drag_of_spike(contact), _drag_of_spike(coarse)
-    # the drag of ever narrower spikes converges if the stress is limited or grows with the logarithm of the viscosity
-    shear = contact.scales.lubrication.lubricant.shear
-    limited = isinstance(shear, Eyring | LimitingShear)
-    of_spike = abs(drag - coarse_drag) if limited else drag
-    friction = replace(friction, discretisation=max(friction.by_cause["discretisation"], of_spike))
-    if isinstance(shear, Newtonian) and drag > max(SPIKE_DRAG, SPIKE_GROWTH * coarse_drag):
-        growing = (
-            f"Friction has no estimate: the spike before the outlet adds {100 * drag:.0f} % to it, of a stress that "
-            "grows with the viscosity. Give a shear law that thins, such as Eyring(), or LimitingShear()."
-        )
-        friction = replace(friction, discretisation=inf, reason=growing)
-    if contact.friction_reason:
-        friction = replace(friction, discretisation=inf, reason=contact.friction_reason)
+    pressures = [_pressure_at(contact.grid, film) for film in (*nested, longer)]
+    of_pressure = largest_change([_l1(*pair) for pair in pairwise(pressures[:-1])])
+    pressure = parts(of_pressure, _l1(pressures[1], pressures[-1]))
+
+    def of_number(attribute: str, why: str = "", least: float = 0.0) -> ErrorParts:
+        value = attrgetter(attribute)
+        values = [float(value(film)) for film in nested]
+        scale = abs(values[0]) or 1.0
+        changes = [abs(fine - half) / scale for fine, half in pairwise(values)]
+        if not why and changes[0] > max(NOTICEABLE, changes[-1]):
+            why = GROWS.format(100 * changes[0])
+        inlet = abs(values[1] - float(value(longer))) / scale
+        floor = FLOOR * of_pressure * bool(values[0])
+        return parts(max(largest_change(changes), floor, least), inlet, why)
+
+    of_spike = has_spike(contact.pressure) or _falls_within_a_cell(contact.pressure)
     temperatures = contact.temperatures
-    if temperatures is not None and temperatures.reason:
-        friction = replace(friction, discretisation=inf, reason=temperatures.reason)
-    minimum = parts("minimum_film")
-    hidden = HIDDEN_RISE * rise_beside_lowest(contact.film)
-    along = LEAST_ALONG_ROLLER if contact.scene.roller_length is not None else 1.0
-    minimum = replace(
-        minimum, discretisation=max(along * minimum.by_cause["discretisation"], hidden)
-    )
-    further = {
-        name: parts(attribute, OTHER_MARGIN)
-        for name, attribute in OTHERS.items()
-        if name != "thermal_reduction" or temperatures is not None
+    of_heat = "" if temperatures is None else temperatures.reason
+    of_friction = of_heat or contact.friction_reason
+    reasons = {
+        "peak_pressure": OF_SPIKE * of_spike,
+        "friction_coefficient": of_friction,
+        "power_loss": of_friction * bool(contact.scales.lubrication.slide_roll_ratio),
     }
-    estimate = _estimate(pressure, peak, parts("central_film"), minimum, friction)
-    estimate = replace(estimate, numbers=further)
+    found, numbers = dict(NUMBERS), dict(FURTHER)
     if temperatures is not None:
-        flash, mean = (
-            replace(parts(name), discretisation=inf, reason=temperatures.reason)
-            if temperatures.reason
-            else parts(name)
-            for name in ("flash_temperature", "film_temperature")
-        )
-        estimate = replace(estimate, flash_temperature=flash, film_temperature=mean)
-    if contact.contact_pressure is None:
-        return estimate
-    load, area = parts("contact_load_fraction"), parts("contact_area_fraction")
-    counted = max(area.by_cause["discretisation"], edge_fraction(contact.contact_pressure > 0))
-    area = replace(area, discretisation=counted)
+        numbers["thermal_reduction"] = "temperatures.reduction"
+        found |= {name: name for name in OF_HEAT}
+        reasons |= dict.fromkeys(OF_HEAT, of_heat)
+    errors: Any
+    errors, further = (
+        {name: of_number(attribute, reasons.get(name, "")) for name, attribute in names.items()}
+        for names in (found, numbers)
+    )
+    if contact.contact_pressure is not None:
+        untouched = _untouched_reason(contact, errors["minimum_film"])
+        least = AREA_FLOOR * edge_fraction(contact.contact_pressure > 0)
+        errors |= {
+            name: of_number(name, untouched, least * (name == "contact_area_fraction"))
+            for name in OF_ASPERITIES
+        }
+    warnings = tuple(
+        dict.fromkeys(one.reason for one in (pressure, *errors.values()) if one.reason)
+    )
+    return ErrorEstimate(pressure, **errors, numbers=further, warnings=warnings)
+
+
+def _untouched_reason(contact: FilmSolution, minimum_film: ErrorParts) -> str:
+    """Return why the fractions of asperities have no estimate; empty where they have one."""
     boundary = contact.scales.lubrication.boundary
     assert boundary is not None
-    lowest = contact.minimum_film * (1 - minimum.total)
-    if not contact.contact_pressure.any() and lowest <= boundary.film:
-        untouched = (
-            "The fractions of asperities have no estimate: no cell touches, and the minimum film is within its error of "
-            "the boundary film. Give more cells."
-        )
-        load, area = (
-            replace(one, discretisation=inf, reason=reason or untouched) for one in (load, area)
-        )
-    return replace(estimate, contact_load_fraction=load, contact_area_fraction=area)
+    assert contact.contact_pressure is not None
+    lowest = contact.minimum_film * (1 - minimum_film.total)
+    if contact.contact_pressure.any() or lowest > boundary.film:
+        return ""
+    return (
+        "The fractions of asperities have no estimate: no cell touches, and the minimum film is within its error of "
+        "the boundary film. Give more cells."
+    )
 
 
 def has_spike(pressure: Array) -> bool:
     """Return whether the mean pressure over the length (x, y) has a second peak downstream of a valley."""
-    return _valley(pressure)[1] > SPIKE * float(pressure.mean(axis=1).max())
+    mean = pressure.mean(axis=1)
+    falls = np.maximum.accumulate(mean) - mean
+    rises = np.maximum.accumulate(mean[::-1])[::-1] - mean
+    return bool(np.minimum(falls, rises).max() > SPIKE * mean.max())
 
 
 def _falls_within_a_cell(pressure: Array) -> bool:
     """Return whether the pressure (x, y) falls so steeply between cells that it may hide a spike."""
     return bool((pressure[:-1] - pressure[1:]).max() > STEEP_FALL * pressure.max())
-
-
-def _valley(pressure: Array) -> tuple[int, float]:
-    """Return the index across of the deepest valley of the pressure, averaged over the length, and its depth."""
-    mean = pressure.mean(axis=1)
-    falls = np.maximum.accumulate(mean) - mean
-    rises = np.maximum.accumulate(mean[::-1])[::-1] - mean
-    depth = np.minimum(falls, rises)
-    return int(depth.argmax()), float(depth.max())
-
-
-def _drag_of_spike(contact: FilmSolution) -> float:
-    """Return the part of the friction that the shear stress of a spike adds: what exceeds that in the valley."""
-    stress = np.abs(contact.shear.mean(axis=1))
-    if not (has_spike(contact.pressure) and stress.any()):
-        return 0.0
-    after = stress[_valley(contact.pressure)[0] :]
-    return float(np.clip(after - after[0], 0, None).sum() / stress.sum())
 
 
 def _pressure_at(grid: Grid, contact: FilmSolution) -> Array:

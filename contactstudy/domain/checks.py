@@ -4,14 +4,10 @@ import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import fields
 from difflib import get_close_matches
-from functools import wraps
 from numbers import Integral, Real
-from typing import Any, TypeVar
+from typing import Any
 
 from contactstudy.domain.invalid_input import InvalidInput as InvalidInput
-from contactstudy.domain.unit_text import with_numbers
-
-Described = TypeVar("Described")
 
 
 class UnknownField(InvalidInput, TypeError):
@@ -25,27 +21,9 @@ class NotDefined(InvalidInput):
     """
 
 
-def suggest_fields(cls: type[Described]) -> type[Described]:
-    """Make the constructor of a dataclass suggest the most similar field for an unknown keyword, and read units.
-
-    A text such as ``"10 mm"`` is converted where a field is a number with a unit.
-    """
-    construct = cls.__init__
-    names = parameters(cls)
-    types: dict[str, object] = {field.name: field.type for field in fields(cls)}  # type: ignore[arg-type]
-
-    def number(name: str, value: object) -> object:
-        return with_numbers(f"{cls.__name__}.{name}", value, types.get(name))
-
-    @wraps(construct)
-    def __init__(self: Described, *values: object, **named: object) -> None:
-        refuse_unknown(cls, named)
-        given = [number(name, value) for name, value in zip(names, values, strict=False)]
-        named = {name: number(name, value) for name, value in named.items()}
-        construct(self, *given, *values[len(given) :], **named)
-
-    cls.__init__ = __init__  # type: ignore[assignment]
-    return cls
+def called(cls: type) -> str:
+    """Return the name of a class in messages on its fields: its own, or that by which users give the fields."""
+    return getattr(cls, "called", cls.__name__)
 
 
 def refuse_unknown(cls: type, named: Iterable[str]) -> None:
@@ -53,7 +31,7 @@ def refuse_unknown(cls: type, named: Iterable[str]) -> None:
     names = parameters(cls)
     for name in named:
         if name not in names:
-            raise UnknownField(f"{cls.__name__}.{name} is not known: {suggestion(name, names)}.")
+            raise UnknownField(f"{called(cls)}.{name} is not known: {suggestion(name, names)}.")
 
 
 def parameters(cls: Any) -> list[str]:
@@ -176,15 +154,6 @@ def pair(field: str, value: object, remedy: str) -> tuple[object, object]:
     if len(both) != 2:
         raise InvalidInput(f"{field} is {value!r}: {remedy}.")
     return both[0], both[1]
-
-
-def width_and_length(field: str, value: object, remedy: str) -> tuple[float, float]:
-    """Return `value` as two lengths [m] above zero, (width, length), or raise :class:`InvalidInput`."""
-    width, length = pair(field, value, remedy)
-    return (
-        in_range(f"{field}[0]", width, "give a width above 0 m"),
-        in_range(f"{field}[1]", length, "give a length above 0 m"),
-    )
 
 
 def whole_quotient(field: str, length: float, period: float) -> int:

@@ -85,27 +85,6 @@ class Precision(Enum):
     SINGLE = "single"
     DOUBLE = "double"
 
-    @classmethod
-    def named(cls, value: "Precision | str") -> "Precision":
-        """Return the precision of a name.
-
-        Parameters
-        ----------
-        value
-            "single", "double", or a precision, which is returned as it is.
-
-        Raises
-        ------
-        InvalidInput
-            If there is no such precision.
-        """
-        if isinstance(value, Precision):
-            return value
-        names = {member.value: member for member in cls}
-        if value not in names:
-            raise InvalidInput(f"precision is {value!r}: give 'single' or 'double'.")
-        return names[value]
-
     @property
     def real(self) -> DTypeLike:
         """Type of the numbers in fields."""

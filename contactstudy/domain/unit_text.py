@@ -164,19 +164,3 @@ def unit_of(annotation: object) -> Unit | None:
     if get_origin(annotation) in (Union, UnionType) and str not in get_args(annotation):
         return next(filter(None, map(unit_of, get_args(annotation))), None)
     return None
-
-
-def with_numbers(field: str, value: object, annotation: object) -> object:
-    """Return the `value` of a field of a dataclass, whose texts are converted where its type is a number with a unit."""
-    if isinstance(value, str):
-        unit = unit_of(annotation)
-        return value if unit is None else in_si(field, value, unit)
-    if not isinstance(value, tuple | list) or isinstance(annotation, str):
-        return value
-    choices = (annotation, *get_args(annotation))
-    entries = next((get_args(each) for each in choices if get_origin(each) is tuple), ())
-    if not entries or (entries[-1] is not ... and len(entries) != len(value)):
-        return value
-    kinds = [entries[0]] * len(value) if entries[-1] is ... else entries
-    pairs = enumerate(zip(value, kinds, strict=True))
-    return type(value)(with_numbers(f"{field}[{n}]", one, kind) for n, (one, kind) in pairs)

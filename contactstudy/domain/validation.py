@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, fields
 from enum import Enum
 from functools import cache, wraps
+from importlib import import_module
 from math import inf
 from numbers import Integral, Real
 from types import NoneType, UnionType
@@ -23,6 +24,7 @@ from contactstudy.domain.checks import (
     MAX_SIZE,
     MIN_SIZE,
     InvalidInput,
+    called,
     refuse_unknown,
     suggestion,
 )
@@ -38,6 +40,13 @@ class Limits:
 
     text: str
     hold: Callable[[float], bool] = field(repr=False)
+
+
+@dataclass(frozen=True)
+class Example:
+    """Value of a kind that its name alone does not say, as it is written in Python."""
+
+    text: str
 
 
 def at_least(least: int) -> Limits:
@@ -82,9 +91,11 @@ def validated(cls: Class) -> Class:
     def __init__(self: Any, *values: object, **named: object) -> None:
         refuse_unknown(made, named)
         construct(self, *values, **named)
-        for name, hint in _hints(made):
-            value = valid(f"{type(self).__name__}.{name}", getattr(self, name), hint)
-            object.__setattr__(self, name, value)
+        for one in fields(made):
+            value = getattr(self, one.name, None)
+            if one.init and not (value is None and one.default is None):
+                value = valid(f"{called(made)}.{one.name}", value, hint_of(made, one.name))
+                object.__setattr__(self, one.name, value)
         getattr(self, "check_together", lambda: None)()
 
     made.__init__ = __init__
@@ -92,9 +103,23 @@ def validated(cls: Class) -> Class:
 
 
 @cache
-def _hints(cls: type) -> list[tuple[str, Any]]:
-    hints = get_type_hints(cls, include_extras=True)
-    return [(name, hints[name]) for name in (one.name for one in fields(cls) if one.init)]
+def hint_of(cls: type, name: str) -> Any:
+    """Return the annotation of a field.
+
+    A name that the module of the class imports for type checkers alone is a public one of its package, which is
+    imported here: a field that nothing is given for costs no import.
+    """
+    owner = next(base for base in cls.__mro__ if name in vars(base).get("__annotations__", {}))
+    module = import_module(owner.__module__)
+    package = import_module(owner.__module__.partition(".")[0])
+    one_field = type(name, (), {"__annotations__": {name: vars(owner)["__annotations__"][name]}})
+    known = dict(vars(module))
+    while True:
+        try:
+            return get_type_hints(one_field, known, include_extras=True)[name]
+        except NameError as unknown:
+            missing = str(unknown.name)
+            known[missing] = getattr(package, missing)
 
 
 def valid(name: str, value: Any, hint: Any) -> Any:
@@ -108,6 +133,8 @@ def valid(name: str, value: Any, hint: Any) -> Any:
         if not isinstance(value, str) or value not in options:
             raise InvalidInput(f"{name} is {value!r}: {suggestion(str(value), options)}.")
         return value
+    if hint is Any:
+        return value
     kind, unit, limits = options[0] if origin is Annotated else hint, *notes(hint)
     if kind is float:
         number = _float(in_si(name, value, unit) if isinstance(value, str) and unit else value)
@@ -116,9 +143,21 @@ def valid(name: str, value: Any, hint: Any) -> Any:
     elif kind is int:
         if _is(value, Integral) and limits.hold(value):
             return int(value)
+    elif isinstance(kind, type) and issubclass(kind, Enum):
+        return _member(name, value, kind)
     elif not isinstance(value, type) and isinstance(value, get_origin(kind) or kind):
         return value
     raise InvalidInput(f"{name} is {value!r}: {remedy(hint)}{_sizes(value)}.")
+
+
+def _member(name: str, value: object, kind: type[Enum]) -> Enum:
+    """Return a member of an enumeration, which may be given by its name in any case."""
+    if isinstance(value, kind):
+        return value
+    names = {member.name.lower(): member for member in kind}
+    if not isinstance(value, str) or value.lower() not in names:
+        raise InvalidInput(f"{name} is {value!r}: {suggestion(str(value), names)}.")
+    return names[value.lower()]
 
 
 def _sizes(value: object) -> str:
@@ -207,4 +246,6 @@ def _accepted(hint: Any) -> Iterator[str]:
     else:
         plain = {str: "a text", bool: "true or false"}
         word = getattr(kind, "__name__", str(kind))
-        yield plain.get(kind, f"{'an' if word[0] in 'AEIOU' else 'a'} {word}")
+        examples = (one for one in getattr(hint, "__metadata__", ()) if isinstance(one, Example))
+        example = next((f", such as {one.text}" for one in examples), "")
+        yield plain.get(kind, f"{'an' if word[0] in 'AEIOU' else 'a'} {word}{example}")

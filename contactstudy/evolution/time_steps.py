@@ -1,16 +1,14 @@
 """Settings of the steps in time: instants to record, stages of a step, and the estimate of their error."""
 
-from dataclasses import dataclass
 from enum import Enum
 from math import sqrt
 from typing import Annotated, Any
 
-import numpy as np
 from numpy.typing import ArrayLike
 
-from contactstudy.domain.checks import InvalidInput, set_fields, suggest_fields, whole_number
+from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.units import Number, Seconds
-from contactstudy.domain.validation import FINITE
+from contactstudy.domain.validation import BELOW_ONE, FINITE, at_least, validated
 from contactstudy.scene.loads.load_history import ChangingLoad, Times
 
 # Recorded instants of a history where none are named.
@@ -52,8 +50,7 @@ class ErrorEstimator(Enum):
     NONE = "none"
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class TimeSteps:
     """Instants to record of a scene that changes in time, and how steps between them are taken.
 
@@ -92,21 +89,20 @@ class TimeSteps:
 
     times: Times | None = None
     end: Annotated[Seconds, FINITE] | None = None
-    instants: int | None = None
-    error: Number | None = None
+    instants: Annotated[int, at_least(2)] | None = None
+    error: Annotated[Number, BELOW_ONE] | None = None
     scheme: Scheme = Scheme.IMPLICIT
     error_estimator: ErrorEstimator = ErrorEstimator.STEP_DOUBLING
     step: Seconds | None = None
 
-    def __post_init__(self) -> None:
+    def check_together(self) -> None:
+        """Check that what decides on the instants and on the steps is given once."""
         if self.error is not None and self.error_estimator is ErrorEstimator.NONE:
             raise InvalidInput(
                 f"TimeSteps.error_estimator is NONE beside an error of {self.error!r}, by whose estimate steps are "
                 "chosen: leave one of them out."
             )
-        if isinstance(self.times, list) or getattr(self.times, "ndim", 0) == 1:
-            set_fields(self, times=tuple(np.asarray(self.times).tolist()))
-        if self.times is not None and not np.size(self.times):
+        if self.times == ():
             raise InvalidInput(
                 "TimeSteps.times is empty: give one instant [s] or more, or leave it out."
             )
@@ -126,7 +122,7 @@ class TimeSteps:
     @property
     def last(self) -> float | None:
         """Last instant [s] that is named; None where the load decides."""
-        return self.end if self.times is None else float(np.max(self.times))
+        return self.end if self.times is None else max(self.times)
 
     def instants_of(self, *histories: Any) -> ArrayLike | None:
         """Return the instants [s] to record; None where steps are chosen for an error, and all are recorded.
@@ -153,7 +149,6 @@ class TimeSteps:
         if self.instants is None and self.end is None and self.error is not None:
             return None
         count = DEFAULT_INSTANTS if self.instants is None else self.instants
-        whole_number("TimeSteps.instants", count, 2, "give at least 2 instants")
         instants = [start + (end - start) * n / (count - 1) for n in range(count)]
         spacing = (end - start) / (count - 1)
         if self.step is None and spacing and count > 2:

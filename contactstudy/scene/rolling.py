@@ -11,6 +11,7 @@ from contactstudy.domain.units import Metres, MetresPerSecond, Number
 from contactstudy.domain.validation import FROM_ZERO_TO_INFINITE, at_least, validated
 from contactstudy.scene.loads.load_history import ChangingLoad, PiecewiseLinear
 from contactstudy.scene.shapes.shape import Shape
+from contactstudy.scene.solids.bodies import SceneContext
 
 
 class RollingPressure(Enum):
@@ -71,6 +72,10 @@ class Rolling:
                         f"Rolling.{name} is {value!r} without passes, to which alone it applies: give passes, or leave "
                         "it out."
                     )
+
+    def check(self, scene: SceneContext) -> None:
+        """Raise :class:`~contactstudy.InvalidInput` for heights in `scene` that move with a body."""
+        check_standing("Scene.rolling", scene.shapes)
 
 
 def check_standing(name: str, shapes: tuple[Shape, ...]) -> None:

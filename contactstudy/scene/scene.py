@@ -3,7 +3,7 @@
 from dataclasses import dataclass, replace
 from math import inf, log2, sqrt
 from operator import is_
-from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Annotated, Any, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -11,15 +11,13 @@ from contactstudy.analytic import HertzEllipse, HertzLine
 from contactstudy.domain.checks import (
     InvalidInput,
     finite,
-    in_range_or_infinite,
     instance,
-    set_fields,
-    suggest_fields,
 )
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings, across_and_along
 from contactstudy.domain.notebook import InNotebook
 from contactstudy.domain.units import Hardness, readable
+from contactstudy.domain.validation import OR_INFINITE, Example, validated
 from contactstudy.elasticity.convolution import Convolution, superposed
 from contactstudy.problem.constraint import (
     Compressive,
@@ -30,7 +28,7 @@ from contactstudy.problem.constraint import (
     PrescribedLoad,
 )
 from contactstudy.problem.memory import refuse_too_large
-from contactstudy.problem.problem import AdhesionSolver, Derived, Problem, Scales
+from contactstudy.problem.problem import AdhesionSolver, Derived, FrictionSolver, Problem, Scales
 from contactstudy.scene.loads.constant_load import ConstantLoad, LineLoad, TotalLoad
 from contactstudy.scene.loads.load_history import ChangingLoad, falls
 from contactstudy.scene.loads.resulting_load import DATUM_OVER_RADIUS, Approach, PullOff
@@ -50,7 +48,6 @@ from contactstudy.scene.solids.free_faces import check_free_faces
 
 if TYPE_CHECKING:
     from contactstudy.scene.adhesion import Adhesion
-    from contactstudy.scene.friction.friction_law import Friction
     from contactstudy.scene.lubrication.lubrication import Lubrication
     from contactstudy.scene.rolling import Rolling
     from contactstudy.scene.wear import Wear
@@ -64,7 +61,12 @@ from contactstudy.scene.shapes_source import (
     with_extent_of,
 )
 
-AnyLoad = ConstantLoad | ChangingLoad | Approach | PullOff
+AnyLoad = (
+    ConstantLoad
+    | Annotated[ChangingLoad, Example("LoadHistory(times=(0, 1), per_length=(1e4, 1e5))")]
+    | Approach
+    | PullOff
+)
 
 
 @runtime_checkable
@@ -78,6 +80,22 @@ class Output(Protocol):
         """Return the output for these bodies on `grid`; fields are computed on first access."""
 
 
+@runtime_checkable
+class Friction(Protocol):
+    """Friction law, as a value in ``Scene.friction``."""
+
+    def check(self, scene: "Scene") -> None:
+        """Raise :class:`~contactstudy.InvalidInput` if the law is not defined in this scene."""
+
+    def solver(
+        self, scene: "Scene", gap: Array, grid: Grid, paddings: Paddings, datum: float
+    ) -> FrictionSolver:
+        """Return the solver of this scene with friction, on a grid."""
+
+    def explanation(self, scene: "Scene") -> str:
+        """Return a sentence on how traction is solved and why."""
+
+
 # Least approach over the width of the grid, for the scales of a scene without another scale.
 MIN_APPROACH_RATIO = 1e-6
 # Sum of the curvatures over the largest of them below which a convex body has the radius of the hollow one.
@@ -86,8 +104,7 @@ CONFORMING = 1e-9
 LENGTH_OVER_ELLIPSE = 1.2
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class Scene(InNotebook):
     """Line contact of two bodies, and the effects in it.
 
@@ -127,31 +144,28 @@ class Scene(InNotebook):
     """
 
     load: AnyLoad
-    solids: tuple[Body, Body]
-    shapes: tuple[Shape, ...] = ()
-    hardness: Hardness = inf
-    outputs: tuple[Output, ...] = ()
+    solids: tuple[
+        Annotated[Body, Example("HalfSpace(210e9, 0.3)")],
+        Annotated[Body, Example("HalfSpace(210e9, 0.3)")],
+    ]
+    shapes: tuple[Annotated[Shape, Example("Cylinder(radius=0.01)")], ...] = ()
+    hardness: Annotated[Hardness, OR_INFINITE] = inf
+    outputs: tuple[Annotated[Output, Example("SubsurfaceStress(depths=(1e-4,))")], ...] = ()
     wear: "Wear | None" = None
     rolling: "Rolling | None" = None
-    friction: "Friction | None" = None
+    friction: Annotated[Friction, Example("Sliding(coefficient=0.1)")] | None = None
     lubrication: "Lubrication | None" = None
     adhesion: "Adhesion | None" = None
 
-    def __post_init__(self) -> None:
-        for name, remedy in (
-            ("solids", "give a tuple of two bodies, such as HalfSpace"),
-            ("shapes", "give a tuple of shapes, such as (Cylinder(radius=0.01),)"),
-            ("outputs", "give a tuple of outputs, such as (SubsurfaceStress(depths=(1e-4,)),)"),
-        ):
-            instance(f"Scene.{name}", getattr(self, name), tuple | list, remedy)
-            set_fields(self, **{name: tuple(getattr(self, name))})
-        self._check_solids()
+    def check_together(self) -> None:
+        """Check what the effects of the scene must have in common, and refuse two that cannot be combined."""
+        contact_modulus(self.solids)
         for number, shape in enumerate(self.shapes):
-            remedy = "give a shape, such as Cylinder(radius=0.01)"
-            instance(f"Scene.shapes[{number}]", shape, Shape, remedy)
             finite(f"Scene.shapes[{number}].curvature", shape.curvature, "give a curvature in 1/m")
         self._check_load()
-        self._check_effects()
+        for effect in (self.rolling, self.friction, self.lubrication, self.adhesion, self.wear):
+            if effect is not None:
+                effect.check(self)
         self._check_outputs()
         self._check_hardness()
         self._check_approach()
@@ -161,23 +175,8 @@ class Scene(InNotebook):
         if self.free_length < inf:
             check_free_faces(self)
 
-    def _check_solids(self) -> None:
-        """Check the bodies and the hardness."""
-        if len(self.solids) != 2:
-            raise InvalidInput(
-                f"Scene.solids has {len(self.solids)} bodies: give two, one of which may be rigid."
-            )
-        for number, solid in enumerate(self.solids):
-            instance(f"Scene.solids[{number}]", solid, Body, "give a body, such as a HalfSpace")
-        contact_modulus(self.solids)
-        remedy = "give a pressure above 0 Pa, or inf for no limit"
-        set_fields(self, hardness=in_range_or_infinite("Scene.hardness", self.hardness, remedy))
-
     def _check_load(self) -> None:
         """Check the load, and the length of its roller."""
-        remedy = "give a LineLoad, a TotalLoad, or one that changes in time, such as a LoadHistory"
-        if not isinstance(self.load, ConstantLoad | Approach | PullOff):
-            instance("Scene.load", self.load, ChangingLoad, remedy)
         if self.adhesion is None:
             if isinstance(self.load, PullOff):
                 raise InvalidInput(
@@ -243,8 +242,6 @@ class Scene(InNotebook):
     def _check_outputs(self) -> None:
         """Check the outputs, of each kind of which there may be one, in a contact at rest one of each body."""
         for number, output in enumerate(self.outputs):
-            remedy = "give an output, such as SubsurfaceStress(depths=(1e-4,))"
-            instance(f"Scene.outputs[{number}]", output, Output, remedy)
             alike = [other for other in self.outputs[:number] if type(other) is type(output)]
             at_rest = not (self.takes_times or self.rolls or self.lubrication is not None)
             bodies = {getattr(other, "body", None) for other in (*alike, output)}
@@ -254,38 +251,6 @@ class Scene(InNotebook):
                     "one of each body."
                 )
             output.check(self.solids)
-
-    def _check_effects(self) -> None:
-        """Check wear, rolling, friction and lubrication; their modules are imported only where one is given."""
-        if self.wear is not None:
-            from contactstudy.scene.wear import Wear
-
-            instance("Scene.wear", self.wear, Wear, "give a Wear, or None")
-        if self.rolling is not None:
-            from contactstudy.scene.rolling import Rolling, check_standing
-
-            instance("Scene.rolling", self.rolling, Rolling, "give a Rolling, or None")
-            check_standing("Scene.rolling", self.shapes)
-        if self.friction is not None:
-            from contactstudy.scene.friction.friction_law import Friction
-
-            remedy = "give a friction, such as Sliding(coefficient=0.1), or None"
-            instance("Scene.friction", self.friction, Friction, remedy)
-            self.friction.check(self)
-        if self.lubrication is not None:
-            from contactstudy.scene.lubrication.lubrication import Lubrication
-
-            instance(
-                "Scene.lubrication", self.lubrication, Lubrication, "give a Lubrication, or None"
-            )
-            self.lubrication.check(self)
-        if self.adhesion is not None:
-            from contactstudy.scene.adhesion import Adhesion
-
-            instance("Scene.adhesion", self.adhesion, Adhesion, "give an Adhesion, or None")
-            self.adhesion.check(self)
-        if self.wear is not None:
-            self.wear.check(self)
 
     @property
     def radius(self) -> float | None:

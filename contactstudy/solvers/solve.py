@@ -3,21 +3,16 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field, fields, replace
 from math import inf
-from typing import Protocol
+from typing import Annotated, ClassVar, Protocol, runtime_checkable
 
 import numpy as np
 
-from contactstudy.domain.checks import (
-    InvalidInput,
-    positive,
-    set_fields,
-    suggest_fields,
-    whole_number,
-)
+from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.device import Cpu, Device, Precision, checked, using
 from contactstudy.domain.device import device as device_in_use
 from contactstudy.domain.fields import Array
 from contactstudy.domain.units import Number, readable
+from contactstudy.domain.validation import ABOVE_ZERO, Example, at_least, validated
 from contactstudy.elasticity.convolution import Convolution
 from contactstudy.problem.bare_problem import BareProblem
 from contactstudy.problem.constraint import (
@@ -34,6 +29,7 @@ from contactstudy.solvers.preconditioned_cg import PreconditionedCG
 from contactstudy.solvers.solution import Solution, Status, unloaded
 
 
+@runtime_checkable
 class Solver(Protocol):
     """Iteration that solves a dimensionless problem.
 
@@ -55,8 +51,7 @@ class Solver(Protocol):
         """
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class SolveOptions:
     """Accuracy and method of a solve.
 
@@ -85,33 +80,19 @@ class SolveOptions:
         ``iterate``, or the precision is unknown.
     """
 
-    tolerance: Number = 1e-8
-    max_iterations: int = 2000
-    solver: Solver = field(default_factory=PreconditionedCG)
-    precision: Precision = Precision.DOUBLE
+    called: ClassVar[str] = "solve"
 
-    def __post_init__(self) -> None:
-        positive(
-            "solve.tolerance",
-            self.tolerance,
-            "give a dimensionless tolerance above 0, such as 1e-8",
-        )
-        if isinstance(self.solver, type) or not hasattr(self.solver, "iterate"):
-            raise InvalidInput(
-                f"solve.solver is {self.solver!r}: give a solver, such as PreconditionedCG()."
-            )
-        set_fields(self, precision=Precision.named(self.precision))
-        whole_number(
-            "solve.max_iterations",
-            self.max_iterations,
-            0,
-            "it must be a whole number of at least 0",
-        )
+    tolerance: Annotated[Number, ABOVE_ZERO] = 1e-8
+    max_iterations: Annotated[int, at_least(0)] = 2000
+    solver: Annotated[Solver, Example("PreconditionedCG()")] = field(
+        default_factory=PreconditionedCG
+    )
+    precision: Precision = Precision.DOUBLE
 
 
 def solve_contact(
     problem: Problem,
-    options: SolveOptions = SolveOptions(),
+    options: SolveOptions = SolveOptions(),  # noqa: B008 (a frozen value)
     start: Array | None = None,
     device: Device | None = None,
 ) -> Solution:

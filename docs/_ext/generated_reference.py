@@ -81,7 +81,7 @@ INNER = (
     "problem.problem.FrictionSolver",
     "problem.problem.Source",
     "scene.solids.bodies.SceneContext",
-    "scene.friction.friction_law.Friction",
+    "scene.scene.Friction",
     "scene.loads.load_history.ChangingLoad",
     "scene.scene.PosedScene",
     "scene.shapes_source.ShapesSource",
@@ -364,7 +364,7 @@ PLAINER = (
     (r"(?<![\w.])xr\.Dataset\b", "~xarray.Dataset"),
     (r"(?<![\w.])Figure\b", "~matplotlib.figure.Figure"),
     (r"(?<![\w.])ChangingLoad\b", "~contactstudy.scene.loads.load_history.ChangingLoad"),
-    (r"(?<![\w.])Friction\b", "~contactstudy.scene.friction.friction_law.Friction"),
+    (r"(?<![\w.])Friction\b", "~contactstudy.scene.scene.Friction"),
 )
 
 

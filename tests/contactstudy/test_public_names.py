@@ -184,7 +184,9 @@ def test_a_precision_is_named_by_a_word(line_contact: LineContact) -> None:
     by_word = cs.solve(problem, precision="single", tolerance=1e-4)
     by_value = cs.solve(problem, precision=cs.Precision.SINGLE, tolerance=1e-4)
     np.testing.assert_array_equal(by_word.pressure, by_value.pressure)
-    with pytest.raises(cs.InvalidInput, match=r"^precision is 'half': give 'single' or 'double'"):
+    with pytest.raises(
+        cs.InvalidInput, match=r"^solve.precision is 'half': choose from single, double"
+    ):
         cs.solve(problem, precision="half")
 
 

@@ -254,9 +254,9 @@ SOLVES: list[tuple[str, Callable[[], object]]] = [
     ("*call contactstudy.solve", lambda: ROLLING.problem(UNIT, EXACT)),
     ("*call contactstudy.solve", lambda: FILM.problem(film_grid(100, 4.5), EXACT)),
     *((f"{said}", lambda one=one: held(times=one)) for said, one in (
-        ("TimeSteps.times is empty", ()), ("solve.times[0] is -1", (-1.0, 1.0)), ("solve.times", "soon"),
+        ("TimeSteps.times is empty", ()), ("solve.times[0] is -1", (-1.0, 1.0)), ("TimeSteps.times", "soon"),
         ("solve.times", (0.5, 0.25)), ("solve.times", (0.5, 0.5, 0.5)), ("solve.times", (-0.25,)),
-        ("solve.times", (0.5, nan)), ("solve.times", ((0.5, 1.0), (1.5, 2.0))),
+        ("TimeSteps.times[1]", (0.5, nan)), ("TimeSteps.times[0]", ((0.5, 1.0), (1.5, 2.0))),
     )),
     *(("TimeSteps.error is", lambda one=one: held(times=(0.0, 1.0), error=one)) for one in (0.0, 1.0)),
     ("solve.error or TimeSteps.error leaves 1e-09", lambda: held(times=(0.0, 1.0), error=1e-9)),

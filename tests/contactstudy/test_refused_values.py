@@ -109,8 +109,8 @@ VALUES: list[tuple[str, Callable[[Any], object], list[Any]]] = [
     ("Scene.hardness is ", field(SMOOTH, "hardness"), [0.0, -1.0, nan, "hard"]),
     ("Scene.solids", field(SMOOTH, "solids"), [(STEEL,), STEEL, (STEEL, 210e9), ()]),
     ("Scene.solids*all rigid", field(SMOOTH, "solids"), [(RIGID, RIGID)]),
-    ("Scene.shapes[0] is *: give a shape", field(SMOOTH, "shapes"), [(0.01,), (cs.Cylinder,), (None,)]),
-    ("Scene.outputs[0] is *: give an output", field(SMOOTH, "outputs"), [(0.01,), (cs.SubsurfaceStress,), (None,)]),
+    ("Scene.shapes[0] is *: give a Shape, such", field(SMOOTH, "shapes"), [(0.01,), (cs.Cylinder,), (None,)]),
+    ("Scene.outputs[0] is *: give an Output", field(SMOOTH, "outputs"), [(0.01,), (cs.SubsurfaceStress,), (None,)]),
     ("Scene.outputs[1] is *: give one", field(SMOOTH, "outputs"), [(cs.SubsurfaceStress(), STRESS)]),
     (
         "*body is 1, a rigid body: give 0",
@@ -169,7 +169,7 @@ VALUES: list[tuple[str, Callable[[Any], object], list[Any]]] = [
     ("MeasuredSurface.extent is *: give ", measured, [1.0, (1e-4, 1e-4)]),
     ("MeasuredSurface.extent[0] is *: give ", measured, [(0.0, 1.0)]),
     ("MeasuredSurface period is *: give ", measured, [(1.0, 3e-5)]),
-    ("MeasuredSurface.trend is *: give ", lambda one: cs.MeasuredSurface(HEIGHTS, trend=one), ["plane"]),
+    ("MeasuredSurface.trend is *: did you mean 'plane'", lambda one: cs.MeasuredSurface(HEIGHTS, trend=one), ["plain"]),
     ("MeasuredSurface.seam is *: give ", lambda one: cs.MeasuredSurface(HEIGHTS, seam=one), [cs.Tapered]),
     ("MeasuredSurface.missing is *: give ", lambda one: cs.MeasuredSurface(HEIGHTS, missing=one), [0.0]),
     (
@@ -220,9 +220,9 @@ VALUES: list[tuple[str, Callable[[Any], object], list[Any]]] = [
         ("distance is 0.1 without passes", {"speed": 1.0, "distance": 0.1}),
         ("steady is 0.001 without passes", {"speed": 1.0, "steady": 1e-3}),
         ("pressure is * without passes", {"speed": 1.0, "pressure": cs.RollingPressure.ELASTIC}),
-        ("pressure is 'elastic': give RollingPressure.SOLVED", {"passes": 1, "pressure": "elastic"}),
+        ("pressure is 1: choose from solved, elastic", {"passes": 1, "pressure": 1}),
     )),
-    ("TimeSteps.instants is 1: give at least 2", lambda one: cs.TimeSteps(end=7.0, instants=one).instants_of(HELD), [1]),
+    ("TimeSteps.instants is *: give a whole number of at least 2", lambda one: cs.TimeSteps(instants=one), [1, 2.0]),
     ("TimeSteps.times is empty: give one instant", lambda one: cs.TimeSteps(times=one), [(), []]),
     ("*give time_steps.end or time_steps.times", lambda end: cs.TimeSteps(end=end).instants_of(), [None]),
     ("TimeSteps*: leave one of them out.", lambda one: cs.TimeSteps(**one), [

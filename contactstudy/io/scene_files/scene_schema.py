@@ -32,7 +32,6 @@ from contactstudy.evolution.time_steps import TimeSteps
 from contactstudy.io.scene_files.structuring import NO_KIND
 from contactstudy.scene.adhesion import Adhesion
 from contactstudy.scene.friction.fretting import Fretting
-from contactstudy.scene.friction.friction_law import Friction
 from contactstudy.scene.friction.partial_slip import PartialSlip
 from contactstudy.scene.friction.sliding import Sliding
 from contactstudy.scene.friction.tractive_rolling import TractiveRolling
@@ -54,7 +53,7 @@ from contactstudy.scene.lubrication.lubricant import (
 )
 from contactstudy.scene.lubrication.lubrication import ChangingSpeed, Lubrication, SpeedHistory
 from contactstudy.scene.rolling import Rolling
-from contactstudy.scene.scene import Output, Scene
+from contactstudy.scene.scene import Friction, Output, Scene
 from contactstudy.scene.shapes.moving_shape import MovingShape
 from contactstudy.scene.shapes.profile import Axis, EndRelief, ProfilePoints
 from contactstudy.scene.shapes.roller import (

@@ -57,7 +57,7 @@ class _Structure:
         self.converter = cattrs.Converter(forbid_extra_keys=True)
         hooks: tuple[tuple[Callable[[Any], bool], Callable[[Any, Any], Any]], ...] = (
             (lambda target: get_origin(target) in (Annotated, Literal), _as_annotated),
-            (lambda target: isinstance(target, type) and issubclass(target, Enum), _enum_member),
+            (lambda target: isinstance(target, type) and issubclass(target, Enum), _as_annotated),
             (lambda target: get_origin(target) is tuple, self._tuple),
             (self._has_kinds, self._of_kind),
         )
@@ -68,7 +68,7 @@ class _Structure:
             self.converter.register_structure_hook_func(applies, hook)
 
     def _has_kinds(self, target: Any) -> bool:
-        return target in self.kinds or get_origin(target) in (Union, UnionType)
+        return _kind_in(target) in self.kinds or get_origin(target) in (Union, UnionType)
 
     def _tuple(self, value: object, target: Any) -> tuple[Any, ...]:
         """Return a list as a tuple, of any length or of one type for each entry."""
@@ -91,6 +91,7 @@ class _Structure:
         """Return a table, or the name of a kind, as the dataclass that its kind or its keys choose."""
         if is_dataclass(value):
             return value
+        target = _kind_in(target)
         kinds = dict(self.kinds.get(target, {}))
         plain = []
         for option in get_args(target):
@@ -215,18 +216,13 @@ def _closest(key: str, names: set[str]) -> str | None:
     return next(iter(get_close_matches(key, sorted(names), n=1)), None)
 
 
+def _kind_in(target: Any) -> Any:
+    """Return the type that an annotation is about."""
+    return get_args(target)[0] if get_origin(target) is Annotated else target
+
+
 def _as_annotated(value: object, target: Any) -> Any:
     return valid("it", value, target)
-
-
-def _enum_member(value: object, target: Any) -> Enum:
-    """Return the member of an enumeration with that name, in any case."""
-    if isinstance(value, Enum) and value in target:
-        return value
-    names: dict[str, Enum] = {member.name.lower(): member for member in target}
-    if not isinstance(value, str) or value.lower() not in names:
-        raise InvalidInput(f"it is {value!r}: {suggestion(str(value), names)}.")
-    return names[value.lower()]
 
 
 def _messages(source: str, error: cattrs.BaseValidationError) -> str:

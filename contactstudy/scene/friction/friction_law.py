@@ -1,11 +1,10 @@
-"""What laws of friction share: their protocol, checks of a scene, and its bodies' response to tangential traction."""
+"""What laws of friction share: checks of a scene, and its bodies' response to tangential traction."""
 
 from itertools import product
 from math import inf
-from typing import Annotated, Literal, Protocol, runtime_checkable
+from typing import Annotated, Literal, Protocol
 
 from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.domain.units import Number, readable
 from contactstudy.domain.validation import BELOW_ONE
@@ -15,7 +14,6 @@ from contactstudy.elasticity.tangential import (
     normal_displacement,
     summed_responses,
 )
-from contactstudy.problem.problem import FrictionSolver
 from contactstudy.scene.loads.resulting_load import Approach
 from contactstudy.scene.solids.bodies import (
     Body,
@@ -32,22 +30,6 @@ from contactstudy.scene.solids.coated import CoatedHalfSpace
 FrictionCoefficient = Annotated[Number, BELOW_ONE]
 # Instants at which a force is compared with the friction limit under a load that changes.
 SAMPLES = 201
-
-
-@runtime_checkable
-class Friction(Protocol):
-    """Friction law, as a value in ``Scene.friction``."""
-
-    def check(self, scene: SceneContext) -> None:
-        """Raise :class:`~contactstudy.InvalidInput` if the law is not defined in this scene."""
-
-    def solver(
-        self, scene: SceneContext, gap: Array, grid: Grid, paddings: Paddings, datum: float
-    ) -> FrictionSolver:
-        """Return the solver of this scene with friction, on a grid."""
-
-    def explanation(self, scene: SceneContext) -> str:
-        """Return a sentence on how traction is solved and why."""
 
 
 def has_proportional_compliances(

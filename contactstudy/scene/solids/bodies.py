@@ -24,7 +24,6 @@ from contactstudy.scene.solids.hardness_profile import HardnessProfile
 
 if TYPE_CHECKING:
     from contactstudy.elasticity.tangential import ShearCompliance
-    from contactstudy.scene.rolling import Rolling
 
 
 PoissonRatio = Annotated[Number, Limits("above -1 and up to 0.5", lambda x: -1 < x <= 0.5)]
@@ -245,7 +244,7 @@ class SceneContext(Protocol):
         """Wear, or None."""
 
     @property
-    def rolling(self) -> "Rolling | None":
+    def rolling(self) -> Any:
         """Rolling, or None."""
 
     @property

@@ -1,24 +1,20 @@
 """Measured surfaces."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import lru_cache
 from hashlib import blake2b
 from math import ceil, inf
 from os import PathLike
 from pathlib import Path
-from typing import Any, ClassVar, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 
-from contactstudy.domain.checks import (
-    InvalidInput,
-    set_fields,
-    suggest_fields,
-    whole_quotient,
-)
+from contactstudy.domain.checks import InvalidInput, set_fields, whole_quotient
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import Metres, readable
+from contactstudy.domain.validation import Example, validated
 from contactstudy.scene.shapes.shape import LengthScales
 from contactstudy.scene.surfaces import measurement
 from contactstudy.scene.surfaces.measurement import Flip, Reading, Sizes
@@ -35,8 +31,7 @@ from contactstudy.scene.surfaces.preparation import (
 )
 
 
-@suggest_fields
-@dataclass(frozen=True)
+@validated
 class MeasuredSurface:
     """Measured surface.
 
@@ -86,32 +81,24 @@ class MeasuredSurface:
 
     heights: Any = field(repr=False, compare=False)
     extent: tuple[Metres, Metres] | None = None
-    missing: Missing = field(default_factory=RefuseMissing)
+    missing: Annotated[Missing, Example("RefuseMissing()")] = field(default_factory=RefuseMissing)
     trend: Trend = Trend.NONE
-    seam: PeriodicExtension = field(default_factory=AsMeasured)
+    seam: Annotated[PeriodicExtension, Example("Mirrored()")] = field(default_factory=AsMeasured)
     file: str | None = field(default=None, compare=False, repr=False)
     is_turned: bool = field(default=False, compare=False, repr=False)
     tile: Tile | None = field(default=None, compare=False, repr=False)
-    seam_across: PeriodicExtension = field(default_factory=AsMeasured)
+    seam_across: Annotated[PeriodicExtension, Example("Mirrored()")] = field(
+        default_factory=AsMeasured
+    )
     filter: GaussianFilter | None = None
     reading: Reading = field(default_factory=Reading, compare=False, repr=False)
     notes: tuple[str, ...] = field(default=(), compare=False, repr=False)
     digest: str = field(init=False)
 
-    def __post_init__(self) -> None:
+    def check_together(self) -> None:
+        """Read the heights, which must have the given extent and no missing points that are refused."""
         points, sizes = measurement.measurement(self.heights)
         sizes = measurement.agreed_extent(sizes, self.extent)
-        for name, method, example in (
-            ("missing", "fill", "RefuseMissing()"),
-            ("trend", "subtracted", "Trend.PLANE"),
-            ("seam", "periodic", "Mirrored()"),
-            ("seam_across", "periodic", "Mirrored()"),
-        ):
-            value = getattr(self, name)
-            if isinstance(value, type) or not hasattr(value, method):
-                raise InvalidInput(
-                    f"MeasuredSurface.{name} is {value!r}: give a value such as {example}."
-                )
         self.missing.check(int(np.isnan(points).sum()), points.size)
         digest = blake2b(repr(points.shape).encode() + points.tobytes(), digest_size=16).hexdigest()
         set_fields(self, heights=points, extent=sizes, digest=digest)
@@ -129,7 +116,7 @@ class MeasuredSurface:
         seam_across: PeriodicExtension | None = None,
         filter: GaussianFilter | None = None,  # noqa: A002 (the field's name)
         invalid: float | None = None,
-        decimal: str | None = None,
+        decimal: Literal[",", "."] | None = None,
         transpose: bool = False,
         flip: Flip = Flip.NONE,
         sizes: Sizes = Sizes.CHECKED,

@@ -3,25 +3,19 @@
 import logging
 import re
 import warnings
-from dataclasses import dataclass
+from dataclasses import KW_ONLY
 from enum import Enum
 from os import PathLike, fspath
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 
-from contactstudy.domain.checks import (
-    InvalidInput,
-    instance,
-    set_fields,
-    suggest_fields,
-    width_and_length,
-)
+from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 from contactstudy.domain.imports import import_for
 from contactstudy.domain.units import Metres, Number, readable
-from contactstudy.domain.validation import FINITE
+from contactstudy.domain.validation import FINITE, validated
 from contactstudy.scene.surfaces.text_file import Header, TextTable, decoded, length_unit, table
 
 # Points and their sizes (x, y) [m], if they have any.
@@ -67,8 +61,7 @@ class Sizes(Enum):
     CONFIRMED = "confirmed"
 
 
-@suggest_fields
-@dataclass(frozen=True, kw_only=True)
+@validated
 class Reading:
     """What is said beside a file of a measured surface, where the file itself leaves it open.
 
@@ -90,26 +83,23 @@ class Reading:
         Whether implausible sizes are refused. ``Sizes.CONFIRMED`` takes them, and keys that contradict the file.
     """
 
+    called: ClassVar[str] = "MeasuredSurface"
+
+    _: KW_ONLY
     extent: tuple[Metres, Metres] | None = None
     unit: str | None = None
     invalid: Annotated[Number, FINITE] | None = None
-    decimal: str | None = None
+    decimal: Literal[",", "."] | None = None
     transpose: bool = False
     flip: Flip = Flip.NONE
     sizes: Sizes = Sizes.CHECKED
 
-    def __post_init__(self) -> None:
-        for kind, value in ((Flip, self.flip), (Sizes, self.sizes)):
-            name = kind.__name__
-            remedy = f"give a member of {name}, such as {name}.{list(kind)[1].name}"
-            instance(f"MeasuredSurface.{name.lower()}", value, kind, remedy)
-        if self.decimal not in (None, ",", "."):
-            raise InvalidInput(f'MeasuredSurface.decimal is {self.decimal!r}: give "," or ".".')
+    def check_together(self) -> None:
+        """Check that the unit is one of length."""
         if self.unit is not None and length_unit(self.unit) is None:
             raise InvalidInput(
                 f"MeasuredSurface.unit is {self.unit!r}: give a unit of length, such as {', '.join(UNITS)}."
             )
-        set_fields(self, extent=agreed_extent(None, self.extent))
 
     @property
     def metre(self) -> float | None:
@@ -209,12 +199,10 @@ def agreed_extent(
 ) -> tuple[float, float] | None:
     """Return the sizes (width, length) [m] of heights: those that they come with, or else the given `extent`.
 
-    Raises :class:`~contactstudy.InvalidInput` for an extent that is no size, or that differs from the sizes.
+    Raises :class:`~contactstudy.InvalidInput` for an extent that differs from the sizes.
     """
     if extent is None:
         return sizes
-    remedy = "give two lengths, (width, length) [m]"
-    extent = width_and_length("MeasuredSurface.extent", extent, remedy)
     if sizes is not None and not np.allclose(extent, sizes, rtol=1e-6, atol=0):
         raise InvalidInput(
             f"MeasuredSurface.extent is {_sides(extent)}: leave it out, since the heights come with {_sides(sizes)}."

@@ -2,7 +2,7 @@
 
 from enum import Enum
 from math import inf, log, pi, sqrt
-from typing import Annotated, ClassVar, Literal, Protocol
+from typing import Annotated, ClassVar, Literal, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,6 +62,7 @@ class Tile:
         ]
 
 
+@runtime_checkable
 class Missing(Protocol):
     """Rule for missing points, the non-measured points of ISO 25178."""
 
@@ -317,6 +318,7 @@ def _smoothed(heights: Array, cutoff: float, steps: list[float]) -> Array:
     return heights
 
 
+@runtime_checkable
 class PeriodicExtension(Protocol):
     """Rule of the periodic extension of a measured surface, such as a tapering window or mirroring."""
 

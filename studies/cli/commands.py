@@ -1,7 +1,6 @@
 """The ``contactstudy`` command."""
 
 import sys
-from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
@@ -17,7 +16,7 @@ from studies.cli.new import new
 from studies.cli.options import PLOT, echo, is_given, names_in, out_option, refuse
 from studies.cli.scenes import plan, solve
 from studies.cli.show import REMEDY_IN_CODE, REMEDY_IN_TIMES, compare, drawing, show
-from studies.cli.study_help import StudyCommand
+from studies.cli.study_command import AXES, StudyCommand
 from studies.cli.vary import (
     REFERENCE,
     SENSITIVITY,
@@ -121,7 +120,6 @@ def report(
 
 @cli.command(
     cls=StudyCommand,
-    context_settings={"ignore_unknown_options": True, "allow_extra_args": True},
     epilog="Every axis of a study is an option, which run STUDY --help lists: contactstudy run period "
     "--period 0.6,2.4 --images 0:10 (a range has both its ends; lengths are in half-widths).",
 )
@@ -192,9 +190,9 @@ def run(
             "vary",
             "reference",
         )
-    chosen = sensitivity_of(study) if vary_every else load_scene_study(study, vary, context.args)
+    chosen = sensitivity_of(study) if vary_every else load_scene_study(study, vary)
     if chosen is None:
-        chosen = load(study).override(_axes(context.args))
+        chosen = load(study).override(context.meta[AXES])
     elif (is_given(context, "repeats") and repeats) or "times" in retry:
         chosen = replace(chosen, times="taken")  # cases of a scene are timed on request
     if reference is not None:
@@ -237,23 +235,6 @@ def studies() -> None:
         title, axes = outline(name)
         lengths = ", ".join(f"{axis.name} ({len(axis.values)})" for axis in axes)
         click.echo(f"{name:<12} {title} Axes: {lengths}.")
-
-
-def _axes(arguments: list[str]) -> Mapping[str, str]:
-    """Return the values of ``--name value`` and ``--name=value`` pairs by name."""
-    axes: dict[str, str] = {}
-    words = iter(arguments)
-    for word in words:
-        if not word.startswith("--"):
-            raise InvalidInput(f"Argument {word!r} is not expected: write --AXIS VALUES.")
-        name, equals, value = word[2:].partition("=")
-        text = value if equals else next(words, None)
-        if text is None:
-            raise InvalidInput(f"Axis {name!r} has no values: write --{name} VALUES.")
-        if name in axes:
-            raise InvalidInput(f"Axis {name!r} is given twice: write all its values in one list.")
-        axes[name] = text
-    return axes
 
 
 def main() -> None:

@@ -1,18 +1,16 @@
 """``contactstudy run SCENE.toml --vary FIELD=VALUES``."""
 
 from collections.abc import Sequence
-from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from contactstudy import InvalidInput
+from studies.cli.study_command import EXAMPLE
 
 if TYPE_CHECKING:
     from studies.model.study import Study
-
-EXAMPLE = '--vary "load.per_length=50 N/mm,100 N/mm"'
 
 VARY = click.option(
     "--vary",
@@ -67,10 +65,10 @@ def write_sensitivity(study: "Study", plot: Sequence[str], out: Path) -> str:
     return "\n".join("  ".join(map(str.ljust, row, widths)).rstrip() for row in rows)
 
 
-def load_scene_study(name: str, vary: Sequence[str], others: Sequence[str]) -> "Study | None":
+def load_scene_study(name: str, vary: Sequence[str]) -> "Study | None":
     """Return the study of the scene in the file `name`, over `vary` or what the file varies; None for no scene file.
 
-    Raises :class:`~contactstudy.InvalidInput` for what cannot be varied, and click's error for an unknown option.
+    Raises :class:`~contactstudy.InvalidInput` for what cannot be varied.
     """
     if not name.endswith(".toml"):
         if vary:
@@ -79,14 +77,6 @@ def load_scene_study(name: str, vary: Sequence[str], others: Sequence[str]) -> "
                 f"which contactstudy run {name} --help lists."
             )
         return None
-    if others and others[0].startswith("--"):
-        option = others[0].partition("=")[0]
-        parameters = click.get_current_context().command.params
-        options = [name for parameter in parameters for name in parameter.opts]
-        message = f"No such option {option!r}; fields of a scene are varied by {EXAMPLE}."
-        raise click.NoSuchOption(option, message, get_close_matches(option, options))
-    if others:
-        raise InvalidInput(f"Argument {others[0]!r} is not expected: write {EXAMPLE}.")
     fields: dict[str, object] = {}
     for text in vary:
         field, equals, values = text.partition("=")

@@ -76,15 +76,13 @@ def test_without_times_a_study_shows_what_needs_none(call: Call, tmp_path: Path)
     [
         (["run", "paddin"], "Study 'paddin' is not known: did you mean 'padding', or give a .py file."),
         (
-            ["run", "padding", "--perid", "1"],
-            "Axis 'perid' is not one of study 'padding': did you mean 'period'.",
-        ),
-        (
             ["run", "padding", "--period", "nan"],
             "period is 'nan': give numbers such as 0.6,2.4, or n values of a range such as 0.6:2.4:4 or 1:100:3:log.",
         ),
-        (["run", "padding", "--grid"], "Axis 'grid' has no values: write --grid VALUES."),
-        (["run", "padding", "extra"], "Argument 'extra' is not expected: write --AXIS VALUES."),
+        (
+            ["run", "padding", "--grid", "16", "--period", "1", "--grid", "24"],
+            "Axis 'grid' is given twice: write all its values in one list.",
+        ),
         (
             ["run", "padding", "--out", "/dev/null/x"],
             "Output folder '/dev/null/x' cannot be written to (Not a directory): give another with --out.",
@@ -109,17 +107,24 @@ def test_bad_input_is_one_sentence_and_leaves_nothing(
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.cases(9)
 @pytest.mark.parametrize(
-    "arguments",
+    ("arguments", "remedy"),
     [
-        ["nothing"], ["report", "--workers", "-1"],
-        ["run"], ["report", "--sideways"], ["run", "x.toml", "--ot", "y"],
+        (["nothing"], "No such command"), (["report", "--workers", "-1"], "not in the range"),
+        (["run"], "Missing argument 'STUDY'"), (["report", "--sideways"], "No such option"),
+        (["run", "padding", "--perid", "1"], "'--period'"), (["run", "padding", "--grid"], "requires an argument"),
+        (["run", "padding", "more"], "extra argument (more)"), (["run", "x.toml", "--ot", "y"], "'--out'"),
+        (["run", "x.toml", "--radius", "1 mm"], "varied by --vary"),
     ],
 )  # fmt: skip
-def test_a_wrong_word_is_an_error_without_traceback(arguments: list[str], call: Call) -> None:
+def test_a_wrong_word_is_an_error_with_its_remedy(
+    arguments: list[str], remedy: str, call: Call
+) -> None:
     done = call(*arguments)
     assert done.returncode == 2
     assert "Error: " in done.stderr
+    assert remedy in done.stderr
     assert "Traceback" not in done.stderr
 
 

@@ -206,12 +206,6 @@ def test_what_cannot_be_done_is_answered_in_a_sentence(
         said(*shlex.split(line))
 
 
-def test_an_option_that_is_a_field_of_the_scene_is_answered_with_vary(folder: Path) -> None:
-    message = said("run", folder / "smooth.toml", "--radius", "1 mm", code=2)
-    assert "No such option '--radius'" in message
-    assert "--vary" in message
-
-
 def test_a_plan_says_where_a_surface_is_that_of_its_grid(folder: Path) -> None:
     assert "shapes[1] has no extent, so its heights change with the grid" in said(
         "plan", folder / "rough.toml"

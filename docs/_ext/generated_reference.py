@@ -46,7 +46,6 @@ CASES = {
     CaseStatus.FAILED: "raised an error or gave NaN; the variable `error` has the sentence",
     CaseStatus.TIMEOUT: "took longer than `--time-limit`",
     CaseStatus.KILLED: "its process was killed, or died, twice",
-    CaseStatus.SKIPPED: "left out of this run",
 }
 # What signatures and docstrings of public names refer to often, and a user need not import.
 ARRAYS = (

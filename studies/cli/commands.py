@@ -4,7 +4,7 @@ import sys
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Literal, NoReturn
+from typing import Any, NoReturn
 
 import click
 
@@ -166,7 +166,7 @@ def run(
     study: str,
     out: Path,
     repeats: int,
-    retry: tuple[str, ...],
+    retry: tuple[Any, ...],
     vary: tuple[str, ...],
     vary_every: bool,  # noqa: FBT001 (click gives it by name)
     plot: str,
@@ -179,7 +179,7 @@ def run(
     STUDY is a built-in name, a .py file or a scene in a .toml file. What is stored in the folder is not computed again.
     """
     from studies.engine.cost import estimate_cost
-    from studies.engine.options import RETRIES, RunOptions
+    from studies.engine.options import RunOptions
     from studies.engine.run import run as run_study
     from studies.model.outcome import CaseStatus
 
@@ -203,9 +203,7 @@ def run(
         )
     if has_own_figures(study):
         refuse(context, "a scene or a study without figures of its own", "plot")
-    statuses_again = frozenset(status for name in retry for status in RETRIES.get(name, ()))
-    old_times: Literal["kept", "dropped"] = "dropped" if "times" in retry else "kept"
-    options = RunOptions(repeats=repeats, retry=statuses_again, old_times=old_times, **settings)
+    options = RunOptions(repeats=repeats, retry=retry, **settings)
     if dry_run:
         estimate_cost(chosen, out, options=options, log=click.echo)
         return

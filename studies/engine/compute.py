@@ -42,6 +42,11 @@ class Task:
     case: Computation
     expected: float | None = None
 
+    @property
+    def is_timed(self) -> bool:
+        """Whether it is a timed run."""
+        return self.expected is not None
+
 
 @dataclass
 class Stage:
@@ -57,7 +62,7 @@ def perform(task: Task, settings: RunSettings) -> Outcome:
     from the key of the case, and what is set for a context (such as numpy's error state) ends with it.
     """
     start, process = perf_counter(), os.getpid()
-    act, stage = (_computed, Stage("setup")) if task.expected is None else (_timed, Stage("timing"))
+    act, stage = (_timed, Stage("timing")) if task.is_timed else (_computed, Stage("setup"))
     seed = int(task.key[:8], 16)
     random.seed(seed)
     np.random.seed(seed)  # noqa: NPY002 (for cases that use numpy's own generator)

@@ -39,7 +39,7 @@ def estimate_cost(
     results = Results(study, Request.of(study), Journal(out / JOURNAL, machine()), options, log)
     for note in study.notes:
         log(note)
-    if options.old_times == "dropped":
+    if "times" in options.retry:
         results.journal.samples.clear()
         results.journal.untimed.clear()
     cases, missing = results.request.cases, results.missing()

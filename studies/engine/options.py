@@ -1,21 +1,23 @@
 """Options of a run."""
 
-from dataclasses import dataclass
+from dataclasses import KW_ONLY
+from typing import Annotated, Literal
 
 from contactstudy import InvalidInput
-from contactstudy.domain.checks import whole_number
-from studies.model.axis import MAX_POINTS, one_of
+from contactstudy.domain.validation import ABOVE_ZERO, at_least, validated
+from studies.model.axis import MAX_POINTS
 from studies.model.outcome import CaseStatus
 
-# What ``--retry`` may name.
+# Statuses whose cases are computed again, by the name of the retry.
 RETRIES = {
-    "failed": frozenset({CaseStatus.FAILED, CaseStatus.TIMEOUT, CaseStatus.KILLED}),
-    "timeout": frozenset({CaseStatus.TIMEOUT}),
-    "killed": frozenset({CaseStatus.KILLED}),
+    "failed": {CaseStatus.FAILED, CaseStatus.TIMEOUT, CaseStatus.KILLED},
+    "timeout": {CaseStatus.TIMEOUT},
+    "killed": {CaseStatus.KILLED},
+    "times": set[CaseStatus](),
 }
 
 
-@dataclass(frozen=True, kw_only=True)
+@validated
 class RunOptions:
     """Options of a run.
 
@@ -29,12 +31,9 @@ class RunOptions:
         Longest time of a case in a worker process [s].
     repeats
         Timed runs of each case.
-    old_times
-        "kept", or "dropped" to time every case again.
     retry
-        Statuses whose cases are recomputed although they are stored.
-    after_failure
-        "continue", or "stop".
+        What is computed again although it is stored: cases that "failed" (in any way), of which "timeout" and "killed"
+        are two kinds, and all "times".
     fields
         "kept" to store the fields of every case, such as pressure and gap, or "none".
     max_points
@@ -46,33 +45,19 @@ class RunOptions:
         For a value that is none of these.
     """
 
-    workers: int = 2
+    _: KW_ONLY
+    workers: Annotated[int, at_least(0)] = 2
     scheduler: str | None = None
-    time_limit: float | None = None
-    repeats: int = 2
-    old_times: str = "kept"
-    retry: frozenset[CaseStatus] = frozenset()
-    after_failure: str = "continue"
-    fields: str = "none"
-    max_points: int | None = MAX_POINTS
+    time_limit: Annotated[float, ABOVE_ZERO] | None = None
+    repeats: Annotated[int, at_least(0)] = 2
+    retry: tuple[Literal["failed", "timeout", "killed", "times"], ...] = ()
+    fields: Literal["none", "kept"] = "none"
+    max_points: Annotated[int, at_least(1)] | None = MAX_POINTS
 
-    def __post_init__(self) -> None:
-        for name, choices in (
-            ("old_times", ("kept", "dropped")),
-            ("after_failure", ("continue", "stop")),
-            ("fields", ("none", "kept")),
-        ):
-            one_of(name, getattr(self, name), choices)
-        for name in ("workers", "repeats"):
-            whole_number(name, getattr(self, name), 0, "must be a whole number, at least 0")
-        if not all(isinstance(status, CaseStatus) for status in self.retry):
-            raise InvalidInput(
-                f"retry is {self.retry!r}: give a set of statuses, such as {{CaseStatus.FAILED}}."
-            )
-        if self.time_limit is not None and not self.time_limit > 0:
-            raise InvalidInput(f"time_limit is {self.time_limit!r}: give seconds above 0.")
+    def check_together(self) -> None:
+        """Raise InvalidInput for a time limit without a process that can be ended."""
         if self.time_limit and not (self.workers or self.scheduler):
             raise InvalidInput(
-                f"time_limit is {self.time_limit!r} and workers is 0: a case in this process cannot be ended alone; "
-                "give workers=1 or more."
+                f"RunOptions.time_limit is {self.time_limit:g} and workers is 0: a case in this process cannot be ended "
+                "alone; give workers=1 or more."
             )

@@ -3,10 +3,11 @@
 import random
 import sys
 from collections import Counter
-from collections.abc import Generator, Iterator, Mapping, Sequence
+from collections.abc import Generator, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, suppress
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
+from functools import cached_property
 from pathlib import Path
 from time import monotonic
 
@@ -15,12 +16,10 @@ import numpy as np
 import xarray as xr
 from threadpoolctl import threadpool_limits
 
-from contactstudy import InvalidInput
 from contactstudy.domain.files import read_verified, remove_partial_files
 from contactstudy.domain.files import set_aside as set_damaged_aside
-from contactstudy.domain.identity import hashed
 from studies.engine.compute import Task, failed, perform, warm_up
-from studies.engine.options import RunOptions
+from studies.engine.options import RETRIES, RunOptions
 from studies.engine.progress import progress_of
 from studies.engine.request import Request
 from studies.model.outcome import CaseStatus, Outcome, RunSettings, TimedRun, summary_messages
@@ -41,10 +40,6 @@ CHECK_SECONDS = (
 )
 MANY_POINTS = 50_000  # points whose cases take more than a moment to make
 Outcomes = Generator[tuple[Task, Outcome], None, None]
-
-
-class _FirstFailureError(Exception):
-    """Raised to end a run that stops at its first failure."""
 
 
 def run(
@@ -117,9 +112,14 @@ class Results:
         self.path = folder / f"{self.study.name}.nc"
         self.fields_folder = folder / f"{self.study.name}.fields"
         self.repeats = self.options.repeats if self.study.times == "taken" else 0
-        self.provenance: Mapping[str, str] = {}
-        # cases that a stopped run left out; instant (of ``monotonic``) before which the file is not written again
-        self.skipped, self.next_write = set[str](), 0.0
+        self.next_write = (
+            0.0  # instant (of ``monotonic``) before which the file is not written again
+        )
+
+    @cached_property
+    def provenance(self) -> Mapping[str, str]:
+        """Versions, machine, command and time."""
+        return provenance()
 
     def key(self, case: str) -> Key:
         """Return the key of a case in the journal."""
@@ -132,7 +132,7 @@ class Results:
     def _is_sufficient(self, case: str) -> bool:
         """Return whether what is stored of a case is enough for the options."""
         status = self.journal.status(self.key(case))
-        if status is None or status in self.options.retry:
+        if status is None or any(status in RETRIES[name] for name in self.options.retry):
             return False
         if self.options.fields != "kept" or status is not CaseStatus.OK:
             return True
@@ -155,11 +155,14 @@ class Results:
         """Return the path of the file of a case's fields."""
         return self.fields_folder / f"{case}-{self.program.key[:8]}.nc"
 
-    def write(self, *, fields: str = "none") -> None:
-        """Write the file, with a group for every case that has fields if these are "kept"."""
+    def write(self) -> None:
+        """Write the file, with a group for every case that has fields if these are to be kept."""
         start, table = monotonic(), PointTable(self.study.axes, self.request.keys)
-        dataset = assemble(table, self._outcome, self.samples, self._attributes())
-        write(dataset, self.path, self._groups() if fields == "kept" else ())
+        stored = self.journal.outcome
+        dataset = assemble(
+            table, lambda case: stored(self.key(case)), self.samples, self._attributes()
+        )
+        write(dataset, self.path, self._groups() if self.options.fields == "kept" else ())
         end = monotonic()
         self.next_write = end + max(MIN_WRITE_INTERVAL, WRITE_INTERVAL_FACTOR * (end - start))
 
@@ -168,21 +171,6 @@ class Results:
         for case in self.request.cases:
             if self.fields_path(case).is_file():
                 yield f"fields/case_{case}", read(self.fields_path(case), "File of fields")
-
-    def dataset(self) -> xr.Dataset:
-        """Return the Dataset in the file, which is written where it does not show all that is stored."""
-        if self.options.fields == "none":
-            with suppress(InvalidInput):
-                dataset = read(self.path)
-                if dataset.attrs.get("content") == self._content():
-                    return dataset
-        self.write(fields=self.options.fields)
-        return read(self.path)
-
-    def _outcome(self, case: str) -> Outcome | None:
-        """Return the outcome of a case; None if there is none."""
-        outcome = self.journal.outcome(self.key(case))
-        return Outcome(CaseStatus.SKIPPED) if outcome is None and case in self.skipped else outcome
 
     def samples(self, case: str) -> Sequence[TimedRun]:
         """Return the timed runs of a case on this machine."""
@@ -202,20 +190,8 @@ class Results:
             "date_modified": datetime.now(UTC).isoformat(timespec="seconds"),
             "program": self.program.key,
             "versions": ", ".join(f"{name} {of}" for name, of in digests.items() if "." in of),
-            "content": self._content(),
             "timing": "processor and wall time, each the least of the repeats, on one thread where no axis says more",
         }  # fmt: skip
-
-    def _content(self) -> str:
-        """Return a digest of all that the file shows."""
-        keys, study = [self.key(case) for case in self.request.keys], self.study
-        axes = [(axis.name, axis.values, axis.long_name, axis.units) for axis in study.axes]
-        stored = [
-            self.journal.cases[key]["sum"] if key in self.journal.cases else "" for key in keys
-        ]
-        times = [repr(self.journal.samples[key]) for key in keys if key in self.journal.samples]
-        about = [study.title, *study.notes, sorted(self.skipped), dict(study.attributes)]
-        return hashed(repr((about, axes, stored, times)).encode())
 
 
 class _Run:
@@ -234,26 +210,21 @@ class _Run:
         missing = results.missing()
         self._begin(missing)
         try:
-            self._solve([Task(key, cases[key]) for key in missing])
+            self._perform([Task(key, cases[key]) for key in missing], activity, "case")
             activity = "timing"
-            self._time(results.timed_tasks())
-        except _FirstFailureError:
-            results.skipped = {key for key in missing if results.key(key) not in self.journal.cases}
-            self.log("stopped at the first failure; the remaining cases are marked as skipped")
-        except StopRun:
-            results.write(fields=self.options.fields)
-            stored = sum(results.key(key) in self.journal.cases for key in cases)
-            times = len(results.timed_tasks())
-            untimed = f", {times} timed runs are missing" if times else ""
-            self.log(
-                f"stopped while {activity}; {stored} of {len(cases)} cases are stored{untimed}; "
-                "run the same command to go on"
-            )
-            raise
-        except BaseException:
-            # after any error the netCDF file has what the journal has, if the disk has room
+            self._perform(results.timed_tasks(), activity, "run")
+        except BaseException as error:
+            # the netCDF file has what the journal has, if the disk has room
             with suppress(Exception):
-                results.write(fields=self.options.fields)
+                results.write()
+            if isinstance(error, StopRun):
+                stored = sum(results.key(key) in self.journal.cases for key in cases)
+                times = len(results.timed_tasks())
+                untimed = f", {times} timed runs are missing" if times else ""
+                self.log(
+                    f"stopped while {activity}; {stored} of {len(cases)} cases are stored{untimed}; "
+                    "run the same command to go on"
+                )
             raise
         return self._end()
 
@@ -281,22 +252,15 @@ class _Run:
                 f"{len(request.cases) - len(missing)} cases are stored, {len(missing)} to compute"
             )
         check_kind(results.path, "study", self.log)
-        for path in (
-            results.path.with_name(f"{self.study.name}.journal.jsonl"),  # of an older version
-            *(
-                [results.path]
-                if changes or [of["program"] for of in last] != [results.program.key]
-                else []
-            ),
-        ):
-            if path.is_file():
-                self.log(f"{path.name} holds other results: it is kept as {set_aside(path).name}")
-        results.provenance = provenance()
+        is_of_others = changes or [of["program"] for of in last] != [results.program.key]
+        if is_of_others and results.path.is_file():
+            aside = set_aside(results.path)
+            self.log(f"{results.path.name} holds other results: it is kept as {aside.name}")
         journal.start(
             self.study.name, results.provenance["history"], results.program.key,
             results.program.digests, request.first(),
         )  # fmt: skip
-        if self.options.old_times == "dropped":
+        if "times" in self.options.retry:
             journal.drop_times(map(results.key, request.cases))
 
     def _other_programs(self, missing: Sequence[str]) -> Counter[str]:
@@ -309,64 +273,51 @@ class _Run:
             named[differences(self.journal.programs.get(of, {}), program.digests)] += count
         return named
 
-    def _solve(self, tasks: Sequence[Task]) -> None:
-        """Compute the cases of tasks, each in the journal before it counts as done."""
+    def _perform(self, tasks: Sequence[Task], activity: str, unit: str) -> None:
+        """Compute the cases of tasks, or time them, each in the journal before it counts as done."""
         if not tasks:
             return
-        results, solved_seconds = self.results, 0.0
+        results, seconds = self.results, 0.0
         with (
             closing(self._outcomes(tasks)) as outcomes,
-            progress_of(self.study.name, "solving", len(tasks), "case", self.log) as progress,
+            progress_of(self.study.name, activity, len(tasks), unit, self.log) as progress,
         ):
             for task, outcome in outcomes:
+                key = results.key(task.key)
+                if task.is_timed:
+                    self.journal.add_time(key, outcome)
+                    progress.update()
+                    continue
                 if outcome.fields:
                     write(xr.Dataset(dict(outcome.fields)), results.fields_path(task.key))
-                point = self.request.points[task.key]
-                self.journal.add(results.key(task.key), self.study.name, point, outcome)
-                solved_seconds += outcome.seconds
+                self.journal.add(key, self.study.name, self.request.points[task.key], outcome)
+                seconds += outcome.seconds
                 progress.update()
-                progress.further = results.repeats * solved_seconds / progress.count * len(tasks)
-                is_failed = outcome.case_status is not CaseStatus.OK
-                if is_failed and self.options.after_failure == "stop":
-                    self.log(f"a case failed: {outcome.error}")
-                    raise _FirstFailureError
+                progress.further = results.repeats * seconds / progress.count * len(tasks)
                 if monotonic() > results.next_write:
                     results.write()
         self.journal.sync()
 
-    def _time(self, tasks: Sequence[Task]) -> None:
-        """Take the missing timed runs, one at a time."""
-        if not tasks:
-            return
-        outcomes = self._timed(tasks) if self._has_workers else self._here(tasks)
-        with (
-            closing(outcomes),
-            progress_of(self.study.name, "timing", len(tasks), "run", self.log) as progress,
-        ):
-            for task, outcome in outcomes:
-                self.journal.add_time(self.results.key(task.key), outcome)
-                progress.update()
-        self.journal.sync()
-
-    @property
-    def _has_workers(self) -> bool:
-        return bool(self.options.workers or self.options.scheduler)
-
     def _outcomes(self, tasks: Sequence[Task]) -> Outcomes:
         """Return an iterator over the tasks with their outcomes, as the options ask for."""
-        if not self._has_workers:
-            return self._here(tasks)
+        untimed = self.journal.untimed  # grows meanwhile
+        timed = (task for task in tasks if self.results.key(task.key) not in untimed)
+        if not (self.options.workers or self.options.scheduler):
+            return self._here(timed if tasks[0].is_timed else tasks)
         # what computes is imported where it is needed
         from studies.engine.cluster import perform_on_workers
         from studies.engine.slot import pickled_settings
 
+        settings = pickled_settings(self.settings, self.results.program)
+        if tasks[0].is_timed:
+            return self._apart(timed, settings)
         return perform_on_workers(
-            tasks, pickled_settings(self.settings, self.results.program), self.options.time_limit,
+            tasks, settings, self.options.time_limit,
             self.stop, workers=min(self.options.workers, len(tasks)),
             address=self.options.scheduler, log=self.log,
         )  # fmt: skip
 
-    def _here(self, tasks: Sequence[Task]) -> Outcomes:
+    def _here(self, tasks: Iterable[Task]) -> Outcomes:
         """Yield tasks with their outcomes, performed in this process; a signal is noticed between two.
 
         What is computed can be another program's only where something was imported, or a file read.
@@ -377,9 +328,6 @@ class _Run:
         try:
             with threadpool_limits(1):
                 for task in tasks:
-                    is_timed = task.expected is not None
-                    if is_timed and self.results.key(task.key) in self.journal.untimed:
-                        continue
                     with self.stop.interruptible():
                         outcome = perform(task, self.settings)
                     if (
@@ -395,17 +343,15 @@ class _Run:
             random.setstate(seeds[0])
             np.random.set_state(seeds[1])  # noqa: NPY002
 
-    def _timed(self, tasks: Sequence[Task]) -> Outcomes:
+    def _apart(self, tasks: Iterable[Task], settings: bytes) -> Outcomes:
         """Yield the outcomes of timed runs in one process apart, since a case may die there although it did not before.
 
         There is no dask meanwhile: an idle one takes 3 % of a core.
         """
-        from studies.engine.slot import Slot, pickled_settings
+        from studies.engine.slot import Slot
 
-        with Slot(pickled_settings(self.settings, self.results.program)) as slot:
+        with Slot(settings) as slot:
             for task in tasks:
-                if self.results.key(task.key) in self.journal.untimed:
-                    continue
                 # far beyond what a busy machine adds, so that only a case that hangs is given up
                 limit = min(
                     5 + 10 * (task.expected or 0.0), self.options.time_limit or float("inf")
@@ -421,7 +367,8 @@ class _Run:
 
     def _end(self) -> xr.Dataset:
         """Write the file, report the outcomes, and return the Dataset."""
-        dataset = self.results.dataset()
+        self.results.write()
+        dataset = read(self.results.path)
         if "left_out" in dataset.attrs:
             self.log(f"left out: {dataset.attrs['left_out']}")
         for sentence in summary_messages(dataset):

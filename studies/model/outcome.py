@@ -18,7 +18,6 @@ class CaseStatus(IntEnum):
     FAILED = 2
     TIMEOUT = 3
     KILLED = 4
-    SKIPPED = 5
 
 
 # variables that the store adds to every case; and keywords of xarray's ``sel``, which no axis may have
@@ -75,7 +74,7 @@ def summary_messages(dataset: xr.Dataset) -> Iterator[str]:
     """Yield sentences on how many cases failed, did not converge, miss their accuracy or lack a bound."""
     keys, statuses = dataset["case_key"].values.astype(str).ravel(), dataset["case_status"].values
     _, places = np.unique(keys, return_index=True)
-    places = places[~np.isin(statuses.ravel()[places], (CaseStatus.NOT_RUN, CaseStatus.SKIPPED))]
+    places = places[statuses.ravel()[places] != CaseStatus.NOT_RUN]
     failed = places[statuses.ravel()[places] != CaseStatus.OK]
     if failed.size:
         first = dataset["error"].values.ravel()[failed.min()]

@@ -20,7 +20,6 @@ from contactstudy import InvalidInput
 from contactstudy.domain.files import open_descriptor, reason
 from studies.model.outcome import CaseStatus, Failure, Outcome, TimedRun
 
-FORMAT = 9
 START = b'{"sum":"'
 HEAD = len(START) + len('0123456789abcdef",')
 # seconds between two syncs to the disk: what a loss of power may take; a killed program loses nothing
@@ -57,30 +56,31 @@ class Journal:
 
     def __init__(self, path: Path, machine: str) -> None:
         self.path, self.machine, self._synced = path, machine, monotonic()
-        self._clear()
+        self.cases: dict[Key, Line] = {}
+        self.samples: dict[Key, list[TimedRun]] = defaultdict(list)
+        self.untimed: dict[Key, str] = {}
+        self.programs: dict[str, Mapping[str, str]] = {}
+        self.history: dict[str, list[str]] = defaultdict(list)
+        self.firsts: dict[str, list[Line]] = defaultdict(list)
+        self.damaged = 0
         try:
             content = self._content()
         except OSError as error:
             raise self._cannot("read", error, "give another folder with --out") from None
-        if (
-            content
-            and not content.startswith(START[: len(content)])
-            and not any(map(decoded, content.splitlines()))
-        ):
-            raise InvalidInput(
-                f"Journal {str(path)!r} is not a journal of this program: move the file away, or give another folder "
-                "with --out."
-            )
         # of a program that was killed, or of a full disk
         self._is_torn = bool(content) and not content.endswith(b"\n")
-        self._is_of_other_format = False
+        lines = [raw for raw in content.split(b"\n") if raw]
         with without_garbage_collection():
-            for raw in content.split(b"\n"):
-                line = decoded(raw) if raw else None
-                if line is None or not self._try_apply(line):
-                    self.damaged += bool(raw)
-        if self._is_of_other_format:
-            self._clear()
+            for raw in lines:
+                try:
+                    self._apply(decoded(raw))
+                except MALFORMED:
+                    self.damaged += 1
+        if self.damaged == len(lines) and not content.startswith(START[: len(content)]):
+            raise InvalidInput(
+                f"Journal {str(self.path)!r} is not a journal of this program: move the file away, or give another "
+                "folder with --out."
+            )
 
     def _content(self) -> bytes:
         """Return the content of the file; none if it does not exist. A link is not followed."""
@@ -91,21 +91,8 @@ class Journal:
         with open(descriptor, "rb") as file:  # noqa: PTH123 (a descriptor)
             return file.read()
 
-    def _clear(self) -> None:
-        """Set the state before the first line."""
-        self.cases: dict[Key, Line] = {}
-        self.samples: dict[Key, list[TimedRun]] = defaultdict(list)
-        self.untimed: dict[Key, str] = {}
-        self.programs: dict[str, Mapping[str, str]] = {}
-        self.history: dict[str, list[str]] = defaultdict(list)
-        self.firsts: dict[str, list[Line]] = defaultdict(list)
-        self.damaged = 0
-
     def __enter__(self) -> Self:
         try:
-            if self._is_of_other_format:
-                set_aside(self.path)
-                self._is_torn = False
             self._file = open_descriptor(self.path, os.O_WRONLY | os.O_APPEND | os.O_CREAT)
             if self._is_torn:
                 os.write(self._file, b"\n")
@@ -119,11 +106,11 @@ class Journal:
         os.close(self._file)
 
     def notes(self) -> Iterator[str]:
-        """Yield sentences on what of the file is not used."""
-        if self._is_of_other_format:
-            yield f"{self.path.name} is of another version of this program: it is set aside, and all is computed again"
+        """Yield a sentence on the lines that are not used, if there are any."""
         if self.damaged:
-            yield f"{self.damaged} lines of {self.path.name} are damaged, and count as not stored"
+            yield (
+                f"{self.damaged} lines of {self.path.name} are damaged or of another version, and count as not stored"
+            )
 
     def append(self, line: Line) -> None:
         """Append a line, and apply it.
@@ -169,7 +156,7 @@ class Journal:
         """Begin a run of a study: write time and command, its first point, and the program where it is new."""
         news = {} if program in self.programs else {"digests": dict(digests)}
         about = {"study": study, "history": history, "program": program, "first": first}
-        self.append({"format": FORMAT} | about | news)
+        self.append(about | news)
 
     def add(self, key: Key, study: str, point: Mapping[str, Any], outcome: Outcome) -> None:
         """Write the outcome of a case, which `study` requests first at a `point`."""
@@ -201,14 +188,6 @@ class Journal:
         variables = {name: decoded_variable(entry) for name, entry in line["values"].items()}
         return Outcome(CaseStatus[line["status"]], variables, _failure(line), line["seconds"])
 
-    def _try_apply(self, line: Line) -> bool:
-        """Take a line of the file into the state, and return whether it has the form that this version writes."""
-        try:
-            self._apply(line)
-        except MALFORMED:
-            return False
-        return True
-
     def _apply(self, line: Line) -> None:
         """Take a line into the state."""
         is_here = line.get("machine", self.machine) == self.machine
@@ -231,8 +210,6 @@ class Journal:
                 for case, program in keys if is_here else ():
                     self.samples.pop((case, program), None)
                     self.untimed.pop((case, program), None)
-            case {"format": version} if version != FORMAT:
-                self._is_of_other_format = True
             case {"study": study, "history": history, "program": program, "first": first}:
                 self.history[study].append(history)
                 self.firsts[study].append(first)
@@ -276,10 +253,10 @@ def encoded(line: Line) -> bytes:
     return START + _checksum(content) + b'",' + content + b"\n"
 
 
-def decoded(raw: bytes) -> Line | None:
-    """Return the line; None where its checksum is not that of its content."""
+def decoded(raw: bytes) -> Line:
+    """Return the line; raise ValueError where its checksum is not that of its content."""
     if raw[:HEAD] != START + _checksum(raw[HEAD:]) + b'",':
-        return None
+        raise ValueError(raw)
     line: Line = json.loads(raw)
     return line
 

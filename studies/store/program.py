@@ -1,7 +1,7 @@
 """The program that computes a case: what must be equal for a stored case to be used again.
 
 A stored case is used again if its fields, its study's measures, every numerical source file of the program, the user's
-modules that the study names, the files that it depends on, and the versions of Python and of the libraries that
+modules that the study imports, the files that it depends on, and the versions of Python and of the libraries that
 compute are the same.
 """
 
@@ -43,16 +43,12 @@ INSTALLED = tuple(
         *site.getsitepackages(), site.getusersitepackages(),
     }
 )  # fmt: skip
-WORD = re.compile(rb"\w+")
+# statements that import, whose words name modules
+IMPORT = re.compile(r"(?:^|[;:])[ \t]*(?:from|import)\b[^\n(]*(?:\([^)]*\))?", re.MULTILINE)
 # words of a source that may import any module
-AT_RUN_TIME = {
-    b"import_module",
-    b"__import__",
-    b"spec_from_file_location",
-    b"pkgutil",
-    b"runpy",
-    b"exec",
-}
+AT_RUN_TIME = re.compile(
+    r"\b(?:import_module|__import__|spec_from_file_location|pkgutil|runpy|exec)\b"
+)
 UNREADABLE, MEASURES = "cannot be read", "the study's measures"
 
 Digests = Mapping[str, str]  # of files and versions, by their names
@@ -99,7 +95,7 @@ class Program:
                 about["typed code"] = hashed(_pickled((study.measures, kinds_by_name)))
         if users:
             look()
-            files, words = _named(users, sources)
+            files, words = _imported(users, sources)
             about |= {name: content(path) for name, path in files.items()}
             _refuse([name for name in files if _LOADED.get(name, about[name]) != about[name]])
             about |= {of: version(of) for of in _distributions(words)}
@@ -225,32 +221,42 @@ def _is_users(name: str, module: Mapping[str, Any]) -> bool:
     return not str(file).startswith(INSTALLED) if file else name == "__main__"
 
 
-def _named(
+def _imported(
     start: Iterable[str], sources: Mapping[str, bytes]
-) -> tuple[dict[str, Path], set[bytes]]:
-    """Return the files of the user's loaded modules that those of some names may import, these included, and all words.
+) -> tuple[dict[str, Path], set[str]]:
+    """Return the files of the user's loaded modules that those of some names import, these included; and all words.
 
-    A module counts if its name stands anywhere in the source of one that counts, which it does in every way to import
-    it. `sources` are those of study files by the names of their modules.
+    A module counts if a source that counts has all parts of its name in its statements that import, the words.
+    `sources` are those of study files by the names of their modules.
     """
-    loaded, files, words = user_files(), dict[str, Path](), set[bytes]()
-    news, others = set(start), loaded.keys() - {*start, "__main__"}
-    while news:
-        files |= {name: loaded[name] for name in news & loaded.keys()}
-        for name in news:
-            source = sources.get(name) or (_bytes(loaded[name]) if name in loaded else None) or b""
-            words |= {*WORD.findall(source), *name.encode().split(b".")}
+    loaded, files, words = user_files(), dict[str, Path](), set[str]()
+    queue = list(start)
+    others = loaded.keys() - set(queue)
+    while queue:
+        name = queue.pop()
+        files |= {name: loaded[name]} if name in loaded else {}
+        source = sources.get(name) or (_bytes(loaded[name]) if name in loaded else None) or b""
+        text = source.decode("utf-8", "replace")
+        statements = " ".join(IMPORT.findall(text.replace("\\\n", " ")))
+        known = set(re.findall(r"\w+", statements))
+        words |= known
+        if "from ." in statements:
+            known |= set(name.split("."))
+        is_any = AT_RUN_TIME.search(text)
+        news = {
+            of
+            for of in others
+            if is_any or known.issuperset(of.split(".")) or name.startswith(f"{of}.")
+        }
+        queue += news
         others -= news
-        is_any = bool(words & AT_RUN_TIME)
-        news = {name for name in others if is_any or name.rpartition(".")[2].encode() in words}
     return files, words
 
 
-def _distributions(words: Iterable[bytes]) -> set[str]:
+def _distributions(words: Iterable[str]) -> set[str]:
     """Return the names of the other distributions that have a module called like one of the words."""
     modules = packages_distributions()
-    named = {word.decode() for word in words} & modules.keys() - set(PACKAGES)
-    return {distribution for name in named for distribution in modules[name]}
+    return {of for name in {*words} & modules.keys() - {*PACKAGES} for of in modules[name]}
 
 
 # digests of the user's modules as they were loaded, by name; empty where that is not certain

@@ -117,7 +117,7 @@ def test_failures_are_kept_until_they_are_to_be_tried_again(tmp_path: Path) -> N
     log.unlink()
     run(study, tmp_path, options=ALONE, log=quiet)
     assert lines(log) == []
-    again = replace(ALONE, repeats=0, retry=frozenset({CaseStatus.FAILED}))
+    again = replace(ALONE, retry=("failed",))
     run(study, tmp_path, options=again, log=quiet)
     assert lines(log) == ["3.0"]
 

@@ -126,7 +126,7 @@ def test_a_case_that_another_study_in_the_folder_has_is_not_computed_again(tmp_p
 
 @pytest.mark.parametrize("seconds", [0.0, -1.0, float("nan")])
 def test_a_time_limit_is_above_zero(seconds: float) -> None:
-    with pytest.raises(InvalidInput, match="give seconds above 0"):
+    with pytest.raises(InvalidInput, match=r"RunOptions.time_limit is .*above 0"):
         RunOptions(time_limit=seconds)
     assert RunOptions(time_limit=0.5).time_limit == 0.5
 
@@ -192,5 +192,5 @@ def test_workers_and_repeats_stand_above_the_options_and_are_whole_numbers(tmp_p
     dataset = run(trouble.study([1]), tmp_path, options=options, repeats=3, log=quiet)
     assert dataset.sizes["repeat"] == 3
     for name in ("workers", "repeats"):
-        with pytest.raises(InvalidInput, match=f"^{name} is -1: must be a whole number"):
+        with pytest.raises(InvalidInput, match=f"^RunOptions.{name} is -1: give a whole number"):
             RunOptions(**{name: -1})

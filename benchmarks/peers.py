@@ -145,6 +145,7 @@ def _tamaas(program_run: ProgramRun) -> Callable[[], Array]:
     solver.dump_freq = 100_000
 
     def solve() -> Array:
+        model.traction[...] = 0.0  # it would begin at its last solution
         solver.solve(SCENE.largest_load / grid.extent[0])
         return np.array(model.traction)
 

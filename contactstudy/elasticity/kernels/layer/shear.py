@@ -17,9 +17,6 @@ from contactstudy.elasticity.kernels.stress_cell import (
 )
 from contactstudy.elasticity.kernels.traction import SURFACE, SWAPPED
 
-# In a coating thinner than a third of a cell, the neglected aliases are some 1e-3 of the response to single cells.
-MAX_ALIASES = 8
-
 
 class Subtracted(Enum):
     """Terms of long waves, ``(a + b k + c k^2) exp(-2 k)``, that are subtracted from a response."""
@@ -46,9 +43,6 @@ class ShearWaves:
     subtracted
         Terms of long waves that are left out, as they are known in closed form.
     """
-
-    #: Largest number of aliases of a wave number that are summed on either side.
-    max_aliases: ClassVar[float] = MAX_ALIASES
 
     #: Rate, per wave number times thickness, at which amplitudes decay: exp(-2 k).
     decay_rate: ClassVar[float] = 2.0

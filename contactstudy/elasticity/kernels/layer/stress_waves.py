@@ -2,8 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import inf
-from typing import ClassVar
 
 import numpy as np
 
@@ -37,9 +35,6 @@ class StressWaves:
     load
         Load on the surface, of ``FAMILIES``.
     """
-
-    #: Largest number of aliases of a wave number that are summed on either side.
-    max_aliases: ClassVar[float] = inf
 
     stress: LayerStress
     load: str

@@ -2,11 +2,13 @@
 
 from dataclasses import dataclass
 from functools import lru_cache
+from math import inf
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
+from scipy.special import erfc
 
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.kernels.layer.response import LayerResponse, RealOrComplex, composite
@@ -23,6 +25,13 @@ DECAY_PERIODS, LATTICE_RATIO = 6.0, 4
 ROW_RATIO = 16
 # Smallest period of that lattice, in thicknesses over the distance of the poles from the real axis.
 MIN_PERIOD = 64.0
+# Windows of waves, in waves per cell: their end, and the width of the erfc by which they end; WINDOW_END widths farther
+# it is below rounding. A sum over waves that end so is negligible beyond 2 / width cells: within half of NEAR_CELLS for
+# long waves, and at the centre of a cell for those that are seen there.
+NO_WAVES, LONG_WAVES, SEEN_WAVES = (-inf, 1.0), (0.9, 0.165), (20.0, 3.5)
+WINDOW_END, NEAR_CELLS = 5.3, 24
+# Number of values that are held at once.
+VALUES_AT_ONCE = 2**18
 # Number of waves along an axis up to which they are summed as a series, and beyond which by a transform.
 MAX_SERIES_WAVES = 1200
 
@@ -35,10 +44,6 @@ class WaveResponse(Protocol):
     @property
     def decay_rate(self) -> float:
         """Rate, per wave number times thickness, at which amplitudes decay: exp(-k `decay_rate`)."""
-
-    @property
-    def max_aliases(self) -> float:
-        """Largest number of aliases of a wave number that are summed on either side."""
 
     @property
     def materials(self) -> LayerResponse:
@@ -276,35 +281,65 @@ def _lattice(
 ) -> dict[str, Array]:
     """Return the response (across, along) to one cell of a lattice at all its points, for each field.
 
-    Waves shorter than two cells are aliased to the longer ones.
+    Long waves are summed on the lattice. Shorter ones, whose sum is negligible beyond half of `NEAR_CELLS`, are summed
+    on a small lattice (Ewald 1921), without those whose sum is negligible at half a cell from its edges.
     """
-    shape = across, along // 2 + 1
-    summed: dict[str, NDArray[np.complex128]] = {}
+    steps, reach = (dx, dy), NEAR_CELLS * max(dx, dy)
+    near = min(across, int(reach / dx)), min(along, int(reach / dy))
+    fields = _summed(waves, thickness, steps, (across, along), LONG_WAVES, NO_WAVES)
+    short = _summed(waves, thickness, steps, near, SEEN_WAVES, LONG_WAVES)
+    places = np.ix_(*(np.round(fft.fftfreq(cells) * cells).astype(np.intp) for cells in near))
+    for name, field in short.items():
+        fields[name][places] += field
+    return fields
+
+
+def _summed(
+    waves: WaveResponse,
+    thickness: float,
+    steps: tuple[float, float],
+    cells: tuple[int, int],
+    window: tuple[float, float],
+    left_out: tuple[float, float],
+) -> dict[str, Array]:
+    """Return the response (x, y) to one cell of a lattice with so many `cells`, for each field, by part of its waves.
+
+    They are those in the `window` less those in the window `left_out`.
+    """
     last = ROUNDING_EXPONENT / (waves.decay_rate * thickness)
-    first_x = 2 * np.pi * fft.fftfreq(across, dx)
-    first_y = 2 * np.pi * fft.rfftfreq(along, dy)
-    for kx, rows in _aliased(first_x, dx, last, waves.max_aliases):
-        for ky, columns in _aliased(first_y, dy, last, waves.max_aliases):
-            if np.hypot(np.abs(kx).min(), np.abs(ky).min()) > last:
-                continue
-            mean = np.sinc(kx * dx / (2 * np.pi))[:, None] * np.sinc(ky * dy / (2 * np.pi))
-            amplitudes = waves.amplitudes(kx[:, None] * thickness, ky * thickness)
-            for name, amplitude in amplitudes.items():
-                waves_of_field = summed.setdefault(name, np.zeros(shape, np.complex128))
-                waves_of_field[np.ix_(rows, columns)] += amplitude * mean
-    return {name: fft.irfft2(sums, (across, along)) for name, sums in summed.items()}
-
-
-def _aliased(first: Array, step: float, last: float, most: float) -> list[tuple[Array, Indices]]:
-    """Return wave numbers up to `last`, with the indices of the `first` ones whose aliases they are."""
-    count = int(min(np.ceil(last * step / (2 * np.pi) + 0.5), most))
-    aliases = []
-    for alias in range(-count, count + 1):
-        waves = first + 2 * np.pi * alias / step
-        indices = np.flatnonzero(np.abs(waves) <= last)
-        if indices.size:
-            aliases.append((waves[indices], indices))
-    return aliases
+    shortest = window[0] + WINDOW_END * window[1]
+    q, weights = [], []  # waves per cell, of both axes at least 0: fields have a parity
+    for step, count in zip(steps, cells, strict=True):
+        q.append(np.arange(int(min(last * step / (2 * np.pi), shortest) * count) + 1) / count)
+        weight = np.sinc(q[-1])
+        weight[0] /= 2
+        weights.append(
+            [weight * erfc((q[-1] - end) / width) / 2 for end, width in (window, left_out)]
+        )
+    kx, ky = (2 * np.pi * waves_of / step for waves_of, step in zip(q, steps, strict=True))
+    summed: dict[str, NDArray[np.complex128]] = {}
+    rows = min(cells[0], max(1, VALUES_AT_ONCE // ky.size))
+    for start in range(0, kx.size, rows):
+        chosen = slice(start, start + rows)
+        columns = int(np.searchsorted(ky, np.sqrt(max(last**2 - kx[start] ** 2, 0.0)), "right"))
+        weight, left = (
+            np.multiply.outer(of_x[chosen], of_y[:columns])
+            for of_x, of_y in zip(*weights, strict=True)
+        )
+        weight -= left
+        amplitudes = waves.amplitudes(kx[chosen, None] * thickness, ky[:columns] * thickness)
+        folded = np.zeros((weight.shape[0], -(-columns // cells[1]) * cells[1]), np.complex128)
+        where = np.arange(start, start + weight.shape[0]) % cells[0]
+        for name, amplitude in amplitudes.items():
+            folded[:, :columns] = amplitude * weight
+            total = summed.setdefault(name, np.zeros(cells, np.complex128))
+            total[where] += folded.reshape(where.size, -1, cells[1]).sum(axis=1)
+    fields = {}
+    for name, total in summed.items():
+        for axis, parity in enumerate(waves.parity(name)):
+            total = total + parity * np.roll(np.flip(total, axis), 1, axis)
+        fields[name] = fft.irfft2(total[:, : cells[1] // 2 + 1], cells)
+    return fields
 
 
 def _indices(offsets: Array, step: float, cells: int) -> Indices:

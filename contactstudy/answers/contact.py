@@ -19,6 +19,7 @@ from contactstudy.domain.grid import Grid, Padding, Paddings, edge_fraction
 from contactstudy.domain.imports import needed_for
 from contactstudy.io.quantities.contact_quantities import contact_quantities
 from contactstudy.io.quantities.quantity import NO_ESTIMATE, Quantities, roller_length
+from contactstudy.io.quantities.stress_quantities import stress_quantities
 from contactstudy.problem.problem import DependsOnShear, Derived, Field
 from contactstudy.scene.scene import PosedScene, Scene, scene_of
 from contactstudy.scene.solids.bodies import in_part, is_layered
@@ -29,12 +30,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from contactstudy.evolution.rolling.steady_rolling import SteadyRolling
-
-
-# What is in the names of the quantities of the stress in one body.
-OF_STRESS = (
-    "von_mises", "safety_factor", "shear_stress", "orthogonal_shear", "surface_tension", "interface_shear", "interlayer",
-)  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -218,9 +213,9 @@ class Contact(Answer, Solution):
         found = contact_quantities(self, self.error, self.derived, self.rolling)
         for number in range(1, len(self.problem.outputs) if found else 0):
             if suffix := self._suffix(number):
-                of_body = self._with_output_alone(number).quantities
-                names = [name for name in of_body if any(part in name for part in OF_STRESS)]
-                found |= {f"{name}{suffix}": of_body[name] for name in names}
+                alone = self._with_output_alone(number)
+                of_body = stress_quantities(alone.scene, alone.derived, self.grid, alone.error)
+                found |= {f"{name}{suffix}": quantity for name, quantity in of_body.items()}
         if self.time is None and any(each.reason == NO_ESTIMATE for each in found.values()):
             below = [level.quantities for level in self._below()]
             at_edge = edge_fraction(self.pressure > 0)

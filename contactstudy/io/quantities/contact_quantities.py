@@ -3,26 +3,23 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from math import inf, isfinite
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from contactstudy.accuracy.approach_and_stress import interface_shear
 from contactstudy.accuracy.discretisation.cells import contact_area_in_cells, with_ends
 from contactstudy.accuracy.discretisation.contact_edge import resolved_edges
-from contactstudy.accuracy.plausibility import stress_margin
 from contactstudy.accuracy.range_errors import NO_LIMIT
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import readable
-from contactstudy.io.quantities.fatigue_quantities import between_depths, fatigue_quantities
 from contactstudy.io.quantities.quantity import Quantity, per_length, roller_length, with_bound
+from contactstudy.io.quantities.stress_quantities import largest_place, stress_quantities
 from contactstudy.problem.problem import Field
-from contactstudy.scene.scene import PosedScene, Scene, scene_of
+from contactstudy.scene.scene import PosedScene, scene_of
 from contactstudy.scene.shapes_source import standing_heights
-from contactstudy.scene.solids.bodies import in_part, is_layered
 from contactstudy.solvers.friction.fretting_traction import FrettingTraction
 from contactstudy.solvers.friction.rolling_traction import RollingTraction
 from contactstudy.solvers.solution import AdhesiveTraction, Solution, TangentialTraction
@@ -35,8 +32,6 @@ if TYPE_CHECKING:
 # smooth contacts against the closed form, and less in 16 rough ones. Cells by which the zone may be wider for its
 # largest slip, which grows as the width to the power of 3/2: at most 1.1.
 ENERGY_ERROR, SLIP_ZONE_MARGIN = 1.0, 1.25
-# Relative difference of largest values that are equal but for the residual of the solver.
-SYMMETRY = 1e-7
 NO_BOUND_OF_ONE_CELL = (
     "No bound: the slip zone is at most one cell wide; solve again on cells of half the width."
 )
@@ -80,9 +75,8 @@ def contact_quantities(
     count = np.count_nonzero(touching)
     area = (count if adheres else contact_area_in_cells(solution.pressure, wraps)) * grid.cell_area
     total = float(pressure[touching].sum() * grid.cell_area)
-    coordinates = {"x": grid.x, "y": grid.y}
     pressed = np.where(touching, pressure, -inf) if touching.any() else np.zeros(grid.cells)
-    peak, place = _largest(pressed, coordinates)
+    peak, place = largest_place(pressed, {"x": grid.x, "y": grid.y})
     area_error = estimate.contact_area
     half_width, half_length = (
         _half_size(solution, axis, area_error, fallback_reasons) for axis in (0, 1)
@@ -95,7 +89,7 @@ def contact_quantities(
     highest = Quantity(peak, "Pa", label, position=place, detail=mirrored)
     highest = with_bound(highest, estimate.peak_pressure, fallback_reasons)
     quantities = {"peak_pressure": highest}
-    quantities |= stress_quantities(scene, derived, coordinates, estimate)
+    quantities |= stress_quantities(scene, derived, grid, estimate)
     if rolling is not None:
         quantities |= _of_rolling(rolling, estimate)
     if solution.traction is not None:
@@ -372,104 +366,6 @@ def _of_rolling(rolling: "SteadyRolling", estimate: ErrorEstimate) -> dict[str, 
     }
 
 
-def stress_quantities(
-    scene: Scene | None,
-    derived: Mapping[str, Field],
-    coordinates: Mapping[str, Array],
-    estimate: ErrorEstimate,
-) -> dict[str, Quantity]:
-    """Return the largest von Mises stress below the surface with its depth, and the margin to yield where known.
-
-    Where the scene gives the depths, the stress between and beyond them may be larger, and the labels say so.
-    """
-    if scene is None or "von_mises" not in derived:
-        return {}
-    is_given = any(isinstance(getattr(output, "depths", None), tuple) for output in scene.outputs)
-    at_depths = " at the depths given" if is_given else ""
-    stress = derived["von_mises"]
-    axes = dict(coordinates)
-    axes |= {axis: derived[axis].values for axis in stress.dimensions if axis in derived}
-    largest, position = _largest(stress.values, axes, stress.dimensions)
-    if "z" in position:
-        peaks = stress.values.max(axis=(1, 2))
-        position["z"] = between_depths(derived["z"].values, peaks, given=is_given)[1]
-    fallback_reasons = estimate.warnings
-    number = next(output.body for output in scene.outputs if hasattr(output, "body"))
-    where = f"Scene.solids[{number}]{at_depths}"
-    value = Quantity(largest, "Pa", f"largest von Mises stress in {where}", position=position)
-    quantities = {
-        "largest_von_mises": with_bound(value, estimate.largest_von_mises, fallback_reasons)
-    }
-    if "z" in position:
-        depth = Quantity(position["z"], "m", f"depth of the largest von Mises stress in {where}")
-        quantities["largest_von_mises_depth"] = with_bound(
-            depth, estimate.largest_von_mises_depth, fallback_reasons
-        )
-    least = stress_margin(scene, derived)
-    if least.ratio < inf:
-        label = f"yield stress over von Mises stress in {least.part}{at_depths}"
-        margin = Quantity(least.ratio, "1", label)
-        varies = "safety_factor" in estimate.numbers
-        error = estimate.numbers["safety_factor"] if varies else estimate.largest_von_mises
-        if error is not None and error.total < 1:
-            bound = margin.value * error.total / (1 - error.total)
-            margin = replace(margin, bound=bound, reason="")
-        quantities["safety_factor"] = margin
-        if varies:
-            depth = Quantity(least.depth, "m", f"depth of the least safety in {where}")
-            quantities["safety_factor_depth"] = with_bound(
-                depth, estimate.numbers["safety_factor_depth"], fallback_reasons
-            )
-    body, depths = scene.solids[number], derived["z"].values
-    parts: dict[str, tuple[str, Any, Any]] = {"": (where, body, depths >= 0)}
-    for name, (said, material, top, bottom) in body.parts.items() if is_layered(body) else ():
-        if (inside := in_part(depths, top, bottom)).any():
-            parts[f"{name}_"] = f"{said} of {where}", material, inside
-    quantities |= fatigue_quantities(
-        derived["stress"].values, axes, parts, estimate, _largest, given=is_given
-    )
-    return quantities | _of_coating(body, where, derived, axes, estimate, quantities)
-
-
-def _of_coating(
-    body: object,
-    name: str,
-    derived: Mapping[str, Field],
-    axes: Mapping[str, Array],
-    estimate: ErrorEstimate,
-    known: Mapping[str, Quantity],
-) -> dict[str, Quantity]:
-    """Return the largest von Mises stress in each layer and the substrate, and the largest shear stress at interfaces.
-
-    Each needs a depth there: above zero, down to the lower interface, and equal to it. The `name` is that of the body,
-    with what is said of given depths; among the `known` quantities are the depths of the largest stresses.
-    """
-    if not is_layered(body):
-        return {}
-    depths, quantities, dimensions = derived["z"].values, {}, ("z", "x", "y")
-    for part, (said, _, top, bottom) in body.parts.items():
-        if (inside := in_part(depths, top, bottom)).any():
-            stress = derived["von_mises"].values[inside]
-            largest, position = _largest(stress, {**axes, "z": depths[inside]}, dimensions)
-            depth = known.get(f"{part}_von_mises_depth")
-            position |= {"z": depth.value} if depth else {}
-            label = f"largest von Mises stress in {said} of {name}"
-            found = Quantity(largest, "Pa", label, position=position)
-            quantities[f"{part}_von_mises"] = found
-        if (at_interface := depths == bottom).any():
-            shear = interface_shear(derived["stress"].values[:, at_interface][:, 0])
-            largest, position = _largest(shear, axes)
-            below = "" if part == "coating" and len(body.layers) == 1 else f" below {said}"
-            label = f"largest shear stress at the interface{below} of {name.split(' at ')[0]}"
-            found = Quantity(largest, "Pa", label, position=position)
-            quantities["interface_shear" if part == "coating" else f"{part}_shear"] = found
-    errors = dict(estimate) | dict(estimate.numbers)
-    return {
-        key: with_bound(found, errors.get(key), estimate.warnings)
-        for key, found in quantities.items()
-    }
-
-
 def _half_size(
     solution: Solution,
     axis: int,
@@ -518,27 +414,6 @@ def _half_extent(cells: NDArray[np.bool_], axis: int, size: float) -> float:
     """Return half the distance between the outer edges of the outermost of some cells (x, y) along an axis [m]."""
     at = np.flatnonzero(cells.any(axis=1 - axis))
     return float((at[-1] - at[0] + 1) * size / 2) if len(at) else 0.0
-
-
-def _largest(
-    values: Array, axes: Mapping[str, Array], dimensions: Sequence[str] = ("x", "y")
-) -> tuple[float, dict[str, float]]:
-    """Return the largest value and where it is: of equal ones the nearest to the middle, between two of them the mean.
-
-    Along an axis of one cell there is no position.
-    """
-    largest = values.max()
-    equal = values >= largest * (1 - SYMMETRY) if largest > 0 else values == largest
-    indices = np.argwhere(equal)
-    distances = np.abs(indices - [(size - 1) / 2 for size in values.shape]).sum(axis=1)
-    nearest = indices[distances == distances.min()]
-    neighbours = nearest[np.abs(nearest - nearest[0]).max(axis=1) <= 1]
-    position = {
-        name: float(axes[name][at].mean())
-        for name, at in zip(dimensions, neighbours.T, strict=True)
-        if name in axes and len(axes[name]) > 1
-    }
-    return float(largest), position
 
 
 def _mirrored(values: Array, y: Array, position: Mapping[str, float]) -> str:

@@ -9,8 +9,8 @@ import numpy as np
 from contactstudy.analytic import dowson_higginson_film, film_asymptotes
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.units import readable
-from contactstudy.io.quantities.contact_quantities import stress_quantities
 from contactstudy.io.quantities.quantity import FORMULA, Quantity, with_bound
+from contactstudy.io.quantities.stress_quantities import stress_quantities
 from contactstudy.scene.lubrication.lubricant import LimitingShear
 from contactstudy.scene.shapes.shape import LengthScales
 
@@ -74,8 +74,7 @@ def film_quantities(contact: "FilmSolution", estimate: ErrorEstimate) -> dict[st
         quantities["thermal_reduction"] = Quantity(
             temperatures.reduction, "1", "film with a heated inlet over the isothermal one"
         )
-    coordinates = {"x": contact.grid.x, "y": contact.grid.y}
-    quantities |= stress_quantities(contact.scene, contact.derived, coordinates, estimate)
+    quantities |= stress_quantities(contact.scene, contact.derived, contact.grid, estimate)
     errors = dict(estimate) | dict(estimate.numbers)
     if "lambda_ratio" in quantities and quantities["lambda_ratio"].reason != OF_HEATED_INLET:
         errors["lambda_ratio"] = errors["central_film"]

@@ -85,7 +85,8 @@ def with_bound(
         return replace(quantity, reason=RELATIVE_TO_ZERO)
     if isfinite(parts.total):
         return replace(quantity, bound=parts.total * abs(quantity.value), reason="")
-    return replace(quantity, reason=parts.reason or next(iter(fallback_reasons), NO_ESTIMATE))
+    reason = parts.reason or next(iter(fallback_reasons), NO_ESTIMATE)
+    return replace(quantity, bound=inf, reason=reason)
 
 
 def roller_length(posed: PosedScene | None) -> float | None:

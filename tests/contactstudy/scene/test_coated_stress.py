@@ -278,7 +278,12 @@ def test_the_stresses_of_both_coated_bodies_are_given_under_their_names() -> Non
     both = cs.solve(replace(scene, outputs=outputs), grid, cs.ExactPeriodicity())
     for output, suffix in zip(outputs, ("", "_1"), strict=True):
         one = cs.solve(replace(scene, outputs=(output,)), grid, cs.ExactPeriodicity()).quantities
-        for name in ("largest_von_mises", "coating_von_mises", "interface_shear"):
+        for name in (
+            "largest_von_mises",
+            "largest_shear_stress",
+            "coating_von_mises",
+            "interface_shear",
+        ):
             assert str(both.quantities[name + suffix]) == str(one[name])
     assert both.to_dataset()["von_mises_1"].dims == ("z_1", "x", "y")
     with pytest.raises(cs.InvalidInput, match="second of its kind"):

@@ -104,6 +104,9 @@ def test_coating_and_substrate_have_numbers_of_their_own() -> None:
         margin = found[f"{part}_safety_factor"]
         assert margin.value == pytest.approx(strength / found[f"{part}_von_mises"].value)
         assert margin.bound < 0.05 * margin.value
+    weakest = found["substrate_safety_factor"]
+    assert found["safety_factor"].value == weakest.value < found["coating_safety_factor"].value
+    assert found["safety_factor_depth"].value == pytest.approx(weakest.position["z"])
 
 
 def test_at_given_depths_the_depth_is_one_of_them() -> None:

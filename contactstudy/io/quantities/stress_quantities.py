@@ -1,0 +1,233 @@
+"""Numbers of the stress below a surface: largest values in each part of a body, their depths, and margins to yield."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from math import exp, inf, log
+from typing import Any
+
+import numpy as np
+
+from contactstudy.accuracy.approach_and_stress import interface_shear
+from contactstudy.accuracy.plausibility import yield_margin, yield_stresses
+from contactstudy.domain.errors import ErrorEstimate
+from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Grid
+from contactstudy.io.quantities.quantity import Quantity, with_bound
+from contactstudy.problem.problem import Field
+from contactstudy.scene.scene import Scene
+from contactstudy.scene.solids.bodies import in_part, is_layered
+
+# Bound of the largest tension at a surface over its fall in the first cell outside the contact: beside the edge of a
+# contact that slides it falls like the square root of the distance. At most 3.2 on 68 sliding cylinders of 20 to 340
+# cells, and 1.5 on 14 balls, against closed forms.
+TENSION_ERROR = 3.5
+# The same over the L1 error of the pressure times the largest von Mises stress at the surface.
+BY_PRESSURE = 0.5
+# Ratio of two depths up to which the stress between them follows a parabola, and above which they are no two sides of
+# an interface.
+MAX_STEP, MIN_STEP = 2.0, 1.001
+# Relative difference of largest values that are equal but for the residual of the solver.
+SYMMETRY = 1e-7
+
+
+def stress_quantities(
+    scene: Scene | None,
+    derived: Mapping[str, Field],
+    grid: Grid,
+    estimate: ErrorEstimate,
+) -> dict[str, Quantity]:
+    """Return largest stresses below the surface with their depths and the margin to yield, of a body and its parts.
+
+    These are the von Mises stress, the largest and the orthogonal shear stress; beside them stand the tension at the
+    surface, and the shear stress at interfaces. Where the scene gives the depths, the stress between and beyond them may
+    be larger, and the labels say so.
+
+    Parameters
+    ----------
+    scene
+        The scene; without one there are no numbers.
+    derived
+        Fields of the output that the scene names, in one body.
+    grid
+        Cells of the surface.
+    estimate
+        Errors of the contact.
+    """
+    if scene is None or "von_mises" not in derived:
+        return {}
+    from contactstudy.scene.stress import largest_shear, orthogonal_shear  # only where it is named
+
+    number = next(output.body for output in scene.outputs if hasattr(output, "body"))
+    given = any(isinstance(getattr(output, "depths", None), tuple) for output in scene.outputs)
+    at_depths = " at the depths given" if given else ""
+    body, name = scene.solids[number], f"Scene.solids[{number}]"
+    coordinates = {"x": grid.x, "y": grid.y}
+    stress, von_mises, depths = (derived[of].values for of in ("stress", "von_mises", "z"))
+    layers = body.parts if is_layered(body) else {}
+    parts: dict[str, tuple[str, Any, Any]] = {"": (name, body, depths >= 0)}
+    for part, (said, material, top, bottom) in layers.items():
+        if (inside := in_part(depths, top, bottom)).any():
+            parts[f"{part}_"] = f"{said} of {name}", material, inside
+    errors, found = dict(estimate) | dict(estimate.numbers), dict[str, Quantity]()
+    for before, (where, material, inside) in parts.items():
+        axes, at = {**coordinates, "z": depths[inside]}, f"in {where}{at_depths}"
+        mises, name_of_mises = (
+            von_mises[inside],
+            f"{before}von_mises" if before else "largest_von_mises",
+        )
+        found |= _with_depth(
+            name_of_mises, f"largest von Mises stress {at}", mises, axes, given=given, beyond=False
+        )
+        least = yield_margin(material, number, axes["z"], mises)
+        if least.ratio < inf:
+            label = f"yield stress over von Mises stress in {where if before else least.part}{at_depths}"
+            position = found[name_of_mises].position if before else None
+            found[f"{before}safety_factor"] = Quantity(least.ratio, "1", label, position=position)
+        if (
+            not before and "safety_factor_depth" in errors and least.ratio < inf
+        ):  # the strength varies
+            weakest = next(inside for part, _, inside in parts.values() if part == least.part)
+            demand = mises.max(axis=(1, 2)) / yield_stresses(body, depths)
+            depth = between_depths(depths[weakest], demand[weakest], given=given)[1]
+            label = f"depth of the least safety {at}"
+            found["safety_factor_depth"] = Quantity(depth, "m", label)
+        shear, of_shear = largest_shear(stress[:, inside]), f"largest shear stress {at}"
+        found |= _with_depth(f"{before}largest_shear_stress", of_shear, shear, axes, given=given)
+        # a range along x has no place on it
+        shear, name_of_range = orthogonal_shear(stress[:, inside]), f"{before}orthogonal_shear"
+        along = {axis: places for axis, places in axes.items() if axis != "x"}
+        found |= _with_depth(
+            name_of_range, f"orthogonal shear stress {at}", shear, along, given=given
+        )
+        amplitude = found[name_of_range]
+        label = f"double amplitude of the {amplitude.label}"
+        found[f"{name_of_range}_range"] = replace(amplitude, value=2 * amplitude.value, label=label)
+    found |= _surface_tension(stress, depths, coordinates, name, estimate)
+    for part, (said, _, _, bottom) in layers.items():
+        if (at_interface := depths == bottom).any():
+            shear = interface_shear(stress[:, at_interface][:, 0])
+            largest, position = largest_place(shear, coordinates)
+            below = "" if part == "coating" and len(layers) == 2 else f" below {said}"
+            label = f"largest shear stress at the interface{below} of {name}"
+            of_interface = "interface_shear" if part == "coating" else f"{part}_shear"
+            found[of_interface] = Quantity(largest, "Pa", label, position=position)
+    margin = errors.pop("safety_factor", estimate.largest_von_mises)
+    found = {key: with_bound(of, errors.get(key), estimate.warnings) for key, of in found.items()}
+    if "safety_factor" in found and margin is not None and margin.total < 1:
+        safety = found["safety_factor"]
+        bound = safety.value * margin.total / (1 - margin.total)
+        found["safety_factor"] = replace(safety, bound=bound, reason="")
+    return found
+
+
+def _with_depth(
+    name: str,
+    label: str,
+    values: Array,
+    axes: Mapping[str, Array],
+    *,
+    given: bool,
+    beyond: bool = True,
+) -> dict[str, Quantity]:
+    """Return the largest of `values` (z, x, y) [Pa] and its depth, by the `name` and with the `label` of the largest.
+
+    Depths and coordinates stand in `axes` by their names. Between depths that were not `given` the depth is that of a
+    parabola, and the value that at its vertex if it goes `beyond` the values. The largest of all depths lies up to
+    beside the neighbouring given ones.
+    """
+    value, position = largest_place(values, axes, ("z", "x", "y"))
+    if "z" not in position:
+        return {name: Quantity(value, "Pa", label, position=position)}
+    depths = axes["z"]
+    rise, position["z"] = between_depths(depths, values.max(axis=(1, 2)), given=given)
+    depth = Quantity(position["z"], "m", f"depth of the {label}")
+    if given:
+        place = int(np.flatnonzero(depths == depth.value)[0])
+        around = float(np.diff(depths[max(place - 1, 0) : place + 2]).max())
+        depth = replace(depth, bound=around, reason="")
+    largest = Quantity(value + rise * beyond, "Pa", label, position=position)
+    return {name: largest, f"{name}_depth": depth}
+
+
+def _surface_tension(
+    stress: Array,
+    depths: Array,
+    coordinates: Mapping[str, Array],
+    name: str,
+    estimate: ErrorEstimate,
+) -> dict[str, Quantity]:
+    """Return the largest tensile stress at the surface of a body with its bound; none without a stress there."""
+    from contactstudy.scene.stress import principal_stresses, von_mises  # only where it is named
+
+    scale = float(von_mises(stress[:, 0]).max())
+    if depths[0] or not scale:
+        return {}
+    tension = principal_stresses(stress[:, 0])[0]
+    value, position = largest_place(tension, coordinates)
+    value = value if value > 1e-9 * scale else 0.0
+    bound = TENSION_ERROR * _fall(tension, stress[2, 0], scale) * bool(value)
+    bound += BY_PRESSURE * estimate.l1.total * scale
+    reason = "" if bound < inf else estimate.l1.reason
+    label = f"largest tensile stress at the surface of {name}"
+    place = position if value else None
+    return {"surface_tension": Quantity(value, "Pa", label, bound, reason, place)}
+
+
+def between_depths(depths: Array, peaks: Array, *, given: bool) -> tuple[float, float]:
+    """Return by how much the largest stress exceeds the largest of some `peaks` at their depths, and its depth.
+
+    It lies at the vertex of the parabola in the logarithm of the depth through the largest peak and its neighbours; at
+    given depths, at the surface and beside an interface it is the largest peak itself.
+    """
+    at = int(peaks.argmax())
+    if given or not 0 < at < len(peaks) - 1 or not depths[at - 1]:
+        return 0.0, float(depths[at])
+    steps = [log(depths[at] / depths[at - 1]), log(depths[at + 1] / depths[at])]
+    if not all(log(MIN_STEP) < step < log(MAX_STEP) for step in steps):
+        return 0.0, float(depths[at])
+    fall = [float(peaks[at] - peaks[at - 1]), float(peaks[at] - peaks[at + 1])]
+    # peak - slope t - bend t^2 at the logarithmic distance t from the largest peak
+    bend = (fall[0] / steps[0] + fall[1] / steps[1]) / (steps[0] + steps[1])
+    slope = (fall[1] - bend * steps[1] ** 2) / steps[1]
+    if bend <= 0:
+        return 0.0, float(depths[at])
+    return slope**2 / (4 * bend), float(depths[at]) * exp(-slope / (2 * bend))
+
+
+def _fall(tension: Array, pressing: Array, scale: float) -> float:
+    """Return the largest fall of a surface `tension` (x, y) from the cell outside the contact where it is the largest.
+
+    A cell is in contact where the stress `pressing` it (x, y) is no rounding beside a `scale`; where all are, all count.
+    """
+    touches = np.abs(pressing) > 1e-9 * scale
+    outside = tension if touches.all() else np.where(touches, -inf, tension)
+    place = np.unravel_index(int(outside.argmax()), outside.shape)
+    falls = [0.0]
+    for axis in (0, 1):
+        line = np.take(outside, place[1 - axis], axis=1 - axis)
+        beside = [
+            line[place[axis] + step] for step in (-1, 1) if 0 <= place[axis] + step < len(line)
+        ]
+        falls += [float(outside[place] - other) for other in beside if other > -inf]
+    return max(falls)
+
+
+def largest_place(
+    values: Array, axes: Mapping[str, Array], dimensions: Sequence[str] = ("x", "y")
+) -> tuple[float, dict[str, float]]:
+    """Return the largest value and where it is: of equal ones the nearest to the middle, between two of them the mean.
+
+    Along an axis of one cell there is no position.
+    """
+    largest = values.max()
+    equal = values >= largest * (1 - SYMMETRY) if largest > 0 else values == largest
+    indices = np.argwhere(equal)
+    distances = np.abs(indices - [(size - 1) / 2 for size in values.shape]).sum(axis=1)
+    nearest = indices[distances == distances.min()]
+    neighbours = nearest[np.abs(nearest - nearest[0]).max(axis=1) <= 1]
+    position = {
+        name: float(axes[name][at].mean())
+        for name, at in zip(dimensions, neighbours.T, strict=True)
+        if name in axes and len(axes[name]) > 1
+    }
+    return float(largest), position

@@ -17,6 +17,7 @@ from contactstudy.planning.cost import speedup
 from contactstudy.planning.plan import plan_grid
 from contactstudy.planning.planned import Plan
 from contactstudy.progress import Progress
+from contactstudy.scene import methods
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.solids.bodies import yields
 from contactstudy.solving import REFINEMENTS, grid_for_numbers, next_grid, refines, solve
@@ -120,7 +121,7 @@ def plan(
     requested: Request | None = DEFAULT_ERROR if grid is None else None
     if error is not None:
         requested = checked_errors("plan.error", error)
-    if scene.takes_times:
+    if scene.method.takes_times:
         from contactstudy.evolution.time_steps import TimeSteps  # imported only for scenes in time
 
         steps = TimeSteps.of(times)
@@ -214,13 +215,13 @@ class _Request:
     @property
     def is_steady_film(self) -> bool:
         """Whether a film is solved once, which refines its cells itself."""
-        return self.scene.lubrication is not None and not self.scene.takes_times
+        return self.scene.method is methods.FILM
 
     @property
     def speedup(self) -> float:
         """Ratio of the seconds on one thread to those on the device, which a dry static contact can use."""
         scene, planned = self.scene, self.planned
-        if scene.takes_times or scene.rolls or scene.lubrication or scene.adhesion:
+        if scene.method is not methods.STATIC or scene.adhesion:
             return 1.0
         return speedup(planned.grid, planned.padding, planned.device)
 
@@ -298,7 +299,7 @@ class _Request:
             error = min(self.target * factor**2, CONSTANTS.most_error)
         takes_chosen = self.is_steady_film and self.is_chosen and grid.cells[1] == 1
         while True:
-            if self.scene.takes_times:
+            if self.scene.method.takes_times:
                 named["times"] = self.times if looser == 1 else self.looser_steps(looser)
             before, watch = loaded(), _Watch()
             try:
@@ -325,7 +326,7 @@ class _Request:
 
     def looser_steps(self, looser: float) -> "TimeSteps | None":
         """Return the steps in time to a larger error; None where they have none, or it would be too large."""
-        if not (self.scene.takes_times and refines(self.scene)):
+        if not (self.scene.method.takes_times and refines(self.scene)):
             return None
         from contactstudy.evolution.time_steps import ErrorEstimator, TimeSteps
         from contactstudy.planning.grid_requirements import CONSTANTS as GRID

@@ -27,6 +27,7 @@ from contactstudy.progress import (
     of_passes,
     of_time,
 )
+from contactstudy.scene import methods
 from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.scene.solids.bodies import yields
 from contactstudy.solvers.solve import ReportingSolver, SolveOptions, solve_contact
@@ -148,7 +149,7 @@ def solve(
 
 @dataclass(frozen=True, eq=False)
 class _Request:
-    """Arguments of :func:`solve`, with a method that answers them for each kind of scene."""
+    """Arguments of :func:`solve`, and what answers them for each kind of scene."""
 
     scene: Any
     grid: Grid | None
@@ -166,7 +167,7 @@ class _Request:
         """Refuse the keywords that this scene cannot use, and solve it by its method."""
         scene = self.scene
         if isinstance(scene, Problem):
-            self.refuse_unless("a problem", "start", "device")
+            self.refuse_unused(PROBLEM)
             if self.grid is not None or self.padding is not None:
                 argument = "padding" if self.grid is None else "grid"
                 raise InvalidInput(
@@ -177,34 +178,11 @@ class _Request:
             raise InvalidInput(
                 f"solve.scene is {scene!r}: give a Scene, or scene.problem(grid, padding)."
             )
-        if scene.lubrication is not None:
-            self.refuse_options_of_films()
-            if scene.wears_steadily:
-                self.refuse_unless("a film that wears", "times", "error")
-                return self.film_wear()
-            if scene.time_dependent_field is not None:
-                self.refuse_unless("a film that changes in time", "times", "error", "step")
-                return self.time_dependent_film()
-            self.refuse_unless("a steady film", "start")
-            return self.film()
-        if scene.wears_steadily:
-            self.refuse_unless("a contact that rolls and wears", "times", "error")
-            return self.steady_wear()
-        if scene.takes_times:
-            if scene.evolves_without_states:
-                self.refuse_unless("a load history with adhesion or rolling", "times")
-                return self.quasi_static()
-            kind = "a scene that changes in time"
-            self.refuse_unless(kind, "times", "folder", "error", "scheme", "error_estimator")
-            return self.time_dependent()
-        if scene.rolls:
-            self.refuse_unless("a contact that rolls")
-            return self.repeated_rolling() if scene.rolling_speed is None else self.steady_rolling()
-        self.refuse_unless("a static contact", "start", "device")
-        return self.contact()
+        self.refuse_unused(scene.method)
+        return SOLVED_BY[scene.method](self)
 
-    def refuse_unless(self, kind: str, *used: str) -> None:
-        """Raise InvalidInput for a keyword or a setting of the steps that a scene of this `kind` does not use."""
+    def refuse_unused(self, method: methods.Method) -> None:
+        """Raise InvalidInput for a keyword, an option or a setting of the steps that a `method` does not use."""
         arguments = {
             "times": self.times is not None,
             "start": self.start is not None,
@@ -217,36 +195,26 @@ class _Request:
             ),
         }
         for name, is_given in arguments.items():
-            if is_given and name not in used:
+            if is_given and name not in method.keywords:
                 why = {
                     "period": "the grid has a period of its own",
-                    "device": f"{kind} is solved on the CPU",
-                }.get(name, f"{kind} has no use for it")
+                    "device": f"{method.kind} is solved on the CPU",
+                }.get(name, f"{method.kind} has no use for it")
                 raise InvalidInput(f"solve.{name} is given, and {why}: leave it out.")
-        if self.times is None:
-            return
-        for name in ("error", "scheme", "step", "error_estimator"):
-            value = getattr(self.steps, name)
-            if name not in used and value != getattr(type(self.steps), name):
-                raise InvalidInput(
-                    f"TimeSteps.{name} is {value!r}, and {kind} has no use for it: leave it out."
-                )
-
-    def refuse_options_of_films(self) -> None:
-        """Raise InvalidInput for an option, or a start, that a film cannot use."""
-        default, names = SolveOptions(), ["solver", "precision"]
-        if self.scene.time_dependent_field is not None and not self.scene.wears_steadily:
-            names.append("max_iterations")
-        for name in names:
-            if (value := getattr(self.options, name)) != getattr(default, name):
-                raise InvalidInput(
-                    f"solve.{name} is {value!r}, and this film has a {name.replace('_', ' ')} of its own: leave it out."
-                )
-        if self.start is not None and not hasattr(self.start, "film"):
-            raise InvalidInput(
-                f"solve.start is of the type {type(self.start).__name__}: give a LubricatedContact, such as the film at "
-                "a somewhat higher speed."
-            )
+        settings: list[tuple[str, Any, tuple[str, ...]]] = [
+            ("solve", self.options, methods.OPTIONS)
+        ]
+        if self.times is not None:
+            steps = "error", "scheme", "step", "error_estimator"
+            settings.append(("TimeSteps", self.steps, steps))
+        for place, given, names in settings:
+            default = type(given)()
+            for name in names:
+                value = getattr(given, name)
+                if name not in method.keywords and value != getattr(default, name):
+                    raise InvalidInput(
+                        f"{place}.{name} is {value!r}, and {method.kind} has no use for it: leave it out."
+                    )
 
     @property
     def requested(self) -> Request | None:
@@ -502,6 +470,11 @@ class _Request:
         from contactstudy.answers.lubricated_contact import film_answer
         from contactstudy.lubrication.solve_lubricated import solve_lubricated, varies_along
 
+        if self.start is not None and not hasattr(self.start, "film"):
+            raise InvalidInput(
+                f"solve.start is of the type {type(self.start).__name__}: give a LubricatedContact, such as the film at "
+                "a somewhat higher speed."
+            )
         smooth = self.grid is None and not any(map(varies_along, self.scene.shapes))
         grid, padding = (None, self.padding) if smooth else self.planned()
         contact = solve_lubricated(
@@ -549,6 +522,23 @@ class _Request:
         return answer
 
 
+# Methods of a request, by those of scenes; and what a problem is solved with.
+SOLVED_BY: Mapping[
+    methods.Method, Callable[[_Request], "Contact | LubricatedContact | Evolution"]
+] = {
+    methods.STATIC: _Request.contact,
+    methods.STEADY_ROLLING: _Request.steady_rolling,
+    methods.PASSES: _Request.repeated_rolling,
+    methods.QUASI_STATIC: _Request.quasi_static,
+    methods.TIME_DEPENDENT: _Request.time_dependent,
+    methods.STEADY_WEAR: _Request.steady_wear,
+    methods.FILM: _Request.film,
+    methods.FILM_IN_TIME: _Request.time_dependent_film,
+    methods.FILM_WEAR: _Request.film_wear,
+}
+PROBLEM = methods.Method("a problem", methods.STATIC.keywords)
+
+
 def grid_for_numbers(answer: Any, *, is_default: bool) -> Grid | None:
     """Return the grid for the numbers of an answer whose bounds are above the request, within the work for them."""
     parts = answer.error.l1.by_cause
@@ -573,11 +563,10 @@ def grid_for_numbers(answer: Any, *, is_default: bool) -> Grid | None:
 
 def refines(scene: Scene) -> bool:
     """Return whether a scene that is not static is solved again on finer grids until its bound meets the error."""
-    if scene.lubrication is not None or scene.adhesion is not None or scene.wears_steadily:
-        return False
-    if scene.takes_times:
-        return not scene.evolves_without_states
-    return scene.rolls and scene.rolling_speed is not None
+    return scene.adhesion is None and scene.method in (
+        methods.STEADY_ROLLING,
+        methods.TIME_DEPENDENT,
+    )
 
 
 def next_grid(grid: Grid, parts: Mapping[str, float], requested: float) -> Grid | None:

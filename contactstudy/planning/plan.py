@@ -33,6 +33,7 @@ from contactstudy.planning.grid_requirements import (
     with_random_extents,
 )
 from contactstudy.planning.planned import Plan
+from contactstudy.scene import methods
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.shapes.shape import LengthScales
 from contactstudy.scene.shapes_source import left_out
@@ -66,7 +67,7 @@ def plan_grid(
         error = pressure_request(checked_errors("plan.error", error))
     if grid is not None and period is not None and not isclose(period, grid.length):
         raise InvalidInput(f"plan.period is {period!r}: leave it out, since the grid has its own.")
-    if times is not None and not scene.takes_times:
+    if times is not None and not scene.method.takes_times:
         raise InvalidInput(
             "plan.times is given, and nothing of the scene changes in time: leave it out, in a file [time_steps]."
         )
@@ -75,8 +76,8 @@ def plan_grid(
         scales = LengthScales()  # a flat on the grid that is given
     if scene.hertz is None and scales is not None and scene.lubrication is None:
         planned = _plan_of_flat(scene, scales, error, period, grid, padding, device)
-        follows_adhesion = scene.adhesion is not None and scene.evolves_without_states
-        if follows_adhesion or not (scene.rolls or scene.time_dependent_field is not None):
+        follows_adhesion = scene.adhesion is not None and scene.method is not methods.TIME_DEPENDENT
+        if follows_adhesion or scene.method is methods.STATIC:
             return planned
         # imported only for scenes that change in time or roll
         from contactstudy.planning.transient_requirements import transient_requirements
@@ -94,13 +95,13 @@ def plan_grid(
         from contactstudy.planning.adhesive_plan import plan_of_adhesion
 
         request = error or DEFAULT_ERROR, period, grid, padding
-        if scene.time_dependent_field is None or scene.evolves_without_states:
+        if scene.method is not methods.TIME_DEPENDENT:
             return plan_of_adhesion(scene, *request)
         from contactstudy.planning.transient_requirements import transient_requirements
 
         transient = transient_requirements(scene, _time_steps(times).last)
         return _with_states(plan_of_adhesion(scene, *request, transient=transient), transient)
-    if scene.time_dependent_field is not None or scene.rolls:
+    if scene.method is not methods.STATIC:
         return _plan_time_dependent(scene, error, period, grid, padding, _time_steps(times))
     return _plan_static(scene, error, period, grid, padding, device)
 

@@ -32,6 +32,7 @@ from contactstudy.problem.problem import AdhesionSolver, Derived, FrictionSolver
 from contactstudy.scene.loads.constant_load import ConstantLoad, LineLoad, TotalLoad
 from contactstudy.scene.loads.load_history import ChangingLoad, falls
 from contactstudy.scene.loads.resulting_load import DATUM_OVER_RADIUS, Approach, PullOff
+from contactstudy.scene.methods import STATIC, Method, method_of
 from contactstudy.scene.shapes.roller import FiniteLength
 from contactstudy.scene.shapes.shape import Shape, length_scales_of
 from contactstudy.scene.solids.bodies import (
@@ -243,7 +244,7 @@ class Scene(InNotebook):
         """Check the outputs, of each kind of which there may be one, in a contact at rest one of each body."""
         for number, output in enumerate(self.outputs):
             alike = [other for other in self.outputs[:number] if type(other) is type(output)]
-            at_rest = not (self.takes_times or self.rolls or self.lubrication is not None)
+            at_rest = self.method is STATIC
             bodies = {getattr(other, "body", None) for other in (*alike, output)}
             if alike and not (at_rest and len(bodies) > len(alike)):
                 raise InvalidInput(
@@ -578,34 +579,9 @@ class Scene(InNotebook):
         return not (self.rolls and any(map(creeps, self.solids)))
 
     @property
-    def takes_times(self) -> bool:
-        """True if it is solved at several instants, since it or the load of its steady rolling changes in time."""
-        if self.rolling_speed is not None:
-            return isinstance(self.load, ChangingLoad) or self.wear is not None
-        return self.rolling is None and self.time_dependent_field is not None
-
-    @property
-    def wears_steadily(self) -> bool:
-        """True for a contact that wears and is steady at each instant, as in rolling, tractive rolling, or a film."""
-        steady = self.rolling_speed is not None or getattr(self.friction, "is_steady", False)
-        turns = getattr(self.wear, "circumference", None) is not None
-        return self.wear is not None and (steady or turns or self.lubrication is not None)
-
-    @property
-    def evolves_without_states(self) -> bool:
-        """True if its instants are solved without state variables of the bodies, as with adhesion and in rolling."""
-        changes = any(creeps(solid) or yields(solid) for solid in self.solids)
-        adheres = self.adhesion is not None and not changes
-        return adheres or self.rolling is not None or getattr(self.friction, "is_steady", False)
-
-    @property
-    def supports_checkpoints(self) -> bool:
-        """True if a folder can keep the frames, as of a dry scene that changes in time with state variables."""
-        effects = self.lubrication, self.rolling, self.adhesion
-        stateful = self.time_dependent_field is not None and not (
-            self.evolves_without_states or self.wears_steadily
-        )
-        return stateful and all(effect is None for effect in effects)
+    def method(self) -> Method:
+        """Method by which :func:`~contactstudy.solve` solves the scene, with the keywords that it takes."""
+        return method_of(self)
 
     def _open_ends(self, gap: Array, grid: Grid, along: Padding) -> tuple[int, ...]:
         """Return the end rows under zero padding along if the surface varies along it and no roller ends there."""

@@ -15,6 +15,7 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.reuse import caching
 from contactstudy.io.scene_files.scene_schema import PlanSettings
 from contactstudy.planning.grid_requirements import grid_requirements, with_random_extents
+from contactstudy.scene import methods
 from studies.advice.reference_error import last_of
 from studies.advice.verdict import (
     EVERY_NUMBER,
@@ -139,7 +140,7 @@ class _Trials:
         grid = cs.Grid(setting.cells, self.extent)
         yield self.scene, grid
         load = self.scene.load
-        if self.scene.takes_times or not isinstance(load, cs.LineLoad | cs.TotalLoad):
+        if self.scene.method.takes_times or not isinstance(load, cs.LineLoad | cs.TotalLoad):
             return
         name = "per_length" if isinstance(load, cs.LineLoad) else "total"
         if getattr(load, name) > 0:
@@ -224,7 +225,7 @@ class _Trials:
 
     def hertz_of(self, scene: cs.Scene) -> "cs.analytic.HertzLine | None":
         """Return Hertz's line contact where it is the exact solution: a smooth elastic cylinder under a load."""
-        at_rest = scene.lubrication is None and not scene.rolls and not scene.takes_times
+        at_rest = scene.method is methods.STATIC
         hertz = scene.hertz
         if (
             hertz is None
@@ -384,7 +385,9 @@ def _trials(file: cs.SceneFile, error: Request, measure: str, wider: float) -> _
     own = padding or cs.ExactPeriodicity()
     across, along = (max(1, round(n / SIXTHS)) if n > 1 else 1 for n in grid.cells)
     scene = with_random_extents(file.scene, grid.extent)
-    times = file.time_steps if scene.takes_times and file.time_steps != cs.TimeSteps() else None
+    times = (
+        file.time_steps if scene.method.takes_times and file.time_steps != cs.TimeSteps() else None
+    )
     return _Trials(
         scene, grid.extent, own, (max(2, across), along), file.options, times, error, measure,
         given=None if file.grid is None else file.grid.cells,

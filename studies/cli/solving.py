@@ -88,7 +88,7 @@ def solve_with_progress(
             with stop.interruptible():
                 answer = described.solve(
                     start=first,
-                    folder=frames_folder if described.scene.supports_checkpoints else None,
+                    folder=frames_folder if "folder" in described.scene.method.keywords else None,
                     progress=show,
                     device=device,
                 )

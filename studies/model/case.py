@@ -10,6 +10,7 @@ import xarray as xr
 import contactstudy as cs
 from contactstudy.domain.errors import Request
 from contactstudy.io.dataset import flags, known_or_nan
+from contactstudy.scene import methods
 
 Answer = cs.Contact | cs.LubricatedContact | cs.Evolution
 
@@ -61,15 +62,9 @@ class Case:
 
     def prepare(self) -> cs.Problem | None:
         """Return the problem of a dry contact at rest; other scenes set up theirs while they are solved."""
-        scene = self.scene
-        if (
-            scene.lubrication is not None
-            or scene.takes_times
-            or scene.rolls
-            or scene.wears_steadily
-        ):
+        if self.scene.method is not methods.STATIC:
             return None
-        return scene.problem(self.grid, self.padding)
+        return self.scene.problem(self.grid, self.padding)
 
     def run(self, prepared: cs.Problem | None = None) -> Answer:
         """Return the answer, of the problem that was prepared if there is one."""

@@ -99,7 +99,7 @@ def _case_on(point: SceneFile, grid: cs.Grid, extent: tuple[float, float] | None
         _check(f"Scene.shapes[{number}]", shape, grid)
     padding = point.padding or grid_requirements(point.scene).padding()
     scene = replace(point.scene, shapes=shapes)
-    steps = point.time_steps if scene.takes_times else None
+    steps = point.time_steps if scene.method.takes_times else None
     error = point.plan_settings.error or (DEFAULT_ERROR if point.grid is None else None)
     return Case(scene, grid, padding, point.options, steps, error)
 

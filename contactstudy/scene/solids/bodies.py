@@ -263,6 +263,10 @@ class SceneContext(Protocol):
         """True for `Rolling`, and for `TractiveRolling` of a body that creeps, which take more than one problem."""
 
     @property
+    def rolling_speed(self) -> float | None:
+        """Speed [m/s] along x of a contact that rolls steadily; None for others."""
+
+    @property
     def time_dependent_field(self) -> str | None:
         """Name of a field that changes in time, or None."""
 

@@ -90,7 +90,7 @@ def refusal(first: str, second: str) -> str:
         along, length, padding = 2, 1e-3, cs.ZeroPadding()
     try:
         scene = cs.Scene(**scene_with(first, second))
-        times = [0.0, 1.0] if scene.takes_times else None
+        times = [0.0, 1.0] if scene.method.takes_times else None
         answer = cs.solve(scene, cs.Grid((24, along), (1.2e-3, length)), padding, times=times)
     except cs.InvalidInput as refused:
         return str(refused)

@@ -187,6 +187,15 @@ class Contact(Answer, Solution):
                 fields[f"{name}{suffix}"] = replace(found, dimensions=tuple(axes))
         return fields
 
+    def derived_at_depths_of(self, other: "Contact") -> Mapping[str, Field]:
+        """Return the fields of the outputs at the depths that those of an `other` contact of the scene have chosen."""
+        outputs: list[Any] = list(self.problem.outputs)
+        for number, output in enumerate(outputs):
+            if hasattr(output, "depths"):
+                depths = other.derived[f"z{self._suffix(number)}"].values
+                outputs[number] = replace(output, depths=tuple(depths))
+        return replace(self, problem=replace(self.problem, outputs=tuple(outputs))).derived
+
     def _suffix(self, number: int) -> str:
         """Return what the names of the output `number` end with: the index of its body if it is the second of a kind."""
         if self.scene is None or number == 0:

@@ -291,15 +291,28 @@ class Evolution(Answer):
         """Return the dataset of :meth:`to_dataset` without the accuracy among its attributes."""
         with needed_for("Evolution.to_dataset"):
             from contactstudy.io import evolution_dataset as labels
-            from contactstudy.io.dataset import labelled
+            from contactstudy.io.dataset import labelled, with_quantities
 
         if self.passes is not None:
             return labels.passes_dataset(self.passes, self.quantities)
         if self.trajectory is not None:
-            return labels.evolution_dataset(self.trajectory, self.quantities)
+            contacts: Any = self.frames
+            # the last one has no outputs where a coating is worn through
+            highest = max(contacts, key=lambda one: (len(one.problem.outputs), one.peak_pressure))
+            instants = [
+                labels.instant_dataset(
+                    frame,
+                    contact,
+                    {**contact.state, **contact.derived_at_depths_of(highest)},
+                    contact.quantities,
+                    contact.error.l1,
+                )
+                for frame, contact in zip(self.trajectory.frames, contacts, strict=True)
+            ]
+            return labels.evolution_dataset(self.trajectory, instants, self.quantities)
         assert self.films is not None
         contacts = [frame.to_dataset() for frame in self.frames]
-        dataset = labels.films_dataset(self.times, contacts, self.quantities)
+        dataset = with_quantities(labels.over_time(self.times, contacts), self.quantities)
         step_error = self.films.step_error
         dataset["step_error"] = labelled(
             (), step_error, "1", "largest error of a step, of the film in L1 over its mean",
@@ -389,21 +402,16 @@ def _unbounded(contact: Contact, reason: str) -> Contact:
 def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
     """Return a recorded frame as an answer; its gap includes the wear depth and the residual displacement.
 
-    A frame with a solution is a contact whose equilibrium keeps no state from earlier instants, with the errors of one
-    at rest. Otherwise only the errors of the pressure and of its peak are known.
+    A frame without errors of its own is a contact whose equilibrium keeps no state from earlier instants, with the
+    errors of one at rest. Otherwise only the errors of the pressure and of its peak are known.
     """
-    if frame.solution is not None:
-        solution = replace(frame.solution, status=frame.status)
-        contact = contact_answer(
-            solution, time=frame.time, state=frame.fields, rolling=frame.rolling
-        )
+    contact = contact_answer(frame, time=frame.time, state=frame.fields, rolling=frame.rolling)
+    if frame.grid_error_parts is None:
         worn = frame.fields.get("wear_depth")
         has_worn = worn is not None and worn.values.any()
         by_steps = {"l1": frame.time_discretisation_error} | dict(frame.time_discretisation_errors)
         return _with_steps(contact, by_steps) if has_worn else contact
-    problem = trajectory.problem
-    outputs = tuple(trajectory.derived(frame, output) for output in problem.outputs)
-    problem = replace(problem, outputs=outputs)
+    outputs = tuple(trajectory.derived(frame, output) for output in frame.problem.outputs)
     steps = replace(frame.grid_error_parts, steps=frame.time_discretisation_error)
     reason = next(iter(frame.warnings), "")
     if frame.status is Status.YIELD_AT_EDGE:
@@ -422,30 +430,13 @@ def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
     unknown = ErrorParts(discretisation=inf, reason=NO_BOUND_OF_STATES)
     area = unknown if frame.pressure.any() else l1  # separated bodies have no area
     stress = unknown if outputs else None
-    return Contact(
-        problem=problem,
-        pressure=frame.pressure,
-        displacement=frame.gap + frame.approach - problem.undeformed_gap,
-        gap=frame.gap,
-        approach=frame.approach,
-        status=frame.status,
-        iterations=frame.iterations,
-        convolutions=frame.convolutions,
-        residual=frame.residual,
+    return replace(
+        contact,
+        problem=replace(frame.problem, outputs=outputs),
         traction=trajectory.traction(frame),
-        adhesion=frame.adhesion,
         estimate=ErrorEstimate(
-            l1,
-            peak,
-            area,
-            unknown,
-            unknown,
-            stress,
-            stress,
-            warnings=frame.warnings,
+            l1, peak, area, unknown, unknown, stress, stress, warnings=frame.warnings
         ),
-        time=frame.time,
-        state=frame.fields,
     )
 
 

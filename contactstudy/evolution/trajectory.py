@@ -1,9 +1,10 @@
 """Results of an integration in time: recorded frames."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import partial
 from math import inf
+from typing import Any
 
 import numpy as np
 
@@ -16,24 +17,24 @@ from contactstudy.problem.problem import DependsOnShear, DependsOnStrain, Derive
 from contactstudy.scene.scene import PosedScene
 from contactstudy.solvers.friction.laws import FullSliding
 from contactstudy.solvers.solution import (
-    AdhesiveTraction,
     Solution,
     Status,
     TangentialTraction,
-    net_pressure,
     worst,
 )
 
 UNKNOWN = ErrorParts(0.0, inf, 0.0)
 
 
-@dataclass(frozen=True, eq=False)
-class Frame:
-    """A contact at one recorded instant.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Frame(Solution):
+    """A contact at one recorded instant: its :class:`Solution`, and what it keeps from earlier instants.
 
     Solves, iterations and convolutions are counted since the previous frame, and include rejected steps and the
-    integration with doubled steps. Errors are relative L1 errors of the pressure, infinite where there is no estimate,
-    and relative to the pressure under the largest load where bodies yield.
+    integration with doubled steps. The status is the worst one of the contacts since the previous frame, without those
+    of rejected or halved steps and of replaced iterates; DETACHED where that of the last is. The displacement is all by
+    which the surfaces have moved: elastically, by creep, wear and yielding. Errors are relative L1 errors of the
+    pressure, infinite where there is no estimate; where bodies yield, relative to the pressure under the largest load.
 
     Attributes
     ----------
@@ -41,82 +42,45 @@ class Frame:
         Time [s].
     load
         Load [N/m].
-    pressure
-        Pressure (x, y) [Pa].
-    gap
-        Gap (x, y) [m].
-    approach
-        Approach of the bodies [m].
     fields
         Fields (x, y) of the state variables, such as the wear depth, by name.
-    status
-        The worst status of the contacts since the previous frame, without those of rejected or halved steps and of
-        replaced iterates; DETACHED where that of the last is.
-    residual
-        Residual of the last solve.
+    solves
+        Number of contacts solved, of which a step may take several; contact and plastic strain together count as one.
     time_discretisation_error
         Estimated time-discretisation error; in fretting the larger one of the pressure and of the tangential traction.
     time_discretisation_errors
         Those of the peak pressure, and of further quantities of a contact that has worn while it rolls, by name.
-    solves
-        Number of contacts solved, of which a step may take several; contact and plastic strain together count as one.
-    iterations
-        Number of iterations.
-    convolutions
-        FFT convolutions of the full grid.
     coupled_state
         State solved for together with the pressure, such as plastic strain, as arrays by name.
-    adhesion
-        Adhesive traction of a frame without `solution`; None without adhesion.
-    solution
-        Solution of a frame whose equilibrium keeps no state variable from earlier instants; None for others.
-    rolling
-        Rolling resistance and centroid of a steadily rolling contact; None for others.
     grid_error_parts
         Estimated error of the contact on this grid by cause, without that by the steps, see
-        :func:`~contactstudy.accuracy.estimate.error_estimate`.
+        :func:`~contactstudy.accuracy.estimate.error_estimate`; None for a contact in equilibrium that keeps no state
+        variable from earlier instants, whose errors are those of one at rest.
     peak_grid_error_parts
         The same of the peak pressure.
     warnings
         A sentence for each error that has no bound.
+    rolling
+        Rolling resistance and centroid of a steadily rolling contact; None for others.
     """
 
     time: float
     load: float
-    pressure: Array
-    gap: Array
-    approach: float
-    fields: Mapping[str, Field]
-    status: Status
-    residual: float
-    time_discretisation_error: float
-    solves: int
-    iterations: int
-    convolutions: float
-    coupled_state: Mapping[str, Array] = field(default_factory=dict)
-    grid_error_parts: ErrorParts = UNKNOWN
-    peak_grid_error_parts: ErrorParts = UNKNOWN
+    fields: Mapping[str, Field] = field(default_factory=dict)
+    solves: int = 1
+    time_discretisation_error: float = 0.0
     time_discretisation_errors: Mapping[str, float] = field(default_factory=dict)
+    coupled_state: Mapping[str, Array] = field(default_factory=dict)
+    grid_error_parts: ErrorParts | None = None
+    peak_grid_error_parts: ErrorParts = UNKNOWN
     warnings: tuple[str, ...] = ()
-    adhesion: AdhesiveTraction | None = None
-    solution: Solution | None = None
     rolling: SteadyRolling | None = None
 
-    @property
-    def grid_error(self) -> float:
-        """Estimated error of the contact on this grid, without that by the steps."""
-        return self.grid_error_parts.total
 
-    @property
-    def peak_pressure(self) -> float:
-        """Peak pressure [Pa]."""
-        return float(self.pressure.max())
-
-    @property
-    def net_pressure(self) -> Array:
-        """Pressure (x, y) [Pa] less the attraction."""
-        adhesion = self.adhesion if self.solution is None else self.solution.adhesion
-        return net_pressure(self.pressure, adhesion)
+def frame_of(solution: Solution, **further_fields: Any) -> Frame:
+    """Return `solution` as a frame, with `further_fields` of :class:`Frame`, or others in place of its own."""
+    values = {each.name: getattr(solution, each.name) for each in fields(Solution)}
+    return Frame(**values | further_fields)
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,8 +117,8 @@ class Trajectory:
 
     def traction(self, frame: Frame) -> TangentialTraction | None:
         """Return the tangential traction at the instant of `frame`; None without friction."""
-        if frame.solution is not None:
-            return frame.solution.traction
+        if frame.traction is not None:
+            return frame.traction
         if "shear_x" in frame.fields:
             shear_x, shear_y, stick = (
                 frame.fields[n].values for n in ("shear_x", "shear_y", "stick")
@@ -185,12 +149,6 @@ class Trajectory:
         return np.stack([frame.pressure for frame in self.frames])
 
     @property
-    def contact_area(self) -> Array:
-        """Area in contact (time,) [m^2] on the grid."""
-        cells = [np.count_nonzero(frame.pressure) for frame in self.frames]
-        return np.array(cells) * self.grid.cell_area
-
-    @property
     def status(self) -> Status:
         """The worst status of all steps."""
         return worst([frame.status for frame in self.frames])
@@ -209,11 +167,6 @@ class Trajectory:
     def convolutions(self) -> float:
         """FFT convolutions of the full grid, of all steps."""
         return sum(frame.convolutions for frame in self.frames)
-
-    @property
-    def residual(self) -> float:
-        """The largest residual of the recorded solves."""
-        return max(frame.residual for frame in self.frames)
 
     @property
     def time_discretisation_error(self) -> float:

@@ -2,32 +2,32 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
 
+from contactstudy.domain.errors import ErrorParts
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.kernels.stress_cell import COMPONENTS
 from contactstudy.io.dataset import (
     X,
-    Y,
+    contact_fields,
     field_variable,
     flags,
     known_or_nan,
     labelled,
     scene_attributes,
     title_attributes,
-    traction_variables,
     with_quantities,
 )
-from contactstudy.io.quantities.quantity import Quantities, per_length, roller_length
+from contactstudy.io.quantities.quantity import Quantities
 from contactstudy.problem.problem import Field
-from contactstudy.solvers.solution import Status
+from contactstudy.solvers.solution import Solution, Status
 
 if TYPE_CHECKING:
     from contactstudy.evolution.rolling.repeated_rolling import RepeatedRolling
-    from contactstudy.evolution.trajectory import Trajectory
+    from contactstudy.evolution.trajectory import Frame, Trajectory
 
 Z = {"units": "m", "long_name": "depth", "axis": "Z", "positive": "down"}
 # a time of the scene's histories, not a date
@@ -40,128 +40,77 @@ def _statuses(dimension: str, statuses: Sequence[Status], long_name: str) -> xr.
     return flags((dimension,), values, list(Status.__members__), long_name)
 
 
-def evolution_dataset(evolution: "Trajectory", quantities: Quantities) -> xr.Dataset:
-    """Return a dry scene in time with dimensions (time, x, y), units and long names; ``status`` as CF flags.
+# Numbers of an instant beside its quantities, with unit and label.
+NUMBERS = {
+    "load": ("N m-1", "load per length"),
+    "residual": ("1", "residual of the solver"),
+    "solves": ("1", "contact solves since the previous instant"),
+    "iterations": ("1", "iterations since the previous instant"),
+    "convolutions": ("1", "FFT convolutions since the previous instant"),
+}
 
-    The fields of ``Scene.outputs`` are computed here, at every instant.
+
+def instant_dataset(
+    frame: "Frame",
+    contact: Solution,
+    fields: Mapping[str, Field],
+    quantities: Quantities,
+    error: ErrorParts,
+) -> xr.Dataset:
+    """Return one instant of a dry scene: fields of the `contact`, its state and its outputs, and numbers.
+
+    The displacement is left out, which follows from gap and approach. The `error` is that of the pressure in L1.
     """
-    frames, grid = evolution.frames, evolution.grid
+    variables = {name: field_variable(field) for name, field in fields.items()}
+    for name in ("approach", "peak_pressure", "contact_area"):
+        if name in quantities:
+            number = quantities[name]
+            variables[name] = labelled((), number.value, number.unit, number.label)
+    for name, (unit, label) in NUMBERS.items():
+        variables[name] = labelled((), getattr(frame, name), unit, label)
+    for name, of, size in (
+        ("time_discretisation_error", "time-discretisation", error.steps or 0.0),
+        ("grid_error", "discretisation", replace(error, steps=None).total),
+    ):
+        label, comment = f"estimated {of} error in L1", "NaN where it is not known"
+        variables[name] = labelled((), known_or_nan(size), "1", label, comment=comment)
+    return contact_fields(contact).drop_vars("displacement").assign(variables)
 
-    def over_time(*labels: tuple[str, ...]) -> dict[str, xr.Variable]:
-        stacked = {
-            name: np.stack([getattr(frame, name) for frame in frames]) for name, *_ in labels
-        }
-        return {
-            name: labelled(("time", *dimensions), stacked[name], units, long_name)
-            for name, units, long_name, *dimensions in labels
-        }
 
-    length = roller_length(evolution.description)
-    of_one = per_length(1.0, "m2", "contact area", length, grid.length)
-    area = labelled("time", evolution.contact_area * of_one.value, of_one.unit, of_one.label)
-    loads = np.array([frame.load for frame in frames])
-    dataset = xr.Dataset(
-        over_time(
-            ("pressure", "Pa", "contact pressure", "x", "y"),
-            ("gap", "m", "gap after deformation", "x", "y"),
-            ("approach", "m", "approach of the bodies"),
-            ("peak_pressure", "Pa", "peak pressure"),
-        )
-        | {"contact_area": area, "load": labelled("time", loads, "N m-1", "load per length")}
-        | over_time(
-            ("residual", "1", "residual of the solver"),
-            ("solves", "1", "contact solves since the previous instant"),
-            ("iterations", "1", "iterations since the previous instant"),
-            ("convolutions", "1", "FFT convolutions since the previous instant"),
-        )
-        | {
-            name: labelled(
-                "time",
-                [known_or_nan(getattr(frame, name)) for frame in frames],
-                "1",
-                f"estimated {of} error in L1",
-                comment="NaN where it is not known",
-            )
-            for name, of in (
-                ("time_discretisation_error", "time-discretisation"),
-                ("grid_error", "discretisation"),
-            )
-        }
-        | {
-            "status": _statuses(
-                "time",
-                [frame.status for frame in frames],
-                "worst status since the previous instant",
-            )
-        },
-        coords={
-            "time": ("time", evolution.times, TIME),
-            "x": ("x", grid.x, X),
-            "y": ("y", grid.y, Y),
-        },
-        attrs=title_attributes("evolution of a line contact")
-        | scene_attributes(evolution.description),
-    )
-    if not evolution.description.scene.has_approach:
-        dataset = dataset.drop_vars("approach")
-    for fields in (_states, _tractions, _outputs):
-        dataset = dataset.assign(fields(evolution))
+def evolution_dataset(
+    evolution: "Trajectory", instants: Sequence[xr.Dataset], quantities: Quantities
+) -> xr.Dataset:
+    """Return the instants of a dry scene along time, with the strain of bodies that yield; ``status`` as CF flags."""
+    frames, posed = evolution.frames, evolution.description
+    dataset = over_time(evolution.times, instants)
+    dataset.attrs = title_attributes("evolution of a line contact") | scene_attributes(posed)
+    statuses = [frame.status for frame in frames]
+    dataset["status"] = _statuses("time", statuses, "worst status since the previous instant")
+    if evolution.coupled is not None:
+        strains = evolution.coupled.over_time([frame.coupled_state for frame in frames])
+        dataset = dataset.assign({name: field_variable(of) for name, of in strains.items()})
     return with_quantities(dataset, quantities)
 
 
-def _tractions(evolution: "Trajectory") -> dict[str, xr.Variable]:
-    """Return tangential traction and stick at every instant, zeros without load; empty without friction."""
-    tractions = [traction_variables(evolution.traction(frame)) for frame in evolution.frames]
-    loaded: dict[str, xr.Variable] = next(filter(None, tractions), {})
-    unloaded = {name: xr.zeros_like(variable) for name, variable in loaded.items()}
-    return {
-        name: xr.Variable.concat(
-            [(traction or unloaded)[name] for traction in tractions],
-            "time",
-            combine_attrs="override",
-        )
-        for name in loaded
+def over_time(times: Array, instants: Sequence[xr.Dataset]) -> xr.Dataset:
+    """Return the datasets of instants [s] along the dimension ``time``.
+
+    A field that an instant lacks is zero there without pressure, and else not a number.
+    """
+    everywhere = {
+        name: variable for instant in reversed(instants) for name, variable in instant.items()
     }
-
-
-def _states(evolution: "Trajectory") -> dict[str, xr.Variable]:
-    """Return the state variables of bodies and wear, such as wear depth and plastic strain, at every instant."""
-    frames = evolution.frames
-    fields = _over_time([frame.fields for frame in frames])
-    if evolution.coupled is not None:
-        states = [frame.coupled_state for frame in frames]
-        plastic_fields = evolution.coupled.over_time(states)
-        fields |= {name: field_variable(field) for name, field in plastic_fields.items()}
-    return fields
-
-
-def _outputs(evolution: "Trajectory") -> dict[str, xr.Variable]:
-    """Return the fields of ``Scene.outputs`` at every instant, at the depths that the highest pressure chooses."""
-    fields: dict[str, xr.Variable] = {}
-    highest = max(evolution.frames, key=lambda frame: frame.peak_pressure)
-    for output in evolution.problem.outputs:
-        chosen: Any = output
-        if hasattr(output, "depths"):
-            worst = evolution.derived(highest, output).fields(highest.net_pressure)
-            chosen = replace(chosen, depths=tuple(worst["z"].values))
-        instants = [
-            evolution.derived(frame, chosen).fields(frame.net_pressure)
-            for frame in evolution.frames
-        ]
-        fields |= _over_time(instants)
-    return fields
-
-
-def _over_time(instants: Sequence[Mapping[str, Field]]) -> dict[str, xr.Variable]:
-    """Return fields of several instants along the dimension ``time``; coordinates are taken from the first."""
-    fields: dict[str, xr.Variable] = {}
-    for name, field in instants[0].items():
-        variable = field_variable(field)
-        if field.dimensions != (name,):
-            values = np.stack([instant[name].values for instant in instants])
-            variable = xr.Variable(("time", *field.dimensions), values, variable.attrs)
-        fields[name] = variable
-    return fields
+    filled = []
+    for instant in instants:
+        lacks = np.nan if instant["pressure"].any() else 0.0
+        missing = {name: of for name, of in everywhere.items() if name not in instant}
+        filled.append(
+            instant.assign({name: xr.full_like(of, lacks) for name, of in missing.items()})
+        )
+    return xr.concat(
+        filled, xr.Variable("time", times, TIME), data_vars="all", coords="minimal",
+        compat="override", join="exact", combine_attrs="override",
+    )  # fmt: skip
 
 
 def passes_dataset(rolling: "RepeatedRolling", quantities: Quantities) -> xr.Dataset:
@@ -224,15 +173,3 @@ def _pass_variables(rolling: "RepeatedRolling") -> dict[str, xr.Variable]:
         "distance": labelled("pass_number", np.array(distances), "m", "distance rolled"),
         "status": _statuses("pass_number", states, "worst status of the steps"),
     }
-
-
-def films_dataset(
-    times: Array, contacts: Sequence[xr.Dataset], quantities: Quantities
-) -> xr.Dataset:
-    """Return the datasets of a film at `times` [s] with the dimension ``time``."""
-    time = xr.Variable("time", times, TIME)
-    dataset = xr.concat(
-        contacts, time, data_vars="all", coords="minimal", compat="override",
-        join="exact", combine_attrs="override",
-    )  # fmt: skip
-    return with_quantities(dataset, quantities)

@@ -21,9 +21,9 @@ from contactstudy.evolution.breakpoints import (
     with_turning_points,
 )
 from contactstudy.evolution.rolling.steady_rolling import SteadyRolling, solve_rolling
-from contactstudy.evolution.trajectory import Frame, Trajectory
+from contactstudy.evolution.trajectory import Frame, Trajectory, frame_of
 from contactstudy.problem.constraint import PrescribedLoad
-from contactstudy.problem.problem import Field, Problem
+from contactstudy.problem.problem import Problem
 from contactstudy.scene.loads.constant_load import LineLoad
 from contactstudy.scene.loads.load_history import ChangingLoad, loads_between
 from contactstudy.scene.rolling import check_slow
@@ -103,7 +103,8 @@ def follow_load(
                 continue  # without adhesion the contact does not depend on those before
             rolling = None
             if value == 0 and adhesive_solver is None:
-                last = unloaded(replace(largest, control=PrescribedLoad(0.0)))
+                posed = PosedScene(scene, grid, padding)
+                last = unloaded(replace(largest, control=PrescribedLoad(0.0), description=posed))
             elif speed is not None and adhesive_solver is None:
                 rolling = solve_rolling(_under(scene, value), grid, padding, options=options)
                 last = rolling.solution
@@ -157,28 +158,10 @@ def frame_in_equilibrium(
     time: float, load: float, solution: Solution, rolling: SteadyRolling | None
 ) -> Frame:
     """Return a solution at a time [s] under a load [N/m] as a recorded instant, with its resistance where it rolls."""
-    fields = {}
     solves = 1 if rolling is None else rolling.lagged.outer_iterations
-    adhesion = solution.adhesion
-    if adhesion is not None:
-        name, solves = "adhesive traction", adhesion.outer_iterations
-        fields = {"attraction": Field(("x", "y"), adhesion.attraction, "Pa", name)}
-    return Frame(
-        time=time,
-        load=load,
-        pressure=solution.pressure,
-        gap=solution.gap,
-        approach=solution.approach,
-        fields=fields,
-        status=solution.status,
-        residual=solution.residual,
-        time_discretisation_error=0.0,
-        solves=solves,
-        iterations=solution.iterations,
-        convolutions=solution.convolutions,
-        solution=solution,
-        rolling=rolling,
-    )
+    if solution.adhesion is not None:
+        solves = solution.adhesion.outer_iterations
+    return frame_of(solution, time=time, load=load, solves=solves, rolling=rolling)
 
 
 def _with_work_of(contacts: Sequence[Frame]) -> Frame:

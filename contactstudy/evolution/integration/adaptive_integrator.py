@@ -13,7 +13,7 @@ from contactstudy.evolution.integration.checkpoint import Checkpoint
 from contactstudy.evolution.integration.integration_errors import IntegrationErrors
 from contactstudy.evolution.integration.step_control import INITIAL_STEP, StepControl
 from contactstudy.evolution.integration.time_stepper import Instant, SolvedContacts, TimeStepper
-from contactstudy.evolution.trajectory import Frame
+from contactstudy.evolution.trajectory import Frame, frame_of
 from contactstudy.solvers.solution import Solution, Status, unloaded, worst_until
 
 # A pair of steps shorter than this, over the duration of the integration, is never rejected.
@@ -324,32 +324,31 @@ class AdaptiveIntegrator:
         }
         parts, peak_parts, warnings = self.errors.of_grid(solution)
         is_estimated = self.step_doubling or not self.stepper.all_state_variables
-        self.waiting.append(
-            Frame(
-                time=self.fine.time,
-                load=self.fine.load,
-                pressure=solution.pressure,
-                gap=solution.gap,
-                approach=solution.approach,
-                fields=shown,
-                coupled_state={} if self.stepper.coupled is None else self.fine.states[-1],
-                status=worst_until(solution.status, self.statuses),
-                residual=solution.residual,
-                time_discretisation_error=inf,
-                time_discretisation_errors=(
-                    self.errors.common(self.fine)
-                    if is_estimated
-                    else dict.fromkeys(NAMES_OF_ERRORS, inf)
-                ),
-                grid_error_parts=parts,
-                peak_grid_error_parts=peak_parts,
-                warnings=warnings,
-                adhesion=self.fine.adhesion,
-                solves=self.solves,
-                iterations=self.iterations,
-                convolutions=self.convolutions,
-            )
+        frame = frame_of(
+            solution,
+            time=self.fine.time,
+            load=self.fine.load,
+            problem=self.stepper.problem,
+            displacement=solution.gap + solution.approach - self.stepper.problem.undeformed_gap,
+            traction=None,
+            fields=shown,
+            coupled_state={} if self.stepper.coupled is None else self.fine.states[-1],
+            status=worst_until(solution.status, self.statuses),
+            time_discretisation_error=inf,
+            time_discretisation_errors=(
+                self.errors.common(self.fine)
+                if is_estimated
+                else dict.fromkeys(NAMES_OF_ERRORS, inf)
+            ),
+            grid_error_parts=parts,
+            peak_grid_error_parts=peak_parts,
+            warnings=warnings,
+            adhesion=self.fine.adhesion,
+            solves=self.solves,
+            iterations=self.iterations,
+            convolutions=self.convolutions,
         )
+        self.waiting.append(frame)
         self._reset_counts()
         self._report()
         if not self.step_doubling or self.coarse.time == self.fine.time:
@@ -399,7 +398,8 @@ class AdaptiveIntegrator:
         saved = checkpoint.read(STATE_FILE, _SavedState)
         progress, self.fine, self.coarse = saved.progress, saved.fine, saved.coarse
         numbers = range(progress["frames"])
-        self.frames = [checkpoint.read(FRAME_FILE.format(number), Frame) for number in numbers]
+        frames = (checkpoint.read(FRAME_FILE.format(number), Frame) for number in numbers)
+        self.frames = [replace(frame, problem=self.stepper.problem) for frame in frames]
         self.statuses = [Status[name] for name in progress["statuses"]]
         if self.control is not None:
             self.control = replace(self.control, local_tolerance=progress["local_tolerance"])

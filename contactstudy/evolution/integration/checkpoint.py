@@ -23,6 +23,7 @@ from contactstudy.domain.files import (
 from contactstudy.domain.identity import digest
 from contactstudy.domain.imports import import_for
 from contactstudy.domain.version import VERSION, source_hash
+from contactstudy.problem.problem import Problem
 
 T = TypeVar("T")
 ARRAY = "array"  # key of the name of an array in JSON
@@ -143,7 +144,7 @@ class Checkpoint:
 
 @cache
 def _converter() -> Any:
-    """Return a converter between dataclasses and values for JSON, which leaves arrays as they are."""
+    """Return a converter between dataclasses and values for JSON, which leaves arrays as they are, and problems out."""
     converter = import_for("solve.folder", "cattrs").Converter(detailed_validation=False)
 
     def is_array(kind: Any) -> bool:
@@ -151,4 +152,6 @@ def _converter() -> Any:
 
     converter.register_unstructure_hook_func(is_array, lambda values: values)
     converter.register_structure_hook_func(is_array, lambda values, _: values)
+    converter.register_unstructure_hook(Problem, lambda _: None)
+    converter.register_structure_hook(Problem, lambda values, _: values)
     return converter

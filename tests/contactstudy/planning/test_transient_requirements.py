@@ -25,7 +25,7 @@ def test_a_plan_is_wide_enough_for_the_end_and_keeps_to_its_error() -> None:
     assert found.status is cs.Status.CONVERGED
     assert found.time_discretisation_error <= 1e-2
     assert (
-        max(frame.grid_error for frame in found.frames) <= 2e-2
+        max(frame.grid_error_parts.total for frame in found.frames) <= 2e-2
     )  # the estimate is a bound, the plan's error is not
     solved = cs.solve(scene, error=1e-2)
     assert plan.solves / 2 < solved.trajectory.solves < 2 * plan.solves
@@ -124,7 +124,7 @@ def test_a_plan_makes_room_for_what_yields(ratio: float) -> None:
     )
     assert found.status is cs.Status.CONVERGED
     assert plan.solves / 3 < found.solves < 3 * plan.solves
-    assert max(frame.grid_error for frame in found.frames) < 1.2 * 8e-2
+    assert max(frame.grid_error_parts.total for frame in found.frames) < 1.2 * 8e-2
     # the reasons of a plan are of the grid on which the solve begins
     on_last_grid = plan_grid(scene, grid=plan.grid, padding=plan.padding, times=(0.0, 1.0))
     said = next(reason for reason in on_last_grid.reasons if reason.startswith("yield:"))

@@ -73,6 +73,7 @@ def test_a_chapter_has_a_figure_and_its_claim_is_stated_with_numbers(
     assert "{" not in finding.claim.replace("_{", "") + finding.measured.replace("_{", "")
 
 
+@pytest.mark.whole  # the core's own tests have these closed forms
 def test_contacts_are_those_of_their_closed_forms(stored: Mapping[str, xr.Dataset]) -> None:
     coated, slipping = stored["coating"], stored["friction"]
     # of a thick coating, as on the coating alone: as the root of the modulus

@@ -130,13 +130,13 @@ def on_film(speed: float) -> cs.Scene:
 
 
 def test_a_film_that_vanishes_wears_like_the_dry_contact() -> None:
-    speed, grid = 1e-5, cs.Grid((60, 1), (4 * A, 1e-3))
+    speed, grid = 1e-5, cs.Grid((40, 1), (4 * A, 1e-3))
     times = (0.0, 2e-3 * UNIT / (1e-17 * 2 * speed * PEAK))
     found = cs.solve(on_film(speed), grid, EXACT, times=times)
     sliding = replace(on_film(speed), lubrication=None, wear=cs.Wear(1e-17, 2 * speed))
     dry = cs.solve(sliding, grid, EXACT, times=cs.TimeSteps(times, error=1e-3))
     assert found.frames[-1].wear_depth == pytest.approx(worn(dry)[-1], abs=1e-5 * UNIT)
-    assert found.quantities["largest_wear_depth"].value > 2e-3 * UNIT
+    assert found.frames[-1].wear_depth.max() > 2e-3 * UNIT
     # nothing has worn yet at the first instant
     first, last = (frame.error.l1.by_cause["steps"] for frame in found.frames)
     assert first == 0 < last < 1e-2

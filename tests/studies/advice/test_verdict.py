@@ -1,5 +1,6 @@
 """The verdict on a scene: what it promises of a scene file, and its choice among measurements made by hand."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 from math import inf, pi
 from pathlib import Path
@@ -40,12 +41,27 @@ def pasted(scene: str, verdict: Verdict, folder: Path) -> cs.SceneFile:
     return cs.read_scene(folder / "chosen.toml")
 
 
+@pytest.fixture(scope="module", autouse=True)
+def two_rounds() -> Iterator[None]:
+    """Times of two rounds, however quick they are: none is judged here."""
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr("studies.advice.trials.ROUND_SECONDS", 0.0)
+        yield
+
+
 @pytest.fixture(scope="module")
 def cylinder() -> Verdict:
     return verdict_on(paper_scene(), 1e-2, measure=PRESSURE)
 
 
-@pytest.mark.parametrize(("name", "error"), [("oil", 0.05), ("rough", 0.2), ("rough-roller", 0.3)])
+@pytest.mark.parametrize(
+    ("name", "error"),
+    [
+        ("rough-roller", 0.3),
+        pytest.param("oil", 0.05, marks=pytest.mark.whole),
+        pytest.param("rough", 0.2, marks=pytest.mark.whole),
+    ],
+)
 def test_the_tables_of_a_verdict_solve_the_scene_to_met(
     name: str, error: float, tmp_path: Path
 ) -> None:
@@ -61,12 +77,10 @@ def test_the_tables_of_a_verdict_solve_the_scene_to_met(
         assert {measured.setting.padding for measured in verdict.settings} == {free}
 
 
-def test_a_verdict_keeps_the_errors_of_the_numbers_that_are_named(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("studies.advice.trials.ROUND_SECONDS", 0.0)  # no times are judged
-    path = EXAMPLES / "smooth.toml"
-    request = {"peak_pressure": 1e-3, "mean_gap": 0.02}
+def test_a_verdict_keeps_the_errors_of_the_numbers_that_are_named(tmp_path: Path) -> None:
+    path = tmp_path / "ball.toml"
+    path.write_text(scene_text("ball"), encoding="utf-8")
+    request = {"peak_pressure": 0.02, "approach": 0.1}
     verdict = stored.verdict_of(scene_in(path), request, tmp_path, quiet)
     best = verdict.best()
     assert best is not None
@@ -75,7 +89,7 @@ def test_a_verdict_keeps_the_errors_of_the_numbers_that_are_named(
     assert answer.met, answer.accuracy
     # a number counts in proportion to its own request
     ratios = [number.ratio for number in answer.judged.values()]
-    assert 1e-3 * max(ratios) <= best.error <= 1e-3 == verdict.error
+    assert 0.02 * max(ratios) <= best.error <= 0.02 == verdict.error
     assert "is kept by every number that is named" in claim(verdict)
     again = stored.verdict_of(scene_in(path), request, tmp_path, quiet)
     assert again.toml(best) == verdict.toml(best)
@@ -104,10 +118,15 @@ SCENES = {
 }
 
 
+def scene_text(name: str) -> str:
+    head, _, rest = SCENES[name].rpartition("[load]")
+    return f"{head}{BODIES}[load]{rest}"
+
+
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("name", SCENES)
 def test_every_number_is_kept_where_a_solve_keeps_it(name: str, tmp_path: Path) -> None:
-    head, _, rest = SCENES[name].rpartition("[load]")
-    (tmp_path / "scene.toml").write_text(f"{head}{BODIES}[load]{rest}", encoding="utf-8")
+    (tmp_path / "scene.toml").write_text(scene_text(name), encoding="utf-8")
     verdict = verdict_on(scene_in(tmp_path / "scene.toml"), 0.05 if name == "ball" else 0.2)
     assert verdict.measure == EVERY_NUMBER
     assert verdict.best() is not None

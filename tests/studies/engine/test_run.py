@@ -16,11 +16,12 @@ from studies.engine.run import run
 from studies.model.case import Case
 from studies.model.study import Study
 from studies.reference.line_contact import HERTZ, measures
-from studies.registry import chapter_file, load
+from studies.registry import load
 from studies.scene_study.study_of import study_of
 from studies.store.netcdf import read
 from tests.studies.conftest import quiet
 from tests.studies.engine import trouble
+from tests.studies.scene_study.conftest import SMOOTH, given
 
 NUMBERS = [
     "axis_pressure_error", "pressure_error_max", "pressure_error_l1", "half_width_error",
@@ -181,9 +182,10 @@ def test_a_study_of_scenes_is_expected_to_take_some_time(tmp_path: Path) -> None
 
 
 def test_the_time_of_an_evolution_is_estimated_from_its_own_instants(tmp_path: Path) -> None:
-    text = re.sub("error = .*", "error = 0.2", chapter_file("creep").read_text(encoding="utf-8"))
-    (tmp_path / "creep.toml").write_text(re.sub('".*,2 s"', '"1,2 s"', text), encoding="utf-8")
-    study = study_of(tmp_path / "creep.toml")
+    wear = '[wear]\ncoefficient = 1e-16\nspeed = "1 m/s"\n'
+    steps = "[time_steps]\nend = 1\ninstants = 3\n"
+    (tmp_path / "worn.toml").write_text(SMOOTH + given(24, "0.8 mm") + wear + steps)
+    study = study_of(tmp_path / "worn.toml", {"load.per_length": "50,100 N/mm"})
     assert 0 < estimate_cost(study, tmp_path, options=RunOptions(), log=quiet) < np.inf
 
 

@@ -92,7 +92,6 @@ def test_the_rules_of_a_verdict_have_the_numbers_of_their_page() -> None:
         == trials.CENTRED
         == said("periodicity", r"gives duplicated padding (\d+) cells along")[0]
     )
-    assert trials.FINEST / trials.SIXTHS == 2
     assert pytest.approx(1.1) == verdict.TIE
 
 

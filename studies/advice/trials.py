@@ -6,7 +6,7 @@ thread, the least of a few rounds in which all settings take turns. The error of
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from math import inf, isfinite, log, nan, prod
+from math import inf, isfinite, nan, prod
 from time import process_time
 
 import contactstudy as cs
@@ -34,29 +34,25 @@ from studies.model.plain_text import Log
 from studies.reference.line_contact import hertz_means, relative_l1, with_edges_moved
 from studies.reference.paddings import PADDINGS, padding_label, padding_text
 
-# Grids that are tried have these multiples of a sixth of the planned cells: up to twice those, or in a dry contact,
-# which takes milliseconds, up to this number of cells.
-SIXTHS = 6
-MULTIPLES, FINEST, CHEAP_CELLS = (1, 2, 3, 4, 6, 8, 12, 16, 24, 48, 96, 192), 2 * SIXTHS, 2**14
+# Grids that are tried have these multiples of a sixth of the cells of the scene file, or of the planned ones: up to
+# twice those, and in a dry contact, which takes milliseconds, up to this number of cells.
+SIXTHS, MULTIPLES, CHEAP_CELLS = 6, (1, 2, 3, 4, 6, 8, 12, 16, 24, 48, 96, 192), 2**14
 TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-6)
 IMAGES = {"superposed": (1, 6, 20), "circular": (1, 2, 4, 6, 10, 20)}
-# How much finer than needed grids of lines are tried.
-FINER = 4
 # A promise holds for a load that is lower by this factor too, whose contact edge lies elsewhere in its cell.
 LOWER_LOAD = 0.92
-# Other paddings are tried on cells of at most so many squares of the thickness of a layer: their coefficients are sums
-# over waves as short as the layer, which grow with it.
-MOST_WAVES = 30
 # A window that is folded off centre, by half a cell, has at least so many cells along.
 CENTRED = 8
-# Factors on the planned width that are tried while the contact reaches the edge.
-WIDER = (1.0, 1.5, 2.25)
-# A grid that is expected to take longer is announced [s].
-LONG = 60.0
-# Rounds of times of the fastest: as many as take this processor time [s], at most so many.
-ROUND_SECONDS, MAX_ROUNDS = 4.0, 40
+# A planned grid whose edge the contact reaches is widened by this factor, and once more.
+WIDER = 1.5
+# Processor time [s] of the rounds in which settings take turns.
+ROUND_SECONDS = 2.0
 
-NO_GRID = "no grid that was tried keeps the error with exact periodicity, or the ends of the scene"
+NO_GRID = (
+    "No other padding was tried, since no grid that was tried keeps the error with exact periodicity, or the ends of "
+    "the scene."
+)
+COPY_OFF_CENTRE = "Duplicated padding was not tried, since its window is off centre with one cell."
 NO_REFERENCE = "no finer solution, which would cost more than all the grids that were tried"
 
 
@@ -75,7 +71,6 @@ class _Trials:
     notes: dict[str, str] = field(default_factory=dict)
     pressures: dict[Setting, Array] = field(default_factory=dict)
     at_edge: bool = False
-    given: tuple[int, int] | None = None
 
     @property
     def error(self) -> float:
@@ -90,12 +85,11 @@ class _Trials:
     @property
     def multiples(self) -> tuple[int, ...]:
         """Multiples of the coarsest cells that may be tried."""
-        return tuple(m for m in MULTIPLES if m <= FINEST or self.is_cheap(m))
-
-    def is_cheap(self, multiple: int) -> bool:
-        """Return whether a grid is tried without asking what it may give."""
         is_dry = self.scene.lubrication is None
-        return multiple <= SIXTHS or (is_dry and prod(self.cells(multiple)) <= CHEAP_CELLS)
+        return tuple(
+            m for m in MULTIPLES
+            if m <= 2 * SIXTHS or (is_dry and prod(self.cells(m)) <= CHEAP_CELLS)
+        )  # fmt: skip
 
     def cells(self, multiple: int) -> tuple[int, int]:
         """Return the cells of a grid; a direction along which nothing varies has one."""
@@ -114,6 +108,22 @@ class _Trials:
         if self.is_line and isinstance(padding, cs.DuplicatedPadding):
             along = max(along, CENTRED)
         return Setting(label, padding, (across, along), tolerance)
+
+    def other_paddings(
+        self, own: str, given: cs.Padding | cs.Paddings | None
+    ) -> dict[str, cs.Padding | cs.Paddings]:
+        """Return all paddings that the scene may have by their names, and that which its file gives as `own`."""
+        if isinstance(self.own, tuple):
+            return {}
+        others = {
+            padding_label(name, n): make(n)
+            for name, make in PADDINGS.items()
+            for n in IMAGES.get(name, (0,))
+        } | ({own: given} if given is not None else {})
+        if self.unit[1] == 1 and not self.is_line:
+            del others["duplicated"]
+            self.notes["duplicated"] = COPY_OFF_CENTRE
+        return others
 
     def solve(
         self, setting: Setting, scene: cs.Scene | None = None, grid: cs.Grid | None = None
@@ -151,18 +161,18 @@ class _Trials:
             grids = [grid] if hertz is None else with_edges_moved(grid, hertz.half_width)
             yield from ((lower, moved) for moved in grids)
 
-    def measured(self, setting: Setting, reference: Array | None) -> Measured | None:
-        """Return the largest bound and difference of a setting's variants; None without an answer."""
+    def measured(self, setting: Setting) -> Measured | None:
+        """Return the largest bound, and difference to Hertz's contact, of a setting's variants; None without one."""
         try:
-            return self._measured(setting, reference)
+            return self._measured(setting)
         except cs.InvalidInput as refused:
             self.notes[setting.label] = (
                 f"{setting.label} on {_cells(setting.cells)} cells: {refused}"
             )
             return None
 
-    def _measured(self, setting: Setting, reference: Array | None) -> Measured | None:
-        l1 = difference = 0.0
+    def _measured(self, setting: Setting) -> Measured | None:
+        l1, difference = 0.0, 0.0 if self.is_line else nan
         error, seconds, worst = nan if self.measure == PRESSURE else 0.0, inf, ""
         for number, (scene, grid) in enumerate(self.variants(setting)):
             with caching(None):
@@ -184,8 +194,6 @@ class _Trials:
                 self.pressures[setting] = pressure
             if (hertz := self.hertz_of(scene)) is not None:
                 difference = max(difference, relative_l1(pressure, hertz_means(hertz, grid)))
-            elif number == 0 and reference is not None:
-                difference = relative_l1(pressure, reference)
             if min(l1, error) > self.error and self.unit[1] > 1:
                 break
         return Measured(setting, l1, error, worst, difference, seconds)
@@ -199,29 +207,10 @@ class _Trials:
         if self.measure == EVERY_NUMBER and not any(map(self.meets, found)):
             self.measure = PRESSURE
 
-    def is_worth_refining(self, tried: Sequence[Measured], multiple: int) -> bool:
-        """Return whether a finer grid may meet the error, by the rate at which the bound fell over the last three."""
-        if self.meets(tried[-1]) or multiple == self.multiples[-1]:
-            return False
-        bounds = [(one.setting.cells[0], bound_of(one, self.measure)) for one in tried]
-        bounds = [(cells, bound) for cells, bound in bounds if isfinite(bound)]
-        if len(bounds) < 4 or multiple < SIXTHS:
-            return True
-        *coarser, (coarse, first), middle, (fine, last) = bounds
-        if self.is_cheap(self.multiples[self.multiples.index(multiple) + 1]):
-            # a bound that counts cells jumps from one grid to the next
-            return min(first, middle[1], last) < min(bound for _, bound in coarser)
-        rate = log(first / last) / log(fine / coarse)
-        finest = self.cells(self.multiples[-1])[0]
-        return bool(last * (fine / finest) ** rate <= self.error)
-
-    def on_given_grid(self, base: str) -> Measured | None:
-        """Return what was measured on the cells of the scene file if they meet the error, else None."""
-        if self.given is None:
-            return None
-        setting = self.setting(base, self.own, self.given, self.options.tolerance)
-        one = self.measured(setting, None)
-        return one if one is not None and self.meets(one) else None
+    def is_falling(self, tried: Sequence[Measured]) -> bool:
+        """Return whether the bound of one of the last three grids is below those of all coarser ones."""
+        bounds = [bound_of(one, self.measure) for one in tried]
+        return len(bounds) < 4 or min(bounds[-3:]) < min(bounds[:-3])
 
     def hertz_of(self, scene: cs.Scene) -> "cs.analytic.HertzLine | None":
         """Return Hertz's line contact where it is the exact solution: a smooth elastic cylinder under a load."""
@@ -262,22 +251,10 @@ def verdict_on(
     """
     asked = error if isinstance(error, Mapping) else {}
     measure = NAMED if asked else measure
-    for wider in WIDER:
+    for wider in (1.0, WIDER, WIDER**2):
         trials = _trials(described.file, error, measure, wider)
-        base = _label(trials.own)
-        own, paddings = base, {base: trials.own}
-        if not isinstance(trials.own, tuple):
-            named = described.file.padding or trials.own
-            own = _label(named)
-            paddings |= all_paddings() | {own: named}
-        if trials.unit[1] == 1 and not trials.is_line and "duplicated" in paddings:
-            del paddings["duplicated"]
-            trials.notes["duplicated"] = (
-                "Duplicated padding was not tried, since its window is off centre with one cell."
-            )
-        log(
-            f"{described.name}: grids from {_cells(trials.cells(1))} cells, up to {len(paddings)} paddings"
-        )
+        base, own = _label(trials.own), _label(described.file.padding or trials.own)
+        paddings = {base: trials.own} | trials.other_paddings(own, described.file.padding)
         on_grids = paddings if trials.is_line else {base: trials.own}
         found = list(
             _on_grids(trials, on_grids, base, lambda text: log(f"{described.name}: {text}"))
@@ -287,71 +264,64 @@ def verdict_on(
     if not found:
         raise cs.InvalidInput(f"{described.name} has no answer: {' '.join(trials.notes.values())}")
     trials.choose_measure(found)
+    finest = found[-1].setting
     # of grids on which the pressure meets the error, and no other number ever does, the coarsest
     coarsest = {
         one.setting.label: one.setting.cells for one in reversed(found) if trials.meets(one)
     }
-    against, reference = "Hertz's contact", None
+    if coarsest:
+        cells, loosest = coarsest.get(base, finest.cells), trials.options.tolerance
+        if base in coarsest:
+            loosest = _loosest(trials, Setting(base, trials.own, cells, loosest))
+        settings = [
+            trials.setting(label, padding, coarsest.get(label, cells), loosest)
+            for label, padding in paddings.items()
+        ]
+        tried = {one.setting for one in found}
+        found += [one for new in settings if new not in tried and (one := trials.measured(new))]
+    elif len(paddings) > 1:
+        trials.notes["other paddings"] = NO_GRID
+    against = "Hertz's contact"
     if not trials.is_line:
-        finest = found[-1].setting
         against, reference = _reference(trials, finest) if coarsest else (NO_REFERENCE, None)
-        found = [
-            replace(one, difference=nan if reference is None else relative_l1(trials.pressures[one.setting], reference))
-            for one in found
-        ]  # fmt: skip
-        if why := _why_own_alone(trials, found):
-            trials.notes["other paddings"] = f"No other padding was tried, since {why}."
-            paddings = {base: trials.own}
-    cells, loosest = coarsest.get(base, found[-1].setting.cells), trials.options.tolerance
-    if base in coarsest:
-        loosest = _loosest(trials, Setting(base, trials.own, cells, loosest))
-    settings = [
-        trials.setting(label, padding, coarsest.get(label, cells), loosest)
-        for label, padding in paddings.items()
-    ]
-    tried = {one.setting for one in found}
-    settings = [setting for setting in settings if setting not in tried]
-    found += [one for setting in settings if (one := trials.measured(setting, reference))]
+        if reference is not None:
+            differences = (relative_l1(trials.pressures[one.setting], reference) for one in found)
+            found = [
+                replace(one, difference=off) for one, off in zip(found, differences, strict=True)
+            ]
     log(f"{described.name}: times of {sum(map(trials.meets, found))} settings that meet it")
+    answered = {one.setting.label for one in found}
     return Verdict(
         described.name, described.text, trials.error, trials.measure, trials.extent, own, against,
         tuple(_timed(trials, found)),
-        tuple(note for label, note in trials.notes.items() if label not in {one.setting.label for one in found}),
+        tuple(note for label, note in trials.notes.items() if label not in answered),
         asked,
     )  # fmt: skip
 
 
 def _on_grids(
-    trials: _Trials, paddings: Mapping[str, cs.Padding | cs.Paddings], base: str, say: Log
+    trials: _Trials, paddings: Mapping[str, cs.Padding | cs.Paddings], base: str, log: Log
 ) -> Iterator[Measured]:
     """Yield what was measured with some paddings on grids from the coarsest.
 
-    The last grid is the first on which the padding of the name `base` meets the error; that of the scene file stands in
-    where no other does. Of lines, whose solves take milliseconds, further ones are tried.
+    The last grid is the first on which the padding of the name `base` meets the error; beyond the planned one they end
+    where its bound no longer falls. All grids of lines are tried.
     """
-    last, seconds, cells, tried = inf, 0.0, (1, 1), list[Measured]()
+    tried = list[Measured]()
     for multiple in trials.multiples:
-        if multiple > last:  # which costs more, for an error that nobody asked for
-            return
-        coarser, cells = cells, trials.cells(multiple)
-        if (expected := seconds * prod(cells) / prod(coarser)) > LONG:
-            say(f"about {expected:.0f} s or more on {_cells(cells)} cells")
+        cells = trials.cells(multiple)
+        log(f"{_cells(cells)} cells, {base}")
         for label, padding in paddings.items():
             setting = trials.setting(label, padding, cells, trials.options.tolerance)
-            one = trials.measured(setting, None)
-            if one is None:
-                continue
-            yield one
-            if label == base:
-                seconds = one.seconds
-                tried.append(one)
-                if not trials.is_worth_refining(tried, multiple):
-                    if not trials.meets(one) and (own := trials.on_given_grid(base)):
-                        yield own
-                        return
-                    trials.choose_measure(tried)
-                if not trials.is_worth_refining(tried, multiple):
-                    last = min(last, multiple * (FINER if trials.is_line else 1))
+            if one := trials.measured(setting):
+                yield one
+                if label == base:
+                    tried.append(one)
+        is_enough = any(map(trials.meets, tried))
+        if not trials.is_line and (
+            is_enough or (multiple >= SIXTHS and not trials.is_falling(tried))
+        ):
+            return
 
 
 def least_error(request: Request) -> float:
@@ -360,28 +330,19 @@ def least_error(request: Request) -> float:
 
 
 def _trials(file: cs.SceneFile, error: Request, measure: str, wider: float) -> _Trials:
-    """Return the solves of a scene on the extent of its grid, or of the plan for the error, so many times as wide."""
-    padding: cs.Padding | cs.Paddings | None = None
-    if isinstance(file.padding, tuple):
-        padding = file.padding
-    plan = PlanSettings(error, file.plan_settings.period)
-    grid = file.grid
-    if grid is None or file.scene.hertz is not None:
-        wanted = PlanSettings(error, grid.length) if grid is not None else plan
-        planned = replace(file, grid=None, padding=padding, plan_settings=wanted).plan()
+    """Return the solves of a scene from a sixth of the cells of its grid, or of the plan for the error, made wider."""
+    padding: cs.Padding | cs.Paddings | None
+    padding = file.padding if isinstance(file.padding, tuple) else None
+    grid, scene = file.grid, file.scene
+    if grid is None or scene.hertz is not None:
+        settings = PlanSettings(error, file.plan_settings.period)
+        planned = replace(file, padding=padding, plan_settings=settings).plan()
+        padding = padding or planned.padding
         if grid is None:
             (nx, ny), (width, length) = planned.grid.cells, planned.grid.extent
             grid = cs.Grid((round(wider * nx), ny), (wider * width, length))
-        else:  # the extent that is given, with cells of the size that the error needs
-            sizes = zip(
-                grid.extent, planned.grid.cell_size, grid.cells, planned.grid.cells, strict=True
-            )
-            across, along = (
-                1 if 1 in (given, plan_cells) else max(SIXTHS, round(side / size))
-                for side, size, given, plan_cells in sizes
-            )
-            grid = cs.Grid((across, along), grid.extent)
-        padding = padding or planned.padding
+        elif not grid_requirements(scene).varies:
+            grid = replace(grid, cells=(grid.cells[0], 1))
     own = padding or cs.ExactPeriodicity()
     across, along = (max(1, round(n / SIXTHS)) if n > 1 else 1 for n in grid.cells)
     scene = with_random_extents(file.scene, grid.extent)
@@ -390,17 +351,7 @@ def _trials(file: cs.SceneFile, error: Request, measure: str, wider: float) -> _
     )
     return _Trials(
         scene, grid.extent, own, (max(2, across), along), file.options, times, error, measure,
-        given=None if file.grid is None else file.grid.cells,
     )  # fmt: skip
-
-
-def all_paddings() -> dict[str, cs.Padding]:
-    """Return all paddings by their names, with numbers of images where they have one."""
-    return {
-        padding_label(name, n): make(n)
-        for name, make in PADDINGS.items()
-        for n in IMAGES.get(name, (0,))
-    }
 
 
 def _label(padding: cs.Padding | cs.Paddings) -> str:
@@ -438,30 +389,10 @@ def _cells(cells: tuple[int, int]) -> str:
 def _loosest(trials: _Trials, setting: Setting) -> float:
     """Return the loosest tolerance at which a setting meets the error, or the scene's own if none does."""
     for tolerance in (t for t in TOLERANCES if t > setting.tolerance):
-        one = trials.measured(replace(setting, tolerance=tolerance), None)
+        one = trials.measured(replace(setting, tolerance=tolerance))
         if one and trials.meets(one):
             return tolerance
     return setting.tolerance
-
-
-def _why_own_alone(trials: _Trials, found: Sequence[Measured]) -> str:
-    """Return why no padding but the scene's own is tried; empty where others are."""
-    if isinstance(trials.own, tuple):
-        return ""
-    meeting = [one for one in found if trials.meets(one)]
-    if not meeting:
-        return NO_GRID
-    layers = [
-        body.thickness for body in trials.scene.solids if isinstance(body, cs.CoatedHalfSpace)
-    ]
-    cell_area = prod(trials.extent) / prod(meeting[0].setting.cells)
-    waves = max((cell_area / layer**2 for layer in layers), default=0)
-    if waves > MOST_WAVES:
-        return (
-            f"a cell is {waves:.0f} times as large as the square of the thickness of the layer, "
-            "and a coefficient of each sums as many waves"
-        )
-    return ""
 
 
 def _reference(trials: _Trials, finest: Setting) -> tuple[str, Array]:
@@ -482,16 +413,15 @@ def _timed(trials: _Trials, found: Sequence[Measured]) -> Iterator[Measured]:
     """Yield what was measured with the least processor time of rounds in which all settings that meet it take turns."""
     times = {one.setting: one.seconds for one in found}
 
-    def take(settings: Sequence[Setting], most: int, least: int = 0) -> None:
+    def take(settings: Sequence[Setting]) -> None:
         total = sum(times[setting] for setting in settings)
-        for _ in range(max(least, min(most, int(ROUND_SECONDS / total))) if settings else 0):
+        for _ in range(max(1, int(ROUND_SECONDS / total)) if settings else 0):
             for setting in settings:
                 times[setting] = min(times[setting], trials.seconds(setting))
 
-    take(list(times), 2)  # none where a solve takes long
+    take(list(times))
     meeting = [one.setting for one in found if trials.meets(one)]
-    take(meeting, 2, 2)
     fastest = min((times[setting] for setting in meeting), default=inf)
     # a busy machine adds more than a tie to most times of a setting, and not to all
-    take([setting for setting in meeting if times[setting] <= TIE**3 * fastest], MAX_ROUNDS, 1)
+    take([setting for setting in meeting if times[setting] <= TIE**3 * fastest])
     yield from (replace(one, seconds=times[one.setting]) for one in found)

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 from contactstudy import InvalidInput
 from contactstudy.domain.checks import suggestion
-from studies.model.axis import Axis, one_of
+from studies.model.axis import Axis
 from studies.model.drawing import Drawing, no_items
 from studies.model.study import Study
 from studies.study_file import module_in, module_name, study_in
@@ -92,13 +92,13 @@ def has_own_figures(name: str) -> bool:
     return not name.endswith(".toml")
 
 
-def load_drawing(name: str, figures: str = "curves", plot: Sequence[str] = ()) -> Drawing:
+def load_drawing(name: str, plot: Sequence[str] = ()) -> Drawing:
     """Return the drawing of the study of a name, or of the study in a Python file.
 
-    A study without figures of its own has the default drawing of `figures`, "curves" or "maps", and `plot`.
+    A study without figures of its own has the default drawing of the variables `plot`.
     """
     if not has_own_figures(name):
-        return default_drawing(figures, plot)
+        return default_drawing(plot)
     part = _file_module(name) if name.endswith(".py") else _part("studies.report.drawings", name)
     functions = (getattr(part, key, no_items) for key in ("figure", "findings", "tables"))
     return Drawing(*(partial(_items, draw, Path(name).stem) for draw in functions))
@@ -118,11 +118,11 @@ def _items(draw: Callable[[xr.Dataset], Any], name: str, dataset: xr.Dataset) ->
         ) from None
 
 
-def default_drawing(figures: str = "curves", plot: Sequence[str] = ()) -> Drawing:
+def default_drawing(plot: Sequence[str] = ()) -> Drawing:
     """Return the default drawing, whose figures follow from the varied axes and show the variables `plot`, if any."""
     # imported by name, since pages import this registry
     drawn = importlib.import_module("studies.report.drawings.default")
-    return Drawing(partial(drawn.figures, kind=one_of("figures", figures, drawn.KINDS), plot=plot))
+    return Drawing(partial(drawn.figures, plot=plot))
 
 
 def _file_module(name: str) -> ModuleType:

@@ -215,7 +215,7 @@ def run(
     from studies.report import page as reporting
 
     with drawing(chosen.name, REMEDY_IN_CODE if repeats else REMEDY_IN_TIMES):
-        figures_of = load_drawing(study, "curves", names_in(plot))
+        figures_of = load_drawing(study, names_in(plot))
         reporting.draw_figures(chosen, figures_of, out)
     if vary_every:
         click.echo(write_sensitivity(chosen, names_in(plot), out))

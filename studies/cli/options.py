@@ -85,12 +85,3 @@ def is_given(context: click.Context, name: str) -> bool:
 def names_in(text: str) -> tuple[str, ...]:
     """Return the names in a text with commas."""
     return tuple(filter(None, (name.strip() for name in text.split(","))))
-
-
-FIGURES = click.option(
-    "--figures",
-    type=click.Choice(["curves", "maps"]),
-    default="curves",
-    show_default=True,
-    help="How two varied fields of a sweep are drawn.",
-)

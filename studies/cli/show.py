@@ -9,7 +9,6 @@ import click
 
 from contactstudy import InvalidInput, Sizes
 from studies.cli.options import (
-    FIGURES,
     FORMAT,
     PICTURES,
     PLOT,
@@ -34,7 +33,6 @@ FORMATS = (*PICTURES, "vtk", "html", "excel")
 @click.argument("names", nargs=-1)
 @out_option("Folder for the files.  [default: that of FILE; --csv prints]", None)
 @FORMAT
-@FIGURES
 @PLOT
 @click.option(
     "--csv",
@@ -64,7 +62,6 @@ def show(
     names: tuple[str, ...],
     out: Path | None,
     formats: str,
-    figures: str,
     plot: str,
     as_table: bool,  # noqa: FBT001 (click's own way)
     unit: str | None,
@@ -88,7 +85,7 @@ def show(
         "sizes": Sizes(sizes or "checked"),
     }
     if surfaces := surfaces_of(file, extent, **keys):
-        refuse(context, "a study, and not for a surface", "figures", "as_table")
+        refuse(context, "a study, and not for a surface", "as_table")
         if set(named) - {"raw"}:
             raise InvalidInput(f"{named[0]!r} is no picture of a surface: give raw, or no name.")
         drawn = drawn_surfaces(surfaces, with_raw=bool(named))
@@ -97,7 +94,6 @@ def show(
     refuse(context, "a measured surface", "unit", "extent", "invalid", "decimal", "sizes")
     dataset = read_any(file)
     if as_table:
-        refuse(context, "pictures, and not for --csv", "figures")
         if is_given(context, "formats") and set(chosen) != {"excel"}:
             raise InvalidInput(f"--format is {formats!r}: give excel with --csv, or leave it out.")
         _tabulate(dataset, file, out, named, "\ufeff" * ("excel" in chosen))
@@ -113,13 +109,13 @@ def show(
     with drawing(str(file), "its variables do not fit a figure; --csv prints them."):
         if "html" in chosen:
             click.echo(f"wrote {_page(dataset, file, folder)}")
-        drawn = _drawn(context, dataset, file, folder, chosen, figures, named)
+        drawn = _drawn(context, dataset, file, folder, chosen, named)
     _save(drawn, folder, [name for name in chosen if name in PICTURES])
 
 
 def _drawn(
     context: click.Context, dataset: "xr.Dataset", file: Path, folder: Path, chosen: list[str],
-    figures: str, names: Sequence[str],
+    names: Sequence[str],
 ) -> "dict[str, Figure]":  # fmt: skip
     """Return the figures of a dataset in a file by their names, and write it for VTK if that is chosen."""
     is_study = "case_status" in dataset
@@ -129,7 +125,6 @@ def _drawn(
         for path in write_vtk(dataset, file, folder / file.stem):
             click.echo(f"wrote {path}")
     if not is_study:
-        refuse(context, "a study, and not for a solution", "figures")
         return {file.stem: _picture(dataset, file)} if set(chosen) & set(PICTURES) else {}
     if not set(chosen) & set(PICTURES):
         return {}
@@ -137,10 +132,10 @@ def _drawn(
 
     name = str(dataset.attrs.get("study", file.stem))
     if name in BUILT_IN:
-        refuse(context, "a study without figures of its own", "figures", "plot", "names")
+        refuse(context, "a study without figures of its own", "plot", "names")
         figures_of = load_drawing(name)
     else:
-        figures_of = default_drawing(figures, tuple(names))
+        figures_of = default_drawing(tuple(names))
     return {f"{file.stem}-{item.name}": item.figure for item in figures_of.figure(dataset)}
 
 

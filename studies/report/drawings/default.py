@@ -1,22 +1,18 @@
-"""Figures of any study by its varied axes: curves for one axis, families of curves for two, maps on request."""
+"""Figures of any study by its varied axes: curves for one axis, families of curves for two."""
 
 import tomllib
 from collections.abc import Sequence
 from itertools import islice, product
 from math import prod
 
-import numpy as np
 import xarray as xr
-from matplotlib.axes import Axes
-from matplotlib.ticker import MaxNLocator
 
 from contactstudy import InvalidInput
 from studies.model.axis import one_of
 from studies.model.drawing import CaptionedFigure
 from studies.model.outcome import CaseStatus, is_time
 from studies.report.drawings import against_reference, sensitivity
-from studies.report.plots import DOUBTFUL, Law, Plot, doubtful, draw, is_sample, scaled, value_text
-from studies.report.style import captioned, panels, percent
+from studies.report.plots import DOUBTFUL, Law, Plot, doubtful, draw, is_sample, value_text
 
 # Measures that are drawn first where a study has more than there is room for.
 DRAWN = (
@@ -37,22 +33,18 @@ LAWS = (
     Law("Moes", "central_film", "moes_film"),
     Law("Dowson & Higginson", "minimum_film", "dowson_higginson_film"),
 )
-KINDS = ("curves", "maps")
 MAX_PANELS, MAX_FIGURES = 6, 12
 
 
-def figures(
-    dataset: xr.Dataset, kind: str = "curves", plot: Sequence[str] = ()
-) -> Sequence[CaptionedFigure]:
+def figures(dataset: xr.Dataset, plot: Sequence[str] = ()) -> Sequence[CaptionedFigure]:
     """Draw the measures of a stored study over its first two axes, a figure for each point on the others.
+
+    They are curves over a varied load or else the longest numeric axis, with a line for each value of another.
 
     Parameters
     ----------
     dataset
         Stored study.
-    kind
-        "curves" over a varied load or else the longest numeric axis, with a line for each value of another, or "maps"
-        over two numeric axes, which are curves where there are not two.
     plot
         Names of the measures to draw; those of a contact if empty.
 
@@ -72,8 +64,6 @@ def figures(
         return sensitivity.figures(dataset, names)
     good = dataset.where(dataset["case_status"] == CaseStatus.OK)
     shown, further = axes[:2], axes[2:]
-    is_map = kind == "maps" and len(shown) == 2 and all(_varies(dataset[axis]) for axis in shown)
-    stem = "maps" if is_map else "curves"
     drawn = []
     omitted = [name for name in measures if name not in names and not plot]
     points = product(*(dataset[axis].values for axis in further))
@@ -90,11 +80,8 @@ def figures(
             f"the first {MAX_FIGURES} of {count} points have a figure" * (count > MAX_FIGURES),
         ]
         caption = f"{'; '.join(part for part in parts if part)}."
-        name = f"{stem}-{number}" if further else stem
-        if is_map:
-            drawn.append(_maps(selected, names, shown, name, caption))
-        else:
-            drawn.append(_curves(selected, names, shown, name, caption))
+        name = f"curves-{number}" if further else "curves"
+        drawn.append(_curves(selected, names, shown, name, caption))
     return [*drawn, *against_reference.figures(dataset, names)]
 
 
@@ -117,16 +104,6 @@ def _curves(
     )
     assert figure is not None
     return figure
-
-
-def _maps(
-    dataset: xr.Dataset, names: Sequence[str], shown: Sequence[str], name: str, caption: str
-) -> CaptionedFigure:
-    """Draw measures as maps over two axes."""
-    figure, panes = panels(len(names), columns=min(3, len(names)))
-    for measure, ax in zip(names, panes, strict=True):
-        _map(ax, dataset, measure, shown)
-    return captioned(name, figure, caption)
 
 
 def _constants(dataset: xr.Dataset, axes: Sequence[str]) -> str:
@@ -196,36 +173,6 @@ def _changes(values: xr.DataArray) -> bool:
     return largest - least > CONSTANT * max(abs(largest), abs(least))
 
 
-def _map(ax: Axes, dataset: xr.Dataset, name: str, shown: Sequence[str]) -> None:
-    """Draw a measure as a map over two axes with its largest bound, and hollow points on values without one."""
-    values, bound = dataset[name], dataset.get(f"{name}_bound")
-    (x_size, x_label), (y_size, y_label) = (scaled(values[axis]) for axis in shown)
-    x, y = values[shown[0]] / x_size, values[shown[1]] / y_size
-    size, title = scaled(values)
-    mesh = ax.pcolormesh(
-        x, y, values.transpose(*reversed(shown)) / size, cmap="viridis", shading="nearest"
-    )
-    if bound is not None and np.isfinite(bound).any():
-        largest = (bound.where(np.isfinite(bound)) / abs(values)).max()
-        title = f"{title}\nbounds up to {percent(largest)}"
-    across, along = np.nonzero(doubtful(dataset, name).transpose(*shown).notnull().values)
-    if across.size:
-        ax.plot(x.values[across], y.values[along], **DOUBTFUL)
-    for axis, set_scale in zip(shown, (ax.set_xscale, ax.set_yscale), strict=True):
-        set_scale("log" if _spans_decade(values[axis]) else "linear")
-    if is_sample(shown[1]):
-        ax.yaxis.set_major_locator(MaxNLocator(integer=True))
-    ax.set(xlabel=x_label, ylabel=y_label, title=title)
-    ax.grid(visible=False)
-    ax.figure.colorbar(mesh, ax=ax)
-
-
 def _varies(values: xr.DataArray) -> bool:
     """Return whether an axis has several numbers."""
     return values.dtype.kind in "if" and values.size > 1
-
-
-def _spans_decade(values: xr.DataArray) -> bool:
-    """Return whether the values are above zero and span more than a decade."""
-    finite = values.values[np.isfinite(values.values)].ravel()
-    return bool(finite.size > 1 and finite.min() > 0 and finite.max() > 10 * finite.min())

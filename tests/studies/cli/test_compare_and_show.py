@@ -172,7 +172,6 @@ def test_a_file_of_another_kind_is_not_replaced_nor_drawn(folder: Path) -> None:
         ("show study/smooth-sweep.nc --format vtk", "run a study with --fields"),
         ("show out/smooth.nc --plot central_film", "--plot is for a study"),
         ("show out/smooth.nc gap", "a name is for a study"),
-        ("show out/smooth.nc --figures maps", "--figures is for a study"),
         ("show study/smooth-sweep.nc --csv --format png", "give excel with --csv"),
         ("show study/smooth-sweep.nc --csv pressure", "run the study with --fields"),
         ("show out/smooth.nc --csv presure", "did you mean 'pressure'"),

@@ -6,7 +6,7 @@ import xarray as xr
 
 from contactstudy import InvalidInput
 from studies.model.outcome import CaseStatus
-from studies.report.drawings.default import KINDS, figures
+from studies.report.drawings.default import figures
 from studies.report.plots import DOUBTFUL
 from tests.studies.report.drawings.drawn import labelled, numbered
 
@@ -62,14 +62,13 @@ def test_a_value_without_a_bound_is_hollow_and_a_measure_that_never_changes_is_l
     np.testing.assert_array_equal(hollow, [np.nan, *dataset["peak_pressure"].values[1:]])
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_what_misses_the_accuracy_asked_for_is_hollow_and_the_caption_says_so(kind: str) -> None:
+def test_what_misses_the_accuracy_asked_for_is_hollow_and_the_caption_says_so() -> None:
     dataset = axes_text({"rms": RMS, "load_per_length": LOADS})
-    assert "hollow" not in figures(dataset, kind)[0].caption
+    assert "hollow" not in figures(dataset)[0].caption
     above = xr.full_like(dataset["approach"], "half_width", dtype=object)
     dataset["above_request"] = above
     dataset["above_request"][1, 2] = "approach half_width"
-    [drawn] = figures(dataset, kind)
+    [drawn] = figures(dataset)
     hollow = [labelled(ax).get(DOUBTFUL["label"]) for ax in drawn.figure.axes]
     [(x, y)] = [points for points in hollow if points is not None]  # of one quantity alone
     at = np.flatnonzero(np.isfinite(y))
@@ -94,19 +93,6 @@ def test_a_median_of_samples_says_of_how_many_it_is() -> None:
     [drawn] = figures(dataset)
     median = labelled(drawn.figure.axes[0])["median of 2 to 3, and their range"][1]
     np.testing.assert_allclose(median, dataset["approach"].median("seed"))
-
-
-def test_maps_show_a_measure_over_two_axes() -> None:
-    dataset = axes_text({"rms": RMS, "load_per_length": LOADS})
-    [drawn] = figures(dataset, "maps")
-    plane = drawn.figure.axes[1]
-    [mesh] = plane.collections
-    good = dataset["peak_pressure"].where(dataset["case_status"] == CaseStatus.OK) / 1e6
-    shown = np.ma.filled(mesh.get_array(), np.nan)  # type: ignore[attr-defined]
-    np.testing.assert_allclose(shown, good.transpose("rms", "load_per_length"))
-    # a row of names is no map
-    named = axes_text({"padding": ["exact", "zero"], "load_per_length": LOADS})
-    assert figures(named, "maps")[0].name == "curves"
 
 
 def test_times_are_drawn_where_there_is_nothing_else_and_without_measures_nothing() -> None:

@@ -266,7 +266,7 @@ def test_a_study_is_a_table_with_a_row_for_each_point(tmp_path: Path) -> None:
     )
     points.to_netcdf(tmp_path / "points.nc")
     rows = table(tmp_path / "points.nc")
-    assert list(rows[0]) == ["load [N/mm]", "n", "peak [Pa]", "case_status"]
+    assert set(rows[0]) == {"load [N/mm]", "n", "peak [Pa]", "case_status"}
     assert [row["peak [Pa]"] for row in rows] == ["0", "2", "4", "1", "3", "5"]
     assert [row["case_status"] for row in rows] == ["ok", "ok", "ok", "ok", "failed", "ok"]
     assert [(row["load [N/mm]"], row["n"]) for row in rows[2:4]] == [("1", "2"), ("2", "0")]

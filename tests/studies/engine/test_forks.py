@@ -1,8 +1,5 @@
 import ctypes
-import multiprocessing
 import os
-import subprocess
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -29,39 +26,16 @@ def fork_of_c() -> None:
     ctypes.CDLL(None).fork()
 
 
-def joined_process() -> None:
-    process = multiprocessing.get_context("fork").Process(target=print)
-    process.start()
-    process.join()
-
-
-def left_behind() -> None:
-    subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE)
-
-
-FORKS = {
-    one.__name__: one
-    for one in (
-        fork, fork_of_c, joined_process, left_behind,
-    )
-}  # fmt: skip
+FORKS = {one.__name__: one for one in (fork, fork_of_c)}
 
 
 @dataclass(frozen=True)
 class Forking(Square):
     how: str
-    where: str
-
-    def _may_fork(self, where: str) -> None:
-        if self.number == FORKING and self.where == where:
-            FORKS[self.how]()
-
-    def prepare(self) -> float:
-        self._may_fork("prepare")
-        return self.number
 
     def run(self, prepared: float) -> float:
-        self._may_fork("run")
+        if self.number == FORKING:
+            FORKS[self.how]()
         return super().run(prepared)
 
 
@@ -69,18 +43,14 @@ def measures(case: Forking, result: float) -> dict[str, float]:
     return {"square": result, "own": case.number}
 
 
-def study(how: str, where: str) -> Study:
-    return study_of(lambda number: Forking(number, how, where), range(NUMBERS), measures, "none")
+def study(how: str) -> Study:
+    return study_of(lambda number: Forking(number, how), range(NUMBERS), measures, "none")
 
 
-@pytest.mark.cases(3)
 @POSIX
-@pytest.mark.parametrize(
-    ("how", "where", "workers"), [(how, "run", 1) for how in FORKS] + [("fork", "prepare", 2)]
-)
-def test_each_point_has_its_own_number(how: str, where: str, workers: int, tmp_path: Path) -> None:
-    options = RunOptions(workers=workers, repeats=0)
-    dataset = run(study(how, where), tmp_path, options=options, log=quiet)
+@pytest.mark.parametrize("how", FORKS)
+def test_each_point_has_its_own_number(how: str, tmp_path: Path) -> None:
+    dataset = run(study(how), tmp_path, options=RunOptions(workers=1, repeats=0), log=quiet)
     good = dataset["case_status"] == CaseStatus.OK
     others = dataset["number"] != FORKING
     assert (good | ~others).all()
@@ -94,7 +64,7 @@ from pathlib import Path
 from studies.engine.options import RunOptions
 from studies.engine.run import run
 from tests.studies.engine.test_forks import study
-run(study("fork", "run"), Path(sys.argv[1]), options=RunOptions(workers=0, repeats=0))
+run(study("fork"), Path(sys.argv[1]), options=RunOptions(workers=0, repeats=0))
 """
 
 

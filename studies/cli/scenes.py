@@ -18,6 +18,7 @@ from contactstudy.answers.answer import surface_notes
 from contactstudy.domain.checks import checked_errors
 from contactstudy.domain.errors import Request
 from contactstudy.domain.units import readable
+from studies.cli.files import write_figure
 from studies.cli.options import FORMAT, JSON, PICTURES, SCENE, echo, formats_in, out_option
 from studies.model.plain_text import thread_count, two_digits
 
@@ -205,21 +206,15 @@ def _rollers(scene: cs.Scene, grid: cs.Grid) -> list[str]:
 
 def _stored(answer: Answer, path: Path, formats: list[str], scene: str) -> list[Path]:
     """Write the dataset with the text of its scene, and its picture in each format; return the files."""
-    from contactstudy.domain.files import replacing
     from studies.store.netcdf import write
     from studies.store.provenance import provenance
 
-    dataset = answer.dataset_to_draw()
+    dataset = answer.to_dataset()
     dataset.attrs.update({**provenance(), "scene_file": scene})
     write(dataset, path)
-    files = [path]
-    if answer.quantities and formats:
-        figure = answer.plot(dataset)
-        for suffix in formats:
-            files.append(path.with_suffix(f".{suffix}"))
-            with replacing(files[-1]) as partial:
-                figure.savefig(partial)
-    return files
+    if not answer.quantities or not formats:
+        return [path]
+    return [path, *write_figure(answer.plot(dataset), path.with_suffix(""), formats)]
 
 
 def _as_json(

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from contactstudy import InvalidInput, Sizes
+from studies.cli.files import write_figure, write_text
 from studies.cli.options import (
     FORMAT,
     PICTURES,
@@ -78,6 +79,7 @@ def show(
     from studies.store.netcdf import open_folder, read_any
 
     chosen, named = formats_in(formats, FORMATS), (*names_in(plot), *names)
+    pictures = [name for name in chosen if name in PICTURES]
     keys = {
         "unit": unit,
         "invalid": invalid,
@@ -89,7 +91,7 @@ def show(
         if set(named) - {"raw"}:
             raise InvalidInput(f"{named[0]!r} is no picture of a surface: give raw, or no name.")
         drawn = drawn_surfaces(surfaces, with_raw=bool(named))
-        _save(drawn, open_folder(out or file.parent), [name for name in chosen if name in PICTURES])
+        _save(drawn, open_folder(out or file.parent), pictures)
         return
     refuse(context, "a measured surface", "unit", "extent", "invalid", "decimal", "sizes")
     dataset = read_any(file)
@@ -108,26 +110,25 @@ def show(
     folder = open_folder(out or file.parent)
     with drawing(str(file), "its variables do not fit a figure; --csv prints them."):
         if "html" in chosen:
-            click.echo(f"wrote {_page(dataset, file, folder)}")
-        drawn = _drawn(context, dataset, file, folder, chosen, named)
-    _save(drawn, folder, [name for name in chosen if name in PICTURES])
+            from studies.cli.explore import page_of
+
+            # not FILE.html, which may be a chapter of the report
+            write_text(page_of(dataset, file.stem), folder / f"{file.stem}-explore.html")
+        if "vtk" in chosen:
+            from studies.cli.paraview import write_vtk
+
+            for path in write_vtk(dataset, file, folder / file.stem):
+                click.echo(f"wrote {path}")
+        drawn = _figures(context, dataset, file, named) if pictures else {}
+    _save(drawn, folder, pictures)
 
 
-def _drawn(
-    context: click.Context, dataset: "xr.Dataset", file: Path, folder: Path, chosen: list[str],
-    names: Sequence[str],
-) -> "dict[str, Figure]":  # fmt: skip
-    """Return the figures of a dataset in a file by their names, and write it for VTK if that is chosen."""
-    is_study = "case_status" in dataset
-    if "vtk" in chosen:
-        from studies.cli.paraview import write_vtk
-
-        for path in write_vtk(dataset, file, folder / file.stem):
-            click.echo(f"wrote {path}")
-    if not is_study:
-        return {file.stem: _picture(dataset, file)} if set(chosen) & set(PICTURES) else {}
-    if not set(chosen) & set(PICTURES):
-        return {}
+def _figures(
+    context: click.Context, dataset: "xr.Dataset", file: Path, names: Sequence[str]
+) -> "dict[str, Figure]":
+    """Return the figures of a dataset in a file by the stems of their files."""
+    if "case_status" not in dataset:
+        return {file.stem: _picture(dataset, file)}
     from studies.registry import BUILT_IN, default_drawing, load_drawing
 
     name = str(dataset.attrs.get("study", file.stem))
@@ -143,7 +144,6 @@ def _tabulate(
     dataset: "xr.Dataset", file: Path, out: Path | None, names: Sequence[str], mark: str
 ) -> None:
     """Print a table as CSV after a `mark`, or write it to a folder, and say how many columns it leaves out."""
-    from contactstudy.domain.files import replacing
     from studies.cli.table import csv_of
     from studies.store.netcdf import open_folder
 
@@ -152,27 +152,11 @@ def _tabulate(
     if out is None:
         click.echo(mark + table, nl=False)
     else:
-        path = open_folder(out) / f"{file.stem}.csv"
-        with replacing(path) as partial:
-            partial.write_text(mark + table, encoding="utf-8")
-        click.echo(f"wrote {path}")
+        write_text(mark + table, open_folder(out) / f"{file.stem}.csv")
     if left_out and not names:
         click.echo(
             f"{file}: {left_out} further columns, such as iterations: name them, or all", err=True
         )
-
-
-def _page(dataset: "xr.Dataset", file: Path, folder: Path) -> Path:
-    """Write the interactive page of a file, and return its path."""
-    from contactstudy.domain.files import replacing
-    from studies.cli.explore import page_of
-
-    # not FILE.html, which may be a chapter of the report
-    path = folder / f"{file.stem}-explore.html"
-    page = page_of(dataset, file.stem)
-    with replacing(path) as partial:
-        partial.write_text(page, encoding="utf-8")
-    return path
 
 
 # Remedies where a figure fails.
@@ -203,13 +187,9 @@ def drawing(name: str, remedy: str = REMEDY_IN_CODE) -> Iterator[None]:
 
 def _save(drawn: "dict[str, Figure]", folder: Path, formats: list[str]) -> None:
     """Write figures by the stems of their files, in each format."""
-    from contactstudy.domain.files import replacing
-
     for stem, figure in drawn.items():
-        for suffix in formats:
-            with replacing(folder / f"{stem}.{suffix}") as partial:
-                figure.savefig(partial, format=suffix)
-            click.echo(f"wrote {folder / stem}.{suffix}")
+        for path in write_figure(figure, folder / stem, formats):
+            click.echo(f"wrote {path}")
 
 
 def _picture(dataset: "xr.Dataset", file: Path) -> "Figure":
@@ -240,7 +220,6 @@ def compare(context: click.Context, /, first: Path, second: Path, out: Path | No
     Both are solutions on any grids of one period, or runs of one study.
     """
     import contactstudy as cs
-    from contactstudy.domain.files import replacing
     from studies.report.changes import changes
     from studies.store.netcdf import open_folder, read_any
 
@@ -251,10 +230,8 @@ def compare(context: click.Context, /, first: Path, second: Path, out: Path | No
         for line in str(comparison).splitlines():
             click.echo(line)
         if out is not None:
-            name = f"{first.stem}-{second.stem}.png"
-            with replacing(open_folder(out) / name) as partial:
-                comparison.plot().savefig(partial)
-            click.echo(f"wrote {out / name}")
+            drawn = {f"{first.stem}-{second.stem}": comparison.plot()}
+            _save(drawn, open_folder(out), ["png"])
     elif of_studies == {True}:
         refuse(context, "two solutions, and not for two runs of a study", "out")
         for line in changes(a, b):

@@ -12,8 +12,8 @@ from contactstudy.domain.grid import Grid
 from contactstudy.problem.problem import Problem
 
 if TYPE_CHECKING:
-    from contactstudy.accuracy.bounded_solution import BoundedSolution
     from contactstudy.lubrication.newton.pseudo_time import FilmIteration
+    from contactstudy.planning.bounded_solution import BoundedSolution
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from contactstudy.accuracy.discretisation.coarser import (
     coarse_solution,
     comparable,
 )
-from contactstudy.accuracy.discretisation.subcell import CONFIDENCE, SubgridHeights
+from contactstudy.accuracy.discretisation.subcell import SubgridHeights
 from contactstudy.accuracy.image_errors import (
     IMAGES_REMEDY,
     L1_OVER_NARROWING,
@@ -33,7 +33,7 @@ from contactstudy.accuracy.range_errors import (
     range_warning,
 )
 from contactstudy.accuracy.residual_errors import residual_errors
-from contactstudy.domain.checks import InvalidInput, NotDefined
+from contactstudy.domain.checks import NotDefined
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.reuse import cache_of, caching
 from contactstudy.domain.units import readable
@@ -100,14 +100,13 @@ def error_estimate(
     *,
     coarse: Solution | None = None,
     heights: SubgridHeights | None = None,
-    confidence: float = CONFIDENCE,
 ) -> ErrorEstimate:
     """Return the estimated errors of `solution`, by quantity and by cause.
 
     The causes are images that the padding leaves out (:mod:`~contactstudy.accuracy.image_errors`), the solver's residual
-    (:mod:`~contactstudy.accuracy.residual_errors`), and the cells (:mod:`~contactstudy.accuracy.discretisation`), to
-    which the edges of a stiff coating add. Adhesion in the JKR limit adds its range
-    (:mod:`~contactstudy.accuracy.range_errors`).
+    (:mod:`~contactstudy.accuracy.residual_errors`), and the cells
+    (:mod:`~contactstudy.accuracy.discretisation.bound`), to which the edges of a
+    stiff coating add. Adhesion in the JKR limit adds its range (:mod:`~contactstudy.accuracy.range_errors`).
 
     Under a given load, where heights and edges are smooth, the solution alone determines them. Otherwise, with adhesion
     and at a given approach, the same contact is solved once more on cells of twice the size, with its heights sampled
@@ -126,9 +125,6 @@ def error_estimate(
         :func:`~contactstudy.accuracy.discretisation.coarser.coarse_solution`.
     heights
         The heights inside the cells, if at hand, such as those of an earlier instant on the same grid.
-    confidence
-        Probability, between 0 and 1, with which a feature over 3 % of a cell is found in a shape without
-        ``length_scales``. It sets the number of points examined in each cell, unless `heights` are given.
 
     Returns
     -------
@@ -137,17 +133,11 @@ def error_estimate(
 
     Raises
     ------
-    InvalidInput
-        If the confidence is not between 0 and 1.
     NotDefined
         If the problem does not say its paddings, or no law is known for them, see
         :func:`~contactstudy.accuracy.image_errors.image_errors`.
     """
     problem, scene = solution.problem, scene_of(solution.problem)
-    if not 0 < confidence < 1:
-        raise InvalidInput(
-            f"error_estimate.confidence is {confidence!r}: give a probability between 0 and 1, such as 0.95."
-        )
     if problem.paddings is None:
         raise NotDefined(
             "Problem.paddings is None: give the paddings of the two axes, (across, along)."
@@ -180,7 +170,7 @@ def error_estimate(
     residual = residual_errors(solution, change)
     # the heights on several grids have the same waves
     with caching(cache_of(problem.undeformed_gap.nbytes)):
-        cells = discretisation_bound(solution, coarse, heights, confidence)
+        cells = discretisation_bound(solution, coarse, heights)
     cells = replace(cells, warnings=cells.warnings or range_warning(solution))
     rise_at_edge, width, reason = _edge_rise(solution)
     if reason:
@@ -272,8 +262,7 @@ def _edge_rise(solution: Solution) -> tuple[float, float, str]:
     for coating, stiffer in layers_of(scene.solids):
         cells = coating.thickness / problem.grid.cell_size[0]
         if stiffer > CONSTANTS.stiff_coating and cells < CONSTANTS.cells_in_coating:
-            curvature = 1 / scene.hertz.radius if scene.hertz is not None else _curvature(solution)
-            bending = coating.thickness * curvature / coating.compliance
+            bending = coating.thickness * _curvature(solution) / coating.compliance
             pressure = max(pressure, CONSTANTS.edge_rise * bending / stiffer ** (1 / 3))
             width = max(width, coating.thickness)
             reason = (

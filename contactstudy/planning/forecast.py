@@ -5,13 +5,13 @@ from dataclasses import dataclass, replace
 from math import inf, prod
 from time import process_time
 
-from contactstudy.accuracy.bounded_solution import BoundedSolution
 from contactstudy.accuracy.discretisation.bound import SHARP_EDGE
 from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.device import Cpu
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.domain.imports import loaded
+from contactstudy.planning.bounded_solution import BoundedSolution
 from contactstudy.planning.cost import memory
 from contactstudy.planning.grid_requirements import CONSTANTS as GRID
 from contactstudy.planning.grid_requirements import GridRequirements, halvable_count

@@ -7,14 +7,13 @@ from math import ceil, inf, log, prod
 import numpy as np
 from scipy import fft
 
-from contactstudy.accuracy.bounded_solution import CONSTANTS as BOUND
-from contactstudy.accuracy.bounded_solution import BoundedSolution, bounded
 from contactstudy.accuracy.discretisation.coarser import halved
 from contactstudy.accuracy.image_errors import IMAGES_REMEDY
 from contactstudy.domain.device import Cpu, Device
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings, on_cells
 from contactstudy.domain.reuse import cache_of, caching
+from contactstudy.planning.bounded_solution import BoundedSolution, bounded
 from contactstudy.planning.grid_requirements import CONSTANTS as GRID
 from contactstudy.planning.grid_requirements import (
     GridRequirements,
@@ -74,6 +73,12 @@ class RefinementConstants:
         Largest ratio of the cells along to those required, for an end between two cells.
     max_width_changes
         Largest number of changes of the width to that of the contact.
+    min_order
+        Least order of convergence.
+    smooth_order
+        Order where all edges of the contact are smooth.
+    step_order
+        Order where a corner or a roller's end is in contact.
     """
 
     first_cells: tuple[int, int] = (16, 12)
@@ -92,6 +97,9 @@ class RefinementConstants:
     misfit_cost: float = 40.0
     max_lengthening: float = 8.0
     max_width_changes: int = 8
+    min_order: float = 0.5
+    smooth_order: float = 1.5
+    step_order: float = 1.0
 
 
 CONSTANTS = RefinementConstants()
@@ -216,10 +224,10 @@ class GridRefinement:
                     widths += 1
                     levels, solutions, start, grid = [], [], None, self._with_width(grid, width)
                     continue
-                level = bounded(solution, solutions)
+                level = bounded(solution, solutions[-1])
                 if level.bound <= self.error and not is_last:
                     solution = self._solve_on(grid, solution.pressure, self.options)
-                    level = bounded(solution, solutions)
+                    level = bounded(solution, solutions[-1])
                 levels.append(level)
                 solutions.append(solution)
                 if self.progress is not None:
@@ -364,14 +372,14 @@ class GridRefinement:
         """Return the expected order of convergence along an axis."""
         # the edges across a roller are smooth
         is_smooth = not levels[-1].is_sharp or (self.requirements.roller_length > 0 and axis == 0)
-        usual = BOUND.smooth_order if is_smooth else BOUND.step_order
+        usual = CONSTANTS.smooth_order if is_smooth else CONSTANTS.step_order
         if len(levels) < 2 or levels[-1].grid.cells[1] == 1:
             return usual
         coarse, fine = ((level.cell_errors[axis], level.grid.cells[axis]) for level in levels[-2:])
         if fine[1] < 1.2 * coarse[1] or not 0 < fine[0] < coarse[0]:
             return usual
         observed = log(coarse[0] / fine[0]) / log(fine[1] / coarse[1])
-        return float(np.clip((observed + usual) / 2, BOUND.min_order, BOUND.smooth_order))
+        return float(np.clip((observed + usual) / 2, CONSTANTS.min_order, CONSTANTS.smooth_order))
 
     def _order_in_cells(self, levels: list[BoundedSolution]) -> float:
         """Return the expected order of convergence in the number of cells."""

@@ -1,6 +1,5 @@
 """Discretisation errors of cells of constant pressure, from the pressure found on them."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf, log, pi
 
@@ -77,15 +76,17 @@ def around_contact(pressure: Array) -> slice:
     return slice(int(touching[0]) - 1, int(touching[-1]) + 2)
 
 
-def discretisation_errors(pressure: Array, wraps: tuple[bool, bool]) -> tuple[float, float]:
-    """Return the relative errors of the peak pressure and of the pressure in L1 due to the cells.
+def discretisation_errors(
+    pressure: Array, wraps: tuple[bool, bool]
+) -> tuple[float, tuple[float, float]]:
+    """Return the relative errors of the peak pressure and of the pressure in L1 (across, along) due to the cells.
 
     The maximum lies beside a cell's centre, above its pressure by the parabola through three cells, and that pressure
     is a 24th of the second difference too high; where the edges lie in their cells changes both. In L1 each end of a
     row of touching cells adds its :func:`~contactstudy.accuracy.discretisation.contact_edge.edge_error`, and each cell
     within adds a 12th of its second difference: for a wave number q the pressure of a cell is ``1 / sinc(q dx / 2)``
-    times the true one at its centre, and the true mean in the cell is ``sinc(q dx / 2)`` times that. Both axes are
-    added, since an edge that crosses the cells has ends on both. Heights between the cell centres are not included.
+    times the true one at its centre, and the true mean in the cell is ``sinc(q dx / 2)`` times that. Both axes add up,
+    since an edge that crosses the cells has ends on both. Heights between the cell centres are not included.
 
     Parameters
     ----------
@@ -96,18 +97,24 @@ def discretisation_errors(pressure: Array, wraps: tuple[bool, bool]) -> tuple[fl
     """
     highest = np.unravel_index(np.argmax(pressure), pressure.shape)
     level = float(pressure[highest])
-    beside = edges = l1 = 0.0
+    beside, edges, l1 = 0.0, 0.0, [0.0, 0.0]
     for axis, is_periodic in enumerate(wraps):
         if pressure.shape[axis] == 1:
             continue
         along = axis_first(pressure, axis)
         # beyond an open end the last cell is repeated
         padded = with_ends(along, 1, wraps=is_periodic)
-        error, last, second = errors_along(padded, edge_error)
-        l1 += error
+        touching = padded > 0
+        bends = np.abs(padded[:-2] + padded[2:] - 2 * padded[1:-1])
+        within = touching[:-2] & touching[1:-1] & touching[2:]
+        last, second = _ends(padded, touching)
         # a plateau ends half-way in its last cell, which has the mean pressure
         plateau = last[second >= level]
-        l1 += np.minimum(plateau, level - plateau).sum()
+        l1[axis] = float(
+            (bends * within).sum() / 12
+            + edge_error(last, second).sum()
+            + np.minimum(plateau, level - plateau).sum()
+        )
         index, line = highest[::-1] if axis else highest
         before, centre, after = padded[index : index + 3, line].tolist()
         slope, curvature = (after - before) / 2, abs(before + after - 2 * centre)
@@ -118,51 +125,16 @@ def discretisation_errors(pressure: Array, wraps: tuple[bool, bool]) -> tuple[fl
             edges,
             (CONSTANTS.edge_effect if around.all() else CONSTANTS.edge_effect_beside) * curvature,
         )
-    return (abs(beside) + edges) / level, float(l1 / pressure.sum())
+    total = float(pressure.sum())
+    return (abs(beside) + edges) / level, (l1[0] / total, l1[1] / total)
 
 
-def errors_along(
-    padded: Array,
-    edge_error: Callable[[Array, Array], Array],
-    exact: NDArray[np.bool_] | None = None,
-) -> tuple[float, Array, Array]:
-    """Return the sum of the pressure errors along the first axis, and pressures at the ends of rows of touching cells.
-
-    Cells within add a 12th of their second difference, ends their `edge_error`, a function of the pressures of the last
-    cell and of the next one inward, which are returned.
-
-    Parameters
-    ----------
-    padded
-        Pressure (n + 2, lines), with one more cell at either end.
-    edge_error
-        Error at each end.
-    exact
-        Cells (n + 2, lines) without an error, nor with one beside them; None for none.
-    """
-    touching = padded > 0
-    second_difference = padded[:-2] + padded[2:]
-    second_difference -= 2 * padded[1:-1]
-    np.abs(second_difference, out=second_difference)
-    within = touching[:-2] & touching[1:-1] & touching[2:]
-    if exact is not None:
-        within &= ~(exact[:-2] | exact[1:-1] | exact[2:])
-    last, second = _ends(padded, touching, exact)
-    error = float((second_difference * within).sum()) / 12 + float(edge_error(last, second).sum())
-    return error, last, second
-
-
-def _ends(
-    padded: Array, touching: NDArray[np.bool_], exact: NDArray[np.bool_] | None = None
-) -> tuple[Array, Array]:
+def _ends(padded: Array, touching: NDArray[np.bool_]) -> tuple[Array, Array]:
     """Return the pressures of all cells at an end of a row of `touching` cells, and of their neighbours inward.
 
-    The rows run along the first axis, and `padded` has one more cell at either end. Ends beside `exact` cells are left
-    out.
+    The rows run along the first axis, and `padded` has one more cell at either end.
     """
     first, last = (touching[1:-1] & ~beyond for beyond in (touching[:-2], touching[2:]))
-    if exact is not None:
-        first, last = first & ~exact[2:], last & ~exact[:-2]
     along, before, after = padded[1:-1], padded[:-2], padded[2:]
     ends = np.concatenate([along[first], along[last]])
     return ends, np.concatenate([after[first], before[last]])

@@ -150,24 +150,6 @@ def edge_error(last: Array, inner: Array) -> Array:
     return np.asarray(np.interp(last / inner, ratio, error) * inner)
 
 
-def edge_error_of_means(last: Array, inner: Array) -> Array:
-    """Return the L1 error at an edge of a smooth contact against the means in the cells, from the two cells next to it.
-
-    Unlike :func:`edge_error`, which bounds a single edge, it is expected to hold in the mean over many edges.
-
-    Parameters
-    ----------
-    last
-        Pressure of the last touching cell at each edge.
-    inner
-        Pressure of the next cell inward; 0 where it does not touch.
-    """
-    _, _, error, outer, second = _edge_discretisations()
-    ratio = outer / second
-    inner = np.maximum(inner, last / ratio[-1])
-    return np.asarray(np.interp(last / inner, ratio, error / second) * inner)
-
-
 def edge_position(last: Array, inner: Array) -> Array:
     """Return the position of each edge, in cells outward of the centre of the last touching cell.
 

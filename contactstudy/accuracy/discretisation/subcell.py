@@ -2,8 +2,7 @@
 
 1. The gap is sampled at points inside the cells, on lines through their centres along each axis. A cubic through the
    centres is what the cells resolve; what it misses is hidden.
-2. Where a shape names no length scales, points between the lines are sampled too, so many that a feature is found with
-   the requested confidence.
+2. Where a shape names no length scales, points between the lines are sampled too, where a feature may hide.
 3. Under a pressure, hidden heights count as the pressure that would flatten them; a corner raises the pressure at each
    halving of the cells.
 
@@ -11,7 +10,7 @@ E* is the contact modulus and dx the size of a cell along the axis in question.
 """
 
 from dataclasses import dataclass
-from math import ceil, log, pi
+from math import log, pi
 
 import numpy as np
 
@@ -27,8 +26,6 @@ from contactstudy.domain.grid import Grid, axis_first, on_cells
 from contactstudy.elasticity.convolution import Convolution
 from contactstudy.problem.problem import Problem, Source
 
-# Default probability with which a feature is found.
-CONFIDENCE = 0.95
 # Steps of a two-dimensional sequence of low discrepancy to which points can be added one by one:
 # Roberts (2018), "The unreasonable effectiveness of quasirandom sequences".
 STEPS = 0.7548776662466927, 0.5698402909980532
@@ -50,8 +47,9 @@ class SubgridConstants:
         Least number of lines along an axis that are examined, or all if there are fewer.
     sparse
         Of many lines, one in this many is examined, but at least `lines`.
-    feature_area
-        Fraction of a cell's area: a feature that covers more of the cell is found with the requested confidence.
+    points_off_lines
+        Points in a cell off the lines, where a shape names no length scales: a feature that covers 3 % of the cell is
+        found with a probability of 95 %.
     pressure_rise
         Rise of the pressure where a hidden height h is pressed flat, over ``E* h / dx``. It is pi / 2 and pi for waves
         of two cells and of one, and pi / 2 for a bump ``exp(-r^2 / dx^2)``; a value between is taken.
@@ -65,7 +63,7 @@ class SubgridConstants:
     points_without_scales: int = 48
     lines: int = 64
     sparse: int = 4
-    feature_area: float = 0.03
+    points_off_lines: int = 99
     pressure_rise: float = 2.5
     resolved_fraction: float = 0.5
 
@@ -126,20 +124,11 @@ class SubgridHeights:
     between_lines: tuple[Array, Array, Array, Array] | None
 
     @classmethod
-    def from_problem(
-        cls, problem: Problem, confidence: float = CONFIDENCE
-    ) -> "SubgridHeights | None":
+    def from_problem(cls, problem: Problem) -> "SubgridHeights | None":
         """Return the heights inside the cells of `problem`, or None where they are not known.
 
         They are evaluated along lines through the cell centres, and for shapes that name no scales also at points off
         these lines.
-
-        Parameters
-        ----------
-        problem
-            The contact.
-        confidence
-            Probability with which a feature over 3 % of a cell is found, which sets the number of points off the lines.
         """
         source, grid = problem.source, problem.grid
         if source is None or problem.paddings is None:
@@ -153,7 +142,7 @@ class SubgridHeights:
             )
             along = tuple(part for part in parts if part is not None)
             examined = not source.has_length_scales and min(grid.cells) > 1
-            return cls(along, _between_lines(problem, confidence) if examined else None)
+            return cls(along, _between_lines(problem) if examined else None)
         except InvalidInput:
             return None
 
@@ -261,6 +250,9 @@ def _hidden_heights(problem: Problem, axis: int, points_each: int) -> _HiddenHei
         np.broadcast_to(axis_first(np.concatenate(fields, axis=1), axis), lines)
         for fields in zip(*examined, strict=True)
     ]
+    if axis and problem.covered_fractions is not None:  # an end is no height that is hidden
+        at_end = np.convolve(problem.covered_fractions < 1, np.ones(5), mode="same") > 0
+        on_lines[::2] = [np.where(at_end, 0.0, fields) for fields in on_lines[::2]]
     inside_mean, mean = (
         mean_height(source, Grid(cells, grid.extent), axis_first(heights, axis))
         for cells, heights in ((inside, points), (lines, centres))
@@ -271,7 +263,7 @@ def _hidden_heights(problem: Problem, axis: int, points_each: int) -> _HiddenHei
     return hidden
 
 
-def _between_lines(problem: Problem, confidence: float) -> tuple[Array, Array, Array, Array]:
+def _between_lines(problem: Problem) -> tuple[Array, Array, Array, Array]:
     """Return (missed [m], protrusion [m], width [cells], unresolved [m]), fields (x, y) of the heights off the lines.
 
     `missed` is the largest interpolation error of cubics through the centres, and `protrusion` the height above all
@@ -294,7 +286,7 @@ def _between_lines(problem: Problem, confidence: float) -> tuple[Array, Array, A
         return missed, missed, np.ones(grid.cells), missed
     wraps = [padding.wraps for padding in problem.paddings]
     beside = extended_by_two(centres, wraps=wraps[0])
-    count = ceil(log(1 - confidence) / log(1 - CONSTANTS.feature_area))
+    count = CONSTANTS.points_off_lines
     for number in range(count):
         across, along = ((0.5 + number * step) % 1 - 0.5 for step in STEPS)
         points = np.broadcast_to(

@@ -163,19 +163,6 @@ def test_low_bumps_between_the_lines_count_by_what_they_hide(line_contact: LineC
     assert peak > 3 * estimate_of(scene, grid).peak_pressure.total
 
 
-def test_more_confidence_finds_smaller_features(line_contact: LineContact) -> None:
-    hertz, grid = line_contact.hertz, line_contact.grid((48, 40), 1.3, width=3.2)
-    height = 0.4 * hertz.half_width**2 / hertz.radius
-    scene = line_contact.with_shapes(bumps(height, 0.02, (0.27, 0.13), grid.cell_size))
-    solution = cs.solve(scene.problem(grid, cs.ExactPeriodicity()))
-    assert error_estimate(solution, confidence=0.5).l1.total < inf
-    assert error_estimate(solution, confidence=1 - 1e-15).l1.total == inf
-    with pytest.raises(
-        cs.InvalidInput, match=r"confidence is 1\.0: give a probability between 0 and 1"
-    ):
-        error_estimate(solution, confidence=1.0)
-
-
 @pytest.mark.parametrize("rows", [12, 16, 33])
 @pytest.mark.parametrize("beyond", [0.05, 0.3, 0.45, 0.6, 0.9])
 def test_a_roller_may_end_in_a_cell(beyond: float, rows: int, line_contact: LineContact) -> None:

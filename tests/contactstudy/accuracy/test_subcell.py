@@ -28,7 +28,7 @@ def test_a_corner_raises_pressure_by_its_slope_at_each_halving(line_contact: Lin
             gap=lambda grid: 1e-3 * np.abs(grid.x - place)[:, None], has_length_scales=True
         )
         posed = replace(problem, source=kink)
-        return SubgridHeights.from_problem(posed, 0.95).effect_under(posed, pressure).corner_rise
+        return SubgridHeights.from_problem(posed).effect_under(posed, pressure).corner_rise
 
     rise = line_contact.scene.contact_modulus / (8 * 0.915965594177219) * 2e-3 * log(2)
     assert corner_rise(0.0) == pytest.approx(rise / 1e9, rel=1e-6)

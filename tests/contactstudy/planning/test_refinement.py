@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.accuracy.bounded_solution import BoundedSolution
 from contactstudy.domain.grid import on_cells
+from contactstudy.planning.bounded_solution import BoundedSolution
 from contactstudy.planning.refinement import solve_to
 from tests.conftest import LineContact
 

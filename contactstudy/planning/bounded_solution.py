@@ -1,0 +1,70 @@
+"""A solution of a refinement, with its bounds."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import inf
+
+from contactstudy.accuracy.discretisation.bound import shown_errors
+from contactstudy.accuracy.discretisation.coarser import halved
+from contactstudy.accuracy.estimate import error_estimate
+from contactstudy.domain.errors import ErrorEstimate
+from contactstudy.domain.grid import Grid
+from contactstudy.solvers.solution import Solution
+
+
+@dataclass(frozen=True)
+class BoundedSolution:
+    """A solution with its bounds.
+
+    Attributes
+    ----------
+    solution
+        The solution.
+    estimate
+        Bounds by cause.
+    """
+
+    solution: Solution
+    estimate: ErrorEstimate
+
+    @property
+    def grid(self) -> Grid:
+        """Grid of the solution."""
+        return self.solution.problem.grid
+
+    @property
+    def bound(self) -> float:
+        """Bound of the relative L1 error of the pressure, as calibrated: it is not proven."""
+        return self.estimate.l1.total
+
+    @property
+    def discretisation_error(self) -> float:
+        """Discretisation error, as part of the bound."""
+        part = self.estimate.l1.discretisation
+        return inf if part is None else part
+
+    @cached_property
+    def cell_errors(self) -> tuple[float, float]:
+        """Relative L1 errors (across, along) that the pressure of the cells shows."""
+        return shown_errors(self.solution)[1]
+
+    @property
+    def fractions(self) -> tuple[float, float]:
+        """Contributions (across, along) to the discretisation error, as fractions of it."""
+        across, along = self.cell_errors
+        fraction = across / (across + along) if across + along else 1.0
+        return fraction, 1 - fraction
+
+    @property
+    def is_sharp(self) -> bool:
+        """Whether the peak has no bound, as at a corner or a roller's end, so that convergence is of first order."""
+        peak = self.estimate.peak_pressure
+        return peak is not None and peak.discretisation == inf
+
+
+def bounded(solution: Solution, coarser: Solution) -> BoundedSolution:
+    """Return `solution` with its bounds, for which that on a `coarser` grid serves if it has half the cells."""
+    is_halved = coarser.problem.grid == halved(solution.problem.grid)
+    return BoundedSolution(
+        solution, error_estimate(solution, coarse=coarser if is_halved else None)
+    )

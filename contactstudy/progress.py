@@ -13,7 +13,7 @@ from contactstudy.problem.problem import Problem
 
 if TYPE_CHECKING:
     from contactstudy.lubrication.newton.pseudo_time import FilmIteration
-    from contactstudy.planning.bounded_solution import BoundedSolution
+    from contactstudy.solvers.solution import Solution
 
 
 @dataclass(frozen=True)
@@ -55,13 +55,13 @@ def of_iterations(
     return report_residual
 
 
-def of_grids(report: Report, error: float) -> "Callable[[BoundedSolution], None]":
-    """Return a function of the solution on each grid of a refinement to a relative L1 `error`."""
+def of_grids(report: Report, error: float) -> "Callable[[Solution, float], None]":
+    """Return a function of the solution on each grid of a refinement to a relative L1 `error`, and of its bound."""
 
-    def report_grid(solved: "BoundedSolution") -> None:
-        text = f"{_cells(solved.grid.cells)}: {100 * solved.bound:.2g} % in L1"
-        fraction = min(error / solved.bound, 1.0)
-        report(Progress(fraction, text, solved.solution.pressure, solved.grid))
+    def report_grid(solution: "Solution", bound: float) -> None:
+        grid = solution.problem.grid
+        text = f"{_cells(grid.cells)}: {100 * bound:.2g} % in L1"
+        report(Progress(min(error / bound, 1.0), text, solution.pressure, grid))
 
     return report_grid
 

@@ -155,7 +155,7 @@ def forecast_of_refinement(
         _refinement(scene, requirements, requirements.pressure_error(error)),
         most_cells=MOST_CELLS,
         most_solved=CONSTANTS.max_cells,
-        progress=lambda _: stamps.append(process_time()),
+        progress=lambda *_: stamps.append(process_time()),
     )
     extent = requirements.grid(0.1, period).extent
     before, levels = 0, list[BoundedSolution]()

@@ -115,7 +115,7 @@ def solve_to(
     start: Array | None = None,
     device: Device = Cpu(),  # noqa: B008 (a frozen value)
     most_cells: int = MOST_CELLS,
-    progress: Callable[[BoundedSolution], object] | None = None,
+    progress: Callable[[Solution, float], object] | None = None,
 ) -> BoundedSolution:
     """Solve a dry scene that neither changes in time nor rolls, to a relative L1 error of the pressure.
 
@@ -143,7 +143,7 @@ def solve_to(
     most_cells
         Cells of a grid at most.
     progress
-        Called with the solution and the bounds on each grid.
+        Called with the solution on each grid and its bound in L1.
 
     Raises
     ------
@@ -187,7 +187,7 @@ class GridRefinement:
     most_cells
         Maximum number of cells of a grid.
     progress
-        Called with the solution and the bounds on each grid.
+        Called with the solution on each grid and its bound in L1.
     most_solved
         Number of cells beyond which a grid is not solved, other than the first one.
     keeps_width
@@ -201,7 +201,7 @@ class GridRefinement:
     options: SolveOptions
     device: Device
     most_cells: int
-    progress: Callable[[BoundedSolution], object] | None = None
+    progress: Callable[[Solution, float], object] | None = None
     most_solved: int = 2**62
     keeps_width: bool = False
 
@@ -231,7 +231,7 @@ class GridRefinement:
                 levels.append(level)
                 solutions.append(solution)
                 if self.progress is not None:
-                    self.progress(level)
+                    self.progress(solution, level.bound)
                 grid, is_last = self.next_grid(levels)
                 if grid is not None and prod(grid.cells) > self.most_solved:
                     break

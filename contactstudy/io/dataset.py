@@ -16,7 +16,6 @@ import xarray as xr
 from contactstudy.analytic import HertzLine
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.errors import ErrorEstimate
-from contactstudy.domain.fields import Array
 from contactstudy.domain.version import VERSION
 from contactstudy.io.quantities.quantity import Quantities, per_length, roller_length
 from contactstudy.io.scene_files.scene_writer import scene_text
@@ -31,14 +30,7 @@ from contactstudy.scene.shapes.tilt import Tilt
 from contactstudy.scene.shapes_source import with_extent_of
 from contactstudy.scene.surfaces.measured_surface import MeasuredSurface
 from contactstudy.solvers.friction.fretting import FrettingShear
-from contactstudy.solvers.friction.fretting_traction import FrettingTraction
-from contactstudy.solvers.friction.rolling_traction import RollingTraction
-from contactstudy.solvers.solution import (
-    AdhesiveTraction,
-    Branch,
-    Solution,
-    TangentialTraction,
-)
+from contactstudy.solvers.solution import Solution
 
 if TYPE_CHECKING:
     from contactstudy.lubrication.lubricated_contact import FilmSolution
@@ -78,6 +70,11 @@ def field_variable(field: Field) -> xr.Variable:
     )
 
 
+def field_variables(fields: Mapping[str, Field]) -> dict[str, xr.Variable]:
+    """Return fields as variables by name."""
+    return {name: field_variable(field) for name, field in fields.items()}
+
+
 def title_attributes(title: str) -> dict[str, str]:
     """Return the attributes of a dataset with this `title`: its conventions, and this program as the source."""
     return {"Conventions": "CF-1.11", "title": title, "source": f"contactstudy {VERSION}"}
@@ -100,12 +97,11 @@ def contact_fields(solution: Solution) -> xr.Dataset:
         },
         coords={"x": ("x", grid.x, X), "y": ("y", grid.y, Y)},
     )
-    effects = traction_variables(solution.traction) | _adhesion_variables(
-        solution.adhesion, solution.pressure
-    )
+    for part in solution.parts:
+        dataset = dataset.assign(field_variables(part.fields(solution.pressure)))
     if isinstance(solution.problem.constraint, HardnessLimited):
-        effects["dent"] = _plane(solution.dent, "m", "depth of yielding under the hardness")
-    return dataset.assign(effects)
+        dataset["dent"] = _plane(solution.dent, "m", "depth of yielding under the hardness")
+    return dataset
 
 
 def contact_dataset(
@@ -141,7 +137,7 @@ def contact_dataset(
             dataset = dataset.assign(_hertz(scene.hertz))
         dataset.attrs |= scene_attributes(description)
         dataset = dataset.assign(_profile(description))
-    dataset = dataset.assign({name: field_variable(field) for name, field in derived.items()})
+    dataset = dataset.assign(field_variables(derived))
     return with_quantities(_with_errors(dataset, error), quantities)
 
 
@@ -232,58 +228,6 @@ def scene_attributes(posed: PosedScene) -> dict[str, str]:
     return {"scene": text} | ({"measured_surfaces": "\n".join(surfaces)} if surfaces else {})
 
 
-def traction_variables(traction: TangentialTraction | None) -> dict[str, xr.Variable]:
-    """Return the two components of the tangential traction and the area of stick; empty without friction."""
-    if traction is None:
-        return {}
-    (shear_x, shear_y), stick = traction.shear, traction.stick.astype(np.int8)
-    variables = {
-        "shear_x": _plane(
-            shear_x, "Pa", "tangential traction along x (longitudinal), on the first body"
-        ),
-        "shear_y": _plane(
-            shear_y, "Pa", "tangential traction along y (lateral), on the first body"
-        ),
-        "stick": _plane(stick, "1", "1 where the bodies stick, 0 elsewhere"),
-    }
-    if isinstance(traction, FrettingTraction):
-        displacement = "rigid-body displacement of the second against the first body along x"
-        forces = labelled("step", traction.forces, "N", "tangential force after each step")
-        counted = "so far" if traction.cycle is None else "in the last whole cycle"
-        lost = f"energy lost {counted} per area"
-        return variables | {
-            "slip_distance": _plane(traction.slip_distance, "m", f"distance slipped {counted}"),
-            "friction_energy": _plane(traction.energy, "J m-2", lost),
-            "tangential_force": forces,
-            "rigid_displacement": labelled("step", traction.rigid_displacement, "m", displacement),
-        }
-    if not isinstance(traction, RollingTraction):
-        return variables
-    slip = "slip of the first body against the second over the distance rolled"
-    return variables | {
-        "slip_x": _plane(traction.slip[0], "1", f"{slip}, across"),
-        "slip_y": _plane(traction.slip[1], "1", f"{slip}, along"),
-        "power_density": _plane(traction.power, "W m-2", "frictional power per area"),
-    }
-
-
-def _adhesion_variables(
-    adhesion: AdhesiveTraction | None, pressure: Array
-) -> dict[str, xr.Variable]:
-    """Return adhesive traction, net pressure, and the history of the state as a CF flag; empty without adhesion."""
-    if adhesion is None:
-        return {}
-    meanings = [branch.value for branch in Branch]
-    branches = [branch.replace(" ", "_") for branch in meanings]
-    return {
-        "attraction": _plane(adhesion.attraction, "Pa", "adhesive traction"),
-        "net_pressure": _plane(
-            pressure - adhesion.attraction, "Pa", "pressure less the attraction"
-        ),
-        "branch": flags((), meanings.index(adhesion.branch), branches, "history of the state"),
-    }
-
-
 def _with_errors(dataset: xr.Dataset, estimate: ErrorEstimate) -> xr.Dataset:
     """Return `dataset` with the estimated errors by cause, and their warnings as one text; 0 where no error applies.
 
@@ -311,7 +255,7 @@ def film_dataset(
 ) -> xr.Dataset:
     """Return a lubricated contact with dimensions (x, y), units and long names; errors along ``cause``."""
     dataset = film_fields(contact)
-    dataset = dataset.assign({name: field_variable(of) for name, of in contact.derived.items()})
+    dataset = dataset.assign(field_variables(contact.derived))
     return with_quantities(_with_errors(dataset, error), quantities)
 
 

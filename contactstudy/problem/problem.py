@@ -25,7 +25,7 @@ class Field:
     values: NDArray[Any]
     units: str
     long_name: str
-    attributes: Mapping[str, str] = field(default_factory=dict)
+    attributes: Mapping[str, Any] = field(default_factory=dict)
 
 
 class Derived(Protocol):

@@ -12,7 +12,10 @@ from numpy.typing import NDArray
 from contactstudy.domain.checks import NotDefined
 from contactstudy.domain.fields import Array
 from contactstudy.problem.constraint import largest_of, yielded
-from contactstudy.problem.problem import Problem
+from contactstudy.problem.problem import Field, Problem
+
+# Dimensions of a field on the surface.
+OF_SURFACE = ("x", "y")
 
 
 class Status(Enum):
@@ -160,6 +163,17 @@ class TangentialTraction:
     iterations: int
     bulk: tuple[float, float] = field(default=(0.0, 0.0), kw_only=True)
 
+    def fields(self, _pressure: Array) -> Mapping[str, Field]:
+        """Return both components of the traction and the area of stick, as fields by name."""
+        on = "on the first body"
+        return {
+            "shear_x": Field(OF_SURFACE, self.shear[0], "Pa", f"tangential traction along x (longitudinal), {on}"),
+            "shear_y": Field(OF_SURFACE, self.shear[1], "Pa", f"tangential traction along y (lateral), {on}"),
+            "stick": Field(
+                OF_SURFACE, self.stick.astype(np.int8), "1", "1 where the bodies stick, 0 elsewhere"
+            ),
+        }  # fmt: skip
+
 
 class Branch(Enum):
     """History of an adhesive contact, which decides between several states of equilibrium."""
@@ -216,6 +230,20 @@ class AdhesiveTraction:
         """Energy [J] of the deformed bodies, the load and the adhesive traction, the last of `energies`."""
         return self.energies[-1]
 
+    def fields(self, pressure: Array) -> Mapping[str, Field]:
+        """Return the attraction, the net pressure, and the history of the state as a CF flag, as fields by name."""
+        meanings = [branch.value for branch in Branch]
+        flags = {
+            "flag_values": np.arange(len(meanings), dtype=np.int8),
+            "flag_meanings": " ".join(meaning.replace(" ", "_") for meaning in meanings),
+        }
+        branch, net = np.array(meanings.index(self.branch), np.int8), net_pressure(pressure, self)
+        return {
+            "attraction": Field(OF_SURFACE, self.attraction, "Pa", "adhesive traction"),
+            "net_pressure": Field(OF_SURFACE, net, "Pa", "pressure less the attraction"),
+            "branch": Field((), branch, "1", "history of the state", flags),
+        }
+
 
 @dataclass(frozen=True, eq=False)
 class Solution:
@@ -266,6 +294,11 @@ class Solution:
     note: str = ""
     traction: TangentialTraction | None = None
     adhesion: AdhesiveTraction | None = None
+
+    @property
+    def parts(self) -> tuple[TangentialTraction | AdhesiveTraction, ...]:
+        """What effects add to the pressure: the tangential and the adhesive traction, as far as there are."""
+        return tuple(part for part in (self.traction, self.adhesion) if part is not None)
 
     @property
     def load_per_length(self) -> float:

@@ -1,6 +1,6 @@
 """Quantities of a dry contact and of its effects."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from math import inf, isfinite
 from typing import TYPE_CHECKING
@@ -10,13 +10,17 @@ from numpy.typing import NDArray
 
 from contactstudy.accuracy.discretisation.cells import contact_area_in_cells, with_ends
 from contactstudy.accuracy.discretisation.contact_edge import resolved_edges
-from contactstudy.accuracy.range_errors import NO_LIMIT
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import readable
+from contactstudy.io.quantities.adhesion_quantities import adhesion_quantities, moved_force
 from contactstudy.io.quantities.quantity import Quantity, per_length, roller_length, with_bound
 from contactstudy.io.quantities.stress_quantities import largest_place, stress_quantities
+from contactstudy.io.quantities.traction_quantities import (
+    fretting_quantities,
+    rolling_traction_quantities,
+    traction_quantities,
+)
 from contactstudy.problem.problem import Field
 from contactstudy.scene.scene import PosedScene, scene_of
 from contactstudy.scene.shapes_source import standing_heights
@@ -28,13 +32,13 @@ if TYPE_CHECKING:
     from contactstudy.evolution.rolling.steady_rolling import SteadyRolling
 
 
-# Relative error of the energy of a cycle, times the square of the cells n across the slip zone: at most 0.82 in 190
-# smooth contacts against the closed form, and less in 16 rough ones. Cells by which the zone may be wider for its
-# largest slip, which grows as the width to the power of 3/2: at most 1.1.
-ENERGY_ERROR, SLIP_ZONE_MARGIN = 1.0, 1.25
-NO_BOUND_OF_ONE_CELL = (
-    "No bound: the slip zone is at most one cell wide; solve again on cells of half the width."
-)
+# Functions that return the quantities of the parts of a solution.
+OF_PARTS: Mapping[type, Callable[..., dict[str, Quantity]]] = {
+    TangentialTraction: traction_quantities,
+    RollingTraction: rolling_traction_quantities,
+    FrettingTraction: fretting_quantities,
+    AdhesiveTraction: adhesion_quantities,
+}
 
 
 def contact_quantities(
@@ -92,19 +96,13 @@ def contact_quantities(
     quantities |= stress_quantities(scene, derived, grid, estimate)
     if rolling is not None:
         quantities |= _of_rolling(rolling, estimate)
-    if solution.traction is not None:
-        quantities |= _of_traction(solution, solution.traction, estimate)
-        if isinstance(solution.traction, RollingTraction):
-            quantities |= _of_creepage(solution.traction, estimate, grid, length)
-        if isinstance(solution.traction, FrettingTraction):
-            quantities |= _of_cycle(solution, solution.traction, estimate, length)
-    if solution.adhesion is not None:
-        quantities |= _of_adhesion(solution, solution.adhesion, estimate, highest, length)
+    for part in solution.parts:
+        quantities |= OF_PARTS[type(part)](solution, part, estimate, length)
     in_contact = per_length(area, "m2", "contact area", length, grid.length)
     mean = Quantity(total / area if area else 0.0, "Pa", "mean pressure in contact")
     mean_error = area_error
     if solution.adhesion is not None and mean.value and area_error is not None:
-        moved = _moved_force(solution, estimate) * grid.cell_area + area_error.total * abs(total)
+        moved = moved_force(solution, estimate) * grid.cell_area + area_error.total * abs(total)
         mean_error = ErrorParts(discretisation=moved / abs(total), reason=area_error.reason)
     if mean_error is not None and estimate.load is not None:  # at a given approach
         both = mean_error.total + estimate.load.total
@@ -155,201 +153,6 @@ def approach_datum(solution: Solution) -> float | None:
     if along.window is not None or across.window is None:
         return None
     return scene.datum(problem.grid)
-
-
-def _of_adhesion(
-    solution: Solution,
-    adhesion: AdhesiveTraction,
-    estimate: ErrorEstimate,
-    peak: Quantity,
-    length: float | None,
-) -> dict[str, Quantity]:
-    """Return pull-off load, attraction, its energy and range, cells in its zone, Tabor parameter, 1 if detached.
-
-    In contact the repulsive part of the pressure is the strength above the net one, whose `peak` has the same error.
-    """
-    grid = solution.problem.grid
-    on_length = grid.length / (length or grid.length)
-    attraction = float(adhesion.attraction.sum() * grid.cell_area / grid.length) * on_length
-    touching, total = bool(solution.pressure.any()), float(adhesion.attraction.sum())
-    repulsive = Quantity(
-        float(solution.pressure.max()), "Pa", "peak of the repulsive part", peak.bound, peak.reason
-    )
-    error = estimate.load or estimate.l1
-    if adhesion.regularised:
-        error = ErrorParts(range=inf, reason=NO_LIMIT)
-        repulsive = replace(repulsive, bound=inf, reason=NO_LIMIT)
-    elif touching and total:
-        moved = _moved_force(solution, estimate) / total
-        error = ErrorParts(discretisation=moved, reason=estimate.l1.reason)
-    quantities = {
-        "peak_repulsive_pressure": repulsive,
-        "attraction": with_bound(
-            Quantity(attraction, "N m-1", "adhesive force per length"), error, estimate.warnings
-        ),
-        "energy": per_length(adhesion.energy, "J", "energy", length, grid.length),
-        "attraction_range": Quantity(adhesion.range, "m", "range of the attraction", 0.0, ""),
-        "cells_in_zone": Quantity(adhesion.cells_in_zone, "1", "cells in the cohesive zone", 0.0, ""),
-        "detached": Quantity(float(not touching), "1", "1 if the bodies do not touch", 0.0, ""),
-    }  # fmt: skip
-    if adhesion.tabor is not None:
-        quantities["tabor_parameter"] = Quantity(adhesion.tabor, "1", "Tabor parameter", 0.0, "")
-    if adhesion.first_unstable_load is not None:
-        pull_off = Quantity(-solution.load_per_length * on_length, "N m-1", "pull-off load")
-        quantities = {
-            "pull_off": with_bound(pull_off, estimate.pull_off, estimate.warnings)
-        } | quantities
-    return quantities
-
-
-def _moved_force(solution: Solution, estimate: ErrorEstimate) -> float:
-    """Return the error of the sum of the attraction [Pa], and of the net pressure in contact.
-
-    It is that of the net pressure, and the strength where the contact may be larger or smaller.
-    """
-    norm, touching = float(np.abs(solution.net_pressure).sum()), np.count_nonzero(solution.pressure)
-    assert solution.adhesion is not None
-    area = inf if estimate.contact_area is None else estimate.contact_area.total
-    return estimate.l1.total * norm + area * touching * float(solution.adhesion.attraction.max())
-
-
-def _of_traction(
-    solution: Solution, traction: TangentialTraction, estimate: ErrorEstimate
-) -> dict[str, Quantity]:
-    """Return the tangential force on the first body over the load, and the part of the contact that sticks."""
-    pressure = solution.pressure
-    pressed, touching = float(pressure.sum()), int(np.count_nonzero(pressure))
-    attracted = 0.0 if solution.adhesion is None else float(solution.adhesion.attraction.sum())
-    load = pressed - attracted
-    along_x, along_y = (
-        float(force / load) if load else 0.0 for force in traction.shear.sum((1, 2))
-    )
-    coefficient = Quantity(along_x, "1", "tangential force over load")
-    lateral_force: dict[str, Quantity] = {}
-    # at a given approach the load is a result
-    load_error = 0.0 if estimate.load is None else estimate.load.total
-    if isinstance(traction, RollingTraction):
-        by_cells = traction.errors.force * pressed / abs(load) if load else 0.0
-        across = Quantity(along_y, "1", "lateral force over load")
-        coefficient, lateral = (
-            _with_slip_bound(
-                q, by_cells + (solution.residual + load_error) * abs(q.value), estimate
-            )
-            for q in (coefficient, across)
-        )
-        lateral_force = {"lateral_traction_coefficient": lateral}
-    friction = getattr(scene_of(solution.problem), "friction", None)
-    displacement_given = getattr(friction, "displacements", None) is not None
-    if not (isinstance(traction, RollingTraction) or friction is None or displacement_given):
-        # the force is given, or in full sliding that over the load
-        force_is_given = getattr(friction, "sticks", False)
-        parts = estimate.load if force_is_given else None
-        of_load = solution.residual * (pressed / abs(load) if load else 1.0)
-        coefficient = with_bound(coefficient, parts or ErrorParts(residual=of_load))
-    sticking = float(np.count_nonzero(traction.stick) / touching) if touching else 0.0
-    stick = Quantity(sticking, "1", "fraction of the contact that sticks")
-    area = estimate.contact_area
-    if area is not None and touching:
-        at_boundary = np.count_nonzero(_at_stick_slip_boundary(solution, traction)) / touching
-        stick = _with_slip_bound(stick, at_boundary + area.total * stick.value, estimate)
-    quantities = {"traction_coefficient": coefficient, **lateral_force, "stick_fraction": stick}
-    if solution.adhesion is None:
-        return quantities
-    if load <= 0:  # a pull, over which a tangential force means nothing
-        quantities = {"stick_fraction": stick}
-    over = float(traction.shear[0].sum()) / pressed if pressed else 0.0
-    repulsive = Quantity(over, "1", "tangential force over repulsion")
-    return quantities | {"traction_over_repulsion": repulsive}
-
-
-def _at_stick_slip_boundary(solution: Solution, traction: TangentialTraction) -> NDArray[np.bool_]:
-    """Return the touching cells (x, y) at the stick-slip boundary, the uncertainty of which is one row of cells.
-
-    Where all of a rolling contact slips, a zone of stick may hide in the cells at its leading edge; where no cell slips
-    under a traction, a zone of slip in those at any edge.
-    """
-    touching, stick = solution.pressure > 0, np.asarray(traction.stick, bool)
-    if isinstance(traction, RollingTraction) and not stick.any():
-        padded = np.pad(touching, ((1, 1), (0, 0)))
-        return touching & ~(padded[2:] & padded[:-2])
-    paddings = solution.problem.paddings
-    may_slip_at_edge = bool(stick[touching].all() and np.any(traction.shear))
-    within = touching
-    if may_slip_at_edge:
-        stick, within = touching, np.ones_like(touching)
-    beside = np.zeros_like(touching)
-    for axis in (0, 1):
-        for step in (1, -1):
-            edge = np.roll(within, step, axis) & (np.roll(stick, step, axis) != stick)
-            if paddings is None or not paddings[axis].wraps:
-                edge[(slice(None),) * axis + (0 if step == 1 else -1,)] = False
-            beside |= touching & edge
-    return beside
-
-
-def _of_cycle(
-    solution: Solution, traction: FrettingTraction, estimate: ErrorEstimate, length: float | None
-) -> dict[str, Quantity]:
-    """Return energy and largest slip of the last whole cycle of a fretting contact, else of all, and its largest shear.
-
-    The stick-slip boundary is uncertain by one cell. Slip starts there with zero slope, so that for a zone n cells
-    wide the relative error of the energy is about 1 / n^2. The largest slip is bounded by that of a slightly wider zone.
-    """
-    grid = solution.problem.grid
-    energy = float(traction.energy.sum() * grid.cell_area)
-    name, counted, within = "energy_per_cycle", "per cycle", "in a cycle"
-    if traction.cycle is None:
-        name, counted, within = "friction_energy", "to friction", "so far"
-    dissipated = per_length(energy, "J", f"energy lost {counted}", length, grid.length)
-    slid = float(traction.slip_distance.max())
-    largest_slip = Quantity(slid, "m", f"largest distance slipped {within}")
-    slipping = (solution.pressure > 0) & ~np.asarray(traction.stick, bool)
-    boundary = int(np.count_nonzero(_at_stick_slip_boundary(solution, traction) & slipping))
-    slip_zone_cells = np.count_nonzero(slipping) / boundary if boundary else 0.0
-    energy_error = ENERGY_ERROR / slip_zone_cells**2 if slip_zone_cells > 1 else inf
-    slip_error = (1 + SLIP_ZONE_MARGIN / slip_zone_cells) ** 1.5 - 1 if slip_zone_cells > 1 else inf
-    reason = estimate.l1.reason or ("" if slip_zone_cells > 1 else NO_BOUND_OF_ONE_CELL)
-    if traction.cycle is not None and traction.cycle[1] == len(traction.shears):
-        # of other forces the slip zone is that of the last one
-        dissipated, largest_slip = (
-            with_bound(number, replace(estimate.l1, discretisation=relative, reason=reason))
-            for number, relative in ((dissipated, energy_error), (largest_slip, slip_error))
-        )
-    return {
-        name: dissipated,
-        "largest_slip": largest_slip,
-        "largest_shear": Quantity(
-            traction.largest_shear, "Pa", "largest tangential traction of all steps"
-        ),
-    }
-
-
-def _of_creepage(
-    traction: RollingTraction, estimate: ErrorEstimate, grid: Grid, length: float | None
-) -> dict[str, Quantity]:
-    """Return what tractive rolling adds to the numbers of a traction: creepage, and power with its bound."""
-    total = float(traction.power.sum() * grid.cell_area)
-    power = per_length(total, "W", "frictional power", length, grid.length)
-    over_length = 1.0 if length is not None else 1 / grid.length
-    outside = traction.power_outside_contact * abs(power.value)
-    bound = outside + traction.errors.power * over_length
-    creepage = Quantity(traction.creepage.longitudinal, "1", "longitudinal creepage")
-    return {
-        "creepage": replace(creepage, bound=0.0, reason="")
-        if traction.creepage_given
-        else _with_slip_bound(creepage, traction.errors.creepage, estimate),
-        "frictional_power": _with_slip_bound(power, bound, estimate),
-    }
-
-
-def _with_slip_bound(quantity: Quantity, bound: float, estimate: ErrorEstimate) -> Quantity:
-    """Return a quantity with its `bound` if that is finite, and slip and pressure have one."""
-    if estimate.slip_reason:
-        return replace(quantity, reason=estimate.slip_reason)
-    if not isfinite(estimate.l1.total):
-        reasons = (estimate.l1.reason, *estimate.warnings, quantity.reason)
-        return replace(quantity, reason=next(filter(None, reasons)))
-    return replace(quantity, bound=bound, reason="") if isfinite(bound) else quantity
 
 
 def _of_rolling(rolling: "SteadyRolling", estimate: ErrorEstimate) -> dict[str, Quantity]:

@@ -1,11 +1,13 @@
 """Tangential traction of a contact that frets, with the loop, the slip and the energy that belong to it."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from contactstudy.domain.fields import Array
-from contactstudy.solvers.solution import TangentialTraction
+from contactstudy.problem.problem import Field
+from contactstudy.solvers.solution import OF_SURFACE, TangentialTraction
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,6 +40,18 @@ class FrettingTraction(TangentialTraction):
     slip_distance: Array
     energy: Array
     cycle: tuple[int, int] | None
+
+    def fields(self, pressure: Array) -> Mapping[str, Field]:
+        """Return traction, area of stick, slip and energy, and the force after each step, as fields by name."""
+        counted = "so far" if self.cycle is None else "in the last whole cycle"
+        slid = "rigid-body displacement of the second against the first body along x"
+        return {
+            **super().fields(pressure),
+            "slip_distance": Field(OF_SURFACE, self.slip_distance, "m", f"distance slipped {counted}"),
+            "friction_energy": Field(OF_SURFACE, self.energy, "J m-2", f"energy lost {counted} per area"),
+            "tangential_force": Field(("step",), self.forces, "N", "tangential force after each step"),
+            "rigid_displacement": Field(("step",), self.rigid_displacement, "m", slid),
+        }  # fmt: skip
 
     @property
     def largest_shear(self) -> float:

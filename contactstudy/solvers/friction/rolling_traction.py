@@ -5,6 +5,7 @@ the first one, so that a positive creepage drags the first body to larger x. Kal
 the second body, is minus the creepage.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import inf
 
@@ -12,7 +13,8 @@ import numpy as np
 
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
-from contactstudy.solvers.solution import TangentialTraction
+from contactstudy.problem.problem import Field
+from contactstudy.solvers.solution import OF_SURFACE, TangentialTraction
 
 
 @dataclass(frozen=True)
@@ -89,3 +91,13 @@ class RollingTraction(TangentialTraction):
     power_outside_contact: float
     errors: RollingErrors
     creepage_given: bool
+
+    def fields(self, pressure: Array) -> Mapping[str, Field]:
+        """Return traction, area of stick, slip and frictional power, as fields by name."""
+        slip = "slip of the first body against the second over the distance rolled"
+        return {
+            **super().fields(pressure),
+            "slip_x": Field(OF_SURFACE, self.slip[0], "1", f"{slip}, across"),
+            "slip_y": Field(OF_SURFACE, self.slip[1], "1", f"{slip}, along"),
+            "power_density": Field(OF_SURFACE, self.power, "W m-2", "frictional power per area"),
+        }

@@ -8,12 +8,13 @@ from typing import Any
 import contactstudy as cs
 from studies.engine.options import RunOptions
 from studies.engine.request import Request
-from studies.engine.run import JOURNAL, MANY_POINTS, Results, with_name
+from studies.engine.run import JOURNAL, MANY_POINTS, Run, with_name
 from studies.model.case import Computation
 from studies.model.plain_text import Log, two_digits
 from studies.model.study import Study
 from studies.store.journal import Journal
 from studies.store.provenance import machine
+from studies.store.stop import Stop
 
 MAX_PLANNED = 16  # cases that are planned at most, evenly spaced
 
@@ -36,15 +37,15 @@ def estimate_cost(
     scale = every / study.size
     if scale > 1:
         log(f"{every} points, estimated from {study.size} of them in proportion")
-    results = Results(study, Request.of(study), Journal(out / JOURNAL, machine()), options, log)
+    run = Run(study, Request.of(study), Journal(out / JOURNAL, machine()), options, log, Stop())
     for note in study.notes:
         log(note)
     if "times" in options.retry:
-        results.journal.samples.clear()
-        results.journal.untimed.clear()
-    cases, missing = results.request.cases, results.missing()
-    runs = len(results.timed_tasks()) + results.repeats * len(missing)
-    counts = (len(results.request.keys), len(cases), len(cases) - len(missing), len(missing), runs)
+        run.journal.samples.clear()
+        run.journal.untimed.clear()
+    cases, missing = run.request.cases, run.missing()
+    runs = len(run.timed_tasks()) + run.repeats * len(missing)
+    counts = (len(run.request.keys), len(cases), len(cases) - len(missing), len(missing), runs)
     text = "{} points, {} distinct cases, {} stored, {} to compute, {} timed runs to take"
     log(text.format(*(round(scale * count) for count in counts)))
     try:

@@ -89,7 +89,7 @@ def run(
     folder = open_folder(out.absolute())
     remove_partial_files(folder)
     with Stop() as stop, Journal(folder / JOURNAL, machine()) as journal:
-        return _Run(Results(study, request, journal, chosen, named_log), stop).execute()
+        return Run(study, request, journal, chosen, named_log, stop).execute()
 
 
 def with_name(study: Study, log: Log) -> Log:
@@ -98,23 +98,25 @@ def with_name(study: Study, log: Log) -> Log:
 
 
 @dataclass(eq=False)
-class Results:
-    """Results of a study in the folder of a `journal`: what is stored, what is missing, and the netCDF file of it."""
+class Run:
+    """Run of a study in the folder of a `journal`: what is stored, what is missing, and the netCDF file of it."""
 
     study: Study
     request: Request
     journal: Journal
     options: RunOptions
     log: Log
+    stop: Stop
 
     def __post_init__(self) -> None:
         self.program, folder = self.request.program, self.journal.path.parent
         self.path = folder / f"{self.study.name}.nc"
         self.fields_folder = folder / f"{self.study.name}.fields"
         self.repeats = self.options.repeats if self.study.times == "taken" else 0
-        self.next_write = (
-            0.0  # instant (of ``monotonic``) before which the file is not written again
-        )
+        axes = frozenset(axis.name for axis in self.study.axes)
+        self.settings = RunSettings(self.study.measures, self.options.fields == "kept", axes)
+        # instant (of ``monotonic``) before which the file is not written again
+        self.next_write = 0.0
 
     @cached_property
     def provenance(self) -> Mapping[str, str]:
@@ -193,33 +195,22 @@ class Results:
             "timing": "processor and wall time, each the least of the repeats, on one thread where no axis says more",
         }  # fmt: skip
 
-
-class _Run:
-    """State of a run: computes, times and writes the missing cases."""
-
-    def __init__(self, results: Results, stop: Stop) -> None:
-        self.results, self.stop = results, stop
-        self.study, self.request, self.journal = results.study, results.request, results.journal
-        self.options, self.log = results.options, results.log
-        axes = frozenset(axis.name for axis in self.study.axes)
-        self.settings = RunSettings(self.study.measures, self.options.fields == "kept", axes)
-
     def execute(self) -> xr.Dataset:
         """Compute, time and write the missing cases, and return the Dataset."""
-        results, cases, activity = self.results, self.request.cases, "solving"
-        missing = results.missing()
+        cases, activity = self.request.cases, "solving"
+        missing = self.missing()
         self._begin(missing)
         try:
             self._perform([Task(key, cases[key]) for key in missing], activity, "case")
             activity = "timing"
-            self._perform(results.timed_tasks(), activity, "run")
+            self._perform(self.timed_tasks(), activity, "run")
         except BaseException as error:
             # the netCDF file has what the journal has, if the disk has room
             with suppress(Exception):
-                results.write()
+                self.write()
             if isinstance(error, StopRun):
-                stored = sum(results.key(key) in self.journal.cases for key in cases)
-                times = len(results.timed_tasks())
+                stored = sum(self.key(key) in self.journal.cases for key in cases)
+                times = len(self.timed_tasks())
                 untimed = f", {times} timed runs are missing" if times else ""
                 self.log(
                     f"stopped while {activity}; {stored} of {len(cases)} cases are stored{untimed}; "
@@ -230,7 +221,7 @@ class _Run:
 
     def _begin(self, missing: Sequence[str]) -> None:
         """Report what is to be done and why, and begin a run in the journal; keep a file of other numbers."""
-        results, journal, request = self.results, self.journal, self.request
+        journal, request = self.journal, self.request
         for note in (*journal.notes(), *self.study.notes):
             self.log(note)
         for axis in self.study.axes:
@@ -239,10 +230,8 @@ class _Run:
                     f"{axis.merged} values of {axis.name} differ from others by rounding alone, and are replaced by them"
                 )
         self.log(f"{len(request.keys)} points, {len(request.cases)} distinct cases")
-        last = journal.firsts[self.study.name][-1:]
-        changes = next(
-            (of for of in (request.changes(self.study, first) for first in last) if of), ""
-        )
+        first = journal.firsts.get(self.study.name)
+        changes = request.changes(self.study, first) if first else ""
         if changes:
             self.log(f"{changes}: cases that are stored with the old value are kept, and not used")
         for change, count in self._other_programs(missing).items():
@@ -251,21 +240,21 @@ class _Run:
             self.log(
                 f"{len(request.cases) - len(missing)} cases are stored, {len(missing)} to compute"
             )
-        check_kind(results.path, "study", self.log)
-        is_of_others = changes or [of["program"] for of in last] != [results.program.key]
-        if is_of_others and results.path.is_file():
-            aside = set_aside(results.path)
-            self.log(f"{results.path.name} holds other results: it is kept as {aside.name}")
+        check_kind(self.path, "study", self.log)
+        is_same = first is not None and not changes and first["program"] == self.program.key
+        if self.path.is_file() and not is_same:
+            aside = set_aside(self.path)
+            self.log(f"{self.path.name} holds other results: it is kept as {aside.name}")
         journal.start(
-            self.study.name, results.provenance["history"], results.program.key,
-            results.program.digests, request.first(),
+            self.study.name, self.provenance["history"], self.program.key,
+            self.program.digests, request.first(),
         )  # fmt: skip
         if "times" in self.options.retry:
-            journal.drop_times(map(results.key, request.cases))
+            journal.drop_times(map(self.key, request.cases))
 
     def _other_programs(self, missing: Sequence[str]) -> Counter[str]:
         """Return the number of missing cases that are stored of another program, by what differs in it."""
-        wanted, program = set(missing), self.results.program
+        wanted, program = set(missing), self.program
         last = {case: of for case, of in self.journal.cases if case in wanted}
         counts = Counter(of for of in last.values() if of != program.key)
         named = Counter[str]()
@@ -277,38 +266,38 @@ class _Run:
         """Compute the cases of tasks, or time them, each in the journal before it counts as done."""
         if not tasks:
             return
-        results, seconds = self.results, 0.0
+        seconds = 0.0
         with (
             closing(self._outcomes(tasks)) as outcomes,
             progress_of(self.study.name, activity, len(tasks), unit, self.log) as progress,
         ):
             for task, outcome in outcomes:
-                key = results.key(task.key)
+                key = self.key(task.key)
                 if task.is_timed:
                     self.journal.add_time(key, outcome)
                     progress.update()
                     continue
                 if outcome.fields:
-                    write(xr.Dataset(dict(outcome.fields)), results.fields_path(task.key))
+                    write(xr.Dataset(dict(outcome.fields)), self.fields_path(task.key))
                 self.journal.add(key, self.study.name, self.request.points[task.key], outcome)
                 seconds += outcome.seconds
                 progress.update()
-                progress.further = results.repeats * seconds / progress.count * len(tasks)
-                if monotonic() > results.next_write:
-                    results.write()
+                progress.further = self.repeats * seconds / progress.count * len(tasks)
+                if monotonic() > self.next_write:
+                    self.write()
         self.journal.sync()
 
     def _outcomes(self, tasks: Sequence[Task]) -> Outcomes:
         """Return an iterator over the tasks with their outcomes, as the options ask for."""
         untimed = self.journal.untimed  # grows meanwhile
-        timed = (task for task in tasks if self.results.key(task.key) not in untimed)
+        timed = (task for task in tasks if self.key(task.key) not in untimed)
         if not (self.options.workers or self.options.scheduler):
             return self._here(timed if tasks[0].is_timed else tasks)
         # what computes is imported where it is needed
         from studies.engine.cluster import perform_on_workers
         from studies.engine.slot import pickled_settings
 
-        settings = pickled_settings(self.settings, self.results.program)
+        settings = pickled_settings(self.settings, self.program)
         if tasks[0].is_timed:
             return self._apart(timed, settings)
         return perform_on_workers(
@@ -323,7 +312,7 @@ class _Run:
         What is computed can be another program's only where something was imported, or a file read.
         """
         warm_up()
-        program, checked, loaded = self.results.program, 0.0, len(sys.modules)
+        program, checked, loaded = self.program, 0.0, len(sys.modules)
         seeds = random.getstate(), np.random.get_state()  # noqa: NPY002
         try:
             with threadpool_limits(1):
@@ -367,16 +356,16 @@ class _Run:
 
     def _end(self) -> xr.Dataset:
         """Write the file, report the outcomes, and return the Dataset."""
-        self.results.write()
-        dataset = read(self.results.path)
+        self.write()
+        dataset = read(self.path)
         if "left_out" in dataset.attrs:
             self.log(f"left out: {dataset.attrs['left_out']}")
         for sentence in summary_messages(dataset):
             self.log(sentence)
-        untimed = (self.journal.untimed.get(self.results.key(case)) for case in self.request.cases)
+        untimed = (self.journal.untimed.get(self.key(case)) for case in self.request.cases)
         if reasons := [reason for reason in untimed if reason]:
             self.log(
                 f"{len(reasons)} cases have no times, the first since {reasons[0]}; --retry times tries again"
             )
-        self.log(f"wrote {self.results.path}")
+        self.log(f"wrote {self.path}")
         return dataset

@@ -49,7 +49,7 @@ class Journal:
     history
         Time and command of each run of a study.
     firsts
-        First points of the runs of a study, and the fields of the cases there.
+        First point of the last run of a study, and the fields of the case there.
     damaged
         Number of lines that cannot be read.
     """
@@ -61,7 +61,7 @@ class Journal:
         self.untimed: dict[Key, str] = {}
         self.programs: dict[str, Mapping[str, str]] = {}
         self.history: dict[str, list[str]] = defaultdict(list)
-        self.firsts: dict[str, list[Line]] = defaultdict(list)
+        self.firsts: dict[str, Line] = {}
         self.damaged = 0
         try:
             content = self._content()
@@ -212,7 +212,7 @@ class Journal:
                     self.untimed.pop((case, program), None)
             case {"study": study, "history": history, "program": program, "first": first}:
                 self.history[study].append(history)
-                self.firsts[study].append(first)
+                self.firsts[study] = first
                 self.programs.setdefault(program, line.get("digests", {}))
             case _:
                 raise ValueError(line)

@@ -45,7 +45,7 @@ def test_a_case_comes_back_with_its_numbers(tmp_path: Path) -> None:
     assert float(stored.variables["square"]) == 8.5
     assert found.outcome(("b", "p")).failure == failure
     assert found.outcome(("a", "of another program")) is None
-    assert (found.history["study"], found.firsts["study"]) == (["now"], [FIRST])
+    assert (found.history["study"], found.firsts["study"]) == (["now"], FIRST)
     assert found.programs == {"p": {"numpy": "1.0"}}
 
 

@@ -3,6 +3,7 @@
 import json
 import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -20,12 +21,24 @@ from studies.store.provenance import provenance
 SETTINGS = "settings"
 # Attributes that are equal where a stored verdict is that of a scene, here and now.
 MATCHED_ATTRIBUTES = ("cpu", "source", "sources", "key")
-LABELS = {
+# Variables of a setting and of what was measured of it, in the order of their fields: units and long name.
+COLUMNS = {
+    "label": ("", "padding"),
+    "padding": ("", "padding as in Python"),
+    "cells_across": ("1", "number of cells across"),
+    "cells_along": ("1", "number of cells along"),
+    "solver_tolerance": ("1", "tolerance of a solve"),
     "pressure_bound": ("1", "bound of the relative L1 error of the pressure"),
     "error_bound": ("1", "largest bound of the relative error of a number"),
+    "worst": ("", "number of the largest bound"),
     "pressure_difference": ("1", "relative L1 difference of the pressure to the reference"),
     "processor_time": ("s", "least processor time of a solve on one thread"),
 }
+# Attributes of a verdict, whose texts are JSON where they are not plain.
+ATTRIBUTES = {
+    "scene_name": "name", "scene": "text", "requested_error": "error", "measure": "measure", "own": "own",
+    "extent": "extent", "reference": "reference", "notes": "notes", "named_errors": "named",
+}  # fmt: skip
 
 
 def path_in(out: Path) -> Path:
@@ -67,37 +80,21 @@ def _sources() -> str:
 
 def to_dataset(verdict: Verdict) -> xr.Dataset:
     """Return a verdict as a Dataset of its settings, with the rest as attributes."""
-    settings = [one.setting for one in verdict.settings]
-    numbers = {
-        "pressure_bound": [one.l1 for one in verdict.settings],
-        "error_bound": [one.error for one in verdict.settings],
-        "pressure_difference": [one.difference for one in verdict.settings],
-        "processor_time": [one.seconds for one in verdict.settings],
-    }
-    labelled = {
-        name: ("setting", numbers[name], {"units": units, "long_name": long_name})
-        for name, (units, long_name) in LABELS.items()
-    }
-    tolerance = {"units": "1", "long_name": "tolerance of a solve"}
+    rows = [
+        (one.setting.label, repr(one.setting.padding), *one.setting.cells, one.setting.tolerance,
+         one.l1, one.error, one.worst, one.difference, one.seconds)
+        for one in verdict.settings
+    ]  # fmt: skip
     data = {
-        "label": ("setting", [one.label for one in settings], {"long_name": "padding"}),
-        "padding": ("setting", [repr(one.padding) for one in settings], {"long_name": "padding as in Python"}),
-        "cells": (("setting", "axis"), [one.cells for one in settings], {"units": "1", "long_name": "number of cells"}),
-        "solver_tolerance": ("setting", [one.tolerance for one in settings], tolerance),
-        "worst": ("setting", [one.worst for one in verdict.settings], {"long_name": "number of the largest bound"}),
-        **labelled,
-    }  # fmt: skip
-    texts = {name: getattr(verdict, name) for name in ("measure", "own", "reference")}
-    attributes = {
-        "title": f"Settings of {verdict.name}", "scene_name": verdict.name, "scene": verdict.text,
-        "requested_error": verdict.error, "extent": verdict.extent, **texts,
-    }  # fmt: skip
-    if verdict.named:
-        attributes["named_errors"] = json.dumps(verdict.named)
-    if verdict.notes:
-        attributes["notes"] = json.dumps(verdict.notes)
-    axis = ("axis", ["across", "along"], {"long_name": "direction of the cells"})
-    return xr.Dataset(data, {"axis": axis}, attributes)
+        name: ("setting", list(values), {"long_name": about} | ({"units": units} if units else {}))
+        for (name, (units, about)), values in zip(
+            COLUMNS.items(), zip(*rows, strict=True), strict=True
+        )
+    }
+    attributes: dict[str, Any] = {key: getattr(verdict, name) for key, name in ATTRIBUTES.items()}
+    for key in ("notes", "named_errors"):
+        attributes[key] = json.dumps(attributes[key])
+    return xr.Dataset(data, attrs={"title": f"Settings of {verdict.name}"} | attributes)
 
 
 def _padding(text: str) -> cs.Padding | cs.Paddings:
@@ -111,20 +108,12 @@ def _padding(text: str) -> cs.Padding | cs.Paddings:
 
 def from_dataset(dataset: xr.Dataset) -> Verdict:
     """Return the verdict in a Dataset."""
-    values = {str(name): variable.values.tolist() for name, variable in dataset.variables.items()}
-    names = ("label", "padding", "cells", "solver_tolerance", "worst", *LABELS)
+    rows = zip(*(dataset[name].values.tolist() for name in COLUMNS), strict=True)
     settings = tuple(
-        Measured(
-            Setting(label, _padding(padding), (cells[0], cells[1]), tolerance), l1, error, worst, difference, seconds
-        )
-        for label, padding, cells, tolerance, worst, l1, error, difference, seconds in zip(
-            *(values[name] for name in names), strict=True
-        )
-    )  # fmt: skip
-    attributes = dataset.attrs
-    width, length = np.asarray(attributes["extent"], float).tolist()
-    return Verdict(
-        attributes["scene_name"], attributes["scene"], float(attributes["requested_error"]), attributes["measure"],
-        (width, length), attributes["own"], attributes["reference"], settings,
-        tuple(json.loads(attributes.get("notes", "[]"))), json.loads(attributes.get("named_errors", "{}")),
-    )  # fmt: skip
+        Measured(Setting(label, _padding(padding), (across, along), tolerance), *measured)
+        for label, padding, across, along, tolerance, *measured in rows
+    )
+    found: dict[str, Any] = {name: dataset.attrs[key] for key, name in ATTRIBUTES.items()}
+    found["extent"] = tuple(np.asarray(found["extent"], float).tolist())
+    found["notes"], found["named"] = tuple(json.loads(found["notes"])), json.loads(found["named"])
+    return Verdict(**found, settings=settings)

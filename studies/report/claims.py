@@ -9,7 +9,7 @@ import xarray as xr
 from contactstudy import InvalidInput
 from studies.model.drawing import CaptionedFigure, Drawing, Finding, Table
 from studies.model.outcome import CaseStatus
-from studies.report.plots import Plot, draw
+from studies.report.plots import Law, Plot, draw
 from studies.report.style import percent
 
 
@@ -34,6 +34,16 @@ class Claim:
     measured: str = ""
     numbers: Mapping[str, Callable[[xr.Dataset], object]] = field(default_factory=dict)
     needs: Mapping[str, tuple[object, ...]] = field(default_factory=dict)
+
+
+def off(law: Law, x: str = "") -> Callable[[xr.Dataset], object]:
+    """Return a function for the largest relative difference of a measure to its law over the axis `x`."""
+
+    def largest(dataset: xr.Dataset) -> object:
+        true = dataset[law.of] if isinstance(law.of, str) else law.of(dataset[x].values, dataset)
+        return abs(dataset[law.y] / true - 1).max()
+
+    return largest
 
 
 def stated(claim: Claim, dataset: xr.Dataset) -> Finding | None:

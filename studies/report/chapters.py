@@ -30,12 +30,6 @@ class Part:
         """Return the study over the axes of this chapter."""
         return load(self.name).override(self.axes)
 
-    @property
-    def max_repeats(self) -> int:
-        """Largest number of timed runs of a case; 0 where no case is timed."""
-        is_timed = self.name != SETTINGS and self.study().times == "taken"
-        return self.repeats if is_timed else 0
-
 
 @dataclass(frozen=True)
 class Chapter:

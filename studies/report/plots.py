@@ -17,12 +17,11 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.units import display_unit_of
 from contactstudy.io.pictures.figure import Share
 from studies.advice.front import pareto_front
-from studies.model.axis import is_geometric
 from studies.model.drawing import CaptionedFigure
 from studies.model.outcome import CaseStatus
 from studies.model.plain_text import one_line
 from studies.reference.line_contact import total_time
-from studies.reference.paddings import padding_at, padding_text
+from studies.reference.paddings import HAS_IMAGES, padding_at, padding_text
 from studies.report.style import COLORS, LAW_STYLE, captioned, padding_style, panels, tick_cells
 
 WIDTHS = {1: 5.6, 2: 4.6}  # of a panel beside as many [in]; else 3.4
@@ -175,18 +174,14 @@ def panel(ax: Axes, part: xr.Dataset, y: str, plot: Plot) -> None:
         joined = "none" if is_named or is_sample(plot.x) else plot.line
         if plot.over:
             _band(
-                ax,
-                x,
-                values,
-                plot,
-                style | {"linestyle": style["linestyle"] if joined == "joined" else "none"},
+                ax, x, values, plot, style if joined == "joined" else style | {"linestyle": "none"}
             )
         else:
             _points(ax, x.values.ravel(), values.values.ravel(), joined, style)
         span += x.values[np.isfinite(x.values)].tolist()
     for line, _ in () if plot.over else lines:
         _bounds(ax, line, y, line[plot.x] / across_size, size)
-    _set_scales(ax, plot, np.array(span), is_named)
+    _set_scales(ax, plot, is_named)
     if any(law.y == y for law in plot.laws) and span:
         limits = ax.get_ylim()
         _draw_laws(ax, part, y, plot, (across_size, size), span)
@@ -202,38 +197,29 @@ def panel(ax: Axes, part: xr.Dataset, y: str, plot: Plot) -> None:
 def _lines(
     ax: Axes, part: xr.Dataset, y: str, plot: Plot
 ) -> Iterator[tuple[xr.Dataset, dict[str, Any]]]:
-    """Yield the part of each line with its style; of equal ones of a colour, such as those of any n, the first."""
-    hues, dashes = (
-        part[name].values.tolist() if name in part.dims else [None]
-        for name in (plot.hue, plot.dash)
-    )
-    colors = _colors(ax, part[plot.hue]) if plot.hue in part.dims else [COLORS[0]]
+    """Yield the part of each line with its style; of a padding without an n the first of its lines."""
+    axes = [name for name in (plot.hue, plot.dash) if name in part.dims]
+    hues = part[plot.hue].values.tolist() if plot.hue in axes else [None]
+    dashes = part[plot.dash].values.tolist() if plot.dash in axes else [None]
+    colors = _colors(ax, part[plot.hue]) if plot.hue in axes else [COLORS[0]]
     for hue, color in zip(hues, cycle(colors), strict=False):
-        drawn: list[xr.DataArray] = []
-        for dash, pattern in zip(dashes, cycle(DASHES), strict=False):
+        has_dashes = plot.hue != "padding" or plot.dash != "images" or hue in HAS_IMAGES
+        shown = axes if has_dashes else axes[:1]
+        for dash, pattern in zip(dashes if has_dashes else dashes[:1], cycle(DASHES), strict=False):
             at = {
-                name: value
-                for name, value in ((plot.hue, hue), (plot.dash, dash))
-                if value is not None
+                name: value for name, value in ((plot.hue, hue), (plot.dash, dash)) if name in axes
             }
             line = part.sel(at)
-            if not line[y].notnull().any() or any(
-                line[y].equals(other.assign_coords(line[y].coords)) for other in drawn
-            ):
+            if not line[y].notnull().any():
                 continue
-            drawn.append(line[y])
             style = {"color": color, "marker": "o", "linestyle": pattern}
             if plot.hue == "padding":
                 style |= padding_style(str(hue))
-            texts = [value_text(part[name], value) for name, value in at.items()]
-            if (
-                plot.hue == "padding"
-                and plot.dash == "images"
-                and str(hue) not in ("superposed", "circular")
-            ):
-                texts = texts[:1]
-            is_many = len(hues) > MAX_LINES
-            yield line, style | {"label": ", ".join(texts) if texts and not is_many else "_"}
+            texts = [value_text(part[name], at[name]) for name in shown]
+            yield (
+                line,
+                style | {"label": ", ".join(texts) if texts and len(hues) <= MAX_LINES else "_"},
+            )
 
 
 def _colors(ax: Axes, values: xr.DataArray) -> list[Any]:
@@ -245,7 +231,7 @@ def _colors(ax: Axes, values: xr.DataArray) -> list[Any]:
     if values.dtype.kind not in "iuf":
         return ["0.6"]
     size, label = scaled(values)
-    kind = LogNorm if is_geometric(values.values) else Normalize
+    kind = LogNorm if spans_decade(values.values) else Normalize
     bar = ScalarMappable(kind(float(values.min()) / size, float(values.max()) / size), "viridis")
     ax.figure.colorbar(bar, ax=ax, label=label)
     return [bar.to_rgba(value / size) for value in values.values]
@@ -338,25 +324,21 @@ def _draw_laws(
             shown.append(values)
 
 
-def _set_scales(ax: Axes, plot: Plot, span: Array, is_named: bool) -> None:  # noqa: FBT001
-    """Set the logarithmic axes."""
-    heights = np.concatenate([np.ravel(line.get_ydata()) for line in ax.lines] or [span]).astype(
-        float
-    )
-    wanted = plot.log
-    for name, values in (("x", span), ("y", heights)):
-        values = values[np.isfinite(values)]
-        spans = values.size > 1 and values.min() > 0 and values.max() > 10 * values.min()
-        is_automatic = spans or (
-            name == "x"
-            and not is_sample(plot.x)
-            and values.size > 2
-            and is_geometric(np.unique(values))
+def _set_scales(ax: Axes, plot: Plot, is_named: bool) -> None:  # noqa: FBT001
+    """Set the logarithmic axes, where the plot does not name them those of positive values over more than a decade."""
+    for name in ("x", "y"):
+        values = np.concatenate(
+            [np.ravel(getattr(line, f"get_{name}data")()) for line in ax.lines] or [np.zeros(0)]
         )
-        if (name in wanted if wanted is not None else is_automatic) and not (
-            name == "x" and is_named
-        ):
+        wanted = spans_decade(values) if plot.log is None else name in plot.log
+        if wanted and not (name == "x" and is_named):
             getattr(ax, f"set_{name}scale")("log")
+
+
+def spans_decade(values: Array) -> bool:
+    """Return whether the finite ones among some values are above zero and span more than a decade."""
+    finite = values[np.isfinite(values.astype(float))]
+    return bool(finite.size > 1 and finite.min() > 0 and finite.max() > 10 * finite.min())
 
 
 def is_sample(axis: str) -> bool:

@@ -3,18 +3,23 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contactstudy.domain.checks import positive, set_fields
+from contactstudy.domain.checks import positive
 from contactstudy.domain.fields import Array
+from contactstudy.domain.units import Metres, Newtons, NewtonsPerMetre, Pascals, Unit
+from contactstudy.domain.validation import validated
 
 # Points in a panel of a quadrature over time, panels to each end, and halvings of a time.
 GAUSS, PANELS, BISECTIONS = 10, 16, 60
 
+Curvature = Annotated[float, Unit("1/m", "a curvature", "100 1/m")]
 
-@dataclass(frozen=True)
+
+@validated
 class HertzLine:
     """Hertz's (1881) contact of parallel cylinders, in plane strain (Johnson 1985, sect. 4.2(c)).
 
@@ -33,12 +38,9 @@ class HertzLine:
         If a value is not above 0.
     """
 
-    load_per_length: float
-    radius: float
-    contact_modulus: float
-
-    def __post_init__(self) -> None:
-        _keep_positive(self, load_per_length="load", radius="radius", contact_modulus="modulus")
+    load_per_length: NewtonsPerMetre
+    radius: Metres
+    contact_modulus: Pascals
 
     @property
     def half_width(self) -> float:
@@ -205,7 +207,7 @@ class LeeRadok:
         return high
 
 
-@dataclass(frozen=True)
+@validated
 class HertzPoint:
     """Hertz's (1881) contact of a sphere on a flat (Johnson 1985, sect. 4.2(a)).
 
@@ -224,12 +226,9 @@ class HertzPoint:
         If a value is not above 0.
     """
 
-    load: float
-    radius: float
-    contact_modulus: float
-
-    def __post_init__(self) -> None:
-        _keep_positive(self, load="load", radius="radius", contact_modulus="modulus")
+    load: Newtons
+    radius: Metres
+    contact_modulus: Pascals
 
     @property
     def contact_radius(self) -> float:
@@ -270,7 +269,7 @@ class HertzPoint:
         return self.peak_pressure * np.stack([rr, zz])
 
 
-@dataclass(frozen=True)
+@validated
 class HertzEllipse:
     """Hertz's (1881) contact of two bodies with parallel principal axes (Johnson 1985, sect. 4.2(b)).
 
@@ -289,16 +288,10 @@ class HertzEllipse:
         If a value is not above 0.
     """
 
-    load: float
-    curvature_across: float
-    curvature_along: float
-    contact_modulus: float
-
-    def __post_init__(self) -> None:
-        _keep_positive(
-            self, load="load", curvature_across="curvature",
-            curvature_along="curvature", contact_modulus="modulus",
-        )  # fmt: skip
+    load: Newtons
+    curvature_across: Curvature
+    curvature_along: Curvature
+    contact_modulus: Pascals
 
     @cached_property
     def semi_axes(self) -> tuple[float, float]:
@@ -337,7 +330,7 @@ class HertzEllipse:
         return HertzLine(np.pi / 2 * half_width * peak, half_width * modulus / (2 * peak), modulus)
 
 
-@dataclass(frozen=True)
+@validated
 class Westergaard:
     """Westergaard's (1939) contact of a wavy surface with a flat, in plane strain (Johnson 1985, sect. 13.2).
 
@@ -360,16 +353,10 @@ class Westergaard:
         If a value is not above 0.
     """
 
-    mean_pressure: float
-    amplitude: float
-    wavelength: float
-    contact_modulus: float
-
-    def __post_init__(self) -> None:
-        _keep_positive(
-            self, mean_pressure="pressure", amplitude="height",
-            wavelength="length", contact_modulus="modulus",
-        )  # fmt: skip
+    mean_pressure: Pascals
+    amplitude: Metres
+    wavelength: Metres
+    contact_modulus: Pascals
 
     @property
     def closing_pressure(self) -> float:
@@ -412,17 +399,6 @@ def _graded() -> tuple[Array, Array]:
     points, gauss = np.polynomial.legendre.leggauss(GAUSS)
     sizes = np.diff(edges)[:, None]
     return (edges[:-1, None] + sizes * (points + 1) / 2).ravel(), (sizes * gauss / 2).ravel()
-
-
-def _keep_positive(instance: object, **fields: str) -> None:
-    """Replace `fields` of an instance, given with the names of their quantities, by floats above 0.
-
-    Raises :class:`~contactstudy.InvalidInput` for other values.
-    """
-    for name, quantity in fields.items():
-        field = f"{type(instance).__name__}.{name}"
-        value = positive(field, getattr(instance, name), f"give a {quantity} above 0")
-        set_fields(instance, **{name: value})
 
 
 def moes_film(load_parameter: float, viscosity_parameter: float) -> float:

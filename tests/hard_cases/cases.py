@@ -21,7 +21,6 @@ from studies.definitions.hard_case import (
 from studies.definitions.hard_cases import CASES as NAMED
 from studies.definitions.hard_cases import between
 from studies.reference.line_contact import P_H, SCENE, A
-from tests.hard_cases.equivalent import perturbation, units
 
 
 def _discretisation() -> dict[str, HardCase]:
@@ -113,9 +112,7 @@ CASES: dict[str, HardCase] = {
     **NAMED,
     **_discretisation(),
     **_load(),
-    **units(),
     **_material(),
     **_surface(),
-    **perturbation(),
     **_solver(),
 }

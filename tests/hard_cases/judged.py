@@ -8,20 +8,17 @@ from contactstudy.domain.grid import across_and_along
 from studies.definitions.hard_case import PADDINGS, SOLVERS, HardCase, Judgement, Verdict
 from tests.hard_cases.cases import CASES
 from tests.hard_cases.dense_solver import answer, influence_matrix, plane_strain_matrix
-from tests.hard_cases.equivalent import EquivalentCase
 
 
 def judged_by(
     case: HardCase, solution: cs.Contact, padding: str, *, strips: bool = False
 ) -> Judgement:
-    """The verdict by a dense matrix, whose strips are those of plane strain, or by an equivalent form."""
+    """The verdict by a dense matrix, whose strips are those of plane strain."""
 
     def reference() -> tuple[np.ndarray, float]:
         both = across_and_along(PADDINGS[padding])
         matrix_of = plane_strain_matrix if strips else influence_matrix
         dense = answer(case.scene, case.grid, both, solution, matrix_of)
-        if isinstance(case, EquivalentCase):
-            return case.reference(solution, PADDINGS[padding], dense)
         return dense.pressure * solution.problem.scales.pressure, dense.error
 
     return case.judge(solution, padding, reference)

@@ -1,10 +1,12 @@
 """What holds of every contact, over random scenes: 40 of each property, or HARD_EXAMPLES of them."""
 
 import os
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from hypothesis import given, settings
+import pytest
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import contactstudy as cs
@@ -73,30 +75,70 @@ def test_conditions_of_contact_hold(
     assert (free * np.abs(gap)).sum() <= slack * pressure.sum()
 
 
-@EXAMPLES
-@given(problems(), st.floats(1e-3, 1e3), st.floats(1e-3, 1e3))
-def test_pressure_scales_with_the_modulus_and_not_with_lengths(
-    posed: tuple[cs.Scene, cs.Grid, cs.Padding | cs.Paddings], stiffer: float, larger: float
-) -> None:
-    """Moduli, load and hardness by one factor, all lengths by another (and the load with them)."""
+Posed = tuple[cs.Scene, cs.Grid, cs.Padding | cs.Paddings]
+
+
+def is_as_stated(posed: Posed, other: Posed, back: Callable[[np.ndarray], np.ndarray]) -> bool:
+    """Whether the pressure of another contact, taken back, is the first one: both are as far from it as they state."""
+    first, second = (
+        cs.solve(scene.problem(on, padding), tolerance=TOLERANCE)
+        for scene, on, padding in (posed, other)
+    )
     scene, on, padding = posed
-    first = cs.solve(scene.problem(on, padding), tolerance=TOLERANCE)
-    solid = replace(scene.solids[0], youngs_modulus=scene.solids[0].youngs_modulus * stiffer)
+    dense = answer(scene, on, across_and_along(padding), first)
+    stated = sum(residual_errors(solution).l1 for solution in (first, second))
+    return relative_l1(back(second.pressure), first.pressure) <= stated + dense.error
+
+
+@EXAMPLES
+@given(problems(), st.floats(-9, 9), st.floats(-9, 9))
+def test_pressure_scales_with_the_modulus_and_not_with_lengths(
+    posed: Posed, stiffer: float, larger: float
+) -> None:
+    """Moduli, load and hardness by one power of ten, all lengths by another (and the load with them)."""
+    scene, on, padding = posed
+    pascal, metre = 10.0**stiffer, 10.0**larger
+    solid = replace(scene.solids[0], youngs_modulus=scene.solids[0].youngs_modulus * pascal)
     cylinder, rough = scene.shapes
     other = replace(
         scene,
-        load=cs.LineLoad(scene.load.per_length * stiffer * larger),
+        load=cs.LineLoad(scene.load.per_length * pascal * metre),
         solids=(solid, solid),
-        shapes=(cs.Cylinder(cylinder.radius * larger), cs.MeasuredSurface(rough.heights * larger)),
-        hardness=scene.hardness * stiffer,
+        shapes=(cs.Cylinder(cylinder.radius * metre), cs.MeasuredSurface(rough.heights * metre)),
+        hardness=scene.hardness * pascal,
     )
-    on_larger = cs.Grid(on.cells, (on.extent[0] * larger, on.extent[1] * larger))
-    second = cs.solve(other.problem(on_larger, padding), tolerance=TOLERANCE)
-    dense = answer(scene, on, across_and_along(padding), first)
-    difference = relative_l1(second.pressure / stiffer, first.pressure)
-    # both are as far from the one answer as they may be
-    stated = sum(residual_errors(solution).l1 for solution in (first, second))
-    assert difference <= stated + dense.error
+    on_larger = cs.Grid(on.cells, (on.extent[0] * metre, on.extent[1] * metre))
+    assert is_as_stated(posed, (other, on_larger, padding), lambda pressure: pressure / pascal)
+
+
+def halved(pressure: np.ndarray) -> np.ndarray:
+    return pressure.reshape(len(pressure), 2, -1).mean(axis=1)
+
+
+# Heights, and how the pressure of a contact with them is that without.
+FORMS: dict[str, tuple[Callable[[np.ndarray], np.ndarray], Callable[[np.ndarray], np.ndarray]]] = {
+    "mirrored across": (np.flipud, np.flipud),
+    "mirrored along": (np.fliplr, np.fliplr),
+    "moved by whole cells": (lambda h: np.roll(h, 3, 1), lambda p: np.roll(p, -3, 1)),
+    "twice the period": (lambda h: np.tile(h, 2), halved),
+}
+
+
+@pytest.mark.parametrize("form", FORMS)
+@EXAMPLES
+@given(posed=problems())
+def test_an_equivalent_contact_has_the_equivalent_pressure(posed: Posed, form: str) -> None:
+    """A window that does not move with the point knows where the period begins, and any window where it ends."""
+    scene, on, padding = posed
+    along = across_and_along(padding)[1]
+    assume(along.wraps or form != "moved by whole cells")
+    assume(along.window is None or form != "twice the period")
+    there, back = FORMS[form]
+    cylinder, rough = scene.shapes
+    heights = there(rough.heights)
+    on_form = cs.Grid(heights.shape, (on.extent[0], on.extent[1] * heights.shape[1] / on.cells[1]))
+    other = replace(scene, shapes=(cylinder, cs.MeasuredSurface(heights)))
+    assert is_as_stated(posed, (other, on_form, padding), back)
 
 
 @EXAMPLES
@@ -111,21 +153,3 @@ def test_more_load_is_never_less_contact(
     dense = answer(scene, on, across_and_along(padding), light)
     touching = dense.pressure > 1e-6 * dense.pressure.max()
     assert (heavy.pressure[touching] > 0).all()
-
-
-@EXAMPLES
-@given(problems(), st.sampled_from([(0,), (1,), (0, 1)]))
-def test_a_mirrored_contact_has_a_mirrored_pressure(
-    posed: tuple[cs.Scene, cs.Grid, cs.Padding | cs.Paddings], axes: tuple[int, ...]
-) -> None:
-    scene, on, padding = posed
-    cylinder, rough = scene.shapes
-    flipped = cs.MeasuredSurface(np.flip(rough.heights, axes))
-    first = cs.solve(scene.problem(on, padding), tolerance=TOLERANCE)
-    second = cs.solve(
-        replace(scene, shapes=(cylinder, flipped)).problem(on, padding), tolerance=TOLERANCE
-    )
-    dense = answer(scene, on, across_and_along(padding), first)
-    difference = relative_l1(np.flip(second.pressure, axes), first.pressure)
-    stated = sum(residual_errors(solution).l1 for solution in (first, second))
-    assert difference <= stated + dense.error

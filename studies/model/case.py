@@ -109,19 +109,6 @@ def dimensionless(values: Any, long_name: str, *dims: str) -> xr.Variable:
     return xr.Variable(dims, values, {"units": "1", "long_name": long_name})
 
 
-def dimensionless_variables(measured: Mapping[str, tuple[float, str]]) -> dict[str, xr.Variable]:
-    """Return dimensionless numbers as variables by name, from values with their long names."""
-    return {
-        name: dimensionless(float(value), long_name)
-        for name, (value, long_name) in measured.items()
-    }
-
-
-def contact_fraction(pressure: np.ndarray) -> xr.Variable:
-    """Return the fraction of the cells under pressure (x, y)."""
-    return dimensionless(float((pressure > 0).mean()), "fraction of cells in contact")
-
-
 def error_estimates(estimate: cs.ErrorEstimate) -> dict[str, xr.Variable]:
     """Return the estimated relative errors of an answer, in all and by cause.
 

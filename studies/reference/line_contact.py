@@ -10,7 +10,7 @@ import contactstudy as cs
 from contactstudy.accuracy.discretisation.contact_edge import corrected_pressure, half_widths
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import on_cells
-from studies.model.case import Case, dimensionless_variables, error_estimates
+from studies.model.case import Case, dimensionless, error_estimates
 
 STEEL = cs.HalfSpace(youngs_modulus=210e9, poisson_ratio=0.3)
 SCENE = cs.Scene(load=cs.LineLoad(1e5), solids=(STEEL, STEEL), shapes=(cs.Cylinder(radius=0.01),))
@@ -64,8 +64,9 @@ def measures(case: Case, solution: cs.Contact) -> Mapping[str, xr.Variable]:
         errors = hertz_errors(hertz, grid, answer.pressure)
         for name in BY_THE_EDGE:
             measured[name] = max(measured[name], errors[name], key=abs)
-    labelled = {name: (measured[name], label) for name, label in ERRORS.items()}
-    variables = dimensionless_variables(labelled)
+    variables = {
+        name: dimensionless(float(measured[name]), label) for name, label in ERRORS.items()
+    }
     for name in BY_THE_EDGE:
         variables[name].attrs["comment"] = EDGE
     return variables | error_estimates(solution.error)

@@ -79,7 +79,10 @@ def sensitivity_study(
 
     def file_of(tables: Mapping[str, Any]) -> SceneFile:
         document = with_surfaces(document_from(tables, source), folder, surfaces)
-        return scene_file_from(document, folder)
+        file = scene_file_from(document, folder)
+        if file.grid is not None:  # which may not hold a surface of another size
+            on_shared_grids([file])
+        return file
 
     as_given = file_of(raw)
     are_alike = raw["solids"][0] == raw["solids"][1]
@@ -100,18 +103,7 @@ def sensitivity_study(
             found = [_or_refused(file_of, tables) for tables in both]
         changes[name], points[name, GIVEN] = _text(value), as_given
         points[name, LOWERED], points[name, RAISED] = found
-    files = [one for one in points.values() if isinstance(one, SceneFile)]
-    try:
-        placed, notes = on_shared_grids(files)
-    except InvalidInput:  # a grid cannot hold one of them
-        points = {
-            key: one
-            if isinstance(one, Refused)
-            else _or_refused(lambda file: on_shared_grids([file]) and file, one)
-            for key, one in points.items()
-        }
-        files = [one for one in points.values() if isinstance(one, SceneFile)]
-        placed, notes = on_shared_grids(files)
+    placed, notes = on_shared_grids([one for one in points.values() if isinstance(one, SceneFile)])
     for name in list(changes):
         sides = points[name, LOWERED], points[name, RAISED]
         if all(isinstance(one, Refused) for one in sides):

@@ -30,7 +30,7 @@ from studies.model.study import Point, Study
 from studies.scene_study.document import Table, tables, varied_scenes
 from studies.scene_study.measures import measures
 
-# Number of points that are all planned. Of more, every n-th by width is, up to 13; the others take their finest cells.
+# Number of points that are all planned. Of more, every n-th by width is, up to 13.
 MAX_PLANNED = 8
 
 
@@ -162,7 +162,7 @@ def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:
     is_common = len(periods) == 1 or measured
     if not is_common and any(requirement.period_fault(period) for requirement in requirements):
         separate = f"no common period for {_count_text(points)}: each has its own grid"
-        return planned, [separate, *notes]
+        return [point.plan().grid for point in points], [separate, *notes]
     across = halvable_count(width / min(grid.cell_size[0] for grid in planned))
     varying = [grid for grid in planned if grid.cells[1] > 1]
     along = max((halvable_count(period / grid.cell_size[1]) for grid in varying), default=1)
@@ -182,21 +182,11 @@ def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:
 def _planned(
     points: Sequence[SceneFile], requirements: Sequence[GridRequirements]
 ) -> list[cs.Grid]:
-    """Return a planned grid for each point; of many points some are planned, and their finest cells are used for all."""
-    if len(points) <= MAX_PLANNED:
-        return [point.plan().grid for point in points]
+    """Return the planned grids of points, of many points those of some that are spread over the widths."""
     by_width = sorted(range(len(points)), key=lambda number: requirements[number].half_width)
-    chosen = by_width[:: len(points) // (MAX_PLANNED - 1)] + by_width[-1:]
-    plans = {number: points[number].plan().grid for number in chosen}
-    cells = [min(grid.cell_size[axis] for grid in plans.values()) for axis in (0, 1)]
-    width = max(grid.extent[0] for grid in plans.values())
-    grids = []
-    for number, (point, requirement) in enumerate(zip(points, requirements, strict=True)):
-        length = requirement.length(point.plan_settings.period, width)
-        along = halvable_count(length / cells[1]) if requirement.varies else 1
-        grid = cs.Grid((halvable_count(width / cells[0]), along), (width, length))
-        grids.append(plans.get(number) or _fitting(grid, point))
-    return grids
+    step = 1 if len(points) <= MAX_PLANNED else len(points) // (MAX_PLANNED - 1)
+    chosen = dict.fromkeys([*by_width[::step], by_width[-1]])
+    return [points[number].plan().grid for number in chosen]
 
 
 def _fitting(grid: cs.Grid, point: SceneFile) -> cs.Grid:

@@ -1,6 +1,5 @@
 """Figures of any study by its varied axes: curves for one axis, families of curves for two."""
 
-import tomllib
 from collections.abc import Sequence
 from itertools import islice, product
 from math import prod
@@ -74,7 +73,6 @@ def figures(dataset: xr.Dataset, plot: Sequence[str] = ()) -> Sequence[Captioned
         parts = [
             str(dataset.attrs.get("title", "Study")),
             ", ".join(value_text(dataset[axis], selected[axis].item()) for axis in further),
-            _constants(dataset, axes),
             f"hollow points: {DOUBTFUL['label']}" * is_hollow,
             f"--plot draws {len(omitted)} more, such as {omitted[0]}" if omitted else "",
             f"the first {MAX_FIGURES} of {count} points have a figure" * (count > MAX_FIGURES),
@@ -104,27 +102,6 @@ def _curves(
     )
     assert figure is not None
     return figure
-
-
-def _constants(dataset: xr.Dataset, axes: Sequence[str]) -> str:
-    """Return hardness, load and speed of the scene of a sweep that are not varied, as written in its file."""
-    try:
-        scene = tomllib.loads(str(dataset.attrs.get("scene", "")))
-    except tomllib.TOMLDecodeError:  # a scene in Python
-        return ""
-    constants = {"hardness": scene.get("hardness")}
-    for table, key in (("load", "total"), ("load", "per_length"), ("rolling", "speed")):
-        entries = scene.get(table)
-        constants[f"{table} {key}"] = entries.get(key) if isinstance(entries, dict) else None
-    # notes name the fields that change along the axis of another
-    notes = str(dataset.attrs.get("notes", ""))
-    return ", ".join(
-        f"{name.replace('_', ' ')} {value}"
-        for name, value in constants.items()
-        if isinstance(value, str | float | int)
-        and not {name.replace(" ", "_"), name.split()[0], f"{name.split()[0]}_case"} & set(axes)
-        and f"{name.replace(' ', '.')} = " not in notes
-    )
 
 
 def _by_length(dataset: xr.Dataset) -> list[str]:

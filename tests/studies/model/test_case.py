@@ -3,7 +3,7 @@ import xarray as xr
 
 import contactstudy as cs
 from contactstudy.io.dataset import flags
-from studies.model.case import contact_fraction, solver_status
+from studies.model.case import solver_status
 from studies.model.outcome import CaseStatus, TimedRun, summary_messages, timing_variables
 
 
@@ -16,12 +16,6 @@ def test_a_status_is_a_flag_of_all_that_there_are() -> None:
     two = flags(("x",), np.array([1, 0]), ("no", "yes"), "whether")
     assert two.dims == ("x",)
     assert two.dtype == np.int8
-
-
-def test_every_cell_that_bears_is_in_contact_however_little() -> None:
-    fraction = contact_fraction(np.array([[0.0, 1e-9], [0.5, 2e9]]))
-    assert float(fraction) == 0.75
-    assert fraction.attrs["units"] == "1"
 
 
 def ended(*statuses: cs.Status, **measured: list[float]) -> xr.Dataset:

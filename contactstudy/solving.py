@@ -493,7 +493,7 @@ class _Request:
     def time_dependent_film(self) -> "Evolution":
         """Follow a film through time."""
         from contactstudy.answers.evolution import films_answer
-        from contactstudy.lubrication.evolve_lubricated import evolve_lubricated
+        from contactstudy.evolution.films.evolve_lubricated import evolve_lubricated
 
         step, error = self.steps.step, self._error_of_a_step
         tolerance = self.options.tolerance

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import inf, isfinite
+from math import inf
 from re import sub
 from typing import TYPE_CHECKING, Any
 
@@ -42,9 +42,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from contactstudy.answers.lubricated_contact import LubricatedContact
+    from contactstudy.evolution.films.film_trajectory import FilmTrajectory
     from contactstudy.evolution.rolling.repeated_rolling import RepeatedRolling
     from contactstudy.evolution.trajectory import Frame, Trajectory
-    from contactstudy.lubrication.film_trajectory import FilmTrajectory
 
 
 NO_BOUND_OF_PASSES = (
@@ -55,7 +55,6 @@ NO_BOUND_OF_STATES = (
     "No bound: this error is not estimated in a contact that has crept, worn or yielded."
 )
 CUT_OFF_STRAIN = "No bound: the plastic strain is cut off at the edge of the grid, give Grid.extent a larger one."
-NO_STEP_ERROR = "No bound: the error of one step is not estimated; the errors of quantities count that of all steps."
 NO_BOUND_OF_FILMS = (
     "No bound for the discretisation error: that of a film that changes in time is not estimated."
 )
@@ -291,7 +290,7 @@ class Evolution(Answer):
         """Return the dataset of :meth:`to_dataset` without the accuracy among its attributes."""
         with needed_for("Evolution.to_dataset"):
             from contactstudy.io import evolution_dataset as labels
-            from contactstudy.io.dataset import labelled, with_quantities
+            from contactstudy.io.dataset import with_quantities
 
         if self.passes is not None:
             return labels.passes_dataset(self.passes, self.quantities)
@@ -312,13 +311,7 @@ class Evolution(Answer):
             return labels.evolution_dataset(self.trajectory, instants, self.quantities)
         assert self.films is not None
         contacts = [frame.to_dataset() for frame in self.frames]
-        dataset = with_quantities(labels.over_time(self.times, contacts), self.quantities)
-        step_error = self.films.step_error
-        dataset["step_error"] = labelled(
-            (), step_error, "1", "largest error of a step, of the film in L1 over its mean",
-            comment="in the Hertzian zone" if isfinite(step_error) else NO_STEP_ERROR,
-        )  # fmt: skip
-        return dataset
+        return with_quantities(labels.over_time(self.times, contacts), self.quantities)
 
     def plot(self, dataset: "xr.Dataset | None" = None) -> "Figure":
         """Return a picture of the fields and of the numbers over time as a matplotlib figure."""

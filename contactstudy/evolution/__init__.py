@@ -1,1 +1,1 @@
-"""Contacts that change in time: state variables, integration, rolling, results."""
+"""Contacts and films that change in time: state variables, integration, rolling, results."""

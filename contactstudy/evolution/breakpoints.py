@@ -9,7 +9,7 @@ from math import ceil, inf
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contactstudy.domain.checks import InvalidInput
+from contactstudy.domain.checks import InvalidInput, finite
 from contactstudy.scene.loads.load_history import ChangingLoad, PiecewiseLinear
 
 
@@ -162,3 +162,12 @@ def _checked(times: ArrayLike, load: ChangingLoad) -> list[float]:
             f"solve.times[0] is {float(values[0])!r}: give times from {load.start!r} s on, when the load begins."
         )
     return [float(value) for value in values]
+
+
+def ascending(field: str, times: ArrayLike, least: int = 1) -> list[float]:
+    """Return the instants [s] of a `field`; raise InvalidInput unless so many are finite and ascend."""
+    instants = [finite(field, time, "give times in s") for time in np.ravel(times).tolist()]
+    if len(instants) < least or sorted(set(instants)) != instants:
+        count = "one" if least == 1 else "two"
+        raise InvalidInput(f"{field} is {times!r}: give {count} or more, ascending.")
+    return instants

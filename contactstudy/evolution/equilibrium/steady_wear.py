@@ -7,22 +7,24 @@ controls its length. A body that turns wears alike all round, by the mean of Arc
 Source of the wear law: Archard (1953).
 """
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from math import inf
-from typing import Generic, Protocol, TypeVar
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contactstudy.domain.checks import InvalidInput, finite
+from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings
-from contactstudy.evolution.equilibrium.quasi_static import frame_in_equilibrium
+from contactstudy.evolution.breakpoints import ascending
 from contactstudy.evolution.equilibrium.surface_depth import SurfaceDepth
+from contactstudy.evolution.films.film_trajectory import Difference, FilmTrajectory, film_trajectory
+from contactstudy.evolution.march import Record, march
 from contactstudy.evolution.rolling.steady_rolling import SteadyRolling, solve_rolling
-from contactstudy.evolution.trajectory import Trajectory
-from contactstudy.lubrication.film_trajectory import FilmTrajectory, errors_from_longer_steps
+from contactstudy.evolution.trajectory import Trajectory, frame_of
 from contactstudy.lubrication.lubricated_contact import FilmSolution
 from contactstudy.lubrication.solve_lubricated import solve_lubricated
 from contactstudy.problem.problem import Field
@@ -35,14 +37,8 @@ from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Largest depth of the first step, over the scale of the gap or the boundary film: if it is too long, it is rejected.
 FIRST_DEPTH = 0.01
-# Smallest and largest factor on the length of a step, and the fraction of the allowed length that is aimed at.
-MIN_FACTOR, MAX_FACTOR, SAFETY = 0.1, 2.0, 0.8
-# A step shorter than this, over the time between two instants, is never rejected.
-SHORTEST = 1e-6
 # Largest change of the pressure by the correction of a step, relative in L1, where none is asked for.
 STEP_ERROR = 1e-3
-# Work: steps, contact solves, their iterations, their FFT convolutions or linear iterations, rejected pairs of steps.
-NO_WORK, REJECTED = np.zeros(5), np.array((0.0, 0.0, 0.0, 0.0, 1.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,54 +79,28 @@ class _DryContact:
         return {name: float(error) for name, error in errors.items()}
 
 
-class _Worn(Protocol):
-    """Protocol of a steady contact on a worn gap."""
-
-    @property
-    def pressure(self) -> Array: ...
-
-    @property
-    def status(self) -> Status: ...
-
-
-Contact = TypeVar("Contact", bound=_Worn)
+Contact = TypeVar("Contact", _DryContact, FilmSolution)
 
 
 @dataclass(frozen=True, eq=False)
-class _Instant(Generic[Contact]):
-    """A contact at one time.
+class _Worn(Generic[Contact]):
+    """A contact at a time [s], on the gap that is worn by a `depth` (x, y) [m].
 
-    Attributes
-    ----------
-    time
-        Time [s].
-    contact
-        The contact on the worn gap.
-    depth
-        Depth (x, y) [m] worn until then.
-    coarse
-        The same of the integration with steps twice as long; None where it is not at hand.
-    status
-        The worst status of the accepted steps, each with its predictor, since the instant before.
-    work
-        Steps, solves, their iterations, their FFT convolutions or linear iterations, and rejected pairs of steps, since
-        the instant before.
-    change
-        Change of the pressure by the correction of the last step, relative in L1; infinite where a solve failed.
+    The `change` is that of the pressure by the correction of the last step, relative in L1; infinite where a solve
+    failed.
     """
 
     time: float
     contact: Contact
     depth: Array
     status: Status
-    coarse: "_Instant[Contact] | None" = None
-    work: Array = field(default_factory=NO_WORK.copy)
+    work: Counter[str]
     change: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
-class _WearingContact(Generic[Contact]):
-    """A contact that wears.
+class _Wearing(Generic[Contact]):
+    """Heun's method for a contact that wears.
 
     Attributes
     ----------
@@ -138,7 +108,7 @@ class _WearingContact(Generic[Contact]):
         Solves the contact with a wear depth (x, y) [m], from the one before if there is one.
     rate
         Wear rate (x, y) [m/s] of a contact.
-    solves_and_iterations
+    work
         Number of solves of a contact, of their iterations, and of their FFT convolutions (dry) or linear iterations
         (film).
     first_depth
@@ -147,86 +117,47 @@ class _WearingContact(Generic[Contact]):
 
     solved: Callable[[Array, Contact | None], Contact]
     rate: Callable[[Contact], Array]
-    solves_and_iterations: Callable[[Contact], tuple[float, float, float]]
+    work: Callable[[Contact], Counter[str]]
     first_depth: float
 
-    def step(self, now: _Instant[Contact], duration: float) -> _Instant[Contact]:
-        """Return the contact after a step of Heun's method of that `duration` [s], and the pressure's change by it.
-
-        The change is that from Euler's predictor to the corrected step, relative in L1.
-        """
+    def step(self, now: _Worn[Contact], duration: float) -> _Worn[Contact]:
+        """Return the contact after a step of a `duration` [s], with the change from Euler's predictor to it."""
         rate = self.rate(now.contact)
         predicted = self.solved(now.depth + duration * rate, now.contact)
         depth = now.depth + duration / 2 * (rate + self.rate(predicted))
         after = self.solved(depth, predicted)
         change = np.abs(after.pressure - predicted.pressure).sum() / now.contact.pressure.sum()
         failed = after.status.is_failure or predicted.status.is_failure
-        solves = np.add(self.solves_and_iterations(predicted), self.solves_and_iterations(after))
-        return _Instant(
+        return _Worn(
             now.time + duration,
             after,
             depth,
             worst((predicted.status, after.status)),
-            work=np.array((1.0, *solves, 0.0)),
-            change=inf if failed else float(change),
+            self.work(predicted) + self.work(after),
+            inf if failed else float(change),
         )
 
-    def integrate(
+    def records(
         self,
         cells: tuple[int, int],
-        times: Sequence[float],
-        error: float,
-        progress: Callable[[float, float], None] | None = None,
-    ) -> list[_Instant[Contact]]:
-        """Return the contact at each of `times`, or up to one without a solution, by step doubling.
-
-        Parameters
-        ----------
-        cells
-            Number of cells (x, y).
-        times
-            Times [s], ascending.
-        error
-            Largest relative L1 change of the pressure by the correction of a step.
-        progress
-            Called with the time since the start and that of the whole [s], after each pair of steps.
-        """
-        start, depth = min(0.0, times[0]), np.zeros(cells)
-        first = self.solved(depth, None)
-        fine = coarse = _Instant(start, first, depth, first.status)
-        rate = float(self.rate(fine.contact).max())
-        length = self.first_depth / rate if rate else inf
-        work = np.array((0.0, *self.solves_and_iterations(first), 0.0))
-        if first.status.is_failure:
-            return [replace(fine, coarse=coarse, work=work)]
-        instants: list[_Instant[Contact]] = []
-        status = first.status
-        for target in times:
-            span = target - fine.time
-            while (remaining := target - fine.time) > SHORTEST * span:
-                duration = (
-                    remaining / np.ceil(remaining / min(2 * length, remaining) - SHORTEST) / 2
-                )
-                middle = self.step(fine, duration)
-                end, double = self.step(middle, duration), self.step(coarse, 2 * duration)
-                work = work + middle.work + end.work + double.work
-                change = max(middle.change, end.change, double.change / 4)
-                factor = SAFETY * np.sqrt(error / max(change, SHORTEST * error))
-                next_length = duration * float(np.clip(factor, MIN_FACTOR, MAX_FACTOR))
-                if change > error and duration > SHORTEST * span:
-                    work, length = work + REJECTED, next_length
-                    continue
-                fine, coarse = end, double
-                status = worst((status, middle.status, end.status, double.status))
-                if not np.isfinite(change):
-                    return [*instants, replace(fine, status=status, coarse=coarse, work=work)]
-                # a step shortened to end at an instant does not limit the next one
-                length = max(next_length, length if duration < length else 0.0)
-                if progress is not None:
-                    progress(fine.time - start, times[-1] - start)
-            instants.append(replace(fine, time=target, status=status, coarse=coarse, work=work))
-            work, status = NO_WORK, fine.contact.status
-        return instants
+        times: ArrayLike | None,
+        error: float | None,
+        progress: Callable[[float, float], None] | None,
+    ) -> list[Record[_Worn[Contact]]]:
+        """Return the contact of so many `cells` (x, y) at each of `times` [s], or up to one without a solution."""
+        if times is None:
+            raise InvalidInput("solve.times is None, and wear has no end: give times [s].")
+        instants = ascending("solve.times", times)
+        depth = np.zeros(cells)
+        contact = self.solved(depth, None)
+        change = inf if contact.status.is_failure else 0.0
+        start = _Worn(
+            min(0.0, instants[0]), contact, depth, contact.status, self.work(contact), change
+        )
+        rate = float(self.rate(contact).max())
+        first = self.first_depth / rate if rate else inf
+        error = STEP_ERROR if error is None else error
+        return march(start, self.step, instants, error, order=2, first=first, progress=progress)
 
 
 def follow_wear(
@@ -287,42 +218,39 @@ def follow_wear(
             return _wear_rate(wear, pv, grid)
         return _wear_rate(wear, wear.speed * contact.pressure, grid)
 
-    def solves_and_iterations(contact: _DryContact) -> tuple[float, float, float]:
+    def work(contact: _DryContact) -> Counter[str]:
         solves = 1 if contact.rolling is None else contact.rolling.lagged.outer_iterations
-        return solves, contact.solution.iterations, contact.solution.convolutions
+        found = contact.solution
+        counts: Any = {
+            "solves": solves, "iterations": found.iterations, "convolutions": found.convolutions,
+        }  # fmt: skip
+        return Counter(counts)
 
-    contact = _WearingContact(solved, rate, solves_and_iterations, FIRST_DEPTH * problem.scales.gap)
-    instants = contact.integrate(grid.cells, *_instants(times, error), progress)
+    wearing = _Wearing(solved, rate, work, FIRST_DEPTH * problem.scales.gap)
+    records = wearing.records(grid.cells, times, error, progress)
     frames = []
-    for instant in instants:
-        assert instant.coarse is not None
-        solution, errors = (
-            instant.contact.solution,
-            instant.contact.time_discretisation_errors(instant.coarse.contact),
-        )
+    for record in records:
+        contact = record.state.contact
+        errors = contact.time_discretisation_errors(record.coarse.contact)
         # the plot of an instant names the scene, not the surface that is worn by now
         posed = PosedScene(scene, grid, padding)
+        solution = contact.solution
         solution = replace(solution, problem=replace(solution.problem, description=posed))
-        wear_depth = Field(("x", "y"), instant.depth, "m", "wear depth")
-        frames.append(
-            replace(
-                frame_in_equilibrium(
-                    instant.time,
-                    scene.largest_load,
-                    solution,
-                    instant.contact.rolling,
-                ),
-                status=instant.status,
-                fields={"wear_depth": wear_depth},
-                time_discretisation_error=errors.pop("l1"),
-                time_discretisation_errors=errors,
-                solves=int(instant.work[1]),
-                iterations=int(instant.work[2]),
-                convolutions=float(instant.work[3]),
-            )
+        wear_depth = Field(("x", "y"), record.state.depth, "m", "wear depth")
+        frame = frame_of(
+            solution,
+            time=record.time,
+            load=scene.largest_load,
+            status=record.status,
+            fields={"wear_depth": wear_depth},
+            rolling=contact.rolling,
+            time_discretisation_error=errors.pop("l1"),
+            time_discretisation_errors=errors,
+            **{name: record.work[name] for name in ("solves", "iterations", "convolutions")},
         )
-    rejected = sum(instant.work[4] for instant in instants)
-    return Trajectory(problem, tuple(frames), int(rejected), 0, PosedScene(scene, grid, padding))
+        frames.append(frame)
+    rejected = sum(record.work["rejected"] for record in records)
+    return Trajectory(problem, tuple(frames), rejected, 0, PosedScene(scene, grid, padding))
 
 
 def follow_film_wear(
@@ -361,23 +289,18 @@ def follow_film_wear(
         assert film.contact_pressure is not None
         return _wear_rate(wear, abs(film.sliding_speed) * film.contact_pressure, grid)
 
-    def solves_and_iterations(film: FilmSolution) -> tuple[float, float, float]:
-        return 1, film.iterations, film.linear_iterations
+    def work(film: FilmSolution) -> Counter[str]:
+        return Counter(iterations=film.iterations, linear_iterations=film.linear_iterations)
 
-    contact = _WearingContact(
-        solved, rate, solves_and_iterations, FIRST_DEPTH * lubrication.boundary.film
-    )
-    instants = contact.integrate(grid.cells, *_instants(times, error), progress)
-    steps, _, first, second, _ = np.sum([instant.work for instant in instants], axis=0)
-    films = FilmTrajectory(
-        tuple(instant.time for instant in instants),
-        tuple(replace(instant.contact, status=instant.status) for instant in instants),
-        int(steps),
-        int(first),
-        int(second),
-    )
-    coarse = tuple(instant.coarse.contact for instant in instants if instant.coarse is not None)
-    return replace(films, time_discretisation_errors=errors_from_longer_steps(films, coarse))
+    wearing = _Wearing(solved, rate, work, FIRST_DEPTH * lubrication.boundary.film)
+    records = wearing.records(grid.cells, times, error, progress)
+    films = [replace(record.state.contact, status=record.status) for record in records]
+    coarse = [record.coarse.contact for record in records]
+    compared = [
+        Difference.of(record.time, *pair)
+        for record, *pair in zip(records, films, coarse, strict=True)
+    ]
+    return film_trajectory(records, films, compared)
 
 
 def _wear_rate(wear: Wear, pv: Array, grid: Grid) -> Array:
@@ -386,13 +309,3 @@ def _wear_rate(wear: Wear, pv: Array, grid: Grid) -> Array:
         return wear.coefficient * pv
     around = pv.sum(axis=0) * grid.cell_size[0] / wear.circumference
     return np.broadcast_to(wear.coefficient * around, pv.shape)
-
-
-def _instants(times: ArrayLike | None, error: float | None) -> tuple[list[float], float]:
-    """Return the instants [s] to record, once they are checked, and the error of a step."""
-    if times is None:
-        raise InvalidInput("solve.times is None, and wear has no end: give times [s].")
-    instants = [finite("solve.times", time, "give times in s") for time in np.ravel(times).tolist()]
-    if not instants or sorted(set(instants)) != instants:
-        raise InvalidInput(f"solve.times is {times!r}: give one or more, ascending.")
-    return instants, STEP_ERROR if error is None else error

@@ -7,7 +7,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.domain.fields import Array
-from contactstudy.lubrication.evolve_lubricated import evolve_lubricated
+from contactstudy.evolution.films.evolve_lubricated import evolve_lubricated
 from contactstudy.lubrication.film_equation import FilmEquation
 from contactstudy.lubrication.newton.pseudo_time import FilmIteration, iterate
 from contactstudy.lubrication.solve_lubricated import solve_lubricated
@@ -199,19 +199,6 @@ def test_friction_and_load_are_those_of_the_instant() -> None:
     assert [one.load_per_length for one in grown] == pytest.approx([1e5, 2e5], rel=1e-5)
 
 
-def test_no_error_of_a_step_is_above_what_is_asked() -> None:
-    scene = by_moes(20, 5)
-    passage = A / speed_of(scene)
-    evolution = evolve_lubricated(
-        from_rest(scene, 2 * passage), grid(100, 4.0), times=[0, 2 * passage], error=2e-3
-    )
-    assert evolution.status is not cs.Status.FILM_NOT_CONVERGED
-    assert 0 < evolution.step_error <= 2e-3
-    two_steps = evolve_lubricated(scene, grid(64, 4.0), times=[0, passage], step=passage)
-    assert two_steps.steps == 2
-    assert two_steps.step_error == np.inf
-
-
 def test_a_step_that_fails_ends_the_evolution_at_its_own_time(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -271,4 +258,3 @@ def test_a_load_that_falls_to_a_hundredth_ends_at_a_small_error() -> None:
     fall = replace(scene, load=load)
     evolution = evolve_lubricated(fall, grid(480, 8.0), times=times, error=1e-4)
     assert evolution.status is cs.Status.CONVERGED
-    assert evolution.step_error <= 1e-4

@@ -1,12 +1,15 @@
 """Films at instants, and estimates of their time-discretisation errors."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from math import inf
+from typing import Any
 
 import numpy as np
 
 from contactstudy.domain.fields import Array
+from contactstudy.evolution.march import Record
 from contactstudy.lubrication.lubricated_contact import FilmSolution
 from contactstudy.solvers.solution import Status, worst
 
@@ -31,10 +34,8 @@ class FilmTrajectory:
     contacts
         The contacts.
     steps, iterations, linear_iterations
-        Number of steps in time, and of iterations of the film and of its linear systems, those of rejected steps too.
-    step_error
-        Largest error of one step from the third on, of the film in the Hertzian zone, in L1 over its mean; infinite
-        where none was estimated.
+        Number of steps in time, and of iterations of the film and of its linear systems, those of rejected steps and of
+        steps twice as long too.
     time_discretisation_errors
         Estimates (time,) of the relative time-discretisation errors of :data:`NUMBERS`, of the peak pressure and of the
         pressure in L1, of all steps together, from a second evolution with steps twice as long; infinite if one of the
@@ -46,7 +47,6 @@ class FilmTrajectory:
     steps: int
     iterations: int
     linear_iterations: int
-    step_error: float = inf
     time_discretisation_errors: Mapping[str, Array] = field(default_factory=dict)
 
     @property
@@ -128,9 +128,16 @@ def _not_zero(values: list[Array]) -> Array:
     return np.where(sizes == 0, 1, sizes)
 
 
-def errors_from_longer_steps(
-    films: FilmTrajectory, coarse: tuple[FilmSolution, ...]
-) -> Mapping[str, Array]:
-    """Return estimates (time,) of relative errors from ``coarse`` films after longer steps, at the first instants."""
-    pairs = zip(films.times, films.contacts, coarse, strict=False)
-    return time_discretisation_errors(films, [Difference.of(*pair) for pair in pairs])
+def film_trajectory(
+    records: Sequence[Record[Any]], films: Sequence[FilmSolution], compared: list[Difference]
+) -> FilmTrajectory:
+    """Return the films that a march recorded, with the errors that differences to longer steps tell."""
+    work = sum((record.work for record in records), Counter())
+    found = FilmTrajectory(
+        tuple(record.time for record in records),
+        tuple(films),
+        work["steps"],
+        work["iterations"],
+        work["linear_iterations"],
+    )
+    return replace(found, time_discretisation_errors=time_discretisation_errors(found, compared))

@@ -5,6 +5,7 @@ the iteration of a steady film. It starts from a predictor, the polynomial throu
 difference between predictor and solution estimates the error of the step (Gear 1971).
 """
 
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -13,15 +14,17 @@ from math import inf
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contactstudy.domain.checks import InvalidInput, finite, positive
+from contactstudy.domain.checks import InvalidInput, positive
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
-from contactstudy.lubrication.film_equation import Film, SqueezeTerm
-from contactstudy.lubrication.film_trajectory import (
+from contactstudy.evolution.breakpoints import ascending
+from contactstudy.evolution.films.film_trajectory import (
     Difference,
     FilmTrajectory,
-    time_discretisation_errors,
+    film_trajectory,
 )
+from contactstudy.evolution.march import march
+from contactstudy.lubrication.film_equation import Film, SqueezeTerm
 from contactstudy.lubrication.lubricated_contact import FilmSolution
 from contactstudy.lubrication.newton.pseudo_time import (
     FilmControls,
@@ -56,10 +59,6 @@ class StepTuning:
     ----------
     first
         First step, over the time in which the mean speed passes a cell.
-    shrink, grow, safety
-        Limits of the factor of a step, and the factor on the step that would have exactly the allowed error.
-    min_step
-        Least step, over the time in which the mean speed passes a cell: one that fails is kept, and ends the evolution.
     step_error
         Error of a step of BDF2 over the difference to a quadratic through three instants (Gear 1971, equal steps).
     pseudo_time_step
@@ -72,10 +71,6 @@ class StepTuning:
     """
 
     first: float = 0.5
-    shrink: float = 0.3
-    grow: float = 1.6
-    safety: float = 0.8
-    min_step: float = 1e-4
     step_error: float = 2 / 11
     pseudo_time_step: float = 1e6
     min_film_fraction: float = 0.3
@@ -84,6 +79,8 @@ class StepTuning:
 
 
 TUNING = StepTuning()
+# Error of a step that any step keeps to which has a film.
+UNLIMITED = 1e99
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,7 +120,7 @@ def evolve_lubricated(
         As for :func:`~contactstudy.solve`.
     times
         Instants [s] at which the contact is recorded, ascending, before the load where that jumps; the film is steady at
-        the first. None records every step from the first to the last time of the histories.
+        the first. None records every pair of steps from the first to the last time of the histories.
     error
         Largest error of a step: L1 error of the film thickness over its mean, in the Hertzian zone. 1e-3 if neither this
         nor ``step`` is given.
@@ -151,9 +148,28 @@ def evolve_lubricated(
     if step is not None:
         step = positive("TimeSteps.step", step, "give a step above 0 s")
     error = positive("TimeSteps.error", 1e-3 if error is None else error, "give one above 0")
-    stepper = _FilmStepper.begin(scene, grid, padding, instants[0], tolerance)
-    recorded_times = None if times is None else instants
-    return _integrate(stepper, instants, recorded_times, error, step, tolerance, progress)
+    start = _FilmStepper.begin(scene, grid, padding, instants[0], tolerance)
+    passage = start.posed.equation.cell[0] * start.time_unit
+    compared: list[Difference] = []
+
+    def compare(fine: "_FilmStepper", coarse: "_FilmStepper") -> None:
+        compared.append(Difference.of(fine.time, fine.contact, coarse.contact))
+
+    records = march(
+        start,
+        _FilmStepper.advanced,
+        instants,
+        UNLIMITED if step else error,
+        order=3,
+        first=step or TUNING.first * passage,
+        # two steps at least, which the estimate takes at once
+        longest=min(step or inf, start.longest_step, (instants[-1] - instants[0]) / 2),
+        kinks=_kinks(scene, instants[0], instants[-1]),
+        every_pair=times is None,
+        compare=compare,
+        progress=progress,
+    )
+    return film_trajectory(records, [record.state.contact for record in records], compared)
 
 
 def check_loaded(scene: Scene, instants: list[float]) -> None:
@@ -170,96 +186,6 @@ def check_loaded(scene: Scene, instants: list[float]) -> None:
             )
 
 
-def _integrate(
-    stepper: "_FilmStepper",
-    instants: list[float],
-    times: list[float] | None,
-    error: float,
-    step: float | None,
-    tolerance: float,
-    progress: Callable[[float, float], None] | None,
-) -> FilmTrajectory:
-    """Return the films up to the last of ``instants``; of every step if ``times`` is None."""
-    double = _DoubleSteps(stepper, tolerance)
-    recorded, contacts = [instants[0]], [stepper.contact]
-    steps, largest_error, iterations, linear_iterations = 0, 0.0, 0, 0
-    cell_passage = stepper.posed.equation.cell[0] * stepper.time_unit
-    # two steps at least, which the estimate takes at once
-    largest_length = min(step or inf, stepper.longest_step, (instants[-1] - instants[0]) / 2)
-    length = min(step or TUNING.first * cell_passage, largest_length)
-    for target in sorted({*instants[1:], *_kinks(stepper.scene, instants[0], instants[-1])}):
-        while stepper.time < target - 1e-9 * cell_passage:
-            remaining = target - stepper.time
-            # avoid a tiny last step before an instant
-            trial = remaining / max(np.ceil(remaining / length - 1e-3), 1)
-            advanced, step_error = stepper.advanced(trial)
-            iterations += advanced.last.iterations
-            linear_iterations += advanced.last.linear_iterations
-            failed = not advanced.last.converged(tolerance)
-            factor = TUNING.safety * (error / step_error) ** (1 / 3) if step_error > 0 else 1.0
-            if (
-                failed or (step is None and step_error > error)
-            ) and trial > TUNING.min_step * cell_passage:
-                # the factor is below the safety, so that a step that misses its error by little is not tried for ever
-                length = trial * max(TUNING.shrink, 0.0 if failed else factor)
-                continue
-            stepper, steps, largest_error = advanced, steps + 1, max(largest_error, step_error)
-            double.follow(stepper)
-            if progress is not None:
-                progress(stepper.time - instants[0], instants[-1] - instants[0])
-            grown = trial * float(np.clip(factor, TUNING.shrink, TUNING.grow))
-            # a step shortened to end at an instant does not limit the next one
-            length = min(step or max(grown, length if trial < length else 0.0), largest_length)
-            if failed:
-                break
-            if times is None and stepper.time < target - 1e-9 * cell_passage:
-                recorded.append(stepper.time)
-                contacts.append(stepper.contact)
-        failed = stepper.contact.status is Status.FILM_NOT_CONVERGED
-        if failed or times is None or target in instants:
-            recorded.append(stepper.time if failed else target)
-            contacts.append(stepper.contact)
-        if failed:
-            break
-    films = FilmTrajectory(
-        tuple(recorded),
-        tuple(contacts),
-        steps,
-        iterations,
-        linear_iterations,
-        # the first two steps have no estimate
-        largest_error if steps > 2 else inf,
-    )
-    return replace(
-        films, time_discretisation_errors=time_discretisation_errors(films, double.compared)
-    )
-
-
-class _DoubleSteps:
-    """Evolution with steps that are two of another together, and its differences to that, at times [s]."""
-
-    def __init__(self, start: "_FilmStepper", tolerance: float) -> None:
-        self.stepper, self.tolerance = start, tolerance
-        self.compared: list[Difference] = []
-        self._middle: float | None = None
-
-    def follow(self, other: "_FilmStepper") -> None:
-        """Follow a step of the `other` evolution: after every second one, take one step to its time and compare.
-
-        Where that does not converge, take both steps.
-        """
-        time = other.time
-        if self._middle is None:
-            self._middle = time
-            return
-        advanced, _ = self.stepper.advanced(time - self.stepper.time)
-        if not advanced.last.converged(self.tolerance):
-            half, _ = self.stepper.advanced(self._middle - self.stepper.time)
-            advanced, _ = half.advanced(time - half.time)
-        self.stepper, self._middle = advanced, None
-        self.compared.append(Difference.of(time, other.contact, advanced.contact))
-
-
 def _kinks(scene: Scene, start: float, end: float) -> list[float]:
     """Return the times [s] between two at which load or speed have a kink or jump."""
     load, lubrication = scene.load, scene.lubrication
@@ -271,11 +197,7 @@ def _kinks(scene: Scene, start: float, end: float) -> list[float]:
 def instants_of(scene: Scene, times: ArrayLike | None) -> list[float]:
     """Return the instants to record, or the first and the last time of the histories of a scene."""
     if times is not None:
-        entries = np.asarray(times).ravel().tolist()
-        instants = [finite("TimeSteps.times", time, "give times in s") for time in entries]
-        if len(instants) < 2 or sorted(set(instants)) != instants:
-            raise InvalidInput(f"TimeSteps.times is {times!r}: give two or more, ascending.")
-        return instants
+        return ascending("TimeSteps.times", times, least=2)
     starts = [history.start for history in scene.histories]
     return [min(starts), max(history.end for history in scene.histories)]
 
@@ -285,7 +207,7 @@ class _FilmStepper:
     """Time stepper: the last three instants, latest first, and the film equation at the latest.
 
     ``posed`` is the film equation at the largest load and speed, whose units hold at all times; ``distance`` [m] is how
-    far the mean speed has gone.
+    far the mean speed has gone; ``change`` is the error of the last step, infinite where that has no solution.
     """
 
     scene: Scene
@@ -298,6 +220,7 @@ class _FilmStepper:
     distance: float
     past: tuple[_Instant, ...]
     now: PosedFilm
+    change: float = 0.0
 
     @classmethod
     def begin(
@@ -347,8 +270,19 @@ class _FilmStepper:
         """Iteration of the last instant."""
         return self.past[0].iteration
 
-    def advanced(self, length: float) -> tuple["_FilmStepper", float]:
-        """Return the time stepper after a step [s], and the error of that step."""
+    @property
+    def status(self) -> Status:
+        """Outcome of the last instant."""
+        return Status.CONVERGED if self.change < inf else Status.FILM_NOT_CONVERGED
+
+    @property
+    def work(self) -> Counter[str]:
+        """Iterations of the last step."""
+        last = self.last
+        return Counter(iterations=last.iterations, linear_iterations=last.linear_iterations)
+
+    def advanced(self, length: float) -> "_FilmStepper":
+        """Return the time stepper after a step [s], with the error of that step; the first two steps have none."""
         end = self.time + length
         speed = self.posed.scales.lubrication.speed_at
         middle = speed(self.time + length / 2)
@@ -379,14 +313,12 @@ class _FilmStepper:
         change = np.abs(
             last.film.thickness - self._extrapolated(end / self.time_unit, "thickness")
         )[inside].mean()
-        enough = len(self.past) > 2
-        size = (
-            TUNING.step_error * float(change / last.film.thickness[inside].mean())
-            if enough
-            else 0.0
-        )
+        error = 0.0
+        if len(self.past) > 2:
+            error = TUNING.step_error * float(change / last.film.thickness[inside].mean())
+        error = error if last.converged(self.tolerance) else inf
         past = (instant, *self.past[:2])
-        return replace(self, past=past, now=now, distance=distance), size
+        return replace(self, past=past, now=now, distance=distance, change=error)
 
     @cached_property
     def contact(self) -> FilmSolution:

@@ -1,0 +1,1 @@
+"""Films in time: their steps (``evolve_lubricated``), and the errors of these (``film_trajectory``)."""

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from math import inf
 from re import sub
 from typing import TYPE_CHECKING, Any
@@ -32,7 +32,7 @@ from contactstudy.io.quantities.evolution_quantities import (
     passes_quantities,
 )
 from contactstudy.io.quantities.quantity import NO_ESTIMATE, Quantities, Quantity
-from contactstudy.problem.problem import Field
+from contactstudy.problem.problem import DependsOnStrain, Field
 from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.scene.shapes_source import standing_heights
 from contactstudy.solvers.solution import Status, worst
@@ -228,17 +228,12 @@ class Evolution(Answer):
             self.error.l1,
         )
         if self.trajectory is not None and self.posed.scene.adhesion is not None:
-            from contactstudy.evolution.equilibrium.quasi_static import (
-                jump_in_loads,
-                net_work,
-                pull_off_loads,
-            )
+            from contactstudy.evolution.equilibrium.quasi_static import changes_of_contact, net_work
 
             frames, load = self.trajectory.frames, self.posed.scene.load
             errors = [frame.quantities["approach"].bound for frame in self.frames]
             work = net_work(frames, errors, load)
-            lost, made = pull_off_loads(frames, load), jump_in_loads(frames, load)
-            numbers = cycle_quantities(work, lost, made) | numbers
+            numbers = cycle_quantities(work, **changes_of_contact(frames, load)) | numbers
         return numbers
 
     @property
@@ -404,7 +399,13 @@ def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
         has_worn = worn is not None and worn.values.any()
         by_steps = {"l1": frame.time_discretisation_error} | dict(frame.time_discretisation_errors)
         return _with_steps(contact, by_steps) if has_worn else contact
-    outputs = tuple(trajectory.derived(frame, output) for output in frame.problem.outputs)
+    outputs = frame.problem.outputs
+    if trajectory.coupled is not None:
+        residual = partial(trajectory.coupled.residual_stress, frame.coupled_state)
+        outputs = tuple(
+            output.with_residual_stress(residual) if isinstance(output, DependsOnStrain) else output
+            for output in outputs
+        )
     steps = replace(frame.grid_error_parts, steps=frame.time_discretisation_error)
     reason = next(iter(frame.warnings), "")
     if frame.status is Status.YIELD_AT_EDGE:
@@ -426,7 +427,6 @@ def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
     return replace(
         contact,
         problem=replace(frame.problem, outputs=outputs),
-        traction=trajectory.traction(frame),
         estimate=ErrorEstimate(
             l1, peak, area, unknown, unknown, stress, stress, warnings=frame.warnings
         ),

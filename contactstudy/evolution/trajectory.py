@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
-from functools import partial
 from math import inf
 from typing import Any
 
@@ -13,13 +12,11 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.evolution.rolling.steady_rolling import SteadyRolling
 from contactstudy.evolution.states.state_variables import CoupledStateVariable
-from contactstudy.problem.problem import DependsOnShear, DependsOnStrain, Derived, Field, Problem
+from contactstudy.problem.problem import Field, Problem
 from contactstudy.scene.scene import PosedScene
-from contactstudy.solvers.friction.laws import FullSliding
 from contactstudy.solvers.solution import (
     Solution,
     Status,
-    TangentialTraction,
     worst,
 )
 
@@ -114,29 +111,6 @@ class Trajectory:
     def grid(self) -> Grid:
         """Grid of the fields."""
         return self.problem.grid
-
-    def traction(self, frame: Frame) -> TangentialTraction | None:
-        """Return the tangential traction at the instant of `frame`; None without friction."""
-        if frame.traction is not None:
-            return frame.traction
-        if "shear_x" in frame.fields:
-            shear_x, shear_y, stick = (
-                frame.fields[n].values for n in ("shear_x", "shear_y", "stick")
-            )
-            return TangentialTraction(np.stack([shear_x, shear_y]), stick > 0, "fretting", 0)
-        solver = self.problem.friction
-        return solver.traction(frame.pressure) if isinstance(solver, FullSliding) else None
-
-    def derived(self, frame: Frame, output: Derived) -> Derived:
-        """Return `output` with the residual stress and the tangential traction at the instant of `frame`."""
-        if self.coupled is not None and isinstance(output, DependsOnStrain):
-            output = output.with_residual_stress(
-                partial(self.coupled.residual_stress, frame.coupled_state)
-            )
-        traction = self.traction(frame)
-        if traction is not None and isinstance(output, DependsOnShear):
-            output = output.with_shear(traction.shear)
-        return output
 
     @property
     def times(self) -> Array:

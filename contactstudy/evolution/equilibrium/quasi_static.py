@@ -224,27 +224,18 @@ def _loads_between(a: Frame, b: Frame, load: AnyLoad) -> list[float]:
     return [a.load, *loads_between(load, a.time, b.time), b.load]
 
 
-def pull_off_loads(frames: Sequence[Frame], load: AnyLoad) -> tuple[float, float] | None:
-    """Return the last recorded load [N/m] in contact, and another: they bracket the pull-off load.
+def changes_of_contact(frames: Sequence[Frame], load: AnyLoad) -> dict[str, tuple[float, float]]:
+    """Return the loads between which contact is first lost ("pull_off") and made ("jump_in"), as far as it is.
 
-    The other is the first recorded load that was lost, or one beyond where the `load` turns between the two instants.
-    None where contact is not lost.
+    The first of each two is a recorded load [N/m] in contact. The other is a recorded one without contact, or one beyond
+    where the `load` turns between the two instants.
     """
+    found: dict[str, tuple[float, float]] = {}
     for before, after in pairwise(frames):
-        if after.status is Status.DETACHED and before.status is not Status.DETACHED:
-            held, *others = _loads_between(before, after, load)
-            return held, max(others, key=lambda other: abs(other - held))
-    return None
-
-
-def jump_in_loads(frames: Sequence[Frame], load: AnyLoad) -> tuple[float, float] | None:
-    """Return the first recorded load [N/m] in contact, and another: they bracket the load at which contact is made.
-
-    The other is the last recorded load before, or one beyond where the `load` turns between the two instants. None
-    where contact is not made.
-    """
-    for before, after in pairwise(frames):
-        if before.status is Status.DETACHED and after.status is not Status.DETACHED:
-            *others, touching = _loads_between(before, after, load)
-            return touching, max(others, key=lambda other: abs(other - touching))
-    return None
+        touched, touches = (frame.status is not Status.DETACHED for frame in (before, after))
+        if touched != touches:
+            loads = _loads_between(before, after, load)
+            touching, *others = loads if touched else reversed(loads)
+            farthest = max(others, key=lambda other: abs(other - touching))
+            found.setdefault("pull_off" if touched else "jump_in", (touching, farthest))
+    return found

@@ -15,12 +15,12 @@ from typing import Any, Generic, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy import ndimage
 
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid, Padding, Paddings
+from contactstudy.domain.grid import Grid, Padding, Paddings, on_cells
 from contactstudy.evolution.breakpoints import ascending
-from contactstudy.evolution.equilibrium.surface_depth import SurfaceDepth
 from contactstudy.evolution.films.film_trajectory import Difference, FilmTrajectory, film_trajectory
 from contactstudy.evolution.march import Record, march
 from contactstudy.evolution.rolling.steady_rolling import SteadyRolling, solve_rolling
@@ -29,6 +29,7 @@ from contactstudy.lubrication.lubricated_contact import FilmSolution
 from contactstudy.lubrication.solve_lubricated import solve_lubricated
 from contactstudy.problem.problem import Field
 from contactstudy.scene.scene import PosedScene, Scene
+from contactstudy.scene.shapes.shape import LengthScales
 from contactstudy.scene.solids.bodies import instantaneous
 from contactstudy.scene.wear import Wear
 from contactstudy.solvers.friction.rolling_traction import RollingTraction
@@ -39,6 +40,32 @@ from contactstudy.solvers.solve import SolveOptions, solve_contact
 FIRST_DEPTH = 0.01
 # Largest change of the pressure by the correction of a step, relative in L1, where none is asked for.
 STEP_ERROR = 1e-3
+# Cells around a grid by which splines continue beyond it.
+PADDED = 4
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceDepth:
+    """Shape of a surface that lies `depth` (x, y) [m] deeper in the cells of a grid, as it is worn."""
+
+    depth: Array
+    grid: Grid
+    curvature: float = 0.0
+    length_scales: LengthScales = LengthScales()  # noqa: RUF009 (a frozen value)
+
+    def gap(self, grid: Grid) -> Array:
+        """Return the depth on another grid: means over larger cells; on smaller ones, a cubic spline."""
+        if all(n <= m for n, m in zip(grid.cells, self.grid.cells, strict=True)):
+            return on_cells(self.depth, grid.cells)
+        around = np.pad(
+            np.pad(self.depth, ((PADDED, PADDED), (0, 0)), "edge"),
+            ((0, 0), (PADDED, PADDED)),
+            "wrap",
+        )
+        dx, dy = self.grid.cell_size
+        rows, columns = (grid.x - self.grid.x[0]) / dx, (grid.y - self.grid.y[0]) / dy
+        places = np.meshgrid(PADDED + rows, PADDED + columns, indexing="ij")
+        return np.asarray(ndimage.map_coordinates(around, places, order=3, mode="nearest"))
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,9 +19,8 @@ from contactstudy.evolution.breakpoints import (
     with_steps_within_quarter_period,
     with_turning_points,
 )
-from contactstudy.evolution.integration.adaptive_integrator import AdaptiveIntegrator
+from contactstudy.evolution.integration.adaptive_integrator import AdaptiveIntegrator, StepControl
 from contactstudy.evolution.integration.checkpoint import Checkpoint
-from contactstudy.evolution.integration.step_control import StepControl
 from contactstudy.evolution.integration.time_stepper import TimeStepper
 from contactstudy.evolution.states.state_variables import (
     CoupledStateVariable,

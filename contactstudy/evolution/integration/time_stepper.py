@@ -37,11 +37,13 @@ from contactstudy.problem.constraint import PrescribedLoad
 from contactstudy.problem.problem import Problem, Scales
 from contactstudy.scene.loads.load_history import ChangingLoad
 from contactstudy.scene.shapes_source import ShapesSource
+from contactstudy.solvers.friction.laws import FullSliding
 from contactstudy.solvers.solution import (
     AdhesiveTraction,
     CoupledSolution,
     Solution,
     Status,
+    TangentialTraction,
     net_pressure,
     unloaded,
 )
@@ -169,6 +171,14 @@ class TimeStepper:
         """True if a state depends on every turn of the load, as plastic strain and the traction of fretting do."""
         iterated = (isinstance(one, IteratedStateVariable) for one in self.state_variables)
         return self.coupled is not None or any(iterated)
+
+    def traction(self, instant: Instant) -> TangentialTraction | None:
+        """Return the tangential traction of a state that keeps one, or of full sliding; None without friction."""
+        for variable, state in zip(self.state_variables, instant.states, strict=False):
+            if isinstance(variable, IteratedStateVariable):
+                return variable.traction(state)
+        friction = self.problem.friction
+        return friction.traction(instant.pressure) if isinstance(friction, FullSliding) else None
 
     def start(self, time: float) -> Instant:
         """Return the instant before the first load, at `time` [s]."""

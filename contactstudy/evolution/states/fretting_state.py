@@ -19,7 +19,7 @@ from contactstudy.solvers.friction.partial_slip import (
     slip_step,
     transmission_status,
 )
-from contactstudy.solvers.solution import Status
+from contactstudy.solvers.solution import Status, TangentialTraction
 
 # Error of the tangential traction over the difference of two integrations where slip wears or bodies creep: at most 2.4
 # in twelve contacts that wear, and 1.5 in three that creep, whose errors are of first order in the step or of less.
@@ -128,6 +128,12 @@ class FrettingState:
         residual, applications = float(state["residual"][0]), int(state["applications"][0])
         status = shear_status(residual, applications, self.tolerance, self.max_applications)
         return status, residual
+
+    def traction(self, state: State) -> TangentialTraction:
+        """Return the tangential traction of a state."""
+        shear = np.stack([state[name] for name in SHEARS])
+        applications = int(state["applications"][0])
+        return TangentialTraction(shear, state["stick"] > 0, "fretting", applications)
 
     def update(self, state: State, before: Array, after: Array, step: Step) -> State:
         """Return traction, slip, energy and wear depth at the end of the step.
@@ -279,22 +285,9 @@ class FrettingState:
         return np.asarray(np.minimum(0.5, self.least_eigenvalue / np.maximum(worn, TINY)))
 
     def fields(self, state: State) -> Mapping[str, Field]:
-        """Return traction, stick, slip, energy and wear depth (x, y)."""
+        """Return slip, energy and wear depth (x, y)."""
         plane = ("x", "y")
         fields = {
-            "shear_x": Field(
-                plane,
-                state["shear_x"],
-                "Pa",
-                "tangential traction along x (longitudinal), on the first body",
-            ),
-            "shear_y": Field(
-                plane,
-                state["shear_y"],
-                "Pa",
-                "tangential traction along y (lateral), on the first body",
-            ),
-            "stick": Field(plane, state["stick"], "1", "1 where the bodies stick, 0 elsewhere"),
             "slip_distance": Field(plane, state["slip_distance"], "m", "distance slipped so far"),
             "friction_energy": Field(
                 plane, state["energy"], "J m-2", "energy lost to friction so far per area"

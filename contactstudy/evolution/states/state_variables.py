@@ -11,7 +11,7 @@ from contactstudy.domain.fields import Array
 from contactstudy.elasticity.coefficients import Coefficients
 from contactstudy.elasticity.viscoelastic import Creep
 from contactstudy.problem.problem import Field, ResidualStress
-from contactstudy.solvers.solution import CoupledSolution, Solution, Status
+from contactstudy.solvers.solution import CoupledSolution, Solution, Status, TangentialTraction
 
 # The arrays that a state variable keeps, by name: all that a checkpoint needs of it.
 State = Mapping[str, Array]
@@ -118,6 +118,9 @@ class IteratedStateVariable(Protocol):
 
     def outcome(self, state: State) -> tuple[Status, float]:
         """Return how the solution for the `state` at the end of a step ended, and its relative residual."""
+
+    def traction(self, state: State) -> TangentialTraction:
+        """Return the tangential traction that the `state` keeps."""
 
 
 class StateVariable(AnyStateVariable, Protocol):

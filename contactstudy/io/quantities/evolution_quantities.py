@@ -252,8 +252,8 @@ def _of_residual_stress(fields: Mapping[str, Field]) -> dict[str, Quantity]:
 
 def cycle_quantities(
     net_work: tuple[float, float, str],
-    separation: tuple[float, float] | None,
-    jump_in: tuple[float, float] | None,
+    pull_off: tuple[float, float] | None = None,
+    jump_in: tuple[float, float] | None = None,
 ) -> dict[str, Quantity]:
     """Return what a history of an adhesive contact says: where contact is lost and made, and the net work.
 
@@ -261,29 +261,24 @@ def cycle_quantities(
     ----------
     net_work
         Net work done by the load [J/m], the bound of its error, and why that is infinite.
-    separation
-        Last load with contact [N/m], and another so that contact is lost at one between both; None where it is not.
-    jump_in
-        First load in contact [N/m], and another so that contact is made at one between both; None where it is not.
+    pull_off, jump_in
+        A load in contact [N/m], and another so that contact is lost, or made, at one between both; None where it is not.
     """
     work, error, reason = net_work
-    quantities = {"net_work": Quantity(work, "J m-1", "net work of the load", error, reason)}
-    if separation is not None:
-        last_stable, first_unstable = separation
-        detail = f", lost before {readable(-first_unstable, 'N m-1')}"
-        pull_off = Quantity(
-            -last_stable, "N m-1", "pull-off load", reason=NO_BOUND_OF_CELLS, detail=detail
-        )
-        quantities = {"pull_off": pull_off} | quantities
+    quantities: dict[str, Quantity] = {}
+    if pull_off is not None:
+        last_stable, first_unstable = pull_off
+        quantities["pull_off"] = Quantity(
+            -last_stable, "N m-1", "pull-off load", reason=NO_BOUND_OF_CELLS,
+            detail=f", lost before {readable(-first_unstable, 'N m-1')}",
+        )  # fmt: skip
+    quantities["net_work"] = Quantity(work, "J m-1", "net work of the load", error, reason)
     if jump_in is not None:
         in_contact, separated = jump_in
-        label, detail = (
-            "load at which contact jumps in",
-            f", not made at {readable(separated, 'N m-1')}",
-        )
         quantities["jump_in"] = Quantity(
-            in_contact, "N m-1", label, reason=NO_BOUND_OF_CELLS, detail=detail
-        )
+            in_contact, "N m-1", "load at which contact jumps in", reason=NO_BOUND_OF_CELLS,
+            detail=f", not made at {readable(separated, 'N m-1')}",
+        )  # fmt: skip
     return quantities
 
 

@@ -3,6 +3,8 @@
 from math import inf, pi
 from typing import Any
 
+import numpy as np
+
 import contactstudy as cs
 from contactstudy.domain.fields import Array
 from contactstudy.evolution.integration.evolve import evolve
@@ -63,3 +65,8 @@ def half_width(body: cs.ViscoelasticHalfSpace, time: float) -> float:
 
 def held_pressure(body: cs.ViscoelasticHalfSpace, time: float, x: Array) -> Array:
     return held(body).pressure(x, time)
+
+
+def relative(pressure: Array, true: Array) -> float:
+    """Return the difference of two pressures in L1, over that of the true one."""
+    return float(np.abs(pressure - true).sum() / true.sum())

@@ -312,6 +312,17 @@ def test_steps_are_chosen_for_an_error(ratio: float) -> None:
     assert found.time_discretisation_error < 1e-2
 
 
+def test_a_body_keeps_the_dent_of_a_load_that_turns_between_the_instants() -> None:
+    """Quarters of the period from a phase of 45 degrees on are 0.71 of the amplitude away from the mean."""
+    sine = cs.SineLoad(load(2) / 1.9, 0.9 * load(2) / 1.9, 1.0, pi / 4)
+    scene, grid = replace(pressed(2), load=sine), cs.Grid((16, 1), grid_of(2, 0.4).extent)
+    found, at_turns = (
+        cs.solve(scene, grid, EXACT, times=times).quantities["dent_depth"].value
+        for times in ([0.0, 1.0], [0.0, 1 / 8, 5 / 8, 1.0])
+    )
+    assert found == pytest.approx(at_turns, rel=0.05)
+
+
 def test_what_does_not_settle_says_how_far_it_came(monkeypatch: pytest.MonkeyPatch) -> None:
     constants = elastoplastic_step.PlasticConstants(max_iterations=2)
     monkeypatch.setattr(elastoplastic_step, "CONSTANTS", constants)
@@ -448,3 +459,44 @@ def test_a_dent_has_no_bound_where_nothing_yields_on_half_the_cells() -> None:
     assert dent.value > 0
     assert dent.bound == inf
     assert "half the cells" in dent.reason
+
+
+@pytest.mark.whole
+def test_a_wavy_cylinder_keeps_to_the_yield_surface_wherever_its_waves_begin() -> None:
+    a = half_width(2.5)
+    height = 0.3 * a**2 / (2 * RADIUS)
+    found = {}
+    for cells in (0, 3):
+        waves = cs.Waviness(height, across=2.4 * a, along=2 * a, phase=-2 * np.pi * cells / 8)
+        scene = pressed(2.5, hardening=0.02)
+        evolution = evolve(
+            replace(scene, shapes=(*scene.shapes, waves)),
+            cs.Grid((18, 8), (3 * a, 2 * a)),
+            EXACT,
+            times=(1.0, 2.0),
+            options=cs.SolveOptions(1e-7),
+            error_estimator=cs.ErrorEstimator.NONE,
+        )
+        assert evolution.status is cs.Status.CONVERGED
+        found[cells] = evolution_answer(evolution).to_dataset()
+    loaded = found[3].isel(time=0)
+    assert isinstance(evolution.coupled, PlasticState)
+    (operator,) = evolution.coupled.operators
+    state = evolution.frames[0].coupled_state
+    stress = operator.stress_of_pressure(evolution.pressure[0])
+    stress -= operator.negative_residual_stress(state["strain0"])
+    von_mises = np.sqrt(1.5 * (stress**2).sum(axis=0))
+    equivalent = loaded["equivalent_plastic_strain"].values[:, operator.volume.rows]
+    limit = YIELD + 0.02 * YOUNG * equivalent
+    assert np.all(von_mises < limit * (1 + 1e-6))
+    flowing = equivalent > 1e-3 * YIELD / YOUNG
+    assert np.abs(von_mises / limit - 1)[flowing].max() < 1e-6
+    # it varies along, and shear along takes part
+    along = equivalent.max(axis=(0, 1))
+    assert along.max() > 1.05 * along.min() > 0
+    strain = loaded["plastic_strain"]
+    assert np.abs(strain.sel(component=["xx", "yy", "zz"]).sum("component")).max() < 1e-15
+    assert np.abs(strain.sel(component=["xy", "yz"])).max() > 0.05 * np.abs(strain).max()
+    for name in ("pressure", "plastic_strain", "residual_displacement"):
+        moved = found[0][name].roll(y=3).values
+        assert np.abs(found[3][name].values - moved).max() < 1e-6 * np.abs(moved).max()

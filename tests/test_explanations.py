@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.accuracy.discretisation import bound, subcell
+from contactstudy.accuracy.discretisation import bound, hidden_heights
 from contactstudy.domain.grid import Grid
 from studies.advice import trials, verdict
 from studies.reference.line_contact import (
@@ -159,7 +159,7 @@ def test_all_that_is_above_the_law_with_six_periods_is_the_error_of_the_cells() 
 def test_what_hidden_heights_add_to_a_bound_is_what_its_page_says() -> None:
     page = "error-estimates"
     assert (
-        subcell.CONSTANTS.pressure_rise
+        hidden_heights.CONSTANTS.pressure_rise
         == said(page, r"peak by up to ([\d.]+) times the pressure")[0]
     )
     assert bound.CONSTANTS.hidden_error == pytest.approx(4 / 5)

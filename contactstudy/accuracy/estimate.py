@@ -17,7 +17,7 @@ from contactstudy.accuracy.discretisation.coarser import (
     coarse_solution,
     comparable,
 )
-from contactstudy.accuracy.discretisation.subcell import SubgridHeights
+from contactstudy.accuracy.discretisation.hidden_heights import HiddenHeights
 from contactstudy.accuracy.image_errors import (
     IMAGES_REMEDY,
     L1_OVER_NARROWING,
@@ -99,7 +99,7 @@ def error_estimate(
     solution: Solution,
     *,
     coarse: Solution | None = None,
-    heights: SubgridHeights | None = None,
+    heights: HiddenHeights | None = None,
 ) -> ErrorEstimate:
     """Return the estimated errors of `solution`, by quantity and by cause.
 

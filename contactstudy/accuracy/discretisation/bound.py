@@ -15,7 +15,7 @@ from contactstudy.accuracy.discretisation.coarser import (
     DiscretisationErrors,
     error_by_change,
 )
-from contactstudy.accuracy.discretisation.subcell import SubgridEffect, SubgridHeights
+from contactstudy.accuracy.discretisation.hidden_heights import HiddenEffect, HiddenHeights
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import axis_first
 from contactstudy.domain.units import readable
@@ -95,7 +95,7 @@ CELLS_OF_EDGE_LAW = 6
 
 
 def discretisation_bound(
-    solution: Solution, coarse: Solution | None, heights: SubgridHeights | None
+    solution: Solution, coarse: Solution | None, heights: HiddenHeights | None
 ) -> DiscretisationErrors:
     """Return the errors of `solution` due to its cells.
 
@@ -108,7 +108,7 @@ def discretisation_bound(
     no_load = inf if load_is_result else None
     if reason := _cut_off(solution) or _unresolved_length(problem):
         return DiscretisationErrors.unbounded(reason, no_load)
-    heights = heights or SubgridHeights.from_problem(problem)
+    heights = heights or HiddenHeights.from_problem(problem)
     if heights is None:
         return DiscretisationErrors.unbounded(UNKNOWN_HEIGHTS, no_load)
     force = _force(solution)
@@ -151,7 +151,7 @@ def discretisation_bound(
     else:
         repulsive = max(peak, inside.peak_rise) + inside.kink_rise
         peak = max(changes.peak_pressure + inside.kink_rise, repulsive * peak_of_net)
-    gap = gap_error(solution, l1, changes.mean_gap, inside.mean_height)
+    gap = gap_error(solution, l1, changes.mean_gap, heights.mean)
     if load_is_result:
         assert changes.load is not None
         load = max(load, changes.load, _flattening_load(solution, inside)) if l1 < inf else inf
@@ -162,7 +162,7 @@ def discretisation_bound(
             # the load moves the mean surface, which on two periodic axes is at rest
             moved = load * abs(float(solution.displacement.mean()))
             gap = max(gap, moved / solution.mean_gap)
-            load += inside.mean_height / solution.mean_gap
+            load += heights.mean / solution.mean_gap
             if not adheres:  # the level of the pressure beside its shape, which its edges show
                 l1, peak = l1 + load, peak + load
     return _with_reasons(
@@ -230,7 +230,7 @@ def end_error(solution: Solution) -> float:
     return error / float(pressure.sum())
 
 
-def _flattening_load(solution: Solution, inside: SubgridEffect) -> float:
+def _flattening_load(solution: Solution, inside: HiddenEffect) -> float:
     """Return the error of the load at an approach that counts from the mean of two periodic axes; 0 at any other.
 
     The nearer full contact, the more of the hidden heights are flat at a given approach, for which the mean of the
@@ -315,7 +315,7 @@ def _unresolved_length(problem: Problem) -> str:
     return ""
 
 
-def _no_peak(solution: Solution, inside: SubgridEffect) -> str:
+def _no_peak(solution: Solution, inside: HiddenEffect) -> str:
     """Return why the peak pressure has no bound, beside heights inside the cells; an empty string where it has one."""
     reason = ""
     if inside.corner_rise > CONSTANTS.sharp_rise:

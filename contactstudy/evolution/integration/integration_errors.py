@@ -7,7 +7,7 @@ from math import exp
 
 import numpy as np
 
-from contactstudy.accuracy.discretisation.subcell import SubgridHeights
+from contactstudy.accuracy.discretisation.hidden_heights import HiddenHeights
 from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.accuracy.residual_errors import residual_errors
 from contactstudy.domain.checks import NotDefined
@@ -152,9 +152,9 @@ class IntegrationErrors:
                 self.largest_by_residual = max(self.largest_by_residual, total)
 
     @cached_property
-    def _heights(self) -> SubgridHeights | None:
+    def _heights(self) -> HiddenHeights | None:
         """Heights inside the cells, which all instants share."""
-        return SubgridHeights.from_problem(self.stepper.problem)
+        return HiddenHeights.from_problem(self.stepper.problem)
 
     def of_grid(self, solution: Solution) -> tuple[ErrorParts, ErrorParts, tuple[str, ...]]:
         """Return errors of a contact on this grid by cause: in L1, of its peak pressure, and why any is infinite."""

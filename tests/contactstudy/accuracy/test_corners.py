@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.accuracy.discretisation.subcell import SubgridHeights
+from contactstudy.accuracy.discretisation.hidden_heights import HiddenHeights
 from tests.conftest import LineContact
 
 BOTH = cs.ExactPeriodicity(), cs.ExactPeriodicity()
@@ -28,7 +28,7 @@ def test_a_corner_raises_pressure_by_its_slope_at_each_halving(line_contact: Lin
             gap=lambda grid: 1e-3 * np.abs(grid.x - place)[:, None], has_length_scales=True
         )
         posed = replace(problem, source=kink)
-        return SubgridHeights.from_problem(posed).effect_under(posed, pressure).corner_rise
+        return HiddenHeights.from_problem(posed).effect_under(posed, pressure).corner_rise
 
     rise = line_contact.scene.contact_modulus / (8 * 0.915965594177219) * 2e-3 * log(2)
     assert corner_rise(0.0) == pytest.approx(rise / 1e9, rel=1e-6)

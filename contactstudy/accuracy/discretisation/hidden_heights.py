@@ -1,0 +1,456 @@
+"""Heights inside the cells, which a pressure on the grid does not resolve, and their effect on the contact.
+
+1. The gap is sampled at points inside the cells, on lines through their centres along each axis, and where a shape names
+   no length scales also at points between the lines.
+2. What a cubic through the centres misses is hidden. It counts as the pressure that would flatten it. A corner raises
+   the pressure at each halving of the cells.
+
+E* is the contact modulus and dx the size of a cell along the axis in question.
+"""
+
+from dataclasses import dataclass
+from math import log, pi
+
+import numpy as np
+
+from contactstudy.accuracy.discretisation.cells import around_contact, with_ends
+from contactstudy.domain.checks import InvalidInput
+from contactstudy.domain.fields import BLOCK_CELLS, Array
+from contactstudy.domain.grid import Grid, axis_first, on_cells
+from contactstudy.elasticity.convolution import Convolution
+from contactstudy.problem.problem import Problem, Source
+
+# Steps of a two-dimensional sequence of low discrepancy to which points can be added one by one:
+# Roberts (2018), "The unreasonable effectiveness of quasirandom sequences".
+STEPS = 0.7548776662466927, 0.5698402909980532
+# The cubic through the last four points of a row, at the second and the first place beyond them.
+BEYOND = np.array([[10.0, -20.0, 15.0, -4.0], [4.0, -6.0, 4.0, -1.0]])
+
+
+@dataclass(frozen=True)
+class HiddenHeightsConstants:
+    """Constants of the examination of heights inside the cells.
+
+    Attributes
+    ----------
+    points
+        Points in a cell along a line, where all shapes name their length scales.
+    points_at_corners
+        Points in a cell along a line that may have a corner, where all shapes name their length scales.
+    points_without_scales
+        Points in a cell along a line, where a shape names no length scales.
+    points_off_lines
+        Points in a cell off the lines, where a shape names no length scales: a feature that covers 3 % of the cell is
+        found with a probability of 95 %.
+    lines
+        Least number of lines along an axis that are examined, or all if there are fewer.
+    sparse
+        Of many lines, one in this many is examined, but at least `lines`.
+    pressure_rise
+        Rise of the pressure where a hidden height h is pressed flat, over ``E* h / dx``. It is pi / 2 and pi for waves
+        of two cells and of one, and pi / 2 for a bump ``exp(-r^2 / dx^2)``; a value between is taken.
+    resolved_fraction
+        Largest interpolation error of a feature that the centres resolve, over the second difference of the heights at
+        the centres. An error beyond that belongs to a feature that the centres do not show.
+    corner_fraction
+        Fraction of the slope change between two neighbouring points that their neighbours do not have, from which it
+        is a corner.
+    smooth_power
+        Power n - 1 of a height ``|x|^n`` from which a bend counts as smooth.
+    min_power
+        Least such power that is not a corner.
+    """
+
+    points: int = 4
+    points_at_corners: int = 32
+    points_without_scales: int = 48
+    points_off_lines: int = 99
+    lines: int = 64
+    sparse: int = 4
+    pressure_rise: float = 2.5
+    resolved_fraction: float = 0.5
+    corner_fraction: float = 0.7
+    smooth_power: float = 0.95
+    min_power: float = 0.1
+
+
+CONSTANTS = HiddenHeightsConstants()
+
+
+@dataclass(frozen=True)
+class HiddenEffect:
+    """Effect of the heights inside the cells on a contact.
+
+    Attributes
+    ----------
+    hidden_load
+        Fraction of the load whose cells hide heights.
+    corner_rise
+        Largest rise at a corner in the contact when the cells are halved, over the peak pressure.
+    protrudes
+        Whether the surface protrudes from a cell so far that it would carry more than the peak pressure.
+    peak_rise
+        Fraction of the peak pressure by which hidden heights may raise it.
+    kink_rise
+        Fraction by which the peak pressure may still rise on finer cells at a kink.
+    area_loss
+        Fraction of the contact that may open: the hidden pressure over that of each cell, at most 1, in the mean.
+    """
+
+    hidden_load: float
+    corner_rise: float
+    protrudes: bool
+    peak_rise: float
+    kink_rise: float
+    area_loss: float
+
+
+@dataclass(frozen=True, eq=False)
+class HiddenHeights:
+    """Heights inside the cells of a grid, which are the same under any pressure, as pressures (x, y) [Pa].
+
+    A corner that points out of the body, at which the slope changes by S, raises the pressure by ``E* S / (2 pi) ln 2``
+    each time the cell is halved, and so without limit: the pressure near the apex of a blunt wedge is logarithmic
+    (Johnson 1985, sect. 5.2). A kink stands for a height ``|x|^n`` with n between 1 and 2, whose rises get smaller at
+    each halving and have a finite sum.
+
+    Attributes
+    ----------
+    missed
+        What would flatten the heights that cubics through the centres miss.
+    protrusion
+        What would flatten the heights above all centres about a cell.
+    rise
+        By how much the missed heights raise the pressure.
+    corner
+        Rise at a corner when the cells are halved.
+    kink
+        Rise at a kink by all halvings to come.
+    mean
+        Mean of the heights inside the cells below that at their centres [m].
+    """
+
+    missed: Array
+    protrusion: Array
+    rise: Array
+    corner: Array
+    kink: Array
+    mean: float
+
+    @classmethod
+    def from_problem(cls, problem: Problem) -> "HiddenHeights | None":
+        """Return the heights inside the cells of `problem`, or None where they are not known."""
+        source, grid = problem.source, problem.grid
+        if source is None or problem.paddings is None:
+            return None
+        missed, protrusion, corner, kink, mean = *np.zeros((4, 1, 1)), 0.0
+        points = CONSTANTS.points if source.has_length_scales else CONSTANTS.points_without_scales
+        axes = [axis for axis in (0, 1) if grid.cells[axis] > 1]
+        moduli = [_modulus(problem, axis) for axis in axes]
+        stiffness = [
+            modulus / grid.cell_size[axis] for axis, modulus in zip(axes, moduli, strict=True)
+        ]
+        try:
+            for axis, modulus, stiff in zip(axes, moduli, stiffness, strict=True):
+                if (on_lines := _on_lines(problem, axis, points)) is None:
+                    continue
+                fields, below = on_lines
+                halving = modulus * log(2) / (2 * pi)
+                missed, protrusion = missed + fields[0] * stiff, protrusion + fields[1] * stiff
+                corner = np.maximum(corner, fields[2] * halving)
+                kink = np.maximum(kink, fields[3] * halving)
+                mean += abs(below)
+            rise = CONSTANTS.pressure_rise * missed
+            if not source.has_length_scales and len(axes) == 2:
+                missed_there, protrusion_there, rise_there = _off_lines(problem)
+                missed = np.maximum(missed, missed_there * max(stiffness))
+                protrusion = np.maximum(protrusion, protrusion_there * max(stiffness))
+                rise = np.maximum(rise, rise_there * max(stiffness))
+        except InvalidInput:
+            return None
+        missed, protrusion, rise, corner, kink = (
+            np.broadcast_to(field, grid.cells) for field in (missed, protrusion, rise, corner, kink)
+        )
+        return cls(missed, protrusion, rise, corner, kink, mean)
+
+    def effect_under(self, problem: Problem, pressure: Array) -> HiddenEffect:
+        """Return the effect of the heights where `pressure` (x, y) [Pa] acts, and in the neighbouring cells."""
+        from scipy.ndimage import maximum_filter  # imported late, since it is slow
+
+        assert problem.paddings is not None
+        rows = around_contact(pressure)
+        loaded = pressure[rows]
+        modes = tuple("wrap" if padding.wraps else "nearest" for padding in problem.paddings)
+        beside = maximum_filter(loaded, 3, mode=modes)
+        near, touching, peak = beside > 0, loaded > 0, float(loaded.max())
+
+        def largest(field: Array) -> float:
+            return float(np.where(near, field[rows], 0.0).max()) / peak
+
+        hidden = self.missed[rows]
+        opens = np.minimum(hidden, loaded) / np.where(touching, loaded, 1.0)
+        return HiddenEffect(
+            float(np.minimum(hidden, beside).sum() / loaded.sum()),
+            largest(self.corner),
+            largest(self.protrusion) > 1,
+            float(np.where(near, loaded + self.rise[rows], peak).max()) / peak - 1,
+            largest(self.kink),
+            float(opens.sum()) / np.count_nonzero(touching),
+        )
+
+
+def _on_lines(problem: Problem, axis: int, points: int) -> tuple[list[Array], float] | None:
+    """Return heights on lines through the centres along an `axis`; None where they do not vary along it.
+
+    They are (missed [m], protrusion [m], corner, kink), fields (x, y) or fewer where they do not vary, and the mean of
+    the heights below that of the centres [m]. Lines with bends like those of a corner are examined again at more
+    points.
+    """
+    source, grid, paddings = problem.source, problem.grid, problem.paddings
+    assert source is not None
+    assert paddings is not None
+    cells = list(grid.cells)
+    cells[1 - axis] = min(
+        cells[1 - axis], max(CONSTANTS.lines, cells[1 - axis] // CONSTANTS.sparse)
+    )
+    grids = [
+        Grid((n * cells[0], cells[1]) if axis == 0 else (cells[0], n * cells[1]), grid.extent)
+        for n in (1, points)
+    ]
+    centres, inside = (axis_first(source.gap(one), axis) for one in grids)
+    if len(inside) == len(centres) == 1:
+        return None
+    # a shape may vary along an axis at the points alone, or at the centres alone
+    width = max(inside.shape[1], centres.shape[1])
+    centres = np.broadcast_to(centres, (cells[axis], width))
+    inside = np.broadcast_to(inside, (points * cells[axis], width))
+    examined = []
+    # some lines at a time, whose arrays fit into the cache
+    together = max(1, BLOCK_CELLS // len(inside))
+    for begin in range(0, width, together):
+        lines = slice(begin, begin + together)
+        bends = _slope_changes(
+            inside[:, lines], grid.cell_size[axis] / points, wraps=paddings[axis].wraps
+        )
+        shown = _shown(centres[:, lines], inside[:, lines], wraps=paddings[axis].wraps)
+        kink = (
+            np.zeros((1, 1))
+            if source.has_length_scales
+            else _kinks(bends, points, wraps=paddings[axis].wraps)
+        )
+        examined.append((*shown, _corners(bends, points), kink))
+    on_lines = [np.concatenate(fields, axis=1) for fields in zip(*examined, strict=True)]
+    if points < CONSTANTS.points_at_corners and on_lines[2].any():
+        return _on_lines(problem, axis, CONSTANTS.points_at_corners)
+    if axis and problem.covered_fractions is not None:  # an end is no height that is hidden
+        at_end = np.convolve(problem.covered_fractions < 1, np.ones(5), mode="same") > 0
+        on_lines[:2] = [np.where(at_end[:, None], 0.0, fields) for fields in on_lines[:2]]
+    means = [
+        mean_height(source, one, axis_first(heights, axis))
+        for one, heights in zip(grids, (centres, inside), strict=True)
+    ]
+    return [_on_grid(axis_first(field, axis), grid) for field in on_lines], means[1] - means[0]
+
+
+def _shown(centres: Array, inside: Array, *, wraps: bool) -> tuple[Array, Array]:
+    """Return what cubics through the `centres` (n, lines) miss of the heights `inside` (n points, lines), [m].
+
+    And the heights above the centres of a cell and its neighbours: a step between two centres is not hidden.
+    """
+    heights = inside.reshape(len(centres), -1, centres.shape[1])
+    points, padded = heights.shape[1], _extended(centres, wraps=wraps)
+    missed = np.zeros(centres.shape)
+    for number in range(points):
+        smooth = _cubic(padded, (number + 0.5) / points - 0.5)
+        np.maximum(missed, np.abs(smooth - heights[:, number]), out=missed)
+    lowest = np.minimum(np.minimum(padded[1:-3], padded[2:-2]), padded[3:-1])
+    return missed, np.maximum(lowest - heights.min(axis=1), 0)
+
+
+def _slope_changes(inside: Array, step: float, *, wraps: bool) -> Array:
+    """Return the change of the slope at each point (n points, lines), above zero where it points out of the body."""
+    changes = np.diff(with_ends(inside, 1, wraps=wraps), n=2, axis=0)
+    rounding = 8 * np.finfo(float).eps * max(inside.max(), -inside.min())
+    changes[np.abs(changes) < rounding] = 0.0
+    if not wraps:
+        changes[[0, -1]] = 0.0
+    return np.asarray(changes / step)
+
+
+def _pairs(slope_changes: Array) -> Array:
+    """Return the outward slope changes of each point and the next one."""
+    outward = np.maximum(slope_changes, 0)
+    return np.asarray(outward + np.roll(outward, -1, axis=0))
+
+
+def _corners(slope_changes: Array, points: int) -> Array:
+    """Return the slope of the corner in each cell (n, lines), 0 where its bend is that of a smooth surface.
+
+    A corner bends between two neighbouring points alone, and more than the mean of its cell; a smooth surface bends as
+    much on either side.
+    """
+    pairs, size = _pairs(slope_changes), np.abs(slope_changes)
+    slope = pairs - np.roll(size, 1, axis=0) - np.roll(size, -2, axis=0)
+    slope[slope <= CONSTANTS.corner_fraction * pairs] = 0.0
+    steepest, usual = (field.reshape(-1, points, size.shape[1]) for field in (slope, size))
+    return np.where(steepest.max(axis=1) > usual.mean(axis=1), steepest.max(axis=1), 0.0)
+
+
+def _kinks(slope_changes: Array, points: int, *, wraps: bool) -> Array:
+    """Return the slope of the corner that stands for a height ``|x|^n`` in each cell (n, lines), 0 without one.
+
+    At each halving of the cells the pressure under such a height rises by ``2^(1 - n)`` of the rise before. The sum of
+    all rises, a geometric series, is the rise at one halving under a corner with the slope change of the cell over
+    ``1 - 2^(1 - n)``. The power n follows from the fraction ``(w / W)^(n - 1)`` of the slope change over a cell W that
+    lies within w about the apex.
+    """
+    from scipy.ndimage import maximum_filter1d  # imported late, since it is slow
+
+    def in_cells(field: Array) -> Array:
+        return field.reshape(-1, points, field.shape[1])
+
+    pairs = _pairs(slope_changes)
+    # the bend within half a cell to either side of each pair
+    sums = np.cumsum(with_ends(np.maximum(slope_changes, 0), points // 2, wraps=wraps), axis=0)
+    around = np.concatenate([sums[points - 1 : points], sums[points:] - sums[:-points]])[
+        : len(pairs)
+    ]
+    # an apex bends more than all about it; where a bend begins, half of the window is straight
+    highest = maximum_filter1d(pairs, points + 1, axis=0, mode="nearest")
+    apex = in_cells(pairs).argmax(axis=1)[:, None]
+    strongest, about, window_peak = (
+        np.take_along_axis(in_cells(field), apex, axis=1)[:, 0]
+        for field in (pairs, around, highest)
+    )
+    fraction = np.divide(strongest, about, out=np.ones_like(about), where=about > 0)
+    power = np.log(np.maximum(fraction, 1 / points)) / log(2 / points)
+    power = np.maximum(power, CONSTANTS.min_power)
+    is_apex = (strongest > 0) & (strongest >= window_peak) & (power < CONSTANTS.smooth_power)
+    if not wraps:
+        is_apex[[0, -1]] = False
+    return np.where(is_apex, about / (1 - 2**-power), 0.0)
+
+
+def _off_lines(problem: Problem) -> tuple[Array, Array, Array]:
+    """Return (missed, protrusion, rise) [m], fields (x, y) of the heights off the lines; 0 for a profile.
+
+    `missed` is the largest interpolation error of cubics through the centres, and `protrusion` the height above all
+    centres about a cell. The `rise` is that of the pressure over ``E* / dx``, by the error beyond that of a feature
+    which the centres resolve, on a length s: that of a round bump ``exp(-r^2 / s^2)`` with the same largest and mean
+    square error in the cell, of which the mean square is ``pi s^2 / 2`` of the square of the largest. With the
+    probability ``(1 - q)^k`` none of k random points in a cell hits a feature over the fraction q of it; points of low
+    discrepancy leave smaller holes. Each point is examined in all cells at once.
+    """
+    from scipy.ndimage import minimum_filter  # imported late, since it is slow
+
+    source, grid = problem.source, problem.grid
+    assert source is not None
+    assert problem.paddings is not None
+    heights = getattr(source, "gap_without_scales", source.gap)
+    missed, squares, lowest = (
+        np.zeros(grid.cells),
+        np.zeros(grid.cells),
+        np.full(grid.cells, np.inf),
+    )
+    if heights(grid).shape[1] == 1:  # the lines across have examined it
+        return missed, missed, missed
+    centres = np.broadcast_to(heights(grid), grid.cells)
+    across, along = (padding.wraps for padding in problem.paddings)
+    beside = _extended(centres, wraps=across)
+    for number in range(CONSTANTS.points_off_lines):
+        shift = (0.5 + number * STEPS[0]) % 1 - 0.5, (0.5 + number * STEPS[1]) % 1 - 0.5
+        points = np.broadcast_to(heights(_ShiftedGrid(grid.cells, grid.extent, shift)), grid.cells)
+        smooth = _cubic(_extended(_cubic(beside, shift[0]).T, wraps=along), shift[1]).T
+        np.maximum(missed, np.abs(points - smooth), out=missed)
+        squares += (points - smooth) ** 2
+        np.minimum(lowest, points, out=lowest)
+    # above all centres about a cell: a step between two centres hides no height
+    modes = tuple("wrap" if is_periodic else "nearest" for is_periodic in (across, along))
+    protrusion = np.maximum(minimum_filter(centres, 3, mode=modes) - lowest, 0)
+    largest = CONSTANTS.points_off_lines * missed**2
+    fraction = np.divide(squares, largest, out=np.ones(grid.cells), where=largest > 0)
+    # the second difference of the centres, the larger one of both axes
+    shown = np.maximum(
+        np.abs(np.diff(beside[1:-1], n=2, axis=0)),
+        np.abs(np.diff(_extended(centres.T, wraps=along)[1:-1], n=2, axis=0)).T,
+    )
+    unresolved = np.maximum(missed - CONSTANTS.resolved_fraction * shown, 0)
+    return missed, protrusion, CONSTANTS.pressure_rise * unresolved / np.sqrt(2 * fraction / pi)
+
+
+def _cubic(extended: Array, position: float) -> Array:
+    """Return the cubics through four neighbouring points, at a `position` in cells from each centre (n, lines).
+
+    The points (n + 4, lines) are the centres, `extended` by two at either end.
+    """
+    first, t = (1, position) if position >= 0 else (0, position + 1)
+    weights = (
+        -t * (t - 1) * (t - 2) / 6,
+        (t + 1) * (t - 1) * (t - 2) / 2,
+        -(t + 1) * t * (t - 2) / 2,
+        (t + 1) * t * (t - 1) / 6,
+    )
+    count, smooth = len(extended) - 4, np.zeros(())
+    for node, weight in enumerate(weights, start=first):
+        smooth = smooth + weight * extended[node : node + count]
+    return smooth
+
+
+def _extended(centres: Array, *, wraps: bool) -> Array:
+    """Return `centres` (n, lines) with two more at either end: periodic ones where it wraps, else of the last cubic.
+
+    Fewer than four centres have no cubic: the last one is repeated.
+    """
+    padded = with_ends(centres, 2, wraps=wraps)
+    if not wraps and len(centres) >= 4:
+        for side in (padded, padded[::-1]):
+            side[:2] = BEYOND @ side[2:6]
+    return padded
+
+
+@dataclass(frozen=True)
+class _ShiftedGrid(Grid):
+    """A grid whose points are shifted from the cell centres by fractions of a cell (across, along)."""
+
+    shift: tuple[float, float]
+
+    @property
+    def x(self) -> Array:
+        return super().x + self.shift[0] * self.cell_size[0]
+
+    @property
+    def y(self) -> Array:
+        return super().y + self.shift[1] * self.cell_size[1]
+
+
+def _on_grid(field: Array, grid: Grid) -> Array:
+    """Return a `field` of some lines (x, y) on all cells, an axis along which it does not vary as it is."""
+    cells = [
+        count if present > 1 else 1 for count, present in zip(grid.cells, field.shape, strict=True)
+    ]
+    return on_cells(field, (cells[0], cells[1]))
+
+
+def mean_height(source: Source, grid: Grid, gap: Array) -> float:
+    """Return the mean of a `gap` (x, y) [m] on a grid, over the length of the bodies."""
+    lengths = getattr(source, "covered_fractions", lambda _: None)(grid)
+    means = np.broadcast_to(gap.mean(axis=0), grid.cells[1])
+    return float(np.average(means, weights=lengths))
+
+
+def _modulus(problem: Problem, axis: int) -> float:
+    """Return E* [Pa] from the displacement under a pressure that alternates from cell to cell along an `axis`.
+
+    A wave of pressure p of the wave number k displaces a half-space by ``2 p / (E* k)``, here with ``k = pi / dx``.
+    """
+    across, along = (np.ones(count) for count in problem.grid.cells)
+    alternating = along if axis else across
+    alternating[1::2] = -1
+    alternating[len(alternating) // 2 * 2 :] = 0  # the mean of an odd number of cells
+    if isinstance(problem.operator, Convolution):
+        energy = problem.operator.work_of_product(across, along)
+    else:
+        wave = across[:, None] * along
+        energy = float((problem.operator(wave) * wave).sum())
+    loaded = np.count_nonzero(across) * np.count_nonzero(along)
+    return 2 * problem.grid.cell_size[axis] * loaded / (pi * energy)

@@ -5,9 +5,10 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.domain.grid import across_and_along
-from studies.definitions.hard_case import PADDINGS, SOLVERS, HardCase, Judgement, Verdict
+from studies.definitions.hard_cases import SOLVERS
 from tests.hard_cases.cases import CASES
 from tests.hard_cases.dense_solver import answer, influence_matrix, plane_strain_matrix
+from tests.hard_cases.hard_case import PADDINGS, HardCase, Judgement, Verdict
 
 
 def judged_by(

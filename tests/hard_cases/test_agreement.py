@@ -7,9 +7,10 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.domain.grid import across_and_along
-from studies.definitions.hard_case import EXACT, FREE, PADDINGS, SOLVERS, grid, noise, with_heights
+from studies.definitions.hard_cases import SOLVERS, grid, noise, with_heights
 from studies.reference.line_contact import P_H, SCENE
 from tests.hard_cases.dense_solver import answer
+from tests.hard_cases.hard_case import EXACT, FREE, PADDINGS
 
 CELLS = (32, 32)
 

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from studies.definitions.hard_case import grid
+from studies.definitions.hard_cases import grid
 from studies.reference.line_contact import HERTZ, P_H, SCENE, A
 
 

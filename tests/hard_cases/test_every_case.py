@@ -1,6 +1,6 @@
 import pytest
 
-from studies.definitions.hard_case import SOLVERS
+from studies.definitions.hard_cases import SOLVERS
 from tests.hard_cases.cases import CASES
 from tests.hard_cases.judged import ends_well
 

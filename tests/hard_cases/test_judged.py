@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from studies.definitions.hard_case import PADDINGS, ROUGH, HardCase, Verdict, grid, with_heights
-from studies.definitions.hard_cases import CASES
+from studies.definitions.hard_cases import ROUGH, grid, with_heights
+from tests.hard_cases.cases import CASES
 from tests.hard_cases.dense_solver import answer, influence_matrix, plane_strain_matrix
+from tests.hard_cases.hard_case import PADDINGS, HardCase, Verdict
 from tests.hard_cases.judged import judged_by
 
 CASE = HardCase(with_heights(ROUGH), grid())

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from studies.definitions.hard_case import FLAT, PADDINGS, grid
+from studies.definitions.hard_cases import FLAT, grid
 from studies.reference.line_contact import HERTZ_HEIGHT
 from tests.hard_cases.cases import CASES
+from tests.hard_cases.hard_case import PADDINGS
 from tests.hard_cases.judged import ends_well
 
 

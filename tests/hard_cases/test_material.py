@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from studies.definitions.hard_case import EXACT, grid
+from studies.definitions.hard_cases import grid
 from studies.reference.line_contact import P_H, SCENE
 from tests.hard_cases.cases import CASES
+from tests.hard_cases.hard_case import EXACT
 from tests.hard_cases.judged import ends_well
 
 

@@ -2,8 +2,9 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from studies.definitions.hard_case import EXACT, SOLVERS
+from studies.definitions.hard_cases import SOLVERS
 from tests.hard_cases.cases import CASES
+from tests.hard_cases.hard_case import EXACT
 
 
 @pytest.mark.parametrize("solver", SOLVERS)

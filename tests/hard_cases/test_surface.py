@@ -5,8 +5,9 @@ import pytest
 import xarray as xr
 
 import contactstudy as cs
-from studies.definitions.hard_case import EXACT, ROUGH, grid, with_heights
+from studies.definitions.hard_cases import ROUGH, grid, with_heights
 from studies.reference.line_contact import HERTZ_HEIGHT, SCENE
+from tests.hard_cases.hard_case import EXACT
 
 HEIGHTS = ROUGH * HERTZ_HEIGHT
 

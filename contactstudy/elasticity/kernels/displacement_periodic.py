@@ -160,14 +160,11 @@ def _images(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> 
     return total
 
 
-def even_powers(x: Array, half: Array, images: int, terms: int, depth: float = 0.0) -> Array:
-    """Return ``1, r^2, r^4 ...`` for ``r^2 = x^2 + depth^2``, averaged over segments about each x, shape (x, terms).
-
-    Lengths are in periods.
-    """
+def even_powers(x: Array, half: Array, images: int, terms: int) -> Array:
+    """Return ``1, x^2, x^4 ...`` averaged over segments about each x, in periods, shape (x, terms)."""
     # smallest distance between the ends of a cell and the further images, in half-lengths
     nodes, weights = np.array(gauss_points(images / float(half.max()))).T
-    squares = (x.reshape(-1, 1) + half.reshape(-1, 1) * nodes) ** 2 + depth**2
+    squares = (x.reshape(-1, 1) + half.reshape(-1, 1) * nodes) ** 2
     powers = np.vander(squares.ravel(), terms, increasing=True)
     return np.asarray(np.einsum("p,xpt->xt", weights, powers.reshape(*squares.shape, terms)))
 

@@ -123,21 +123,18 @@ class CoatedHalfSpace:
         """Return the coefficients of a half-space of the coating's material, and the change by each material below."""
         alone = self.coating.response(datum)
         weight = alone[BoussinesqCoefficients(datum)]
-        changes = (CoatingCoefficients(*interface, datum) for interface in self.interfaces)
+        changes = (CoatingCoefficients(*interface, "z", datum) for interface in self.interfaces)
         return {**alone, **dict.fromkeys(changes, weight)}
 
     def shear_compliance(self, datum: float) -> "ShearCompliance":
         """Return the displacement under traction of a half-space of the coating, and the change by each one below."""
-        # imported only where there is friction
-        from contactstudy.elasticity.coating import CoatingShearCoefficients
-
         along = self.coating.compliance / math.pi
         normal = along / (2 * (1 - self.coating.poisson_ratio))
         return {
             name: {
                 **of_coating,
                 **{
-                    CoatingShearCoefficients(response, depth, name, datum): (
+                    CoatingCoefficients(response, depth, name, datum): (
                         normal if name in ("x", "y") else along
                     )
                     for response, depth in self.interfaces

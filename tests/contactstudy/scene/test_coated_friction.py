@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.elasticity.coating import CoatingShearCoefficients
+from contactstudy.elasticity.coating import CoatingCoefficients
+from contactstudy.elasticity.kernels.layer.displacement_waves import DisplacementWaves, Subtracted
 from contactstudy.elasticity.kernels.layer.response import LayerResponse
-from contactstudy.elasticity.kernels.layer.shear import ShearWaves, Subtracted
 from contactstudy.elasticity.kernels.layer.stress import LayerStress
 from contactstudy.elasticity.tangential import general_convolution
 from tests.conftest import STEEL
@@ -17,22 +17,22 @@ CYLINDER = (cs.Cylinder(0.01),)
 ROUGH = (*CYLINDER, cs.Roughness(1.5e-7, hurst=0.8, roll_off=1e-4, cut_off=2e-5, seed=1))
 EXACT = cs.ExactPeriodicity()
 MATERIALS = [LayerResponse((4.0,), (0.25, 0.35)), LayerResponse((0.2,), (0.3, 0.45))]
-FIELDS = ["xx", "yy", "xy", "x", "y"]
+FIELDS = ["xx", "yy", "xy", "x", "y", "z"]
 
 
 @pytest.mark.parametrize("layer", MATERIALS)
 def test_a_wave_of_shear_moves_the_surface_as_its_stress_says(layer: LayerResponse) -> None:
     """By the stress s_xx at the surface, which is 2 under shear and -1 under pressure without a substrate."""
-    k = np.linspace(0.05, 6, 40)
-    along = ShearWaves(layer, Subtracted.NONE).plane_amplitudes(k)["xx"]
+    k, waves = np.linspace(0.05, 6, 40), DisplacementWaves(layer, Subtracted.NONE, "traction")
+    along = waves.plane_amplitudes(k)["xx"]
     pressed, sheared = LayerStress(layer, 0.0).plane(k)[:, 2]
     nu, (m,) = layer.poisson_ratios[0], layer.shear_ratios
     np.testing.assert_allclose(along, 2 * np.pi / k * (sheared / 2 - 1), atol=1e-12)
-    coupling = ShearWaves(layer, Subtracted.NONE).plane_amplitudes(k)["x"]
+    coupling = waves.plane_amplitudes(k)["x"]
     # by reciprocity, the displacement along the surface under pressure
     expected = -(1 - nu) * pressed - nu - (1 - 2 * nu)
     np.testing.assert_allclose(coupling, -2j * np.pi / k * expected, atol=1e-12)
-    across = ShearWaves(layer, Subtracted.NONE).plane_amplitudes(k)["yy"]
+    across = waves.plane_amplitudes(k)["yy"]
     antiplane = (m + np.tanh(k)) / (1 + m * np.tanh(k)) - 1
     np.testing.assert_allclose(across, 2 * np.pi / k * antiplane / (1 - nu), atol=1e-12)
 
@@ -43,7 +43,7 @@ def test_a_wave_of_shear_moves_the_surface_as_its_stress_says(layer: LayerRespon
 @pytest.mark.parametrize("thickness", [0.3, 0.06])
 def test_a_row_is_the_sum_of_its_cells(thickness: float, layer: LayerResponse, name: str) -> None:
     dx, dy, nx, ny = 0.1, 0.15, 6, 4
-    field, x = CoatingShearCoefficients(layer, thickness, name, 1.0), np.arange(nx) * dx
+    field, x = CoatingCoefficients(layer, thickness, name, 1.0), np.arange(nx) * dx
     row = field.row(x[:, None], np.arange(ny) * dy, dx, dy, ny * dy)
     images = 150
     alone = field.cell(x[:, None], np.arange(images * ny) * dy, dx, dy)
@@ -64,11 +64,12 @@ def test_a_lattice_answers_a_wave_by_its_amplitude(name: str) -> None:
     layer, thickness, n, width = MATERIALS[0], 0.2, 64, 1.0
     grid = cs.Grid((n, n), (width, width))
     convolution = general_convolution(
-        CoatingShearCoefficients(layer, thickness, name, 1.0), grid, (EXACT, EXACT)
+        CoatingCoefficients(layer, thickness, name, 1.0), grid, (EXACT, EXACT)
     )
     qx, qy = 2 * np.pi / width * np.array([3, 2])
     phase = qx * grid.x[:, None] + qy * grid.y
-    waves = ShearWaves(layer, Subtracted.NONE)
+    load = "pressure" if name == "z" else "traction"
+    waves = DisplacementWaves(layer, Subtracted.NONE, load)
     kx, ky = np.array([[qx * thickness]]), np.array([[qy * thickness]])
     amplitude = thickness * complex(waves.amplitudes(kx, ky)[name][0, 0])
     # piecewise constant cells have the mean of the wave, and add what is aliased: below 1e-3 of it

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from scipy.interpolate import BSpline
+from scipy.interpolate import PPoly
 
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.kernels.layer.response import LayerResponse, RealOrComplex, spline
@@ -131,7 +131,7 @@ def _antiplane(
 
 
 @lru_cache(maxsize=64)
-def _table(stress: LayerStress) -> BSpline:
+def _table(stress: LayerStress) -> PPoly:
     """Return the remainder as a spline (load and component) of the wave number."""
     first = stress.materials.pole_distance_from_zero / 2
     return spline(stress.remainder, first, LAST_STRESS_WAVE / stress.decay_rate)

@@ -31,7 +31,7 @@ MIN_PERIOD = 64.0
 NO_WAVES, LONG_WAVES, SEEN_WAVES = (-inf, 1.0), (0.9, 0.165), (20.0, 3.5)
 WINDOW_END, NEAR_CELLS = 5.3, 24
 # Number of values that are held at once.
-VALUES_AT_ONCE = 2**18
+VALUES_AT_ONCE = 2**17
 # Number of waves along an axis up to which they are summed as a series, and beyond which by a transform.
 MAX_SERIES_WAVES = 1200
 
@@ -178,9 +178,7 @@ class WaveCoefficients:
             return np.zeros((x.size, y.size))
         farthest = float(np.abs(x).max())
         # beside long periods the field itself has fallen off before its waves have
-        reach = 2 * farthest + min(
-            DECAY_PERIODS * period, max(ROW_RATIO * farthest, self.least_period)
-        )
+        reach = farthest + min(DECAY_PERIODS * period, max(ROW_RATIO * farthest, self.least_period))
         across = fft.next_fast_len(int(np.ceil(reach / dx)) + 1)
         chosen = self._lattice(dx, dy, across, along)[_indices(x.ravel(), dx, across)]
         chosen = chosen - chosen.mean(axis=1, keepdims=True)
@@ -317,7 +315,7 @@ def _summed(
             [weight * erfc((q[-1] - end) / width) / 2 for end, width in (window, left_out)]
         )
     kx, ky = (2 * np.pi * waves_of / step for waves_of, step in zip(q, steps, strict=True))
-    summed: dict[str, NDArray[np.complex128]] = {}
+    summed: dict[str, Array] = {}
     rows = min(cells[0], max(1, VALUES_AT_ONCE // ky.size))
     for start in range(0, kx.size, rows):
         chosen = slice(start, start + rows)
@@ -328,11 +326,11 @@ def _summed(
         )
         weight -= left
         amplitudes = waves.amplitudes(kx[chosen, None] * thickness, ky[:columns] * thickness)
-        folded = np.zeros((weight.shape[0], -(-columns // cells[1]) * cells[1]), np.complex128)
         where = np.arange(start, start + weight.shape[0]) % cells[0]
         for name, amplitude in amplitudes.items():
-            folded[:, :columns] = amplitude * weight
-            total = summed.setdefault(name, np.zeros(cells, np.complex128))
+            folded = np.zeros((where.size, -(-columns // cells[1]) * cells[1]), amplitude.dtype)
+            np.multiply(amplitude, weight, out=folded[:, :columns])
+            total = summed.setdefault(name, np.zeros(cells, amplitude.dtype))
             total[where] += folded.reshape(where.size, -1, cells[1]).sum(axis=1)
     fields = {}
     for name, total in summed.items():

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from contactstudy.elasticity.kernels.layer.shear import ShearWaves, Subtracted
+from contactstudy.elasticity.kernels.layer.displacement_waves import DisplacementWaves, Subtracted
 from contactstudy.elasticity.kernels.layer.stress import LayerStress
 from contactstudy.elasticity.kernels.layer.stress_waves import StressWaves
 from contactstudy.elasticity.kernels.layer.wave_coefficients import WaveCoefficients, WaveResponse
@@ -13,7 +13,8 @@ from tests.contactstudy.elasticity.kernels.layer_materials import LAYERS
     [
         (StressWaves(LayerStress(LAYERS["stiff"], 0.5), "across"), "xy"),
         (StressWaves(LayerStress(LAYERS["very soft"], 1.5), "pressure"), "xx"),
-        (ShearWaves(LAYERS["stiff"], Subtracted.NONE), "x"),
+        (DisplacementWaves(LAYERS["stiff"], Subtracted.NONE, "traction"), "x"),
+        (DisplacementWaves(LAYERS["two on a rigid base"], Subtracted.NONE, "pressure"), "z"),
     ],
 )
 def test_a_long_cell_on_a_thin_layer_is_the_sum_of_its_parts(

@@ -1,4 +1,4 @@
-"""Displacement of a layered surface under tangential traction, less that without the half-space."""
+"""Displacement of a layered surface under waves of pressure and traction, less that without the half-space."""
 
 from dataclasses import dataclass
 from enum import Enum
@@ -30,11 +30,12 @@ class Subtracted(Enum):
 
 
 @dataclass(frozen=True)
-class ShearWaves:
-    """Displacement under a wave of tangential traction that the half-space below a layer adds to that of the layer's.
+class DisplacementWaves:
+    """Displacement under a wave of load that the half-space below a layer adds to that of the layer's.
 
-    Fields "xx", "xy" and "yy" are the displacements along the surface, over ``(1 - nu1^2) / (pi E1)``; "x" and "y" are
-    the normal displacement under traction along either axis, over ``1 / (4 pi G1)``; all in thicknesses.
+    Fields "xx", "xy" and "yy" are the displacements along the surface under traction, and "z" is that along the normal
+    under pressure, over ``(1 - nu1^2) / (pi E1)``; "x" and "y" are the normal displacement under traction along either
+    axis, over ``1 / (4 pi G1)``; all in thicknesses.
 
     Parameters
     ----------
@@ -42,6 +43,8 @@ class ShearWaves:
         Materials and depths of their interfaces.
     subtracted
         Terms of long waves that are left out, as they are known in closed form.
+    load
+        "pressure", or "traction" along the surface.
     """
 
     #: Rate, per wave number times thickness, at which amplitudes decay: exp(-2 k).
@@ -49,31 +52,35 @@ class ShearWaves:
 
     materials: LayerResponse
     subtracted: Subtracted
+    load: str
 
     def parity(self, name: str) -> tuple[int, int]:
         """Return the parity of a field in x and y."""
-        return SURFACE["xx" if name == "yy" else name].parity
+        return (1, 1) if name in ("yy", "z") else SURFACE[name].parity
 
-    def swap_axes(self, name: str) -> tuple["ShearWaves", str]:
+    def swap_axes(self, name: str) -> tuple["DisplacementWaves", str]:
         """Return the response and the field that take the place of these when the axes are exchanged."""
-        return self, SWAPPED[name]
-
-    @property
-    def terms(self) -> tuple[tuple[float, ...], ...]:
-        """Terms a, b and c of long waves: of shear along the wave, of shear across it, and of their coupling."""
-        return _terms(self.materials)
+        return self, SWAPPED.get(name, name)
 
     def plane_amplitudes(self, k: RealOrComplex) -> dict[str, RealOrComplex]:
         """Return the fields, by name, under waves across with wave numbers `k`, real or imaginary."""
-        along, across, coupling = (2 * np.pi / k * part + 0j for part in self._responses(k))
+        pressed, along, coupling, across = (
+            2 * np.pi / k * part + 0j for part in self._responses(k)
+        )
+        if self.load == "pressure":
+            return {"z": pressed}
         return {"xx": along, "yy": across, "x": -1j * coupling}
 
     def amplitudes(self, across: Array, along: Array) -> dict[str, Array]:
         """Return all fields, by name, under waves (across, along); none for the mean."""
         size = np.hypot(across, along)
         weight = np.divide(2 * np.pi, size, out=np.zeros_like(size), where=size > 0)
+        pressed, longitudinal, coupling, transverse = (
+            weight * part for part in self._responses(size)
+        )
+        if self.load == "pressure":
+            return {"z": np.real(pressed)}
         c, s = (part * weight / (2 * np.pi) for part in (across, along))
-        longitudinal, transverse, coupling = (weight * part for part in self._responses(size))
         return {
             "xx": c * c * longitudinal + s * s * transverse,
             "yy": s * s * longitudinal + c * c * transverse,
@@ -83,10 +90,12 @@ class ShearWaves:
         }
 
     def _responses(self, k: RealOrComplex) -> list[RealOrComplex]:
-        """Return the responses to shear along the wave and across it, and their coupling, less those of a half-space."""
+        """Return the responses in the order of :func:`terms_of_long_waves`, less those of a half-space."""
         decay, responses = np.exp(-2 * k), []
         remainders = _remainders(self.materials, k)
-        for remainder, (constant, slope, curvature) in zip(remainders, self.terms, strict=True):
+        for remainder, (constant, slope, curvature) in zip(
+            remainders, terms_of_long_waves(self.materials), strict=True
+        ):
             missing = {
                 Subtracted.NONE: constant,
                 Subtracted.FIRST: 0.0,
@@ -97,16 +106,19 @@ class ShearWaves:
 
 
 def _remainders(materials: LayerResponse, k: RealOrComplex) -> tuple[RealOrComplex, ...]:
-    """Return the short-ranged responses over the compliances of :class:`ShearWaves`."""
-    _, along, coupling, across = materials.remainders(k)
-    return along, across / (1 - materials.poisson_ratios[0]), coupling
+    """Return the short-ranged responses over the compliances of :class:`DisplacementWaves`."""
+    normal, along, coupling, across = materials.remainders(k)
+    return normal, along, coupling, across / (1 - materials.poisson_ratios[0])
 
 
 @lru_cache(maxsize=32)
-def _terms(materials: LayerResponse) -> tuple[tuple[float, ...], ...]:
-    """Return :attr:`ShearWaves.terms`."""
-    _, along, coupling, across = materials.contrasts
-    constants = along, across / (1 - materials.poisson_ratios[0]), coupling
+def terms_of_long_waves(materials: LayerResponse) -> tuple[tuple[float, ...], ...]:
+    """Return the terms a, b and c of :class:`Subtracted`.
+
+    They are of pressure, of shear along the wave, of their coupling, and of shear across the wave.
+    """
+    normal, along, coupling, across = materials.contrasts
+    constants = normal, along, coupling, across / (1 - materials.poisson_ratios[0])
 
     def growing(k: RealOrComplex) -> RealOrComplex:
         return np.array(_remainders(materials, k)) * np.exp(2 * k)

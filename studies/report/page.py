@@ -26,7 +26,6 @@ from studies.registry import BUILT_IN, load_drawing
 from studies.report.chapters import CHAPTERS, MAIN, Chapter, Part, chapter_of_study
 from studies.report.drawings import comparison as settings
 from studies.report.section import FORMATS, Section, embedded, saved
-from studies.report.style import marked, plain
 from studies.store.netcdf import read
 
 MAX_LISTED = 10  # of an axis that a page lists
@@ -164,7 +163,6 @@ def write_page(
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters.update(marked=marked, plain=plain)
     page = environment.get_template("page.html").render(
         chapter=chapter,
         main=MAIN,

@@ -1,13 +1,11 @@
-"""Style of the report: colours and markers, text of numbers and settings, marks for indices and powers."""
+"""Style of the report: colours and markers, text of numbers and settings."""
 
-import re
 from typing import Any, SupportsFloat
 
 import matplotlib as mpl
 import matplotlib.style
 import numpy as np
 import xarray as xr
-from markupsafe import Markup, escape
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
@@ -72,23 +70,3 @@ def percent(value: SupportsFloat) -> str:
 def paddings(dataset: xr.Dataset) -> list[str]:
     """Return the paddings of a dataset, in its order."""
     return [str(name) for name in dataset["padding"].values]
-
-
-MARK = re.compile(r"([_^])\{([^{}]*)\}")  # p_{H} is an index, N^{-1.5} a power
-
-
-def power(base: str, exponent: float, digits: int = 2) -> str:
-    """Return ``base`` to the power of ``exponent``, with the mark for a power."""
-    return f"{base}^{{{exponent:.{digits}f}}}".replace("-", "−")
-
-
-def marked(text: str) -> Markup:
-    """Return ``text`` as HTML, with its marks for indices and powers as tags."""
-    tags = {"_": "sub", "^": "sup"}
-    html = MARK.sub(lambda mark: f"<{tags[mark[1]]}>{mark[2]}</{tags[mark[1]]}>", str(escape(text)))
-    return Markup(html)
-
-
-def plain(text: str) -> str:
-    """Return a text without its marks, for plain text."""
-    return MARK.sub(r"\1\2", text)

@@ -147,7 +147,7 @@ wear = drawing(
     claims=[
         Claim(
             "How does wear widen a contact?",
-            "Like the cube root of the distance: the estimate a³ = a_{{H}}³ + 3/2 R k P s is within {off} of the width.",
+            "Like the cube root of the distance: the estimate a³ = a_H³ + 3/2 R k P s is within {off} of the width.",
             numbers={"off": off(CUBES, "time_steps_end")},
         )
     ],

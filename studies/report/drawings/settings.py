@@ -18,7 +18,6 @@ from studies.report.style import (
     paddings,
     panels,
     percent,
-    power,
     setting_label,
 )
 from studies.report.wording import seconds_text
@@ -128,11 +127,12 @@ WHICH_N = Claim(
 WHICH_GRID = Claim(
     "Which grid?",
     "{enough} cells across 2.4 a for 1 %, if the padding leaves no error.",
-    "With exact periodicity the L1 error falls like {power}, from {first} at {coarse} cells to {last} at {fine}. The "
-    "largest error of a cell, at the edge of the contact, falls slowly: {largest} of p_{{H}} at {fine} cells.",
+    "With exact periodicity the L1 error falls with the power {power} of the cells, from {first} at {coarse} cells to "
+    "{last} at {fine}. The largest error of a cell, at the edge of the contact, falls slowly: {largest} of Hertz's "
+    "peak pressure at {fine} cells.",
     {
         "enough": lambda d: from_then_on(_exact(d).values <= 1e-2, _exact(d)["grid"].values),
-        "power": lambda d: power("N", _rate(d)) if d.sizes["grid"] > 1 else np.nan,
+        "power": lambda d: f"{_rate(d):.2f}".replace("-", "−") if d.sizes["grid"] > 1 else np.nan,
         "first": lambda d: _exact(d)[0],
         "last": lambda d: _exact(d)[-1],
         "coarse": lambda d: int(d["grid"].min()),
@@ -292,7 +292,7 @@ SIMILAR_CLAIM = Claim(
     "“n ≥ 6 gives very similar results to duplicated padding”: the errors differ by a factor of {factor}.",
     "The error of the pressure beside the axis is {duplicated} with duplicated padding and {superposed} with n = 6: "
     "one copy reaches one period to each side, as n = ½ would. Superposition errs along the length instead: there the "
-    "pressure of a uniform cylinder varies by {variation} of p_{{H}}. In a plot such as the paper's Fig. 5 neither is "
+    "pressure of a uniform cylinder varies by {variation} of the peak. In a plot such as the paper's Fig. 5 neither is "
     "visible.",
     {
         "factor": _factor,

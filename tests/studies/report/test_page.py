@@ -26,7 +26,6 @@ from studies.report.chapters import (
     chapter_of_study,
     chapters,
 )
-from studies.report.style import marked, plain
 from tests.studies.conftest import quiet
 
 FEW = {"grid": "16,24", "period": "0.6,2.4", "solver_tolerance": "1e-6"}
@@ -225,18 +224,3 @@ def test_every_chapter_is_drawn_from_what_is_stored(
     examine(text, out, text.count("<figure "))
     for part in CHAPTERS[name].parts:
         assert f'<h2 id="{part.name}">' in text
-
-
-@pytest.mark.parametrize(
-    ("text", "html", "unmarked"),
-    [
-        ("2 of p_{H}", "2 of p<sub>H</sub>", "2 of p_H"),
-        ("N^{−3/2} & N^{1.7}", "N<sup>−3/2</sup> &amp; N<sup>1.7</sup>", "N^−3/2 & N^1.7"),
-        ("solver_tolerance, p_H, N^2", "solver_tolerance, p_H, N^2", "solver_tolerance, p_H, N^2"),
-    ],
-)
-def test_marks_are_set_as_indices_and_powers_and_nothing_else_is(
-    text: str, html: str, unmarked: str
-) -> None:
-    assert marked(text) == html
-    assert plain(text) == unmarked

@@ -261,14 +261,16 @@ def test_a_study_is_a_table_with_a_row_for_each_point(tmp_path: Path) -> None:
             "case_status": ended(("load", "n"), [[1, 1, 1], [1, 0, 1]]),
             "peak": (("n", "load"), np.arange(6.0).reshape(3, 2), {"units": "Pa"}),
             "field": (("n", "load", "x"), np.zeros((3, 2, 4))),
+            "solver_status": ended(("load", "n"), [[1, 1, 1], [1, 0, 1]]).where([[True], [False]]),
         },
         {"load": ("load", [1e3, 2e3], {"units": "N m-1"}), "n": ("n", [0, 1, 2], {"units": "1"})},
     )
     points.to_netcdf(tmp_path / "points.nc")
     rows = table(tmp_path / "points.nc")
-    assert set(rows[0]) == {"load [N/mm]", "n", "peak [Pa]", "case_status"}
+    assert set(rows[0]) == {"load [N/mm]", "n", "peak [Pa]", "case_status", "solver_status"}
     assert [row["peak [Pa]"] for row in rows] == ["0", "2", "4", "1", "3", "5"]
     assert [row["case_status"] for row in rows] == ["ok", "ok", "ok", "ok", "failed", "ok"]
+    assert [row["solver_status"] for row in rows] == ["ok", "ok", "ok", "", "", ""]
     assert [(row["load [N/mm]"], row["n"]) for row in rows[2:4]] == [("1", "2"), ("2", "0")]
 
 
@@ -325,14 +327,6 @@ def test_fields_of_the_cases_of_a_sweep_are_a_table_and_a_series_for_paraview(
     values = cells["stress"].sel(component="xz").transpose("x", "y", "z").values[:, :, ::-1]
     assert b"stress_xz" in stresses
     assert np.ascontiguousarray(values).tobytes(order="F") in stresses
-
-
-def test_a_status_that_a_case_does_not_have_is_empty(tmp_path: Path) -> None:
-    outcome = ended("load", [1, 0])
-    stopped = xr.Dataset({"case_status": outcome, "solver_status": outcome}, {"load": [1.0, 2.0]})
-    stopped["solver_status"] = stopped["solver_status"].where([True, False])
-    stopped.to_netcdf(tmp_path / "stopped.nc")
-    assert [row["solver_status"] for row in table(tmp_path / "stopped.nc")] == ["ok", ""]
 
 
 def test_a_march_is_a_row_for_each_instant(tmp_path: Path) -> None:

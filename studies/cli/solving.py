@@ -6,16 +6,15 @@ import shutil
 import sys
 from pathlib import Path
 from threading import Event, Thread
-from typing import Any, Self
+from typing import Self
 
 import click
 import numpy as np
-from tqdm import tqdm
 
 import contactstudy as cs
 from contactstudy.answers.answer import Answer
 from contactstudy.domain.fields import Array
-from studies.engine.progress import LINE_INTERVAL, Lines, is_terminal
+from studies.engine.progress import LINE_INTERVAL, bar_of, is_terminal
 from studies.store.stop import Stop, StopRun
 
 BAR = "{desc} {percentage:3.0f} %|{bar}|{postfix} [{elapsed}]"
@@ -48,17 +47,12 @@ class SolveProgress:
         self.last, self.job = progress, progress.text
 
     def _show(self) -> None:
-        in_terminal = is_terminal()
-        first, interval = (FIRST, REFRESH) if in_terminal else (LINE_INTERVAL, LINE_INTERVAL)
+        first, interval = (FIRST, REFRESH) if is_terminal() else (LINE_INTERVAL, LINE_INTERVAL)
         if self._ended.wait(first):
             return
-        columns, rows = shutil.get_terminal_size()  # 80 and 24 where it does not know
-        style: dict[str, Any] = {"bar_format": BAR, "ncols": columns, "nrows": rows}
-        if not in_terminal:
-            lines = Lines(lambda text: click.echo(text, err=True))
-            style = {"bar_format": LINE, "file": lines}
         # a delay of a moment, so that it is not shown before it is set
-        with tqdm(total=100, desc=self.name, delay=1e-9, leave=False, **style) as bar:
+        about = {"total": 100, "desc": self.name, "delay": 1e-9, "leave": False}
+        with bar_of(BAR, LINE, lambda text: click.echo(text, err=True), **about) as bar:
             bar.start_t -= first
             while True:
                 bar.n = round(100 * self.last.fraction) if self.last else 0

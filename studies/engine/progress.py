@@ -13,23 +13,28 @@ from studies.model.plain_text import Log, two_digits
 LINE_INTERVAL = 10.0  # seconds between two lines
 
 
+def bar_of(in_terminal: str, elsewhere: str, log: Log, **shown: Any) -> "tqdm[Any]":
+    """Return a bar in one of two forms: in a terminal, or of lines that go to `log`."""
+    if not is_terminal():
+        return tqdm(**shown | {"bar_format": elsewhere, "file": Lines(log), "leave": False})
+    columns, rows = shutil.get_terminal_size()  # 80 and 24 where it does not know
+    return tqdm(**shown, bar_format=in_terminal, ncols=columns, nrows=rows)
+
+
 def progress_of(name: str, what: str, total: int, unit: str, log: Log) -> "Progress":
     """Return the progress of a job `what` of a study, over `total` items that are called `unit`.
 
     Lines go to `log` where there is no terminal.
     """
-    shown: dict[str, Any] = {"total": total, "unit": unit, "disable": not total}
-    if is_terminal():
-        columns, rows = shutil.get_terminal_size()  # 80 and 24 where it does not know
-        line = "{desc}: {percentage:3.0f}%|{bar}| {n_fmt}/{total_fmt} [{elapsed}{postfix}]"
-        return Progress(
-            tqdm(**shown, desc=f"{name}: {what}", bar_format=line, ncols=columns, nrows=rows)
-        )
-    line = "{desc}, {n_fmt} of {total_fmt} {unit}s in {elapsed}{postfix}"
-    times = {"delay": LINE_INTERVAL, "mininterval": LINE_INTERVAL, "maxinterval": LINE_INTERVAL}
+    names = ("delay", "mininterval", "maxinterval")
+    times = {} if is_terminal() else dict.fromkeys(names, LINE_INTERVAL)
+    line = "{desc}: {percentage:3.0f}%|{bar}| {n_fmt}/{total_fmt} [{elapsed}{postfix}]"
     return Progress(
-        tqdm(**shown, **times, desc=what, file=Lines(log), bar_format=line, leave=False)
-    )
+        bar_of(
+            line, "{desc}, {n_fmt} of {total_fmt} {unit}s in {elapsed}{postfix}", log,
+            total=total, unit=unit, disable=not total, desc=f"{name}: {what}" if is_terminal() else what, **times,
+        )
+    )  # fmt: skip
 
 
 class Progress:

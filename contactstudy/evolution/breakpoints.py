@@ -44,7 +44,14 @@ class Breakpoint:
         return self.before != self.after or self.history_jumps
 
 
-def schedule(load: ChangingLoad, times: ArrayLike | None) -> tuple[Breakpoint, ...]:
+def schedule(
+    load: ChangingLoad,
+    times: ArrayLike | None,
+    *,
+    kinks: Sequence[float] = (),
+    history: PiecewiseLinear | None = None,
+    longest: float = inf,
+) -> tuple[Breakpoint, ...]:
     """Return the instants at which steps end, from the start of the load to the last recorded time.
 
     Parameters
@@ -53,6 +60,12 @@ def schedule(load: ChangingLoad, times: ArrayLike | None) -> tuple[Breakpoint, .
         Load over time.
     times
         Recorded times [s]; None ends where the load does.
+    kinks
+        Further times [s] at which steps end, such as those where the load turns.
+    history
+        Another history, which may have kinks or jump.
+    longest
+        Longest time [s] from one instant to the next.
 
     Raises
     ------
@@ -65,46 +78,28 @@ def schedule(load: ChangingLoad, times: ArrayLike | None) -> tuple[Breakpoint, .
     if recorded is None and end <= load.start:
         raise InvalidInput("solve.times is None, and Scene.load has no end: give times [s].")
     counts = Counter(recorded or ())
-    breaks = set(load.breaks(end)) | {load.start}
+    further = (*kinks, *(history.times if history is not None else ()))
+    breaks = {
+        load.start,
+        *load.breaks(end),
+        *(time for time in further if load.start <= time <= end),
+    }
+    places = sorted(breaks | set(counts) | {end})
+    instants = places[:1]
+    for first, last in pairwise(places):
+        parts = ceil((last - first) / longest * (1 - 1e-9))
+        instants += [first + (last - first) * part / parts for part in range(1, parts)] + [last]
     return tuple(
-        Breakpoint(time, load.before(time), load.at(time), counts[time], time in breaks)
-        for time in sorted(breaks | set(counts) | {end})
+        Breakpoint(
+            time,
+            load.before(time),
+            load.at(time),
+            counts[time],
+            time in breaks,
+            history is not None and history.before(time) != history.at(time),
+        )
+        for time in instants
     )
-
-
-def with_breakpoints_of(
-    breakpoints: tuple[Breakpoint, ...], load: ChangingLoad, history: PiecewiseLinear
-) -> tuple[Breakpoint, ...]:
-    """Return `breakpoints` and more between them, where another `history` has a kink or jumps."""
-    return tuple(
-        replace(point, history_jumps=history.before(point.time) != history.at(point.time))
-        for point in _with_breakpoints_at(breakpoints, load, history.times)
-    )
-
-
-def _with_breakpoints_at(
-    breakpoints: tuple[Breakpoint, ...], load: ChangingLoad, times: Sequence[float]
-) -> tuple[Breakpoint, ...]:
-    """Return `breakpoints` and more at `times` [s] between."""
-    at_breakpoints = {point.time for point in breakpoints}
-    start, end = breakpoints[0].time, breakpoints[-1].time
-    added = (
-        Breakpoint(time, load.before(time), load.at(time), times_recorded=0, is_discontinuity=True)
-        for time in times
-        if start < time < end and time not in at_breakpoints
-    )
-    broken = (
-        replace(point, is_discontinuity=point.is_discontinuity or point.time in times)
-        for point in breakpoints
-    )
-    return tuple(sorted((*broken, *added), key=lambda point: point.time))
-
-
-def with_turning_points(
-    breakpoints: tuple[Breakpoint, ...], load: ChangingLoad
-) -> tuple[Breakpoint, ...]:
-    """Return `breakpoints` and the turning points of `load` between them."""
-    return _with_breakpoints_at(breakpoints, load, load.turning_points(breakpoints[-1].time))
 
 
 def all_recorded(breakpoints: tuple[Breakpoint, ...]) -> tuple[Breakpoint, ...]:
@@ -114,32 +109,6 @@ def all_recorded(breakpoints: tuple[Breakpoint, ...]) -> tuple[Breakpoint, ...]:
         replace(first, times_recorded=1),
         *(replace(point, times_recorded=1 + point.jumps) for point in others),
     )
-
-
-# Steps in a period of a load that repeats, at least.
-PER_PERIOD = 4
-
-
-def with_steps_within_quarter_period(
-    breakpoints: tuple[Breakpoint, ...], load: ChangingLoad
-) -> tuple[Breakpoint, ...]:
-    """Return `breakpoints` with more between them, so that no step is longer than a quarter of the period of `load`.
-
-    Steps of whole periods would meet the load at the same place of each, and not see that it changes.
-    """
-    longest = getattr(load, "period", inf) / PER_PERIOD
-    finer = list(breakpoints[:1])
-    for first, last in pairwise(breakpoints):
-        parts = ceil((last.time - first.time) / longest * (1 - 1e-9))
-        for part in range(1, parts):
-            time = first.time + (last.time - first.time) * part / parts
-            finer.append(
-                Breakpoint(
-                    time, load.at(time), load.at(time), times_recorded=0, is_discontinuity=False
-                )
-            )
-        finer.append(last)
-    return tuple(finer)
 
 
 def _checked(times: ArrayLike, load: ChangingLoad) -> list[float]:

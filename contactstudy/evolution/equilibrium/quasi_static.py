@@ -15,11 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from contactstudy.domain.grid import Grid, Padding, Paddings
-from contactstudy.evolution.breakpoints import (
-    all_recorded,
-    schedule,
-    with_turning_points,
-)
+from contactstudy.evolution.breakpoints import all_recorded, schedule
 from contactstudy.evolution.rolling.steady_rolling import SteadyRolling, solve_rolling
 from contactstudy.evolution.trajectory import Frame, Trajectory, frame_of
 from contactstudy.problem.constraint import PrescribedLoad
@@ -74,7 +70,8 @@ def follow_load(
     """
     load = scene.load
     assert isinstance(load, ChangingLoad)
-    breakpoints = with_turning_points(schedule(load, times), load)
+    turns = load.turning_points(schedule(load, times)[-1].time)
+    breakpoints = schedule(load, times, kinks=turns)
     if times is None:
         breakpoints = all_recorded(breakpoints)
     first = load.at(breakpoints[0].time)

@@ -12,13 +12,7 @@ from numpy.typing import ArrayLike
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.elasticity.coefficients import BoussinesqCoefficients
 from contactstudy.elasticity.viscoelastic import Creep
-from contactstudy.evolution.breakpoints import (
-    all_recorded,
-    schedule,
-    with_breakpoints_of,
-    with_steps_within_quarter_period,
-    with_turning_points,
-)
+from contactstudy.evolution.breakpoints import all_recorded, schedule
 from contactstudy.evolution.integration.adaptive_integrator import AdaptiveIntegrator, StepControl
 from contactstudy.evolution.integration.checkpoint import Checkpoint
 from contactstudy.evolution.integration.time_stepper import TimeStepper
@@ -41,6 +35,9 @@ from contactstudy.scene.shapes_source import summed_gap
 from contactstudy.scene.solids.bodies import creeps, instantaneous, response, yields
 from contactstudy.scene.solids.viscoelastic import creeping, relaxed
 from contactstudy.solvers.solve import SolveOptions
+
+# Steps in a period of a load that repeats, at least.
+PER_PERIOD = 4
 
 
 def state_variables(scene: Scene, datum: float) -> tuple[StateVariable, ...]:
@@ -154,16 +151,19 @@ def evolve(
     """
     control = None if error is None else StepControl.for_error(error, options.tolerance)
     load = _load(scene, times)
-    breakpoints = schedule(load, times)
-    if isinstance(scene.friction, Fretting) and scene.friction.history is not None:
-        breakpoints = with_breakpoints_of(breakpoints, load, scene.friction.history)
-    duration = breakpoints[-1].time - load.start
-    stepper = _time_stepper(scene, grid, padding, load, duration, scheme, options)
-    if stepper.depends_on_path or (times is None and not stepper.all_state_variables):
-        breakpoints = with_turning_points(breakpoints, load)
-    if stepper.all_state_variables:
-        breakpoints = with_steps_within_quarter_period(breakpoints, load)
-    elif times is None:
+    end = schedule(load, times)[-1].time
+    stepper = _time_stepper(scene, grid, padding, load, end - load.start, scheme, options)
+    keeps_states = bool(stepper.all_state_variables)
+    turns = stepper.depends_on_path or (times is None and not keeps_states)
+    breakpoints = schedule(
+        load,
+        times,
+        kinks=load.turning_points(end) if turns else (),
+        history=scene.friction.history if isinstance(scene.friction, Fretting) else None,
+        # steps of whole periods would meet the load at the same place of each, and not see that it changes
+        longest=getattr(load, "period", inf) / PER_PERIOD if keeps_states else inf,
+    )
+    if times is None and not keeps_states:
         breakpoints = all_recorded(breakpoints)
     checkpoint = None if folder is None else Checkpoint(Path(folder))
     doubles = error_estimator is ErrorEstimator.STEP_DOUBLING
@@ -171,7 +171,7 @@ def evolve(
         stepper=stepper,
         breakpoints=breakpoints,
         control=control,
-        step_doubling=doubles and bool(stepper.all_state_variables),
+        step_doubling=doubles and keeps_states,
         records_all=times is None,
         checkpoint=checkpoint,
         progress=progress,

@@ -5,7 +5,6 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.evolution.integration.evolve import evolve
 from contactstudy.evolution.states.state_variables import retardation_weights
 from contactstudy.evolution.trajectory import Trajectory
 from tests.contactstudy.evolution.creeping import (
@@ -152,17 +151,3 @@ def test_unloaded_bodies_recover_and_touch() -> None:
     assert after.gap.min() == later.gap.min() == 0
     # the groove that is left heals: the approach at which the cylinder touches falls
     assert later.gap[0, 0] > after.gap[0, 0]
-
-
-def test_a_coated_body_may_stand_beside_one_that_creeps() -> None:
-    """A coating of the body's own material is no coating: two kinds of coefficients add up to what one gives."""
-    steel = cs.HalfSpace(4.0, 0.3)
-    coated = cs.CoatedHalfSpace(steel, 0.02, steel)
-    times = [0.0, 0.5, 1.0]
-    with_coating, without = (
-        evolve(replace(rolling_cylinder(SOLID), solids=(SOLID, body)), line(96), EXACT, times=times)
-        for body in (coated, steel)
-    )
-    np.testing.assert_allclose(
-        with_coating.pressure, without.pressure, atol=1e-5 * without.pressure.max()
-    )

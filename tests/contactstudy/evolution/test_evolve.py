@@ -15,6 +15,7 @@ from contactstudy.evolution.integration.adaptive_integrator import StepControl
 from contactstudy.evolution.integration.evolve import evolve
 from contactstudy.evolution.integration.time_stepper import Instant, SolvedContacts, TimeStepper
 from contactstudy.solvers.solution import Solution
+from tests.conftest import STEEL
 from tests.contactstudy.evolution.creeping import (
     LOAD,
     RIGID,
@@ -257,9 +258,7 @@ def test_every_padding_is_integrated(padding: cs.Padding | cs.Paddings) -> None:
     scene = rolling_cylinder(SOLID, wear=cs.Wear(0.1, 1.0))
     scene = replace(scene, shapes=(*scene.shapes, cs.Waviness(1e-3, across=0.2, along=0.3)))
     grid = cs.Grid((48, 16), (0.8, 0.6))
-    found = evolve(
-        scene, grid, padding, times=[0.0, 0.5, 1.0], error_estimator=cs.ErrorEstimator.NONE
-    )
+    found = evolved(scene, grid, [0.0, 0.5, 1.0], padding=padding)
     assert found.status in (cs.Status.CONVERGED, cs.Status.CONTACT_AT_EDGE)
     borne = found.frames[-1].pressure.sum() * grid.cell_area / grid.length
     assert borne == pytest.approx(LOAD, rel=1e-7)
@@ -357,3 +356,33 @@ def test_steps_whose_error_is_not_estimated_go_from_instant_to_instant(
     assert found.counts["solves"][0] == 3
     assert found.error.l1.steps == np.inf
     assert "time-discretisation error was not estimated" in found.accuracy
+
+
+HARD, HELD = cs.ElasticPlasticHalfSpace(210e9, 0.3, 3e8, 1e10), cs.LineLoad(1e5)
+
+
+@pytest.mark.parametrize(
+    ("solid", "load", "wear"),
+    [
+        (STEEL, HELD, cs.Wear(1e-15, 6.0)),
+        (cs.ViscoelasticHalfSpace(105e9, 0.3, ((105e9, 0.4),)), HELD, None),
+        (HARD, cs.LoadHistory((0.0, 1.0), (5e4, 1e5)), None),
+    ],
+    ids=["wear", "creep of the other body", "yield of the other body"],
+)
+def test_a_coating_of_its_substrates_material_is_no_coating(
+    solid: cs.HalfSpace, load: object, wear: cs.Wear | None
+) -> None:
+    plain = cs.Scene(load, (STEEL, solid), (cs.Cylinder(0.01),), wear=wear)
+    coated = replace(plain, solids=(cs.CoatedHalfSpace(STEEL, 5e-5, STEEL), solid))
+    grid = cs.Grid((48, 1), (8e-4, 1e-3))
+    found, wanted = (evolve(one, grid, EXACT, times=[0.0, 0.5, 1.0]) for one in (coated, plain))
+    for name, scale in (
+        ("pressure", 1e-5),
+        ("wear_depth", 1e-5),
+        ("equivalent_plastic_strain", 1e-4),
+    ):
+        one, other = (evolution_answer(each).to_dataset().get(name) for each in (found, wanted))
+        if other is not None:
+            assert other.any()
+            np.testing.assert_allclose(one, other, atol=scale * float(other.max()))

@@ -15,6 +15,7 @@ from contactstudy.evolution.states import plastic_volume
 from contactstudy.evolution.states.plastic import PlasticState, step_solution
 from contactstudy.evolution.trajectory import Trajectory
 from contactstudy.solvers.plasticity import elastoplastic_step
+from tests.contactstudy.evolution.creeping import evolved
 
 EXACT = cs.ExactPeriodicity()
 YOUNG, NU, YIELD = 210e9, 0.3, 1e9
@@ -65,9 +66,7 @@ def test_a_body_yields_first_where_von_mises_says() -> None:
     errors = []
     for cell in (0.2, 0.1):
         grid = grid_of(1.5, cell)
-        found = evolve(
-            pressed(1.5), grid, EXACT, times=(1,), error_estimator=cs.ErrorEstimator.NONE
-        )
+        found = evolved(pressed(1.5), grid, (1,))
         assert isinstance(found.coupled, PlasticState)
         (operator,) = found.coupled.operators
         stress = von_mises_of(operator.stress_of_pressure(found.pressure[0]))
@@ -92,21 +91,15 @@ def cycle(cell: float, steps: int, *, kinematic: bool = False) -> xr.Dataset:
     At H = 0.1 E; without the axis along.
     """
     moduli = {"hardening": 0.0, "kinematic": 0.1} if kinematic else {"hardening": 0.1}
-    found = evolve(
-        pressed(3, **moduli),
-        grid_of(3, cell, 6.4),
-        EXACT,
-        times=[*np.linspace(0, 1, steps + 1), 2],
-        error_estimator=cs.ErrorEstimator.NONE,
-        options=cs.SolveOptions(1e-7),
-    )
+    times = [*np.linspace(0, 1, steps + 1), 2]
+    found = evolved(pressed(3, **moduli), grid_of(3, cell, 6.4), times, tolerance=1e-7)
     assert found.status is cs.Status.CONVERGED
     dataset = evolution_answer(found).to_dataset().squeeze("y")
     a, unit = half_width(3), YIELD / YOUNG
-    for name in ("x", "z"):
-        dataset[name] = dataset[name] / a
-    dataset["layer_thickness"] = dataset["layer_thickness"] / a
     for name, scale in (
+        ("x", a),
+        ("z", a),
+        ("layer_thickness", a),
         ("pressure", 3 * YIELD),
         ("peak_pressure", 3 * YIELD),
         ("residual_stress", YIELD),
@@ -288,15 +281,7 @@ def test_a_sudden_load_is_applied_by_parts_and_says_its_error() -> None:
 
 def slowly(scene: cs.Scene, grid: cs.Grid) -> np.ndarray:
     """The pressure under the largest load, by so many steps up to it that a tenth of the least error here is left."""
-    times = np.linspace(0.3, 1, 48)
-    return evolve(
-        scene,
-        grid,
-        EXACT,
-        times=times,
-        error_estimator=cs.ErrorEstimator.NONE,
-        options=cs.SolveOptions(1e-7),
-    ).pressure[-1]
+    return evolved(scene, grid, np.linspace(0.3, 1, 48), tolerance=1e-7).pressure[-1]
 
 
 @pytest.mark.cases(1)
@@ -326,9 +311,7 @@ def test_a_body_keeps_the_dent_of_a_load_that_turns_between_the_instants() -> No
 def test_what_does_not_settle_says_how_far_it_came(monkeypatch: pytest.MonkeyPatch) -> None:
     constants = elastoplastic_step.PlasticConstants(max_iterations=2)
     monkeypatch.setattr(elastoplastic_step, "CONSTANTS", constants)
-    found = evolve(
-        pressed(3), grid_of(3, 0.2), EXACT, times=(0, 1), error_estimator=cs.ErrorEstimator.NONE
-    )
+    found = evolved(pressed(3), grid_of(3, 0.2), (0, 1))
     assert found.status is cs.Status.NOT_CONVERGED
     assert 1e-8 < found.frames[-1].residual < 1
     assert "shorter steps" in str(found.status)
@@ -469,14 +452,8 @@ def test_a_wavy_cylinder_keeps_to_the_yield_surface_wherever_its_waves_begin() -
     for cells in (0, 3):
         waves = cs.Waviness(height, across=2.4 * a, along=2 * a, phase=-2 * np.pi * cells / 8)
         scene = pressed(2.5, hardening=0.02)
-        evolution = evolve(
-            replace(scene, shapes=(*scene.shapes, waves)),
-            cs.Grid((18, 8), (3 * a, 2 * a)),
-            EXACT,
-            times=(1.0, 2.0),
-            options=cs.SolveOptions(1e-7),
-            error_estimator=cs.ErrorEstimator.NONE,
-        )
+        scene = replace(scene, shapes=(*scene.shapes, waves))
+        evolution = evolved(scene, cs.Grid((18, 8), (3 * a, 2 * a)), (1.0, 2.0), tolerance=1e-7)
         assert evolution.status is cs.Status.CONVERGED
         found[cells] = evolution_answer(evolution).to_dataset()
     loaded = found[3].isel(time=0)

@@ -172,13 +172,14 @@ def test_yielding_bodies_that_slide_without_friction_are_those_without_a_law() -
     np.testing.assert_array_equal(smooth.pressure, plain.pressure)
 
 
-def test_a_coating_like_the_body_and_a_creep_that_takes_for_ever_change_no_plastic_strain() -> None:
+def test_a_creep_that_takes_for_ever_changes_no_plastic_strain() -> None:
     solid = cs.ElasticPlasticHalfSpace(210e9, 0.3, 3e8, 1e10)
-    scene = replace(SCENE, solids=(solid, STEEL), friction=None)
-    plain = solved(scene, times=(0.0, 1.0)).to_dataset()["equivalent_plastic_strain"]
-    assert plain.max() > 0
     slow = cs.ViscoelasticHalfSpace(110e9, 0.3, ((100e9, 1e9),))
-    for other in (cs.CoatedHalfSpace(STEEL, 5e-5, STEEL), slow):
-        found = solved(replace(scene, solids=(solid, other)), times=(0.0, 1.0)).to_dataset()
-        strain = found["equivalent_plastic_strain"]
-        np.testing.assert_allclose(strain, plain, atol=1e-4 * float(plain.max()))
+    found, plain = (
+        solved(
+            replace(SCENE, solids=(solid, other), friction=None), cs.Grid((40, 1), GRID.extent), (0.0, 1.0)
+        ).to_dataset()["equivalent_plastic_strain"]
+        for other in (slow, STEEL)
+    )  # fmt: skip
+    assert plain.max() > 0
+    np.testing.assert_allclose(found, plain, atol=1e-4 * float(plain.max()))

@@ -200,16 +200,3 @@ def test_a_block_wears_in_place_and_the_ring_below_it_along_its_track(
     if circumference:
         assert depth == pytest.approx(1e-15 * 1e5 * 5 / circumference)
     assert (last == pytest.approx(first, rel=1e-6)) == (circumference is not None)
-
-
-def test_a_coating_of_its_substrates_material_wears_as_it_does() -> None:
-    steel = cs.HalfSpace(210e9, 0.3)
-    bodies = steel, cs.CoatedHalfSpace(steel, 1e-6, steel)
-    found = [
-        cs.solve(
-            cs.Scene(cs.LineLoad(1e5), (body, steel), (cs.Cylinder(0.01),), wear=cs.Wear(1e-15, 0.3)),
-            cs.Grid((32, 1), (8e-4, 1e-3)), EXACT, times=[0, 20],
-        ).pressure
-        for body in bodies
-    ]  # fmt: skip
-    np.testing.assert_allclose(*found, atol=1e-6 * found[0].max())

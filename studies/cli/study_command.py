@@ -29,9 +29,11 @@ class StudyCommand(click.Command):
         is_scene = isinstance(study, str) and study.endswith(".toml")
         ctx.meta[AXES] = {}
         if isinstance(study, str) and not is_scene:
+            taken = {name for param in self.get_params(ctx) for name in param.opts}
             ctx.meta[STUDY] = [
                 AxisOption(f"axis_{number}", axis, Path(study).stem)
                 for number, axis in enumerate(outline(study)[1])
+                if f"--{axis.name}" not in taken
             ]
         try:
             return super().parse_args(ctx, args)

@@ -216,6 +216,9 @@ def test_help_on_a_study_lists_its_axes_with_their_values_and_units(tmp_path: Pa
     file.write_text(OWN.replace('"a number"', '"a number", "m"'), encoding="utf-8")
     assert "--number COUNTS  a number [m].  [default: 1, 2]" in said("run", file, "--help")
     assert "Axes of" not in said("run", "examples/oil.toml", "--help")
+    # an option of every run stays what it is
+    file.write_text(OWN.replace('"number", (1', '"out", (1'), encoding="utf-8")
+    assert "--out COUNTS" not in said("run", file, "--help")
     with pytest.raises(InvalidInput, match="did you mean 'period'"):
         said("run", "peroid", "--help")
 

@@ -138,10 +138,13 @@ def test_the_largest_in_time_has_no_bound_where_the_load_is_higher_between_insta
 def test_the_load_of_a_roller_is_spread_over_its_length() -> None:
     shapes = (cs.Cylinder(0.01), cs.FiniteLength(4e-3))
     scene = cs.Scene(cs.TotalLoad(400.0), (STEEL, STEEL), shapes)
-    numbers = cs.solve(scene, cs.Grid((32, 10), (8e-4, 5e-3)), cs.ZeroPadding()).quantities
+    grid, free = cs.Grid((32, 10), (8e-4, 5e-3)), cs.ZeroPadding()
+    numbers = cs.solve(scene, grid, free).quantities
     assert numbers["total_load"].value == pytest.approx(400.0, rel=1e-7)
     assert numbers["load_per_length"].value == pytest.approx(1e5, rel=1e-7)
     assert numbers["contact_area"].unit == "m2"
+    worn = cs.solve(replace(scene, wear=cs.Wear(1e-17, 1.0)), grid, free, times=[0.0])
+    assert worn.to_dataset()["load"].values == pytest.approx([1e5])
 
 
 def test_the_largest_stress_has_its_place(line_contact: LineContact) -> None:

@@ -5,7 +5,6 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.lubrication.film_error import film_error
 from contactstudy.lubrication.solve_lubricated import solve_lubricated
 from tests.contactstudy.lubrication.scenes import (
     DRY,
@@ -17,48 +16,33 @@ from tests.contactstudy.lubrication.scenes import (
     with_motion,
 )
 
-# M, L, inlet [a], film on the axis and smallest film: 1200 graded cells, extrapolated, to 2e-4 of the film
+# M, L, film on the axis and smallest film: 1200 graded cells, extrapolated, to 2e-4 of the film
 REFERENCE = (
-    (1, 0, 21.7, 3.2597, 3.0428),
-    (20, 0, 4.5, 1.4202, 1.1245),
-    (20, 5, 5.43, 3.5040, 2.6345),
-    (20, 10, 6.37, 5.2744, 3.9741),
-    (100, 10, 4.5, 4.3709, 3.2733),
+    (1, 0, 3.2597, 3.0428),
+    (20, 0, 1.4202, 1.1245),
+    (20, 5, 3.5040, 2.6345),
+    (20, 10, 5.2744, 3.9741),
+    (100, 10, 4.3709, 3.2733),
+    pytest.param(1000, 5, 2.0726, 1.5470, marks=pytest.mark.whole),
+    pytest.param(1000, 20, 5.3241, 3.9812, marks=pytest.mark.whole),
 )
 
 
 @pytest.mark.cases(1)
-@pytest.mark.parametrize(("load", "viscosity", "inlet", "central", "smallest"), REFERENCE)
-def test_the_film_is_that_of_graded_cells(
-    load: float, viscosity: float, inlet: float, central: float, smallest: float
+@pytest.mark.parametrize(("load", "viscosity", "central", "smallest"), REFERENCE)
+def test_the_film_is_that_of_graded_cells_within_its_bound(
+    load: float, viscosity: float, central: float, smallest: float
 ) -> None:
-    contact = solve_lubricated(by_moes(load, viscosity), grid(400, inlet))
-    error = film_error(contact)
-    for film, parts, expected in (
-        (contact.central_film, error.central_film, central),
-        (contact.minimum_film, error.minimum_film, smallest),
-    ):
-        bound = parts.by_cause["discretisation"] + 2e-4
-        assert in_moes_units(contact, film) == pytest.approx(expected, rel=bound)
-
-
-# M = 1000: L, film on the axis and smallest film, as above
-HEAVY = ((5, 2.0726, 1.5470), (20, 5.3241, 3.9812))
-
-
-@pytest.mark.whole
-@pytest.mark.parametrize(("viscosity", "central", "smallest"), HEAVY)
-def test_heavy_loads_are_within_their_error_of_graded_cells(
-    viscosity: float, central: float, smallest: float
-) -> None:
-    contact = solve_lubricated(by_moes(1000, viscosity), error=2e-2)
+    contact = solve_lubricated(by_moes(load, viscosity), error=2e-2)
     error = contact.estimate
-    assert total(error.central_film) < 4e-2
     for film, parts, expected in (
         (contact.central_film, error.central_film, central),
         (contact.minimum_film, error.minimum_film, smallest),
     ):
+        assert total(parts) < 4e-2
         assert in_moes_units(contact, film) == pytest.approx(expected, rel=total(parts) + 2e-4)
+    # a fit of films, not of rigid cylinders
+    assert load < 20 or cs.analytic.moes_film(load, viscosity) == pytest.approx(central, rel=0.05)
 
 
 @pytest.mark.cases(1)
@@ -98,27 +82,17 @@ def test_steel_in_mineral_oil_has_the_film_and_friction_of_the_reference(
     )
 
 
-def test_films_agree_with_the_formula_of_moes_within_its_five_percent() -> None:
-    for load, viscosity in ((20, 0), (20, 5), (100, 10)):
-        contact = solve_lubricated(by_moes(load, viscosity), grid(200, 6.5))
-        film = in_moes_units(contact, contact.central_film)
-        formula = cs.analytic.moes_film(load, viscosity)
-        assert film == pytest.approx(formula, rel=0.05)
-
-
-def test_laws_without_their_effect_are_the_simpler_ones() -> None:
-    simple = solve_lubricated(by_moes(20, 5), grid(100, 4.5))
-    same = solve_lubricated(
-        by_moes(
-            20,
-            5,
-            viscosity_law=cs.Roelands(exponent=1.0),
-            density=cs.DowsonHigginson(compressibility=0.0),
-        ),
-        grid(100, 4.5),
+def test_laws_and_coatings_without_their_effect_are_the_simpler_ones() -> None:
+    simple = by_moes(20, 5)
+    laws = {"viscosity_law": cs.Roelands(exponent=1.0), "density": cs.DowsonHigginson(0.0)}
+    coated = replace(simple, solids=(cs.CoatedHalfSpace(STEEL, 1e-5, STEEL), STEEL))
+    plain, by_laws, same = (
+        solve_lubricated(scene, grid(100, 4.5))
+        for scene in (simple, by_moes(20, 5, **laws), coated)
     )
-    assert same.film == pytest.approx(simple.film, rel=1e-12)
-    assert same.pressure == pytest.approx(simple.pressure, rel=1e-9, abs=1.0)
+    assert by_laws.film == pytest.approx(plain.film, rel=1e-12)
+    assert by_laws.pressure == pytest.approx(plain.pressure, rel=1e-9, abs=1.0)
+    assert same.film == pytest.approx(plain.film, rel=1e-6)
 
 
 def test_the_load_is_carried_and_no_cell_has_both_pressure_and_void() -> None:
@@ -203,14 +177,6 @@ def test_thin_film_shares_grow_to_the_whole_load() -> None:
     film = np.where(contact.grid.x < 0, 1e-7, 3e-7)[:, None]
     halved = replace(contact, film=film, pressure=np.where(film < 2e-7, 1e6, 3e6))
     assert halved.thinner_than(2e-7) == pytest.approx((2.25, 0.25))
-
-
-def test_a_coating_of_the_substrates_modulus_changes_nothing() -> None:
-    scene = by_moes(20, 5)
-    coating = cs.CoatedHalfSpace(STEEL, 1e-5, STEEL)
-    coated = replace(scene, solids=(coating, STEEL))
-    plain, same = (solve_lubricated(one, grid(100, 4.5)) for one in (scene, coated))
-    assert same.film == pytest.approx(plain.film, rel=1e-6)
 
 
 @pytest.mark.whole

@@ -69,6 +69,9 @@ def measures(case: Case, solution: cs.Contact) -> Mapping[str, xr.Variable]:
     }
     for name in BY_THE_EDGE:
         variables[name].attrs["comment"] = EDGE
+    assert not isinstance(case.padding, tuple)
+    reach = case.padding.reach(case.grid.length / hertz.half_width)
+    variables["reach"] = dimensionless(reach, "reach D of the window over the half-width a")
     return variables | error_estimates(solution.error)
 
 

@@ -21,7 +21,7 @@ from studies.model.drawing import CaptionedFigure
 from studies.model.outcome import CaseStatus
 from studies.model.plain_text import one_line
 from studies.reference.line_contact import total_time
-from studies.reference.paddings import HAS_IMAGES, padding_at, padding_text
+from studies.reference.paddings import HAS_IMAGES, padding_text
 from studies.report.style import COLORS, LAW_STYLE, captioned, padding_style, panels, tick_cells
 
 WIDTHS = {1: 5.6, 2: 4.6}  # of a panel beside as many [in]; else 3.4
@@ -89,50 +89,14 @@ class Plot:
     caption: str = ""
 
 
-def _reach(dataset: xr.Dataset) -> xr.DataArray:
-    """Return the distance to each side within which a point sees pressure, of a scene whose period is in half-widths."""
-    if "Hertz" not in str(dataset.attrs.get("against", "")):
-        raise KeyError("reach")
-    periods = dataset["period"]
-    names, images = (np.atleast_1d(dataset[name].values).tolist() for name in ("padding", "images"))
-    reach = [
-        [[padding_at(name, n).reach(L) for L in np.atleast_1d(periods.values)] for n in images]
-        for name in names
-    ]
-    label = {"long_name": "reach D of the window over the half-width a"}
-    return xr.DataArray(
-        reach, {"padding": names, "images": images, "period": np.atleast_1d(periods.values)},
-        ("padding", "images", "period"), "reach", label,
-    ).squeeze([name for name in ("padding", "images", "period") if name not in dataset.dims])  # fmt: skip
-
-
-# Measures that follow from stored ones.
-DERIVED: Mapping[str, Callable[[xr.Dataset], xr.DataArray]] = {
-    "reach": _reach,
-    "half_images": lambda d: (d["images"] + 0.5).assign_attrs(long_name="n + ½, n periods on each side"),
-    "total_time": total_time,
-}  # fmt: skip
-
-
-def with_derived(dataset: xr.Dataset, plot: Plot) -> xr.Dataset | None:
-    """Return a dataset with the measures that follow from others; None where it lacks one, or has no number of it."""
-    for name in {plot.x, *plot.y} & set(DERIVED) - set(dataset.variables):
-        try:
-            dataset = dataset.assign({name: DERIVED[name](dataset)})
-        except KeyError:
-            return None
-    measures = [dataset.get(name) for name in (plot.x, *plot.y)]
-    has_all = all(one is not None and bool(one.notnull().any()) for one in measures)
-    return dataset if has_all else None
-
-
 def draw(dataset: xr.Dataset, plot: Plot) -> CaptionedFigure | None:
     """Draw a figure from a stored study; None where the study lacks one of its measures."""
     good = dataset
     if "case_status" in dataset:
         good = dataset.where(dataset["case_status"] == CaseStatus.OK)
-    found = with_derived(good, plot)
-    if found is None:
+    found = good.assign(total_time=total_time(good)) if "solve_time_cpu" in good else good
+    measures = [found.get(name) for name in (plot.x, *plot.y)]
+    if not all(one is not None and bool(one.notnull().any()) for one in measures):
         return None
     for name, text in plot.labels.items():
         if name in found:

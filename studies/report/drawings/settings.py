@@ -39,10 +39,6 @@ REACH = Plot(
     "and one period L. Windows that move with the point follow one law, down to the error by the cells (dashed); one "
     "that is fixed to the domain lies above it.",
 )  # fmt: skip
-OVER_IMAGES = Plot(
-    "over_images", (ERROR,), "half_images", hue="padding", at=FINEST | {"period": -1}, log="xy", labels=LABELS,
-    caption="L1 error of the pressure over n + ½, at the longest period.",
-)  # fmt: skip
 OVER_PERIOD = Plot(
     "over_period", (ERROR,), "period", hue="padding", dash="images", at=FINEST, line="none", log="xy", labels=LABELS,
     caption="L1 error of the pressure over the period.",
@@ -305,7 +301,7 @@ SIMILAR_CLAIM = Claim(
 
 padding = drawing(SIDE_BY_SIDE, FRONT)
 period = drawing(REACH, OVER_PERIOD, FRONT)
-images = drawing(REACH, OVER_IMAGES, FRONT, claims=[WHICH_N, LENGTH_CLAIM], tables=[needed_images])
+images = drawing(REACH, FRONT, claims=[WHICH_N, LENGTH_CLAIM], tables=[needed_images])
 grid = drawing(OVER_GRID, FRONT, claims=[WHICH_GRID])
 pareto = drawing(OVER_GRID, FRONT, claims=[ONE_CELL_ALONG])
 paper = drawing(pressures, claims=[SIMILAR_CLAIM], tables=[errors_of_paddings])

@@ -148,9 +148,9 @@ def test_a_chapter_is_run_with_a_line_a_study_and_later_drawn_by_itself(tmp_path
         "two: 2 of 2, images: 4",
     ]
     text = path.read_text(encoding="utf-8")
-    examine(text, tmp_path, 4)
+    examine(text, tmp_path, 3)
     pdfs = {file.name for file in tmp_path.rglob("*.pdf")}
-    assert pdfs == {"reach.pdf", "over_period.pdf", "over_images.pdf"}
+    assert pdfs == {"reach.pdf", "over_period.pdf"}
     page = report.draw_and_write(chapter_of_study("period"), tmp_path)
     assert "A chapter of" in page.read_text(encoding="utf-8")
 

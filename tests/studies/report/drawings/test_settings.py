@@ -18,7 +18,13 @@ def axes_text(*, against: str = "Hertz's contact", timed: bool = False) -> xr.Da
     alone = {"zero": 0 * reach + 0.3, "duplicated": 0 * reach + 0.02, "exact": 0 * reach}
     error = np.array([alone.get(name, window) for name in PADDINGS])[..., None] + BY_CELLS
     axes = ("padding", "images", "period", "grid")
+    seen = {
+        "zero": 0 * reach + np.array(PERIODS) / 2,
+        "duplicated": 0 * reach + PERIODS,
+        "exact": 0 * reach + np.inf,
+    }
     data = {
+        "reach": (axes[:3], np.array([seen.get(name, reach) for name in PADDINGS])),
         "pressure_error_l1": (axes, error),
         "axis_pressure_error": (axes, error / 2),
         "pressure_error_max": (axes, 10 * error),
@@ -71,9 +77,6 @@ def test_errors_stand_over_the_distance_that_a_padding_sees_whatever_its_n() -> 
         np.testing.assert_allclose(error, 100 * wanted)
     reach, law = lines["law a²/(2πD²)"]
     np.testing.assert_allclose(law, 100 / (2 * np.pi * reach**2))
-    # of a scene whose period is not in half-widths the reach is not known
-    of_scene = load_drawing("images").figure(axes_text(against="a finer solution"))
-    assert [one.name for one in of_scene] == ["over_images"]
 
 
 def test_a_front_joins_the_settings_that_no_other_beats() -> None:

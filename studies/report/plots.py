@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
-from itertools import cycle, product
+from itertools import cycle
 from textwrap import fill
 from typing import Any
 
@@ -15,7 +15,6 @@ from matplotlib.colors import LogNorm, Normalize
 
 from contactstudy.domain.fields import Array
 from contactstudy.domain.units import display_unit_of
-from contactstudy.io.pictures.figure import Share
 from studies.advice.front import pareto_front
 from studies.model.drawing import CaptionedFigure
 from studies.model.outcome import CaseStatus
@@ -48,7 +47,7 @@ class Law:
 
 @dataclass(frozen=True)
 class Plot:
-    """A figure: a panel for each measure `y`, and for the first and the last value of `columns`.
+    """A figure: a panel for each measure `y`.
 
     Attributes
     ----------
@@ -58,10 +57,8 @@ class Plot:
         Measures; an axis or a measure of the study.
     hue, dash
         Axes with a colour, and with a dash for each value.
-    columns
-        Axis with a panel for its first and its last value.
     at
-        Place on other axes: an index, or the name of a value.
+        Indices on other axes.
     over
         Axes of which lines are the median, with the range as a band; of others every value is drawn.
     line
@@ -79,8 +76,7 @@ class Plot:
     x: str
     hue: str = ""
     dash: str = ""
-    columns: str = ""
-    at: Mapping[str, int | str] = field(default_factory=dict)
+    at: Mapping[str, int] = field(default_factory=dict)
     over: tuple[str, ...] = ()
     line: str = "joined"
     log: str | None = None
@@ -101,22 +97,11 @@ def draw(dataset: xr.Dataset, plot: Plot) -> CaptionedFigure | None:
     for name, text in plot.labels.items():
         if name in found:
             found[name].attrs["long_name"] = text
-    for name, place in plot.at.items():
-        if name in found.dims:
-            found = (
-                found.isel({name: place}) if isinstance(place, int) else found.sel({name: place})
-            )
-    columns: list[Any] = [None]
-    if found.sizes.get(plot.columns, 1) > 1:
-        columns = found[plot.columns].values[[0, -1]].tolist()
-    count = len(plot.y) * len(columns)
-    share: Share = "both" if len(columns) > 1 else "none"
-    figure, axes = panels(count, width=WIDTHS.get(count, 3.4), height=3.4, share=share)
-    for ax, (y, value) in zip(axes, product(plot.y, columns), strict=True):
-        part = found if value is None else found.sel({plot.columns: value})
-        panel(ax, part, y, plot)
-        if value is not None:
-            ax.set_title(value_text(found[plot.columns], value))
+    found = found.isel({name: place for name, place in plot.at.items() if name in found.dims})
+    count = len(plot.y)
+    figure, axes = panels(count, width=WIDTHS.get(count, 3.4), height=3.4)
+    for ax, y in zip(axes, plot.y, strict=True):
+        panel(ax, found, y, plot)
     return captioned(plot.name, figure, plot.caption)
 
 

@@ -6,16 +6,22 @@ from math import inf, log, prod
 from time import process_time
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
+from contactstudy.accuracy.discretisation.bound import SHARP_EDGE
+from contactstudy.answers.contact import contact_answer
 from contactstudy.domain.checks import InvalidInput, checked_errors
 from contactstudy.domain.device import ONE_THREAD, Device
 from contactstudy.domain.errors import DEFAULT_ERROR, PRESSURE, Request, pressure_request
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.domain.imports import loaded
+from contactstudy.domain.units import readable
 from contactstudy.planning.cost import speedup
+from contactstudy.planning.grid_requirements import grid_requirements
 from contactstudy.planning.plan import plan_grid
 from contactstudy.planning.planned import Plan
+from contactstudy.planning.refinement import OTHER_CAUSES, FirstGrids
 from contactstudy.progress import Progress
 from contactstudy.scene import methods
 from contactstudy.scene.scene import Scene
@@ -47,8 +53,6 @@ class ForecastConstants:
         Largest power of the cells with which seconds are expected to grow.
     coarsest_with_adhesion
         Largest factor on the cells of a contact with adhesion, whose cohesive zone coarse cells do not hold.
-    estimate_cost
-        Seconds of a static contact and its estimate, which takes another on half the cells, over those of it alone.
     progress_powers
         Least and largest power of the seconds with which the fraction that is done is expected to grow.
     orders
@@ -65,13 +69,14 @@ class ForecastConstants:
     least_fraction: float = 1e-4
     max_power: float = 2.5
     coarsest_with_adhesion: int = 2
-    estimate_cost: float = 1.6
     progress_powers: tuple[float, float] = (0.75, 4.0)
     orders: tuple[float, float] = (1.0, 1.5)
     most_error: float = 0.3
 
 
 CONSTANTS = ForecastConstants()
+# Factor on a width that is too small for the contact.
+WIDENING = 1.5
 
 
 def plan(
@@ -133,25 +138,25 @@ def plan(
     except InvalidInput as refused:
         reason = f"seconds: unknown, since {refused}"
         return replace(planned, seconds=inf, reasons=(*planned.reasons, reason))
-    first, reasons = planned, planned.reasons
-    if forecast.grid != first.grid:  # what is said of the last grid, and the error and bytes of it
-        planned = plan_grid(
-            first.scene,
+    last = planned
+    if forecast.grid != planned.grid:  # what is said of the last grid, and its bytes
+        last = plan_grid(
+            planned.scene,
             error=error,
             grid=forecast.grid,
             padding=padding,
             times=times,
             device=device,
         )
-        begins = f"refinement: a solve begins on {_cells(first.grid)}."
-        planned = replace(planned, warnings=first.warnings)
-        reasons = (*planned.reasons, begins)
+        begins = f"refinement: a solve begins on {_cells(planned.grid)}."
+        last = replace(last, reasons=(*last.reasons, begins), warnings=planned.warnings)
     return replace(
-        planned,
+        last,
+        error=forecast.error,
         seconds=forecast.seconds / request.speedup,
-        coarse_seconds=first.coarse_seconds,
         solves=forecast.solves or planned.solves,
-        reasons=(*reasons, f"seconds: {forecast.reason}"),
+        reasons=(*last.reasons, *forecast.reasons),
+        warnings=(*last.warnings, *forecast.warnings),
     )
 
 
@@ -182,12 +187,14 @@ class Level:
 
 @dataclass(frozen=True)
 class Forecast:
-    """The last grid of a solve, the seconds of all its grids, the solves on the last one, and what they follow from."""
+    """The last grid of a solve, its expected error, the seconds of all grids, the solves on it, and what is said."""
 
     grid: Grid
+    error: float
     seconds: float
     solves: int
-    reason: str
+    reasons: tuple[str, ...]
+    warnings: tuple[str, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -227,22 +234,26 @@ class _Request:
 
     def forecast(self) -> Forecast:
         """Return the forecast, from solves on ever finer grids."""
-        levels, planned = self.levels(), self.planned
+        planned, first = self.planned, self.planned.first_grids
+        levels = self.levels() if first is None else self.first_levels(first)
         last, grid = levels[-1], planned.grid
-        if self.is_steady_film and self.is_chosen and last.answer is not None:
-            grid = self.grid_of_film(last)
-        seconds = self.seconds_on(grid, levels)
-        if planned.seconds < inf:
-            seconds = planned.seconds + (seconds if self.scene.outputs else 0.0)
-        elif planned.coarse_seconds:
-            cost = 1.0 if self.scene.outputs else CONSTANTS.estimate_cost
-            seconds = planned.coarse_seconds + seconds / cost
+        if first is None:
+            if self.is_steady_film and self.is_chosen and last.answer is not None:
+                grid = self.grid_of_film(last)
+            seconds = self.seconds_on(grid, levels)
+        else:
+            between = [finer for finer in first.between if prod(finer.cells) < prod(grid.cells)]
+            seconds = sum(level.seconds for level in levels)
+            if first.between:
+                seconds += sum(self.seconds_on(finer, levels) for finer in (*between, grid))
+            if self.scene.outputs:
+                seconds += self.seconds_of_outputs(last) * prod(grid.cells) / prod(last.grid.cells)
         if self.is_chosen and refines(self.scene):
             for finer in self.refinements(levels):
                 grid = finer
                 seconds += self.seconds_on(grid, levels)
-        static, numbers = planned.coarse_seconds > 0, ""
-        if self.is_chosen and last.answer is not None and (static or refines(self.scene)):
+        numbers = ""
+        if self.is_chosen and last.answer is not None and (first or refines(self.scene)):
             further = grid_for_numbers(last.answer, is_default=self.is_default)
             if further is not None and prod(further.cells) > prod(grid.cells):
                 seconds += self.seconds_on(further, levels)
@@ -254,14 +265,78 @@ class _Request:
         if self.scene.rolling is not None and self.scene.rolling.passes is not None:
             solves = round(solves * grid.cells[0] / last.grid.cells[0])  # one step for a cell
         part = "" if last.answer is not None else "a part of "
-        reason = f"from {part}a solve on {_cells(last.grid)}.{numbers}"
-        return Forecast(grid, seconds, solves, reason)
+        reason = f"seconds: from {part}a solve on {_cells(last.grid)}.{numbers}"
+        said, warnings = self.said_of(levels)
+        error = planned.error if self.scene.lubrication else self.error_on(grid, levels)
+        return Forecast(grid, error, seconds, solves, (*said, reason), warnings)
+
+    def first_levels(self, first: FirstGrids) -> list[Level]:
+        """Return the solves of a static contact with which its own begins."""
+        return [
+            Level(
+                level.grid,
+                seconds,
+                0,
+                contact_answer(level.solution, estimate=level.estimate, requested=self.error),
+            )
+            for level, seconds in zip(first.levels, first.seconds, strict=True)
+        ]
+
+    def seconds_of_outputs(self, level: Level) -> float:
+        """Return the seconds that the stress of an answer takes."""
+        begin = process_time()
+        len(level.answer.quantities)
+        return process_time() - begin
+
+    def error_on(self, grid: Grid, levels: list[Level]) -> float:
+        """Return the error of the pressure to expect on a grid, without that of steps in time; infinite if not known."""
+        solved = [level for level in levels if level.answer is not None]
+        if not solved:
+            return inf
+        parts = dict(solved[-1].answer.error.l1.by_cause)
+        parts.pop("steps", None)
+        if "discretisation" in parts:
+            coarser = prod(solved[-1].grid.cells) / prod(grid.cells)
+            axes = 1 if grid.cells[1] == 1 else 2
+            parts["discretisation"] *= coarser ** (order_of(solved) / axes)
+        return sum(parts.values()) if parts else inf
+
+    def said_of(self, levels: list[Level]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        """Return reasons and warnings that follow from the last solve."""
+        answer, hertz = levels[-1].answer, self.scene.hertz
+        if answer is None or self.scene.lubrication is not None:
+            return (), ()
+        reasons, warnings = [], [text for text in answer.error.warnings if SHARP_EDGE in text]
+        grid, width = answer.grid, answer.grid.extent[0]
+        touching = answer.pressure.reshape(-1, *grid.cells).any(axis=(0, 2))
+        if hertz is not None and touching.any():
+            half_width = np.abs(grid.x[touching]).max() + grid.cell_size[0] / 2
+            reasons.append(
+                f"contact: within {half_width / hertz.half_width:.3g} half-widths of Hertz, on {_cells(grid)}."
+            )
+            if touching[0] or touching[-1]:
+                known = grid_requirements(self.scene).known_width
+                remedy = "give a width of "
+                if WIDENING * width > known:
+                    remedy = (
+                        f"the surface is known over {readable(known)} only; give a smaller load, or a surface as wide "
+                        "as "
+                    )
+                warnings.append(
+                    f"Grid.extent[0] is {readable(width)}: the contact is wider, {remedy}{readable(WIDENING * width)}."
+                )
+        parts = answer.error.l1.by_cause
+        least = min(self.target or inf, parts.get("discretisation", inf))
+        for cause, (sentence, remedy) in OTHER_CAUSES.items():
+            if (part := parts.get(cause, 0.0)) > least:
+                amount = "an amount not known" if part == inf else f"{100 * part:.2g} %"
+                warnings.append(f"plan.error: {sentence} {amount} to the error, {remedy}.")
+        return tuple(reasons), tuple(warnings)
 
     def levels(self) -> list[Level]:
         """Return solves on ever finer grids, up to the planned one, as long as their seconds allow."""
         refused, levels = InvalidInput("no grid is coarser"), list[Level]()
-        solved = self.planned.seconds < inf  # a static contact
-        for factor in (1,) if solved else (8, 4, 2, 1):
+        for factor in (8, 4, 2, 1):
             grid = _coarser(self.planned.grid, factor)
             is_exact = grid == self.planned.grid
             too_coarse = grid.cells[0] < CONSTANTS.least_cells or (
@@ -363,19 +438,15 @@ class _Request:
         solved = [level for level in levels if level.answer is not None]
         if not solved:
             return
-        bounds = [dict(level.answer.error.l1.by_cause) for level in solved[-2:]]
-        bounds[-1]["steps"] = bounds[-1].get("steps", 0.0) / solved[-1].looser
-        cells = [level.grid.cells[0] for level in solved[-2:]]
-        order, errors = CONSTANTS.orders[0], [parts["discretisation"] for parts in bounds]
-        if len(cells) > 1 and cells[1] > cells[0] and 0 < errors[1] < errors[0] < inf:
-            order = log(errors[0] / errors[1]) / log(cells[1] / cells[0])
-        order = min(max(order, CONSTANTS.orders[0]), CONSTANTS.orders[1])
+        last, order = solved[-1], order_of(solved)
+        parts = dict(last.answer.error.l1.by_cause)
+        parts["steps"] = parts.get("steps", 0.0) / last.looser
         grid: Grid | None = self.planned.grid
         for _ in range(REFINEMENTS):
             assert grid is not None
-            error = errors[-1] * (cells[-1] / grid.cells[0]) ** order
+            error = parts["discretisation"] * (last.grid.cells[0] / grid.cells[0]) ** order
             assert self.target is not None
-            grid = next_grid(grid, bounds[-1] | {"discretisation": error}, self.target)
+            grid = next_grid(grid, parts | {"discretisation": error}, self.target)
             if grid is None:
                 return
             yield grid
@@ -389,6 +460,16 @@ class _Request:
         wider = found.extent[0] / first.extent[0]
         across = round(planned.cells[0] * found.cells[0] / first.cells[0])
         return Grid((across, planned.cells[1]), (planned.extent[0] * wider, planned.length))
+
+
+def order_of(solved: list[Level]) -> float:
+    """Return the order of convergence of the error by the cells, from the last two levels that are solved."""
+    cells = [level.grid.cells[0] for level in solved[-2:]]
+    errors = [level.answer.error.l1.discretisation or 0.0 for level in solved[-2:]]
+    order = CONSTANTS.orders[0]
+    if len(cells) > 1 and cells[1] > cells[0] and 0 < errors[1] < errors[0] < inf:
+        order = log(errors[0] / errors[1]) / log(cells[1] / cells[0])
+    return min(max(order, CONSTANTS.orders[0]), CONSTANTS.orders[1])
 
 
 class _TimeLimitReached(Exception):

@@ -3,17 +3,15 @@
 from dataclasses import replace
 from math import inf, sqrt
 
-from contactstudy.accuracy.range_errors import l1_range_error
 from contactstudy.domain.grid import Grid, Padding, Paddings
-from contactstudy.domain.units import readable
 from contactstudy.planning.cost import memory
-from contactstudy.planning.forecast import images_error, images_warning, with_width
 from contactstudy.planning.grid_requirements import (
     GridRequirements,
     grid_requirements,
     halvable_count,
 )
 from contactstudy.planning.planned import Plan
+from contactstudy.planning.refinement import first_grids, with_width
 from contactstudy.planning.transient_requirements import TransientRequirements
 from contactstudy.scene.adhesion import ZONE_CELLS
 from contactstudy.scene.loads.constant_load import LineLoad
@@ -60,27 +58,23 @@ def plan_of_adhesion(
     modulus = adhesion.zone_modulus(bodies, requirements.hertz.half_width)
     tabor = TABOR_VARYING if requirements.varies else TABOR_SMOOTH
     attraction_range = adhesion.range or tabor_length(radius, adhesion.work, modulus) / tabor
-    strength = adhesion.work / attraction_range
-    zone = zone_length(modulus, adhesion.work, strength)
+    zone = zone_length(modulus, adhesion.work, adhesion.work / attraction_range)
     if grid is None:
         decay_distance = DECAY_DISTANCE * sqrt(2 * radius * attraction_range)
-        base = requirements.grid(error, period)
-        if transient is not None and transient.width > base.extent[0]:
-            base = with_width(base, transient.width)
-        grid = _grid(base, requirements, zone / ZONE_CELLS, decay_distance)
+        load = LineLoad(requirements.hertz.load_per_length)
+        pressed = Scene(load, instantaneous(scene.solids), scene.shapes)
+        base = first_grids(pressed, grid_requirements(pressed), error, period).grid
+        width = max(base.extent[0], requirements.extent(period)[0])
+        if transient is not None:
+            width = max(width, transient.width)
+        grid = _grid(with_width(base, width), requirements, zone / ZONE_CELLS, decay_distance)
     cell = max(grid.cell_size) if requirements.varies else grid.cell_size[0]
-    load, by_range, cells = requirements.hertz.load_per_length, 0.0, zone / cell
+    cells = zone / cell
     if adhesion.range is None:
         modulus = contact_modulus(bodies, ZONE_CELLS * cell)
         attraction_range, cells = adhesion.cohesive(modulus, cell).range, ZONE_CELLS
-        edges, force = 2 * grid.length, load * grid.length
-        by_range = l1_range_error(edges, modulus, attraction_range, force)
     tabor = tabor_length(radius, adhesion.work, modulus) / attraction_range
     padding = requirements.padding()
-    images = 0.0
-    if padding != replace(requirements, given_padding=None).padding():
-        pressed = Scene(LineLoad(load), instantaneous(scene.solids), scene.shapes)
-        images = images_error(pressed, grid, padding)
     reason = (
         f"adhesion: {cells:.3g} cells in the cohesive zone at a Tabor parameter of {tabor:.3g}, and room for the "
         f"attraction beside the contact."
@@ -93,22 +87,16 @@ def plan_of_adhesion(
             f"Grid.cells[{axis}] is {grid.cells[axis]}: {cells:.2g} cells in the cohesive zone, so few that the "
             f"grid pins the edge of the contact (lattice trapping): give {finer} for six.",
         )
-    if by_range > error:
-        warnings += (
-            f"plan.error is {error:.2g}: the range of {readable(attraction_range)} that the grid chooses in place of "
-            f"the JKR limit contributes {by_range:.2g}, give Adhesion.range, or finer cells.",
-        )
-    expected_error = requirements.error(grid.cell_size)
     return Plan(
         scene=scene,
         grid=grid,
         padding=padding,
-        error=expected_error + images + by_range,
+        error=inf,
         seconds=inf,
         bytes=memory(grid, padding),
         period_check=requirements.period_check(grid.length),
-        reasons=(*requirements.reasons(grid, expected_error), reason),
-        warnings=(*warnings, *images_warning(padding, images, error)),
+        reasons=(*requirements.reasons(grid), reason),
+        warnings=warnings,
     )
 
 

@@ -18,6 +18,8 @@ from contactstudy.solvers.solve import SolveOptions, solve_contact
 # quick solves are repeated, since the first fills caches and other processes interrupt.
 LARGE_SAMPLE, TOLERANCE, MIN_TOTAL_SECONDS = 512, 1e-8, 0.02
 SAMPLE_EXTENT = 2.4, 2.4
+# Fraction of the machine's free memory that a plan may take.
+MEMORY_FRACTION = 0.8
 
 
 def _smooth_contact() -> Scene:
@@ -57,3 +59,14 @@ def padded_points(grid: Grid, padding: Padding | Paddings) -> int:
 def memory(grid: Grid, padding: Padding | Paddings) -> int:
     """Return the bytes that a solve holds at most."""
     return solve_bytes(grid, across_and_along(padding))
+
+
+def within_memory(grid: Grid, padding: Padding | Paddings, bytes_at_most: float) -> Grid:
+    """Return `grid`, or the finest of the same extent and aspect ratio whose solve holds within `bytes_at_most`."""
+    needed = memory(grid, padding)
+    while needed > bytes_at_most and max(grid.cells) > 2:
+        shrink = (bytes_at_most / needed) ** (1 if grid.cells[1] == 1 else 0.5) * 0.99
+        across, along = (max(2, int(count * shrink)) for count in grid.cells)
+        grid = Grid((across, along if grid.cells[1] > 1 else 1), grid.extent)
+        needed = memory(grid, padding)
+    return grid

@@ -51,7 +51,7 @@ def plan_of_film(
     )
     is_chosen = grid is None
     if grid is None:
-        inlet_width = film_grid(scene, error, requirements.grid(0.1, period).length).extent[0]
+        inlet_width = film_grid(scene, error, requirements.extent(period)[1]).extent[0]
         width = requirements.width(inlet_width)
         grid = film_grid(
             scene,

@@ -3,12 +3,12 @@
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from math import acosh, erf, inf, lcm, log2, sqrt
+from math import acosh, inf, lcm, log2, sqrt
 from operator import is_
 
 import numpy as np
 
-from contactstudy.accuracy.discretisation.contact_edge import l1_factor, smooth_l1
+from contactstudy.accuracy.discretisation.contact_edge import smooth_l1
 from contactstudy.accuracy.estimate import CONSTANTS as ESTIMATE
 from contactstudy.analytic import HertzLine
 from contactstudy.domain.checks import InvalidInput, NotDefined, positive
@@ -33,18 +33,12 @@ class GridConstants:
 
     Attributes
     ----------
-    rough_error, area_power, rough_order
-        Relative L1 error of the pressure of a rough contact over ``(cell / shortest wavelength)^rough_order``:
-        `rough_error` times the fraction of the area in contact to the power `area_power`, fitted to contacts with 9 %,
-        30 % and 80 % in contact.
     width_factor
         Width of the grid over that of the contact. With 1.1 to 1.4 plans have 0.9 to 2.2 times the cells.
     waves_per_period
         Number of longest wavelengths in a period with which one surface is representative.
     min_cells
         Minimum number of cells along an axis. With half or twice as many, plans change by 2 % of the cells at most.
-    cells_along_roller
-        Minimum number of cells along a roller of the first grid. With half or twice as many no plan changes.
     cell_fraction
         Fraction of the requested error for the cells; the remainder is for the time steps.
     least_cell_at_boundary
@@ -55,13 +49,9 @@ class GridConstants:
         Maximum number of cells across for the stress in a thin coating.
     """
 
-    rough_error: float = 0.35
-    area_power: float = -0.65
-    rough_order: float = 1.5
     width_factor: float = 1.2
     waves_per_period: int = 4
     min_cells: int = 32
-    cells_along_roller: int = 64
     cell_fraction: float = 0.5
     least_cell_at_boundary: float = 1e-3
     max_width_over_radius: float = 0.1
@@ -191,62 +181,14 @@ class GridRequirements:
         hardness_limited = hertz.load_per_length / (2 * self.hardness)
         return max(hertz.half_width * relative_half_width * crown_factor, hardness_limited)
 
-    def rough_error_factor(self) -> float:
-        """Return the factor of the error law of rough contacts, the error at cells of one shortest wavelength."""
-        slope = sqrt(sum(scales.slope**2 for scales in self.length_scales))
-        if slope == 0:
-            return CONSTANTS.rough_error
-        # the mean pressure over the rms slope gives the fraction in contact (Persson 2001)
-        mean = np.pi / 4 * self.hertz.peak_pressure / self.hertz.contact_modulus
-        fraction = max(erf(sqrt(2) * mean / slope), 1e-3)
-        return float(CONSTANTS.rough_error * fraction**CONSTANTS.area_power)
-
-    def error(self, cell: tuple[float, float]) -> float:
-        """Return the relative L1 error of the pressure to expect of a cell (dx, dy) [m]."""
-        smooth = smooth_l1(cell[0] / self.hertz.half_width)
-        steps = (size / wave for size, wave in zip(cell, self.shortest_wavelengths, strict=True))
-        return float(smooth + self.rough_error_factor() * max(steps) ** CONSTANTS.rough_order)
-
-    def errors(self, cell: tuple[float, float]) -> tuple[float, float]:
-        """Return the contributions (across, along) to :meth:`error`."""
-        total = self.error(cell)
-        if not self.is_rough:
-            return total, 0.0
-        steps = zip(cell, self.shortest_wavelengths, strict=True)
-        rough = [(size / wave) ** CONSTANTS.rough_order for size, wave in steps]
-        return total * rough[0] / sum(rough), total * rough[1] / sum(rough)
-
     def cells_for_stress(self, width: float) -> float:
         """Return the cells across a `width` [m] that resolve the stress at the interface of a coating."""
         return min(width / self.stress_cell, CONSTANTS.max_cells_for_stress)
 
-    def grid(self, error: float, period: float | None) -> Grid:
-        """Return the coarsest grid whose expected error is `error`.
-
-        Parameters
-        ----------
-        error
-            Relative L1 error of the pressure.
-        period
-            Length of the grid [m]; chosen if None.
-        """
+    def extent(self, period: float | None) -> tuple[float, float]:
+        """Return the width and the length [m] to begin with, the length a `period` if it is given."""
         width = self.width(2 * CONSTANTS.width_factor * self.half_width)
-        length = self.length(period, width)
-        # cells for each source of error alone; both are then reduced to the requested error
-        step = self.hertz.half_width / l1_factor() ** (1 / CONSTANTS.rough_order)
-        ratio = self.rough_error_factor() ** (-1 / CONSTANTS.rough_order)
-        across = min(step, self.shortest_wavelengths[0] * ratio)
-        along = self.shortest_wavelengths[1] * ratio
-        reduction = 1.0
-        for _ in range(4):  # the smooth part's second term falls faster than the rate
-            expected = self.error((across * reduction, along * reduction))
-            if not 0 < expected < inf:  # no grid is fine enough, as the caller reports
-                break
-            reduction *= (error / expected) ** (1 / CONSTANTS.rough_order)
-        least = CONSTANTS.cells_along_roller if self.roller_length else CONSTANTS.min_cells
-        cells = halvable_count(length / (along * reduction), least) if self.varies else 1
-        count = max(width / (across * reduction), self.cells_for_stress(width) if cells == 1 else 0)
-        return Grid((halvable_count(count), cells), (width, length))
+        return width, self.length(period, width)
 
     def width(self, least: float) -> float:
         """Return the width of the grid [m]: at least `least`, unless the shapes are known over less.
@@ -336,31 +278,19 @@ class GridRequirements:
             )
         return ""
 
-    def reasons(self, grid: Grid, error: float, half_width: float | None = None) -> tuple[str, ...]:
-        """Return a sentence each on width, cells, dimension, padding, coatings and friction on `grid`.
-
-        Parameters
-        ----------
-        grid
-            The grid.
-        error
-            Relative L1 error of the pressure to expect on it.
-        half_width
-            Half-width of the contact [m] on coarse cells; that expected of the heights if None.
-        """
+    def reasons(self, grid: Grid) -> tuple[str, ...]:
+        """Return a sentence each on width, cells, dimension, padding, coatings and friction on `grid`."""
         a = self.hertz.half_width
-        reach = self.half_width if half_width is None else half_width
-        end = "beyond the grid" if reach == inf else f"within {reach / a:.3g}"
         width = (
             f"width {readable(grid.extent[0])}: {grid.extent[0] / 2 / a:.3g} half-widths of Hertz (a = {readable(a)}) "
-            f"on either side; the contact is expected {end}."
+            "on either side."
         )
         nx, ny = grid.cells
         cell = f"{nx} x {ny} cells: {a / grid.cell_size[0]:.3g} in a half-width"
         if self.is_rough:
             steps = zip(self.shortest_wavelengths, grid.cell_size, strict=True)
             cell += f", {min(wave / step for wave, step in steps):.3g} in the shortest wavelength"
-        cell += f", for an error of {error:.1g}."
+        cell += "."
         dimension = "three-dimensional: the gap varies along the length."
         if ny == 1:
             dimension = (

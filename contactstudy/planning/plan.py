@@ -1,6 +1,5 @@
-"""Plans: the grid and padding that a scene needs, with error and cost, found by solutions on coarse grids."""
+"""Plans: the grid and padding that a scene needs, found by solutions on coarse grids."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 from math import inf, isclose, prod
 from typing import TYPE_CHECKING
@@ -13,19 +12,9 @@ from contactstudy.domain.device import ONE_THREAD, Device, available_bytes, chec
 from contactstudy.domain.errors import DEFAULT_ERROR, Request, pressure_request
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
 from contactstudy.domain.units import readable
-from contactstudy.planning.cost import memory
-from contactstudy.planning.forecast import (
-    GridForecast,
-    forecast_of_grid,
-    forecast_of_refinement,
-    images_error,
-    images_warning,
-    with_width,
-    within_memory,
-)
+from contactstudy.planning.cost import MEMORY_FRACTION, memory, within_memory
 from contactstudy.planning.grid_requirements import CONSTANTS as GRID
 from contactstudy.planning.grid_requirements import (
-    GridRequirements,
     flat_grid,
     grid_requirements,
     measured_length_scales,
@@ -33,6 +22,7 @@ from contactstudy.planning.grid_requirements import (
     with_random_extents,
 )
 from contactstudy.planning.planned import Plan
+from contactstudy.planning.refinement import MOST_CELLS, FirstGrids, first_grids, with_width
 from contactstudy.scene import methods
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.shapes.shape import LengthScales
@@ -41,11 +31,6 @@ from contactstudy.scene.shapes_source import left_out
 if TYPE_CHECKING:
     from contactstudy.evolution.time_steps import TimeSteps
     from contactstudy.planning.transient_requirements import TransientRequirements
-
-# Factor on a width that is too small for the contact.
-WIDENING = 1.5
-# Fraction of the machine's free memory that a plan may take.
-MEMORY_FRACTION = 0.8
 
 
 def plan_grid(
@@ -58,9 +43,9 @@ def plan_grid(
     times: "ArrayLike | TimeSteps | None" = None,
     device: Device = ONE_THREAD,
 ) -> Plan:
-    """Return the plan as :func:`~contactstudy.plan` does, for the same arguments, without a forecast of the seconds.
+    """Return the plan as :func:`~contactstudy.plan` does, for the same arguments, without a forecast.
 
-    They are infinite, unless a static contact was solved to the error.
+    Its error and seconds are infinite. A dry scene without a grid is solved on coarse grids, to find the cells.
     """
     checked(device, "plan.device")
     if error is not None:
@@ -165,70 +150,71 @@ def _plan_static(
     """Plan a scene that neither changes in time nor rolls, on a grid of at least this `width` [m]."""
     requirements = grid_requirements(scene, padding)
     if grid is None:  # a random surface keeps the extent of the first grid on narrower ones
-        scene = with_random_extents(scene, requirements.grid(0.1, period).extent)
+        scene = with_random_extents(scene, requirements.extent(period))
         requirements = grid_requirements(scene, padding)
     padding = requirements.padding()
-    # cells are chosen without the images that a given padding leaves out, which no cells make up for
-    of_cells = replace(requirements, given_padding=None)
     limit = MEMORY_FRACTION * min(available_bytes(), device.available_bytes)
-    own_points = grid is None and error is None and requirements.point_spacing is not None
-    if own_points:
+    reasons: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
+    first: FirstGrids | None = None
+    if grid is None and error is None and requirements.point_spacing is not None:
         grid = requirements.grid_on_measured_points(period)
+        reasons = (
+            "points: the measured surface is solved on its own points; give an error for cells that resolve what is "
+            "interpolated between them.",
+        )
     if grid is None:
-        target = error or DEFAULT_ERROR
-        forecast = forecast_of_refinement(scene, of_cells, target, period, limit)
-        grid = forecast.grid
+        error = error or DEFAULT_ERROR
+        first = first_grids(scene, requirements, error, period)
+        grid = within_memory(first.grid, padding, limit)
+        reasons = first.reasons
+        if prod(grid.cells) < 0.99 * first.required < inf:
+            warnings = (_of_most_cells(error, first.required, grid, memory(grid, padding), limit),)
         if width > grid.extent[0]:
             grid = with_width(grid, requirements.width(width))
-    else:
-        target = inf
-        smaller = within_memory(grid, padding, limit)
-        forecast = forecast_of_grid(scene, of_cells, smaller)
-    images = 0.0 if padding == of_cells.padding() else images_error(scene, grid, padding)
-    expected_error = forecast.error_of(grid.cell_size)
-    is_open = forecast.is_extrapolated or not forecast.seconds
+    needed = memory(grid, padding)
+    if needed > limit:
+        warnings = (
+            f"Grid.cells is {grid.cells}: a solve needs {needed / 1e9:.3g} GB, and {_may_take(limit)}, give fewer "
+            "cells.",
+        )
     return Plan(
         scene=scene,
         grid=grid,
         padding=padding,
-        error=expected_error + images,
-        seconds=inf if is_open else forecast.seconds,
-        coarse_seconds=forecast.seconds,
-        bytes=memory(grid, padding),
+        error=inf,
+        seconds=inf,
+        first_grids=first,
+        bytes=needed,
         period_check=requirements.period_check(grid.length),
-        reasons=(
-            *requirements.reasons(grid, expected_error, forecast.half_width),
-            *_axis_reasons(forecast, own_points=own_points),
-        ),
+        reasons=(*requirements.reasons(grid), *reasons),
         warnings=(
             *(requirements.warnings(grid) or filter(None, (beyond_half_space(scene),))),
             *left_out(scene.shapes, grid),
-            *_warnings(requirements, forecast, grid, limit, error=target),
-            *images_warning(padding, images, min(target, expected_error)),
+            *warnings,
         ),
         device=device,
     )
 
 
-def _axis_reasons(forecast: GridForecast, *, own_points: bool) -> Iterator[str]:
-    """Yield a sentence for each choice of cells along an axis."""
-    if own_points:
-        yield (
-            "points: the measured surface is solved on its own points; give an error for cells that resolve what is "
-            "interpolated between them."
-        )
-    across, along = forecast.errors
-    if forecast.is_extrapolated:
-        yield (
-            "refinement: the cells are those expected from coarser grids; a solve refines until its bound meets the "
-            "error, and may end on somewhat fewer or more."
-        )
-    if forecast.grid.cells[1] > 1 and 0 < forecast.error < inf:
-        yield (
-            f"axes: of the expected error, {across / forecast.error:.0%} falls with the cells across to the power "
-            f"{forecast.orders[0]:.2g}, {along / forecast.error:.0%} with those along to the power "
-            f"{forecast.orders[1]:.2g}."
-        )
+def _may_take(limit: float) -> str:
+    """Return a sentence on the bytes of which a plan takes at most `limit`."""
+    free = limit / MEMORY_FRACTION / 1e9
+    return f"a plan may take {MEMORY_FRACTION:.0%} of the {free:.3g} GB that are free"
+
+
+def _of_most_cells(
+    error: float, required: float, grid: Grid, bytes_of_grid: int, limit: float
+) -> str:
+    """Return a sentence on an error that takes more cells than there may be."""
+    needed = bytes_of_grid * required / prod(grid.cells)
+    takes = f"plan.error is {error:.2g}, which takes about {required:.2g} cells"
+    if needed > limit:
+        return f"{takes} and {needed / 1e9:.3g} GB, and {_may_take(limit)}: give a larger error."
+    return (
+        f"{takes}, and at most {MOST_CELLS:,} are taken: give a larger error, and see whether the radii and the "
+        "wavelengths are those that are meant."
+    )
 
 
 def _plan_time_dependent(
@@ -251,14 +237,7 @@ def _plan_time_dependent(
     narrow_plan = _plan_static(
         transient.narrow, discretisation_error, period, grid, padding, ONE_THREAD, transient.width
     )
-    planned = replace(
-        narrow_plan,
-        scene=scene,
-        error=narrow_plan.error * error_factor,
-        seconds=inf,
-        coarse_seconds=0.0,
-    )
-    return _with_states(planned, transient)
+    return _with_states(replace(narrow_plan, scene=scene, first_grids=None), transient)
 
 
 def _with_states(planned: Plan, transient: "TransientRequirements") -> Plan:
@@ -281,39 +260,3 @@ def _with_states(planned: Plan, transient: "TransientRequirements") -> Plan:
         reasons=(*planned.reasons, *reasons),
         warnings=(*planned.warnings, *warnings),
     )
-
-
-def _warnings(
-    requirements: GridRequirements,
-    forecast: GridForecast,
-    grid: Grid,
-    limit: float,
-    *,
-    error: float,
-) -> Iterator[str]:
-    """Yield a sentence for each reason why the grid does not reach the requested `error`."""
-    if forecast.contact_exceeds_grid:
-        remedy = "give a width of "
-        width = WIDENING * grid.extent[0]
-        if width > requirements.known_width:
-            remedy = f"the surface is known over {readable(requirements.known_width)} only; give a smaller load, or "
-            remedy += "a surface as wide as "
-        yield f"Grid.extent[0] is {readable(grid.extent[0])}: the contact is wider, {remedy}{readable(width)}."
-    needed = memory(grid, requirements.padding())
-    free = limit / MEMORY_FRACTION / 1e9
-    may_take = f"a plan may take {MEMORY_FRACTION:.0%} of the {free:.3g} GB that are free"
-    if needed > limit:
-        yield (
-            f"Grid.cells is {grid.cells}: a solve needs {needed / 1e9:.3g} GB, and {may_take}, give fewer cells."
-        )
-    expected_error = forecast.error_of(grid.cell_size)
-    if error < expected_error < inf:
-        finer = forecast.grid_for(error)
-        bytes_of_finer = memory(finer, requirements.padding())
-        more = "" if forecast.error_of(finer.cell_size) <= error * (1 + 1e-9) else "more than "
-        yield (
-            f"plan.error is {error:.2g} for the cells: this grid reaches {expected_error:.2g}; that takes {more}"
-            f"{finer.cells[0]} x {finer.cells[1]} cells and {bytes_of_finer / 1e9:.3g} GB, and {may_take}."
-        )
-    if forecast.message:
-        yield forecast.message

@@ -1,12 +1,16 @@
 """A plan: grid and padding for a scene, with expected error and cost."""
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from contactstudy.domain.checks import set_fields
 from contactstudy.domain.device import ONE_THREAD, Device
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.domain.notebook import InNotebook
 from contactstudy.scene.scene import Scene
+
+if TYPE_CHECKING:
+    from contactstudy.planning.refinement import FirstGrids
 
 
 @dataclass(frozen=True)
@@ -27,10 +31,8 @@ class Plan(InNotebook):
         Dimension of the surface grid: 1 in plane strain, where nothing varies along the length; 2 of a contact in three
         dimensions.
     error
-        Relative L1 error of the pressure to expect of the cells: of dry contacts from solutions on coarse grids, where
-        these give no bound and with adhesion by a law, as of a smooth contact on a grid that was given; of the images
-        that a given padding leaves out, and of the range of an attraction that the grid chooses. Of a scene in time that
-        of the steps adds to it. Of a film, the one requested. Infinite where it is not predicted.
+        Bound of the relative L1 error of the pressure to expect, with all its causes but the steps in time, from
+        solutions on coarse grids. Of a film, the error requested. Infinite where they give none.
     seconds
         Seconds of processor time (with a device, of wall time) of a solve to the error: its plan, all grids and steps,
         their estimates, and the stress that a steady scene names, from solves on coarser grids just now. Imports,
@@ -48,8 +50,8 @@ class Plan(InNotebook):
         rolls.
     device
         Device that the seconds are for.
-    coarse_seconds
-        Seconds of them for the coarser grids that were solved for the plan of a static contact, as its solve does.
+    first_grids
+        Solutions of a static contact on the grids with which its solve begins; None of others, or on a given grid.
     """
 
     scene: Scene = field(repr=False)
@@ -64,7 +66,7 @@ class Plan(InNotebook):
     warnings: tuple[str, ...] = ()
     solves: int = 1
     device: Device = ONE_THREAD
-    coarse_seconds: float = 0.0
+    first_grids: "FirstGrids | None" = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         set_fields(self, dimension=1 if self.grid.cells[1] == 1 else 2)

@@ -74,7 +74,7 @@ def plan(
         values = {
             name: None if value == inf else value  # JSON has no infinity
             for name, value in (vars(planned) | texts | others).items()
-            if name not in {"scene", "coarse_seconds"}
+            if name not in {"scene", "first_grids"}
         }
         click.echo(json.dumps(values))
         return

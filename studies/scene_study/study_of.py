@@ -13,15 +13,13 @@ from contactstudy.domain.device import available_bytes
 from contactstudy.domain.errors import DEFAULT_ERROR
 from contactstudy.domain.units import readable
 from contactstudy.io.scene_files.scene_writer import scene_text
-from contactstudy.planning.cost import memory
-from contactstudy.planning.forecast import within_memory
+from contactstudy.planning.cost import MEMORY_FRACTION, memory, within_memory
 from contactstudy.planning.grid_requirements import (
     GridRequirements,
     grid_requirements,
     halvable_count,
     with_random_extents,
 )
-from contactstudy.planning.plan import MEMORY_FRACTION
 from contactstudy.scene.shapes.shape import length_scales_of
 from contactstudy.scene_file import SceneFile, tables_of
 from studies.model.axis import Axis, Value
@@ -74,8 +72,7 @@ def _with_random_extents(points: Sequence[SceneFile]) -> tuple[Sequence[SceneFil
     if not is_planned or not any(scales.longest_across for scales in length_scales_of(shapes)):
         return points, []
     extents = [
-        grid_requirements(point.scene).grid(0.1, point.plan_settings.period).extent
-        for point in points
+        grid_requirements(point.scene).extent(point.plan_settings.period) for point in points
     ]
     extent = max(width for width, _ in extents), min(length for _, length in extents)
     if any(abs(length / extent[1] - round(length / extent[1])) > 1e-9 for _, length in extents):

@@ -46,8 +46,9 @@ LARGEST_STEP_ERROR = 0.3
 DEFAULT_WORK, REQUESTED_WORK, CELLS_OF_A_CALL = 1.5e7, 3e8, 1500
 # Most grids for the numbers, and the largest factor on the cells along an axis from one to the next.
 REFINEMENTS_OF_NUMBERS, MAX_GROWTH = 5, 4.0
-# Most cells of a grid for the numbers of a contact that slips, whose iterations the convolutions do not count.
-MAX_CELLS_OF_SLIP = 10_000
+# Most cells of a grid for the numbers of a contact that slips, whose iterations the convolutions do not count, and of
+# one whose stress is asked for.
+MAX_CELLS_OF_SLIP, MAX_CELLS_OF_STRESS = 10_000, 200_000
 # Refinements of a scene that is not static, whose error is at least of first order: their number, the margin on the
 # cells that this gives, the largest factor on the cells along an axis, and the most cells of a grid.
 REFINEMENTS, MARGIN, MAX_REFINEMENT, MAX_CELLS = 3, 1.05, 3.0, 2_000_000
@@ -548,7 +549,9 @@ def grid_for_numbers(answer: Any, *, is_default: bool) -> Grid | None:
     if any(map(yields, scene.solids)):  # plastic strain takes the third power of the cells
         return None
     most = DEFAULT_WORK if is_default else REQUESTED_WORK
-    largest = MAX_CELLS if scene.friction is None else MAX_CELLS_OF_SLIP
+    largest = MAX_CELLS_OF_STRESS if scene.outputs else MAX_CELLS
+    if scene.friction is not None:
+        largest = MAX_CELLS_OF_SLIP
     missed = (
         number for number in answer.judged.values() if number.refines and 1 < number.ratio < inf
     )

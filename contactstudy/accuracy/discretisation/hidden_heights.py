@@ -243,7 +243,7 @@ def _on_lines(problem: Problem, axis: int, points: int) -> tuple[list[Array], fl
     if points < CONSTANTS.points_at_corners and on_lines[2].any():
         return _on_lines(problem, axis, CONSTANTS.points_at_corners)
     if axis and problem.covered_fractions is not None:  # an end is no height that is hidden
-        at_end = np.convolve(problem.covered_fractions < 1, np.ones(5), mode="same") > 0
+        at_end = np.convolve(problem.covered_fractions < 1, np.ones(5))[2:-2] > 0
         on_lines[:2] = [np.where(at_end[:, None], 0.0, fields) for fields in on_lines[:2]]
     means = [
         mean_height(source, one, axis_first(heights, axis))

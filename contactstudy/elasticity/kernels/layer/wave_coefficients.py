@@ -256,8 +256,8 @@ class WaveCoefficients:
         tau, fields = _plane_waves(self.waves, ends, 1j)
         if self.name not in fields:
             return np.zeros(start.size)
-        decay = np.exp(-np.multiply.outer(start, tau)) * -np.expm1(-tau * width) / tau
-        return np.asarray((decay @ (1j * fields[self.name])).real)
+        decay = np.exp(-np.multiply.outer(start, tau)) * np.expm1(-tau * width)
+        return np.asarray(decay @ (fields[self.name].imag / tau))
 
 
 @lru_cache(maxsize=128)

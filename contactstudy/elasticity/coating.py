@@ -13,7 +13,7 @@ from contactstudy.elasticity.kernels.layer.displacement_waves import (
     buried_field,
     terms_of_long_waves,
 )
-from contactstudy.elasticity.kernels.layer.remainder import LayerRemainder
+from contactstudy.elasticity.kernels.layer.remainder import remainder_cell
 from contactstudy.elasticity.kernels.layer.response import LayerResponse
 from contactstudy.elasticity.kernels.layer.wave_coefficients import (
     LATTICE_RATIO,
@@ -69,7 +69,7 @@ class CoatingCoefficients:
         """Return the response to one cell; x and y broadcast."""
         if self.name == "z":  # radial: tabulated, and exact
             buried = buried_cell(x, y, dx, dy, 2 * self.thickness)
-            remainder = LayerRemainder(self.response, self.thickness).cell(x, y, dx, dy)
+            remainder = remainder_cell(self.response, self.thickness, x, y, dx, dy)
             return remainder + self.response.contrast * buried
         h, waves = self.thickness, self._waves(Subtracted.ALL_THREE)
         farthest = max(float(np.abs(x).max()), float(np.abs(y).max())) + max(dx, dy)

@@ -1,62 +1,111 @@
 """Short-ranged remainder of a layer's displacement under a loaded cell."""
 
-from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
+from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
+from scipy.special import j1, k1
 
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.kernels.displacement_cell import mean_gauss_rule
 from contactstudy.elasticity.kernels.displacement_periodic import QUADRATURE_ERROR
-from contactstudy.elasticity.kernels.layer.response import (
-    LayerResponse,
-    RemainderTables,
-    remainder_tables,
-)
+from contactstudy.elasticity.kernels.layer.response import LayerResponse, composite
 
 # Values in one array operation, so that work arrays stay small.
 VALUES_AT_ONCE = 1 << 20
+# The tables' pieces are [0, 1], [1, 2], [2, 4] ... thicknesses: singularities at two thicknesses and, of
+# the far form, at zero lie outside a Bernstein ellipse of rho = 5.8.
+CHEBYSHEV_POINTS = 22
+# R is below 2e-14 of its largest beyond this k, and exp(-x) is neglected beyond this x.
+LAST_WAVE, NEGLIGIBLE_EXPONENT = 20.0, 42.0
 
 
-@dataclass(frozen=True)
-class LayerRemainder:
-    """Influence coefficients of the short-ranged remainder R(k) of a :class:`LayerResponse`.
+def remainder_cell(
+    response: LayerResponse, thickness: float, x: Array, y: Array, dx: float, dy: float
+) -> Array:
+    """Return the integral of ``g(r / h) / h`` over a rectangular cell of sides `dx` and `dy`.
 
-    They are integrals over a cell of ``g(r / h) / h`` with ``g(s) = int R(k) J0(k s) dk``.
+    With ``g(s) = int R(k) J0(k s) dk`` it is the displacement by the remainder R of a layer's `response` to pressure, h
+    the `thickness`. The offsets `x` and `y` broadcast; functions of x or of y alone are evaluated once for each value,
+    so these should be few or form a grid. All lengths are in one unit, and so is the result. Source: the radial field
+    whose divergence is g, integrated along the four edges of the cell, each by Gauss points on pieces that grow with
+    their distance from the field point.
+    """
+    x, y = (np.asarray(a, dtype=np.float64) for a in (x, y))
+    shape = np.broadcast_shapes(x.shape, y.shape)
+    xs, at_x = np.unique(np.abs(x), return_inverse=True)
+    ys, at_y = np.unique(np.abs(y), return_inverse=True)
+    across, along = (
+        CellEdges(xs / thickness, dx / thickness),
+        CellEdges(ys / thickness, dy / thickness),
+    )
+    corners = quadrant(radial_table(response), across.unique_edges, along.unique_edges)
+    cells = along.difference(across.difference(corners).T).T * thickness
+    at_x, at_y = at_x.reshape(x.shape), at_y.reshape(y.shape)
+    return np.asarray(cells[at_x, at_y]).reshape(shape)
 
-    Parameters
-    ----------
-    response
-        Response of the layer to a wave of pressure, which gives R.
-    thickness
-        Thickness h of the layer. All lengths are in one unit, and so are the results.
+
+class RadialTable:
+    """Table of ``(1 / s) int R(k) J1(k s) / k dk``, with R the remainder of a :class:`LayerResponse` under pressure.
+
+    Times the distance s, in thicknesses, it is the radial field with the divergence ``int R(k) J0(k s) dk``. The table
+    is filled as it is used.
     """
 
-    response: LayerResponse
-    thickness: float
+    def __init__(self, response: LayerResponse) -> None:
+        self.response = response
+        self._pieces: dict[int, Array] = {}
 
-    @property
-    def tables(self) -> RemainderTables:
-        """Tables of R in space."""
-        return remainder_tables(self.response)
+    def __call__(self, s: Array) -> Array:
+        """Return the field over the distance, at distances `s`."""
+        # frexp: s in [2^(e-1), 2^e)
+        piece = np.maximum(np.frexp(s)[1], 0)
+        result = np.empty(s.shape)
+        for number in np.unique(piece).tolist():
+            start, end = (0.0, 1.0) if number == 0 else (2.0 ** (number - 1), 2.0**number)
+            if number not in self._pieces:
+                nodes = chebyshev.chebpts1(CHEBYSHEV_POINTS)
+                values = self._edge_at((start + end) / 2 + (end - start) / 2 * nodes)
+                self._pieces[number] = chebyshev.chebfit(nodes, values, CHEBYSHEV_POINTS - 1)
+            chosen = piece == number
+            local = (2 * s[chosen] - start - end) / (end - start)
+            result[chosen] = chebyshev.chebval(local, self._pieces[number])
+        return result
 
-    def cell(self, x: Array, y: Array, dx: float, dy: float) -> Array:
-        """Return the integral over a rectangular cell of sides `dx` and `dy`; the offsets `x` and `y` broadcast.
+    def _edge_at(self, s: Array) -> Array:
+        """Return the field over the distance at distances `s` in order, by quadrature over k."""
+        response = self.response
+        if s[0] >= NEGLIGIBLE_EXPONENT / response.pole_distance_from_real_axis:
+            # along the imaginary axis, where J1 decays as K1; the neglected part is below rounding
+            tau, weight = self._imaginary(float(s[0]))
+            even = np.real(response.remainder(1j * tau)) / tau
+            far = k1(np.multiply.outer(s, tau)) @ (even * weight)
+            return np.asarray((response.slope / s - 2 / np.pi * far) / s)
+        k, weight = self._real(float(s[-1]))
+        integrand = np.real(response.remainder(k)) / k * weight
+        return np.asarray(j1(np.multiply.outer(s, k)) @ integrand / s)
 
-        Functions of x or of y alone are evaluated once for each value, so these should be few or form a grid. Source:
-        the radial field whose divergence is g, integrated along the four edges of the cell, each by Gauss points on
-        pieces that grow with their distance from the field point.
-        """
-        x, y = (np.asarray(a, dtype=np.float64) for a in (x, y))
-        shape = np.broadcast_shapes(x.shape, y.shape)
-        xs, at_x = np.unique(np.abs(x), return_inverse=True)
-        ys, at_y = np.unique(np.abs(y), return_inverse=True)
-        across = CellEdges(xs / self.thickness, dx / self.thickness)
-        along = CellEdges(ys / self.thickness, dy / self.thickness)
-        corners = quadrant(self.tables, across.unique_edges, along.unique_edges)
-        cells = along.difference(across.difference(corners).T).T * self.thickness
-        at_x, at_y = at_x.reshape(x.shape), at_y.reshape(y.shape)
-        return np.asarray(cells[at_x, at_y]).reshape(shape)
+    def _real(self, s: float) -> tuple[Array, Array]:
+        """Return Gauss points and weights for integrals over k of a field that oscillates with ``k s``."""
+        longest = min(0.5, 4 * np.pi / max(s, 1.0))
+        ends = [0.0, min(self.response.pole_distance_from_zero, longest)]
+        while ends[-1] < LAST_WAVE:
+            ends.append(ends[-1] + min(ends[-1], longest))
+        return composite(np.array(ends))
+
+    def _imaginary(self, s: float) -> tuple[Array, Array]:
+        """Return Gauss points and weights for integrals over tau of a field that decays like ``exp(-s tau)``."""
+        end = min(self.response.pole_distance_from_real_axis, NEGLIGIBLE_EXPONENT / s)
+        start = 1e-3 * min(self.response.pole_distance_from_zero, 1 / s)
+        count = int(np.ceil(np.log2(end / start)))
+        return composite(np.concatenate([[0.0], np.geomspace(start, end, count + 1)]))
+
+
+@lru_cache(maxsize=32)
+def radial_table(response: LayerResponse) -> RadialTable:
+    """Return the table of one stack of materials."""
+    return RadialTable(response)
 
 
 class CellEdges:
@@ -83,15 +132,15 @@ def unique_within_rounding(values: Array) -> tuple[Array, NDArray[np.intp]]:
     return ordered[is_new], which
 
 
-def quadrant(table: RemainderTables, x: Array, y: Array) -> Array:
+def quadrant(table: RadialTable, x: Array, y: Array) -> Array:
     """Return the integral of ``g`` over rectangles from the field point to each (x, y), of at least 0 thicknesses."""
     across = x[:, None] * _along_edges(table, x, y)
     along = y[:, None] * _along_edges(table, y, x)
     return np.asarray(across + along.T)
 
 
-def _along_edges(table: RemainderTables, aside: Array, ends: Array) -> Array:
-    """Return ``int_0^t edge(sqrt(d^2 + t'^2)) dt'`` for all distances d `aside` and all t in `ends` (aside, ends).
+def _along_edges(table: RadialTable, aside: Array, ends: Array) -> Array:
+    """Return ``int_0^t table(sqrt(d^2 + t'^2)) dt'`` for all distances d `aside` and all t in `ends` (aside, ends).
 
     Both are in order.
     """
@@ -110,7 +159,7 @@ def _along_edges(table: RemainderTables, aside: Array, ends: Array) -> Array:
         for start in range(0, aside.size, step):
             rows = slice(start, start + step)
             distance = np.sqrt(square + (aside[rows] ** 2)[:, None, None])
-            pieces[rows, chosen] = (table.edge(distance) @ weights) * (2 * half[chosen])
+            pieces[rows, chosen] = (table(distance) @ weights) * (2 * half[chosen])
     summed = np.concatenate([np.zeros((aside.size, 1)), np.cumsum(pieces, axis=1)], axis=1)
     return np.asarray(summed[:, positions])
 

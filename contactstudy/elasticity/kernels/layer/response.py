@@ -1,7 +1,4 @@
-"""Response of layers on a half-space to a wave of pressure or tangential traction, and its short-ranged remainder.
-
-In space the remainder is a function of one distance, tabulated once for each stack of materials.
-"""
+"""Response of layers on a half-space to a wave of pressure or tangential traction, and its short-ranged remainder."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -11,10 +8,9 @@ from math import factorial
 from typing import Any
 
 import numpy as np
-from numpy.polynomial import chebyshev, polynomial
+from numpy.polynomial import polynomial
 from numpy.typing import NDArray
 from scipy.interpolate import PPoly, make_interp_spline
-from scipy.special import j1, k1
 
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.kernels.displacement_cell import mean_gauss_rule
@@ -29,8 +25,8 @@ SPLINE_PIECE, LONG_PIECE, SPLINE_POINTS, SPLINE_DEGREE = 1 / 64, 0.25, 48, 7
 SERIES_END = 0.02
 # Values of a remainder beyond which a spline is made for all of them.
 MAX_DIRECT = 4096
-# R is below 2e-14 of its largest beyond this k; waves of 17 along both axes are the shortest that are asked for.
-LAST_WAVE, LAST_SPLINE_WAVE = 20.0, 25.0
+# Waves of 17 along both axes are the shortest that are asked for: remainders are below 2e-14 of the largest beyond 20.
+LAST_SPLINE_WAVE = 25.0
 
 
 @dataclass(frozen=True)
@@ -275,77 +271,8 @@ def _spline(response: LayerResponse) -> PPoly:
     return spline(remainders, response.pole_distance_from_zero / 2, LAST_SPLINE_WAVE)
 
 
-# The tables' pieces are [0, 1], [1, 2], [2, 4] ... thicknesses: singularities at two thicknesses and, of
-# the far form, at zero lie outside a Bernstein ellipse of rho = 5.8.
-CHEBYSHEV_POINTS = 22
 # Gauss points on each piece of k, at most two oscillations long.
 GAUSS_POINTS = 18
-# exp(-x) is neglected beyond this x
-NEGLIGIBLE_EXPONENT = 42.0
-
-
-class RemainderTables:
-    """Tables in space of R(k), the short-ranged part of a :class:`LayerResponse`.
-
-    Distances are in thicknesses. The tables are filled as they are used.
-    """
-
-    def __init__(self, response: LayerResponse) -> None:
-        self.response = response
-        self._pieces: dict[int, Array] = {}
-
-    def edge(self, s: Array) -> Array:
-        """Return ``(1 / s) int R(k) J1(k s) / k dk``.
-
-        Times s it is the radial field with the divergence ``int R(k) J0(k s) dk``.
-        """
-        # frexp: s in [2^(e-1), 2^e)
-        piece = np.maximum(np.frexp(s)[1], 0)
-        result = np.empty(s.shape)
-        for number in np.unique(piece).tolist():
-            start, end = (0.0, 1.0) if number == 0 else (2.0 ** (number - 1), 2.0**number)
-            if number not in self._pieces:
-                nodes = chebyshev.chebpts1(CHEBYSHEV_POINTS)
-                values = self._edge_at((start + end) / 2 + (end - start) / 2 * nodes)
-                self._pieces[number] = chebyshev.chebfit(nodes, values, CHEBYSHEV_POINTS - 1)
-            chosen = piece == number
-            local = (2 * s[chosen] - start - end) / (end - start)
-            result[chosen] = chebyshev.chebval(local, self._pieces[number])
-        return result
-
-    def _edge_at(self, s: Array) -> Array:
-        """Return `edge` at distances `s` in order, by quadrature over k."""
-        response = self.response
-        if s[0] >= NEGLIGIBLE_EXPONENT / response.pole_distance_from_real_axis:
-            # along the imaginary axis, where J1 decays as K1; the neglected part is below rounding
-            tau, weight = self._imaginary(float(s[0]))
-            even = np.real(response.remainder(1j * tau)) / tau
-            far = k1(np.multiply.outer(s, tau)) @ (even * weight)
-            return np.asarray((response.slope / s - 2 / np.pi * far) / s)
-        k, weight = self._real(float(s[-1]))
-        integrand = np.real(response.remainder(k)) / k * weight
-        return np.asarray(j1(np.multiply.outer(s, k)) @ integrand / s)
-
-    def _real(self, s: float) -> tuple[Array, Array]:
-        """Return Gauss points and weights for integrals over k of a field that oscillates with ``k s``."""
-        longest = min(0.5, 4 * np.pi / max(s, 1.0))
-        ends = [0.0, min(self.response.pole_distance_from_zero, longest)]
-        while ends[-1] < LAST_WAVE:
-            ends.append(ends[-1] + min(ends[-1], longest))
-        return composite(np.array(ends))
-
-    def _imaginary(self, s: float) -> tuple[Array, Array]:
-        """Return Gauss points and weights for integrals over tau of a field that decays like ``exp(-s tau)``."""
-        end = min(self.response.pole_distance_from_real_axis, NEGLIGIBLE_EXPONENT / s)
-        start = 1e-3 * min(self.response.pole_distance_from_zero, 1 / s)
-        count = int(np.ceil(np.log2(end / start)))
-        return composite(np.concatenate([[0.0], np.geomspace(start, end, count + 1)]))
-
-
-@lru_cache(maxsize=32)
-def remainder_tables(response: LayerResponse) -> RemainderTables:
-    """Return the tables of one pair of materials."""
-    return RemainderTables(response)
 
 
 def composite(ends: Array) -> tuple[Array, Array]:

@@ -4,7 +4,7 @@ from numpy.polynomial.legendre import leggauss
 from scipy.special import j0
 
 from contactstudy.elasticity.coating import CoatingCoefficients
-from contactstudy.elasticity.kernels.layer.remainder import LayerRemainder
+from contactstudy.elasticity.kernels.layer.remainder import remainder_cell
 from contactstudy.elasticity.kernels.layer.response import LayerResponse
 from tests.contactstudy.elasticity.kernels.layer_materials import LAYERS
 
@@ -38,7 +38,7 @@ def test_a_cell_is_the_integral_over_it_and_over_all_waves(name: str) -> None:
         (7.2, 0.0, 0.6, 2.4),
         (3.0, 21.0, 3.0, 1.0),
     ):
-        found = LayerRemainder(layer, h).cell(np.array(x * h), np.array(y * h), dx * h, dy * h)
+        found = remainder_cell(layer, h, np.array(x * h), np.array(y * h), dx * h, dy * h)
         # of the quadrature, whose rounding is that of the largest value
         assert abs(float(found) - by_quadrature(layer, x, y, dx, dy) * h) <= 1e-11 * abs(own)
 
@@ -47,12 +47,12 @@ def test_a_cell_is_the_integral_over_it_and_over_all_waves(name: str) -> None:
 @pytest.mark.parametrize("size", [(2e3, 3e3), (40.0, 1e4), (0.3, 900.0)])
 def test_cells_add_up(name: str, size: tuple[float, float]) -> None:
     layer, (dx, dy) = LAYERS[name], size
-    whole = LayerRemainder(layer, 1.0).cell(np.array([[0.0], [dx]]), np.array([0.0, dy]), dx, dy)
+    whole = remainder_cell(layer, 1.0, np.array([[0.0], [dx]]), np.array([0.0, dy]), dx, dy)
     parts = np.zeros((2, 2))
     for left in (-0.25, 0.25):
         for below in (-0.25, 0.25):
             x, y = np.array([[0.0], [dx]]) + dx * left, np.array([0.0, dy]) + dy * below
-            parts += LayerRemainder(layer, 1.0).cell(x, y, dx / 2, dy / 2)
+            parts += remainder_cell(layer, 1.0, x, y, dx / 2, dy / 2)
     np.testing.assert_allclose(parts, whole, atol=1e-12 * np.abs(whole).max())
 
 

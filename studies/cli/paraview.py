@@ -6,11 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+import contactstudy as cs
 from contactstudy import InvalidInput
 from contactstudy.domain.imports import import_for
-from contactstudy.domain.unit_text import in_si
 from contactstudy.domain.units import Metres
-from studies.cli.surfaces import LENGTH
 from studies.store.netcdf import fields_of
 
 if TYPE_CHECKING:
@@ -44,7 +43,7 @@ def write_vtk(dataset: "xr.Dataset", file: Path, stem: Path) -> list[Path]:
         )
     # a cell alone is as long as the scene's grid, or square where that is not known
     extent = tomllib.loads(str(dataset.attrs.get("scene", ""))).get("grid", {}).get("extent")
-    length = None if extent is None else in_si("grid.extent", extent[1], LENGTH)
+    length = None if extent is None else cs.Grid((2, 1), extent).length
     if len(frames) == 1:
         return _write_frame(frames[0][1], stem, "", length)
     numbers = [f"-{number:0{len(str(len(frames)))}d}" for number in range(len(frames))]

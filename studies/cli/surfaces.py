@@ -7,18 +7,13 @@ import click
 
 import contactstudy as cs
 from contactstudy import InvalidInput
-from contactstudy.domain.units import Unit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-LENGTH = Unit("m", "a length", "1 mm")
-
 
 def surfaces_of(file: Path, extent: str | None, **keys: Any) -> dict[str, cs.MeasuredSurface]:
     """Return the measured surfaces of a file or of a scene by the stems of their pictures; none for another file."""
-    from contactstudy.domain.unit_text import in_si
-
     if file.suffix == ".toml":
         shapes = enumerate(cs.read_scene(file).scene.shapes)
         found = {
@@ -33,12 +28,9 @@ def surfaces_of(file: Path, extent: str | None, **keys: Any) -> dict[str, cs.Mea
         return found
     if not file.is_file() or (file.suffix == ".nc" and not _holds_heights(file)):
         return {}
-    sides = None if extent is None else [side.strip() for side in extent.split(",")]
-    if sides is not None and len(sides) != 2:
-        raise InvalidInput(f"--extent is {extent!r}: give width and length, such as '1 mm, 2 mm'.")
-    lengths = None if sides is None else tuple(in_si("--extent", side, LENGTH) for side in sides)
+    sides: Any = None if extent is None else [side.strip() for side in extent.split(",")]
     missing = cs.HarmonicFill(up_to=0.5)
-    given: Any = {"extent": lengths, "missing": missing, "seam": cs.AsMeasured(), **keys}
+    given: Any = {"extent": sides, "missing": missing, "seam": cs.AsMeasured(), **keys}
     return {file.stem: cs.MeasuredSurface.read(file, **given)}
 
 

@@ -9,7 +9,7 @@ import pytest
 
 import contactstudy as cs
 from tests.conftest import STEEL
-from tests.contactstudy.evolution.test_plastic_along import TIMES, half_width, pressed
+from tests.contactstudy.evolution.test_plastic import half_width, pressed
 from tests.contactstudy.lubrication.scenes import by_moes, with_motion
 from tests.contactstudy.lubrication.test_mixed import mixed
 
@@ -37,8 +37,8 @@ SCENES: dict[str, tuple[cs.Scene, int, float, int, tuple[str, ...], float, dict[
         64, 2.4 * A / 64, 8, ("pressure", "shear_x"), 1e-6, {"tolerance": 1e-9},
     ),
     "yielding": (
-        pressed(), 18, half_width(2.5) / 6, 5, PLASTIC, 1e-6,
-        {"times": cs.TimeSteps(TIMES, error_estimator=cs.ErrorEstimator.NONE), "tolerance": 1e-7},
+        pressed(2.5, hardening=0.02), 18, half_width(2.5) / 6, 5, PLASTIC, 1e-6,
+        {"times": cs.TimeSteps((1.0, 2.0), error_estimator=cs.ErrorEstimator.NONE), "tolerance": 1e-7},
     ),
     "sliding and yielding": (
         SLIDES, 32, 6e-4 / 32, 2, ("equivalent_plastic_strain",), 1e-3,

@@ -64,7 +64,7 @@ class TimeSteps:
         the load is needed.
     instants
         Number of instants, evenly spaced but for those moved to where a history has a kink or turns. None stands for 41,
-        but where `error` is given and `end` is not, every step is recorded. Elastic bodies take no steps: the start,
+        but where `error` is given and `end` is not, every pair of steps is. Elastic bodies take no steps: the start,
         the end and where the load turns or jumps are recorded then.
     error
         Largest relative time-discretisation error, in L1, of the pressure and in fretting of the tangential traction.

@@ -79,7 +79,7 @@ class StepTuning:
 
 
 TUNING = StepTuning()
-# Error of a step that any step keeps to which has a film.
+# Allowed error of a step whose length is given.
 UNLIMITED = 1e99
 
 

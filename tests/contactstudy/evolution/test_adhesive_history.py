@@ -5,7 +5,6 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.accuracy.range_errors import reduction_below_jkr
 from contactstudy.domain.units import readable
 from contactstudy.evolution.equilibrium.quasi_static import follow_load
 
@@ -45,81 +44,6 @@ def test_a_state_follows_from_the_one_before_however_many_lie_between(loop: cs.E
     last, other = direct.frames[-1], loop.frames[7]
     # the passes leave 1e-5 of the attraction
     np.testing.assert_allclose(last.pressure, other.pressure, atol=1e-3 * other.pressure.max())
-
-
-def test_a_contact_names_what_adhesion_adds() -> None:
-    contact = cs.solve(replace(SCENE, load=cs.LineLoad(pi)), GRID, LINE)
-    numbers = contact.quantities
-    assert numbers["tabor_parameter"].value == pytest.approx((pi**2 / 8) ** (1 / 3))
-    # pi E* w / (4 sigma0^2) with sigma0 = w / rho
-    assert numbers["cells_in_zone"].value == pytest.approx(1.0 / (24 / 256))
-    assert numbers["attraction_range"].value == 2.0
-    assert numbers["detached"].value == 0
-    assert numbers["load_per_length"].value == pytest.approx(pi, rel=1e-9)
-    assert numbers["energy"].value < 0
-    dataset = contact.to_dataset()
-    assert dataset["branch"].attrs["flag_meanings"].split()[int(dataset["branch"])] == "from_afar"
-    assert float((dataset["pressure"] - dataset["attraction"]).sum()) * 24 / 256 == pytest.approx(
-        pi
-    )
-
-
-@pytest.mark.parametrize(
-    ("reach", "grid", "exact", "largest"),
-    [(2.0, cs.Grid((128, 1), (24.0, 1.0)), 1.14064, 0.1), (None, cs.Grid((96, 1), (12.0, 1.0)), 1.190551, 0.2)],
-    ids=["of a fine grid", "of short ranges in the limit, without a range"],
-)  # fmt: skip
-def test_the_bound_of_a_pull_off_holds_the_load(
-    reach: float | None, grid: cs.Grid, exact: float, largest: float
-) -> None:
-    scene = replace(SCENE, load=cs.PullOff(pi), adhesion=cs.Adhesion(pi, reach))
-    pull_off = cs.solve(scene, grid, LINE).quantities["pull_off"]
-    assert abs(pull_off.value / pi - exact) < pull_off.bound / pi < largest
-
-
-def test_numbers_at_a_given_approach_are_within_their_bounds_of_those_of_a_fine_grid() -> None:
-    near = replace(SCENE, load=cs.Approach(1.0, datum=24.0))
-    coarse, fine = (
-        cs.solve(near, cs.Grid((cells, 1), GRID.extent), LINE).quantities for cells in (192, 1024)
-    )
-    for name in ("load_per_length", "contact_area", "mean_pressure", "mean_gap", "peak_pressure"):
-        error = abs(coarse[name].value - fine[name].value)
-        # each edge of the mean, at the largest attraction, is known to a cell
-        fraction = 0.5 if name == "mean_pressure" else 0.1
-        assert error < coarse[name].bound < fraction * abs(fine[name].value), name
-
-
-def test_the_shortfall_of_a_cylinder_is_that_of_fine_grids_between_and_at_known_parameters() -> (
-    None
-):
-    assert reduction_below_jkr(1.073) == pytest.approx(1 - 0.95807, abs=1e-4)
-    assert 0.008 < reduction_below_jkr(1.5) < 0.0419
-    assert reduction_below_jkr(0.01) <= 1
-    assert reduction_below_jkr(8.0) < reduction_below_jkr(4.29) == pytest.approx(0.0009, abs=1e-4)
-
-
-def test_a_contact_that_starts_from_an_answer_continues_its_state() -> None:
-    grid = cs.Grid((512, 1), (16.0, 1.0))
-    short = replace(SCENE, load=cs.Approach(1.0, datum=16.0), adhesion=cs.Adhesion(pi, 1.0))
-    touching = cs.solve(short, grid, LINE)
-    assert isinstance(touching, cs.Contact)
-    away = replace(short, load=cs.Approach(-4.5, datum=16.0))
-    # two states are in equilibrium there
-    assert cs.solve(away, grid, LINE).status is cs.Status.DETACHED
-    continued = cs.solve(away, grid, LINE, start=touching)
-    assert continued.status is cs.Status.CONVERGED
-    assert continued.adhesion.branch == "continued"
-
-
-def test_a_coating_adheres_and_no_work_leaves_the_coated_contact() -> None:
-    coated = cs.CoatedHalfSpace(cs.HalfSpace(2.0, 0.3), 0.5, cs.HalfSpace(1.0, 0.0))
-    scene = replace(SCENE, load=cs.LineLoad(pi), solids=(coated, RIGID))
-    contact = cs.solve(scene, GRID, LINE)
-    assert contact.status is cs.Status.CONVERGED
-    assert contact.quantities["load_per_length"].value == pytest.approx(pi, rel=1e-9)
-    faint = cs.solve(replace(scene, adhesion=cs.Adhesion(1e-20, 2.0)), GRID, LINE)
-    bare = cs.solve(replace(scene, adhesion=None), GRID, LINE)
-    np.testing.assert_array_equal(faint.pressure, bare.pressure)
 
 
 def test_the_net_work_is_the_integral_of_load_over_approach_bounded_while_contact_lasts(
@@ -213,27 +137,6 @@ def test_bodies_that_creep_are_held_at_a_load_near_zero_as_at_zero() -> None:
     )
     assert near.status is at_zero.status is cs.Status.CONVERGED
     np.testing.assert_allclose(near.pressure, at_zero.pressure, rtol=1e-6)
-
-
-@pytest.mark.parametrize(("fraction", "delay"), [(0.5, 1e9), (1.0, 1e-6)])
-def test_bodies_that_creep_far_more_slowly_or_quickly_than_the_load_adhere_as_elastic_ones(
-    fraction: float, delay: float
-) -> None:
-    """The modulus relaxes by a half, from that of the elastic body or to it."""
-    body = cs.ViscoelasticHalfSpace(fraction, 0.0, ((0.5, delay),))
-    times, grid = (0.0, 1.0, 1.6, 2.2), cs.Grid((128, 1), (24.0, 1.0))
-    load = cs.LoadHistory((0.0, 1.0, 3.0), (pi, pi, -2 * pi))
-    scene = replace(SCENE, load=load)
-    elastic, creeping = (
-        cs.solve(replace(scene, solids=(one, RIGID)), grid, LINE, times=times).frames[1:]
-        for one in (SOFT, body)
-    )
-    for wanted, found in zip(elastic, creeping, strict=True):
-        assert found.status is cs.Status.CONVERGED
-        assert found.load_per_length == pytest.approx(wanted.load_per_length)
-        np.testing.assert_allclose(
-            found.pressure, wanted.pressure, atol=1e-3 * wanted.pressure.max()
-        )
 
 
 def test_creep_under_a_constant_load_ends_in_the_relaxed_contact_however_many_its_steps() -> None:

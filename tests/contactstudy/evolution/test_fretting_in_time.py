@@ -249,23 +249,9 @@ def test_a_contact_frets_on_a_planned_grid_under_a_load_that_changes() -> None:
     assert {"shear_x", "slip_distance", "wear_depth"} <= set(found.to_dataset())
 
 
-SWING = cs.Fretting(MU, (0.0, 0.12, -0.12, 0.12), times=(0.0, 1.0, 2.0, 3.0))
-
-
 def creeping(equilibrium: float, relaxing: float, time: float) -> cs.Scene:
     body = cs.ViscoelasticHalfSpace(equilibrium, NU, ((relaxing, time),))
     return replace(LINE, solids=(body, body))
-
-
-@pytest.mark.parametrize(("elastic", "time"), [(0.5, 1e9), (1.0, 1e-6)])
-def test_bodies_that_creep_far_more_slowly_or_quickly_than_the_force_fret_as_elastic_ones(
-    elastic: float, time: float
-) -> None:
-    modulus = BODY.youngs_modulus
-    instants = [0.0, 1.0, 2.0, 3.0]
-    wanted = fretted(SWING, instants).frames[-1].shear
-    found = fretted(SWING, instants, creeping(elastic * modulus, 0.5 * modulus, time)).frames[-1]
-    np.testing.assert_allclose(found.shear, wanted, atol=1e-4 * wanted.max())
 
 
 @pytest.mark.parametrize(

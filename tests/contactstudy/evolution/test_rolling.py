@@ -5,9 +5,6 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.elasticity.coefficients import BoussinesqCoefficients, Coefficients
-from contactstudy.elasticity.tangential import CerrutiCoefficients
-from contactstudy.elasticity.viscoelastic import RetardedCoefficients
 from contactstudy.evolution.rolling.steady_rolling import solve_rolling
 from tests.contactstudy.evolution.creeping import RIGID, SOLID, rolling_cylinder
 
@@ -105,60 +102,6 @@ def test_a_wave_in_full_contact_slides_against_the_complex_modulus(speed: float)
     # what stands out presses, and pressure runs ahead of it, in the direction of motion
     expected = -q / 2 * np.conj(modulus) * gap
     assert abs(wave / expected - 1) < 4 * (q / 64) ** 2 / 24
-
-
-@pytest.mark.parametrize("length", [0.01, 0.3, pytest.param(20.0, marks=pytest.mark.whole)])
-@pytest.mark.parametrize(
-    ("name", "inner"),
-    [(name, BoussinesqCoefficients(1.0)) for name in ("cell", "row", "lattice")]
-    + [("row", CerrutiCoefficients("xy", 1.0))],
-)
-def test_trailing_coefficients_are_their_integral(
-    name: str, inner: Coefficients, length: float
-) -> None:
-    """By differences: ``V - length dV/dx = K`` for what trails, at distances where K is smooth."""
-    dx, dy, period, width = 0.01, 0.3, 0.9, 1.0
-    x, y = np.arange(41) * dx, np.array([0.0, 0.3])
-    more = {"cell": (), "row": (period,), "lattice": (width, period)}[name]
-    even, odd = (
-        getattr(RetardedCoefficients(inner, length, sign), name)(x[:, None], y, dx, dy, *more)
-        for sign in (1, -1)
-    )
-    exact = getattr(inner, name)(x[:, None], y, dx, dy, *more)
-
-    def slope(values: np.ndarray) -> np.ndarray:
-        """Of sixth order, in the middle of the points."""
-        one, two, three = (
-            values[3 + n : -3 + n or None] - values[3 - n : -3 - n] for n in (1, 2, 3)
-        )
-        return (45 * one - 9 * two + three) / (60 * dx)
-
-    for total, sign in ((even + odd, 1), (even - odd, -1)):
-        # V(-x) is the same forwards: its slope has the other sign
-        left = total[3:-3] - sign * length * slope(total)
-        far = slice(12, None)
-        behind = exact if sign == 1 else inner.parity[0] * exact
-        np.testing.assert_allclose(left[far], behind[3:-3][far], atol=3e-6 * np.abs(exact).max())
-
-
-def test_an_odd_trail_is_odd_in_every_padding() -> None:
-    """The map that is lagged: antisymmetric, so a pressure does no work on its own lagged displacement."""
-    from contactstudy.elasticity.convolution import odd_convolution
-
-    generator = np.random.default_rng(0)
-    grid = cs.Grid((24, 12), (1.0, 0.6))
-    odd = {RetardedCoefficients(BoussinesqCoefficients(0.1), 0.2, -1): 1.0}
-    for padding in (
-        (cs.ZeroPadding(), cs.ZeroPadding()),
-        EXACT,
-        (EXACT, EXACT),
-        (cs.CircularSuperposition(1), EXACT),
-        (EXACT, cs.ZeroPadding()),
-    ):
-        lagged = odd_convolution(odd, grid, padding)
-        one, other = generator.random((2, 24, 12))
-        scale = np.abs(lagged(one)).max() * other.sum()
-        assert abs((lagged(one) * other + lagged(other) * one).sum()) < 1e-11 * scale
 
 
 @pytest.mark.parametrize("waves", [0.0, 6.3, 21.0])

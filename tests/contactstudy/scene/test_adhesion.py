@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
+from contactstudy.accuracy.range_errors import reduction_below_jkr
 from contactstudy.domain.units import readable
 
 SOFT, RIGID = cs.HalfSpace(1e6, 0.5), cs.HalfSpace(inf, 0.3)
@@ -16,6 +17,14 @@ SCENE = cs.Scene(
 )
 GRID = cs.Grid((256, 1), (1.5e-3, 1.0))
 LINE = cs.ExactPeriodicity()
+# R = E* = 1 and w = pi: loads over pi have the unit of Johnson, Kendall & Roberts
+UNITS = cs.Scene(
+    cs.LineLoad(pi),
+    (cs.HalfSpace(1.0, 0.0), RIGID),
+    (cs.Cylinder(1.0),),
+    adhesion=cs.Adhesion(pi, 2.0),
+)
+WIDE = cs.Grid((256, 1), (24.0, 1.0))
 
 
 @pytest.mark.parametrize("work_range", [None, 2e-6])
@@ -203,3 +212,78 @@ def test_a_hardness_limits_the_pressure_that_is_left_beside_the_attraction(fract
     assert found.load_per_length == pytest.approx(2.0)
     if fraction > 1:
         np.testing.assert_allclose(found.pressure, alone.pressure, atol=1e-5 * alone.pressure.max())
+
+
+def test_a_contact_names_what_adhesion_adds() -> None:
+    contact = cs.solve(replace(UNITS, load=cs.LineLoad(pi)), WIDE, LINE)
+    numbers = contact.quantities
+    assert numbers["tabor_parameter"].value == pytest.approx((pi**2 / 8) ** (1 / 3))
+    # pi E* w / (4 sigma0^2) with sigma0 = w / rho
+    assert numbers["cells_in_zone"].value == pytest.approx(1.0 / (24 / 256))
+    assert numbers["attraction_range"].value == 2.0
+    assert numbers["detached"].value == 0
+    assert numbers["load_per_length"].value == pytest.approx(pi, rel=1e-9)
+    assert numbers["energy"].value < 0
+    dataset = contact.to_dataset()
+    assert dataset["branch"].attrs["flag_meanings"].split()[int(dataset["branch"])] == "from_afar"
+    assert float((dataset["pressure"] - dataset["attraction"]).sum()) * 24 / 256 == pytest.approx(
+        pi
+    )
+
+
+@pytest.mark.parametrize(
+    ("reach", "grid", "exact", "largest"),
+    [(2.0, cs.Grid((128, 1), (24.0, 1.0)), 1.14064, 0.1), (None, cs.Grid((96, 1), (12.0, 1.0)), 1.190551, 0.2)],
+    ids=["of a fine grid", "of short ranges in the limit, without a range"],
+)  # fmt: skip
+def test_the_bound_of_a_pull_off_holds_the_load(
+    reach: float | None, grid: cs.Grid, exact: float, largest: float
+) -> None:
+    scene = replace(UNITS, load=cs.PullOff(pi), adhesion=cs.Adhesion(pi, reach))
+    pull_off = cs.solve(scene, grid, LINE).quantities["pull_off"]
+    assert abs(pull_off.value / pi - exact) < pull_off.bound / pi < largest
+
+
+def test_numbers_at_a_given_approach_are_within_their_bounds_of_those_of_a_fine_grid() -> None:
+    near = replace(UNITS, load=cs.Approach(1.0, datum=24.0))
+    coarse, fine = (
+        cs.solve(near, cs.Grid((cells, 1), WIDE.extent), LINE).quantities for cells in (192, 1024)
+    )
+    for name in ("load_per_length", "contact_area", "mean_pressure", "mean_gap", "peak_pressure"):
+        error = abs(coarse[name].value - fine[name].value)
+        # each edge of the mean, at the largest attraction, is known to a cell
+        fraction = 0.5 if name == "mean_pressure" else 0.1
+        assert error < coarse[name].bound < fraction * abs(fine[name].value), name
+
+
+def test_a_contact_that_starts_from_an_answer_continues_its_state() -> None:
+    grid = cs.Grid((512, 1), (16.0, 1.0))
+    short = replace(UNITS, load=cs.Approach(1.0, datum=16.0), adhesion=cs.Adhesion(pi, 1.0))
+    touching = cs.solve(short, grid, LINE)
+    assert isinstance(touching, cs.Contact)
+    away = replace(short, load=cs.Approach(-4.5, datum=16.0))
+    # two states are in equilibrium there
+    assert cs.solve(away, grid, LINE).status is cs.Status.DETACHED
+    continued = cs.solve(away, grid, LINE, start=touching)
+    assert continued.status is cs.Status.CONVERGED
+    assert continued.adhesion.branch == "continued"
+
+
+def test_a_coating_adheres_and_no_work_leaves_the_coated_contact() -> None:
+    coated = cs.CoatedHalfSpace(cs.HalfSpace(2.0, 0.3), 0.5, cs.HalfSpace(1.0, 0.0))
+    scene = replace(UNITS, load=cs.LineLoad(pi), solids=(coated, RIGID))
+    contact = cs.solve(scene, WIDE, LINE)
+    assert contact.status is cs.Status.CONVERGED
+    assert contact.quantities["load_per_length"].value == pytest.approx(pi, rel=1e-9)
+    faint = cs.solve(replace(scene, adhesion=cs.Adhesion(1e-20, 2.0)), WIDE, LINE)
+    bare = cs.solve(replace(scene, adhesion=None), WIDE, LINE)
+    np.testing.assert_array_equal(faint.pressure, bare.pressure)
+
+
+def test_the_shortfall_of_a_cylinder_is_that_of_fine_grids_between_and_at_known_parameters() -> (
+    None
+):
+    assert reduction_below_jkr(1.073) == pytest.approx(1 - 0.95807, abs=1e-4)
+    assert 0.008 < reduction_below_jkr(1.5) < 0.0419
+    assert reduction_below_jkr(0.01) <= 1
+    assert reduction_below_jkr(8.0) < reduction_below_jkr(4.29) == pytest.approx(0.0009, abs=1e-4)

@@ -111,7 +111,6 @@ def test_pressure_film_and_temperature_are_drawn_in_one() -> None:
         {"x": x, "y": [0.0]},
     )
     axes = film_picture(film).axes
-    assert axes[0].get_title() == "pressure, film and temperature"
     drawn = {
         ax.get_ylabel(): ax.get_lines()[0].get_ydata()
         for ax in axes

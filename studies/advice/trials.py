@@ -46,7 +46,7 @@ CENTRED = 8
 # A planned grid whose edge the contact reaches is widened by this factor, and once more.
 WIDER = 1.5
 # Processor time [s] of the rounds in which settings take turns.
-ROUND_SECONDS = 2.0
+ROUND_SECONDS = 1.0
 
 NO_GRID = (
     "No other padding was tried, since no grid that was tried keeps the error with exact periodicity, or the ends of "
@@ -310,7 +310,8 @@ def _on_grids(
     tried = list[Measured]()
     for multiple in trials.multiples:
         cells = trials.cells(multiple)
-        log(f"{_cells(cells)} cells, {base}")
+        if not trials.is_line:
+            log(f"{base} on {_cells(cells)} cells")
         for label, padding in paddings.items():
             setting = trials.setting(label, padding, cells, trials.options.tolerance)
             if one := trials.measured(setting):

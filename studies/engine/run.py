@@ -1,5 +1,6 @@
 """Run the missing cases of a study, each distinct one once, then time them one at a time."""
 
+import itertools
 import random
 import sys
 from collections import Counter
@@ -16,8 +17,7 @@ import numpy as np
 import xarray as xr
 from threadpoolctl import threadpool_limits
 
-from contactstudy.domain.files import read_verified, remove_partial_files
-from contactstudy.domain.files import set_aside as set_damaged_aside
+from contactstudy.domain.files import read_verified, remove_partial_files, set_aside
 from studies.engine.compute import Task, failed, perform, warm_up
 from studies.engine.options import RETRIES, RunOptions
 from studies.engine.progress import progress_of
@@ -25,7 +25,7 @@ from studies.engine.request import Request
 from studies.model.outcome import CaseStatus, Outcome, RunSettings, TimedRun, summary_messages
 from studies.model.plain_text import Log, one_line
 from studies.model.study import Study
-from studies.store.journal import Journal, Key, set_aside
+from studies.store.journal import Journal, Key
 from studies.store.netcdf import check_kind, open_folder, read, write
 from studies.store.program import differences
 from studies.store.provenance import machine, provenance
@@ -140,7 +140,7 @@ class Run:
             return True
         path = self.fields_path(case)
         if path.is_file() and read_verified(path) is None:
-            self.log(f"{path} is damaged: it is set aside as {set_damaged_aside(path).name}")
+            self.log(f"{path} is damaged: it is set aside as {set_aside(path).name}")
         return path.is_file()
 
     def timed_tasks(self) -> list[Task]:
@@ -243,7 +243,9 @@ class Run:
         check_kind(self.path, "study", self.log)
         is_same = first is not None and not changes and first["program"] == self.program.key
         if self.path.is_file() and not is_same:
-            aside = set_aside(self.path)
+            names = (f"{self.study.name}.before{number or ''}.nc" for number in itertools.count())
+            aside = next(of for of in map(self.path.with_name, names) if not of.exists())
+            self.path.replace(aside)
             self.log(f"{self.path.name} holds other results: it is kept as {aside.name}")
         journal.start(
             self.study.name, self.provenance["history"], self.program.key,

@@ -228,13 +228,6 @@ class Journal:
         )
 
 
-def set_aside(path: Path) -> Path:
-    """Rename a file that is not used any longer, so that it is not overwritten, and return its new path."""
-    names = (f"{path.stem}.before{number or ''}{path.suffix}" for number in range(10**6))
-    aside = next(place for name in names if not (place := path.with_name(name)).exists())
-    return path.replace(aside)
-
-
 @contextmanager
 def without_garbage_collection() -> Iterator[None]:
     """Disable garbage collection in a block that makes many lasting objects, where it would take a third of the time."""

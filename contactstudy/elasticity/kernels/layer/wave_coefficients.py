@@ -108,34 +108,23 @@ class WaveCoefficients:
             LATTICE_RATIO * (float(np.abs(offsets).max()) + step)
             for offsets, step in ((x, dx), (y, dy))
         ]
-        most = MAX_SERIES_WAVES / ROUNDING_EXPONENT * self._unit_period
-        least = min(self.least_period, most)
-        if least <= min(periods):
-            return self.transformed(x, y, dx, dy)
-        return self.series(x, y, dx, dy, (max(periods[0], least), max(periods[1], least)))
-
-    def transformed(self, x: Array, y: Array, dx: float, dy: float, least: float = 0.0) -> Array:
-        """Return the response to one cell of a lattice with at least the period `least`, by a transform.
-
-        x and y broadcast and are whole numbers of cells.
-        """
-        cells = []
-        for offsets, step in ((x, dx), (y, dy)):
-            needed = LATTICE_RATIO * (round(float(np.abs(offsets).max()) / step) + 1)
-            cells.append(fft.next_fast_len(max(needed, int(least / step))))
+        least = min(self.least_period, MAX_SERIES_WAVES * self._shortest_wave)
+        if least > min(periods):
+            return self._series(x, y, dx, dy, (max(periods[0], least), max(periods[1], least)))
+        cells = [
+            fft.next_fast_len(round(length / step))
+            for length, step in zip(periods, (dx, dy), strict=True)
+        ]
         field = self._lattice(dx, dy, *cells)
         return np.asarray(field[_indices(x, dx, cells[0]), _indices(y, dy, cells[1])])
 
-    def series(
+    def _series(
         self, x: Array, y: Array, dx: float, dy: float, periods: tuple[float, float]
     ) -> Array:
-        """Return the response to one cell of a lattice by its Fourier series; one of x and y is a column.
-
-        Its waves along each axis are those of :meth:`count`.
-        """
+        """Return the response to one cell of a lattice by its Fourier series; one of x and y is a column."""
         waves, fields = [], []
         for offset, size, period, even in zip((x, y), (dx, dy), periods, self.parity, strict=True):
-            q = 2 * np.pi / period * np.arange(self.count(period) + 1)
+            q = 2 * np.pi / period * np.arange(int(period / self._shortest_wave) + 1)
             weight = 2 * size / period * np.sinc(q * size / (2 * np.pi))
             weight[0] /= 2
             phase = np.multiply.outer(offset.ravel(), q)
@@ -153,13 +142,9 @@ class WaveCoefficients:
         return MIN_PERIOD * self.thickness / self.waves.materials.pole_distance_from_real_axis
 
     @property
-    def _unit_period(self) -> float:
-        """Wavelength of a wave that decays by a factor of e."""
-        return 2 * np.pi * self.waves.decay_rate * self.thickness
-
-    def count(self, period: float) -> int:
-        """Return the number of waves of a `period` along one axis that are not negligible."""
-        return int(ROUNDING_EXPONENT * period / self._unit_period)
+    def _shortest_wave(self) -> float:
+        """Wavelength of the shortest wave that is not negligible."""
+        return 2 * np.pi * self.waves.decay_rate * self.thickness / ROUNDING_EXPONENT
 
     def row(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
         """Return the response to an infinite row of images along y; x is a column, y a row."""

@@ -290,8 +290,7 @@ class _Request:
         requested = self.requested
         at_own_points = self.error is None or self.scene.hertz is None
         on_own_points = at_own_points and measured_length_scales(self.scene) is not None
-        # a short attraction has its range from the grid, which is therefore not refined
-        if self.grid is not None or on_own_points or self.scene.adhesion is not None:
+        if self.grid is not None or on_own_points or belongs_to_grid(self.scene):
             problem = self.scene.problem(*self.planned())
             return replace(self.solve_problem(problem), requested=requested)
         from contactstudy.planning.refinement import solve_to  # only where the grid is chosen
@@ -340,8 +339,7 @@ class _Request:
             return contact_answer(rolling.solution, rolling=rolling, coarser=coarser)
 
         answer = replace(solve_on(grid), requested=self.requested)
-        # a short attraction has its range from the grid, which is therefore not refined
-        is_refined = self.grid is None and self.scene.adhesion is None
+        is_refined = self.grid is None and not belongs_to_grid(self.scene)
         return self._refined(answer, solve_on) if is_refined else answer
 
     def repeated_rolling(self) -> "Evolution":
@@ -566,10 +564,13 @@ def grid_for_numbers(answer: Any, *, is_default: bool) -> Grid | None:
 
 def refines(scene: Scene) -> bool:
     """Return whether a scene that is not static is solved again on finer grids until its bound meets the error."""
-    return scene.adhesion is None and scene.method in (
-        methods.STEADY_ROLLING,
-        methods.TIME_DEPENDENT,
-    )
+    refined = methods.STEADY_ROLLING, methods.TIME_DEPENDENT
+    return scene.method in refined and not belongs_to_grid(scene)
+
+
+def belongs_to_grid(scene: Scene) -> bool:
+    """Return whether a scene is not refined, since a short attraction has its range from the grid."""
+    return scene.adhesion is not None
 
 
 def next_grid(grid: Grid, parts: Mapping[str, float], requested: float) -> Grid | None:

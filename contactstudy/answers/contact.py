@@ -95,8 +95,7 @@ class Contact(Answer, Solution):
                 return self.rolling.error_estimate()
             if not self._has_derived_errors:
                 return self.estimate or error_estimate(self)
-            attraction = None if self.adhesion is None else self.adhesion.attraction
-            coarse = coarse_solution(self.problem, self.pressure, attraction)
+            coarse = coarse_solution(self.problem, self.pressure, self.attraction)
             estimate = self.estimate or error_estimate(self, coarse=coarse)
             return self._with_derived(estimate, comparable(coarse))
         except NotDefined as reason:
@@ -243,8 +242,8 @@ class Contact(Answer, Solution):
         """Return the contact on 1 / 2^level of the cells along each axis."""
         solution: Solution = self
         for _ in range(level):
-            attraction = None if solution.adhesion is None else solution.adhesion.attraction
-            coarse = comparable(coarse_solution(solution.problem, solution.pressure, attraction))
+            start = solution.pressure, solution.attraction
+            coarse = comparable(coarse_solution(solution.problem, *start))
             if coarse is None:
                 raise NotDefined("There is no solution on coarser cells.")
             solution = coarse
@@ -275,16 +274,11 @@ class Contact(Answer, Solution):
             "convolutions": (self.convolutions, "FFT convolutions of the full grid"),
             "residual": (self.residual, "residual of the solver"),
         }
-        if self.adhesion is not None:
-            counts["outer_iterations"] = (
-                self.adhesion.outer_iterations,
-                "outer iterations over the attraction",
-            )
-        if self.rolling is not None:
-            counts["outer_iterations"] = (
-                self.rolling.lagged.outer_iterations,
-                "outer iterations over the lagged part",
-            )
+        lagged = None if self.rolling is None else self.rolling.lagged
+        for part, name in ((self.adhesion, "attraction"), (lagged, "lagged part")):
+            if part is not None:
+                taken = part.outer_iterations, f"outer iterations over the {name}"
+                counts["outer_iterations"] = taken
         return counts
 
     def to_dataset(self) -> "xr.Dataset":

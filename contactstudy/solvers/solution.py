@@ -301,12 +301,17 @@ class Solution:
         return tuple(part for part in (self.traction, self.adhesion) if part is not None)
 
     @property
+    def attraction(self) -> Array | None:
+        """Adhesive traction (x, y) [Pa]; None without adhesion."""
+        return None if self.adhesion is None else self.adhesion.attraction
+
+    @property
     def load_per_length(self) -> float:
         """Load that the pressure carries, less the adhesive traction, per length that both bodies share [N/m]."""
         grid, lengths = self.problem.grid, self.problem.covered_fractions
         load = self.pressure.sum()
-        if self.adhesion is not None:
-            load -= self.adhesion.attraction.sum()
+        if self.attraction is not None:
+            load -= self.attraction.sum()
         rows = grid.cells[1] if lengths is None else lengths.sum()
         return float(load * grid.cell_size[0] / rows)
 

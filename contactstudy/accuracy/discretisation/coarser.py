@@ -127,8 +127,8 @@ def error_by_change(solution: Solution, coarse: Solution | None) -> Discretisati
     do not touch on those cells. Under a given load the change itself counts; with adhesion or at a given approach
     errors fall less steeply.
     """
-    attraction = None if solution.adhesion is None else solution.adhesion.attraction
-    coarse = comparable(coarse or coarse_solution(solution.problem, solution.pressure, attraction))
+    start = solution.pressure, solution.attraction
+    coarse = comparable(coarse or coarse_solution(solution.problem, *start))
     if coarse is None or not coarse.pressure.any():
         why = "there is no solution" if coarse is None else "the bodies do not touch"
         reason = f"No bound for the discretisation error: on cells of twice the size {why}, give more cells."

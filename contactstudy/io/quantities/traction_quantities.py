@@ -78,7 +78,7 @@ def _force_over_load(solution: Solution, traction: TangentialTraction) -> list[f
 
 def _net_load(solution: Solution) -> float:
     """Return the sum of the pressure less that of the attraction [Pa]."""
-    attracted = 0.0 if solution.adhesion is None else float(solution.adhesion.attraction.sum())
+    attracted = 0.0 if solution.attraction is None else float(solution.attraction.sum())
     return float(solution.pressure.sum()) - attracted
 
 

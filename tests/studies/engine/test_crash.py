@@ -14,10 +14,13 @@ import pytest
 import xarray as xr
 
 from contactstudy import InvalidInput
+from studies.engine.compute import ended
 from studies.engine.options import RunOptions
 from studies.engine.run import run
 from studies.engine.slot import METHOD
 from studies.model.outcome import CaseStatus
+from studies.store.journal import Journal
+from studies.store.provenance import machine
 from tests.studies.conftest import quiet
 from tests.studies.engine import trouble
 
@@ -27,6 +30,7 @@ ALONE = RunOptions(workers=0, repeats=0)
 SCRIPT = """
 import sys
 from pathlib import Path
+from studies.engine.compute import ended
 from studies.engine.options import RunOptions
 from studies.engine.run import run
 from tests.studies.engine import trouble
@@ -110,16 +114,24 @@ def test_growing_reruns_nothing_and_keeps_every_bit(tmp_path: Path) -> None:
     )
 
 
-def test_failures_are_kept_until_they_are_to_be_tried_again(tmp_path: Path) -> None:
+def test_failures_are_kept_until_those_of_their_kind_are_to_be_tried_again(tmp_path: Path) -> None:
     log = tmp_path / "log"
     study = trouble.study([1, trouble.RAISES], str(log))
-    run(study, tmp_path, options=ALONE, log=quiet)
-    log.unlink()
-    run(study, tmp_path, options=ALONE, log=quiet)
-    assert lines(log) == []
-    again = replace(ALONE, retry=("failed",))
-    run(study, tmp_path, options=again, log=quiet)
-    assert lines(log) == ["3.0"]
+    stored = run(study, tmp_path, options=ALONE, log=quiet)
+    key = stored["case_key"].values[1], stored.attrs["program"]
+    for retry, status, tried in (
+        ((), CaseStatus.FAILED, []),
+        (("timeout", "killed"), CaseStatus.FAILED, []),
+        (("failed",), CaseStatus.FAILED, ["3.0"]),
+        (("killed",), CaseStatus.TIMEOUT, []),
+        (("timeout",), CaseStatus.TIMEOUT, ["3.0"]),
+        (("failed",), CaseStatus.KILLED, ["3.0"]),
+    ):
+        log.unlink(missing_ok=True)
+        with Journal(tmp_path / "cases.jsonl", machine()) as journal:
+            journal.add(key, "trouble", {"number": 3.0}, ended(status, "E", "why", 1.0))
+        run(study, tmp_path, options=replace(ALONE, retry=retry), log=quiet)
+        assert lines(log) == tried, (retry, status)
 
 
 def test_a_full_disk_is_said_and_what_was_stored_stays(tmp_path: Path) -> None:

@@ -20,10 +20,10 @@ from scipy import ndimage
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings, on_cells
-from contactstudy.evolution.breakpoints import ascending
 from contactstudy.evolution.films.film_trajectory import Difference, FilmTrajectory, film_trajectory
 from contactstudy.evolution.march import Record, march
 from contactstudy.evolution.rolling.steady_rolling import SteadyRolling, solve_rolling
+from contactstudy.evolution.time_steps import ascending
 from contactstudy.evolution.trajectory import Trajectory, frame_of
 from contactstudy.lubrication.lubricated_contact import FilmSolution
 from contactstudy.lubrication.solve_lubricated import solve_lubricated

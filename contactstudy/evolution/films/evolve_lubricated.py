@@ -17,13 +17,13 @@ from numpy.typing import ArrayLike
 from contactstudy.domain.checks import InvalidInput, positive
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
-from contactstudy.evolution.breakpoints import ascending
 from contactstudy.evolution.films.film_trajectory import (
     Difference,
     FilmTrajectory,
     film_trajectory,
 )
 from contactstudy.evolution.march import march
+from contactstudy.evolution.time_steps import ascending
 from contactstudy.lubrication.film_equation import Film, SqueezeTerm
 from contactstudy.lubrication.lubricated_contact import FilmSolution
 from contactstudy.lubrication.newton.pseudo_time import (

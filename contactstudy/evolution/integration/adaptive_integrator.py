@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from contactstudy.domain.checks import InvalidInput, checked_relative_error
-from contactstudy.evolution.breakpoints import Breakpoint
 from contactstudy.evolution.integration.checkpoint import Checkpoint
 from contactstudy.evolution.integration.integration_errors import IntegrationErrors
 from contactstudy.evolution.integration.time_stepper import Instant, SolvedContacts, TimeStepper
+from contactstudy.evolution.time_steps import Breakpoint
 from contactstudy.evolution.trajectory import Frame, frame_of
 from contactstudy.solvers.solution import Solution, Status, unloaded, worst_until
 

@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.elasticity.coefficients import BoussinesqCoefficients
 from contactstudy.elasticity.viscoelastic import Creep
-from contactstudy.evolution.breakpoints import all_recorded, schedule
 from contactstudy.evolution.integration.adaptive_integrator import AdaptiveIntegrator, StepControl
 from contactstudy.evolution.integration.checkpoint import Checkpoint
 from contactstudy.evolution.integration.time_stepper import TimeStepper
@@ -23,7 +22,7 @@ from contactstudy.evolution.states.state_variables import (
     WearState,
     least_eigenvalue,
 )
-from contactstudy.evolution.time_steps import ErrorEstimator, Scheme
+from contactstudy.evolution.time_steps import ErrorEstimator, Scheme, all_recorded, schedule
 from contactstudy.evolution.trajectory import Trajectory
 from contactstudy.evolution.warm_started import solved_or_unloaded
 from contactstudy.problem.problem import Problem

@@ -107,10 +107,12 @@ def over_time(times: Array, instants: Sequence[xr.Dataset]) -> xr.Dataset:
         filled.append(
             instant.assign({name: xr.full_like(of, lacks) for name, of in missing.items()})
         )
-    return xr.concat(
+    dataset = xr.concat(
         filled, xr.Variable("time", times, TIME), data_vars="all", coords="minimal",
         compat="override", join="exact", combine_attrs="override",
     )  # fmt: skip
+    dataset["status"].attrs.pop("comment", None)  # the sentence of the first instant
+    return dataset
 
 
 def passes_dataset(rolling: "RepeatedRolling", quantities: Quantities) -> xr.Dataset:

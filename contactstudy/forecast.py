@@ -25,7 +25,6 @@ from contactstudy.planning.refinement import OTHER_CAUSES, FirstGrids
 from contactstudy.progress import Progress
 from contactstudy.scene import methods
 from contactstudy.scene.scene import Scene
-from contactstudy.scene.solids.bodies import yields
 from contactstudy.solving import REFINEMENTS, grid_for_numbers, next_grid, refines, solve
 
 if TYPE_CHECKING:
@@ -43,14 +42,14 @@ class ForecastConstants:
     grid_seconds
         Seconds that a solve on several grids may take where nothing of the last of them is done.
     exact_seconds
-        Seconds that a solve on the planned grid may take to be one of them: where that grid is the last, and where its
-        bound says which is.
+        Seconds that a solve on the planned grid, or a further one for numbers, may take to be one of them.
     least_cells
         Cells across below which a grid tells nothing.
     least_fraction
         Least fraction of a solve that is extrapolated from.
-    max_power
-        Largest power of the cells with which seconds are expected to grow.
+    power, powers
+        Power of the cells with which the seconds of a static contact are expected to grow, and of others those of one
+        solve; and its limits for others.
     coarsest_with_adhesion
         Largest factor on the cells of a contact with adhesion, whose cohesive zone coarse cells do not hold.
     progress_powers
@@ -64,10 +63,11 @@ class ForecastConstants:
     seconds: float = 1.0
     grid_seconds: float = 10.0
     all_seconds: float = 2.0
-    exact_seconds: tuple[float, float] = (0.2, 0.7)
+    exact_seconds: float = 0.5
     least_cells: int = 12
     least_fraction: float = 1e-4
-    max_power: float = 2.5
+    power: float = 0.9
+    powers: tuple[float, float] = (0.6, 2.5)
     coarsest_with_adhesion: int = 2
     progress_powers: tuple[float, float] = (0.75, 4.0)
     orders: tuple[float, float] = (1.0, 1.5)
@@ -238,7 +238,8 @@ class _Request:
         levels = self.levels() if first is None else self.first_levels(first)
         last, grid = levels[-1], planned.grid
         if first is None:
-            if self.is_steady_film and self.is_chosen and last.answer is not None:
+            refines_cells = self.is_steady_film and self.is_chosen and grid.cells[1] == 1
+            if refines_cells and last.answer is not None:
                 grid = self.grid_of_film(last)
             seconds = self.seconds_on(grid, levels)
         else:
@@ -255,12 +256,18 @@ class _Request:
         numbers = ""
         if self.is_chosen and last.answer is not None and (first or refines(self.scene)):
             further = grid_for_numbers(last.answer, is_default=self.is_default)
-            if further is not None and prod(further.cells) > prod(grid.cells):
-                seconds += self.seconds_on(further, levels)
+            while further is not None and prod(further.cells) > prod(grid.cells):
                 numbers = f" Numbers other than the pressure take {_cells(further)}."
                 # of all numbers the solve itself decides, and of the pressure its refinement
                 if isinstance(self.error, Mapping) and {*self.error} != {PRESSURE}:
                     grid = further
+                expected = self.seconds_on(further, levels)
+                if expected > CONSTANTS.exact_seconds or last.grid != levels[-1].grid:
+                    seconds += expected
+                    break
+                levels.append(self.solved(further, 1, levels[-1].looser))
+                seconds += levels[-1].seconds
+                further = grid_for_numbers(levels[-1].answer, is_default=self.is_default)
         solves = last.solves
         if self.scene.rolling is not None and self.scene.rolling.passes is not None:
             solves = round(solves * grid.cells[0] / last.grid.cells[0])  # one step for a cell
@@ -348,8 +355,7 @@ class _Request:
                 spent = sum(level.seconds / level.looser for level in levels)
                 limit = CONSTANTS.all_seconds - spent
                 if is_exact:
-                    may_refine = self.is_chosen and refines(self.scene)
-                    limit = CONSTANTS.exact_seconds[may_refine]
+                    limit = CONSTANTS.exact_seconds
                 is_long = (
                     len(levels) > 1 and self.seconds_on(grid, levels) / levels[-1].looser > limit
                 )
@@ -415,23 +421,15 @@ class _Request:
         )
 
     def seconds_on(self, grid: Grid, levels: list[Level]) -> float:
-        """Return the seconds on a grid from those on others, which have one part that is the same on all grids.
-
-        The other part goes with the cells, or their square where bodies yield, as the operators of plastic strain do.
-        Where all of it grows faster, it is a power of the cells.
-        """
-        last, seconds = levels[-1], max(level.seconds for level in levels)
-        finer = prod(grid.cells) / prod(last.grid.cells)
-        if len(levels) == 1 or levels[-2].grid.cells == last.grid.cells:
-            return seconds * max(finer, 1.0)
-        before = levels[-2].seconds
-        coarser = prod(last.grid.cells) / prod(levels[-2].grid.cells)
-        least = 2.0 if any(map(yields, self.scene.solids)) else 1.0
-        power = log(max(last.seconds / before, 1.0)) / log(coarser) if coarser > 1 else 0.0
-        if power >= least:
-            return float(seconds * finer ** min(power, CONSTANTS.max_power))
-        added = max(last.seconds - before, 0.0) / (1 - coarser**-least) if coarser > 1 else 0.0
-        return float(max(seconds + added * (finer**least - 1), seconds * min(finer, 1.0)))
+        """Return the seconds on a grid from those on others, as a power of the cells."""
+        last, power = levels[-1], CONSTANTS.power
+        if len(levels) > 1 and self.planned.first_grids is None:
+            before = levels[-2]
+            coarser = prod(last.grid.cells) / prod(before.grid.cells)
+            if coarser > 1:
+                power = log(last.seconds / before.seconds) / log(coarser)
+                power = min(max(power, CONSTANTS.powers[0]), CONSTANTS.powers[1])
+        return float(last.seconds * (prod(grid.cells) / prod(last.grid.cells)) ** power)
 
     def refinements(self, levels: list[Level]) -> Iterator[Grid]:
         """Yield the finer grids that a solve is expected to take, from the bounds on coarse ones."""
@@ -466,7 +464,7 @@ def order_of(solved: list[Level]) -> float:
     """Return the order of convergence of the error by the cells, from the last two levels that are solved."""
     cells = [level.grid.cells[0] for level in solved[-2:]]
     errors = [level.answer.error.l1.discretisation or 0.0 for level in solved[-2:]]
-    order = CONSTANTS.orders[0]
+    order = sum(CONSTANTS.orders) / 2
     if len(cells) > 1 and cells[1] > cells[0] and 0 < errors[1] < errors[0] < inf:
         order = log(errors[0] / errors[1]) / log(cells[1] / cells[0])
     return min(max(order, CONSTANTS.orders[0]), CONSTANTS.orders[1])

@@ -51,8 +51,8 @@ class RefinementConstants:
         Minimum number of cells of the first grid (across, along).
     cells_per_wave
         Minimum number of cells in the shortest wavelength.
-    max_first_cells
-        Maximum number of cells of the first grid.
+    max_first_cells, max_planned_cells
+        Maximum number of cells of the first grid, and of those that are solved for a plan.
     smooth_order, step_order, order
         Order of convergence that is expected in plane strain where all edges are smooth, and at corners; and of what
         varies along the length.
@@ -82,6 +82,7 @@ class RefinementConstants:
     first_cells: tuple[int, int] = (16, 12)
     cells_per_wave: int = 2
     max_first_cells: int = 2**14
+    max_planned_cells: int = 2**15
     smooth_order: float = 1.5
     step_order: float = 1.0
     order: float = 1.25
@@ -211,7 +212,7 @@ class FirstGrids:
 def first_grids(
     scene: Scene, requirements: GridRequirements, error: float, period: float | None
 ) -> FirstGrids:
-    """Solve a scene on the first grids of its refinement to a relative L1 error, of some ten thousand cells at most."""
+    """Solve a scene on the first grids of its refinement to a relative L1 error, of some 30 000 cells at most."""
     stamps: list[float] = []
     refinement = GridRefinement(
         scene,
@@ -219,7 +220,7 @@ def first_grids(
         requirements.padding(),
         requirements.pressure_error(error),
         progress=lambda *_: stamps.append(process_time()),
-        most_solved=CONSTANTS.max_first_cells,
+        most_solved=CONSTANTS.max_planned_cells,
     )
     before, levels = 0, list[BoundedSolution]()
     while before < loaded():  # what is imported or compiled is not counted

@@ -70,9 +70,7 @@ class Request:
         names = [name for name in {**now, **before} if now.get(name) != before.get(name)]
         if not names:
             return ""
-        old, new = (_readable(of.get(names[0], "absent")) for of in (before, now))
-        if old == new:
-            old, new = before[names[0]], now[names[0]]
+        old, new = (of.get(names[0], "absent") for of in (before, now))
         more = f", and {len(names) - 1} more fields changed" if len(names) > 1 else ""
         return f"{names[0]} was {old} and is {new}{more}"
 
@@ -90,11 +88,3 @@ def _described(name: str, value: Any) -> Iterator[tuple[str, str]]:
             yield from _described(f"{name}[{number}]", item)
     else:
         yield name, shortened(value) if isinstance(value, str | int | float) else digest(value)
-
-
-def _readable(value: str) -> str:
-    """Return a number with six digits; other text as it is."""
-    try:
-        return f"{float(value):.6g}"
-    except ValueError:
-        return value

@@ -104,7 +104,7 @@ def test_an_edit_of_anything_that_computes_is_named_and_nothing_stale_is_used(wo
         ("numbers_here.py", "result *", "2 * result *", "since numbers_here.py, the study's", "[120, 240]"),
         ("site/distributed_here-1.0.dist-info/METADATA", "n: 1.0", "n: 1.1",
          "since distributed_here 1.0 -> 1.1 changed", "[120, 240]"),
-        ("numbers_here.py", "LOAD = 3.0", "LOAD = 4.0", "load was 3 and is 4: ", "[120, 240]"),
+        ("numbers_here.py", "LOAD = 3.0", "LOAD = 4.0", "load was 3.0 and is 4.0: ", "[120, 240]"),
     ):  # fmt: skip
         work.edit(name, old, new)
         text = work.run()

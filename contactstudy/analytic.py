@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from math import inf
 from typing import Annotated
 
 import numpy as np
@@ -11,11 +12,15 @@ from numpy.typing import ArrayLike
 from contactstudy.domain.checks import positive
 from contactstudy.domain.fields import Array
 from contactstudy.domain.units import Metres, Newtons, NewtonsPerMetre, Pascals, Unit
-from contactstudy.domain.validation import validated
+from contactstudy.domain.validation import Limits, validated
 
 # Points in a panel of a quadrature over time, panels to each end, and halvings of a time.
 GAUSS, PANELS, BISECTIONS = 10, 16, 60
 
+# Of two bodies together, whose own values may be at the limits of all sizes.
+POSITIVE = Limits("above 0", lambda x: 0 < x < inf)
+CombinedRadius = Annotated[Metres, POSITIVE]
+CombinedModulus = Annotated[Pascals, POSITIVE]
 Curvature = Annotated[float, Unit("1/m", "a curvature", "100 1/m")]
 
 
@@ -39,8 +44,8 @@ class HertzLine:
     """
 
     load_per_length: NewtonsPerMetre
-    radius: Metres
-    contact_modulus: Pascals
+    radius: CombinedRadius
+    contact_modulus: CombinedModulus
 
     @property
     def half_width(self) -> float:
@@ -227,8 +232,8 @@ class HertzPoint:
     """
 
     load: Newtons
-    radius: Metres
-    contact_modulus: Pascals
+    radius: CombinedRadius
+    contact_modulus: CombinedModulus
 
     @property
     def contact_radius(self) -> float:
@@ -291,7 +296,7 @@ class HertzEllipse:
     load: Newtons
     curvature_across: Curvature
     curvature_along: Curvature
-    contact_modulus: Pascals
+    contact_modulus: CombinedModulus
 
     @cached_property
     def semi_axes(self) -> tuple[float, float]:
@@ -356,7 +361,7 @@ class Westergaard:
     mean_pressure: Pascals
     amplitude: Metres
     wavelength: Metres
-    contact_modulus: Pascals
+    contact_modulus: CombinedModulus
 
     @property
     def closing_pressure(self) -> float:

@@ -15,7 +15,6 @@ from contactstudy.domain.units import display_unit_of
 from studies.advice.stored import SETTINGS, from_dataset, path_in, verdict_of
 from studies.advice.verdict import PRESSURE, Verdict, paper_scene
 from studies.engine.options import RunOptions
-from studies.engine.progress import progress_of
 from studies.engine.run import run
 from studies.model.drawing import CaptionedFigure, Drawing, Finding
 from studies.model.outcome import CaseStatus
@@ -49,10 +48,8 @@ def draw_figures(
     """Draw the figures of ``study`` into ``<out>/<study>/``, from its netCDF file alone."""
     figures = drawing.figure(stored(study, out))
     _check(figures, study.name)
-    with progress_of(study.name, "drawing", len(figures), "figure", lambda text: None) as progress:
-        for figure in figures:
-            saved(figure, out / study.name, formats)
-            progress.update()
+    for figure in figures:
+        saved(figure, out / study.name, formats)
     return figures
 
 

@@ -31,7 +31,6 @@ PADDING_STYLES = {
     "superposed": {"color": "#009E73", "marker": "^"},
     "circular": {"color": "#CC79A7", "marker": "v"},
     "exact": {"color": "#0072B2", "marker": "o"},
-    "line": {"color": "#56B4E9", "marker": "*"},
 }
 
 

@@ -58,9 +58,7 @@ class Refused:
     run = record = prepare
 
 
-def sensitivity_study(
-    scene: Scene | SceneFile | str | PathLike[str], *, folder: Path | None = None
-) -> Study:
+def sensitivity_study(scene: Scene | SceneFile | str | PathLike[str]) -> Study:
     """Return the study of a scene over each of its numbers, lowered, as given and raised.
 
     The size of a number changes by the tolerance behind it, such as ``"10 mm +- 0.05 mm"``, else by 1 %; that of all
@@ -73,7 +71,7 @@ def sensitivity_study(
     raw, _, text = read_tables(scene)
     is_file = isinstance(scene, str | PathLike)
     source = str(scene) if is_file else "scene"
-    folder = folder or (Path(scene).parent if is_file else Path())  # type: ignore[arg-type]
+    folder = Path(scene).parent if is_file else Path()  # type: ignore[arg-type]
     base = document_from(raw, source)
     surfaces: dict[object, Any] = {}
 
@@ -101,16 +99,14 @@ def sensitivity_study(
             name, other = f"solids.{'.'.join(path[2:])}", ("solids", "1", *path[2:])
             both = (replaced(replaced(raw, path, end), other, end) for end in ends)
             found = [_or_refused(file_of, tables) for tables in both]
+        if all(isinstance(one, Refused) for one in found):
+            left_out.append(f"{name} ({found[0].reason.rstrip('.')})")  # type: ignore[union-attr]
+            continue
         changes[name], points[name, GIVEN] = _text(value), as_given
         points[name, LOWERED], points[name, RAISED] = found
-    placed, notes = on_shared_grids([one for one in points.values() if isinstance(one, SceneFile)])
-    for name in list(changes):
-        sides = points[name, LOWERED], points[name, RAISED]
-        if all(isinstance(one, Refused) for one in sides):
-            left_out.append(f"{name} ({sides[0].reason.rstrip('.')})")  # type: ignore[union-attr]
-            del changes[name]
     if not changes:
         raise InvalidInput(f"{source} has no number to raise and lower: give one that is not zero.")
+    placed, notes = on_shared_grids([one for one in points.values() if isinstance(one, SceneFile)])
     if left_out:
         about = "not changed, as they are whole, zero or infinite, or for a reason: " + ", ".join(
             left_out

@@ -51,30 +51,26 @@ def figures(dataset: xr.Dataset, names: Sequence[str]) -> Sequence[CaptionedFigu
     reference = f"{axis.replace('_', ' ')} {text}"
     of_all = xr.concat(list(errors.values()), "quantity").assign_coords(quantity=list(errors))
     label = {"long_name": "relative error"}
+    first = next(iter(errors))
     # an error of nothing has no place on a logarithmic axis
     drawn = xr.Dataset({"relative_error": of_all.where(of_all > 0).assign_attrs(label)})
+    drawn["error"] = errors[first].assign_attrs(long_name=f"relative error of the {first}")
+    times = ("setup_time_cpu", "solve_time_cpu")
+    drawn.update({name: compared[name].median(other_axes) for name in times if name in compared})
     drawn[axis].attrs |= dataset[axis].attrs
     about = _known(true, list(errors)) + NOT_NESTED * (not has_l1)
-    plots = [
+    plots = (
         Plot(
             "errors", ("relative_error",), axis, hue="quantity", line="none", log="y",
             caption=f"Relative errors against {reference}; a quantity without a mark agrees exactly, or has no number."
             f"{about}",
-        )
-    ]  # fmt: skip
-    if "solve_time_cpu" in dataset and bool(dataset["solve_time_cpu"].notnull().any()):
-        first = next(iter(errors))
-        drawn["error"] = errors[first].assign_attrs(long_name=f"relative error of the {first}")
-        drawn["setup_time_cpu"], drawn["solve_time_cpu"] = (
-            compared[name].median(other_axes) for name in ("setup_time_cpu", "solve_time_cpu")
-        )
-        plots.append(
-            Plot(
-                "front", ("error",), "total_time", hue=axis, line="none", log="xy",
-                caption=f"Relative error of the {first} against {reference}, over the time of a case; of several cases "
-                "at one value the largest error and the median time.",
-            )
-        )  # fmt: skip
+        ),
+        Plot(
+            "front", ("error",), "total_time", hue=axis, line="none", log="xy",
+            caption=f"Relative error of the {first} against {reference}, over the time of a case; of several cases at "
+            "one value the largest error and the median time.",
+        ),
+    )  # fmt: skip
     made = (draw(drawn, plot) for plot in plots)
     return tuple(one for one in made if one is not None)
 

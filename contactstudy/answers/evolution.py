@@ -222,7 +222,7 @@ class Evolution(Answer):
         numbers = evolution_quantities(
             [frame.quantities for frame in self.frames],
             self.times.tolist(),
-            self._last_fields,
+            self.frames[-1].state,
             self._plastic_fields,
             self.posed,
             self.error.l1,
@@ -235,14 +235,6 @@ class Evolution(Answer):
             work = net_work(frames, errors, load)
             numbers = cycle_quantities(work, **changes_of_contact(frames, load)) | numbers
         return numbers
-
-    @property
-    def _last_fields(self) -> Mapping[str, Field]:
-        """Fields that the last instant keeps from those before, such as the wear depth."""
-        if self.trajectory is not None:
-            return self.trajectory.frames[-1].fields
-        worn = None if self.films is None else self.films.contacts[-1].wear_depth
-        return {} if worn is None else {"wear_depth": Field(("x", "y"), worn, "m", "wear depth")}
 
     @property
     def counts(self) -> Counts:
@@ -397,8 +389,7 @@ def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
     if frame.grid_error_parts is None:
         worn = frame.fields.get("wear_depth")
         has_worn = worn is not None and worn.values.any()
-        by_steps = {"l1": frame.time_discretisation_error} | dict(frame.time_discretisation_errors)
-        return _with_steps(contact, by_steps) if has_worn else contact
+        return _with_steps(contact, frame.errors_by_steps) if has_worn else contact
     outputs = frame.problem.outputs
     if trajectory.coupled is not None:
         residual = partial(trajectory.coupled.residual_stress, frame.coupled_state)
@@ -417,7 +408,7 @@ def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
     larger: dict[str, Any] = {
         cause: max(part, of_peak.get(cause, 0.0)) for cause, part in l1.by_cause.items()
     }
-    larger["steps"] = frame.time_discretisation_errors["peak_pressure"]
+    larger["steps"] = frame.errors_by_steps["peak_pressure"]
     peak = replace(l1, **larger)
     if l1.range is not None:
         peak = replace(peak, range=inf, reason=NO_LIMIT)

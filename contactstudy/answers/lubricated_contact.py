@@ -1,5 +1,6 @@
 """The answer for a lubricated contact."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -10,6 +11,7 @@ from contactstudy.domain.imports import needed_for
 from contactstudy.io.quantities.film_quantities import film_quantities
 from contactstudy.io.quantities.quantity import Quantities
 from contactstudy.lubrication.lubricated_contact import FilmSolution
+from contactstudy.problem.problem import Field
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -50,6 +52,12 @@ class LubricatedContact(Answer, FilmSolution):
     def quantities(self) -> Quantities:
         """Numbers of the film by name, with unit and bound."""
         return film_quantities(self, self.error)
+
+    @property
+    def state(self) -> Mapping[str, Field]:
+        """Fields that a frame keeps from one instant to the next: the wear depth, where it wears."""
+        worn = self.wear_depth
+        return {} if worn is None else {"wear_depth": Field(("x", "y"), worn, "m", "wear depth")}
 
     @property
     def judged_error(self) -> tuple[str, ErrorParts]:

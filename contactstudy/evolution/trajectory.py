@@ -43,10 +43,10 @@ class Frame(Solution):
         Fields (x, y) of the state variables, such as the wear depth, by name.
     solves
         Number of contacts solved, of which a step may take several; contact and plastic strain together count as one.
-    time_discretisation_error
-        Estimated time-discretisation error; in fretting the larger one of the pressure and of the tangential traction.
-    time_discretisation_errors
-        Those of the peak pressure, and of further quantities of a contact that has worn while it rolls, by name.
+    errors_by_steps
+        Estimated time-discretisation errors by name: ``l1`` of the pressure, or of the tangential traction where that of
+        fretting is larger, the peak pressure, and further quantities of a contact that has worn while it rolls; 0 of
+        those without a name.
     coupled_state
         State solved for together with the pressure, such as plastic strain, as arrays by name.
     grid_error_parts
@@ -65,13 +65,17 @@ class Frame(Solution):
     load: float
     fields: Mapping[str, Field] = field(default_factory=dict)
     solves: int = 1
-    time_discretisation_error: float = 0.0
-    time_discretisation_errors: Mapping[str, float] = field(default_factory=dict)
+    errors_by_steps: Mapping[str, float] = field(default_factory=dict)
     coupled_state: Mapping[str, Array] = field(default_factory=dict)
     grid_error_parts: ErrorParts | None = None
     peak_grid_error_parts: ErrorParts = UNKNOWN
     warnings: tuple[str, ...] = ()
     rolling: SteadyRolling | None = None
+
+    @property
+    def time_discretisation_error(self) -> float:
+        """Estimated time-discretisation error in L1."""
+        return self.errors_by_steps.get("l1", 0.0)
 
 
 def frame_of(solution: Solution, **further_fields: Any) -> Frame:

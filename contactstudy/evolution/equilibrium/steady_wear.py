@@ -258,7 +258,6 @@ def follow_wear(
     frames = []
     for record in records:
         contact = record.state.contact
-        errors = contact.time_discretisation_errors(record.coarse.contact)
         # the plot of an instant names the scene, not the surface that is worn by now
         posed = PosedScene(scene, grid, padding)
         solution = contact.solution
@@ -271,8 +270,7 @@ def follow_wear(
             status=record.status,
             fields={"wear_depth": wear_depth},
             rolling=contact.rolling,
-            time_discretisation_error=errors.pop("l1"),
-            time_discretisation_errors=errors,
+            errors_by_steps=contact.time_discretisation_errors(record.coarse.contact),
             **{name: record.work[name] for name in ("solves", "iterations", "convolutions")},
         )
         frames.append(frame)

@@ -408,8 +408,7 @@ class AdaptiveIntegrator:
             fields=shown,
             coupled_state={} if self.stepper.coupled is None else self.fine.states[-1],
             status=worst_until(solution.status, self.statuses),
-            time_discretisation_error=inf,
-            time_discretisation_errors=(
+            errors_by_steps=(
                 self.errors.common(self.fine)
                 if is_estimated
                 else dict.fromkeys(NAMES_OF_ERRORS, inf)
@@ -438,14 +437,11 @@ class AdaptiveIntegrator:
         """Add the present time-discretisation errors, or these, to the waiting frames, and write them."""
         for frame in self.waiting:
             total = {
-                name: error + frame.time_discretisation_errors[name]
+                name: error + frame.errors_by_steps[name]
                 for name, error in (errors or self.time_discretisation_errors).items()
             }
-            finished = replace(
-                frame,
-                time_discretisation_error=max(total.pop("pressure"), total.pop("states")),
-                time_discretisation_errors=total,
-            )
+            total["l1"] = max(total.pop("pressure"), total.pop("states"))
+            finished = replace(frame, errors_by_steps=total)
             if self.checkpoint is not None:
                 self.checkpoint.write(FRAME_FILE.format(len(self.frames)), finished)
             self.frames.append(finished)

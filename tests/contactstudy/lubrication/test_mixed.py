@@ -21,9 +21,11 @@ def ridges(height: float) -> tuple[cs.Waviness, ...]:
     )
 
 
-def mixed(height: float, speed: float, boundary: float | None = 0.004) -> cs.Scene:
-    """Ridges at M = 20, L = 5 and a fraction of that ``speed``, on a ``boundary`` film over a^2 / R."""
-    scene = by_moes(20, 5, *ridges(height), shear=cs.Eyring(5e6))
+def mixed(
+    height: float, speed: float, boundary: float | None = 0.004, viscosity: float = 5
+) -> cs.Scene:
+    """Ridges at M = 20, L = ``viscosity`` and a fraction of that ``speed``, on a ``boundary`` film over a^2 / R."""
+    scene = by_moes(20, viscosity, *ridges(height), shear=cs.Eyring(5e6))
     layer = None if boundary is None else cs.Boundary(boundary * UNIT, 0.12)
     speed *= scene.lubrication.largest_speed
     return with_motion(scene, mean_speed=speed, boundary=layer)
@@ -59,15 +61,10 @@ def test_load_share_film_flow_and_friction_are_those_of_the_reference(
 
 
 def test_two_films_on_which_asperities_touch_are_reported_from_either_start() -> None:
-    """At M = 20, L = 0, and another film than from a cold start where the speed falls from 3.3 times this one."""
-
-    def scene(speed: float) -> cs.Scene:
-        film = by_moes(20, 0, *ridges(0.03), shear=cs.Eyring(5e6))
-        layer = cs.Boundary(0.004 * UNIT, 0.12)
-        return with_motion(film, mean_speed=speed * film.lubrication.largest_speed, boundary=layer)
-
-    cold = solve_lubricated(scene(0.06), grid(400))
-    slowed = solve_lubricated(scene(0.06), grid(400), start=solve_lubricated(scene(0.2), grid(400)))
+    """Another film than from a cold start where the speed falls from 3.3 times this one."""
+    fast, scene = (mixed(0.03, speed, viscosity=0) for speed in (0.2, 0.06))
+    cold = solve_lubricated(scene, grid(400))
+    slowed = solve_lubricated(scene, grid(400), start=solve_lubricated(fast, grid(400)))
     assert slowed.contact_load_fraction > 1.3 * cold.contact_load_fraction
     assert {cold.status, slowed.status} == {cs.Status.SEVERAL_FILMS}
 
@@ -156,16 +153,11 @@ def test_shares_near_the_dry_contact_settle_with_finer_cells_within_their_error(
 @pytest.mark.whole
 def test_isoviscous_ridges_have_two_films_at_one_speed() -> None:
     """From higher speeds on a thick film; from the dry contact held flat. On 800 cells, at 0.06 of the speed."""
-    scene = by_moes(20, 0, *ridges(0.06), shear=cs.Eyring(5e6))
-    layer = cs.Boundary(0.004 * UNIT, 0.12)
-
-    def at(speed: float) -> cs.Scene:
-        slow = speed * scene.lubrication.largest_speed
-        return with_motion(scene, mean_speed=slow, boundary=layer)
-
-    above = solve_lubricated(at(0.1), grid(800))
-    below = solve_lubricated(at(0.04), grid(800))
-    down, up = (solve_lubricated(at(0.06), grid(800), start=start) for start in (above, below))
+    above, below, at = (mixed(0.06, speed, viscosity=0) for speed in (0.1, 0.04, 0.06))
+    down, up = (
+        solve_lubricated(at, grid(800), start=solve_lubricated(other, grid(800)))
+        for other in (above, below)
+    )
     assert down.contact_load_fraction == pytest.approx(0.1999, abs=1e-4)
     assert up.contact_load_fraction == pytest.approx(0.8335, abs=1e-4)
 

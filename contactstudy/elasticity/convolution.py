@@ -390,17 +390,33 @@ def even_spectrum(half: Array, padded: tuple[int, int]) -> Array:
     return np.concatenate([half, half[(padded[0] - 1) // 2 : 0 : -1]])
 
 
-def odd_convolution(
-    response: Mapping[Coefficients, float], grid: Grid, padding: Padding | Paddings
-) -> GeneralConvolution:
-    """Return the convolution with a weighted sum of coefficients that are odd along one axis.
+def general_convolutions(
+    responses: Iterable[Mapping[Coefficients, float]], grid: Grid, padding: Padding | Paddings
+) -> list[GeneralConvolution]:
+    """Return the convolutions with weighted sums of coefficients of any parity, each kind computed once.
 
-    It is antisymmetric, so that no solver takes it: its displacement is taken from the iterate before. Arguments are
-    those of :func:`superposed`.
+    Those that are odd along one axis are antisymmetric, so that no solver takes them: their displacement is taken from
+    the iterate before. The weights and paddings are those of :func:`superposed`.
     """
-    paddings = across_and_along(padding)
-    around = on_padded_grid(response.items(), grid, paddings)
-    return GeneralConvolution(fft.rfft2(around), grid.cells, padded_cells(grid, paddings))
+    responses, paddings = list(responses), across_and_along(padding)
+    padded = padded_cells(grid, paddings)
+
+    def spectrum(kind: Coefficients) -> ComplexField:
+        return TRANSFORMS.forward(on_padded_grid([(kind, 1.0)], grid, paddings), padded)
+
+    spectra = {
+        kind: cached_array(("general", kind, grid, paddings), partial(spectrum, kind))
+        for kind in dict.fromkeys(kind for response in responses for kind in response)
+    }
+    nothing: ComplexField = np.zeros((padded[0], padded[1] // 2 + 1), np.complex128)
+    return [
+        GeneralConvolution(
+            sum((weight * spectra[kind] for kind, weight in response.items()), start=nothing),
+            grid.cells,
+            padded,
+        )
+        for response in responses
+    ]
 
 
 def on_padded_grid(

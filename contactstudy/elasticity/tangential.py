@@ -8,9 +8,8 @@ import numpy as np
 
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
-from contactstudy.domain.reuse import cached_array
 from contactstudy.elasticity.coefficients import BoussinesqCoefficients, Coefficients
-from contactstudy.elasticity.convolution import GeneralConvolution, on_padded_grid, padded_cells
+from contactstudy.elasticity.convolution import GeneralConvolution, general_convolutions
 from contactstudy.elasticity.kernels.stress_cell import stress_cell
 from contactstudy.elasticity.kernels.stress_periodic import (
     stress_cell_doubly_periodic,
@@ -89,19 +88,6 @@ class CerrutiCoefficients:
         return CerrutiCoefficients("yy" if self.name == "xx" else "xx", self.datum)
 
 
-def general_convolution(
-    coefficients: Coefficients, grid: Grid, paddings: Paddings
-) -> GeneralConvolution:
-    """Return the convolution with `coefficients` on `grid`."""
-    padded = padded_cells(grid, paddings)
-
-    def spectrum() -> ComplexField:
-        return TRANSFORMS.forward(on_padded_grid([(coefficients, 1.0)], grid, paddings), padded)
-
-    key = "general", coefficients, grid, paddings
-    return GeneralConvolution(cached_array(key, spectrum), grid.cells, padded)
-
-
 @dataclass(frozen=True, eq=False)
 class ShearResponse:
     """Displacement along the surface [m] under tangential traction [Pa], both (component, x, y).
@@ -177,7 +163,7 @@ def shear_response(
     weights = {
         name: summed_responses(1, *(shear[name] for shear in shears)) for name in ("xx", "yy", "xy")
     }
-    return ShearResponse(*_convolutions(weights, grid, paddings))
+    return ShearResponse(*general_convolutions(weights.values(), grid, paddings))
 
 
 def normal_displacement(
@@ -196,7 +182,7 @@ def normal_displacement(
     weights = {axis: summed_responses(-1, first_shear[axis], second_shear[axis]) for axis in axes}
     if not any(weights.values()):
         return []
-    return _convolutions(weights, grid, paddings)
+    return general_convolutions(weights.values(), grid, paddings)
 
 
 def summed_responses(
@@ -215,23 +201,3 @@ def summed_responses(
         for kind, weight in summed.items()
         if abs(weight) > WEIGHT_ROUNDING * sizes[kind]
     }
-
-
-def _convolutions(
-    weights: Mapping[str, Mapping[Coefficients, float]], grid: Grid, paddings: Paddings
-) -> list[GeneralConvolution]:
-    """Return the convolutions with weighted sums of coefficients, each of which is computed once."""
-    padded = padded_cells(grid, paddings)
-    spectra = {
-        kind: general_convolution(kind, grid, paddings).spectrum
-        for kind in {kind: None for response in weights.values() for kind in response}
-    }
-    nothing = np.zeros((padded[0], padded[1] // 2 + 1), np.complex128)
-    return [
-        GeneralConvolution(
-            sum((weight * spectra[kind] for kind, weight in response.items()), start=nothing),
-            grid.cells,
-            padded,
-        )
-        for response in weights.values()
-    ]

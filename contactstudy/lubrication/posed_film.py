@@ -19,7 +19,7 @@ from contactstudy.elasticity.convolution import (
     Convolution,
     GeneralConvolution,
     by_symmetry,
-    odd_convolution,
+    general_convolutions,
     superposed,
 )
 from contactstudy.lubrication.film_equation import Film, FilmEquation, FilmScales, Mask
@@ -112,7 +112,7 @@ class Deflection:
         even, odd = by_symmetry(response)
         return cls(
             superposed(even, grid, paddings).scaled(factor, Precision.DOUBLE),
-            odd_convolution(odd, grid, paddings).scaled(factor) if odd else None,
+            general_convolutions([odd], grid, paddings)[0].scaled(factor) if odd else None,
         )
 
     def __call__(self, pressure: Array) -> Array:
@@ -321,7 +321,7 @@ def pose(
         for body, speed in zip(bodies, scales.lubrication.contact_speeds, strict=True):
             for one, weight in response((body,), problem.scales.length).items():
                 of_bodies[one] -= weight * speed
-        creep = odd_convolution(by_symmetry(of_bodies)[1], grid, paddings)
+        (creep,) = general_convolutions([by_symmetry(of_bodies)[1]], grid, paddings)
     boundary, supply = scales.lubrication.boundary, scales.lubrication.supply
     upstream = Grid((rows, grid.cells[1]), (rows * grid.cell_size[0], grid.length))
     deflection = operator_on(upstream)

@@ -14,7 +14,7 @@ from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.elasticity.coefficients import Coefficients
-from contactstudy.elasticity.convolution import by_symmetry, odd_convolution, superposed
+from contactstudy.elasticity.convolution import by_symmetry, general_convolutions, superposed
 from contactstudy.problem.constraint import largest_of
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.scene import PosedScene, Scene
@@ -85,9 +85,8 @@ class SteadyRolling:
         (nx, ny), pressure = problem.grid.cells, self.solution.pressure
         times = max(2, min(REFINEMENT, MAX_FINE_CELLS // (nx * ny)))
         fine = Grid((times * nx, ny), problem.grid.extent)
-        displacement = odd_convolution(self.antisymmetric_weights, fine, problem.paddings)(
-            np.repeat(pressure, times, axis=0)
-        )
+        (lagged,) = general_convolutions([self.antisymmetric_weights], fine, problem.paddings)
+        displacement = lagged(np.repeat(pressure, times, axis=0))
         padded = np.concatenate((displacement[:1], displacement, displacement[-1:]))
         faces = (padded[:-1:times] + padded[1::times]) / 2
         work = -(pressure * np.diff(faces, axis=0)).sum() / problem.grid.cell_size[0]
@@ -219,9 +218,10 @@ def solve_rolling(
     # the traction changes the pressure between dissimilar bodies; else it is solved once, under the last one
     friction_solver = problem.friction
     is_coupled = getattr(friction_solver, "coupling", None) is not None
+    odd = [antisymmetric_weights] if antisymmetric_weights else []
     lagged = solve_with_mixing(
         problem if is_coupled else replace(problem, friction=None),
-        odd_convolution(antisymmetric_weights, grid, padding) if antisymmetric_weights else None,
+        next(iter(general_convolutions(odd, grid, padding)), None),
         options,
         change=change,
         max_outer=max_outer,

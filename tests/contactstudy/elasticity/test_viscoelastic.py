@@ -3,7 +3,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.elasticity.coefficients import BoussinesqCoefficients, Coefficients
-from contactstudy.elasticity.convolution import odd_convolution
+from contactstudy.elasticity.convolution import general_convolutions
 from contactstudy.elasticity.tangential import CerrutiCoefficients
 from contactstudy.elasticity.viscoelastic import (
     Creep,
@@ -93,7 +93,7 @@ def test_an_odd_trail_is_odd_in_every_padding() -> None:
         (cs.CircularSuperposition(1), exact),
         (exact, cs.ZeroPadding()),
     ):
-        lagged = odd_convolution(odd, grid, padding)
+        (lagged,) = general_convolutions([odd], grid, padding)
         one, other = generator.random((2, 24, 12))
         scale = np.abs(lagged(one)).max() * other.sum()
         assert abs((lagged(one) * other + lagged(other) * one).sum()) < 1e-11 * scale

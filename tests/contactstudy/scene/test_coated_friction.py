@@ -6,10 +6,10 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.elasticity.coating import CoatingCoefficients
+from contactstudy.elasticity.convolution import general_convolutions
 from contactstudy.elasticity.kernels.layer.displacement_waves import DisplacementWaves, Subtracted
 from contactstudy.elasticity.kernels.layer.response import LayerResponse
 from contactstudy.elasticity.kernels.layer.stress import LayerStress
-from contactstudy.elasticity.tangential import general_convolution
 from tests.conftest import STEEL
 
 STIFF = cs.HalfSpace(420e9, 0.2)
@@ -63,9 +63,8 @@ def test_a_row_is_the_sum_of_its_cells(thickness: float, layer: LayerResponse, n
 def test_a_lattice_answers_a_wave_by_its_amplitude(name: str) -> None:
     layer, thickness, n, width = MATERIALS[0], 0.2, 64, 1.0
     grid = cs.Grid((n, n), (width, width))
-    convolution = general_convolution(
-        CoatingCoefficients(layer, thickness, name, 1.0), grid, (EXACT, EXACT)
-    )
+    coefficients = CoatingCoefficients(layer, thickness, name, 1.0)
+    (convolution,) = general_convolutions([{coefficients: 1.0}], grid, (EXACT, EXACT))
     qx, qy = 2 * np.pi / width * np.array([3, 2])
     phase = qx * grid.x[:, None] + qy * grid.y
     load = "pressure" if name == "z" else "traction"

@@ -404,7 +404,7 @@ def general_convolutions(
     def spectrum(kind: Coefficients) -> ComplexField:
         return TRANSFORMS.forward(on_padded_grid([(kind, 1.0)], grid, paddings), padded)
 
-    spectra = {
+    spectra: dict[Coefficients, ComplexField] = {
         kind: cached_array(("general", kind, grid, paddings), partial(spectrum, kind))
         for kind in dict.fromkeys(kind for response in responses for kind in response)
     }

@@ -9,7 +9,7 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from contactstudy.domain.checks import InvalidInput
+from contactstudy.domain.checks import InvalidInput, checked_errors
 from contactstudy.domain.device import Cpu, Device
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
 from contactstudy.domain.notebook import InNotebook
@@ -168,12 +168,21 @@ def document_from(raw: Mapping[str, Any], source: str) -> SceneDocument:
     used.
     """
     try:
-        raw = with_cycles(with_materials(raw))
+        raw = _with_named_errors(with_cycles(with_materials(raw)))
     except InvalidInput as error:
         raise InvalidInput(f"{source}: {error}") from error
     if "evolve" in raw:
         raise InvalidInput(f"{source}: [evolve] is named [time_steps] now: rename the table.")
     return structured(raw, SceneDocument, KINDS, source)
+
+
+def _with_named_errors(raw: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Return tables whose errors by the names of numbers, in a text such as ``peak_pressure = 2 %``, are a table."""
+    plan = raw.get("plan")
+    error = plan.get("error") if isinstance(plan, Mapping) else None
+    if not isinstance(plan, Mapping) or not isinstance(error, str) or "=" not in error:
+        return raw
+    return {**raw, "plan": {**plan, "error": checked_errors("plan.error", error)}}
 
 
 def write_scene(described: Scene | SceneFile, path: str | PathLike[str]) -> None:

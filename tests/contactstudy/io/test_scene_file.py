@@ -434,6 +434,12 @@ def test_a_file_requests_the_errors_of_some_numbers(tmp_path: Path) -> None:
     assert described.plan_settings.error == {"peak_pressure": 0.02, "half_width": 0.05}
     cs.write_scene(described, tmp_path / "again.toml")
     assert cs.read_scene(tmp_path / "again.toml") == described
+    as_text = tmp_path / "text.toml"
+    written = "{peak_pressure = '2 %', half_width = 0.05}"
+    as_text.write_text(
+        path.read_text().replace(written, "'peak_pressure = 2 %, half_width = 0.05'")
+    )
+    assert cs.read_scene(as_text) == described
     answer = described.solve()
     assert answer.met
     assert list(answer.judged) == ["peak_pressure", "half_width"]

@@ -35,6 +35,7 @@ def scenes(study: studies.Study) -> list[Case]:
         ("hardness", "2 GPa,4 GPa", [2e9, 4e9]),
         ("tolerance", "1e-4,1e-6", [1e-6, 1e-4]),
         ("plan.error", [0.01, 1e-4], [1e-4, 0.01]),
+        ("plan.error", "half_width = 2 %,half_width = 3 %", ["half_width = 2 %", "half_width = 3 %"]),
         ("period", "0.1 mm,0.2 mm", [1e-4, 2e-4]),
         ("solve.max_iterations", "3:9:3", [3, 6, 9]),
         ("solve.max_iterations", "3:5,7", [3, 4, 5, 7]),

@@ -30,6 +30,7 @@ from contactstudy.io.scene_files.scene_schema import (
 )
 from contactstudy.io.scene_files.scene_writer import scene_text
 from contactstudy.io.scene_files.structuring import likely_units, structured
+from contactstudy.planning.grid_requirements import grid_of_waves
 from contactstudy.planning.plan import plan_grid
 from contactstudy.planning.planned import Plan
 from contactstudy.problem.problem import Problem
@@ -245,6 +246,13 @@ def scene_file_from(document: SceneDocument, folder: Path = Path()) -> SceneFile
         return described
 
     shapes = tuple(read(shape) for shape in document.shapes)
+    is_flat = isinstance(document.load, MeanPressure)
+    if (
+        is_flat
+        and document.grid is None
+        and not any(scales.spacing for scales in length_scales_of(shapes))
+    ):
+        document = replace(document, grid=grid_of_waves(shapes))
     scene = Scene(
         _with_length(document, shapes),
         document.solids,
@@ -259,7 +267,7 @@ def scene_file_from(document: SceneDocument, folder: Path = Path()) -> SceneFile
     )
     padding: Padding | Paddings | None = document.padding
     doubts: tuple[str, ...] = ()
-    if isinstance(document.load, MeanPressure) and document.padding_across is None:
+    if is_flat and document.padding_across is None:
         if document.padding is None:  # nominally flat: periodic both ways
             padding = ExactPeriodicity(), ExactPeriodicity()
         elif document.padding.wraps or document.padding.window is None:

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from math import acosh, inf, lcm, log2, sqrt
+from math import acosh, ceil, inf, lcm, log2, sqrt
 from operator import is_
 
 import numpy as np
@@ -21,7 +21,7 @@ from contactstudy.domain.grid import (
 )
 from contactstudy.domain.units import readable
 from contactstudy.scene.scene import Scene
-from contactstudy.scene.shapes.shape import LengthScales, length_scales_of
+from contactstudy.scene.shapes.shape import LengthScales, Shape, length_scales_of
 from contactstudy.scene.solids.bodies import Layered, layers_of
 
 
@@ -59,6 +59,8 @@ class GridConstants:
 
 
 CONSTANTS = GridConstants()
+# Cells in the shortest wavelength of flats with waves along one axis, and along both.
+CELLS_PER_WAVE = 1024, 128
 
 
 @dataclass(frozen=True)
@@ -443,6 +445,25 @@ def flat_grid(scales: LengthScales, period: float | None) -> Grid:
     return Grid(
         (round(scales.known_width / scales.spacing[0]), along), (scales.known_width, length)
     )
+
+
+def grid_of_waves(shapes: Iterable[Shape]) -> Grid | None:
+    """Return a grid of one common period of waves and textures each way; None of shapes that do not repeat.
+
+    Raises :class:`~contactstudy.InvalidInput` if the shapes share no period.
+    """
+    found = list(length_scales_of(shapes))
+    across, along = (
+        {getattr(scales, name) for scales in found} - {0.0} for name in ("period_across", "period")
+    )
+    if not across and not along:
+        return None
+    width, length = (_common_period(periods) if periods else 0.0 for periods in (across, along))
+    extent = width or length, length or width
+    per_wave = CELLS_PER_WAVE[1 if across and along else 0]
+    waves = (min(scales.shortest_wavelengths[axis] for scales in found) for axis in (0, 1))
+    nx, ny = (ceil(per_wave * side / wave) for side, wave in zip(extent, waves, strict=True))
+    return Grid((max(nx, 2), max(ny, 1)), extent)
 
 
 def period_fault(period: float, length_scales: Iterable[LengthScales]) -> str:

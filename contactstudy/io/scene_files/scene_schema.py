@@ -310,8 +310,8 @@ class MeanPressure:
     Parameters
     ----------
     pressure
-        Mean pressure [Pa] over the grid, or over a measured surface without one. Both axes are then periodic, where no
-        padding is given.
+        Mean pressure [Pa] over the grid; without one over a measured surface, or over one period of waves and textures.
+        Both axes are then periodic, where no padding is given.
     """
 
     pressure: Pascals

@@ -446,3 +446,20 @@ def test_a_file_requests_the_errors_of_some_numbers(tmp_path: Path) -> None:
     path.write_text(path.read_text().replace("'2 %'", "'much'"))
     with pytest.raises(cs.InvalidInput, match=r"plan.error.*'much'"):
         cs.read_scene(path)
+
+
+def test_waves_under_a_mean_pressure_are_solved_on_one_period(tmp_path: Path) -> None:
+    """The half-width is ``lambda / pi asin(p / p*)^(1/2)``, ``p* = pi E* h / lambda`` (Westergaard 1939)."""
+    body = "{youngs_modulus = 2e11, poisson_ratio = 0.3}"
+    text = f"load.pressure = 1e7\nsolids = [{body}, {body}]\nshapes = [{{kind = 'Waviness', amplitude = 1e-7, {{}}}}]\n"
+    found = read(text.replace("{}", "across = 1e-4"), tmp_path)
+    answer = found.solve()
+    assert answer.grid.extent == (1e-4, 1e-4)
+    closing = np.pi * 1e11 / 0.91 * 1e-7 / 1e-4
+    expected = 1e-4 / np.pi * np.arcsin(np.sqrt(1e7 / closing))
+    assert answer.quantities["half_width"].value == pytest.approx(expected, rel=2e-3)
+    both = read(text.replace("{}", "across = 1e-4, along = 2e-4"), tmp_path)
+    assert both.grid.extent == (1e-4, 2e-4)
+    turned = read(text.replace("{}", "along = 1e-4"), tmp_path).solve()
+    area = turned.quantities["contact_area"]
+    assert area.value == pytest.approx(2 * expected, abs=area.bound)

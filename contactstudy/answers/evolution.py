@@ -34,7 +34,12 @@ from contactstudy.io.quantities.evolution_quantities import (
 from contactstudy.io.quantities.quantity import NO_ESTIMATE, Quantities, Quantity
 from contactstudy.problem.problem import DependsOnStrain, Field
 from contactstudy.scene.scene import PosedScene, Scene
-from contactstudy.scene.shapes_source import standing_heights
+from contactstudy.scene.shapes_source import (
+    left_out,
+    shortest_wavelengths,
+    standing_heights,
+    unresolved,
+)
 from contactstudy.solvers.solution import Status, worst
 
 if TYPE_CHECKING:
@@ -441,8 +446,10 @@ def _with_steps(contact: Contact, by_steps: Mapping[str, float]) -> Contact:
 def passes_answer(rolled: "RepeatedRolling", requested: Request | None = None) -> Evolution:
     """Return the passes of a contact under repeated rolling as an answer."""
     unknown = ErrorParts(discretisation=inf, reason=NO_BOUND_OF_PASSES)
-    slides = standing_heights(rolled.description.scene.shapes)
-    warnings = (NO_BOUND_OF_PASSES, *filter(None, (slides,)))
+    shapes, grid = rolled.description.scene.shapes, rolled.description.grid
+    coarse = unresolved(shortest_wavelengths(shapes), grid)
+    said = standing_heights(shapes), coarse, *left_out(shapes, grid)
+    warnings = (NO_BOUND_OF_PASSES, *filter(None, said))
     estimate = ErrorEstimate(unknown, unknown, unknown, unknown, warnings=warnings)
     frames = tuple(
         contact_answer(replace(each_pass.solution, status=each_pass.status), estimate=estimate)
@@ -462,7 +469,9 @@ def films_answer(films: "FilmTrajectory", requested: Request | None = None) -> E
     depths = [
         np.zeros(1) if film.wear_depth is None else film.wear_depth for film in films.contacts
     ]
-    sentences, is_through = _of_worn_coating(films.contacts[0].scene, depths, times)
+    first_film = films.contacts[0]
+    coarse = unresolved(shortest_wavelengths(first_film.scene.shapes), first_film.grid)
+    sentences, is_through = _of_worn_coating(first_film.scene, depths, times)
     kept = list(films.contacts[: len(sentences)])
     if is_through:
         kept[-1] = replace(kept[-1], status=Status.WORN_THROUGH)
@@ -480,7 +489,7 @@ def films_answer(films: "FilmTrajectory", requested: Request | None = None) -> E
         estimate = ErrorEstimate(
             errors["pressure"], errors["peak_pressure"], central_film=errors["central_film"],
             minimum_film=errors["minimum_film"], friction_coefficient=errors["friction"],
-            warnings=(*filter(None, (sentences[number],)), NO_BOUND_OF_FILMS),
+            warnings=(*filter(None, (sentences[number], coarse)), NO_BOUND_OF_FILMS),
         )  # fmt: skip
         frames.append(film_answer(replace(contact, estimate=estimate), time=time))
     first = frames[0]

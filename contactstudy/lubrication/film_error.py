@@ -18,6 +18,7 @@ from contactstudy.lubrication.posed_film import interpolated, lubricated_scales
 from contactstudy.lubrication.steady_film import solve_on
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.shapes.roughness import Roughness
+from contactstudy.scene.shapes_source import shortest_wavelengths, unresolved
 from contactstudy.solvers.solution import Status
 
 # Numbers with errors of their own, further ones, and those of asperities and of heat, with their attributes.
@@ -115,12 +116,14 @@ def _same_surface(scene: Scene, grid: Grid) -> Scene:
 
 
 def _without_estimate(scene: Scene, grid: Grid, padding: Padding | Paddings) -> str | None:
-    """Return why there is no error estimate: omitted images, or too few cells in a quarter of them; else None."""
+    """Return why there is no error estimate: omitted images, or too few cells; else None."""
     if across_and_along(padding)[1].window is not None:
         return (
             f"The error is unknown: padding is {padding!r}, and the error of a film by the images that it leaves out is "
             "not estimated. Give ExactPeriodicity()."
         )
+    if fault := unresolved(shortest_wavelengths(scene.shapes), grid):
+        return f"The error is unknown: {fault}"
     scales = lubricated_scales(scene)
     cells = grid.cells[0] // 4
     if (

@@ -2,15 +2,19 @@
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
-from math import inf
+from math import ceil, inf
 
 import numpy as np
 
 from contactstudy.domain.checks import whole_quotient
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
+from contactstudy.domain.units import readable
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.shapes.shape import Shape, gap_of, length_scales_of
+
+# Rows on which a shape shows that it varies along the length.
+ROWS = 16
 
 
 @dataclass(frozen=True)
@@ -37,11 +41,7 @@ class ShapesSource:
     @property
     def shortest_wavelengths(self) -> tuple[float, float]:
         """Shortest wavelengths (across, along) and rollers [m] of all shapes that name theirs; infinite if none does."""
-        length_scales = length_scales_of(self.shapes)
-        across, along = zip(
-            (inf, inf), *(scales.shortest_wavelengths for scales in length_scales), strict=True
-        )
-        return min(across), min(*along, *(scales.roller or inf for scales in length_scales), inf)
+        return shortest_wavelengths(self.shapes)
 
     @property
     def has_length_scales(self) -> bool:
@@ -106,11 +106,44 @@ def standing_heights(shapes: Iterable[Shape]) -> str:
     )
 
 
+def shortest_wavelengths(shapes: Iterable[Shape]) -> tuple[float, float]:
+    """Return the shortest wavelengths (across, along) and rollers [m] of `shapes`; infinite where none names one."""
+    length_scales = length_scales_of(shapes)
+    across, along = zip(
+        (inf, inf), *(scales.shortest_wavelengths for scales in length_scales), strict=True
+    )
+    return min(across), min(*along, *(scales.roller or inf for scales in length_scales), inf)
+
+
+def unresolved(lengths: tuple[float, float], grid: Grid) -> str:
+    """Return which cells are too large for the shortest wavelengths (across, along) [m]; empty where none are."""
+    for axis, (cell, length) in enumerate(zip(grid.cell_size, lengths, strict=True)):
+        if cell > length * (1 + 1e-9) and grid.cells[axis] > 1:
+            count = ceil(2 * grid.extent[axis] / length)
+            return (
+                f"Grid.cells[{axis}] is {grid.cells[axis]}, whose cells of {readable(cell)} do not resolve lengths of "
+                f"{readable(length)}, give {count} or more."
+            )
+    return ""
+
+
 def left_out(shapes: Iterable[Shape], grid: Grid) -> Iterator[str]:
     """Yield a sentence for each of `shapes` of which `grid`, or an extent of its own, holds a part alone."""
     for shape in shapes:
         if hasattr(shape, "left_out") and (sentence := shape.left_out(grid)):
             yield sentence
+        if grid.cells[1] == 1 and hasattr(shape, "length_scales") and _varies_along(shape, grid):
+            yield (
+                f"Grid.cells[1] is 1: what varies along the length of a {type(shape).__name__} is left out, give more "
+                "cells along."
+            )
+
+
+def _varies_along(shape: Shape, grid: Grid) -> bool:
+    """Return whether a shape varies along the length of a `grid` of one row."""
+    (shape,) = with_extent_of((shape,), grid)
+    gap = gap_of(shape, Grid((grid.cells[0], ROWS), grid.extent))
+    return bool(np.ptp(gap, axis=1).any())
 
 
 def with_extent_of(shapes: tuple[Shape, ...], grid: Grid) -> tuple[Shape, ...]:

@@ -47,6 +47,11 @@ class Wear:
         """Raise :class:`~contactstudy.InvalidInput` if the motion of `scene` gives another sliding or turning."""
         film, drives = scene.lubrication, getattr(scene.friction, "is_steady", False)
         standing = getattr(scene.friction, "standing", None)
+        if getattr(scene.rolling, "passes", None) is not None:
+            raise InvalidInput(
+                "Scene.wear together with Rolling.passes: wear between passes over a body that yields is not computed, "
+                "leave one of them out."
+            )
         turns = self.circumference is not None or drives or scene.rolling is not None
         why = "Scene.rolling" if standing is None and not drives else "Scene.friction"
         if standing is not None:

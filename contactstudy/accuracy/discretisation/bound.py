@@ -18,9 +18,9 @@ from contactstudy.accuracy.discretisation.coarser import (
 from contactstudy.accuracy.discretisation.hidden_heights import HiddenEffect, HiddenHeights
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import axis_first
-from contactstudy.domain.units import readable
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.scene import scene_of
+from contactstudy.scene.shapes_source import unresolved
 from contactstudy.scene.solids.bodies import layers_of
 from contactstudy.solvers.solution import Solution
 
@@ -304,15 +304,9 @@ def _cut_off(solution: Solution) -> str:
 
 def _unresolved_length(problem: Problem) -> str:
     """Return why the cells are too large for a length scale of a shape; an empty string where they are not."""
-    shortest = problem.source.shortest_wavelengths if problem.source is not None else (inf, inf)
-    for axis, (cell, length) in enumerate(zip(problem.grid.cell_size, shortest, strict=True)):
-        if cell > length * (1 + 1e-9) and problem.grid.cells[axis] > 1:
-            count = int(np.ceil(2 * problem.grid.extent[axis] / length))
-            return (
-                f"No bound for the discretisation error: Grid.cells[{axis}] is {problem.grid.cells[axis]}, "
-                f"whose cells of {readable(cell)} do not resolve lengths of {readable(length)}, give {count} or more."
-            )
-    return ""
+    source = problem.source
+    fault = "" if source is None else unresolved(source.shortest_wavelengths, problem.grid)
+    return f"No bound for the discretisation error: {fault}" if fault else ""
 
 
 def _no_peak(solution: Solution, inside: HiddenEffect) -> str:

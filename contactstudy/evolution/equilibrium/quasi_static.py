@@ -8,6 +8,7 @@ alone. So there is no time-discretisation error.
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from itertools import pairwise
 from math import inf
 
@@ -26,6 +27,7 @@ from contactstudy.scene.rolling import check_slow
 from contactstudy.scene.scene import AnyLoad, PosedScene, Scene
 from contactstudy.scene.solids.bodies import creeps, instantaneous
 from contactstudy.solvers.adhesion import AdhesiveSolver
+from contactstudy.solvers.anderson import LaggedSolution
 from contactstudy.solvers.solution import Solution, Status, unloaded, worst_until
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
@@ -109,6 +111,11 @@ def follow_load(
                 last = _next_solution(
                     _problem_under(largest, elastic, value, adhesive_solver), last, options
                 )
+                if speed is not None:  # elastic bodies, which roll without resistance
+                    lagged = LaggedSolution(last, 0.0, 1, last.iterations, last.convolutions)
+                    rolling = SteadyRolling(
+                        lagged, {}, partial(solve_rolling, scene, padding=padding)
+                    )
             since_recorded.append(frame_in_equilibrium(point.time, value, last, rolling))
             if is_recorded:
                 frames.append(_with_work_of(since_recorded))

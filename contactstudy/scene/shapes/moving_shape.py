@@ -29,8 +29,8 @@ class ShiftedGrid(Grid):
 class MovingShape:
     """A shape on the surface of a body, which moves with it to larger x: see :func:`~contactstudy.solve`.
 
-    At time zero it is not shifted. A contact without a film ignores the motion, and one that rolls refuses it. Heights
-    of a measured surface repeat across with the width of the grid.
+    At time zero it is not shifted. A contact without a film leaves the motion out, with a warning, and one that rolls
+    refuses it. Heights of a measured surface repeat across with the width of the grid.
 
     Parameters
     ----------
@@ -69,6 +69,15 @@ class MovingShape:
         if not hasattr(self.shape, "with_extent_of"):
             return self
         return replace(self, shape=self.shape.with_extent_of(grid))
+
+    def left_out(self, grid: Grid) -> str:
+        """Return what a contact without a film leaves out: the motion, and what the shape itself says of `grid`."""
+        of_shape = getattr(self.shape, "left_out", lambda _: "")(grid)
+        motion = (
+            "The heights of a MovingShape stand still in a contact without a film, as they are at time zero: give "
+            "Scene.lubrication for their motion."
+        )
+        return f"{motion} {of_shape}".strip()
 
     def gap(self, grid: Grid) -> Array:
         """Return the contribution to the gap [m] at time zero."""

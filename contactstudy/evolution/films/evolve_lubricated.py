@@ -309,7 +309,10 @@ class _FilmStepper:
         rate = of_film.rate * last.film.thickness + of_film.history
         content = equation.content(last.film)
         instant = _Instant(end / self.time_unit, last.film, content, last, rate)
-        inside = np.abs(now.x) < 1
+        from_axis = np.abs(now.x)
+        inside = (from_axis < 1) | (
+            from_axis == from_axis.min()
+        )  # one of the coarsest cells at least
         change = np.abs(
             last.film.thickness - self._extrapolated(end / self.time_unit, "thickness")
         )[inside].mean()

@@ -62,6 +62,7 @@ across = "1 mm"
 cells = [128, 1]
 extent = ["1 mm", "1 mm"]
 """
+RANDOM = '"Roughness"\nrms = 1e-7\nhurst = 0.8\nroll_off = 1e-4\ncut_off = 1e-5\n'
 ROLLER = """
 [load]
 total = "2 kN"
@@ -173,7 +174,7 @@ def test_a_file_without_settings_has_those_of_the_functions(tmp_path: Path) -> N
         (ROLLER, OF_CYLINDER, '"LundbergProfile"\nlength = 1', "give amplitude and end_drop, for_load"),
         (ROLLER, OF_CYLINDER, '"LundbergProfile"\nlength = 1\namplitude = 1', "give amplitude and end_drop"),
         (ROLLER, OF_CYLINDER, '"LundbergProfile"\nlength = 1\nstraight = 0.1\nfor_load = 9', "straight is 0.1, and"),
-        (WAVY, '[grid]\ncells = [128, 1]\nextent = ["1 mm", "1 mm"]', "", "give a [grid], of whole waves"),
+        (WAVY, WAVY[WAVY.index('"Waviness"') :], RANDOM, "give a [grid], of whole waves"),
         (WAVY, "[grid]", "[[shapes]]\nkind = 'Cylinder'\nradius = 1\n[grid]", "a shape is curved: give per_length"),
     ],
 )  # fmt: skip

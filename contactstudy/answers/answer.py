@@ -15,8 +15,10 @@ from contactstudy.answers.judgement import (
     judged_numbers,
     without_bound,
 )
+from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.errors import PRESSURE, ErrorEstimate, ErrorParts, Request
 from contactstudy.domain.grid import Grid, Padding, Paddings
+from contactstudy.domain.imports import needed_for
 from contactstudy.domain.notebook import InNotebook
 from contactstudy.domain.units import readable
 from contactstudy.io.quantities.quantity import Quantities, as_text, per_cent
@@ -89,8 +91,22 @@ class Answer(InNotebook):
         return self.to_dataset()
 
     def plot(self, dataset: "xr.Dataset | None" = None) -> "Figure":
-        """Return a picture of the fields, of the `dataset` from :meth:`dataset_to_draw` if it is given."""
-        raise NotImplementedError
+        """Return a picture of the fields as a matplotlib figure.
+
+        Parameters
+        ----------
+        dataset
+            What :meth:`dataset_to_draw` returned, if at hand.
+        """
+        with needed_for(f"{type(self).__name__}.plot"):
+            from contactstudy.io.pictures.picture import picture_of
+
+        figure = picture_of(self.dataset_to_draw() if dataset is None else dataset)
+        if figure is None:
+            raise InvalidInput(
+                "plot.dataset is not that of an answer: give what to_dataset() returned."
+            )
+        return figure
 
     @property
     def judged_error(self) -> tuple[str, ErrorParts]:

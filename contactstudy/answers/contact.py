@@ -27,7 +27,6 @@ from contactstudy.solvers.solution import Solution
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.figure import Figure
 
     from contactstudy.evolution.rolling.steady_rolling import SteadyRolling
 
@@ -299,13 +298,6 @@ class Contact(Answer, Solution):
         from contactstudy.io.dataset import fretting_loop
 
         return dataset.assign(fretting_loop(self))
-
-    def plot(self, dataset: "xr.Dataset | None" = None) -> "Figure":
-        """Return a picture of pressure, gap and stress as a matplotlib figure."""
-        with needed_for("Contact.plot"):
-            from contactstudy.io.pictures.contact import contact_picture
-
-        return contact_picture(self.dataset_to_draw() if dataset is None else dataset)
 
 
 def contact_answer(solution: Solution, **further_fields: Any) -> Contact:

@@ -44,7 +44,6 @@ from contactstudy.solvers.solution import Status, worst
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.figure import Figure
 
     from contactstudy.answers.lubricated_contact import LubricatedContact
     from contactstudy.evolution.films.film_trajectory import FilmTrajectory
@@ -304,18 +303,6 @@ class Evolution(Answer):
         assert self.films is not None
         contacts = [frame.to_dataset() for frame in self.frames]
         return with_quantities(labels.over_time(self.times, contacts), self.quantities)
-
-    def plot(self, dataset: "xr.Dataset | None" = None) -> "Figure":
-        """Return a picture of the fields and of the numbers over time as a matplotlib figure."""
-        with needed_for("Evolution.plot"):
-            from contactstudy.io.pictures import evolution as pictures
-
-        dataset = self.to_dataset() if dataset is None else dataset
-        if self.films is not None:
-            return pictures.film_evolution_picture(dataset)
-        if self.passes is not None:
-            return pictures.passes_picture(dataset)
-        return pictures.evolution_picture(dataset)
 
 
 def evolution_answer(

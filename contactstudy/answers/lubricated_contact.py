@@ -15,7 +15,6 @@ from contactstudy.problem.problem import Field
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.figure import Figure
 
 # What a bound is said to be in, by the number of the largest one.
 MEASURES = {
@@ -86,13 +85,6 @@ class LubricatedContact(Answer, FilmSolution):
 
         dataset = film_dataset(self, self.error, self.quantities)
         return dataset if self.time is not None else dataset.assign_attrs(accuracy=self.accuracy)
-
-    def plot(self, dataset: "xr.Dataset | None" = None) -> "Figure":
-        """Return a picture of pressure and film as a matplotlib figure; `dataset` is that of :meth:`to_dataset`."""
-        with needed_for("LubricatedContact.plot"):
-            from contactstudy.io.pictures.contact import film_picture
-
-        return film_picture(self.to_dataset() if dataset is None else dataset)
 
 
 def film_answer(contact: FilmSolution, **further_fields: Any) -> LubricatedContact:

@@ -194,16 +194,10 @@ def _save(drawn: "dict[str, Figure]", folder: Path, formats: list[str]) -> None:
 
 def _picture(dataset: "xr.Dataset", file: Path) -> "Figure":
     """Return the picture of a solution: a contact, a film, either in time, or repeated rolling."""
-    from contactstudy.io.pictures import contact, evolution
+    from contactstudy.io.pictures.picture import picture_of
 
-    in_time = "time" in dataset.dims
-    if "film" in dataset:
-        picture = evolution.film_evolution_picture if in_time else contact.film_picture
-        return picture(dataset)
-    if "pass_number" in dataset.dims:
-        return evolution.passes_picture(dataset)
-    if "gap" in dataset:
-        return evolution.evolution_picture(dataset) if in_time else contact.contact_picture(dataset)
+    if (picture := picture_of(dataset)) is not None:
+        return picture
     raise InvalidInput(
         f"{str(file)!r} is neither a solution nor a study: give a file that contactstudy solve or run wrote."
     )

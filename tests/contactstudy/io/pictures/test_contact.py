@@ -5,6 +5,7 @@ import xarray as xr
 import contactstudy as cs
 from contactstudy.io.pictures.contact import contact_picture, film_picture
 from contactstudy.io.pictures.figure import label_axes, panels
+from contactstudy.io.pictures.picture import picture_of
 
 X = np.array([-1e-4, 0.0, 1e-4])
 Y = np.array([0.0, 1e-3, 2e-3, 3e-3])
@@ -129,3 +130,8 @@ def test_numbers_of_one_logarithmic_axis_have_one_format() -> None:
     texts = [label.get_text() for label in ax.get_yticklabels(which="both") if label.get_text()]
     assert texts
     assert all("10^{" in text for text in texts)
+
+
+def test_a_dataset_of_no_answer_has_no_picture() -> None:
+    assert picture_of(labelled()) is not None
+    assert picture_of(xr.Dataset({"load": 1.0})) is None

@@ -24,7 +24,7 @@ from studies.reference.paddings import padding_text
 from studies.registry import BUILT_IN, load_drawing
 from studies.report.chapters import CHAPTERS, MAIN, Chapter, Part, chapter_of_study
 from studies.report.drawings import comparison as settings
-from studies.report.section import FORMATS, Section, embedded, saved
+from studies.report.section import Section, embedded, saved
 from studies.store.netcdf import read
 
 MAX_LISTED = 10  # of an axis that a page lists
@@ -42,14 +42,12 @@ NOTHING_TO_DRAW = Drawing(
 )
 
 
-def draw_figures(
-    study: Study, drawing: Drawing, out: Path, formats: Sequence[str] = FORMATS
-) -> Sequence[CaptionedFigure]:
+def draw_figures(study: Study, drawing: Drawing, out: Path) -> Sequence[CaptionedFigure]:
     """Draw the figures of ``study`` into ``<out>/<study>/``, from its netCDF file alone."""
     figures = drawing.figure(stored(study, out))
     _check(figures, study.name)
     for figure in figures:
-        saved(figure, out / study.name, formats)
+        saved(figure, out / study.name)
     return figures
 
 
@@ -96,9 +94,7 @@ def section(part: Part, dataset: xr.Dataset) -> Section:
     )
 
 
-def run_and_write(
-    chapter: Chapter, out: Path, *, options: RunOptions, log: Log, formats: Sequence[str] = FORMATS
-) -> Path:
+def run_and_write(chapter: Chapter, out: Path, *, options: RunOptions, log: Log) -> Path:
     """Run the studies of a chapter, write its page, and return its path."""
     for number, part in enumerate(chapter.parts, 1):
         start, messages = monotonic(), list[str]()
@@ -116,19 +112,17 @@ def run_and_write(
         log(
             f"{chapter.name}: {number} of {len(chapter.parts)}, {part.name}: {done} in {monotonic() - start:.0f} s"
         )
-    return draw_and_write(chapter, out, formats)
+    return draw_and_write(chapter, out)
 
 
-def write_scene(verdict: Verdict, out: Path, formats: Sequence[str] = FORMATS) -> Path:
+def write_scene(verdict: Verdict, out: Path) -> Path:
     """Write the page about the settings of one scene, whose verdict is stored; return its path."""
     title = f"{verdict.name}: which padding and which grid"
     chapter = Chapter(MAIN.name, title, (), SCENE_INTRODUCTION)
-    return write_page(
-        chapter, settings.sections(verdict), {SETTINGS: read(path_in(out))}, out, formats
-    )
+    return write_page(chapter, settings.sections(verdict), {SETTINGS: read(path_in(out))}, out)
 
 
-def draw_and_write(chapter: Chapter, out: Path, formats: Sequence[str] = FORMATS) -> Path:
+def draw_and_write(chapter: Chapter, out: Path) -> Path:
     """Draw a chapter from the netCDF files of its studies and write its page; return its path."""
     datasets, sections = {}, list[Section]()
     for part in chapter.parts:
@@ -142,7 +136,7 @@ def draw_and_write(chapter: Chapter, out: Path, formats: Sequence[str] = FORMATS
             continue
         datasets[part.name] = _without_gaps(part.study(), out)
         sections.append(section(part, datasets[part.name]))
-    return write_page(chapter, sections, datasets, out, formats)
+    return write_page(chapter, sections, datasets, out)
 
 
 def write_page(
@@ -150,7 +144,6 @@ def write_page(
     sections: Sequence[Section],
     datasets: Mapping[str, xr.Dataset],
     out: Path,
-    formats: Sequence[str],
 ) -> Path:
     """Save the figures of a chapter, write its page with the provenance of their files, and return its path."""
     environment = Environment(
@@ -167,7 +160,7 @@ def write_page(
         explored={path.name for path in out.glob("*-explore.html")},
         sections=sections,
         figures={
-            part.name: [embedded(figure, part.data, out, formats) for figure in part.figures]
+            part.name: [embedded(figure, part.data, out) for figure in part.figures]
             for part in sections
         },
         made=_made(datasets),

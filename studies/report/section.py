@@ -9,8 +9,6 @@ from pathlib import Path
 from contactstudy.domain.files import replacing
 from studies.model.drawing import CaptionedFigure, Finding, Table
 
-FORMATS = ("png",)
-
 
 @dataclass(frozen=True, eq=False)
 class Section:
@@ -39,32 +37,23 @@ class Section:
         return [item for item in self.findings if item.question]
 
 
-def saved(drawn: CaptionedFigure, folder: Path, formats: Sequence[str]) -> bytes:
-    """Save a figure in these formats; return its PNG."""
-    # laid out once for all files: each would do it again
-    if engine := drawn.figure.get_layout_engine():
-        engine.execute(drawn.figure)
-        drawn.figure.set_layout_engine("none")
-    picture = BytesIO()
-    for suffix in formats:
-        data = BytesIO()
-        drawn.figure.savefig(data, format=suffix)
-        with replacing(folder / f"{drawn.name}.{suffix}") as path:
-            path.write_bytes(data.getvalue())
-        picture = data if suffix == "png" else picture
-    return picture.getvalue()
+def saved(drawn: CaptionedFigure, folder: Path) -> bytes:
+    """Save a figure as PNG into a folder, and return it."""
+    data = BytesIO()
+    drawn.figure.savefig(data, format="png")
+    with replacing(folder / f"{drawn.name}.png") as path:
+        path.write_bytes(data.getvalue())
+    return data.getvalue()
 
 
-def embedded(
-    drawn: CaptionedFigure, folder: str, out: Path, formats: Sequence[str]
-) -> Mapping[str, str]:
+def embedded(drawn: CaptionedFigure, folder: str, out: Path) -> Mapping[str, str]:
     """Save a figure into ``<out>/<folder>``, and return what a page shows of it as texts.
 
-    They are ``png`` in base64, the paths of its ``files``, ``caption``, and ``width`` and ``height`` in pixels.
+    They are ``png`` in base64, the path of its ``file``, ``caption``, and ``width`` and ``height`` in pixels.
     """
     return {
-        "png": base64.b64encode(saved(drawn, out / folder, formats)).decode(),
-        "files": " ".join(f"{folder}/{drawn.name}.{suffix}" for suffix in formats),
+        "png": base64.b64encode(saved(drawn, out / folder)).decode(),
+        "file": f"{folder}/{drawn.name}.png",
         "caption": drawn.caption,
         "width": f"{100 * drawn.figure.get_figwidth():.0f}",
         "height": f"{100 * drawn.figure.get_figheight():.0f}",

@@ -209,7 +209,7 @@ def _stored(answer: Answer, path: Path, formats: list[str], scene: str) -> list[
     from studies.store.netcdf import write
     from studies.store.provenance import provenance
 
-    dataset = answer.to_dataset()
+    dataset = answer.dataset_to_draw()
     dataset.attrs.update({**provenance(), "scene_file": scene})
     write(dataset, path)
     if not answer.quantities or not formats:

@@ -64,6 +64,13 @@ def test_a_scene_that_cannot_be_read_leaves_nothing_behind(tmp_path: Path) -> No
     assert not out.exists()
 
 
+def test_the_file_of_a_contact_that_frets_holds_the_loop_that_its_picture_draws(
+    tmp_path: Path,
+) -> None:
+    said("solve", EXAMPLES / "fretting.toml", "--out", tmp_path, "--error", "20 %")
+    assert xr.load_dataset(tmp_path / "fretting.nc")["loop_force"].sizes == {"loop": 17}
+
+
 @pytest.mark.whole
 def test_the_rubber_example_is_marched_and_leaves_no_frames_behind(tmp_path: Path) -> None:
     dataset = solved("rubber", tmp_path)

@@ -19,7 +19,7 @@ ERROR_OVER_DIFFERENCE = 1.5
 # cell, and in L1.
 NUMBERS = ("central_film", "minimum_film", "friction")
 OF_PRESSURE = ("peak_pressure", "pressure")
-# Outcomes of a film, or of the strain below it, that no error is estimated for.
+# Outcomes of a film that no error is estimated for.
 FAILED = (Status.FILM_NOT_CONVERGED, Status.NOT_CONVERGED)
 
 

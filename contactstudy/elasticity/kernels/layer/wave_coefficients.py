@@ -2,8 +2,7 @@
 
 from dataclasses import dataclass
 from functools import lru_cache
-from math import inf
-from typing import Protocol
+from typing import Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +13,7 @@ from contactstudy.domain.fields import Array
 from contactstudy.elasticity.kernels.layer.response import LayerResponse, RealOrComplex, composite
 
 Indices = NDArray[np.intp]
+T = TypeVar("T")
 # exp(-ROUNDING_EXPONENT) is below rounding.
 ROUNDING_EXPONENT = 34.0
 # Phase of a wave, in radians, that the Gauss points of one piece of k resolve.
@@ -25,10 +25,13 @@ DECAY_PERIODS, LATTICE_RATIO = 6.0, 4
 ROW_RATIO = 16
 # Smallest period of that lattice, in thicknesses over the distance of the poles from the real axis.
 MIN_PERIOD = 64.0
-# Windows of waves, in waves per cell: their end, and the width of the erfc by which they end; WINDOW_END widths farther
-# it is below rounding. A sum over waves that end so is negligible beyond 2 / width cells: within half of NEAR_CELLS for
-# long waves, and at the centre of a cell for those that are seen there.
-NO_WAVES, LONG_WAVES, SEEN_WAVES = (-inf, 1.0), (0.9, 0.165), (20.0, 3.5)
+# Windows of waves, in waves per cell: the end, and the width of the erfc by which they end; WINDOW_END widths farther it
+# is below rounding. A sum over waves that end so is negligible beyond 2 / width cells: within half of NEAR_CELLS for
+# long waves, and at the centre of a cell for those that are seen there. Short waves are the seen ones but the long ones.
+Window = tuple[tuple[float, float], ...]
+LONG_WAVES: Window = ((0.9, 0.165),)
+SEEN_WAVES: Window = ((20.0, 3.5),)
+SHORT_WAVES = LONG_WAVES + SEEN_WAVES
 WINDOW_END, NEAR_CELLS = 5.3, 24
 # Number of values that are held at once.
 VALUES_AT_ONCE = 2**17
@@ -264,16 +267,25 @@ def _lattice(
 ) -> dict[str, Array]:
     """Return the response (across, along) to one cell of a lattice at all its points, for each field.
 
-    Long waves are summed on the lattice. Shorter ones, whose sum is negligible beyond half of `NEAR_CELLS`, are summed
-    on a small lattice (Ewald 1921), without those whose sum is negligible at half a cell from its edges.
+    Waves that are long along both axes are summed on the lattice. Others are summed on small ones about the cell (Ewald
+    1921): those that are short along the longer side of a cell alone, then those that are short along the shorter side.
+    Left out are waves whose sum is negligible at half a cell from its edges.
     """
-    steps, reach = (dx, dy), NEAR_CELLS * max(dx, dy)
-    near = min(across, int(reach / dx)), min(along, int(reach / dy))
-    fields = _summed(waves, thickness, steps, (across, along), LONG_WAVES, NO_WAVES)
-    short = _summed(waves, thickness, steps, near, SEEN_WAVES, LONG_WAVES)
-    places = np.ix_(*(np.round(fft.fftfreq(cells) * cells).astype(np.intp) for cells in near))
-    for name, field in short.items():
-        fields[name][places] += field
+    steps, ratio = (dx, dy), max(dx, dy) / min(dx, dy)
+
+    def on_axes(shorter_side: T, longer_side: T) -> tuple[T, T]:
+        return (shorter_side, longer_side) if dx < dy else (longer_side, shorter_side)
+
+    fields = _summed(waves, thickness, steps, (across, along), (LONG_WAVES, LONG_WAVES))
+    for near, windows in (
+        (on_axes(NEAR_CELLS * ratio, NEAR_CELLS), on_axes(LONG_WAVES, SHORT_WAVES)),
+        (on_axes(NEAR_CELLS, NEAR_CELLS / ratio + 3), on_axes(SHORT_WAVES, SEEN_WAVES)),
+    ):
+        cells = min(across, int(near[0])), min(along, int(near[1]))
+        short = _summed(waves, thickness, steps, cells, windows)
+        places = np.ix_(*(np.round(fft.fftfreq(n) * n).astype(np.intp) for n in cells))
+        for name, field in short.items():
+            fields[name][places] += field
     return fields
 
 
@@ -282,34 +294,24 @@ def _summed(
     thickness: float,
     steps: tuple[float, float],
     cells: tuple[int, int],
-    window: tuple[float, float],
-    left_out: tuple[float, float],
+    windows: tuple[Window, Window],
 ) -> dict[str, Array]:
-    """Return the response (x, y) to one cell of a lattice with so many `cells`, for each field, by part of its waves.
-
-    They are those in the `window` less those in the window `left_out`.
-    """
+    """Return the response (x, y) to one cell of a lattice of `cells`, for each field, by the waves in `windows`."""
     last = ROUNDING_EXPONENT / (waves.decay_rate * thickness)
-    shortest = window[0] + WINDOW_END * window[1]
     q, weights = [], []  # waves per cell, of both axes at least 0: fields have a parity
-    for step, count in zip(steps, cells, strict=True):
-        q.append(np.arange(int(min(last * step / (2 * np.pi), shortest) * count) + 1) / count)
-        weight = np.sinc(q[-1])
-        weight[0] /= 2
-        weights.append(
-            [weight * erfc((q[-1] - end) / width) / 2 for end, width in (window, left_out)]
-        )
+    for step, count, window in zip(steps, cells, windows, strict=True):
+        shortest = min(last * step / (2 * np.pi), window[-1][0] + WINDOW_END * window[-1][1])
+        q.append(np.arange(int(shortest * count) + 1) / count)
+        below = [erfc((q[-1] - end) / width) / 2 for end, width in window]
+        weights.append(np.sinc(q[-1]) * (below[-1] - sum(below[:-1])))
+        weights[-1][0] /= 2
     kx, ky = (2 * np.pi * waves_of / step for waves_of, step in zip(q, steps, strict=True))
     summed: dict[str, Array] = {}
     rows = min(cells[0], max(1, VALUES_AT_ONCE // ky.size))
     for start in range(0, kx.size, rows):
         chosen = slice(start, start + rows)
         columns = int(np.searchsorted(ky, np.sqrt(max(last**2 - kx[start] ** 2, 0.0)), "right"))
-        weight, left = (
-            np.multiply.outer(of_x[chosen], of_y[:columns])
-            for of_x, of_y in zip(*weights, strict=True)
-        )
-        weight -= left
+        weight = np.multiply.outer(weights[0][chosen], weights[1][:columns])
         amplitudes = waves.amplitudes(kx[chosen, None] * thickness, ky[:columns] * thickness)
         where = np.arange(start, start + weight.shape[0]) % cells[0]
         for name, amplitude in amplitudes.items():

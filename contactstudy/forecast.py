@@ -21,6 +21,7 @@ from contactstudy.planning.cost import speedup
 from contactstudy.planning.grid_requirements import grid_requirements
 from contactstudy.planning.plan import plan_grid
 from contactstudy.planning.planned import Plan
+from contactstudy.planning.refinement import CONSTANTS as REFINEMENT
 from contactstudy.planning.refinement import OTHER_CAUSES, FirstGrids
 from contactstudy.progress import Progress
 from contactstudy.scene import methods
@@ -43,6 +44,8 @@ class ForecastConstants:
         Seconds that a solve on several grids may take where nothing of the last of them is done.
     exact_seconds
         Seconds that a solve on the planned grid, or a further one for numbers, may take to be one of them.
+    followed
+        Seconds of a grid for numbers that is not solved, and of those that may follow it, over its own.
     least_cells
         Cells across below which a grid tells nothing.
     least_fraction
@@ -64,6 +67,7 @@ class ForecastConstants:
     grid_seconds: float = 10.0
     all_seconds: float = 2.0
     exact_seconds: float = 0.5
+    followed: float = 1.5
     least_cells: int = 12
     least_fraction: float = 1e-4
     power: float = 0.9
@@ -75,8 +79,6 @@ class ForecastConstants:
 
 
 CONSTANTS = ForecastConstants()
-# Factor on a width that is too small for the contact.
-WIDENING = 1.5
 
 
 def plan(
@@ -262,11 +264,13 @@ class _Request:
                 if isinstance(self.error, Mapping) and {*self.error} != {PRESSURE}:
                     grid = further
                 expected = self.seconds_on(further, levels)
-                if expected > CONSTANTS.exact_seconds or last.grid != levels[-1].grid:
-                    seconds += expected
+                if expected > CONSTANTS.exact_seconds:
+                    seconds += CONSTANTS.followed * expected
                     break
                 levels.append(self.solved(further, 1, levels[-1].looser))
                 seconds += levels[-1].seconds
+                if levels[-1].answer is None:
+                    break
                 further = grid_for_numbers(levels[-1].answer, is_default=self.is_default)
         solves = last.solves
         if self.scene.rolling is not None and self.scene.rolling.passes is not None:
@@ -322,15 +326,18 @@ class _Request:
                 f"contact: within {half_width / hertz.half_width:.3g} half-widths of Hertz, on {_cells(grid)}."
             )
             if touching[0] or touching[-1]:
-                known = grid_requirements(self.scene).known_width
+                known, wider = (
+                    grid_requirements(self.scene).known_width,
+                    REFINEMENT.widening * width,
+                )
                 remedy = "give a width of "
-                if WIDENING * width > known:
+                if wider > known:
                     remedy = (
                         f"the surface is known over {readable(known)} only; give a smaller load, or a surface as wide "
                         "as "
                     )
                 warnings.append(
-                    f"Grid.extent[0] is {readable(width)}: the contact is wider, {remedy}{readable(WIDENING * width)}."
+                    f"Grid.extent[0] is {readable(width)}: the contact is wider, {remedy}{readable(wider)}."
                 )
         parts = answer.error.l1.by_cause
         least = min(self.target or inf, parts.get("discretisation", inf))

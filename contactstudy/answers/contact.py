@@ -6,8 +6,6 @@ from functools import cached_property
 from math import inf
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from contactstudy.accuracy.discretisation.coarser import coarse_solution, comparable
 from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.accuracy.half_space import beyond_half_space
@@ -22,7 +20,6 @@ from contactstudy.io.quantities.quantity import NO_ESTIMATE, Quantities, roller_
 from contactstudy.io.quantities.stress_quantities import stress_quantities
 from contactstudy.problem.problem import DependsOnShear, Derived, Field
 from contactstudy.scene.scene import PosedScene, Scene, scene_of
-from contactstudy.scene.solids.bodies import in_part, is_layered
 from contactstudy.solvers.solution import Solution
 
 if TYPE_CHECKING:
@@ -103,73 +100,40 @@ class Contact(Answer, Solution):
 
     @property
     def _has_derived_errors(self) -> bool:
-        """True where approach and stress get an error: the solve did not fail, and the bodies touch.
+        """True where approach and stress get an error: the solve did not fail, and the bodies touch."""
+        in_equilibrium = not (self._depends_on_history or self.status.is_failure)
+        return in_equilibrium and bool(self.pressure.any())
 
-        A frame with an estimate of its own depends on earlier pressures, and has none. In a history with adhesion each
-        state is in equilibrium by itself.
+    @property
+    def _depends_on_history(self) -> bool:
+        """True for a frame with an estimate of its own, which depends on earlier pressures.
+
+        In a history with adhesion each state is in equilibrium by itself.
         """
-        depends_on_history = self.time is not None and self.estimate is not None
-        return not (depends_on_history or self.status.is_failure) and bool(self.pressure.any())
+        return self.time is not None and self.estimate is not None
 
     def _with_derived(self, estimate: ErrorEstimate, coarse: Solution | None) -> ErrorEstimate:
         """Return `estimate` with the errors of the approach and of the largest stress.
 
         Both are compared with those of `coarse`, the contact on cells of twice the size; None where there is none.
         """
-        from contactstudy.accuracy.approach_and_stress import approach_error, stress_errors
+        from contactstudy.accuracy.approach_and_stress import approach_error, stress_error
         from contactstudy.accuracy.plausibility import beyond_strength, stress_margin
         from contactstudy.accuracy.roller_end import end_of_half_space, unrelieved_ends
 
         of_ends = () if self.is_coarse else (end_of_half_space(self), unrelieved_ends(self))
         warnings = (*filter(None, of_ends), *estimate.warnings)
-        approach = approach_error(self, estimate, coarse)
+        estimate = replace(estimate, approach=approach_error(self, estimate, coarse))
         if "von_mises" not in self.derived:
-            return replace(estimate, approach=approach, warnings=warnings)
+            return replace(estimate, warnings=warnings)
         stress, depths = (self.derived[name].values for name in ("von_mises", "z"))
-        largest, depth = stress_errors(self, stress, depths, estimate, coarse)
         scene = None if beyond_strength(self) else self.scene
         yields = "" if scene is None else stress_margin(scene, self.derived).sentence
-        of_depths = self._of_depths(estimate, coarse)
-        unresolved = of_depths["interface_shear"].reason if "interface_shear" in of_depths else ""
         return replace(
             estimate,
-            approach=approach,
-            largest_von_mises=largest,
-            largest_von_mises_depth=depth,
-            warnings=(*filter(None, (yields, unresolved)), *warnings),
-            **of_depths,
+            stress=stress_error(self, stress, depths, estimate),
+            warnings=(*filter(None, (yields,)), *warnings),
         )
-
-    def _of_depths(self, estimate: ErrorEstimate, coarse: Solution | None) -> dict[str, Any]:
-        """Return the errors of what a body has at some depths: stresses of layers, safety where the strength varies."""
-        from contactstudy.accuracy.approach_and_stress import (
-            interface_error,
-            interface_shear,
-            stress_errors,
-        )
-        from contactstudy.accuracy.plausibility import yield_stresses
-
-        assert self.scene is not None
-        body = next(
-            self.scene.solids[out.body] for out in self.scene.outputs if hasattr(out, "body")
-        )
-        stress, depths, mises = (self.derived[name].values for name in ("stress", "z", "von_mises"))
-        errors: dict[str, Any] = {}
-        numbers: dict[str, ErrorParts] = {}
-        strength = yield_stresses(body, depths)
-        if (least := strength.min()) < strength.max():
-            found = stress_errors(self, mises, depths, estimate, coarse, least / strength)
-            numbers["safety_factor"], numbers["safety_factor_depth"] = found
-        for name, (_, _, top, bottom) in (body.parts if is_layered(body) else {}).items():
-            into = numbers if name.startswith("interlayer") else errors
-            if (inside := in_part(depths, top, bottom)).any():
-                found = stress_errors(self, mises[inside], depths[inside], estimate, coarse)
-                into[f"{name}_von_mises"] = found[0]
-            if (at := np.flatnonzero(depths == bottom)).size:
-                shear = float(interface_shear(stress[:, at[0]]).max())
-                bound = interface_error(self, bottom - top, bottom, shear, estimate, coarse)
-                into["interface_shear" if name == "coating" else f"{name}_shear"] = bound
-        return errors | {"numbers": numbers}
 
     @cached_property
     def derived(self) -> Mapping[str, Field]:
@@ -223,11 +187,18 @@ class Contact(Answer, Solution):
                 alone = self._with_output_alone(number)
                 of_body = stress_quantities(alone.scene, alone.derived, self.grid, alone.error)
                 found |= {f"{name}{suffix}": quantity for name, quantity in of_body.items()}
-        if self.time is None and any(each.reason == NO_ESTIMATE for each in found.values()):
+        if not self._depends_on_history and any(
+            each.reason == NO_ESTIMATE for each in found.values()
+        ):
             below = [level.quantities for level in self._below()]
-            at_edge = edge_fraction(self.pressure > 0)
+            at_edge, stress = edge_fraction(self.pressure > 0), self.error.stress
             return with_nested_bounds(
-                found, below, self.error.l1, at_edge, frozenset({NO_ESTIMATE})
+                found,
+                below,
+                self.error.l1,
+                at_edge,
+                frozenset({NO_ESTIMATE}),
+                of_stress=stress.total if stress is not None else 0.0,
             )
         return found
 

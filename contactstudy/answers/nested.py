@@ -26,7 +26,8 @@ if TYPE_CHECKING:
 # steps 4^k times as large, which are 2^k times as long; a film also over a multiple of the width.
 Coarser = Callable[..., "Answer"]
 NO_COARSER = "No bound: there is no solution on half the cells to compare with, give more."
-# Numbers that plastic strain alone leaves behind begin with these.
+# In the names of largest stresses, and at the beginning of those of numbers that plastic strain alone leaves behind.
+OF_STRESS = "von_mises", "safety_factor", "shear_stress", "orthogonal_shear"
 BY_YIELD = "dent_depth", "shoulder_height", "highest_residual_stress", "lowest_residual_stress"
 # The one of them that lies at the edge of the plastic zone.
 AT_ZONE_EDGE = "highest_residual_stress"
@@ -52,7 +53,8 @@ class NestedConstants:
         The same of an area, of a stick fraction, or of a number left by a plastic zone, over the fraction of its cells
         that lie at its edge.
     stress_floor, depth_floor
-        Least change of a shear stress, relative, and of its depth, which lie between those at which they are computed.
+        Least change of a largest stress, relative, and of its depth, which lie between those at which they are
+        computed.
     inlet
         Bound over the change of a number of a film from twice the width, as its error falls with the square of that.
     """
@@ -115,6 +117,7 @@ def with_nested_bounds(
     replaced: frozenset[str],
     wider: Mapping[str, Quantity] | None = None,
     zone_edge: float = 0.0,
+    of_stress: float = 0.0,
 ) -> dict[str, Quantity]:
     """Return quantities with bounds by their changes between grids, where their reasons are some of those `replaced`.
 
@@ -134,6 +137,8 @@ def with_nested_bounds(
         Those of a film on half the cells over twice the width, whose inlet is finite.
     zone_edge
         Fraction of the cells of a plastic zone that lie at its edge.
+    of_stress
+        Relative error of largest stresses by images, beside that of the pressure.
     """
     other_causes = l1.total - (l1.discretisation or 0.0) if isfinite(l1.total) else inf
     found = dict(quantities)
@@ -148,21 +153,21 @@ def with_nested_bounds(
         elif not isfinite(other_causes):
             found[name] = replace(quantity, reason=l1.reason or quantity.reason)
         else:
-            size = abs(quantity.value)
+            size, others = abs(quantity.value), other_causes
             of_l1 = CONSTANTS.dent_floor if name == "yielded_depth" else CONSTANTS.floor
             floor = of_l1 * (l1.discretisation or 0.0)
             if name.endswith(("contact_area", "stick_fraction")):
                 floor = max(floor, CONSTANTS.area_floor * edge_fraction)
             if name.startswith(BY_YIELD):
                 floor = max(floor, CONSTANTS.area_floor * zone_edge)
-            if name.endswith(("shear_depth", "shear_stress_depth", "von_mises_depth")):
-                floor = max(floor, CONSTANTS.depth_floor)
-            if "shear_stress" in name or "orthogonal_shear" in name:
-                floor = max(floor, CONSTANTS.stress_floor)
+            if any(stress in name for stress in OF_STRESS):
+                is_depth = name.endswith("_depth")
+                floor = max(floor, CONSTANTS.depth_floor if is_depth else CONSTANTS.stress_floor)
+                others += of_stress
             change = changes([quantity.value, *known])
             is_half_order = name.startswith(AT_ZONE_EDGE)
             margin = CONSTANTS.half_order_margin if is_half_order else CONSTANTS.margin
-            bound = margin * max(change, floor * size) + other_causes * size
+            bound = margin * max(change, floor * size) + others * size
             if wider is not None and name in wider:
                 bound += CONSTANTS.inlet * abs(known[0] - wider[name].value)
             reason = "" if bound else RELATIVE_TO_ZERO

@@ -78,10 +78,10 @@ class ErrorEstimate(InNotebook):
     ----------
     l1
         Error of the pressure in L1.
-    peak_pressure, contact_area, mean_gap, approach, largest_von_mises, largest_von_mises_depth
+    peak_pressure, contact_area, mean_gap, approach
         Errors of the numbers of a contact; None where the answer does not have the number.
-    coating_von_mises, substrate_von_mises, interface_shear
-        Errors of the largest stresses of a coated body; None for another.
+    stress
+        Error of largest stresses by causes other than the cells; None where no stress is computed.
     central_film, minimum_film, friction_coefficient
         Errors of the numbers of a film; None for a dry contact.
     contact_load_fraction, contact_area_fraction
@@ -93,7 +93,7 @@ class ErrorEstimate(InNotebook):
     load, pull_off
         Errors of the load at a given approach, and of the pull-off load; None where they are not sought.
     numbers
-        Errors of further numbers by their names: of a film, and of layers below a coating.
+        Errors of further numbers of a film by their names.
     warnings
         A sentence for each bound that is infinite, or on what to change.
     slip_reason
@@ -105,11 +105,7 @@ class ErrorEstimate(InNotebook):
     contact_area: ErrorParts | None = None
     mean_gap: ErrorParts | None = None
     approach: ErrorParts | None = None
-    largest_von_mises: ErrorParts | None = None
-    largest_von_mises_depth: ErrorParts | None = None
-    coating_von_mises: ErrorParts | None = None
-    substrate_von_mises: ErrorParts | None = None
-    interface_shear: ErrorParts | None = None
+    stress: ErrorParts | None = None
     central_film: ErrorParts | None = None
     minimum_film: ErrorParts | None = None
     friction_coefficient: ErrorParts | None = None

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from contactstudy.accuracy.approach_and_stress import interface_shear
+from contactstudy.accuracy.approach_and_stress import interface_shear, unresolved_interface
 from contactstudy.accuracy.plausibility import yield_margin, yield_stresses
 from contactstudy.domain.errors import ErrorEstimate
 from contactstudy.domain.fields import Array
@@ -68,7 +68,7 @@ def stress_quantities(
     for part, (said, material, top, bottom) in layers.items():
         if (inside := in_part(depths, top, bottom)).any():
             parts[f"{part}_"] = f"{said} of {name}", material, inside
-    errors, found = dict(estimate) | dict(estimate.numbers), dict[str, Quantity]()
+    found = dict[str, Quantity]()
     for before, (where, material, inside) in parts.items():
         axes, at = {**coordinates, "z": depths[inside]}, f"in {where}{at_depths}"
         mises, name_of_mises = (
@@ -83,14 +83,13 @@ def stress_quantities(
             label = f"yield stress over von Mises stress in {where if before else least.part}{at_depths}"
             position = found[name_of_mises].position if before else None
             found[f"{before}safety_factor"] = Quantity(least.ratio, "1", label, position=position)
-        if (
-            not before and "safety_factor_depth" in errors and least.ratio < inf
-        ):  # the strength varies
+        strength = yield_stresses(material, axes["z"])
+        if not before and strength.min() < strength.max() and least.ratio < inf:
             weakest = next(inside for part, _, inside in parts.values() if part == least.part)
-            demand = mises.max(axis=(1, 2)) / yield_stresses(body, depths)
+            demand = mises.max(axis=(1, 2)) / strength
             depth = between_depths(depths[weakest], demand[weakest], given=given)[1]
-            label = f"depth of the least safety {at}"
-            found["safety_factor_depth"] = Quantity(depth, "m", label)
+            number = Quantity(depth, "m", f"depth of the least safety {at}")
+            found["safety_factor_depth"] = _known_to(number, depths)
         shear, of_shear = largest_shear(stress[:, inside]), f"largest shear stress {at}"
         found |= _with_depth(f"{before}largest_shear_stress", of_shear, shear, axes, given=given)
         # a range along x has no place on it
@@ -103,20 +102,17 @@ def stress_quantities(
         label = f"double amplitude of the {amplitude.label}"
         found[f"{name_of_range}_range"] = replace(amplitude, value=2 * amplitude.value, label=label)
     found |= _surface_tension(stress, depths, coordinates, name, estimate)
-    for part, (said, _, _, bottom) in layers.items():
+    for part, (said, _, top, bottom) in layers.items():
         if (at_interface := depths == bottom).any():
             shear = interface_shear(stress[:, at_interface][:, 0])
             largest, position = largest_place(shear, coordinates)
             below = "" if part == "coating" and len(layers) == 2 else f" below {said}"
             label = f"largest shear stress at the interface{below} of {name}"
             of_interface = "interface_shear" if part == "coating" else f"{part}_shear"
-            found[of_interface] = Quantity(largest, "Pa", label, position=position)
-    margin = errors.pop("safety_factor", estimate.largest_von_mises)
-    found = {key: with_bound(of, errors.get(key), estimate.warnings) for key, of in found.items()}
-    if "safety_factor" in found and margin is not None and margin.total < 1:
-        safety = found["safety_factor"]
-        bound = safety.value * margin.total / (1 - margin.total)
-        found["safety_factor"] = replace(safety, bound=bound, reason="")
+            number = Quantity(largest, "Pa", label, position=position)
+            found[of_interface] = with_bound(number, unresolved_interface(grid, bottom - top))
+    if estimate.stress is not None and estimate.stress.total == inf:
+        return {key: with_bound(of, estimate.stress) for key, of in found.items()}
     return found
 
 
@@ -142,11 +138,16 @@ def _with_depth(
     rise, position["z"] = between_depths(depths, values.max(axis=(1, 2)), given=given)
     depth = Quantity(position["z"], "m", f"depth of the {label}")
     if given:
-        place = int(np.flatnonzero(depths == depth.value)[0])
-        around = float(np.diff(depths[max(place - 1, 0) : place + 2]).max())
-        depth = replace(depth, bound=around, reason="")
+        depth = _known_to(depth, depths)
     largest = Quantity(value + rise * beyond, "Pa", label, position=position)
     return {name: largest, f"{name}_depth": depth}
+
+
+def _known_to(depth: Quantity, depths: Array) -> Quantity:
+    """Return a depth that is known to the distance of the neighbouring ones of some `depths`."""
+    place = int(np.abs(depths - depth.value).argmin())
+    around = float(np.diff(depths[max(place - 1, 0) : place + 2]).max(initial=0.0))
+    return replace(depth, bound=around, reason="")
 
 
 def _surface_tension(

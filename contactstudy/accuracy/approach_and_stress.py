@@ -1,4 +1,4 @@
-"""Errors of the approach, and of stresses below the surface by other causes than the cells."""
+"""Errors of the approach, and of stresses below the surface that grids do not show."""
 
 from dataclasses import replace
 from math import inf
@@ -70,10 +70,12 @@ def approach_error(
 def stress_error(
     solution: Solution, von_mises: Array, depths: Array, estimate: ErrorEstimate
 ) -> ErrorParts:
-    """Return the relative error of largest stresses by causes other than the cells.
+    """Return the relative error of largest stresses that their changes between grids do not show.
 
-    Images that the padding leaves out lack with their own stress. It is infinite, with the reason, where too few cells
-    in contact are neighbours, and where the range of an attraction was chosen for the grid.
+    The error of the peak pressure counts at the surface, where it has no bound by as much as the peak itself, and falls
+    like the stress of a wave of two cells, of the longer ones (Johnson 1985, sect. 13.2). Images that the padding leaves out lack with their
+    own stress. The error is infinite, with the reason, where too few cells in contact are neighbours, and where the
+    range of an attraction was chosen for the grid.
 
     Parameters
     ----------
@@ -90,13 +92,19 @@ def stress_error(
         return ErrorParts(discretisation=inf, reason=TOO_FEW_CELLS)
     if solution.regularised:
         return ErrorParts(range=inf, reason=NO_STRESS_LIMIT)
-    if not estimate.l1.images:
-        return ErrorParts(images=0.0)
-    assert solution.problem.paddings is not None
-    every_image = with_all_images(solution.problem.paddings)
-    largest = von_mises.max(axis=(1, 2))
-    whole = [_largest_at(solution, float(depth), every_image) for depth in depths]
-    return ErrorParts(images=float(np.abs(whole - largest).max() / largest.max()))
+    grid, largest = solution.problem.grid, von_mises.max(axis=(1, 2))
+    assert estimate.peak_pressure is not None
+    peak = min(estimate.peak_pressure.total, 1.0)
+    cell = max(size for size, count in zip(grid.cell_size, grid.cells, strict=True) if count > 1)
+    decay = np.pi * depths / cell
+    at_depths = largest * (1 + peak * (1 + decay) * np.exp(-decay))
+    cells, images = float(at_depths.max() / largest.max()) - 1, 0.0
+    if estimate.l1.images:
+        assert solution.problem.paddings is not None
+        every_image = with_all_images(solution.problem.paddings)
+        whole = [_largest_at(solution, float(depth), every_image) for depth in depths]
+        images = float(np.abs(whole - largest).max() / largest.max())
+    return ErrorParts(images, cells)
 
 
 def unresolved_interface(grid: Grid, thickness: float) -> ErrorParts | None:

@@ -138,7 +138,7 @@ def with_nested_bounds(
     zone_edge
         Fraction of the cells of a plastic zone that lie at its edge.
     of_stress
-        Relative error of largest stresses by images, beside that of the pressure.
+        Relative error of largest stresses that their changes do not show.
     """
     other_causes = l1.total - (l1.discretisation or 0.0) if isfinite(l1.total) else inf
     found = dict(quantities)

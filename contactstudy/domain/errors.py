@@ -81,7 +81,7 @@ class ErrorEstimate(InNotebook):
     peak_pressure, contact_area, mean_gap, approach
         Errors of the numbers of a contact; None where the answer does not have the number.
     stress
-        Error of largest stresses by causes other than the cells; None where no stress is computed.
+        Error of largest stresses that their changes between grids do not show; None where no stress is computed.
     central_film, minimum_film, friction_coefficient
         Errors of the numbers of a film; None for a dry contact.
     contact_load_fraction, contact_area_fraction

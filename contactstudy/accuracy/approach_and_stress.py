@@ -73,9 +73,9 @@ def stress_error(
     """Return the relative error of largest stresses that their changes between grids do not show.
 
     The error of the peak pressure counts at the surface, where it has no bound by as much as the peak itself, and falls
-    like the stress of a wave of two cells, of the longer ones (Johnson 1985, sect. 13.2). Images that the padding leaves out lack with their
-    own stress. The error is infinite, with the reason, where too few cells in contact are neighbours, and where the
-    range of an attraction was chosen for the grid.
+    like the stress of a wave of two cells along the axis with the longer ones (Johnson 1985, sect. 13.2). Images that
+    the padding leaves out lack with their own stress. The error is infinite, with the reason, where too few cells in
+    contact are neighbours, and where the range of an attraction was chosen for the grid.
 
     Parameters
     ----------

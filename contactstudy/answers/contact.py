@@ -182,23 +182,25 @@ class Contact(Answer, Solution):
     def quantities(self) -> Quantities:
         """Numbers of the contact by name, with unit and bound."""
         found = contact_quantities(self, self.error, self.derived, self.rolling)
+        unseen = dict.fromkeys(found, self.error.stress)
         for number in range(1, len(self.problem.outputs) if found else 0):
             if suffix := self._suffix(number):
                 alone = self._with_output_alone(number)
                 of_body = stress_quantities(alone.scene, alone.derived, self.grid, alone.error)
                 found |= {f"{name}{suffix}": quantity for name, quantity in of_body.items()}
+                unseen |= {f"{name}{suffix}": alone.error.stress for name in of_body}
         if not self._depends_on_history and any(
             each.reason == NO_ESTIMATE for each in found.values()
         ):
             below = [level.quantities for level in self._below()]
-            at_edge, stress = edge_fraction(self.pressure > 0), self.error.stress
+            at_edge = edge_fraction(self.pressure > 0)
             return with_nested_bounds(
                 found,
                 below,
                 self.error.l1,
                 at_edge,
                 frozenset({NO_ESTIMATE}),
-                of_stress=stress.total if stress is not None else 0.0,
+                of_stress={name: error.total for name, error in unseen.items() if error},
             )
         return found
 

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import inf, isfinite
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -117,7 +118,7 @@ def with_nested_bounds(
     replaced: frozenset[str],
     wider: Mapping[str, Quantity] | None = None,
     zone_edge: float = 0.0,
-    of_stress: float = 0.0,
+    of_stress: Mapping[str, float] = MappingProxyType({}),
 ) -> dict[str, Quantity]:
     """Return quantities with bounds by their changes between grids, where their reasons are some of those `replaced`.
 
@@ -138,7 +139,7 @@ def with_nested_bounds(
     zone_edge
         Fraction of the cells of a plastic zone that lie at its edge.
     of_stress
-        Relative error of largest stresses that their changes do not show.
+        Relative errors of largest stresses that their changes do not show, by name.
     """
     other_causes = l1.total - (l1.discretisation or 0.0) if isfinite(l1.total) else inf
     found = dict(quantities)
@@ -163,7 +164,7 @@ def with_nested_bounds(
             if any(stress in name for stress in OF_STRESS):
                 is_depth = name.endswith("_depth")
                 floor = max(floor, CONSTANTS.depth_floor if is_depth else CONSTANTS.stress_floor)
-                others += of_stress
+                others += of_stress.get(name, 0.0)
             change = changes([quantity.value, *known])
             is_half_order = name.startswith(AT_ZONE_EDGE)
             margin = CONSTANTS.half_order_margin if is_half_order else CONSTANTS.margin

@@ -45,8 +45,8 @@ LOWER_LOAD = 0.92
 CENTRED = 8
 # A planned grid whose edge the contact reaches is widened by this factor, and once more.
 WIDER = 1.5
-# Processor time [s] of the rounds in which settings take turns.
-ROUND_SECONDS = 1.0
+# Processor time [s] of the rounds in which the fastest settings take turns, and the largest number of rounds.
+ROUND_SECONDS, MAX_ROUNDS = 4.0, 100
 
 NO_GRID = (
     "No other padding was tried, since no grid that was tried keeps the error with exact periodicity, or the ends of "
@@ -407,15 +407,15 @@ def _timed(trials: _Trials, found: Sequence[Measured]) -> Iterator[Measured]:
     """Yield what was measured with the least processor time of rounds in which all settings that meet it take turns."""
     times = {one.setting: one.seconds for one in found}
 
-    def take(settings: Sequence[Setting]) -> None:
+    def take(settings: Sequence[Setting], seconds: float) -> None:
         total = sum(times[setting] for setting in settings)
-        for _ in range(max(1, int(ROUND_SECONDS / total)) if settings else 0):
+        for _ in range(max(1, min(MAX_ROUNDS, int(seconds / total))) if settings else 0):
             for setting in settings:
                 times[setting] = min(times[setting], trials.seconds(setting))
 
-    take(list(times))
+    take(list(times), ROUND_SECONDS / 4)
     meeting = [one.setting for one in found if trials.meets(one)]
     fastest = min((times[setting] for setting in meeting), default=inf)
     # a busy machine adds more than a tie to most times of a setting, and not to all
-    take([setting for setting in meeting if times[setting] <= TIE**3 * fastest])
+    take([one for one in meeting if times[one] <= TIE**3 * fastest], ROUND_SECONDS)
     yield from (replace(one, seconds=times[one.setting]) for one in found)

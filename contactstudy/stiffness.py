@@ -2,17 +2,17 @@
 
 from dataclasses import dataclass, replace
 from math import exp, inf, isclose, log, pi
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from scipy.sparse.linalg import LinearOperator, minres
 
 from contactstudy.accuracy.discretisation.cells import contact_perimeter
 from contactstudy.answers.contact import Contact
-from contactstudy.domain.checks import InvalidInput, NotDefined, pair
+from contactstudy.domain.checks import InvalidInput, NotDefined
 from contactstudy.domain.fields import Array, inner
-from contactstudy.domain.unit_text import in_si, unit_of
 from contactstudy.domain.units import Metres, readable
+from contactstudy.domain.validation import CURVED, valid
 from contactstudy.io.quantities.contact_quantities import approach_datum
 from contactstudy.io.quantities.quantity import Quantity
 from contactstudy.scene.loads.resulting_load import PullOff
@@ -205,10 +205,10 @@ def distant_approach(
     NotDefined
         For a point contact, and for one with images across.
     """
-    scene, grid, unit = contact.scene, contact.grid, unit_of(Metres)
-    assert unit is not None
+    scene, grid = contact.scene, contact.grid
     remedy = "give the radii of both bodies across, such as (0.01, inf)"
-    given = [in_si("radii", one, unit) for one in pair("radii", radii, remedy)]
+    curved = Annotated[Metres, CURVED]
+    given = valid("radii", radii, tuple[curved, curved])
     datum = approach_datum(contact)
     paddings = contact.problem.paddings
     windows = None if paddings is None else [padding.window for padding in paddings]
@@ -239,7 +239,7 @@ def distant_approach(
                 f"radii[{number}] is {radius!r}, of a body without an axis: give the depth of a point in it."
             )
         else:
-            below = in_si("depth", depth, unit)
+            below = valid("depth", depth, Metres)
             distance = below * exp(-1 / (2 * (1 - material.poisson_ratio)))
             places.append(f"a depth of {readable(below)}")
         if datum:

@@ -1,7 +1,7 @@
 """Checks of user input; the message of each error is one sentence."""
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import fields
 from difflib import get_close_matches
 from numbers import Integral, Real
@@ -87,43 +87,6 @@ def positive(field: str, value: object, remedy: str) -> float:
     return number
 
 
-# Limits in SI units: wide enough for any measured value, narrow enough that products and quotients stay finite.
-MIN_SIZE, MAX_SIZE = 1e-60, 1e60
-
-
-def in_range(field: str, value: object, remedy: str) -> float:
-    """Return `value` as a float above zero within the limits of a computation, or raise :class:`InvalidInput`."""
-    number = positive(field, value, remedy)
-    if not MIN_SIZE <= number <= MAX_SIZE:
-        raise InvalidInput(
-            f"{field} is {value!r}: {remedy}, between {MIN_SIZE:g} and {MAX_SIZE:g}."
-        )
-    return number
-
-
-def in_range_or_infinite(field: str, value: object, remedy: str) -> float:
-    """Return `value` as a float above zero within the limits or infinite, or raise :class:`InvalidInput`."""
-    return math.inf if value == math.inf else in_range(field, value, remedy)
-
-
-def in_range_or_zero(field: str, value: object, remedy: str) -> float:
-    """Return `value` as a float that is zero or whose absolute value is in range, or raise :class:`InvalidInput`."""
-    number = finite(field, value, remedy)
-    if number and not MIN_SIZE <= abs(number) <= MAX_SIZE:
-        raise InvalidInput(
-            f"{field} is {value!r}: {remedy}, 0 or of a size between {MIN_SIZE:g} and {MAX_SIZE:g}."
-        )
-    return number
-
-
-def in_range_from_zero(field: str, value: object, remedy: str) -> float:
-    """Return `value` as a float that is zero, or positive and within the limits, or raise :class:`InvalidInput`."""
-    number = in_range_or_zero(field, value, remedy)
-    if number < 0:
-        raise InvalidInput(f"{field} is {value!r}: {remedy}.")
-    return number
-
-
 def whole_number(
     field: str, value: object, at_least: int, remedy: str, at_most: float = math.inf
 ) -> int:
@@ -141,21 +104,6 @@ def instance(field: str, value: object, kind: Any, remedy: str) -> None:
         raise InvalidInput(f"{field} is {value!r}: {remedy}.")
 
 
-def each(
-    field: str, values: Iterable[object], check: Callable[[str, object, str], float], remedy: str
-) -> tuple[float, ...]:
-    """Return `values` as floats, each checked as an entry of `field` by one of the functions above."""
-    return tuple(check(f"{field}[{n}]", value, remedy) for n, value in enumerate(values))
-
-
-def pair(field: str, value: object, remedy: str) -> tuple[object, object]:
-    """Return `value` as a tuple of two, or raise :class:`InvalidInput` with `field` and `remedy`."""
-    both = sequence(field, value, remedy)
-    if len(both) != 2:
-        raise InvalidInput(f"{field} is {value!r}: {remedy}.")
-    return both[0], both[1]
-
-
 def whole_quotient(field: str, length: float, period: float) -> int:
     """Return ``period / length``, which must be a whole number, or raise :class:`InvalidInput`."""
     times = period / length
@@ -164,15 +112,6 @@ def whole_quotient(field: str, length: float, period: float) -> int:
             f"{field} is {length!r}: give a length that divides the period {period!r} m, or change the period."
         )
     return round(times)
-
-
-def sequence(field: str, value: object, remedy: str) -> tuple[object, ...]:
-    """Return the entries of a tuple, a list or a flat numpy array, or raise :class:`InvalidInput`."""
-    if isinstance(value, tuple | list):
-        return tuple(value)
-    if getattr(value, "ndim", None) == 1 and hasattr(value, "tolist"):
-        return tuple(value.tolist())
-    raise InvalidInput(f"{field} is {value!r}: {remedy}.")
 
 
 def set_fields(instance: object, **values: object) -> None:

@@ -21,8 +21,6 @@ from typing import (
 )
 
 from contactstudy.domain.checks import (
-    MAX_SIZE,
-    MIN_SIZE,
     InvalidInput,
     called,
     refuse_unknown,
@@ -54,7 +52,8 @@ def at_least(least: int) -> Limits:
     return Limits(f"of at least {least}", lambda x: least <= x < inf)
 
 
-# Sizes are wide enough for any measured value, and narrow enough that products and quotients stay finite.
+# Limits in SI units: wide enough for any measured value, narrow enough that products and quotients stay finite.
+MIN_SIZE, MAX_SIZE = 1e-60, 1e60
 ABOVE_ZERO = Limits("above 0", lambda x: MIN_SIZE <= x <= MAX_SIZE)
 AT_LEAST_ZERO = Limits("of at least 0", lambda x: x == 0 or MIN_SIZE <= x <= MAX_SIZE)
 ANY_SIGN = Limits("that is finite", lambda x: x == 0 or MIN_SIZE <= abs(x) <= MAX_SIZE)

@@ -102,7 +102,10 @@ def _viscosity_ratio(line: ShearedFilm, rise: Array) -> Array:
 
 
 def thermal_loading(scales: FilmScales, heat: FilmHeat) -> float:
-    """Return the thermal loading parameter ``L = beta eta0 u_m^2 / k_f`` of the inlet."""
+    """Return the thermal loading parameter ``L = beta eta0 u_m^2 / k_f`` of the inlet, with the mean speed u_m.
+
+    Source: Gupta et al. (1992). A heated film is steady, so that its largest mean speed is the mean speed.
+    """
     motion = scales.lubrication
     power = motion.lubricant.viscosity * motion.largest_speed**2
     return float(heat.temperature_viscosity * power / heat.conductivity)

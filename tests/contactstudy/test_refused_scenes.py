@@ -176,9 +176,9 @@ BESIDE: list[tuple[str, cs.Scene, dict[str, Any]]] = [
     ("Adhesion.range is None together with a body that yields", ADHERING, {"solids": (YIELDING, RIGID)}),
     ("*PullOff together with *solids* has a history", RANGED, {"solids": (YIELDING, RIGID), "load": cs.PullOff(1.0)}),
     ("*give forces without times", RANGED, {"friction": cs.Fretting(0.3, (0.0, 0.1), times=(0.0, 1.0))}),
-    ("LineLoad.per_length is -1.0: give a load above 0 N/m", BARE, {"load": cs.LineLoad(-1.0)}),
-    ("*is -1.0: give a load of at least 0 N/m", BARE, {"load": cs.LoadHistory((0.0, 1.0), (1.0, -1.0))}),
-    ("* is -1.0: give a load above 0 N", BARE, {"load": cs.TotalLoad(-1.0, 1.0)}),
+    ("LineLoad.per_length is -1.0: give a load per length above 0", BARE, {"load": cs.LineLoad(-1.0)}),
+    ("*[1] is -1.0: give a load per length of at least 0", BARE, {"load": cs.LoadHistory((0.0, 1.0), (1.0, -1.0))}),
+    ("* is -1.0: give a load above 0", BARE, {"load": cs.TotalLoad(-1.0, 1.0)}),
     ("Scene.load is a PullOff without adhesion", BARE, {"load": cs.PullOff(1.0)}),
     *((f"Scene.load is an Approach together with Scene.{name}", BARE, {"load": cs.Approach(1e-6), name: effect})
       for name, effect in {"hardness": 1e6, "wear": cs.Wear(1e-17, 1.0), "rolling": cs.Rolling(1.0)}.items()),

@@ -3,11 +3,9 @@
 from math import isclose
 from typing import Annotated
 
-from contactstudy.domain.checks import InvalidInput, in_range
+from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.units import Metres, Newtons, NewtonsPerMetre
-from contactstudy.domain.validation import ANY_SIGN, validated
-
-LOAD_REMEDY = "give a load above 0 N/m"
+from contactstudy.domain.validation import ANY_SIGN, valid, validated
 
 
 @validated
@@ -30,7 +28,7 @@ class LineLoad:
 
     def check_compressive(self) -> None:
         """Raise :class:`~contactstudy.InvalidInput` unless the load presses the bodies together."""
-        in_range("LineLoad.per_length", self.per_length, LOAD_REMEDY)
+        valid("LineLoad.per_length", self.per_length, NewtonsPerMetre)
 
     @property
     def largest(self) -> float:
@@ -79,7 +77,7 @@ class TotalLoad:
 
     def check_compressive(self) -> None:
         """Raise :class:`~contactstudy.InvalidInput` unless the load presses the bodies together."""
-        in_range("TotalLoad.total", self.total, "give a load above 0 N")
+        valid("TotalLoad.total", self.total, Newtons)
 
 
 ConstantLoad = LineLoad | TotalLoad

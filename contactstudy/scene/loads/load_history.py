@@ -5,11 +5,12 @@ from itertools import pairwise
 from math import asin, ceil, floor, pi, sin
 from typing import Annotated, ClassVar, Protocol, runtime_checkable
 
-from contactstudy.domain.checks import InvalidInput, each, in_range_from_zero
+from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.units import NewtonsPerMetre, PerSecond, Radians, Seconds
-from contactstudy.domain.validation import ANY_SIGN, AT_LEAST_ZERO, FINITE, validated
+from contactstudy.domain.validation import ANY_SIGN, AT_LEAST_ZERO, FINITE, valid, validated
 
-HISTORY_REMEDY = "give a load of at least 0 N/m"
+# Loads that press the bodies together.
+LOADS = tuple[Annotated[NewtonsPerMetre, AT_LEAST_ZERO], ...]
 # Load over the largest one below which it is zero: its rounding error.
 ZERO_LOAD = 1e-13
 
@@ -183,7 +184,7 @@ class LoadHistory(PiecewiseLinear):
 
     def check_compressive(self) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if a load pulls the bodies apart."""
-        each("LoadHistory.per_length", self.per_length, in_range_from_zero, HISTORY_REMEDY)
+        valid("LoadHistory.per_length", self.per_length, LOADS)
 
 
 @validated

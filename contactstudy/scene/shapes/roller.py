@@ -6,11 +6,11 @@ from typing import Annotated, ClassVar, Self
 import numpy as np
 
 from contactstudy.analytic import HertzLine
-from contactstudy.domain.checks import InvalidInput, in_range, in_range_from_zero
+from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import Metres
-from contactstudy.domain.validation import AT_LEAST_ZERO, CURVED, OR_INFINITE, validated
+from contactstudy.domain.validation import AT_LEAST_ZERO, CURVED, OR_INFINITE, valid, validated
 from contactstudy.scene.shapes.shape import LengthScales
 
 Radius = Annotated[Metres, CURVED]
@@ -136,9 +136,6 @@ class Ellipsoid:
         return np.asarray(grid.x[:, None] ** 2 * (across / 2) + grid.y**2 * (along / 2))
 
 
-LENGTH_REMEDY = "give the roller's length above 0 m"
-
-
 @validated
 class Crown:
     """Parabolic crown along the length, ``y^2 / (2 R)``.
@@ -169,8 +166,8 @@ class Crown:
     @classmethod
     def of_drop(cls, end_drop: float, length: float) -> Self:
         """Return the crown of a roller of `length` [m] that drops by `end_drop` [m], at least zero, at both ends."""
-        drop = in_range_from_zero("Crown end_drop", end_drop, "give a drop of 0 m or more")
-        length = in_range("Crown length", length, LENGTH_REMEDY)
+        drop = valid("Crown end_drop", end_drop, Annotated[Metres, AT_LEAST_ZERO])
+        length = valid("Crown length", length, Metres)
         return cls(length**2 / (8 * drop) if drop else inf, length)
 
     @property
@@ -258,7 +255,7 @@ class LundbergProfile:
             If the roller is shorter than its contact is wide.
         """
         hertz = HertzLine(load_per_length, radius, contact_modulus)
-        length = in_range("LundbergProfile.length", length, LENGTH_REMEDY)
+        length = valid("LundbergProfile.length", length, Metres)
         if length < 2 * hertz.half_width:
             raise InvalidInput(
                 f"LundbergProfile.length is {length!r}: give a roller longer than its contact is wide, "
@@ -283,8 +280,8 @@ class LundbergProfile:
         length
             Length L of the roller [m].
         """
-        diameter = in_range("LundbergProfile.diameter", diameter, "give a diameter above 0 m")
-        length = in_range("LundbergProfile.length", length, LENGTH_REMEDY)
+        diameter = valid("LundbergProfile.diameter", diameter, Metres)
+        length = valid("LundbergProfile.length", length, Metres)
         profiled = 2.5 * diameter
         amplitude = diameter * (3.5e-4 if length <= profiled else 5e-4)
         return cls(amplitude, 10 * amplitude, length, max(length - profiled, 0.0))

@@ -8,7 +8,6 @@ import numpy as np
 
 from contactstudy.domain.checks import (
     InvalidInput,
-    in_range,
     whole_quotient,
 )
 from contactstudy.domain.fields import Array
@@ -168,9 +167,7 @@ class Texture:
         """
         density = valid("Texture area_density", area_density, Annotated[Number, BELOW_ONE])
         if isinstance(feature, Dimple):
-            in_range(
-                "Texture along", along, "give the pitch of the dimples along the length, above 0 m"
-            )
+            along = valid("Texture along", along, Metres)
         elif along != inf:
             raise InvalidInput(
                 f"Texture along is {along!r}: give it for dimples only, grooves of a given density run along the length."

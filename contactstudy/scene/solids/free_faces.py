@@ -3,8 +3,9 @@
 from dataclasses import replace
 from math import isclose
 
-from contactstudy.domain.checks import InvalidInput, in_range
-from contactstudy.domain.units import readable
+from contactstudy.domain.checks import InvalidInput
+from contactstudy.domain.units import Metres, readable
+from contactstudy.domain.validation import valid
 from contactstudy.scene.shapes.roller import FiniteLength
 from contactstudy.scene.solids.bodies import HalfSpace, SceneContext, creeps, yields
 
@@ -40,9 +41,7 @@ def FreeFaces(solid: HalfSpace, length: float) -> HalfSpace:
             f"FreeFaces.solid is of the type {type(solid).__name__}: faces are known of a HalfSpace without coating, "
             "creep or yielding, give one, or a FiniteLength among the shapes, which ends the contact alone."
         )
-    return replace(
-        solid, free_faces=in_range("FreeFaces.length", length, "give a length above 0 m")
-    )
+    return replace(solid, free_faces=valid("FreeFaces.length", length, Metres))
 
 
 def check_free_faces(scene: SceneContext) -> None:

@@ -326,10 +326,9 @@ class _Request:
                 f"contact: within {half_width / hertz.half_width:.3g} half-widths of Hertz, on {_cells(grid)}."
             )
             if touching[0] or touching[-1]:
-                known, wider = (
-                    grid_requirements(self.scene).known_width,
-                    REFINEMENT.widening * width,
-                )
+                requirements = grid_requirements(self.scene)
+                known = requirements.known_width
+                wider = max(REFINEMENT.widening * width, requirements.width_of_contact)
                 remedy = "give a width of "
                 if wider > known:
                     remedy = (

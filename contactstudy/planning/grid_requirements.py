@@ -106,7 +106,7 @@ class GridRequirements:
     def grid_on_measured_points(self, period: float | None) -> Grid:
         """Return a grid whose cells are the points of a measured surface, as wide as the contact may become."""
         assert self.point_spacing is not None
-        width = min(2 * CONSTANTS.width_factor * self.half_width, self.known_width)
+        width = min(self.width_of_contact, self.known_width)
         length = self.length(period, width)
         across = max(round(width / self.point_spacing[0] - 0.5 + 1e-9), 2)
         if width < self.known_width:
@@ -187,9 +187,14 @@ class GridRequirements:
         """Return the cells across a `width` [m] that resolve the stress at the interface of a coating."""
         return min(width / self.stress_cell, CONSTANTS.max_cells_for_stress)
 
+    @property
+    def width_of_contact(self) -> float:
+        """Width [m] that holds the contact that is expected."""
+        return 2 * CONSTANTS.width_factor * self.half_width
+
     def extent(self, period: float | None) -> tuple[float, float]:
         """Return the width and the length [m] to begin with, the length a `period` if it is given."""
-        width = self.width(2 * CONSTANTS.width_factor * self.half_width)
+        width = self.width(self.width_of_contact)
         return width, self.length(period, width)
 
     def width(self, least: float) -> float:

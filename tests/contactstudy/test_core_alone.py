@@ -66,7 +66,7 @@ def test_numpy_and_scipy_are_enough_to_solve_and_the_rest_says_what_it_needs() -
             ("contactstudy.compare", "xarray", "xarray"),
             ("contactstudy.Comparison", "xarray", "xarray"),
             ("Contact.to_dataset", "xarray", "xarray"),
-            ("Contact.plot", "matplotlib", "matplotlib"),
+            ("Contact.plot", "xarray", "xarray"),
             ("MeasuredSurface.read", "SurfaceTopography", "'contactstudy[measured]'"),
             ("studies.run", "cloudpickle", "cloudpickle"),
         )

@@ -35,9 +35,10 @@ def approach_error(
 ) -> ErrorParts:
     """Return the relative error of the approach.
 
-    By the cells it is the larger of that by the L1 error of the pressure and of the change from larger cells. A range of
-    attraction that was chosen for the grid adds `APPROACH_BY_RANGE`. It is infinite, with the reason, where images are
-    left out or the approach is zero.
+    By the cells it is the larger of that by the L1 error of the pressure and of the change from larger cells, of which
+    errors of first order, with adhesion and of a roller that ends, are a multiple. A range of attraction that was chosen
+    for the grid adds `APPROACH_BY_RANGE`. It is infinite, with the reason, where images are left out or the approach is
+    zero.
 
     Parameters
     ----------
@@ -54,7 +55,8 @@ def approach_error(
     if not size:
         return ErrorParts(discretisation=inf, reason=ZERO_APPROACH)
     change = 0.0 if coarse is None else abs(solution.approach - coarse.approach)
-    if solution.adhesion is not None:
+    source = solution.problem.source
+    if solution.adhesion is not None or (source is not None and source.ends_along):
         change *= FIRST_ORDER_MARGIN
     varies = float(solution.displacement.std())
     cells, residual = estimate.l1.discretisation or 0.0, estimate.l1.residual or 0.0

@@ -355,6 +355,12 @@ PLAINER = (
         r"\((?:[^()]|\([^()]*\))*\))+\]",
         r"\1",
     ),
+    # an example for messages, with brackets in it
+    (
+        r"~?[\w.]*Annotated\[([^\[\],]+), ~?contactstudy\.domain\.validation\.Example"
+        r"\((?:[^()]|\((?:[^()]|\((?:[^()]|\([^()]*\))*\))*\))*\)\]",
+        r"\1",
+    ),
     (re.escape(stringify_annotation(NDArray[np.floating[Any]], "smart")), "Array"),
     (re.escape(stringify_annotation(ArrayLike, "smart")), "ArrayLike"),
     (re.escape(stringify_annotation(DTypeLike, "smart")), "~numpy.typing.DTypeLike"),

@@ -54,7 +54,7 @@ class LubricatedContact(Answer, FilmSolution):
 
     @property
     def state(self) -> Mapping[str, Field]:
-        """Fields that a frame keeps from one instant to the next: the wear depth, where it wears."""
+        """Fields that a frame keeps from one instant to the next, such as the wear depth."""
         worn = self.wear_depth
         return {} if worn is None else {"wear_depth": Field(("x", "y"), worn, "m", "wear depth")}
 

@@ -25,7 +25,7 @@ UNKNOWN = ErrorParts(0.0, inf, 0.0)
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Frame(Solution):
-    """A contact at one recorded instant: its :class:`Solution`, and what it keeps from earlier instants.
+    """A contact at one recorded instant: its :class:`~contactstudy.Solution`, and what it keeps from earlier instants.
 
     Solves, iterations and convolutions are counted since the previous frame, and include rejected steps and the
     integration with doubled steps. The status is the worst one of the contacts since the previous frame, without those

@@ -297,7 +297,7 @@ class Solution:
 
     @property
     def parts(self) -> tuple[TangentialTraction | AdhesiveTraction, ...]:
-        """What effects add to the pressure: the tangential and the adhesive traction, as far as there are."""
+        """Tangential and adhesive traction, as far as effects add them to the pressure."""
         return tuple(part for part in (self.traction, self.adhesion) if part is not None)
 
     @property

@@ -369,7 +369,7 @@ PLAINER = (
     (r"(?<![\w.])xr\.Dataset\b", "~xarray.Dataset"),
     (r"(?<![\w.])Figure\b", "~matplotlib.figure.Figure"),
     (r"(?<![\w.])ChangingLoad\b", "~contactstudy.scene.loads.load_history.ChangingLoad"),
-    (r"(?<![\w.])Friction\b", "~contactstudy.scene.scene.Friction"),
+    (r"(?<![\w.])FirstGrids\b", "~contactstudy.planning.refinement.FirstGrids"),
 )
 
 

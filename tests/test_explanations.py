@@ -92,7 +92,8 @@ def test_the_rules_of_a_verdict_have_the_numbers_of_their_page() -> None:
         == trials.CENTRED
         == said("periodicity", r"gives duplicated padding (\d+) cells along")[0]
     )
-    assert pytest.approx(1.1) == verdict.TIE
+    [tie] = said("price", r"within (\d+) % of the fastest is a tie")
+    assert tie == pytest.approx(100 * (verdict.TIE - 1))
 
 
 def test_no_padding_has_the_error_of_one_lucky_grid() -> None:

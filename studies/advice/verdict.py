@@ -11,7 +11,8 @@ from contactstudy.io.scene_files.scene_writer import scene_text, settings_text
 from studies.reference.line_contact import HERTZ, SCENE, WIDTH
 
 # A setting within this factor of the fastest is as fast; one with the scene's own padding and the most cells is chosen.
-TIE = 1.1
+# A single copy of a fixed window costs 7 to 10 % less than exact periodicity, which a busy machine can make 12 %.
+TIE = 1.15
 EVERY_NUMBER, PRESSURE = "every number", "the pressure in L1"
 NAMED = "every number that is named, in proportion to its own request"
 

@@ -171,7 +171,7 @@ def test_a_tie_goes_to_the_padding_of_the_scene_and_to_more_cells() -> None:
     ).best()
     assert best is not None
     assert (best.setting.label, best.setting.cells) == ("exact", (64, 64))
-    faster = of(one(COPIED, seconds=0.9), one(seconds=1.0)).best()
+    faster = of(one(COPIED, seconds=0.8), one(seconds=1.0)).best()
     assert faster is not None
     assert faster.setting.label == "duplicated"
 

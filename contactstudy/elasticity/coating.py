@@ -11,7 +11,7 @@ from contactstudy.elasticity.kernels.layer.displacement_waves import (
     DisplacementWaves,
     Subtracted,
     buried_field,
-    terms_of_long_waves,
+    contrasts,
 )
 from contactstudy.elasticity.kernels.layer.remainder import remainder_cell
 from contactstudy.elasticity.kernels.layer.response import LayerResponse
@@ -26,7 +26,7 @@ class CoatingCoefficients:
     Under long waves the displacement is that of a half-space of the substrate. Rows and lattices are summed by their
     waves, see :class:`~contactstudy.elasticity.kernels.layer.displacement_waves.DisplacementWaves`. A row's mean and a
     cell alone have long waves in closed form, as mirror sources buried at two thicknesses; what is left of a cell alone
-    is tabulated under pressure, and under traction that of a distant lattice.
+    is integrated along its edges from tables of the distance.
 
     Parameters
     ----------
@@ -63,24 +63,19 @@ class CoatingCoefficients:
 
     def cell(self, x: Array, y: Array, dx: float, dy: float) -> Array:
         """Return the response to one cell; x and y broadcast."""
-        if self.name == "z":  # radial: tabulated, and exact
-            buried = buried_cell(x, y, dx, dy, 2 * self.thickness)
-            remainder = remainder_cell(self.response, self.thickness, x, y, dx, dy)
-            return remainder + self.response.contrast * buried
-        h = self.thickness
-        # images of the lattice add up to 1e-4 where the coating is 4 times as stiff as what is below, and 1e-2 at 50
-        total = h * self._waves(Subtracted.ALL_THREE).cell(x, y, dx, dy)
-        for order, (_, along, coupling, across) in enumerate(
-            zip(*terms_of_long_waves(self.response), strict=True)
-        ):
-            images = {self.name: along, SWAPPED[self.name]: across}
-            if self.name in ("x", "y"):
-                images = {self.name: coupling}
-            elif self.name == "xy":
-                images = {self.name: along - across}
-            for name, weight in images.items():
-                total += h**order * weight * buried_field(name, order, x, y, dx, dy, 2 * h)
-        return np.asarray(total)
+        cell, depth = (x, y, dx, dy), 2 * self.thickness
+        remainder = remainder_cell(self.response, self.name, self.thickness, *cell)
+        pressed, along, coupling, across = contrasts(self.response)
+        if self.name == "z":
+            return remainder + pressed * buried_cell(*cell, depth)
+        if self.name == "xy":
+            return remainder + (along - across) * buried_field("xy", *cell, depth)
+        if self.name in ("x", "y"):
+            return remainder + coupling * buried_field(self.name, *cell, depth)
+        images = along * buried_field(self.name, *cell, depth)
+        return np.asarray(
+            remainder + images + across * buried_field(SWAPPED[self.name], *cell, depth)
+        )
 
     def row(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
         """Return the response to an infinite row of images along y; x is a column, y a row."""
@@ -89,7 +84,7 @@ class CoatingCoefficients:
 
     def _strip(self, x: Array, dx: float) -> Array:
         """Return the response to a strip of width `dx`, infinite along y, at offsets `x`."""
-        depth, coupling = 2 * self.thickness, terms_of_long_waves(self.response)[2][0]
+        depth, coupling = 2 * self.thickness, contrasts(self.response)[2]
         total = self.thickness * self._waves(Subtracted.FIRST).strip(x, dx)
         if self.name == "x":
             upper, lower = (
@@ -104,7 +99,7 @@ class CoatingCoefficients:
     @property
     def _contrast(self) -> float:
         """First term of long waves whose displacement along its load grows with the logarithm of the distance."""
-        pressed, along, _, across = (terms[0] for terms in terms_of_long_waves(self.response))
+        pressed, along, _, across = contrasts(self.response)
         return {"xx": along, "yy": across, "z": pressed}.get(self.name, 0.0)
 
     def rigid_shift(self, line: float) -> float:

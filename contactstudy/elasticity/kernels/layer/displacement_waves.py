@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 from enum import Enum
-from functools import lru_cache
 from typing import ClassVar
 
 import numpy as np
@@ -12,21 +11,18 @@ from contactstudy.elasticity.kernels.layer.response import LayerResponse, RealOr
 from contactstudy.elasticity.kernels.stress_cell import (
     CellKernel,
     second_derivative_log,
-    second_derivative_log_point,
     stress_cell,
 )
 from contactstudy.elasticity.kernels.traction import SURFACE, SWAPPED
 
 
 class Subtracted(Enum):
-    """Terms of long waves, ``(a + b k + c k^2) exp(-2 k)``, that are subtracted from a response."""
+    """Part of long waves, ``contrast exp(-2 k)``, that is subtracted from a response."""
 
-    #: No term: the whole response.
+    #: None: the whole response.
     NONE = 0
-    #: The first term, so that the remainder of waves across is regular.
+    #: All of it, so that the remainder of waves across is regular.
     FIRST = 1
-    #: All three, so that the remainder falls as the fifth power of the distance.
-    ALL_THREE = 3
 
 
 @dataclass(frozen=True)
@@ -90,41 +86,23 @@ class DisplacementWaves:
         }
 
     def _responses(self, k: RealOrComplex) -> list[RealOrComplex]:
-        """Return the responses in the order of :func:`terms_of_long_waves`, less those of a half-space."""
-        decay, responses = np.exp(-2 * k), []
-        remainders = _remainders(self.materials, k)
-        for remainder, (constant, slope, curvature) in zip(
-            remainders, terms_of_long_waves(self.materials), strict=True
-        ):
-            missing = {
-                Subtracted.NONE: constant,
-                Subtracted.FIRST: 0.0,
-                Subtracted.ALL_THREE: -(slope + curvature * k) * k,
-            }[self.subtracted]
-            responses.append(np.asarray(remainder + missing * decay))
-        return responses
+        """Return the responses in the order of :func:`contrasts`, less those of a half-space."""
+        normal, along, coupling, across = self.materials.remainders(k)
+        remainders = normal, along, coupling, across / (1 - self.materials.poisson_ratios[0])
+        if self.subtracted is Subtracted.FIRST:
+            return list(remainders)
+        decay = np.exp(-2 * k)
+        known = contrasts(self.materials)
+        return [rest + first * decay for rest, first in zip(remainders, known, strict=True)]
 
 
-def _remainders(materials: LayerResponse, k: RealOrComplex) -> tuple[RealOrComplex, ...]:
-    """Return the short-ranged responses over the compliances of :class:`DisplacementWaves`."""
-    normal, along, coupling, across = materials.remainders(k)
-    return normal, along, coupling, across / (1 - materials.poisson_ratios[0])
-
-
-@lru_cache(maxsize=32)
-def terms_of_long_waves(materials: LayerResponse) -> tuple[tuple[float, ...], ...]:
-    """Return the terms a, b and c of :class:`Subtracted`.
+def contrasts(materials: LayerResponse) -> tuple[float, float, float, float]:
+    """Return the `contrasts` of a response over the compliances of :class:`DisplacementWaves`.
 
     They are of pressure, of shear along the wave, of their coupling, and of shear across the wave.
     """
     normal, along, coupling, across = materials.contrasts
-    constants = normal, along, coupling, across / (1 - materials.poisson_ratios[0])
-
-    def growing(k: RealOrComplex) -> RealOrComplex:
-        return np.array(_remainders(materials, k)) * np.exp(2 * k)
-
-    terms = materials.taylor_coefficients(growing)
-    return tuple((first, *more[1:3]) for first, more in zip(constants, terms, strict=True))
+    return normal, along, coupling, across / (1 - materials.poisson_ratios[0])
 
 
 # Potentials of a cell at a distance z from its plane, whose spectra are 2 pi exp(-q z) times the name of each:
@@ -141,58 +119,26 @@ def _x_corner(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
     return np.asarray(y * np.log(r + z) + x * second_derivative_log(x, y, z, r) + z * asinh)
 
 
-# By field: the buried term of shear along waves, and its first two derivatives by -z, each of a point and of a corner;
-# across waves x and y are swapped. Their spectra are those above the first one, times q and q^2.
+# By field, of a point and of a corner: the buried term of shear along waves; across them x and y are swapped.
 BURIED_FIELDS = {
-    name: tuple(
-        CellKernel(f"{name} {order}", parity, point, corner, lambda strip, nu: 0.0, name)
-        for order, (point, corner) in enumerate(fields)
-    )
-    for name, parity, *fields in (
+    name: CellKernel(name, parity, point, corner, lambda strip, nu: 0.0, name)
+    for name, parity, point, corner in (
         # qx^2 / q^3
-        (
-            "xx", (1, 1),
-            (lambda x, y, z, r, nu: 1 / (r + z) - x * x / (r * (r + z) ** 2), _xx_corner),
-            (
-                lambda x, y, z, r, nu: second_derivative_log_point(x, y, z, r),
-                lambda x, y, z, r, nu: second_derivative_log(x, y, z, r),
-            ),
-            (
-                lambda x, y, z, r, nu: 1 / r**3 - 3 * x * x / r**5,
-                lambda x, y, z, r, nu: x * y / ((x * x + z * z) * r),
-            ),
-        ),
+        ("xx", (1, 1), lambda x, y, z, r, nu: 1 / (r + z) - x * x / (r * (r + z) ** 2), _xx_corner),
         # qx qy / q^3
         (
             "xy", (-1, -1),
-            (lambda x, y, z, r, nu: -x * y / (r * (r + z) ** 2), lambda x, y, z, r, nu: r - z * np.log(r + z)),
-            (
-                lambda x, y, z, r, nu: -x * y * (2 * r + z) / (r**3 * (r + z) ** 2),
-                lambda x, y, z, r, nu: np.log(r + z),
-            ),
-            (lambda x, y, z, r, nu: -3 * x * y / r**5, lambda x, y, z, r, nu: -1 / r),
+            lambda x, y, z, r, nu: -x * y / (r * (r + z) ** 2),
+            lambda x, y, z, r, nu: r - z * np.log(r + z),
         ),
         # -i qx / q^2
-        (
-            "x", (-1, 1),
-            (lambda x, y, z, r, nu: x / (r * (r + z)), _x_corner),
-            (lambda x, y, z, r, nu: x / r**3, lambda x, y, z, r, nu: -np.arcsinh(y / np.hypot(x, z))),
-            (
-                lambda x, y, z, r, nu: 3 * x * z / r**5,
-                lambda x, y, z, r, nu: -y * z / ((x * x + z * z) * r),
-            ),
-        ),
+        ("x", (-1, 1), lambda x, y, z, r, nu: x / (r * (r + z)), _x_corner),
     )
 }  # fmt: skip
 
 
-def buried_field(
-    name: str, order: int, x: Array, y: Array, dx: float, dy: float, depth: float
-) -> Array:
-    """Return the integral of the field `name` over a cell buried at a `depth`.
-
-    The field is differentiated `order` times with respect to -z.
-    """
+def buried_field(name: str, x: Array, y: Array, dx: float, dy: float, depth: float) -> Array:
+    """Return the integral of the field `name` over a cell buried at a `depth`."""
     if name not in BURIED_FIELDS:
         x, y, dx, dy, name = y, x, dy, dx, SWAPPED[name]
-    return 2 * np.pi * stress_cell(BURIED_FIELDS[name][order], x, y, depth, dx, dy, 0.0)
+    return 2 * np.pi * stress_cell(BURIED_FIELDS[name], x, y, depth, dx, dy, 0.0)

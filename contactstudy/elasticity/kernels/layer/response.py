@@ -197,19 +197,15 @@ class LayerResponse:
         change -= np.multiply.outer(np.array(self.contrasts), np.exp(-2 * k))
         return np.asarray(change)
 
-    def remainder(self, k: RealOrComplex) -> RealOrComplex:
-        """Return the first of `remainders`, that under pressure."""
-        return np.asarray(self.remainders(k)[0])
-
     @cached_property
     def _series(self) -> list[list[float]]:
         """Taylor coefficients up to k^6 of all `remainders`, of which the first is zero."""
         return [[0.0, *terms[1:]] for terms in self.taylor_coefficients(self._change)]
 
     @property
-    def slope(self) -> float:
-        """Derivative of `remainder` at k = 0."""
-        return self._series[0][1]
+    def slopes(self) -> tuple[float, ...]:
+        """Derivatives of `remainders` at k = 0."""
+        return tuple(terms[1] for terms in self._series)
 
     def taylor_coefficients(
         self, function: Callable[[RealOrComplex], RealOrComplex]

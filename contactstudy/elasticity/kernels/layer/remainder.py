@@ -21,9 +21,7 @@ VALUES_AT_ONCE = 1 << 20
 CHEBYSHEV_POINTS = 22
 # R is below 2e-14 of its largest beyond this k, and exp(-x) is neglected beyond this x.
 LAST_WAVE, NEGLIGIBLE_EXPONENT = 20.0, 42.0
-
-
-# Remainders in the order of those of a response.
+# Remainders, in the order of those of a response.
 PRESSED, ALONG, COUPLING, ACROSS = range(4)
 
 
@@ -94,10 +92,8 @@ class RadialTable:
         if s[0] >= NEGLIGIBLE_EXPONENT / response.pole_distance_from_real_axis:
             # along the imaginary axis, where J0 and J1 decay as K0 and K1; the neglected part is below rounding
             tau, weight = self._imaginary(float(s[0]))
-            remainder, slope = (
-                response.remainders(1j * tau)[self.number],
-                response.slopes[self.number],
-            )
+            remainder = response.remainders(1j * tau)[self.number]
+            slope = response.slopes[self.number]
             if coupled:  # the slope's part is known: it is singular at zero
                 odd = (np.imag(remainder) / tau - slope) * weight
                 return np.asarray(slope / s + 2 / np.pi * k0(np.multiply.outer(s, tau)) @ odd)

@@ -200,21 +200,15 @@ class LayerResponse:
     @cached_property
     def _series(self) -> list[list[float]]:
         """Taylor coefficients up to k^6 of all `remainders`, of which the first is zero."""
-        return [[0.0, *terms[1:]] for terms in self.taylor_coefficients(self._change)]
+        around = 0.5 * self.pole_distance_from_zero
+        turn = np.exp(2j * np.pi * np.arange(64) / 64)
+        terms = np.real(np.fft.fft(self._change(around * turn)))[:, :7] / 64
+        return [[0.0, *row[1:]] for row in (terms / around ** np.arange(7.0)).tolist()]
 
     @property
     def slopes(self) -> tuple[float, ...]:
         """Derivatives of `remainders` at k = 0."""
         return tuple(terms[1] for terms in self._series)
-
-    def taylor_coefficients(
-        self, function: Callable[[RealOrComplex], RealOrComplex]
-    ) -> list[list[float]]:
-        """Return the Taylor coefficients up to k^6 of `function` (..., k), each as regular at k = 0 as the response."""
-        around = 0.5 * self.pole_distance_from_zero
-        turn = np.exp(2j * np.pi * np.arange(64) / 64)
-        terms = np.real(np.fft.fft(function(around * turn)))[..., :7] / 64
-        return [list(row) for row in np.atleast_2d(terms / around ** np.arange(7.0)).tolist()]
 
 
 def _inverse(matrix: RealOrComplex) -> RealOrComplex:

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 from numpy.polynomial.legendre import leggauss
-from scipy.special import j0
+from scipy.special import j0, j1
 
 from contactstudy.elasticity.coating import CoatingCoefficients
 from contactstudy.elasticity.kernels.layer.remainder import remainder_cell
@@ -15,44 +15,61 @@ def panels(ends: np.ndarray, points: int) -> tuple[np.ndarray, np.ndarray]:
     return (middle[:, None] + half[:, None] * nodes).ravel(), (half[:, None] * weights).ravel()
 
 
-def by_quadrature(layer: LayerResponse, x: float, y: float, dx: float, dy: float) -> float:
-    """Over the cell and over all waves, in thicknesses."""
+def by_quadrature(
+    layer: LayerResponse, x: float, y: float, dx: float, dy: float
+) -> dict[str, float]:
+    """Over the cell and over all waves, in thicknesses, by what each wave has along and across the distance."""
     k, weight = panels(
         np.concatenate([[0.0], np.geomspace(1e-6, 0.25, 30), np.arange(0.5, 20.1, 0.25)]), 12
     )
-    fraction = np.real(layer.remainder(k)) * weight
-    u, across = panels(np.linspace(x - dx / 2, x + dx / 2, 3), 16)
-    v, along = panels(np.linspace(y - dy / 2, y + dy / 2, 3), 16)
+    pressed, along, coupling, across = np.real(layer.remainders(k)) * weight
+    across = across / (1 - layer.poisson_ratios[0])
+    u, weights_x = panels(np.linspace(x - dx / 2, x + dx / 2, 3), 16)
+    v, weights_y = panels(np.linspace(y - dy / 2, y + dy / 2, 3), 16)
     r = np.hypot(u[:, None], v)
-    g = np.array([j0(np.multiply.outer(line, k)) @ fraction for line in r])
-    return float(across @ g @ along)
+    kr, c, s = np.multiply.outer(r, k), u[:, None] / r, v / r
+    zeroth, first = j0(kr), j1(kr)
+    mean, turning = zeroth @ (along + across) / 2, (2 * first / kr - zeroth) @ (along - across) / 2
+    fields = {
+        "z": zeroth @ pressed,
+        "x": c * (first @ coupling),
+        "y": s * (first @ coupling),
+        "xx": mean - (c * c - s * s) * turning,
+        "yy": mean + (c * c - s * s) * turning,
+        "xy": -2 * c * s * turning,
+    }
+    return {name: float(weights_x @ field @ weights_y) for name, field in fields.items()}
 
 
 @pytest.mark.parametrize("name", LAYERS)
 def test_a_cell_is_the_integral_over_it_and_over_all_waves(name: str) -> None:
     layer, h = LAYERS[name], 2.5e-6
-    own = by_quadrature(layer, 0, 0, 0.8, 1.3) * h
+    own = by_quadrature(layer, 0.4, 0.5, 0.8, 1.3)
     for x, y, dx, dy in (
         (0.0, 0.0, 0.8, 1.3),
-        (0.4, 1.95, 0.8, 1.3),
-        (7.2, 0.0, 0.6, 2.4),
+        (0.4, -1.95, 0.8, 1.3),
+        (-7.2, 0.0, 0.6, 2.4),
         (3.0, 21.0, 3.0, 1.0),
     ):
-        found = remainder_cell(layer, h, np.array(x * h), np.array(y * h), dx * h, dy * h)
-        # of the quadrature, whose rounding is that of the largest value
-        assert abs(float(found) - by_quadrature(layer, x, y, dx, dy) * h) <= 1e-11 * abs(own)
+        for field, wanted in by_quadrature(layer, x, y, dx, dy).items():
+            found = remainder_cell(
+                layer, field, h, np.array(x * h), np.array(y * h), dx * h, dy * h
+            )
+            # of the quadrature, whose rounding is that of the largest value
+            assert abs(float(found) / h - wanted) <= 1e-11 * max(abs(own[field]), abs(own["xx"]))
 
 
 @pytest.mark.parametrize("name", LAYERS)
 @pytest.mark.parametrize("size", [(2e3, 3e3), (40.0, 1e4), (0.3, 900.0)])
-def test_cells_add_up(name: str, size: tuple[float, float]) -> None:
+@pytest.mark.parametrize("field", ["z", "x", "xx", "xy"])
+def test_cells_add_up(name: str, size: tuple[float, float], field: str) -> None:
     layer, (dx, dy) = LAYERS[name], size
-    whole = remainder_cell(layer, 1.0, np.array([[0.0], [dx]]), np.array([0.0, dy]), dx, dy)
+    whole = remainder_cell(layer, field, 1.0, np.array([[0.0], [dx]]), np.array([0.0, dy]), dx, dy)
     parts = np.zeros((2, 2))
     for left in (-0.25, 0.25):
         for below in (-0.25, 0.25):
             x, y = np.array([[0.0], [dx]]) + dx * left, np.array([0.0, dy]) + dy * below
-            parts += remainder_cell(layer, 1.0, x, y, dx / 2, dy / 2)
+            parts += remainder_cell(layer, field, 1.0, x, y, dx / 2, dy / 2)
     np.testing.assert_allclose(parts, whole, atol=1e-12 * np.abs(whole).max())
 
 

@@ -23,7 +23,7 @@ from contactstudy.domain.notebook import InNotebook
 from contactstudy.domain.units import readable
 from contactstudy.io.quantities.quantity import Quantities, as_text, per_cent
 from contactstudy.scene.scene import Scene
-from contactstudy.solvers.solution import Status
+from contactstudy.solvers.solution import Counts, Status
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -40,10 +40,6 @@ REMEDIES = {
 }
 # Lines on quantities in a representation, which has ten with the accuracy and the status.
 SHOWN = 8
-
-
-# Numbers of a solver with their meaning, by name.
-Counts = Mapping[str, tuple[float, str]]
 
 
 class Answer(InNotebook):

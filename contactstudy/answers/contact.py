@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from contactstudy.accuracy.discretisation.coarser import coarse_solution, comparable
 from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.accuracy.half_space import beyond_half_space
-from contactstudy.answers.answer import Answer, Counts
+from contactstudy.answers.answer import Answer
 from contactstudy.answers.nested import Coarser, levels_below, with_nested_bounds
 from contactstudy.domain.checks import NotDefined
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts, Request
@@ -20,7 +20,7 @@ from contactstudy.io.quantities.quantity import NO_ESTIMATE, Quantities, roller_
 from contactstudy.io.quantities.stress_quantities import stress_quantities
 from contactstudy.problem.problem import DependsOnShear, Derived, Field
 from contactstudy.scene.scene import PosedScene, Scene, scene_of
-from contactstudy.solvers.solution import Solution
+from contactstudy.solvers.solution import Counts, Solution
 
 if TYPE_CHECKING:
     import xarray as xr

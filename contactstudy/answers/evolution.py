@@ -5,12 +5,12 @@ from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from math import inf
 from re import sub
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
 from contactstudy.accuracy.range_errors import NO_LIMIT
-from contactstudy.answers.answer import Answer, Counts
+from contactstudy.answers.answer import Answer
 from contactstudy.answers.contact import Contact, contact_answer
 from contactstudy.answers.nested import CONSTANTS as NESTED
 from contactstudy.answers.nested import (
@@ -40,7 +40,7 @@ from contactstudy.scene.shapes_source import (
     standing_heights,
     unresolved,
 )
-from contactstudy.solvers.solution import Status, worst
+from contactstudy.solvers.solution import Counts, Status, worst
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -49,7 +49,9 @@ if TYPE_CHECKING:
     from contactstudy.evolution.films.film_trajectory import FilmTrajectory
     from contactstudy.evolution.rolling.repeated_rolling import RepeatedRolling
     from contactstudy.evolution.trajectory import Frame, Trajectory
+    from contactstudy.lubrication.lubricated_contact import FilmSolution
 
+Instant = TypeVar("Instant", bound="Frame | FilmSolution")
 
 NO_BOUND_OF_PASSES = (
     "No bound: the discretisation error of repeated rolling is not estimated. It is of first order in the cell width: "
@@ -88,8 +90,8 @@ class Evolution(Answer):
     passes
         Recorded passes of a repeatedly rolling contact; None for others.
     coarser
-        Function of a level k that solves the scene on 1 / 2^k of the cells along each axis with 2^k times longer steps,
-        for bounds by comparison, and of a multiple of the width; None where bounds take no other solution.
+        Solves the scene again for bounds by comparison, ``coarser(k, width)``: on 1 / 2^k of the cells along each axis,
+        over a multiple of the width, with 2^k times longer steps; None where bounds take no other solution.
     """
 
     frames: "tuple[Contact | LubricatedContact, ...]"
@@ -242,50 +244,21 @@ class Evolution(Answer):
 
     @property
     def counts(self) -> Counts:
-        """Instants or passes, steps and iterations, and the largest residual of instants."""
-        if self.passes is not None:
-            passes = self.passes.passes
-            iterations = sum(each_pass.iterations for each_pass in passes)
-            return {
-                "passes": (len(passes), "passes"),
-                "steps": (sum(each_pass.steps for each_pass in passes), "steps"),
-                "iterations": (iterations, "iterations of all steps"),
-            }
-        instants = len(self.frames), "instants recorded"
-        residual = max(frame.residual for frame in self.frames), "largest residual"
-        if self.films is not None:
-            return {
-                "instants": instants,
-                "steps": (self.films.steps, "steps in time"),
-                "iterations": (self.films.iterations, "iterations of all steps"),
-                "linear_iterations": (self.films.linear_iterations, "iterations of linear systems"),
-                "residual": residual,
-            }
-        trajectory = self.trajectory
-        assert trajectory is not None
-        return {
-            "instants": instants,
-            "solves": (trajectory.solves, "contact solves"),
-            "iterations": (trajectory.iterations, "solver iterations of all steps"),
-            "convolutions": (trajectory.convolutions, "FFT convolutions of the full grid"),
-            "rejected": (trajectory.rejected, "rejected pairs of steps and load jumps"),
-            "restarts": (trajectory.restarts, "restarts with shorter steps"),
-            "residual": residual,
-        }
+        """Number of instants or passes, what they took, and the largest residual of their contacts."""
+        recorded = self.trajectory or self.films or self.passes
+        assert recorded is not None
+        residual = max(frame.residual for frame in self.frames)
+        return {**recorded.counts, "residual": (residual, "largest residual")}
 
     def to_dataset(self) -> "xr.Dataset":
         """Return fields over (time, x, y) and quantities with units, long names, bounds and the scene."""
-        return self._labelled().assign_attrs(accuracy=self.accuracy)
-
-    def _labelled(self) -> "xr.Dataset":
-        """Return the dataset of :meth:`to_dataset` without the accuracy among its attributes."""
         with needed_for("Evolution.to_dataset"):
             from contactstudy.io import evolution_dataset as labels
             from contactstudy.io.dataset import with_quantities
 
         if self.passes is not None:
-            return labels.passes_dataset(self.passes, self.quantities)
-        if self.trajectory is not None:
+            dataset = labels.passes_dataset(self.passes)
+        elif self.trajectory is not None:
             contacts: Any = self.frames
             # the last one has no outputs where a coating is worn through
             highest = max(contacts, key=lambda one: (len(one.problem.outputs), one.peak_pressure))
@@ -299,44 +272,49 @@ class Evolution(Answer):
                 )
                 for frame, contact in zip(self.trajectory.frames, contacts, strict=True)
             ]
-            return labels.evolution_dataset(self.trajectory, instants, self.quantities)
-        assert self.films is not None
-        contacts = [frame.to_dataset() for frame in self.frames]
-        return with_quantities(labels.over_time(self.times, contacts), self.quantities)
+            dataset = labels.evolution_dataset(self.trajectory, instants)
+        else:
+            dataset = labels.over_time(self.times, [frame.to_dataset() for frame in self.frames])
+        return with_quantities(dataset, self.quantities).assign_attrs(accuracy=self.accuracy)
 
 
 def evolution_answer(
     trajectory: "Trajectory", requested: Request | None = None, coarser: Coarser | None = None
 ) -> Evolution:
-    """Return the frames of a dry contact as an answer, up to that in which a coating is worn through."""
+    """Return the frames of a dry contact as an answer, up to that in which a coating is worn through.
+
+    The other arguments are those of :class:`Evolution`.
+    """
     posed, fields = trajectory.description, [frame.fields for frame in trajectory.frames]
-    depths = [of["wear_depth"].values if "wear_depth" in of else np.zeros(1) for of in fields]
-    sentences, is_through = _of_worn_coating(posed.scene, depths, trajectory.times)
-    kept = list(trajectory.frames[: len(sentences)])
-    if is_through:
-        kept[-1] = replace(kept[-1], status=Status.WORN_THROUGH)
-    trajectory = replace(trajectory, frames=tuple(kept))
+    depths = [of["wear_depth"].values if "wear_depth" in of else None for of in fields]
+    kept, sentences = _until_worn_through(posed.scene, trajectory.frames, depths, trajectory.times)
+    trajectory = replace(trajectory, frames=kept)
     frames = [_frame(trajectory, frame) for frame in kept]
     frames = [
-        _unbounded(*pair) if pair[1] else pair[0] for pair in zip(frames, sentences, strict=True)
+        _unbounded(frame, sentence) if sentence else frame
+        for frame, sentence in zip(frames, sentences, strict=True)
     ]
-    if is_through:  # the stress in a coating that is gone
+    if kept[-1].status is Status.WORN_THROUGH:  # no stress in a coating that is gone
         frames[-1] = replace(frames[-1], problem=replace(frames[-1].problem, outputs=()))
     return Evolution(tuple(frames), trajectory.times, posed, requested, trajectory, coarser=coarser)
 
 
-def _of_worn_coating(scene: Scene, depths: Sequence[Array], times: Array) -> tuple[list[str], bool]:
-    """Return a sentence on the worn coating at each instant, and whether it is worn through at the last of them.
+def _until_worn_through(
+    scene: Scene, instants: Sequence[Instant], depths: Sequence[Array | None], times: Array
+) -> tuple[tuple[Instant, ...], list[str]]:
+    """Return the instants up to the first with the coating worn through, and a sentence on the coating at each.
 
-    A sentence is empty where the coating is as thick as at first. There are none for instants after the coating is worn
-    through.
+    A sentence is empty where the coating is as thick as at first. The status of an instant at which the coating is worn
+    through says so.
 
     Parameters
     ----------
     scene
         The scene.
+    instants
+        Contacts or films.
     depths
-        Wear depth (x, y) [m] at each instant.
+        Wear depth (x, y) [m] at each instant; None without wear.
     times
         The instants [s].
     """
@@ -344,16 +322,17 @@ def _of_worn_coating(scene: Scene, depths: Sequence[Array], times: Array) -> tup
     solid = scene.solids[body]
     thickness = getattr(solid, "thickness", inf) if getattr(solid, "interfaces", ()) else inf
     sentences: list[str] = []
-    for number, worn in enumerate(depths):
-        deepest = float(worn.max())
+    for number, (instant, worn) in enumerate(zip(instants, depths, strict=True)):
+        deepest = 0.0 if worn is None else float(worn.max())
         if deepest >= thickness:
             since = "at" if not number else f"between {times[number - 1]:g} s and"
             through = f"No bound: the coating of solids[{body}] is worn through {since} {times[number]:g} s."
-            return [*sentences, through], True
+            last = replace(instant, status=Status.WORN_THROUGH)
+            return (*instants[:number], last), [*sentences, through]
         lost = f"is thinner by up to {readable(deepest)} than the {readable(thickness)} that its response is for"
         is_thinner = thickness < inf and deepest > 0
         sentences.append(f"No bound: the coating of solids[{body}] {lost}." if is_thinner else "")
-    return sentences, False
+    return tuple(instants), sentences
 
 
 def _unbounded(contact: Contact, reason: str) -> Contact:
@@ -452,17 +431,15 @@ def films_answer(films: "FilmTrajectory", requested: Request | None = None) -> E
     from contactstudy.lubrication.film_error import OF_SPIKE, has_spike
 
     parts = ErrorParts(discretisation=inf, reason=NO_BOUND_OF_FILMS)
-    frames, times = [], np.array(films.times)
-    depths = [
-        np.zeros(1) if film.wear_depth is None else film.wear_depth for film in films.contacts
-    ]
-    first_film = films.contacts[0]
-    coarse = unresolved(shortest_wavelengths(first_film.scene.shapes), first_film.grid)
-    sentences, is_through = _of_worn_coating(first_film.scene, depths, times)
-    kept = list(films.contacts[: len(sentences)])
-    if is_through:
-        kept[-1] = replace(kept[-1], status=Status.WORN_THROUGH)
-    films = replace(films, contacts=tuple(kept), times=films.times[: len(kept)])
+    first = films.contacts[0]
+    posed = PosedScene(first.scene, first.grid, first.padding)
+    coarse = unresolved(shortest_wavelengths(first.scene.shapes), first.grid)
+    depths = [film.wear_depth for film in films.contacts]
+    kept, sentences = _until_worn_through(
+        first.scene, films.contacts, depths, np.array(films.times)
+    )
+    films = replace(films, contacts=kept, times=films.times[: len(kept)])
+    frames = []
     for number, (contact, time) in enumerate(zip(kept, films.times, strict=True)):
         errors = {
             name: replace(parts, steps=float(by_steps[number]))
@@ -479,6 +456,4 @@ def films_answer(films: "FilmTrajectory", requested: Request | None = None) -> E
             warnings=(*filter(None, (sentences[number], coarse)), NO_BOUND_OF_FILMS),
         )  # fmt: skip
         frames.append(film_answer(replace(contact, estimate=estimate), time=time))
-    first = frames[0]
-    posed = PosedScene(first.scene, first.grid, first.padding)
     return Evolution(tuple(frames), np.array(films.times), posed, requested, films=films)

@@ -5,13 +5,14 @@ from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from contactstudy.answers.answer import Answer, Counts
+from contactstudy.answers.answer import Answer
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts, Request
 from contactstudy.domain.imports import needed_for
 from contactstudy.io.quantities.film_quantities import film_quantities
 from contactstudy.io.quantities.quantity import Quantities
 from contactstudy.lubrication.lubricated_contact import FilmSolution
 from contactstudy.problem.problem import Field
+from contactstudy.solvers.solution import Counts
 
 if TYPE_CHECKING:
     import xarray as xr

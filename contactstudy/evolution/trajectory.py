@@ -14,11 +14,7 @@ from contactstudy.evolution.rolling.steady_rolling import SteadyRolling
 from contactstudy.evolution.states.state_variables import CoupledStateVariable
 from contactstudy.problem.problem import Field, Problem
 from contactstudy.scene.scene import PosedScene
-from contactstudy.solvers.solution import (
-    Solution,
-    Status,
-    worst,
-)
+from contactstudy.solvers.solution import Counts, Solution, Status, worst
 
 UNKNOWN = ErrorParts(0.0, inf, 0.0)
 
@@ -145,6 +141,18 @@ class Trajectory:
     def convolutions(self) -> float:
         """FFT convolutions of the full grid, of all steps."""
         return sum(frame.convolutions for frame in self.frames)
+
+    @property
+    def counts(self) -> Counts:
+        """Number of instants, and of what the integration took."""
+        return {
+            "instants": (len(self.frames), "instants recorded"),
+            "solves": (self.solves, "contact solves"),
+            "iterations": (self.iterations, "solver iterations of all steps"),
+            "convolutions": (self.convolutions, "FFT convolutions of the full grid"),
+            "rejected": (self.rejected, "rejected pairs of steps and load jumps"),
+            "restarts": (self.restarts, "restarts with shorter steps"),
+        }
 
     @property
     def time_discretisation_error(self) -> float:

@@ -13,10 +13,7 @@ COUPLED_TOLERANCE_FACTOR = 0.01
 
 
 def solved_or_unloaded(
-    options: SolveOptions,
-    problem: Problem,
-    start: Array | None = None,
-    tolerance_factor: float = 1.0,
+    options: SolveOptions, problem: Problem, start: Array | None = None
 ) -> Solution:
     """Return the solution of `problem`; without load, the undeformed bodies that just touch.
 
@@ -28,20 +25,19 @@ def solved_or_unloaded(
         The contact.
     start
         Pressure (x, y) [Pa] to begin with; None or zero begins on coarser grids.
-    tolerance_factor
-        Factor on the tolerance of `options`.
     """
     if problem.adhesion is None and problem.control.uniform(1) == 0:
         return unloaded(problem)
     begin = start if start is not None and start.any() else None
-    return solve_contact(
-        problem, replace(options, tolerance=tolerance_factor * options.tolerance), begin
-    )
+    return solve_contact(problem, options, begin)
 
 
 @dataclass(eq=False)
 class WarmStartedContact:
-    """The contact of `problem` with a field added to its gap, solved from the `last` pressure (x, y) [Pa]."""
+    """The contact of `problem` with a field added to its gap, each time solved from the `last` pressure (x, y) [Pa].
+
+    Its tolerance is that of `options` times `COUPLED_TOLERANCE_FACTOR`.
+    """
 
     problem: Problem
     options: SolveOptions
@@ -49,11 +45,11 @@ class WarmStartedContact:
 
     def __call__(self, added_gap: Array) -> Solution:
         """Return the contact with `added_gap` (x, y) [m] added to its gap."""
+        tolerance = COUPLED_TOLERANCE_FACTOR * self.options.tolerance
         solution = solved_or_unloaded(
-            self.options,
+            replace(self.options, tolerance=tolerance),
             with_added_gap(self.problem, added_gap),
             self.last,
-            COUPLED_TOLERANCE_FACTOR,
         )
         self.last = solution.pressure
         return solution

@@ -19,7 +19,6 @@ from contactstudy.io.dataset import (
     labelled,
     scene_attributes,
     title_attributes,
-    with_quantities,
 )
 from contactstudy.io.quantities.quantity import Quantities
 from contactstudy.problem.problem import Field
@@ -77,9 +76,7 @@ def instant_dataset(
     return contact_fields(contact).drop_vars("displacement").assign(variables)
 
 
-def evolution_dataset(
-    evolution: "Trajectory", instants: Sequence[xr.Dataset], quantities: Quantities
-) -> xr.Dataset:
+def evolution_dataset(evolution: "Trajectory", instants: Sequence[xr.Dataset]) -> xr.Dataset:
     """Return the instants of a dry scene along time, with the strain of bodies that yield; ``status`` as CF flags."""
     frames, posed = evolution.frames, evolution.description
     dataset = over_time(evolution.times, instants)
@@ -89,7 +86,7 @@ def evolution_dataset(
     if evolution.coupled is not None:
         strains = evolution.coupled.over_time([frame.coupled_state for frame in frames])
         dataset = dataset.assign({name: field_variable(of) for name, of in strains.items()})
-    return with_quantities(dataset, quantities)
+    return dataset
 
 
 def over_time(times: Array, instants: Sequence[xr.Dataset]) -> xr.Dataset:
@@ -115,7 +112,7 @@ def over_time(times: Array, instants: Sequence[xr.Dataset]) -> xr.Dataset:
     return dataset
 
 
-def passes_dataset(rolling: "RepeatedRolling", quantities: Quantities) -> xr.Dataset:
+def passes_dataset(rolling: "RepeatedRolling") -> xr.Dataset:
     """Return the state after each pass over (pass_number, component, z), and the last window over (component, z, x)."""
     passes, track, volume = rolling.passes, rolling.track, rolling.track.operator.volume
     window = "component", "z", "x"
@@ -124,7 +121,7 @@ def passes_dataset(rolling: "RepeatedRolling", quantities: Quantities) -> xr.Dat
     below = "plastic strain below the contact in the last pass"
     stress = rolling.unloaded.residual_stress()[..., 0]
     unloaded = "residual stress after unloading, tension positive"
-    dataset = xr.Dataset(
+    return xr.Dataset(
         {
             **_pass_variables(rolling),
             "pressure": labelled("x", pressure, "Pa", "contact pressure in the last pass"),
@@ -144,7 +141,6 @@ def passes_dataset(rolling: "RepeatedRolling", quantities: Quantities) -> xr.Dat
         attrs=title_attributes("repeated rolling of a line contact")
         | scene_attributes(rolling.description),
     )
-    return with_quantities(dataset, quantities)
 
 
 def _pass_variables(rolling: "RepeatedRolling") -> dict[str, xr.Variable]:

@@ -16,6 +16,8 @@ from contactstudy.problem.problem import Field, Problem
 
 # Dimensions of a field on the surface.
 OF_SURFACE = ("x", "y")
+# Numbers of a solver with their meaning, by name.
+Counts = Mapping[str, tuple[float, str]]
 
 
 class Status(Enum):

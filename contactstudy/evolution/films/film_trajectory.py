@@ -11,7 +11,7 @@ import numpy as np
 from contactstudy.domain.fields import Array
 from contactstudy.evolution.march import Record
 from contactstudy.lubrication.lubricated_contact import FilmSolution
-from contactstudy.solvers.solution import Status, worst
+from contactstudy.solvers.solution import Counts, Status, worst
 
 # Time-discretisation error over the largest difference to an evolution with steps twice as long.
 ERROR_OVER_DIFFERENCE = 1.5
@@ -53,6 +53,16 @@ class FilmTrajectory:
     def status(self) -> Status:
         """Gravest outcome of the recorded contacts."""
         return worst([contact.status for contact in self.contacts])
+
+    @property
+    def counts(self) -> Counts:
+        """Number of instants, and of steps and iterations."""
+        return {
+            "instants": (len(self.contacts), "instants recorded"),
+            "steps": (self.steps, "steps in time"),
+            "iterations": (self.iterations, "iterations of all steps"),
+            "linear_iterations": (self.linear_iterations, "iterations of linear systems"),
+        }
 
     @property
     def central_film(self) -> Array:

@@ -27,7 +27,7 @@ from contactstudy.problem.problem import Problem
 from contactstudy.scene.loads.constant_load import ConstantLoad
 from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.scene.solids.bodies import creeps, instantaneous
-from contactstudy.solvers.solution import Solution, Status, unloaded, worst
+from contactstudy.solvers.solution import Counts, Solution, Status, unloaded, worst
 from contactstudy.solvers.solve import SolveOptions
 
 XX, YY, XZ = 0, 1, 4
@@ -164,6 +164,17 @@ class RepeatedRolling:
     def status(self) -> Status:
         """The worst status of all passes."""
         return worst([each_pass.status for each_pass in self.passes])
+
+    @property
+    def counts(self) -> Counts:
+        """Number of passes, and of the steps and iterations in them."""
+        return {
+            "passes": (len(self.passes), "passes"),
+            "steps": (sum(each_pass.steps for each_pass in self.passes), "steps"),
+            "iterations": (
+                sum(each_pass.iterations for each_pass in self.passes), "iterations of all steps"
+            ),
+        }  # fmt: skip
 
     def _per_pass(self, name: str) -> Array:
         """Return the profiles called `name` of all passes (pass, ..., z), with layers of zeros below shallow ones."""

@@ -146,8 +146,9 @@ class PlasticState:
             bodies = YieldingBodies(tuple(self.operators), laws)
             before, equivalent = bodies.concatenated(strains), bodies.concatenated(equivalents)
             solve_under = partial(
-                solve_elastoplastic_step, bodies, contact, self._tangent, before, equivalent, tolerance,
-                guess=bodies.concatenated(first),
+                solve_elastoplastic_step, bodies, contact,
+                partial(ContactTangent.from_solution, precision=self.precision),
+                before, equivalent, tolerance, guess=bodies.concatenated(first),
             )  # fmt: skip
             adhesive_stress = np.zeros_like(before)
             if attraction is not None:
@@ -342,10 +343,6 @@ class PlasticState:
     def _length(self) -> float:
         """Length scale of the contact [m], for which layers are made."""
         return self.elastic.problem.scales.length
-
-    def _tangent(self, solution: Solution) -> ContactTangent:
-        """Return the linearised contact in which the same cells stay in contact."""
-        return ContactTangent.from_solution(solution, self.precision)
 
     def _in_volumes(self, state: State) -> tuple[list[Array], list[Array]]:
         """Return strains and equivalent strains of `state` by body, after enlarging the present volumes to hold them."""

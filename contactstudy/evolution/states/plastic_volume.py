@@ -11,18 +11,17 @@ from contactstudy.domain.grid import Grid
 from contactstudy.elasticity.eigenstrain.volume import Volume
 
 # The first volume holds the columns of cells in contact, those whose elastic von Mises stress is anywhere above
-# NEAR_YIELD of the yield stress, and a MARGIN of their width on both sides.
-NEAR_YIELD, MARGIN = 0.9, 0.15
-# Fraction of its width by which a volume grows on a side where plastic flow reaches its edge.
-GROWTH = 0.3
+# NEAR_YIELD of the yield stress, and a MARGIN of their width on both sides. Fraction of its width or depth by which a
+# volume grows where yield reaches its edge. They change the time of a step alone: it is repeated in a grown volume.
+NEAR_YIELD, MARGIN, GROWTH = 0.9, 0.15, 0.3
 
 
 def layers(grid: Grid, length: float, depth: float) -> tuple[float, ...]:
     """Return the depths [m] of the edges of layers from 0 to at least `depth`, and of one more layer.
 
-    A layer is as thick as a cell is wide down to the depth `length`, twice that down to three times this depth, and so
-    on, so that errors of layers and of cells fall alike and an operator is made once for each thickness. A larger depth
-    adds layers and leaves the others unchanged.
+    A layer is as thick as a cell is wide down to the depth `length`, twice that down to ``3 length``, four times that
+    down to ``7 length``, and so on, so that errors of layers and of cells fall alike and an operator is made once for
+    each thickness. A larger depth adds layers and leaves the others unchanged.
 
     Parameters
     ----------
@@ -46,7 +45,7 @@ def first_volume(
 ) -> Volume:
     """Return the cells below an elastic contact that may yield.
 
-    They reach down to a layer in which the von Mises stress is below 0.9 of the yield stress, or, if it is so
+    They reach down to a layer in which the von Mises stress is below `NEAR_YIELD` of the yield stress, or, if it is so
     everywhere, below its maximum.
 
     Parameters
@@ -97,11 +96,10 @@ def enlarged(volume: Volume, length: float, yielded: NDArray[np.bool_]) -> Volum
     return Volume(volume.grid, first, last, edges)
 
 
-def union(first_volume: Volume, second_volume: Volume) -> Volume:
-    """Return the smallest volume that holds two volumes; their layers are equal as far as both reach."""
-    edges = max(first_volume.edges, second_volume.edges, key=len)
-    first = min(first_volume.first, second_volume.first)
-    return Volume(first_volume.grid, first, max(first_volume.last, second_volume.last), edges)
+def union(one: Volume, other: Volume) -> Volume:
+    """Return the smallest volume that holds two of the same grid, whose layers are equal as far as both reach."""
+    edges = max(one.edges, other.edges, key=len)
+    return Volume(one.grid, min(one.first, other.first), max(one.last, other.last), edges)
 
 
 def embedded(field: Array, first: int, volume: Volume) -> Array:
@@ -116,8 +114,8 @@ def embedded(field: Array, first: int, volume: Volume) -> Array:
     volume
         The larger volume.
     """
-    layers, across = field.shape[-3:-1]
+    depth, across = field.shape[-3:-1]
     values = np.zeros((*field.shape[:-3], *volume.shape))
     start = first - volume.first
-    values[..., :layers, start : start + across, :] = field
+    values[..., :depth, start : start + across, :] = field
     return values

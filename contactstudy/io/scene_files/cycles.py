@@ -8,6 +8,7 @@ from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.unit_text import in_si
 from contactstudy.domain.units import SECONDS, Unit
 
+# A number and what it counts, such as "3 cycles" or "1e4 revolutions".
 COUNTED = re.compile(r"\s*(\d+\.?\d*(?:[eE]\+?\d+)?)\s*(cycle|rev|revolution|turn)s?\s*")
 LENGTH, SPEED = Unit("m", "a length", "60 mm"), Unit("m/s", "a speed", "1 m/s")
 FREQUENCY = Unit("Hz", "a frequency", "50 Hz")

@@ -33,7 +33,7 @@ class ContactTangent:
 
     @classmethod
     def from_solution(cls, solution: Solution, precision: Precision) -> "ContactTangent":
-        """Return the tangent operator of the cells in contact of `solution`, in this `precision`."""
+        """Return the tangent operator of a `solution` whose cells in contact stay the same, in a `precision`."""
         problem = solution.problem
         contact = (solution.pressure > 0).astype(precision.real)
         return cls(problem.bare(precision), problem.scales, contact)

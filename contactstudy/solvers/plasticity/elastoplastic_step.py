@@ -91,7 +91,7 @@ def solve_elastoplastic_step(
     strain_n: Array,
     equivalent_n: Array,
     tolerance: float,
-    outer_stress: Array | None = None,
+    outer_stress: Array,
     guess: Array | None = None,
 ) -> ElastoplasticStep:
     """Return pressure and plastic strain at the end of a load step.
@@ -127,12 +127,11 @@ def solve_elastoplastic_step(
         The last state, also where the tolerance was not reached.
     """
     contacts: list[Solution] = []
-    outer = np.zeros_like(strain_n) if outer_stress is None else outer_stress
 
     def state_of(strain: Array) -> _State:
         solution = contact(bodies.residual_displacement(strain))
         contacts.append(solution)
-        return _mapped_state(bodies, solution, strain, strain_n, equivalent_n, outer)
+        return _mapped_state(bodies, solution, strain, strain_n, equivalent_n, outer_stress)
 
     state = state_of(strain_n if guess is None else guess)
     stall, iterations = Stall(CONSTANTS.stall_iterations), 0

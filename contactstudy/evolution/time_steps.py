@@ -11,12 +11,17 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contactstudy.domain.checks import InvalidInput, finite
+from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.units import Number, Seconds
 from contactstudy.domain.validation import BELOW_ONE, FINITE, at_least, validated
-from contactstudy.scene.loads.load_history import ChangingLoad, PiecewiseLinear, Times
+from contactstudy.scene.loads.load_history import (
+    ChangingLoad,
+    PiecewiseLinear,
+    Times,
+    check_ascending,
+)
 
-# Recorded instants of a history where none are named.
+# Recorded instants where neither they nor their number are named.
 DEFAULT_INSTANTS = 41
 # gamma of the L-stable two-stage SDIRK scheme of order 2.
 SDIRK_GAMMA = 1 - 1 / sqrt(2)
@@ -126,7 +131,7 @@ class TimeSteps:
 
     @property
     def last(self) -> float | None:
-        """Last instant [s] that is named; None where the load decides."""
+        """Last instant [s] that is named; None where the end of a history decides."""
         return self.end if self.times is None else max(self.times)
 
     def instants_of(self, *histories: Any) -> ArrayLike | None:
@@ -157,7 +162,7 @@ class TimeSteps:
         instants = [start + (end - start) * n / (count - 1) for n in range(count)]
         spacing = (end - start) / (count - 1)
         if self.step is None and spacing and count > 2:
-            # the first history, the load, has the last word
+            # of kinks near one instant the last counts: that of the load, the first history, at its largest value
             for time in (time for history in reversed(histories) for time in _kinks(history, end)):
                 if start < time < end:
                     number = round((time - start) / spacing)
@@ -166,7 +171,7 @@ class TimeSteps:
 
 
 def _kinks(history: Any, end: float) -> list[float]:
-    """Return the times [s] up to `end` at which a history has a kink or turns, in the order of its values there."""
+    """Return the times [s] up to `end` at which a history has a kink or turns, those of its largest values last."""
     times = getattr(history, "times", ())
     if isinstance(history, ChangingLoad):
         times = history.turning_points(end)
@@ -196,7 +201,7 @@ class Breakpoint:
     after: float
     times_recorded: int
     is_discontinuity: bool
-    history_jumps: bool = False
+    history_jumps: bool
 
     @property
     def jumps(self) -> bool:
@@ -230,8 +235,8 @@ def schedule(
     Raises
     ------
     InvalidInput
-        If times decrease, are not finite, begin before the load or name an instant three times; if they are None and
-        the load has no end.
+        If times decrease, begin before the load or name an instant three times; if they are None and the load has no
+        end.
     """
     recorded = None if times is None else _checked(times, load)
     end = load.end if recorded is None else recorded[-1]
@@ -247,7 +252,7 @@ def schedule(
     places = sorted(breaks | set(counts) | {end})
     instants = places[:1]
     for first, last in pairwise(places):
-        parts = ceil((last - first) / longest * (1 - 1e-9))
+        parts = ceil((last - first) / longest * (1 - 1e-9))  # rounding makes no further part
         instants += [first + (last - first) * part / parts for part in range(1, parts)] + [last]
     return tuple(
         Breakpoint(
@@ -272,31 +277,20 @@ def all_recorded(breakpoints: tuple[Breakpoint, ...]) -> tuple[Breakpoint, ...]:
 
 
 def _checked(times: ArrayLike, load: ChangingLoad) -> list[float]:
-    """Return `times` [s] as a list that does not decrease; raise InvalidInput for others."""
-    remedy = "give finite instants [s] that do not decrease, the same one twice at the most"
-    try:
-        values = np.asarray(times, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise InvalidInput(f"solve.times is {times!r}: {remedy}.") from None
-    if values.ndim != 1 or values.size == 0:
-        raise InvalidInput(f"solve.times has the shape {values.shape}: {remedy}.")
-    if (
-        not np.isfinite(values).all()
-        or (np.diff(values) < 0).any()
-        or (np.diff(values, n=2) == 0)[np.diff(values)[:-1] == 0].any()
-    ):
-        raise InvalidInput(f"solve.times is {times!r}: {remedy}.")
-    if values[0] < load.start:
+    """Return `times` [s] as a list; raise InvalidInput if they decrease, begin before the load or stand three times."""
+    instants: list[float] = np.ravel(times).tolist()
+    check_ascending("solve.times", tuple(instants))
+    if instants[0] < load.start:
         raise InvalidInput(
-            f"solve.times[0] is {float(values[0])!r}: give times from {load.start!r} s on, when the load begins."
+            f"solve.times[0] is {instants[0]!r}: give times from {load.start!r} s on, when the load begins."
         )
-    return [float(value) for value in values]
+    return instants
 
 
-def ascending(field: str, times: ArrayLike, least: int = 1) -> list[float]:
-    """Return the instants [s] of a `field`; raise InvalidInput unless so many are finite and ascend."""
-    instants = [finite(field, time, "give times in s") for time in np.ravel(times).tolist()]
+def ascending(times: ArrayLike, least: int = 1) -> list[float]:
+    """Return `times` [s] as a list; raise InvalidInput unless they ascend and are at least so many."""
+    instants: list[float] = np.ravel(times).tolist()
     if len(instants) < least or sorted(set(instants)) != instants:
-        count = "one" if least == 1 else "two"
-        raise InvalidInput(f"{field} is {times!r}: give {count} or more, ascending.")
+        count = "two or more" if least > 1 else "them"
+        raise InvalidInput(f"solve.times is {times!r}: give {count}, ascending.")
     return instants

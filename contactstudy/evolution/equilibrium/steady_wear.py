@@ -36,7 +36,8 @@ from contactstudy.solvers.friction.rolling_traction import RollingTraction
 from contactstudy.solvers.solution import Solution, Status, worst
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
-# Largest depth of the first step, over the scale of the gap or the boundary film: if it is too long, it is rejected.
+# Depth that the first step wears at the fastest, over the scale of the gap or the boundary film. A step that is too
+# long for the error is rejected, so that this changes the number of steps alone.
 FIRST_DEPTH = 0.01
 # Largest change of the pressure by the correction of a step, relative in L1, where none is asked for.
 STEP_ERROR = 1e-3
@@ -113,8 +114,8 @@ Contact = TypeVar("Contact", _DryContact, FilmSolution)
 class _Worn(Generic[Contact]):
     """A contact at a time [s], on the gap that is worn by a `depth` (x, y) [m].
 
-    The `change` is that of the pressure by the correction of the last step, relative in L1; infinite where a solve
-    failed.
+    The `status` is the worst one of the solves in the last step, and `work` counts them. The `change` is that of the
+    pressure by the correction of this step, relative in L1; infinite where a solve failed.
     """
 
     time: float
@@ -174,7 +175,7 @@ class _Wearing(Generic[Contact]):
         """Return the contact of so many `cells` (x, y) at each of `times` [s], or up to one without a solution."""
         if times is None:
             raise InvalidInput("solve.times is None, and wear has no end: give times [s].")
-        instants = ascending("solve.times", times)
+        instants = ascending(times)
         depth = np.zeros(cells)
         contact = self.solved(depth, None)
         change = inf if contact.status.is_failure else 0.0
@@ -226,8 +227,9 @@ def follow_wear(
     """
     wear, unworn = scene.wear, replace(scene, wear=None)
     assert wear is not None
+    # unworn bodies at rest tell the scale of the gap
     elastic = replace(unworn, rolling=None, solids=instantaneous(scene.solids))
-    problem = elastic.problem(grid, padding)
+    problem, posed = elastic.problem(grid, padding), PosedScene(scene, grid, padding)
 
     def solved(depth: Array, before: _DryContact | None) -> _DryContact:
         worn = replace(unworn, shapes=(*unworn.shapes, SurfaceDepth(depth, grid)))
@@ -258,13 +260,11 @@ def follow_wear(
     frames = []
     for record in records:
         contact = record.state.contact
-        # the plot of an instant names the scene, not the surface that is worn by now
-        posed = PosedScene(scene, grid, padding)
-        solution = contact.solution
-        solution = replace(solution, problem=replace(solution.problem, description=posed))
+        # the scene that the user gave, without the surface that is worn by now
+        worn = replace(contact.solution.problem, description=posed)
         wear_depth = Field(("x", "y"), record.state.depth, "m", "wear depth")
         frame = frame_of(
-            solution,
+            replace(contact.solution, problem=worn),
             time=record.time,
             load=scene.largest_load,
             status=record.status,
@@ -275,7 +275,7 @@ def follow_wear(
         )
         frames.append(frame)
     rejected = sum(record.work["rejected"] for record in records)
-    return Trajectory(problem, tuple(frames), rejected, 0, PosedScene(scene, grid, padding))
+    return Trajectory(problem, tuple(frames), rejected, restarts=0, description=posed)
 
 
 def follow_film_wear(

@@ -197,7 +197,7 @@ def _kinks(scene: Scene, start: float, end: float) -> list[float]:
 def instants_of(scene: Scene, times: ArrayLike | None) -> list[float]:
     """Return the instants to record, or the first and the last time of the histories of a scene."""
     if times is not None:
-        return ascending("TimeSteps.times", times, least=2)
+        return ascending(times, least=2)
     starts = [history.start for history in scene.histories]
     return [min(starts), max(history.end for history in scene.histories)]
 

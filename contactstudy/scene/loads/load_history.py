@@ -129,7 +129,7 @@ Times = tuple[Annotated[Seconds, FINITE], ...]
 def check_ascending(name: str, times: tuple[float, ...]) -> None:
     """Raise :class:`~contactstudy.InvalidInput` for `times` [s], of this `name`, that decrease, or stand three times."""
     for number, (before, after) in enumerate(pairwise(times), start=1):
-        if after < before or times[: number + 1].count(after) > 2:
+        if after < before or times[max(number - 2, 0) : number + 1].count(after) > 2:
             raise InvalidInput(
                 f"{name}[{number}] is {after!r}: give times that do not decrease, the same one twice at the most."
             )

@@ -36,8 +36,8 @@ from contactstudy.solvers.friction.rolling_traction import RollingTraction
 from contactstudy.solvers.solution import Solution, Status, worst
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
-# Depth that the first step wears at the fastest, over the scale of the gap or the boundary film. A step that is too
-# long for the error is rejected, so that this changes the number of steps alone.
+# Largest depth that the first step wears, over the scale of the gap or the boundary film. If the step is too long for
+# the error, it is rejected.
 FIRST_DEPTH = 0.01
 # Largest change of the pressure by the correction of a step, relative in L1, where none is asked for.
 STEP_ERROR = 1e-3

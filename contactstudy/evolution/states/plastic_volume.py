@@ -12,7 +12,7 @@ from contactstudy.elasticity.eigenstrain.volume import Volume
 
 # The first volume holds the columns of cells in contact, those whose elastic von Mises stress is anywhere above
 # NEAR_YIELD of the yield stress, and a MARGIN of their width on both sides. Fraction of its width or depth by which a
-# volume grows where yield reaches its edge. They change the time of a step alone: it is repeated in a grown volume.
+# volume grows where yield reaches its edge: a step is repeated in a grown volume, so that they cost time, no accuracy.
 NEAR_YIELD, MARGIN, GROWTH = 0.9, 0.15, 0.3
 
 

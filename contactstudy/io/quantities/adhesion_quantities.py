@@ -14,14 +14,15 @@ from contactstudy.solvers.solution import AdhesiveTraction, Solution
 def adhesion_quantities(
     solution: Solution, adhesion: AdhesiveTraction, estimate: ErrorEstimate, length: float | None
 ) -> dict[str, Quantity]:
-    """Return pull-off load, attraction, its energy and range, cells in its zone, Tabor parameter, 1 if detached.
+    """Return quantities of the attraction, by name; with the pull-off load of bodies that are pulled apart.
 
-    In contact the repulsive part of the pressure is the strength above the net one, whose peak has the same error.
+    In contact the repulsive part of the pressure is the strength above the net one, whose peak has the same error. Loads
+    are per `length` [m] of a roller, or of the grid if that is None.
     """
     grid = solution.problem.grid
     on_length = grid.length / (length or grid.length)
-    attraction = float(adhesion.attraction.sum() * grid.cell_area / grid.length) * on_length
     touching, total = bool(solution.pressure.any()), float(adhesion.attraction.sum())
+    attraction = float(adhesion.attraction.sum() * grid.cell_area / grid.length) * on_length
     peak = Quantity(solution.peak_pressure, "Pa", "peak of the repulsive part")
     peak = with_bound(peak, estimate.peak_pressure, estimate.warnings)
     repulsive = replace(peak, value=float(solution.pressure.max()))
@@ -53,9 +54,10 @@ def adhesion_quantities(
 
 
 def moved_force(solution: Solution, estimate: ErrorEstimate) -> float:
-    """Return the error of the sum of the attraction [Pa], and of the net pressure in contact.
+    """Return the error [Pa] of two sums over cells: of the attraction, and of the net pressure where bodies touch.
 
-    It is that of the net pressure, and the strength where the contact may be larger or smaller.
+    It is the error of the net pressure in L1, and the largest attraction in the cells by which the contact may be larger
+    or smaller.
     """
     norm, touching = float(np.abs(solution.net_pressure).sum()), np.count_nonzero(solution.pressure)
     assert solution.adhesion is not None

@@ -32,7 +32,8 @@ if TYPE_CHECKING:
     from contactstudy.evolution.rolling.steady_rolling import SteadyRolling
 
 
-# Functions that return the quantities of the parts of a solution.
+# Functions of a solution, one of its parts, the errors, and the length [m] of a roller, None for others: they return the
+# quantities of that part.
 OF_PARTS: Mapping[type, Callable[..., dict[str, Quantity]]] = {
     TangentialTraction: traction_quantities,
     RollingTraction: rolling_traction_quantities,

@@ -21,13 +21,15 @@ from contactstudy.scene.solids.bodies import in_part, is_layered
 # contact that slides it falls like the square root of the distance. At most 3.2 on 68 sliding cylinders of 20 to 340
 # cells, and 1.5 on 14 balls, against closed forms.
 TENSION_ERROR = 3.5
-# The same over the L1 error of the pressure times the largest von Mises stress at the surface.
+# Part of the same bound by the error of the pressure, over its L1 error times the largest von Mises stress at the
+# surface.
 BY_PRESSURE = 0.5
 # Ratio of two depths up to which the stress between them follows a parabola, and above which they are no two sides of
 # an interface.
 MAX_STEP, MIN_STEP = 2.0, 1.001
-# Relative difference of largest values that are equal but for the residual of the solver.
-SYMMETRY = 1e-7
+# Relative difference of largest values that are equal but for the residual of the solver, and stress over the largest
+# von Mises stress at the surface that is rounding.
+SYMMETRY, ROUNDING = 1e-7, 1e-9
 
 
 def stress_quantities(
@@ -57,13 +59,14 @@ def stress_quantities(
         return {}
     from contactstudy.scene.stress import largest_shear, orthogonal_shear  # only where it is named
 
-    number = next(output.body for output in scene.outputs if hasattr(output, "body"))
+    index = next(output.body for output in scene.outputs if hasattr(output, "body"))
     given = any(isinstance(getattr(output, "depths", None), tuple) for output in scene.outputs)
     at_depths = " at the depths given" if given else ""
-    body, name = scene.solids[number], f"Scene.solids[{number}]"
+    body, name = scene.solids[index], f"Scene.solids[{index}]"
     coordinates = {"x": grid.x, "y": grid.y}
     stress, von_mises, depths = (derived[of].values for of in ("stress", "von_mises", "z"))
     layers = body.parts if is_layered(body) else {}
+    # by what begins the names of their numbers: label, material, and whether a depth is inside
     parts: dict[str, tuple[str, Any, Any]] = {"": (name, body, depths >= 0)}
     for part, (said, material, top, bottom) in layers.items():
         if (inside := in_part(depths, top, bottom)).any():
@@ -71,14 +74,12 @@ def stress_quantities(
     found = dict[str, Quantity]()
     for before, (where, material, inside) in parts.items():
         axes, at = {**coordinates, "z": depths[inside]}, f"in {where}{at_depths}"
-        mises, name_of_mises = (
-            von_mises[inside],
-            f"{before}von_mises" if before else "largest_von_mises",
-        )
+        mises = von_mises[inside]
+        name_of_mises = f"{before}von_mises" if before else "largest_von_mises"
         found |= _with_depth(
             name_of_mises, f"largest von Mises stress {at}", mises, axes, given=given, beyond=False
         )
-        least = yield_margin(material, number, axes["z"], mises)
+        least = yield_margin(material, index, axes["z"], mises)
         if least.ratio < inf:
             label = f"yield stress over von Mises stress in {where if before else least.part}{at_depths}"
             position = found[name_of_mises].position if before else None
@@ -88,8 +89,8 @@ def stress_quantities(
             weakest = next(inside for part, _, inside in parts.values() if part == least.part)
             demand = mises.max(axis=(1, 2)) / strength
             depth = between_depths(depths[weakest], demand[weakest], given=given)[1]
-            number = Quantity(depth, "m", f"depth of the least safety {at}")
-            found["safety_factor_depth"] = _known_to(number, depths)
+            least_safe = Quantity(depth, "m", f"depth of the least safety {at}")
+            found["safety_factor_depth"] = _known_to(least_safe, depths)
         shear, of_shear = largest_shear(stress[:, inside]), f"largest shear stress {at}"
         found |= _with_depth(f"{before}largest_shear_stress", of_shear, shear, axes, given=given)
         # a range along x has no place on it
@@ -109,8 +110,8 @@ def stress_quantities(
             below = "" if part == "coating" and len(layers) == 2 else f" below {said}"
             label = f"largest shear stress at the interface{below} of {name}"
             of_interface = "interface_shear" if part == "coating" else f"{part}_shear"
-            number = Quantity(largest, "Pa", label, position=position)
-            found[of_interface] = with_bound(number, unresolved_interface(grid, bottom - top))
+            at_bottom = Quantity(largest, "Pa", label, position=position)
+            found[of_interface] = with_bound(at_bottom, unresolved_interface(grid, bottom - top))
     if estimate.stress is not None and estimate.stress.total == inf:
         return {key: with_bound(of, estimate.stress) for key, of in found.items()}
     return found
@@ -165,7 +166,7 @@ def _surface_tension(
         return {}
     tension = principal_stresses(stress[:, 0])[0]
     value, position = largest_place(tension, coordinates)
-    value = value if value > 1e-9 * scale else 0.0
+    value = value if value > ROUNDING * scale else 0.0
     bound = TENSION_ERROR * _fall(tension, stress[2, 0], scale) * bool(value)
     bound += BY_PRESSURE * estimate.l1.total * scale
     reason = "" if bound < inf else estimate.l1.reason
@@ -200,7 +201,7 @@ def _fall(tension: Array, pressing: Array, scale: float) -> float:
 
     A cell is in contact where the stress `pressing` it (x, y) is no rounding beside a `scale`; where all are, all count.
     """
-    touches = np.abs(pressing) > 1e-9 * scale
+    touches = np.abs(pressing) > ROUNDING * scale
     outside = tension if touches.all() else np.where(touches, -inf, tension)
     place = np.unravel_index(int(outside.argmax()), outside.shape)
     falls = [0.0]

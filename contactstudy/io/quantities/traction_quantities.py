@@ -13,9 +13,9 @@ from contactstudy.solvers.friction.fretting_traction import FrettingTraction
 from contactstudy.solvers.friction.rolling_traction import RollingTraction
 from contactstudy.solvers.solution import Solution, TangentialTraction
 
-# Relative error of the energy of a cycle, times the square of the cells n across the slip zone: at most 0.82 in 190
-# smooth contacts against the closed form, and less in 16 rough ones. Cells by which the zone may be wider for its
-# largest slip, which grows as the width to the power of 3/2: at most 1.1.
+# ENERGY_ERROR / n^2 is the relative error of the energy of a cycle with n cells across the slip zone: at most 0.82 / n^2
+# in 190 smooth contacts against the closed form, and less in 16 rough ones. The largest slip grows as the width of the
+# zone to the power of 3/2: a zone that is wider by SLIP_ZONE_MARGIN cells bounds it, where at most 1.1 were needed.
 ENERGY_ERROR, SLIP_ZONE_MARGIN = 1.0, 1.25
 NO_BOUND_OF_ONE_CELL = (
     "No bound: the slip zone is at most one cell wide; solve again on cells of half the width."
@@ -23,7 +23,7 @@ NO_BOUND_OF_ONE_CELL = (
 
 
 def traction_quantities(
-    solution: Solution, traction: TangentialTraction, estimate: ErrorEstimate, length: float | None
+    solution: Solution, traction: TangentialTraction, estimate: ErrorEstimate, _: float | None
 ) -> dict[str, Quantity]:
     """Return the tangential force on the first body over the load, and the part of the contact that sticks."""
     over_load = _force_over_load(solution, traction)[0]
@@ -31,12 +31,12 @@ def traction_quantities(
     friction = getattr(scene_of(solution.problem), "friction", None)
     displacement_given = getattr(friction, "displacements", None) is not None
     if not (friction is None or displacement_given):
-        # the force is given, or in full sliding that over the load
-        force_is_given = getattr(friction, "sticks", False)
-        parts = estimate.load if force_is_given else None
         pressed, load = float(solution.pressure.sum()), abs(_net_load(solution))
-        of_load = solution.residual * (pressed / load if load else 1.0)
-        coefficient = with_bound(coefficient, parts or ErrorParts(residual=of_load))
+        error = ErrorParts(residual=solution.residual * (pressed / load if load else 1.0))
+        # where the contact sticks the force is given, else in full sliding that over the load
+        if getattr(friction, "sticks", False) and estimate.load is not None:
+            error = estimate.load
+        coefficient = with_bound(coefficient, error)
     return _of_force(solution, traction, estimate, {"traction_coefficient": coefficient})
 
 

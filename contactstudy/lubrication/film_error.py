@@ -21,7 +21,8 @@ from contactstudy.scene.shapes.roughness import Roughness
 from contactstudy.scene.shapes_source import shortest_wavelengths, unresolved
 from contactstudy.solvers.solution import Status
 
-# Numbers with errors of their own, further ones, and those of asperities and of heat, with their attributes.
+# Attributes of a film by the names of their errors: of those that are fields of ErrorEstimate, and of further ones, in
+# its `numbers`. Names and attributes of what asperities and heat add are the same.
 NUMBERS = {
     "peak_pressure": "peak_pressure",
     "central_film": "central_film",
@@ -174,6 +175,7 @@ def _compared(
     nested = [contact, coarse, *[coarsest] * (coarsest.status not in UNRESOLVED)]
 
     def parts(cells: float, inlet: float, why: str = "") -> ErrorParts:
+        """Return the error by changes to fewer cells and to a longer inlet; infinite where there is a reason `why`."""
         return ErrorParts(
             discretisation=inf if is_too_coarse or why else MARGIN * cells,
             inlet=INLET * inlet,
@@ -181,11 +183,13 @@ def _compared(
             reason=reason or why,
         )
 
-    pressures = [_pressure_at(contact.grid, film) for film in (*nested, longer)]
+    x, y = contact.grid.x, contact.grid.y
+    pressures = [interpolated(film.pressure, film.grid, x, y) for film in (*nested, longer)]
     of_pressure = largest_change([_l1(*pair) for pair in pairwise(pressures[:-1])])
     pressure = parts(of_pressure, _l1(pressures[1], pressures[-1]))
 
     def of_number(attribute: str, why: str = "", least: float = 0.0) -> ErrorParts:
+        """Return the error of a number by its relative changes, the change to fewer cells `least` at the least."""
         value = attrgetter(attribute)
         values = [float(value(film)) for film in nested]
         scale = abs(values[0]) or 1.0
@@ -205,15 +209,15 @@ def _compared(
         "friction_coefficient": of_friction,
         "power_loss": of_friction * bool(contact.scales.lubrication.slide_roll_ratio),
     }
-    found, numbers = dict(NUMBERS), dict(FURTHER)
+    fields, further = dict(NUMBERS), dict(FURTHER)
     if temperatures is not None:
-        numbers["thermal_reduction"] = "temperatures.reduction"
-        found |= {name: name for name in OF_HEAT}
+        further["thermal_reduction"] = "temperatures.reduction"
+        fields |= {name: name for name in OF_HEAT}
         reasons |= dict.fromkeys(OF_HEAT, of_heat)
     errors: Any
-    errors, further = (
+    errors, numbers = (
         {name: of_number(attribute, reasons.get(name, "")) for name, attribute in names.items()}
-        for names in (found, numbers)
+        for names in (fields, further)
     )
     if contact.contact_pressure is not None:
         untouched = _untouched_reason(contact, errors["minimum_film"])
@@ -225,7 +229,7 @@ def _compared(
     warnings = tuple(
         dict.fromkeys(one.reason for one in (pressure, *errors.values()) if one.reason)
     )
-    return ErrorEstimate(pressure, **errors, numbers=further, warnings=warnings)
+    return ErrorEstimate(pressure, **errors, numbers=numbers, warnings=warnings)
 
 
 def _untouched_reason(contact: FilmSolution, minimum_film: ErrorParts) -> str:
@@ -255,10 +259,6 @@ def _falls_within_a_cell(pressure: Array) -> bool:
     return bool((pressure[:-1] - pressure[1:]).max() > STEEP_FALL * pressure.max())
 
 
-def _pressure_at(grid: Grid, contact: FilmSolution) -> Array:
-    """Return the pressure of ``contact`` (x, y) at the cells of another grid, linear between its own."""
-    return interpolated(contact.pressure, contact.grid, grid.x, grid.y)
-
-
 def _l1(pressure: Array, reference: Array) -> float:
+    """Return the relative difference of a pressure (x, y) to a reference in L1."""
     return float(np.abs(pressure - reference).sum() / np.abs(pressure).sum())

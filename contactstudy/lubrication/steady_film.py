@@ -16,11 +16,7 @@ from contactstudy.lubrication.lubricated_contact import (
     rise_beside_lowest,
 )
 from contactstudy.lubrication.mixed import other_films, solve_mixed
-from contactstudy.lubrication.newton.pseudo_time import (
-    FilmControls,
-    FilmIteration,
-    iterate,
-)
+from contactstudy.lubrication.newton.pseudo_time import FilmControls, FilmIteration, iterate
 from contactstudy.lubrication.posed_film import (
     OUTLET,
     PosedFilm,
@@ -105,36 +101,57 @@ def _solved(
 ) -> FilmSolution:
     """Return the film of a posed equation, from another contact where that converges, else from a cold start.
 
-    In plane strain, where the rms height is more than twice the film, a second film is sought, and the status says if it
-    exists.
+    In plane strain, where the rms height is more than `SteadyTuning.relative_roughness` times the film, a second film is
+    sought, and the status says if it exists.
     """
-    if posed.equation.boundary_film:
-        warm, before = None, (0, 0)
-        if start is not None and start.status is not Status.FILM_NOT_CONVERGED:
-            warm = start_from(posed, start)
-        elif posed.scales.expected_film > posed.equation.boundary_film:
-            warm, before = _without_asperities(posed, controls)
-        mixed = solve_mixed(posed, controls, warm)
-        mixed = replace(
-            mixed,
-            iterations=mixed.iterations + before[0],
-            linear_iterations=mixed.linear_iterations + before[1],
-        )
-        contact = film_solution(scene, grid, padding, posed, mixed, controls.tolerance)
-        others = _other_films(posed, controls, is_cold=start is None)
-        return _with_other_films(contact, posed, mixed, others, controls)
-    last = cold = None
+    before = None
     if start is not None and start.status is not Status.FILM_NOT_CONVERGED:
-        film, cavitated = start_from(posed, start)
-        on_same_grid = start.grid == grid
-        last = _iterated(
-            posed, film, controls if on_same_grid else _after_coarser_grid(controls), cavitated
-        )
-    if last is None or not last.converged(controls.tolerance):
-        last = cold = continued(posed, controls)
+        before = start
+    if posed.equation.boundary_film:
+        last, is_cold = _mixed_film(posed, controls, before), start is None
+    else:
+        last, is_cold = _full_film(posed, grid, controls, before)
     contact = film_solution(scene, grid, padding, posed, last, controls.tolerance)
-    others = _other_films(posed, controls, is_cold=cold is not None)
+    others = _other_films(posed, controls, is_cold=is_cold)
     return _with_other_films(contact, posed, last, others, controls)
+
+
+def _full_film(
+    posed: PosedFilm, grid: Grid, controls: FilmControls, before: FilmSolution | None
+) -> tuple[FilmIteration, bool]:
+    """Return the film without asperities from one `before` if that converges, and whether its start is a cold one."""
+    if before is not None:
+        film, cavitated = start_from(posed, before)
+        near = controls if before.grid == grid else _after_coarser_grid(controls)
+        warm = _iterated(posed, film, near, cavitated)
+        if warm.converged(controls.tolerance):
+            return warm, False
+    return continued(posed, controls), True
+
+
+def _mixed_film(
+    posed: PosedFilm, controls: FilmControls, before: FilmSolution | None
+) -> FilmIteration:
+    """Return the film on a boundary film, from one `before`, or from that of the lubricant alone where this is thick."""
+    if before is not None:
+        return solve_mixed(posed, controls, start_from(posed, before))
+    if posed.scales.expected_film <= posed.equation.boundary_film:
+        return solve_mixed(posed, controls)
+    # on nested grids: on the finest alone it took ten times as long, or did not converge between ridges
+    alone = _nested(replace(posed, equation=replace(posed.equation, boundary_film=0.0)), controls)
+    film = with_minimum_film(
+        posed.equation,
+        alone.film.pressure,
+        alone.film.void,
+        alone.film.separation,
+        posed.equation.boundary_film,
+    )
+    mixed = solve_mixed(posed, controls, (film, alone.cavitated))
+    return replace(
+        mixed,
+        iterations=mixed.iterations + alone.iterations,
+        linear_iterations=mixed.linear_iterations + alone.linear_iterations,
+    )
 
 
 def _other_films(
@@ -167,23 +184,6 @@ def _with_other_films(
     return replace(contact, status=Status.SEVERAL_FILMS) if has_second_film else contact
 
 
-def _without_asperities(
-    posed: PosedFilm, controls: FilmControls
-) -> tuple[tuple[Film, Mask], tuple[int, int]]:
-    """Return the film on nested grids without a boundary film, raised to that, its cavitated cells, and the iterations.
-
-    On the finest grid alone it took ten times as long, or did not converge between ridges.
-    """
-    equation = posed.equation
-    without_boundary = replace(posed, equation=replace(equation, boundary_film=0.0))
-    last = _nested(without_boundary, controls)
-    film = last.film
-    film = with_minimum_film(
-        equation, film.pressure, film.void, film.separation, equation.boundary_film
-    )
-    return (film, last.cavitated), (last.iterations, last.linear_iterations)
-
-
 def _with_growing_ridges(posed: PosedFilm, controls: FilmControls) -> FilmIteration | None:
     """Return the film that is followed from lower heights up to these; None where that fails."""
     smooth = posed.x[:, None] ** 2 / 2
@@ -210,12 +210,10 @@ def _with_growing_ridges(posed: PosedFilm, controls: FilmControls) -> FilmIterat
     return last
 
 
-def _differs(
-    posed: PosedFilm, first_iteration: FilmIteration, second_iteration: FilmIteration
-) -> bool:
+def _differs(posed: PosedFilm, one: FilmIteration, other: FilmIteration) -> bool:
     """Return whether two films have distinct mean thicknesses in the Hertzian zone, or asperity loads."""
     inside = np.abs(posed.x) < 1
-    films = first_iteration.film, second_iteration.film
+    films = one.film, other.film
     first, second = (film.thickness[inside].mean() for film in films)
     load, other_load = (film.asperity_pressure.sum() for film in films)
     of_load = abs(load - other_load) / films[0].total_pressure.sum()
@@ -255,6 +253,7 @@ def _after_coarser_grid(controls: FilmControls) -> FilmControls:
 def _iterated(
     posed: PosedFilm, film: Film, controls: FilmControls, cavitated: Mask | None = None
 ) -> FilmIteration:
+    """Return the film from a given one; where it varies along its length, in steps that change the viscosity less."""
     if posed.upstream.cells[1] > 1:
         controls = replace(controls, viscosity_change=TUNING.rough_change)
     return iterate(posed.equation, film, linear_solver(posed), controls, cavitated=cavitated)
@@ -339,6 +338,7 @@ def _is_starved(equation: FilmEquation, last: FilmIteration) -> bool:
 
 
 def _status(posed: PosedFilm, last: FilmIteration, tolerance: float, thickness: Array) -> Status:
+    """Return the outcome of an iteration, the gravest first; the `thickness` (x, y) [m] is that on the whole grid."""
     if not last.converged(tolerance):
         return Status.FILM_NOT_CONVERGED
     equation = posed.equation

@@ -14,7 +14,7 @@ from contactstudy.domain.units import HARDNESS
 from contactstudy.scene.solids.bodies import HalfSpace
 from contactstudy.scene.solids.elastic_plastic import ElasticPlasticHalfSpace
 
-# Entries of the table in GPa.
+# Keys of materials.toml whose entries are in GPa.
 PRESSURES = ("youngs_modulus", "yield_stress", "hardness")
 
 
@@ -94,7 +94,12 @@ def _material_named(field: str, name: object) -> Material:
 
 
 def with_materials(table: Mapping[str, Any]) -> dict[str, Any]:
-    """Return tables of a scene file with the constants of each ``material`` beside the keys given there."""
+    """Return tables of a scene file with the constants of each ``material`` beside the keys given there.
+
+    A hardness in HV or HRC also gives the yield stress, where neither that nor a material is named. Free faces of a body
+    other than a HalfSpace, and a material of a body without elastic constants of its own, are refused here, where the
+    file is known, with what to give instead.
+    """
 
     def solid(value: Any, path: str) -> Any:
         if isinstance(value, list):

@@ -133,23 +133,15 @@ class Trajectory:
         return sum(frame.solves for frame in self.frames)
 
     @property
-    def iterations(self) -> int:
-        """Number of iterations of all steps."""
-        return sum(frame.iterations for frame in self.frames)
-
-    @property
-    def convolutions(self) -> float:
-        """FFT convolutions of the full grid, of all steps."""
-        return sum(frame.convolutions for frame in self.frames)
-
-    @property
     def counts(self) -> Counts:
         """Number of instants, and of what the integration took."""
+        iterations = sum(frame.iterations for frame in self.frames)
+        convolutions = sum(frame.convolutions for frame in self.frames)
         return {
             "instants": (len(self.frames), "instants recorded"),
             "solves": (self.solves, "contact solves"),
-            "iterations": (self.iterations, "solver iterations of all steps"),
-            "convolutions": (self.convolutions, "FFT convolutions of the full grid"),
+            "iterations": (iterations, "solver iterations of all steps"),
+            "convolutions": (convolutions, "FFT convolutions of the full grid"),
             "rejected": (self.rejected, "rejected pairs of steps and load jumps"),
             "restarts": (self.restarts, "restarts with shorter steps"),
         }

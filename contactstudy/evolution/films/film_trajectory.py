@@ -69,11 +69,6 @@ class FilmTrajectory:
         """Central film (time,) [m]."""
         return np.array([contact.central_film for contact in self.contacts])
 
-    @property
-    def minimum_film(self) -> Array:
-        """Smallest film (time,) [m]."""
-        return np.array([contact.minimum_film for contact in self.contacts])
-
 
 @dataclass(frozen=True)
 class Difference:

@@ -353,8 +353,9 @@ def _unbounded(contact: Contact, reason: str) -> Contact:
 def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
     """Return a recorded frame as an answer; its gap includes the wear depth and the residual displacement.
 
-    A frame without errors of its own is a contact whose equilibrium keeps no state from earlier instants, with the
-    errors of one at rest. Otherwise only the errors of the pressure and of its peak are known.
+    A frame without `grid_error_parts` is a contact in equilibrium that keeps no state from earlier instants: its errors
+    are those of one at rest, with those by the steps where it has worn. Otherwise only the errors of the pressure and of
+    its peak are known.
     """
     contact = contact_answer(frame, time=frame.time, state=frame.fields, rolling=frame.rolling)
     if frame.grid_error_parts is None:
@@ -368,13 +369,14 @@ def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
             output.with_residual_stress(residual) if isinstance(output, DependsOnStrain) else output
             for output in outputs
         )
-    steps = replace(frame.grid_error_parts, steps=frame.time_discretisation_error)
     reason = next(iter(frame.warnings), "")
+    l1 = replace(frame.grid_error_parts, steps=frame.time_discretisation_error)
     if frame.status is Status.YIELD_AT_EDGE:
-        steps, reason = replace(steps, discretisation=inf), CUT_OFF_STRAIN
+        l1, reason = replace(l1, discretisation=inf), CUT_OFF_STRAIN
     if frame.time_discretisation_error == inf:
         reason = reason or "No bound: the time-discretisation error was not estimated."
-    l1 = replace(steps, reason=reason)
+    l1 = replace(l1, reason=reason)
+    # of each cause the larger bound, that of the pressure in L1 or that of its peak; of the steps that of the peak
     of_peak = frame.peak_grid_error_parts.by_cause
     larger: dict[str, Any] = {
         cause: max(part, of_peak.get(cause, 0.0)) for cause, part in l1.by_cause.items()
@@ -410,12 +412,15 @@ def _with_steps(contact: Contact, by_steps: Mapping[str, float]) -> Contact:
 
 
 def passes_answer(rolled: "RepeatedRolling", requested: Request | None = None) -> Evolution:
-    """Return the passes of a contact under repeated rolling as an answer."""
+    """Return the passes of a contact under repeated rolling as an answer, whose numbers are compared with coarser cells.
+
+    The errors of the fields have no bound.
+    """
     unknown = ErrorParts(discretisation=inf, reason=NO_BOUND_OF_PASSES)
     shapes, grid = rolled.description.scene.shapes, rolled.description.grid
     coarse = unresolved(shortest_wavelengths(shapes), grid)
-    said = standing_heights(shapes), coarse, *left_out(shapes, grid)
-    warnings = (NO_BOUND_OF_PASSES, *filter(None, said))
+    of_heights = standing_heights(shapes), coarse, *left_out(shapes, grid)
+    warnings = (NO_BOUND_OF_PASSES, *filter(None, of_heights))
     estimate = ErrorEstimate(unknown, unknown, unknown, unknown, warnings=warnings)
     frames = tuple(
         contact_answer(replace(each_pass.solution, status=each_pass.status), estimate=estimate)
@@ -426,7 +431,10 @@ def passes_answer(rolled: "RepeatedRolling", requested: Request | None = None) -
 
 
 def films_answer(films: "FilmTrajectory", requested: Request | None = None) -> Evolution:
-    """Return the instants of a film as an answer."""
+    """Return the instants of a film as an answer, up to that in which a coating is worn through.
+
+    The errors by the steps are those of `films`; those by the cells follow from other solutions.
+    """
     from contactstudy.answers.lubricated_contact import film_answer
     from contactstudy.lubrication.film_error import OF_SPIKE, has_spike
 

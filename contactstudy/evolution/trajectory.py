@@ -16,7 +16,8 @@ from contactstudy.problem.problem import Field, Problem
 from contactstudy.scene.scene import PosedScene
 from contactstudy.solvers.solution import Counts, Solution, Status, worst
 
-UNKNOWN = ErrorParts(0.0, inf, 0.0)
+# Errors of a contact by images, cells and residual, where that by cells is not known.
+UNKNOWN = ErrorParts(images=0.0, discretisation=inf, residual=0.0)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

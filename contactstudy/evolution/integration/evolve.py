@@ -276,9 +276,8 @@ def _relative_creep(scene: Scene, datum: float) -> CreepState | None:
 
 
 def _load(scene: Scene, times: ArrayLike | None) -> ChangingLoad:
-    """Return the load of `scene` over time; a constant load is applied suddenly."""
+    """Return the load of `scene` over time; a constant one is applied at 0 s, or at the first of `times` [s] before."""
     if isinstance(scene.load, ChangingLoad):
         return scene.load
-    moments = np.asarray(times, dtype=np.float64)
-    start = np.min(moments, initial=0.0, where=np.isfinite(moments))
-    return LoadHistory((float(start),), (scene.largest_load,))
+    start = 0.0 if times is None else min(0.0, float(np.min(times)))
+    return LoadHistory((start,), (scene.largest_load,))

@@ -14,7 +14,7 @@ from math import inf
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contactstudy.domain.checks import InvalidInput, positive
+from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
 from contactstudy.evolution.films.film_trajectory import (
@@ -79,8 +79,8 @@ class StepTuning:
 
 
 TUNING = StepTuning()
-# Allowed error of a step whose length is given.
-UNLIMITED = 1e99
+# Allowed error of a step where none is given, and where its length is given instead.
+STEP_ERROR, UNLIMITED = 1e-3, 1e99
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,11 +143,14 @@ def evolve_lubricated(
         For a scene without lubrication, times that are not ascending, a speed of zero at the first time, and a load of
         zero at any: no film carries it.
     """
-    instants = instants_of(scene, times)
-    check_loaded(scene, instants)
-    if step is not None:
-        step = positive("TimeSteps.step", step, "give a step above 0 s")
-    error = positive("TimeSteps.error", 1e-3 if error is None else error, "give one above 0")
+    if times is None:
+        histories = scene.histories
+        instants = [min(one.start for one in histories), max(one.end for one in histories)]
+    else:
+        instants = ascending(times, least=2)
+    _check_loaded(scene, instants)
+    if error is None:
+        error = STEP_ERROR if step is None else UNLIMITED
     start = _FilmStepper.begin(scene, grid, padding, instants[0], tolerance)
     passage = start.posed.equation.cell[0] * start.time_unit
     compared: list[Difference] = []
@@ -159,7 +162,7 @@ def evolve_lubricated(
         start,
         _FilmStepper.advanced,
         instants,
-        UNLIMITED if step else error,
+        error,
         order=3,
         first=step or TUNING.first * passage,
         # two steps at least, which the estimate takes at once
@@ -172,7 +175,7 @@ def evolve_lubricated(
     return film_trajectory(records, [record.state.contact for record in records], compared)
 
 
-def check_loaded(scene: Scene, instants: list[float]) -> None:
+def _check_loaded(scene: Scene, instants: list[float]) -> None:
     """Raise :class:`~contactstudy.InvalidInput` if the load is zero at a time of the evolution."""
     if not isinstance(load := scene.load, ChangingLoad):
         return
@@ -192,14 +195,6 @@ def _kinks(scene: Scene, start: float, end: float) -> list[float]:
     times = load.breaks(end) if isinstance(load, ChangingLoad) else ()
     of_speed = getattr(lubrication and lubrication.mean_speed, "times", ())
     return [time for time in (*times, *of_speed) if start < time < end]
-
-
-def instants_of(scene: Scene, times: ArrayLike | None) -> list[float]:
-    """Return the instants to record, or the first and the last time of the histories of a scene."""
-    if times is not None:
-        return ascending(times, least=2)
-    starts = [history.start for history in scene.histories]
-    return [min(starts), max(history.end for history in scene.histories)]
 
 
 @dataclass(frozen=True, eq=False)

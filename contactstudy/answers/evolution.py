@@ -12,7 +12,6 @@ import numpy as np
 from contactstudy.accuracy.range_errors import NO_LIMIT
 from contactstudy.answers.answer import Answer
 from contactstudy.answers.contact import Contact, contact_answer
-from contactstudy.answers.nested import CONSTANTS as NESTED
 from contactstudy.answers.nested import (
     NO_COARSER,
     Coarser,
@@ -21,6 +20,7 @@ from contactstudy.answers.nested import (
     solved_or_none,
     with_nested_bounds,
 )
+from contactstudy.domain.changes import INLET
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts, Request
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings, edge_fraction
@@ -216,7 +216,7 @@ class Evolution(Answer):
             on_half = interpolated(wide.pressure, wide.grid, half.grid.x, half.grid.y)
             change = float(np.abs(half.pressure - on_half).sum() / half.pressure.sum())
             cells = max(cells, l1_bound([level.frames[number].pressure for level in levels]))
-            inlet = max(inlet, NESTED.inlet * change)
+            inlet = max(inlet, INLET * change)
         return replace(known, discretisation=cells, inlet=inlet, reason="")
 
     @property

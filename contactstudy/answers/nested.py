@@ -37,45 +37,27 @@ NO_COARSER_YIELD = "No bound: nothing yields on half the cells, give more."
 
 @dataclass(frozen=True)
 class NestedConstants:
-    """Constants of the bound of a number by its changes between grids.
+    """Constants of the bounds of some numbers, in place of those of :mod:`contactstudy.domain.changes` or beside them.
 
     Attributes
     ----------
-    margin
-        Bound over the change of a number from half the cells, or over half of the change before.
     half_order_margin
-        The same of the highest residual stress, which rises at the edge of the plastic zone: halved cells leave 0.65 to
+        `MARGIN` of the highest residual stress, which rises at the edge of the plastic zone: halved cells leave 0.65 to
         0.75 of its error.
-    floor
-        Least change, over the L1 error of the pressure, since a change may vanish by chance.
     dent_floor
-        The same of the largest plastic indentation, which one cell has.
-    area_floor
-        The same of an area, of a stick fraction, or of a number left by a plastic zone, over the fraction of its cells
-        that lie at its edge.
+        `FLOOR` of the largest plastic indentation, which one cell has.
     stress_floor, depth_floor
         Least change of a largest stress, relative, and of its depth, which lie between those at which they are
         computed.
-    inlet
-        Bound over the change of a number of a film from twice the width, as its error falls with the square of that.
     """
 
-    margin: float = MARGIN
     half_order_margin: float = 2.4
-    floor: float = FLOOR
     dent_floor: float = 2 / 3  # with the margin, no less than that error itself
-    area_floor: float = AREA_FLOOR
     stress_floor: float = 5e-4
     depth_floor: float = 1e-2
-    inlet: float = INLET
 
 
 CONSTANTS = NestedConstants()
-
-
-def changes(values: Sequence[float]) -> float:
-    """Return the largest change of a value between a grid, half and a quarter of its cells, by the rule of all."""
-    return largest_change([abs(fine - coarse) for fine, coarse in pairwise(values)])
 
 
 def halved_grid(grid: Grid, times: int) -> Grid:
@@ -155,22 +137,23 @@ def with_nested_bounds(
             found[name] = replace(quantity, reason=l1.reason or quantity.reason)
         else:
             size, others = abs(quantity.value), other_causes
-            of_l1 = CONSTANTS.dent_floor if name == "yielded_depth" else CONSTANTS.floor
+            of_l1 = CONSTANTS.dent_floor if name == "yielded_depth" else FLOOR
             floor = of_l1 * (l1.discretisation or 0.0)
             if name.endswith(("contact_area", "stick_fraction")):
-                floor = max(floor, CONSTANTS.area_floor * edge_fraction)
+                floor = max(floor, AREA_FLOOR * edge_fraction)
             if name.startswith(BY_YIELD):
-                floor = max(floor, CONSTANTS.area_floor * zone_edge)
+                floor = max(floor, AREA_FLOOR * zone_edge)
             if any(stress in name for stress in OF_STRESS):
                 is_depth = name.endswith("_depth")
                 floor = max(floor, CONSTANTS.depth_floor if is_depth else CONSTANTS.stress_floor)
                 others += of_stress.get(name, 0.0)
-            change = changes([quantity.value, *known])
+            values = [quantity.value, *known]
+            change = largest_change([abs(fine - coarse) for fine, coarse in pairwise(values)])
             is_half_order = name.startswith(AT_ZONE_EDGE)
-            margin = CONSTANTS.half_order_margin if is_half_order else CONSTANTS.margin
+            margin = CONSTANTS.half_order_margin if is_half_order else MARGIN
             bound = margin * max(change, floor * size) + others * size
             if wider is not None and name in wider:
-                bound += CONSTANTS.inlet * abs(known[0] - wider[name].value)
+                bound += INLET * abs(known[0] - wider[name].value)
             reason = "" if bound else RELATIVE_TO_ZERO
             found[name] = replace(quantity, bound=bound or inf, reason=reason)
     return found
@@ -182,4 +165,4 @@ def l1_bound(pressures: Sequence[Array]) -> float:
     on_fine = [on_cells(pressure, fine.shape) for pressure in pressures]
     distances = [float(np.abs(a - b).sum()) for a, b in pairwise(on_fine)]
     norm = float(np.abs(fine).sum())
-    return CONSTANTS.margin * largest_change(distances) / norm if norm else 0.0
+    return MARGIN * largest_change(distances) / norm if norm else 0.0

@@ -118,7 +118,7 @@ def _items(draw: Callable[[xr.Dataset], Any], name: str, dataset: xr.Dataset) ->
         ) from None
 
 
-def default_drawing(plot: Sequence[str] = ()) -> Drawing:
+def default_drawing(plot: Sequence[str]) -> Drawing:
     """Return the default drawing, whose figures follow from the varied axes and show the variables `plot`, if any."""
     # imported by name, since pages import this registry
     drawn = importlib.import_module("studies.report.drawings.default")

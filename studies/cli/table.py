@@ -22,7 +22,7 @@ SORTED_LAST = ("status", "iterations", "convolutions", "residual", "case_", "_ti
 ALL = "all"
 
 
-def csv_of(dataset: "xr.Dataset", file: Path, names: Sequence[str] = ()) -> tuple[str, int]:
+def csv_of(dataset: "xr.Dataset", file: Path, names: Sequence[str]) -> tuple[str, int]:
     """Return a table as CSV, with units in its header, and the number of columns that it leaves out.
 
     It has a row for each point of a study or instant of an evolution, or one row of a solution, and of fields a row for

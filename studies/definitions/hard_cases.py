@@ -77,11 +77,9 @@ def stated_error(solution: cs.Contact) -> float:
     return residual_errors(solution).l1 if stated is None else stated
 
 
-def grid(
-    cells: tuple[int, int] = (24, 12), width: float = 2.4, period: float = 1.2, metre: float = 1.0
-) -> cs.Grid:
-    """Return a grid whose extents are in Hertz half-widths of the plain scene, with lengths in another unit."""
-    return cs.Grid(cells=cells, extent=(width * A * metre, period * A * metre))
+def grid(cells: tuple[int, int] = (24, 12), width: float = 2.4, period: float = 1.2) -> cs.Grid:
+    """Return a grid of some `width` and `period` in half-widths of the plain scene."""
+    return cs.Grid(cells, (width * A, period * A))
 
 
 def with_heights(heights: Array, scene: cs.Scene = SCENE) -> cs.Scene:

@@ -71,11 +71,7 @@ def preset(name: str) -> Study:
         tuple(axes),
         case_at,
         profile_measures if name == "paper" else measures,
-        attributes={
-            "scene": scene_text(SCENE),
-            "scene_name": "the paper's cylinder",
-            "against": "Hertz's contact",
-        },
+        attributes={"scene": scene_text(SCENE)},
     )
 
 
@@ -103,12 +99,10 @@ def profile_measures(case: Case, contact: cs.Contact) -> Mapping[str, xr.Variabl
         "pressure": (pressure[:, middle], "pressure in the middle of the length"),
         "pressure_min": (pressure.min(axis=1), "least pressure along the length"),
         "pressure_max": (pressure.max(axis=1), "highest pressure along the length"),
-        "pressure_true": (HERTZ.pressure(grid.x), "pressure of the reference"),
+        "pressure_true": (HERTZ.pressure(grid.x), "Hertz's pressure"),
     }
     profiles = {
-        name: dimensionless(
-            line / HERTZ.peak_pressure, f"{what}, over the largest of the reference", "x"
-        )
+        name: dimensionless(line / HERTZ.peak_pressure, f"{what}, over Hertz's peak pressure", "x")
         for name, (line, what) in lines.items()
     }
     half_cell = (x.values[1] - x.values[0]) / 2

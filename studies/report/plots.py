@@ -12,6 +12,7 @@ from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LogNorm, Normalize
+from matplotlib.ticker import NullLocator
 
 from contactstudy.domain.fields import Array
 from contactstudy.domain.units import display_unit_of
@@ -21,7 +22,7 @@ from studies.model.outcome import CaseStatus
 from studies.model.plain_text import one_line
 from studies.reference.line_contact import total_time
 from studies.reference.paddings import HAS_IMAGES, padding_text
-from studies.report.style import COLORS, LAW_STYLE, captioned, padding_style, panels, tick_cells
+from studies.report.style import COLORS, LAW_STYLE, captioned, padding_style, panels
 
 WIDTHS = {1: 5.6, 2: 4.6}  # of a panel beside as many [in]; else 3.4
 DASHES = ("-", "--", "-.", ":")
@@ -140,7 +141,8 @@ def panel(ax: Axes, part: xr.Dataset, y: str, plot: Plot) -> None:
         turned: Any = {"rotation": 30, "ha": "right", "rotation_mode": "anchor"}
         ax.set_xticks(range(len(names)), names, **turned if max(map(len, names)) > 5 else {})
     elif across.ndim == 1 and across.dtype.kind in "iu" and plot.x == "grid":
-        tick_cells(ax, across.values)
+        ax.set_xticks(across.values, [str(cells) for cells in across.values])
+        ax.xaxis.set_minor_locator(NullLocator())
 
 
 def _lines(

@@ -6,9 +6,7 @@ import matplotlib as mpl
 import matplotlib.style
 import numpy as np
 import xarray as xr
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import NullLocator
 
 from contactstudy.io.pictures.figure import LAW_STYLE, SETTINGS, add_legend, panels
 from studies.model.drawing import CaptionedFigure
@@ -43,12 +41,6 @@ def padding_style(padding: str) -> dict[str, Any]:
 def setting_label(dataset: xr.Dataset | xr.DataArray) -> str:
     """Return the name of the padding of a dataset that has one padding and one n, with its n where it has one."""
     return padding_label(str(dataset["padding"].values), int(dataset["images"]))
-
-
-def tick_cells(ax: Axes, cells: Any, offset: float = 0.0) -> None:
-    """Label an axis of whole numbers, such as numbers of cells, at these numbers alone; they stand `offset` farther."""
-    ax.set_xticks([n + offset for n in cells], [str(n) for n in cells])
-    ax.xaxis.set_minor_locator(NullLocator())
 
 
 def captioned(name: str, figure: Figure, caption: str) -> CaptionedFigure:

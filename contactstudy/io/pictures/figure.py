@@ -3,7 +3,7 @@
 from io import BytesIO
 from math import floor, log10
 from textwrap import fill
-from typing import Any, Literal
+from typing import Any
 
 import xarray as xr
 from matplotlib.axes import Axes
@@ -31,8 +31,6 @@ SETTINGS: Any = {
     "lines.markersize": 5,
     "pdf.fonttype": 42,
 }
-Share = Literal["none", "y", "both"]
-
 LAW_STYLE: dict[str, Any] = {"color": "black", "linestyle": ":", "linewidth": 1.0, "marker": "none"}
 
 
@@ -46,23 +44,14 @@ class Picture(Figure):
 
 
 def panels(
-    count: int, *, columns: int = 3, width: float = 3.4, height: float = 3.2, share: Share = "none"
+    count: int, *, columns: int = 3, width: float = 3.4, height: float = 3.2
 ) -> tuple[Figure, list[Axes]]:
-    """Return a figure with `count` panels, and the panels.
-
-    A panel is `width` by `height` in inches. Panels share no scale ("none"), that of y ("y"), or both ("both").
-    """
+    """Return a figure with `count` panels of `width` by `height` in inches, and the panels."""
     columns = min(columns, count)
     rows = -(-count // columns)
     # not pyplot's: no figure stays open
     figure = Picture(figsize=(width * columns, height * rows), layout="constrained")
-    axes = (
-        figure.subplots(
-            rows, columns, squeeze=False, sharex=share == "both", sharey=share != "none"
-        )
-        .ravel()
-        .tolist()
-    )
+    axes = figure.subplots(rows, columns, squeeze=False).ravel().tolist()
     for spare in axes[count:]:
         spare.set_visible(False)
     return figure, axes[:count]

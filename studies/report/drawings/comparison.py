@@ -9,7 +9,7 @@ import xarray as xr
 
 from studies.advice.front import pareto_front
 from studies.advice.stored import SETTINGS
-from studies.advice.verdict import PRESSURE, Measured, Verdict
+from studies.advice.verdict import PRESSURE, TIE, Measured, Verdict
 from studies.model.drawing import CaptionedFigure, Finding, Table
 from studies.report.plots import scaled
 from studies.report.section import Section
@@ -119,7 +119,7 @@ def _fastest(verdict: Verdict) -> Table:
     ]
     return Table(
         "The fastest setting for each error, of those that were tried. Times are the least processor times of a solve "
-        "on one thread; a tie within a tenth goes to the scene's own padding and to more cells.",
+        f"on one thread; a tie within {percent(TIE - 1)} goes to the scene's own padding and to more cells.",
         ("request", *HEAD),
         tuple(rows),
     )

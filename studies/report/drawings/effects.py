@@ -19,9 +19,9 @@ LOAD, RADIUS = 1e5, 0.01
 STEEL = 210e9 / (1 - 0.3**2)  # E* of a rigid cylinder on steel [Pa]
 
 
-def hertz(modulus: float, load: float = LOAD) -> cs.analytic.HertzLine:
-    """Return Hertz's contact of a cylinder of 10 mm with a contact modulus [Pa] under a load [N/m]."""
-    return cs.analytic.HertzLine(load, RADIUS, modulus)
+def hertz(modulus: float) -> cs.analytic.HertzLine:
+    """Return Hertz's contact of a cylinder of 10 mm with a contact modulus [Pa] under 100 N/mm."""
+    return cs.analytic.HertzLine(LOAD, RADIUS, modulus)
 
 
 # Coating

@@ -107,7 +107,7 @@ class HiddenEffect:
 
 @dataclass(frozen=True, eq=False)
 class HiddenHeights:
-    """Heights inside the cells of a grid, which are the same under any pressure, as pressures (x, y) [Pa].
+    """Heights inside the cells of a grid, which are the same at any instant, as pressures (x, y) [Pa].
 
     A corner that points out of the body, at which the slope changes by S, raises the pressure by ``E* S / (2 pi) ln 2``
     each time the cell is halved, and so without limit: the pressure near the apex of a blunt wedge is logarithmic
@@ -128,6 +128,8 @@ class HiddenHeights:
         Rise at a kink by all halvings to come.
     mean
         Mean of the heights inside the cells below that at their centres [m].
+    moduli
+        E* [Pa] along each axis of several cells, with which all are pressures.
     """
 
     missed: Array
@@ -136,6 +138,7 @@ class HiddenHeights:
     corner: Array
     kink: Array
     mean: float
+    moduli: tuple[float, ...]
 
     @classmethod
     def from_problem(cls, problem: Problem) -> "HiddenHeights | None":
@@ -146,7 +149,7 @@ class HiddenHeights:
         missed, protrusion, corner, kink, mean = *np.zeros((4, 1, 1)), 0.0
         points = CONSTANTS.points if source.has_length_scales else CONSTANTS.points_without_scales
         axes = [axis for axis in (0, 1) if grid.cells[axis] > 1]
-        moduli = [_modulus(problem, axis) for axis in axes]
+        moduli = _moduli(problem)
         stiffness = [
             modulus / grid.cell_size[axis] for axis, modulus in zip(axes, moduli, strict=True)
         ]
@@ -171,10 +174,13 @@ class HiddenHeights:
         missed, protrusion, rise, corner, kink = (
             np.broadcast_to(field, grid.cells) for field in (missed, protrusion, rise, corner, kink)
         )
-        return cls(missed, protrusion, rise, corner, kink, mean)
+        return cls(missed, protrusion, rise, corner, kink, mean, moduli)
 
     def effect_under(self, problem: Problem, pressure: Array) -> HiddenEffect:
-        """Return the effect of the heights where `pressure` (x, y) [Pa] acts, and in the neighbouring cells."""
+        """Return the effect of the heights where `pressure` (x, y) [Pa] acts, and in the neighbouring cells.
+
+        In a step in which the bodies creep or wear, `problem` is softer than at first, and less pressure flattens them.
+        """
         from scipy.ndimage import maximum_filter  # imported late, since it is slow
 
         assert problem.paddings is not None
@@ -183,17 +189,19 @@ class HiddenHeights:
         modes = tuple("wrap" if padding.wraps else "nearest" for padding in problem.paddings)
         beside = maximum_filter(loaded, 3, mode=modes)
         near, touching, peak = beside > 0, loaded > 0, float(loaded.max())
+        pairs = zip(_moduli(problem), self.moduli, strict=True)
+        softer = max((now / first for now, first in pairs), default=1.0)
 
         def largest(field: Array) -> float:
-            return float(np.where(near, field[rows], 0.0).max()) / peak
+            return softer * float(np.where(near, field[rows], 0.0).max()) / peak
 
-        hidden = self.missed[rows]
+        hidden = softer * self.missed[rows]
         opens = np.minimum(hidden, loaded) / np.where(touching, loaded, 1.0)
         return HiddenEffect(
             float(np.minimum(hidden, beside).sum() / loaded.sum()),
             largest(self.corner),
             largest(self.protrusion) > 1,
-            float(np.where(near, loaded + self.rise[rows], peak).max()) / peak - 1,
+            float(np.where(near, loaded + softer * self.rise[rows], peak).max()) / peak - 1,
             largest(self.kink),
             float(opens.sum()) / np.count_nonzero(touching),
         )
@@ -436,6 +444,11 @@ def mean_height(source: Source, grid: Grid, gap: Array) -> float:
     lengths = getattr(source, "covered_fractions", lambda _: None)(grid)
     means = np.broadcast_to(gap.mean(axis=0), grid.cells[1])
     return float(np.average(means, weights=lengths))
+
+
+def _moduli(problem: Problem) -> tuple[float, ...]:
+    """Return E* [Pa] along each axis of several cells."""
+    return tuple(float(_modulus(problem, axis)) for axis in (0, 1) if problem.grid.cells[axis] > 1)
 
 
 def _modulus(problem: Problem, axis: int) -> float:

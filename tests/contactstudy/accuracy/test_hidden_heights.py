@@ -7,7 +7,9 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.accuracy.discretisation.coarser import touching_fraction
+from contactstudy.accuracy.discretisation.hidden_heights import HiddenHeights
 from contactstudy.accuracy.estimate import error_estimate
+from contactstudy.elasticity.convolution import Convolution, weighted_sum
 from tests.conftest import LineContact
 from tests.contactstudy.scene.shapes.test_own_shapes import Own
 
@@ -267,3 +269,23 @@ def test_slits_between_the_centres_count_in_the_mean_gap(
     )
     error = abs(coarse.mean_gap / fine.mean_gap - 1)
     assert error <= error_estimate(coarse).mean_gap.total
+
+
+def test_hidden_heights_weigh_less_where_a_step_of_wear_softens_the_contact(
+    line_contact: LineContact,
+) -> None:
+    """Bodies wear under a pressure as if each cell had a soft layer, under which waves are flat at less pressure."""
+    grid = line_contact.grid((96, 1), 1.0, width=3.0)
+    wave = cs.Waviness(1e-8, across=4 * grid.cell_size[0])
+    problem = line_contact.with_shapes(wave).problem(grid, cs.ExactPeriodicity())
+    assert isinstance(problem.operator, Convolution)
+    layer = 2 * grid.cell_size[0] / line_contact.scene.contact_modulus
+    worn = replace(problem, operator=weighted_sum([(1.0, problem.operator)], layer))
+    pressure = cs.solve(problem).pressure
+    heights, of_worn = (HiddenHeights.from_problem(one) for one in (problem, worn))
+    assert heights is not None
+    assert of_worn is not None
+    found, expected = (one.effect_under(worn, pressure) for one in (heights, of_worn))
+    assert found.hidden_load == pytest.approx(expected.hidden_load)
+    assert found.peak_rise == pytest.approx(expected.peak_rise)
+    assert 0 < found.hidden_load < heights.effect_under(problem, pressure).hidden_load

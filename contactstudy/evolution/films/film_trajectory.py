@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 from math import inf
 from typing import Any
 
@@ -47,7 +47,7 @@ class FilmTrajectory:
     steps: int
     iterations: int
     linear_iterations: int
-    time_discretisation_errors: Mapping[str, Array] = field(default_factory=dict)
+    time_discretisation_errors: Mapping[str, Array]
 
     @property
     def status(self) -> Status:
@@ -104,9 +104,9 @@ def _values(film: FilmSolution) -> Array:
 
 
 def time_discretisation_errors(
-    films: FilmTrajectory, compared: list[Difference]
+    times: Sequence[float], films: Sequence[FilmSolution], compared: Sequence[Difference]
 ) -> Mapping[str, Array]:
-    """Return estimates (time,) of relative errors by name, from differences at ascending times.
+    """Return estimates (time,) of relative errors of films at `times` [s] by name, from differences at ascending times.
 
     They are infinite without any difference, and where a film has not converged. The error at an instant is estimated
     by the largest difference until then, or of all where none is later, as one alone may vanish by chance: by the
@@ -114,35 +114,37 @@ def time_discretisation_errors(
     """
     names = NUMBERS + OF_PRESSURE
     if not compared:
-        return {name: np.full(len(films.times), inf) for name in names}
-    until = np.searchsorted([film.time for film in compared], films.times)
+        return {name: np.full(len(times), inf) for name in names}
+    until = np.searchsorted([film.time for film in compared], times)
     until = np.minimum(until, len(compared) - 1)
     differences = np.array([film.differences for film in compared])
     relative = differences / _not_zero([film.values for film in compared])
     absolute = np.maximum.accumulate(differences)[until]
     errors = np.minimum(
-        absolute / _not_zero([_values(film) for film in films.contacts]),
+        absolute / _not_zero([_values(film) for film in films]),
         np.maximum.accumulate(relative)[until],
     )
-    errors[[film.status in FAILED for film in films.contacts]] = inf
+    errors[[film.status in FAILED for film in films]] = inf
     return dict(zip(names, ERROR_OVER_DIFFERENCE * errors.T, strict=True))
 
 
-def _not_zero(values: list[Array]) -> Array:
+def _not_zero(values: Sequence[Array]) -> Array:
+    """Return the sizes of `values` that differences are relative to; 1 in place of 0."""
     sizes = np.abs(values)
     return np.where(sizes == 0, 1, sizes)
 
 
 def film_trajectory(
-    records: Sequence[Record[Any]], films: Sequence[FilmSolution], compared: list[Difference]
+    records: Sequence[Record[Any]], films: Sequence[FilmSolution], compared: Sequence[Difference]
 ) -> FilmTrajectory:
     """Return the films that a march recorded, with the errors that differences to longer steps tell."""
     work = sum((record.work for record in records), Counter())
-    found = FilmTrajectory(
-        tuple(record.time for record in records),
+    times = tuple(record.time for record in records)
+    return FilmTrajectory(
+        times,
         tuple(films),
         work["steps"],
         work["iterations"],
         work["linear_iterations"],
+        time_discretisation_errors(times, films, compared),
     )
-    return replace(found, time_discretisation_errors=time_discretisation_errors(found, compared))

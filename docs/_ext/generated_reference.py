@@ -1,7 +1,6 @@
 """Reference pages made from the program itself: public names, keys of a scene file, studies, statuses."""
 
 import ast
-import json
 import re
 from dataclasses import MISSING, fields
 from enum import Enum
@@ -9,6 +8,7 @@ from importlib import import_module
 from importlib.util import find_spec
 from inspect import getdoc, isclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Annotated, Any, Literal, get_args, get_origin, get_type_hints
 
 import numpy as np
@@ -21,8 +21,12 @@ import contactstudy as cs
 from contactstudy.domain.validation import notes
 from contactstudy.io.scene_files.materials import materials
 from contactstudy.io.scene_files.scene_schema import DESCRIPTIONS, KINDS, NO_KIND, SceneDocument
+from studies.advice.stored import COLUMNS
+from studies.engine.options import RunOptions
+from studies.engine.run import run
 from studies.model.outcome import CaseStatus
-from studies.registry import BUILT_IN, load
+from studies.model.study import Study
+from studies.registry import BUILT_IN, SCENES, load
 
 # Where a public name is documented, by the folder of its module; what is not listed here goes to the last.
 GROUPS = {
@@ -265,9 +269,23 @@ def _plain(hint: Any) -> list[type]:
     return [one for one in found if isclass(one) and hasattr(one, "__dataclass_fields__")]
 
 
-def studies(variables: Path) -> str:
-    """A page with every study, its axes and its variables."""
-    stored = json.loads(variables.read_text(encoding="utf-8")) if variables.is_file() else {}
+VARIABLES = ("| variable | meaning | units |", "|---|---|---|")
+
+
+def variables(study: Study) -> list[str]:
+    """A row for each variable of a study, which is run at its last point."""
+    last = study.override({axis.name: axis.values[-1:] for axis in study.axes})
+    options = RunOptions(workers=0, repeats=1)
+    with TemporaryDirectory() as folder:
+        dataset = run(last, Path(folder), options=options, log=lambda _: None)
+    return [
+        f"| `{name}` | {one.attrs.get('long_name', '')} | {one.attrs.get('units', '')} |"
+        for name, one in dataset.data_vars.items()
+    ]
+
+
+def studies() -> str:
+    """A page with every study and its axes, and the variables of those that are no scene file."""
     text = ["# Studies", "", "Every axis is an option of `contactstudy run`.", ""]
     for name in BUILT_IN:
         study = load(name)
@@ -283,10 +301,12 @@ def studies(variables: Path) -> str:
             values = ", ".join(str(value) for value in axis.values)
             unit = f" [{axis.units}]" if getattr(axis, "units", "1") not in ("", "1") else ""
             text.append(f"| `{axis.name}` | {values} | {axis.long_name}{unit} |")
-        if found := stored.get(name):
-            text += ["", "| variable | meaning | units |", "|---|---|---|"]
-            text += [f"| `{one}` | {meaning} | {units} |" for one, meaning, units in found]
+        if name not in SCENES:
+            text += ["", *VARIABLES, *variables(study)]
         text.append("")
+    text += ["## `settings`", "", "The file of `contactstudy report --scene`, by settings.", ""]
+    text += VARIABLES
+    text += [f"| `{name}` | {meaning} | {units} |" for name, (units, meaning) in COLUMNS.items()]
     return "\n".join(text)
 
 
@@ -338,7 +358,7 @@ def write(app: Sphinx) -> None:
     pages = {
         "names": names(),
         "scene-file-keys": keys(),
-        "studies": studies(folder / "study-variables.json"),
+        "studies": studies(),
         "materials": material_table(),
         "statuses": statuses(),
     }

@@ -251,7 +251,7 @@ class _Batches:
                 # together: a class of a study file is then written once, not with every case
                 pickled = cloudpickle.dumps(tasks)
             except Exception as error:  # noqa: BLE001 (a study's class may do anything)
-                yield from self._alone(tasks, failed(error, "setup"))
+                yield from self._alone(tasks, failed(error))
                 continue
             # impure: a task that is requested again is performed again
             future = self.client.submit(

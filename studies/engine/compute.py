@@ -17,7 +17,6 @@ from studies.model.measured import check_size, measured_variables
 from studies.model.outcome import (
     RESERVED_NAMES,
     CaseStatus,
-    Failure,
     Outcome,
     RunSettings,
     TimedRun,
@@ -48,13 +47,6 @@ class Task:
         return self.expected is not None
 
 
-@dataclass
-class Stage:
-    """Name of the stage that a case has reached."""
-
-    name: str
-
-
 def perform(task: Task, settings: RunSettings) -> Outcome:
     """Return the outcome of a task: a case computed and measured, or timed; its errors are outcomes, too.
 
@@ -62,32 +54,30 @@ def perform(task: Task, settings: RunSettings) -> Outcome:
     from the key of the case, and what is set for a context (such as numpy's error state) ends with it.
     """
     start, process = perf_counter(), os.getpid()
-    act, stage = (_timed, Stage("timing")) if task.is_timed else (_computed, Stage("setup"))
     seed = int(task.key[:8], 16)
     random.seed(seed)
     np.random.seed(seed)  # noqa: NPY002 (for cases that use numpy's own generator)
     try:
-        outcome = contextvars.copy_context().run(act, task, settings, stage)
+        outcome = contextvars.copy_context().run(
+            _timed if task.is_timed else _computed, task, settings
+        )
         outcome = replace(outcome, seconds=perf_counter() - start)
     except StopRun:
         if os.getpid() == process:
             raise
     except BaseException as error:  # noqa: BLE001 (whatever a study's own code raises is data)
-        outcome = failed(error, stage.name, perf_counter() - start)
+        outcome = failed(error, perf_counter() - start)
     if os.getpid() != process:
         # a case has forked, and this is its child, which must not go on with the run
         os._exit(0)
     return outcome
 
 
-def _computed(task: Task, settings: RunSettings, stage: Stage) -> Outcome:
+def _computed(task: Task, settings: RunSettings) -> Outcome:
     """Return the outcome of a case, computed and measured."""
     case: Any = task.case
     with caching(SHARED_ARRAYS):
-        prepared = case.prepare()
-        stage.name = "solve"
-        result = case.run(prepared)
-        stage.name = "measure"
+        result = case.run(case.prepare())
         reserved, fields = RESERVED_NAMES | settings.axes, {}
         variables = measured_variables(settings.measures(case, result), reserved)
         if recorded := measured_variables(case.record(result), reserved, "record"):
@@ -98,7 +88,7 @@ def _computed(task: Task, settings: RunSettings, stage: Stage) -> Outcome:
     return Outcome(CaseStatus.OK, variables, fields=fields)
 
 
-def _timed(task: Task, _: RunSettings, __: Stage) -> Outcome:
+def _timed(task: Task, _: RunSettings) -> Outcome:
     """Return the outcome of a timed run of a case, which has its wall and CPU times."""
     case, expected = task.case, task.expected or 0.0
     if type(case) not in WARM and expected < MAX_WARM_UP:
@@ -117,17 +107,16 @@ def time_once(case: Computation) -> TimedRun:
     return TimedRun(ready - wall, finished - ready, ready_cpu - cpu, finished_cpu - ready_cpu)
 
 
-def failed(error: BaseException, stage: str, seconds: float = 0.0) -> Outcome:
+def failed(error: BaseException, seconds: float = 0.0) -> Outcome:
     """Return the outcome of a case that raised `error`, with its place in the study's code."""
     name = one_line(type(error).__name__, 100)
     place = place_of(error, __file__, measured.__file__)
-    failure = Failure(name, f"{name}{place}: {one_line(error)}", stage)
-    return Outcome(CaseStatus.FAILED, {}, failure, seconds)
+    return Outcome(CaseStatus.FAILED, {}, f"{name}{place}: {one_line(error)}", seconds)
 
 
 def ended(status: CaseStatus, kind: str, sentence: str, seconds: float) -> Outcome:
     """Return the outcome of a case whose process ended during it."""
-    return Outcome(status, {}, Failure(kind, f"{kind}: {sentence}", "unknown"), seconds)
+    return Outcome(status, {}, f"{kind}: {sentence}", seconds)
 
 
 def warm_up() -> None:

@@ -350,7 +350,7 @@ class Run:
                 try:
                     pickled = cloudpickle.dumps([task])
                 except Exception as error:  # noqa: BLE001 (a study's class may do anything)
-                    yield task, failed(error, "setup")
+                    yield task, failed(error)
                     continue
                 with self.stop.interruptible():
                     (outcome,) = slot.perform(pickled, 1, limit, "")

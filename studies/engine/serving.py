@@ -75,7 +75,7 @@ def _serve(connection: Connection, settings: bytes, where: str) -> None:
         run, program = pickle.loads(settings)
         look()
     except Exception as error:  # noqa: BLE001 (a study's module may do anything)
-        problem = failed(error, "setup").error
+        problem = failed(error).error
     connection.send(problem)
     while not problem and connection.poll(IDLE_TIMEOUT):
         tasks, first, end = connection.recv()
@@ -92,7 +92,7 @@ def _perform(
         tasks: Any = pickle.loads(pickled)
     except Exception as error:  # noqa: BLE001 (a study's class may do anything)
         if end == first + 1:
-            connection.send(failed(error, "setup"))
+            connection.send(failed(error))
         return
     for number in range(first, end):
         outcome = perform(tasks[number], run)
@@ -101,7 +101,7 @@ def _perform(
         except OSError:
             raise
         except Exception as error:  # noqa: BLE001 (a measure's own class may do anything)
-            connection.send(failed(error, "measure", outcome.seconds))
+            connection.send(failed(error, outcome.seconds))
         if perf_counter() - begun > BATCH_SECONDS:
             return
 

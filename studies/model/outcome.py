@@ -22,19 +22,10 @@ class CaseStatus(IntEnum):
 
 # variables that the store adds to every case; and keywords of xarray's ``sel``, which no axis may have
 RESERVED_NAMES = frozenset((
-    "case_status", "case_key", "error", "error_type", "error_stage", "repeat", "wall_time",
+    "case_status", "case_key", "error", "repeat", "wall_time",
     "tolerance", "method", "drop",
     *(f"{part}_time{end}" for part in ("setup", "solve") for end in ("", "_cpu", "_all")),
 ))  # fmt: skip
-
-
-@dataclass(frozen=True)
-class Failure:
-    """Error of a case: its type, a sentence, and its stage (setup, solve, measure or timing; unknown where it died)."""
-
-    kind: str
-    sentence: str
-    stage: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,8 +38,8 @@ class Outcome:
         Status of the computation.
     variables
         Measured variables, by name.
-    failure
-        The failure, if there are no variables.
+    error
+        Why there are no variables, in a sentence; empty where there are some.
     seconds
         Wall time of the whole computation [s].
     fields
@@ -59,15 +50,10 @@ class Outcome:
 
     case_status: CaseStatus
     variables: Mapping[str, xr.Variable] = field(default_factory=dict)
-    failure: Failure | None = None
+    error: str = ""
     seconds: float = 0.0
     fields: Mapping[str, xr.Variable] = field(default_factory=dict)
     sample: "TimedRun | None" = None
-
-    @property
-    def error(self) -> str:
-        """Sentence on the failure; empty without one."""
-        return self.failure.sentence if self.failure else ""
 
 
 def summary_messages(dataset: xr.Dataset) -> Iterator[str]:

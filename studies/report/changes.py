@@ -9,7 +9,7 @@ from contactstudy import InvalidInput
 from studies.model.outcome import is_time
 
 STATUSES = ("case_status", "solver_status")
-ABOUT_CASES = ("case_key", "error", "error_type", "error_stage")  # texts of the store
+ABOUT_CASES = ("case_key", "error")  # texts of the store
 # Numbers of the solver, and ends of names of others, that change within its tolerance.
 OF_SOLVER = ("residual", "iterations", "linear_iterations", "outer_iterations", "convolutions")
 LEFT_OUT_ENDS = ("_estimate_residual", "_bound")

@@ -18,7 +18,7 @@ import xarray as xr
 
 from contactstudy import InvalidInput
 from contactstudy.domain.files import open_descriptor, reason
-from studies.model.outcome import CaseStatus, Failure, Outcome, TimedRun
+from studies.model.outcome import CaseStatus, Outcome, TimedRun
 
 START = b'{"sum":"'
 HEAD = len(START) + len('0123456789abcdef",')
@@ -163,7 +163,7 @@ class Journal:
         self.append({
             "case": key[0], "program": key[1], "study": study, "point": dict(point),
             "status": outcome.case_status.name, "seconds": outcome.seconds,
-            "failure": asdict(outcome.failure) if outcome.failure else None,
+            "error": outcome.error,
             "values": {name: encoded_variable(v) for name, v in outcome.variables.items()},
         })  # fmt: skip
 
@@ -186,7 +186,7 @@ class Journal:
         if line is None:
             return None
         variables = {name: decoded_variable(entry) for name, entry in line["values"].items()}
-        return Outcome(CaseStatus[line["status"]], variables, _failure(line), line["seconds"])
+        return Outcome(CaseStatus[line["status"]], variables, line["error"], line["seconds"])
 
     def _apply(self, line: Line) -> None:
         """Take a line into the state."""
@@ -197,8 +197,10 @@ class Journal:
                 "program": str(program),
                 "values": dict(),
                 "seconds": float() | int(),
+                "status": status,
+                "error": str(),
             }:
-                _failure(line), CaseStatus[line["status"]]
+                CaseStatus[status]
                 self.cases[key, program] = line
             case {"time": key, "program": program, "sample": sample}:
                 sample = TimedRun(**sample)
@@ -256,11 +258,6 @@ def decoded(raw: bytes) -> Line:
 
 def _checksum(content: bytes) -> bytes:
     return hashlib.blake2b(content, digest_size=8).hexdigest().encode()
-
-
-def _failure(line: Line) -> Failure | None:
-    """Return the failure in the line of a case; None without one."""
-    return Failure(**line["failure"]) if line["failure"] else None
 
 
 def encoded_variable(variable: xr.Variable) -> Sequence[Any]:

@@ -2,7 +2,7 @@
 
 from collections import defaultdict
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
-from dataclasses import astuple, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -10,7 +10,7 @@ import xarray as xr
 
 from contactstudy.io.dataset import flags
 from studies.model.axis import Axis
-from studies.model.outcome import CaseStatus, Failure, Outcome, TimedRun, timing_variables
+from studies.model.outcome import CaseStatus, Outcome, TimedRun, timing_variables
 
 # a table of all points may take this many times the bytes stored of a variable, and this many bytes more
 MAX_FILL_FACTOR, FREE_BYTES = 4, 2**28
@@ -143,17 +143,11 @@ def _about_cases(
     meanings = [status.name.lower() for status in CaseStatus]
     numbers = np.array(statuses, dtype=np.int8)[index]
     data = {"case_status": flags(names, numbers, meanings, "status of the case")}
-    nothing = Failure("", "", "")
-    failures = [(outcome and outcome.failure) or nothing for outcome in outcomes.values()]
+    errors = [outcome.error if outcome else "" for outcome in outcomes.values()]
     what = "key of the case, also in the journal and of the group of its fields"
     texts: list[tuple[str, Sequence[str], str]] = [("case_key", list(outcomes), what)]
-    if any(failure is not nothing for failure in failures):
-        kinds, sentences, stages = zip(*map(astuple, failures), strict=True)
-        texts += [
-            ("error", sentences, "why the case has no numbers"),
-            ("error_type", kinds, "type of the error"),
-            ("error_stage", stages, "stage that failed: setup, solve, measure or unknown"),
-        ]
+    if any(errors):
+        texts.append(("error", errors, "why the case has no numbers"))
     for name, values, long_name in texts:
         column = np.array(values, dtype=object)[index]
         data[name] = xr.Variable(names, column, {"long_name": long_name})

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from contactstudy import InvalidInput
-from studies.model.outcome import CaseStatus, Failure, Outcome, TimedRun
+from studies.model.outcome import CaseStatus, Outcome, TimedRun
 from studies.store.journal import Journal, decoded_variable, encoded, encoded_variable
 
 SAMPLE = TimedRun(1.0, 2.0, 0.5, 1.5)
@@ -20,7 +20,7 @@ FIRST = {"point": {"number": 1}, "program": "p", "fields": {}}
 
 
 def outcome(value: float = 1.0) -> Outcome:
-    return Outcome(CaseStatus.OK, {"square": xr.Variable((), value)}, None, 3.0)
+    return Outcome(CaseStatus.OK, {"square": xr.Variable((), value)}, seconds=3.0)
 
 
 def opened(path: Path, machine: str = "here") -> Journal:
@@ -33,17 +33,16 @@ def add(journal: Journal, *cases: str, value: float = 1.0) -> None:
 
 
 def test_a_case_comes_back_with_its_numbers(tmp_path: Path) -> None:
-    failure = Failure("KeyError", "why", "solve")
     with opened(tmp_path) as journal:
         journal.start("study", "now", "p", {"numpy": "1.0"}, FIRST)
         add(journal, "a", value=7.5)
-        journal.add(("b", "p"), "study", {}, Outcome(CaseStatus.FAILED, {}, failure))
+        journal.add(("b", "p"), "study", {}, Outcome(CaseStatus.FAILED, {}, "why"))
         add(journal, "a", value=8.5)  # once more, as after --retry
     found = opened(tmp_path)
     stored = found.outcome(("a", "p"))
     assert (stored.case_status, stored.seconds) == (CaseStatus.OK, 3.0)
     assert float(stored.variables["square"]) == 8.5
-    assert found.outcome(("b", "p")).failure == failure
+    assert found.outcome(("b", "p")).error == "why"
     assert found.outcome(("a", "of another program")) is None
     assert (found.history["study"], found.firsts["study"]) == (["now"], FIRST)
     assert found.programs == {"p": {"numpy": "1.0"}}
@@ -51,7 +50,7 @@ def test_a_case_comes_back_with_its_numbers(tmp_path: Path) -> None:
 
 def test_times_are_of_one_machine_until_they_are_dropped(tmp_path: Path) -> None:
     a, b, c = ((name, "p") for name in "abc")
-    failed = Outcome(CaseStatus.FAILED, {}, Failure("E", "too short", "timing"))
+    failed = Outcome(CaseStatus.FAILED, {}, "too short")
     with opened(tmp_path) as journal:
         journal.add_time(c, Outcome(CaseStatus.OK, sample=SAMPLE))
         journal.add_time(a, Outcome(CaseStatus.OK, sample=SAMPLE))
@@ -90,14 +89,14 @@ def test_a_journal_removed_or_replaced_while_it_was_written_is_said(tmp_path: Pa
 
 
 CASE = {"case": "b", "program": "p", "study": "s", "point": {}, "status": "OK", "seconds": 1.0,
-        "failure": None, "values": {}}  # fmt: skip
+        "error": "", "values": {}}  # fmt: skip
 ODD: dict[str, bytes] = {
     "torn": encoded(CASE)[:-9],
     "damaged": encoded(CASE).replace(b"seconds", b"secants"),
     "no seconds": encoded({name: value for name, value in CASE.items() if name != "seconds"}),
     "unknown status": encoded(CASE | {"status": "bogus"}),
     "values that are text": encoded(CASE | {"values": "x"}),
-    "more in a failure": encoded(CASE | {"failure": {"kind": "a", "d": 1}}),
+    "an error that is no text": encoded(CASE | {"error": {"kind": "a"}}),
     "a sample of others": encoded({"time": "a", "program": "p", "sample": {"x": 1}}),
     "nothing known": encoded({"hello": 1}),
     "no JSON": b"nothing at all\n",

@@ -17,6 +17,7 @@ from contactstudy.domain.checks import in_range, positive
 from contactstudy.domain.device import using
 from contactstudy.elasticity.convolution import Convolution
 from contactstudy.elasticity.transforms import transforms
+from contactstudy.problem.operator import Operator
 from studies.reference.line_contact import HERTZ_HEIGHT, SCENE, A
 
 LINE, SMOOTH, ROUGH, SELF_AFFINE = "line", "smooth", "rough", "self-affine"
@@ -116,7 +117,7 @@ def least_seconds(clock: Callable[[], float], act: Callable[[], object]) -> floa
     return min(durations)
 
 
-def transform_seconds(operator: cs.Operator) -> float:
+def transform_seconds(operator: Operator) -> float:
     """Return the least time [s] of a bare pair of transforms of the operator's size."""
     assert isinstance(operator, Convolution)
     with using(cs.Cpu()):

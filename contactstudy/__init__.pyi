@@ -1,11 +1,11 @@
 # The public names, each with the module that defines it: what `import contactstudy` offers, imported on first use.
-from . import analytic, kernels
+from . import analytic
 from .answers.contact import Contact
 from .answers.evolution import Evolution
 from .answers.lubricated_contact import LubricatedContact
 from .domain.checks import InvalidInput, NotDefined
 from .domain.device import Cpu, Gpu, Precision
-from .domain.errors import ErrorEstimate, ErrorParts
+from .domain.errors import ErrorEstimate
 from .domain.grid import (
     CircularSuperposition,
     DuplicatedPadding,
@@ -17,23 +17,18 @@ from .domain.grid import (
     ZeroPadding,
 )
 from .elasticity.coefficients import Coefficients
-from .elasticity.convolution import Convolution, convolution, superposed
+from .elasticity.convolution import Convolution, convolution
 from .evolution.time_steps import ErrorEstimator, Scheme, TimeSteps
 from .forecast import plan
-from .io.compare import Comparison, compare
-from .io.quantities.quantity import Quantity
+from .io.compare import compare
 from .io.scene_files.materials import material
-from .planning.planned import Plan
 from .problem.bare_problem import BareProblem
 from .problem.constraint import (
     Compressive,
     Constraint,
-    Control,
-    Gap,
     HardnessLimited,
     PrescribedLoad,
 )
-from .problem.operator import Operator
 from .problem.problem import Problem, Scales
 from .progress import Progress
 from .scene.adhesion import Adhesion
@@ -58,14 +53,15 @@ from .scene.lubrication.lubricant import (
 )
 from .scene.lubrication.lubrication import (
     Boundary,
-    ChangingSpeed,
     ElrodAdams,
     Lubrication,
     ReynoldsCavitation,
     SpeedHistory,
 )
 from .scene.rolling import Rolling, RollingPressure
-from .scene.scene import Output, Scene
+from .scene.scene import (
+    Scene,
+)
 from .scene.shapes.moving_shape import MovingShape
 from .scene.shapes.profile import EndRelief, ProfilePoints
 from .scene.shapes.roller import (
@@ -88,7 +84,10 @@ from .scene.solids.hardness_profile import HardnessProfile
 from .scene.solids.viscoelastic import ViscoelasticHalfSpace
 from .scene.stress import SubsurfaceStress
 from .scene.surfaces.measured_surface import MeasuredSurface
-from .scene.surfaces.measurement import Flip, Reading, Sizes
+from .scene.surfaces.measurement import (
+    Flip,
+    Sizes,
+)
 from .scene.surfaces.preparation import (
     AsMeasured,
     GaussianFilter,
@@ -120,16 +119,13 @@ __all__ = [
     "Body",
     "Boundary",
     "Carreau",
-    "ChangingSpeed",
     "CircularSuperposition",
     "CoatedHalfSpace",
     "Coefficients",
-    "Comparison",
     "Compressive",
     "ConstantDensity",
     "Constraint",
     "Contact",
-    "Control",
     "Convolution",
     "Cosine",
     "Cpu",
@@ -144,7 +140,6 @@ __all__ = [
     "EndRelief",
     "ErrorEstimate",
     "ErrorEstimator",
-    "ErrorParts",
     "Evolution",
     "ExactPeriodicity",
     "Eyring",
@@ -154,7 +149,6 @@ __all__ = [
     "Flip",
     "FreeFaces",
     "Fretting",
-    "Gap",
     "GaussianFilter",
     "Gpu",
     "Grid",
@@ -178,13 +172,10 @@ __all__ = [
     "MovingShape",
     "Newtonian",
     "NotDefined",
-    "Operator",
-    "Output",
     "Padding",
     "Paddings",
     "Parabolic",
     "PartialSlip",
-    "Plan",
     "PolonskyKeer",
     "Precision",
     "PreconditionedCG",
@@ -193,8 +184,6 @@ __all__ = [
     "ProfilePoints",
     "Progress",
     "PullOff",
-    "Quantity",
-    "Reading",
     "RefuseMissing",
     "ReynoldsCavitation",
     "RmsSlope",
@@ -237,11 +226,9 @@ __all__ = [
     "contact_stiffness",
     "convolution",
     "distant_approach",
-    "kernels",
     "material",
     "plan",
     "read_scene",
     "solve",
-    "superposed",
     "write_scene",
 ]

@@ -279,7 +279,7 @@ def all_recorded(breakpoints: tuple[Breakpoint, ...]) -> tuple[Breakpoint, ...]:
 def _checked(times: ArrayLike, load: ChangingLoad) -> list[float]:
     """Return `times` [s] as a list; raise InvalidInput if they decrease, begin before the load or stand three times."""
     instants: list[float] = np.ravel(times).tolist()
-    check_ascending("solve.times", tuple(instants))
+    check_ascending("solve.times", instants)
     if instants[0] < load.start:
         raise InvalidInput(
             f"solve.times[0] is {instants[0]!r}: give times from {load.start!r} s on, when the load begins."

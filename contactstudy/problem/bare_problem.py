@@ -77,7 +77,7 @@ class BareProblem:
     def winkler_start(self) -> Array:
         """Return the pressure (x, y) of a Winkler foundation as compliant as the operator.
 
-        A first foundation has four times the self-compliance of a cell. The operator's compliance is that of the
+        A first foundation is more compliant than a cell by itself. The operator's compliance is that of the
         deviations from the mean under its pressure, and gives the foundation returned. The pressure is uniform where no
         compliance follows, and on elongated cells, where waves along the shorter side are much stiffer than others.
         """

@@ -44,22 +44,25 @@ FILM_WEAR = Method("a film that wears", ("times", "error", "max_iterations"))
 
 
 def method_of(scene: SceneContext) -> Method:
-    """Return the method by which a scene is solved: the first of those whose scenes name what it names."""
+    """Return the method by which a scene is solved: the first in the table below whose condition the scene meets."""
     film, wears = scene.lubrication is not None, scene.wear is not None
     changes = scene.time_dependent_field is not None
-    has_states = any(creeps(solid) or yields(solid) for solid in scene.solids)
-    drives = getattr(scene.friction, "is_steady", False)
-    turns = drives or getattr(scene.wear, "circumference", None) is not None
+    keeps_states = any(creeps(solid) or yields(solid) for solid in scene.solids)
+    has_traction = getattr(scene.friction, "is_steady", False)  # tractive rolling
+    wears_evenly = has_traction or getattr(scene.wear, "circumference", None) is not None
     rolls_at_speed = scene.rolling_speed is not None
     methods = (
         (film and wears, FILM_WEAR),
         (film and changes, FILM_IN_TIME),
         (film, FILM),
-        (wears and (rolls_at_speed or turns), STEADY_WEAR),
+        (wears and (rolls_at_speed or wears_evenly), STEADY_WEAR),
         (rolls_at_speed and isinstance(scene.load, ChangingLoad), QUASI_STATIC),
         (rolls_at_speed, STEADY_ROLLING),
         (scene.rolling is not None, PASSES),
-        (changes and (drives or (scene.adhesion is not None and not has_states)), QUASI_STATIC),
+        (
+            changes and (has_traction or (scene.adhesion is not None and not keeps_states)),
+            QUASI_STATIC,
+        ),
         (changes, TIME_DEPENDENT),
         (True, STATIC),
     )

@@ -65,6 +65,17 @@ ARRAYS = (
     "",
 )
 INNER = (
+    "domain.errors.ErrorParts",
+    "elasticity.convolution.superposed",
+    "io.compare.Comparison",
+    "io.quantities.quantity.Quantity",
+    "planning.planned.Plan",
+    "problem.constraint.Control",
+    "problem.constraint.Gap",
+    "problem.operator.Operator",
+    "scene.lubrication.lubrication.ChangingSpeed",
+    "scene.scene.Output",
+    "scene.surfaces.measurement.Reading",
     "accuracy.discretisation.coarser.coarse_solution",
     "accuracy.estimate.error_estimate",
     "answers.answer.Answer",

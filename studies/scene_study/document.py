@@ -16,6 +16,7 @@ from contactstudy.domain.checks import parameters, suggestion
 from contactstudy.domain.identity import digest
 from contactstudy.domain.units import Unit
 from contactstudy.io.scene_files.scene_schema import MeasuredSurfaceTable, SceneDocument
+from contactstudy.scene.surfaces.measurement import Reading
 from contactstudy.scene_file import SceneFile, document_from, scene_file_from
 from studies.model.axis import Axis, Value, check_count
 from studies.scene_study.values import MAX_VALUES, parse_values
@@ -116,7 +117,7 @@ def _table_of(value: Any) -> dict[str, Any]:
     turn = "quarter" if value.is_turned else "none"
     table: dict[str, Any] = {"kind": "MeasuredSurface", "turn": turn} | rules
     if value.file is not None:
-        reading = {key.name: getattr(value.reading, key.name) for key in fields(cs.Reading)}
+        reading = {key.name: getattr(value.reading, key.name) for key in fields(Reading)}
         return table | reading | {"file": value.file, "tile": value.tile}
     upright = value.turned().turned().turned() if value.is_turned else value
     return table | {"file": replace(upright, tile=None), "extent": upright.extent}

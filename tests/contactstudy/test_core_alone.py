@@ -64,7 +64,6 @@ def test_numpy_and_scipy_are_enough_to_solve_and_the_rest_says_what_it_needs() -
             ("contactstudy.SceneFile", "cattrs", "cattrs"),
             ("contactstudy.write_scene", "cattrs", "cattrs"),
             ("contactstudy.compare", "xarray", "xarray"),
-            ("contactstudy.Comparison", "xarray", "xarray"),
             ("Contact.to_dataset", "xarray", "xarray"),
             ("Contact.plot", "xarray", "xarray"),
             ("MeasuredSurface.read", "SurfaceTopography", "'contactstudy[measured]'"),

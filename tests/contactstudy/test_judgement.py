@@ -7,6 +7,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.answers.judgement import judged_numbers
+from contactstudy.io.quantities.quantity import Quantity
 from tests.conftest import LineContact
 
 EXACT = cs.ExactPeriodicity()
@@ -77,10 +78,10 @@ def test_a_request_that_cannot_be_judged_is_refused(
 
 def test_components_count_over_the_whole_and_fractions_over_one() -> None:
     numbers = {
-        "traction_coefficient": cs.Quantity(0.2, "1", "tangential force over load", 1e-3, ""),
-        "lateral_traction_coefficient": cs.Quantity(1e-6, "1", "lateral force", 1e-3, ""),
-        "stick_fraction": cs.Quantity(1e-3, "1", "fraction that sticks", 2e-3, ""),
-        "pressure_shift": cs.Quantity(0.0, "m", "centroid", 1e-9, ""),
+        "traction_coefficient": Quantity(0.2, "1", "tangential force over load", 1e-3, ""),
+        "lateral_traction_coefficient": Quantity(1e-6, "1", "lateral force", 1e-3, ""),
+        "stick_fraction": Quantity(1e-3, "1", "fraction that sticks", 2e-3, ""),
+        "pressure_shift": Quantity(0.0, "m", "centroid", 1e-9, ""),
     }
     judged = judged_numbers(numbers, 1e-2)
     assert judged["lateral_traction_coefficient"].ratio == pytest.approx(0.5)

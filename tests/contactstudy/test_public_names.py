@@ -168,7 +168,7 @@ def test_a_problem_is_built_from_arrays_an_operator_and_a_load() -> None:
 
 def test_completion_lists_the_public_names_and_nothing_else() -> None:
     listed = set(dir(cs))
-    assert {"read_scene", "SubsurfaceStress", "solve", "kernels", "Problem"} <= listed
+    assert {"read_scene", "SubsurfaceStress", "solve", "analytic", "Problem"} <= listed
     assert listed == set(cs.__all__)
     for name in listed:
         assert getattr(cs, name) is not None

@@ -38,7 +38,7 @@ def boussinesq_cell_periodic(
     """Return the integral of 1/r over a cell repeated infinitely along y, less its divergent rigid-body motion.
 
     ``S = lim_M [ sum_{|m| <= M} I(x, y + m L) - (2 dx dy / L) ln((2 M + 1) L) ]`` with I that of
-    :func:`~contactstudy.kernels.boussinesq_cell`. Its mean over a period is ``-(2 dx dy / L) mean ln |x|``. The error is
+    ``boussinesq_cell``. Its mean over a period is ``-(2 dx dy / L) mean ln |x|``. The error is
     below 1e-13 of ``max(|S|, dx dy / period)``; the result is even in `x` and `y`.
 
     Source: near the axis, images summed one by one, and all further ones as multipoles, whose sums are zeta functions;
@@ -272,7 +272,7 @@ def boussinesq_cell_doubly_periodic(
     """Return the integral of 1/r over a cell repeated along x and y, less its mean over both periods.
 
     The error is below 1e-13 of ``max(|S|, dx dy / min(width, period))``. Source: the rows of
-    :func:`~contactstudy.kernels.boussinesq_cell_periodic`, whose harmonics vanish within a few of their periods and
+    ``boussinesq_cell_periodic``, whose harmonics vanish within a few of their periods and
     whose logarithms together are that of a periodic line load, ``-2 ln |2 sin(pi x / W)|`` (Johnson 1985, sect. 13.2).
 
     Parameters

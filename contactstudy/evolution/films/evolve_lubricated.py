@@ -340,18 +340,16 @@ class _FilmStepper:
             else:
                 gap += shape.gap(self.grid)
         posed = self.posed.with_gap(gap)
+        speed = scales.lubrication.speed_at(time)
         equation = replace(
             posed.equation,
             load=self.posed.equation.load * load / self.scene.largest_load,
-            speed=scales.lubrication.speed_at(time) / scales.lubrication.largest_speed,
+            speed=speed / scales.lubrication.largest_speed,
         )
-        speed = scales.lubrication.speed_at(time)
-        here = replace(self.scene, load=LineLoad(load)) if self._load_changes else self.scene
+        here = self.scene
+        if isinstance(here.load, ChangingLoad):
+            here = replace(here, load=LineLoad(load))
         return replace(posed, equation=equation, instant=lubricated_scales(here, speed))
-
-    @property
-    def _load_changes(self) -> bool:
-        return isinstance(self.scene.load, ChangingLoad)
 
     def _squeeze_term(self, step: float, past: list[Array]) -> SqueezeTerm:
         """Return the rate after a step [a / u_m] of a field (x, y), such as the content, from ``past`` instants.

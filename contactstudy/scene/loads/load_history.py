@@ -1,6 +1,7 @@
 """Loads that change in time."""
 
 from bisect import bisect_left, bisect_right
+from collections.abc import Sequence
 from itertools import pairwise
 from math import asin, ceil, floor, pi, sin
 from typing import Annotated, ClassVar, Protocol, runtime_checkable
@@ -126,7 +127,7 @@ class PiecewiseLinear:
 Times = tuple[Annotated[Seconds, FINITE], ...]
 
 
-def check_ascending(name: str, times: tuple[float, ...]) -> None:
+def check_ascending(name: str, times: Sequence[float]) -> None:
     """Raise :class:`~contactstudy.InvalidInput` for `times` [s], of this `name`, that decrease, or stand three times."""
     for number, (before, after) in enumerate(pairwise(times), start=1):
         if after < before or times[max(number - 2, 0) : number + 1].count(after) > 2:

@@ -44,26 +44,29 @@ class CoatedStress:
         self, traction: str, component: str, depth: float
     ) -> tuple[tuple[Coefficients, float], ...]:
         """Return coefficients with their weights of a stress `component` at a `depth` [m] under a surface `traction`."""
-        number = sum(face < depth for face in self.depths)
+        # the interface above the depth, whose lower material that is; the first one for a depth in the outer layer
+        above = max(sum(face < depth for face in self.depths) - 1, 0)
         found: dict[Coefficients, float] = {}
 
         def half_space(name: str, depth: float, ratio: float, weight: float) -> None:
             coefficients = StressCoefficients(FAMILIES[traction][name], depth, ratio)
             found[coefficients] = found.get(coefficients, 0.0) + weight
 
-        for interface in range(max(number - 1, 0), len(self.depths)):
+        for interface in range(above, len(self.depths)):
             thickness = self.depths[interface]
             stress = LayerStress(self.responses[interface], depth / thickness)
             waves = StressWaves(stress, traction)
             found[WaveCoefficients(waves, thickness, component)] = 1.0
-            if interface == max(number - 1, 0):
+            if interface == above:
                 half_space(component, depth, stress.poisson_ratio, 1.0)
             if stress.in_layer and component in ("xx", "yy", "xy"):
                 image = thickness * stress.decay_rate
                 for sign, below in ((1, stress.materials), (-1, stress.materials.above)):
-                    ratios = stress.ratios(below)
-                    for name, weight in _strained(component, *ratios).items():
-                        half_space(name, image, ratios[2], sign * weight)
+                    shear_ratio, here, ratio_below = stress.ratios(below)
+                    for name, weight in _strained(
+                        component, shear_ratio, here, ratio_below
+                    ).items():
+                        half_space(name, image, ratio_below, sign * weight)
         return tuple(item for item in found.items() if abs(item[1]) > LEAST_WEIGHT)
 
 

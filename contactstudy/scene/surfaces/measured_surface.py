@@ -135,7 +135,7 @@ class MeasuredSurface:
             Size (width, length) [m] of a file without sizes. A matrix without it, and a netCDF file that lacks
             coordinates, are heights of the grid's cells.
         unit, invalid, decimal, transpose, flip, sizes
-            As for :class:`~contactstudy.Reading`.
+            As for :class:`~contactstudy.scene.surfaces.measurement.Reading`.
         missing, trend, seam, seam_across, filter
             As for the class; the defaults are to refuse missing points, ``Trend.PLANE``, ``Tapered()``,
             ``AsMeasured()`` and no filter.

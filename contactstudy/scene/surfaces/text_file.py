@@ -15,7 +15,8 @@ import numpy as np
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 
-# Units of length [m] by their names in lower case, the micro sign written u, "metres" and the like written m.
+# Units of length [m] by their names in lower case and without the s of a plural (that of "inches" leaves "inche"), the
+# micro sign written u, "metre" and the like written m.
 LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "nm": 1e-9, "pm": 1e-12, "å": 1e-10}
 LENGTHS |= {
     "in": 25.4e-3,
@@ -36,7 +37,10 @@ NUMERAL = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+)?")
 GROUPED = {mark: re.compile(rf"[-+]?[1-9]\d{{0,2}}(?:\{mark}\d{{3}})+") for mark in ",."}
 
 
-# Words of a header, in English and as Gwyddion, MountainsMap and others translate them: axes, then quantities.
+# Words of a header, in English and as Gwyddion, MountainsMap and others translate them. Axes come first. A number is
+# a step between points, a size of all, a `factor` of heights (by `times` even where no axis is named), the value of
+# `invalid` points, or a count of points if whole and by a word of `count`. One by a word of `other` is not used, nor
+# the `number` of invalid points.
 WORDS = {
     "x": "x dx nx w width columns cols ncols breite largeur ancho anchura larghezza horizontal fast "
     "column point punkt spalten",
@@ -57,7 +61,9 @@ WORDS = {
     "number": "points pixels count number percent ratio samples",
 }
 WORDS_OF = {name: frozenset(words.split()) for name, words in WORDS.items()}
+# "nm/count", "um per LSB": heights are integers, and the number before it is their factor.
 COUNTED = re.compile(r"\s*(?:/|\bper )\s*(?:count|lsb|bit|digit|inc)\w*", re.I)
+# A number within a line, what may be a unit after it, and two numbers such as "2 um x 3 um".
 NUMBER = re.compile(r"(?<![\w.])" + NUMERAL.pattern + r"(?![\d.])")
 UNIT = re.compile(r"[\s,;\t]*[\[(]?(?!in\s+(?:\d|\w\w))([^\W\d_]+)[\])]?(?!\s*[=:]|\w|/(?!p))")
 PAIR = re.compile(rf"({NUMERAL.pattern})\s*([^\W\d_]*)\s*[x×*]\s*({NUMERAL.pattern})\s*([^\W\d_]*)")
@@ -192,6 +198,7 @@ def _keyed(lines: list[str]) -> list[str]:
 
 
 def _words(key: str) -> frozenset[str]:
+    """Return the words of a key in lower case; "xsize" and "pixelsize" are two words each."""
     return frozenset(
         re.findall(
             r"[^\W\d_]+",
@@ -223,7 +230,12 @@ def _axes(words: frozenset[str]) -> list[str]:
 
 @dataclass(frozen=True)
 class TextTable:
-    """Rows of equally many numbers, nan where one is missing, in blocks; lines around them; names of the columns."""
+    """Table of numbers in a text file.
+
+    It has `values` (rows, columns), nan where one is missing, the lines around them as `header`, `names` of the columns
+    (empty texts without), the numbers in the line `above`, which may be positions, and the number of `blocks` between
+    blank lines.
+    """
 
     values: Array
     header: list[str]

@@ -11,7 +11,9 @@ import contactstudy as cs
 from contactstudy.accuracy.discretisation.coarser import coarse_solution
 from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.accuracy.residual_errors import residual_errors
+from contactstudy.domain.errors import ErrorParts
 from contactstudy.domain.fields import Array
+from contactstudy.io.quantities.quantity import Quantity
 from contactstudy.scene.solids.bodies import contact_modulus
 from tests.conftest import STEEL, LineContact
 
@@ -150,7 +152,7 @@ def test_residual_part_holds_up_to_nearly_full_contact(fraction: float) -> None:
 
 
 def test_each_cause_shows_in_its_own_part_alone(line_contact: LineContact) -> None:
-    def parts(cells: int, padding: cs.Padding, tolerance: float) -> cs.ErrorParts:
+    def parts(cells: int, padding: cs.Padding, tolerance: float) -> ErrorParts:
         problem = line_contact.scene.problem(line_contact.grid((cells, 2), 2.4), padding)
         return error_estimate(cs.solve(problem, tolerance=tolerance)).l1
 
@@ -489,7 +491,7 @@ def test_the_pull_off_of_a_surface_that_is_pressed_flat_has_no_limit(cells: int)
     work = (0.4 * flattens) ** 2 * length / 2 / modulus
     wave = (cs.Waviness(0.05 * length, across=length),)
 
-    def pull_off(preload: float, work: float) -> cs.Quantity:
+    def pull_off(preload: float, work: float) -> Quantity:
         scene = cs.Scene(cs.PullOff(preload), SOFT, wave, adhesion=cs.Adhesion(work))
         grid = cs.Grid((cells, 1), (length, length))
         return cs.solve(scene, grid, (cs.ExactPeriodicity(),) * 2).quantities["pull_off"]

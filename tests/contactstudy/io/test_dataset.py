@@ -10,6 +10,7 @@ import xarray as xr
 import contactstudy as cs
 from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.answers.lubricated_contact import film_answer
+from contactstudy.domain.errors import ErrorParts
 from contactstudy.lubrication.solve_lubricated import solve_lubricated
 from tests.conftest import LineContact
 from tests.contactstudy.lubrication.scenes import by_moes
@@ -95,7 +96,7 @@ def test_an_answer_is_shown_with_its_accuracy_first_and_a_picture(
 
 def test_a_lubricated_contact_is_labelled_with_its_errors_and_drawn() -> None:
     contact = solve_lubricated(by_moes(20, 5), film_cells(100, 5.43), cs.ExactPeriodicity())
-    parts = cs.ErrorParts(discretisation=0.1, inlet=0.2, residual=inf)
+    parts = ErrorParts(discretisation=0.1, inlet=0.2, residual=inf)
     estimate = cs.ErrorEstimate(
         parts, central_film=parts, minimum_film=parts, warnings=("a spike",)
     )

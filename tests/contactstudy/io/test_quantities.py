@@ -7,10 +7,11 @@ import pytest
 import xarray as xr
 
 import contactstudy as cs
+from contactstudy.domain.errors import ErrorParts
 from contactstudy.domain.units import readable
 from contactstudy.io.dataset import with_quantities
 from contactstudy.io.quantities.evolution_quantities import evolution_quantities
-from contactstudy.io.quantities.quantity import as_json, as_text, with_bound
+from contactstudy.io.quantities.quantity import Quantity, as_json, as_text, with_bound
 from contactstudy.problem.problem import Field
 from contactstudy.scene.scene import PosedScene
 from tests.conftest import STEEL, LineContact
@@ -99,18 +100,18 @@ def test_a_bound_that_is_not_known_has_a_reason() -> None:
 
 
 def test_an_error_relative_to_zero_bounds_nothing() -> None:
-    parts = cs.ErrorParts(discretisation=0.1)
-    unknown = with_bound(cs.Quantity(0.0, "1", "fraction"), parts)
+    parts = ErrorParts(discretisation=0.1)
+    unknown = with_bound(Quantity(0.0, "1", "fraction"), parts)
     assert unknown.bound == inf
     assert "relative to it" in unknown.reason
-    assert with_bound(unknown, cs.ErrorParts()).bound == 0
+    assert with_bound(unknown, ErrorParts()).bound == 0
 
 
 def test_the_largest_friction_in_time_is_that_of_the_largest_size() -> None:
-    frames = [{"friction_coefficient": cs.Quantity(value, "1", "")} for value in (-1e-4, -2e-4)]
+    frames = [{"friction_coefficient": Quantity(value, "1", "")} for value in (-1e-4, -2e-4)]
     scene = cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL))
     posed = PosedScene(scene, GRID, cs.ZeroPadding())
-    numbers = evolution_quantities(frames, [0.0, 1.0], {}, {}, posed, cs.ErrorParts())
+    numbers = evolution_quantities(frames, [0.0, 1.0], {}, {}, posed, ErrorParts())
     assert numbers["friction_coefficient"].value == -2e-4
 
 
@@ -186,14 +187,14 @@ def test_a_safety_factor_holds_within_the_bound_of_the_stress(line_contact: Line
 
 
 ROWS = {
-    "a": cs.Quantity(5e8, "Pa", "peak", 6.15e6, "", {"x": 0.0, "y": 2e-3}),
-    "b": cs.Quantity(1e-6, "m", "approach"),
-    "c": cs.Quantity(2e-6, "m2", "area", inf, "A sharp edge."),
+    "a": Quantity(5e8, "Pa", "peak", 6.15e6, "", {"x": 0.0, "y": 2e-3}),
+    "b": Quantity(1e-6, "m", "approach"),
+    "c": Quantity(2e-6, "m2", "area", inf, "A sharp edge."),
 }
 
 
 def test_a_table_has_an_empty_place_for_a_bound_that_is_not_known_and_the_reason_below() -> None:
-    zero = cs.Quantity(0.0, "Pa", "shear", 2e3, "")
+    zero = Quantity(0.0, "Pa", "shear", 2e3, "")
     assert as_text(ROWS | {"zero": zero}).splitlines() == [
         "  peak      500 MPa  error <= 1.2 %  at x = 0 nm, y = 2 mm",
         "  approach     1 µm",
@@ -276,7 +277,7 @@ def test_the_residual_stress_at_the_end_is_the_extreme_across_or_along() -> None
     posed = PosedScene(
         cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL)), cs.Grid((4, 1), (1.0, 1.0)), cs.ZeroPadding()
     )
-    numbers = evolution_quantities([{}], [1.0], {}, strained, posed, cs.ErrorParts())
+    numbers = evolution_quantities([{}], [1.0], {}, strained, posed, ErrorParts())
     assert numbers["highest_residual_stress_1"].value == 3e8
     assert numbers["lowest_residual_stress_1"].value == -4e8
 

@@ -8,6 +8,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.elasticity.coefficients import influence_coefficients
+from contactstudy.elasticity.convolution import superposed
 from contactstudy.elasticity.tangential import shear_response
 from tests.conftest import STEEL
 
@@ -145,7 +146,7 @@ def test_coats_are_positive_definite_but_for_a_shift(
     grid = cs.Grid((32, 32), (1e-4, 1e-4))
     for thickness in (1e-8, 1e-6, 1e-5, 1e-3):
         body = cs.CoatedHalfSpace(coating, thickness, substrate)
-        operator = cs.superposed(body.response(1e-4), grid, PADDINGS["lattice"])
+        operator = superposed(body.response(1e-4), grid, PADDINGS["lattice"])
         assert operator.spectrum.ravel()[1:].min() > 0
 
 
@@ -177,7 +178,7 @@ def test_a_wave_of_pressure_moves_a_coat_as_its_response_says(
     k = np.hypot(kx, ky)
     pressure = np.cos(kx * grid.x[:, None] + ky * grid.y)
     coated, bare = (
-        cs.superposed(one.response(1e-4), grid, PADDINGS["lattice"]) for one in (body, coating)
+        superposed(one.response(1e-4), grid, PADDINGS["lattice"]) for one in (body, coating)
     )
     (layer, _), *_ = body.interfaces
     rest = float(layer.remainders(np.array([k * thickness]))[0, 0])

@@ -9,7 +9,7 @@ import xarray as xr
 
 import contactstudy as cs
 from contactstudy.scene.surfaces import measurement as reader
-from contactstudy.scene.surfaces.measurement import Measurement, measurement
+from contactstudy.scene.surfaces.measurement import Measurement, Reading, measurement
 
 HEIGHTS = np.random.default_rng(0).standard_normal((6, 4)) * 1e-7
 
@@ -18,7 +18,7 @@ def read(
     path: Path, extent: tuple[float, float] | None = None, unit: str | None = None, **keys: Any
 ) -> Measurement:
     """Points and sizes of a file."""
-    return reader.read(path, cs.Reading(extent=extent, unit=unit, **keys))[:2]
+    return reader.read(path, Reading(extent=extent, unit=unit, **keys))[:2]
 
 
 def labelled(**coordinates: Any) -> xr.DataArray:

@@ -28,7 +28,7 @@ class Gap:
     approach
         Approach of the bodies.
     violation
-        Largest violation of the complementarity conditions, see :meth:`Constraint.violation`.
+        Largest violation of the complementarity conditions, see :meth:`~contactstudy.Constraint.violation`.
     load
         Load over the area of a cell: the sum of the pressure.
     largest_displacement

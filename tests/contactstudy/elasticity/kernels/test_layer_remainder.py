@@ -63,12 +63,13 @@ def test_a_cell_is_the_integral_over_it_and_over_all_waves(name: str) -> None:
 @pytest.mark.parametrize("size", [(2e3, 3e3), (40.0, 1e4), (0.3, 900.0)])
 @pytest.mark.parametrize("field", ["z", "x", "xx", "xy"])
 def test_cells_add_up(name: str, size: tuple[float, float], field: str) -> None:
-    layer, (dx, dy) = LAYERS[name], size
-    whole = remainder_cell(layer, field, 1.0, np.array([[0.0], [dx]]), np.array([0.0, dy]), dx, dy)
-    parts = np.zeros((2, 2))
+    # at edges and corners too, where fields along one axis are largest
+    layer, (dx, dy), middles = LAYERS[name], size, np.array([0.0, 0.5, 1.0])
+    whole = remainder_cell(layer, field, 1.0, dx * middles[:, None], dy * middles, dx, dy)
+    parts = np.zeros((3, 3))
     for left in (-0.25, 0.25):
         for below in (-0.25, 0.25):
-            x, y = np.array([[0.0], [dx]]) + dx * left, np.array([0.0, dy]) + dy * below
+            x, y = dx * middles[:, None] + dx * left, dy * middles + dy * below
             parts += remainder_cell(layer, field, 1.0, x, y, dx / 2, dy / 2)
     np.testing.assert_allclose(parts, whole, atol=1e-12 * np.abs(whole).max())
 

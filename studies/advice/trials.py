@@ -30,7 +30,7 @@ from studies.advice.verdict import (
     meets,
 )
 from studies.model.case import Answer
-from studies.model.plain_text import Log
+from studies.model.plain_text import Log, cells_text
 from studies.reference.line_contact import hertz_means, relative_l1, with_edges_moved
 from studies.reference.paddings import PADDINGS, padding_label, padding_text
 
@@ -166,9 +166,7 @@ class _Trials:
         try:
             return self._measured(setting)
         except cs.InvalidInput as refused:
-            self.notes[setting.label] = (
-                f"{setting.label} on {_cells(setting.cells)} cells: {refused}"
-            )
+            self.notes[setting.label] = f"{setting.label} on {cells_text(setting.cells)}: {refused}"
             return None
 
     def _measured(self, setting: Setting) -> Measured | None:
@@ -183,7 +181,7 @@ class _Trials:
             if answer.status not in (cs.Status.CONVERGED, cs.Status.PRECISION_LIMIT):
                 self.at_edge |= answer.status is cs.Status.CONTACT_AT_EDGE
                 self.notes[setting.label] = (
-                    f"{setting.label} on {_cells(setting.cells)} cells: {answer.status}"
+                    f"{setting.label} on {cells_text(setting.cells)}: {answer.status}"
                 )
                 return None
             l1 = max(l1, answer.error.l1.total)
@@ -304,7 +302,7 @@ def _on_grids(
     for multiple in trials.multiples:
         cells = trials.cells(multiple)
         if not trials.is_line:
-            log(f"{base} on {_cells(cells)} cells")
+            log(f"{base} on {cells_text(cells)}")
         for label, padding in paddings.items():
             setting = trials.setting(label, padding, cells, trials.options.tolerance)
             if one := trials.measured(setting):
@@ -375,11 +373,6 @@ def _worst(answer: Answer, request: Request) -> tuple[float, str]:
     return max([(parts.total, measure), *bounds])
 
 
-def _cells(cells: tuple[int, int]) -> str:
-    """Return numbers of cells as text."""
-    return f"{cells[0]} x {cells[1]}"
-
-
 def _loosest(trials: _Trials, setting: Setting) -> float:
     """Return the loosest tolerance at which a setting meets the error, or the scene's own if none does."""
     for tolerance in (t for t in TOLERANCES if t > setting.tolerance):
@@ -400,7 +393,7 @@ def _reference(trials: _Trials, finest: Setting) -> tuple[str, Array]:
         if isfinite(bound)
         else "which has no bound itself"
     )
-    return f"a solution on {_cells(finer.cells)} cells, {own_error}", last_of(answer).pressure
+    return f"a solution on {cells_text(finer.cells)}, {own_error}", last_of(answer).pressure
 
 
 def _timed(trials: _Trials, found: Sequence[Measured], own: str) -> Iterator[Measured]:

@@ -13,6 +13,7 @@ from studies.reference.line_contact import HERTZ, SCENE, WIDTH
 # A setting within this factor of the fastest is as fast; one with the scene's own padding and the most cells is chosen.
 # A single copy of a fixed window costs 7 to 10 % less than exact periodicity, which a busy machine can make 12 %.
 TIE = 1.15
+# Measures: what must keep a requested error. NAMED is that of requests by name.
 EVERY_NUMBER, PRESSURE = "every number", "the pressure in L1"
 NAMED = "every number that is named, in proportion to its own request"
 
@@ -124,12 +125,15 @@ class Verdict:
 
 
 def bound_of(one: Measured, measure: str) -> float:
-    """Return the bound of a setting that counts for a measure."""
+    """Return the bound of a setting that counts for a measure, infinite without one."""
     return one.l1 if measure == PRESSURE else one.error
 
 
 def meets(one: Measured, error: float, measure: str) -> bool:
-    """Return whether the bound of a setting meets an error, and what was measured does not contradict it."""
+    """Return whether the bound of a setting meets an error, and its difference to the reference does not contradict it.
+
+    Of numbers that are named it cannot: it is of the pressure, which they may not include.
+    """
     contradicts = measure != NAMED and one.difference > error
     return bound_of(one, measure) <= error and not contradicts
 

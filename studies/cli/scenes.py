@@ -20,7 +20,7 @@ from contactstudy.domain.errors import Request
 from contactstudy.domain.units import readable
 from studies.cli.files import write_figure
 from studies.cli.options import FORMAT, JSON, PICTURES, SCENE, echo, formats_in, out_option
-from studies.model.plain_text import thread_count, two_digits
+from studies.model.plain_text import cells_text, thread_count, two_digits
 
 if TYPE_CHECKING:
     from contactstudy.answers.answer import Answer
@@ -78,9 +78,9 @@ def plan(
         }
         click.echo(json.dumps(values))
         return
-    cells, extent = planned.grid.cells, planned.grid.extent
+    extent = planned.grid.extent
     size = f"{readable(extent[0])} x {readable(extent[1])}"
-    echo(f"{scene}: {cells[0]} x {cells[1]} cells over {size}")
+    echo(f"{scene}: {cells_text(planned.grid.cells)} over {size}")
     for reason in planned.reasons:
         echo(f"  {reason}")
     echo(f"  period: {planned.period_check}")
@@ -154,9 +154,8 @@ def solve(
         click.echo(_as_json(scene, answer, seconds, surface_notes(described.scene), files))
     else:
         echo(f"{scene}: {answer.summary()}")
-        cells = " x ".join(map(str, answer.grid.cells))
         wrote = f"wrote {', '.join(map(str, files))}"
-        for line in (f"{cells} cells, {two_digits(seconds)} s", wrote):
+        for line in (f"{cells_text(answer.grid.cells)}, {two_digits(seconds)} s", wrote):
             echo(f"  {line}")
     if answer.status.name != "CONVERGED":
         sys.exit(1)

@@ -14,8 +14,8 @@ from studies.model.drawing import CaptionedFigure, Finding, Table
 class Section:
     """The part of a page that shows a study or answers a question.
 
-    `name` is its anchor on the page and `axes_text` names axes with their values. `file` is the netCDF file, without
-    its ending, and the folder of the figures; `name` if empty.
+    `name` is its anchor on the page, and `axes_text` names the axes that vary with their values. `file` is the netCDF
+    file beside the page, without its ending, and the folder of the figures; the `name` if it is empty.
     """
 
     name: str

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from math import isfinite
 
 from studies.advice.verdict import PRESSURE, TIE, Measured, Verdict
-from studies.model.plain_text import two_digits
+from studies.model.plain_text import cells_text, two_digits
 from studies.report.style import percent
 
 # Errors for which a page lists the fastest setting, beside the requested one.
@@ -16,11 +16,6 @@ def padding_name(label: str) -> str:
     if label == "exact":
         return "exact periodicity"
     return f"{label} padding" if label in ("zero", "duplicated") else label
-
-
-def cells_text(cells: tuple[int, int]) -> str:
-    """Return numbers of cells, such as "128 x 96 cells"."""
-    return f"{cells[0]} x {cells[1]} cells"
 
 
 def tolerance_text(tolerance: float) -> str:

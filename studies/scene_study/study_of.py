@@ -24,11 +24,12 @@ from contactstudy.scene.shapes.shape import length_scales_of
 from contactstudy.scene_file import SceneFile, tables_of
 from studies.model.axis import Axis, Value
 from studies.model.case import Case, Computation
+from studies.model.plain_text import cells_text
 from studies.model.study import Point, Study
 from studies.scene_study.document import Table, tables, varied_scenes
 from studies.scene_study.measures import measures
 
-# Number of points that are all planned. Of more, every n-th by width is, up to 13.
+# Number of points that are all planned. Of more, every n-th by width is, and the widest: up to 13 in all.
 MAX_PLANNED = 8
 
 
@@ -211,7 +212,7 @@ def _extent_note(extent: tuple[float, float]) -> str:
 
 def _size_text(grid: cs.Grid) -> str:
     """Return the cells and the extent of a grid in words."""
-    return f"{grid.cells[0]} x {grid.cells[1]} cells over {readable(grid.extent[0])} x {readable(grid.extent[1])}"
+    return f"{cells_text(grid.cells)} over {readable(grid.extent[0])} x {readable(grid.extent[1])}"
 
 
 def _count_text(points: Sequence[SceneFile]) -> str:

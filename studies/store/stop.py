@@ -21,7 +21,7 @@ class StopRun(BaseException):
 
 
 class Stop:
-    """Record of signals that ask to stop, in a ``with`` statement in the main thread.
+    """Record of signals that ask to stop, in a ``with`` statement; outside the main thread none is recorded.
 
     :meth:`check` raises :class:`StopRun` for a signal that came, and :meth:`interruptible` lets signals raise it at
     once. The block ends with what ends a program that was stopped by the signal: KeyboardInterrupt, or the exit of the

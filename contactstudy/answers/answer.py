@@ -185,13 +185,12 @@ class Answer(InNotebook):
         if not isfinite(parts.total):
             return next(iter(self.error.warnings), "")
         cause = max(parts.by_cause, key=parts.by_cause.__getitem__)
-        missed = [number for number in self._missed if number.by_cells]
-        if self._missed and not missed and self._l1_ratio <= 1:
+        if not all(number.by_cells for number in self._missed):
             return (
-                "finer cells hardly lessen it: a depth is known to the distance of depths, and a tension beside an edge "
-                "to the root of a cell"
+                "finer cells hardly lessen it: a depth is known to the distance of depths, give closer depths, and a "
+                "tension beside an edge to the root of a cell"
             )
-        factor = max((number.finer for number in missed), default=1.0)
+        factor = max((number.finer for number in self._missed), default=1.0)
         factor = max(factor, self._l1_ratio)
         if cause != "discretisation" or factor <= 1:
             return f"most of it is by {REMEDIES[cause]}"

@@ -104,3 +104,14 @@ def test_numbers_without_a_law_are_bounded_by_their_changes_from_larger_cells() 
     )
     assert abs(found.value - fine.value) <= found.bound < 0.3 * abs(found.value)
     assert fine.bound < found.bound / 10
+
+
+def test_no_cells_are_said_to_keep_the_error_of_a_depth_between_given_depths(
+    line_contact: LineContact,
+) -> None:
+    half_width = line_contact.hertz.half_width
+    depths = tuple(ratio * half_width for ratio in (0.3, 0.8, 1.6))
+    scene = replace(line_contact.scene, outputs=(cs.SubsurfaceStress(depths=depths),))
+    answer = cs.solve(scene, line_contact.grid((40, 1), 1.0), EXACT, error="1 %")
+    assert "give closer depths" in answer.accuracy
+    assert "cells would meet it" not in answer.accuracy

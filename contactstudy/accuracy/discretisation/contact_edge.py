@@ -23,7 +23,7 @@ from contactstudy.elasticity.kernels.displacement_cell import mean_gauss_rule
 
 # modes k = 1 ... MODES behave like d^(k - 3/2) at d cells from the edge
 MODES = 4
-# Factor of (dx / a)^2 in the L1 error of a smooth contact: what remains after the edges are corrected.
+# Factor of (dx / a)^2 in the L1 error of a smooth contact: what remains beside that of the edges.
 SECOND_ORDER = 0.1
 MAX_CELL = 1e100  # half-widths: the square of a larger cell overflows
 
@@ -55,9 +55,6 @@ class EdgeConstants:
     max_misfit
         Largest misfit of a pressure over the largest one at a resolved edge. From 1e-4 to 1e-2 nothing changes on smooth
         contacts.
-    max_departure
-        Largest departure of a pressure from the law, over the largest one at its place along the length, up to which
-        cells are corrected. From 0.02 to 0.1 the error of line contacts changes by 0.9 to 1.1 times in the mean.
     """
 
     series_terms: int = 400
@@ -69,7 +66,6 @@ class EdgeConstants:
     fitted_cells: int = 6
     min_touching: int = 12
     max_misfit: float = 1e-3
-    max_departure: float = 0.03
 
 
 CONSTANTS = EdgeConstants()
@@ -171,7 +167,7 @@ def edge_position(last: Array, inner: Array) -> Array:
 def smooth_l1(cell: float) -> float:
     """Return the largest relative L1 error of a smooth line contact, before it is solved, for a `cell` in half-widths.
 
-    It includes the part that remains after the edges are corrected.
+    It includes the part that remains beside the error of the edges.
     """
     if cell > MAX_CELL:
         return inf
@@ -246,22 +242,13 @@ class _Edges:
         Indices along the length at which an edge is resolved.
     last
         Index across of the last touching cell at each of them.
-    touching
-        Number of cells that touch without a break, at each of them.
     outward
         Position of the edge, in cells outward of the centre of the last touching cell.
-    shape
-        Coefficients (A, B, G) of the pressure ``sqrt(D) (A + B D + G D^2)`` at D cells inside the edge.
-    strength
-        Strength of each mode with which the cells show that pressure.
     """
 
     iy: NDArray[np.intp]
     last: NDArray[np.intp]
-    touching: NDArray[np.intp]
     outward: Array
-    shape: Array
-    strength: Array
 
 
 def half_widths(pressure: Array, x: Array) -> Array:
@@ -300,30 +287,6 @@ def resolved_edges(pressure: Array) -> tuple[Array, Array] | None:
     return right.last + right.outward - middle, left.last + left.outward - middle
 
 
-def corrected_pressure(pressure: Array) -> Array:
-    """Return `pressure` (x, y), with that of a continuous contact at the cell centres near its edges.
-
-    The cell that holds an edge has an error like the square root of its size, whatever the solver does. Where the edge
-    is resolved (see :func:`half_widths`) the law gives that error, and the remaining error falls like the cell to the
-    power 3/2. Cells are corrected from the edge inward as far as the pressure follows the law, at most half of those
-    that touch; elsewhere nothing changes. The load is no longer the sum over the cells.
-    """
-    corrected = pressure.copy()
-    for side, result in ((pressure, corrected), (pressure[::-1], corrected[::-1])):
-        edges = _resolved(side)
-        half = edges.touching // 2
-        cells = np.arange(half.max(initial=0))[:, None]
-        inside = np.maximum(cells + edges.outward, 0)
-        law = np.sqrt(inside) * np.polynomial.polynomial.polyval(inside, edges.shape, tensor=False)
-        modes = edge_modes(len(cells)) @ edges.strength
-        departure = np.abs(side[edges.last - cells, edges.iy] - modes)
-        allowed = CONSTANTS.max_departure * side[:, edges.iy].max(axis=0, initial=0)
-        follows = (cells < half) & (departure <= allowed)
-        law = np.where(np.logical_and.accumulate(follows), law - modes, 0)
-        result[edges.last - cells, edges.iy] += law
-    return np.maximum(corrected, 0)
-
-
 def _positions(pressure: Array, x: Array) -> Array:
     """Return the position of the edge on the side of growing x, at each place along the length."""
     last, step = _last(pressure), x[1] - x[0]
@@ -352,16 +315,16 @@ def _resolved(pressure: Array) -> _Edges:
     strength = np.linalg.lstsq(edge_modes(CONSTANTS.fitted_cells), beside, rcond=None)[0]
     misfit = np.abs(edge_modes(CONSTANTS.fitted_cells) @ strength - beside).max(axis=0, initial=0)
     fits = misfit <= CONSTANTS.max_misfit * beside.max(axis=0, initial=0)
-    iy, strength = iy[fits], strength[:, fits]
-    outward, shape = _continuous(strength)
-    return _Edges(iy, last[iy], touching[iy], outward, shape, strength)
+    iy = iy[fits]
+    return _Edges(iy, last[iy], _outward(strength[:, fits]))
 
 
-def _continuous(strength: Array) -> tuple[Array, Array]:
-    """Return the edge, in cells beyond the last centre, and the shape (A, B, G) of the contact behind a sum of modes.
+def _outward(strength: Array) -> Array:
+    """Return the edge, in cells beyond the last centre, of the continuous contact behind a sum of modes.
 
-    Away from the edge both are equal but for a multiple of ``(2 b d - d^2)^(-3/2)``, b = -A / (4 B), which
-    carries no load: so their powers of d are compared, with ``D = d + shift`` and that multiple unknown.
+    Its pressure at D cells inside the edge is ``sqrt(D) (A + B D + G D^2)``. Away from the edge both are equal but for a
+    multiple of ``(2 b d - d^2)^(-3/2)``, b = -A / (4 B), which carries no load: so their powers of d are compared, with
+    ``D = d + shift`` and that multiple unknown.
     """
     singular, inverse, root, cubed, g = far_field_powers() @ strength
     a, b, shift = root, cubed, 2 * inverse / root
@@ -371,4 +334,4 @@ def _continuous(strength: Array) -> tuple[Array, Array]:
         a = root - 1.5 * b * shift - 7.5 * (b / a) ** 2 * multiple - 15 / 8 * g * shift**2
         # the square of the shift drops out
         shift = 2 * (inverse + 3 * b * singular / a) / a
-    return edge_offset() + shift, np.stack([a, b, g])
+    return np.asarray(edge_offset() + shift)

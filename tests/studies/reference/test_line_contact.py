@@ -109,11 +109,3 @@ def test_the_error_of_a_grid_falls_with_the_power_three_halves() -> None:
         # the width may differ by half a cell per half-width
         difference = 1.5 * 0.5 * WIDTH / cells
         assert error / (WIDTH / cells) ** 1.5 == pytest.approx(0.43, rel=0.01 + difference)
-
-
-def test_an_edge_that_follows_the_law_has_no_corrected_error() -> None:
-    """What a solve leaves at an edge goes as the cell's root, what the correction leaves as its power 3/2."""
-    found = {name: float(value) for name, value in measures(CASE, CASE.run(CASE.prepare())).items()}
-    assert found["pressure_error_max"] > CELL**0.5 / 100
-    assert found["corrected_error_max"] < CELL**1.5
-    assert abs(found["half_width_error"]) < CELL**2

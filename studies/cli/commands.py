@@ -15,7 +15,7 @@ from contactstudy.domain.imports import missing_package
 from studies.cli.new import new
 from studies.cli.options import PLOT, echo, is_given, names_in, out_option, refuse
 from studies.cli.scenes import plan, solve
-from studies.cli.show import REMEDY_IN_CODE, REMEDY_IN_TIMES, compare, drawing, show
+from studies.cli.show import compare, drawing, show
 from studies.cli.study_command import AXES, StudyCommand
 from studies.cli.vary import (
     REFERENCE,
@@ -59,7 +59,8 @@ def cli() -> None:
 @click.option(
     "--scene",
     type=click.Path(path_type=Path),
-    help="Compare paddings, numbers of images n, grids and tolerances for the scene in this TOML file.",
+    help="Compare paddings, numbers of images n, grids and tolerances for the scene in this TOML file, in "
+    "one process: --workers is for chapters.",
 )
 @click.option(
     "--error",
@@ -203,6 +204,8 @@ def run(
         )
     if has_own_figures(study):
         refuse(context, "a scene or a study without figures of its own", "plot")
+    if "times" in retry and not repeats:
+        raise InvalidInput("--retry has times, and --repeats 0 takes none: leave one of them out.")
     options = RunOptions(repeats=repeats, retry=retry, **settings)
     if dry_run:
         estimate_cost(chosen, out, options=options, log=click.echo)
@@ -214,7 +217,7 @@ def run(
         sys.exit(1)
     from studies.report import page as reporting
 
-    with drawing(chosen.name, REMEDY_IN_CODE if repeats else REMEDY_IN_TIMES):
+    with drawing(chosen.name):
         figures_of = load_drawing(study, names_in(plot))
         reporting.draw_figures(chosen, figures_of, out)
     if vary_every:

@@ -20,7 +20,7 @@ from contactstudy.domain.errors import Request
 from contactstudy.domain.units import readable
 from studies.cli.files import write_figure
 from studies.cli.options import FORMAT, JSON, PICTURES, SCENE, echo, formats_in, out_option
-from studies.model.plain_text import cells_text, thread_count, two_digits
+from studies.model.plain_text import cells_text, counted, two_digits
 
 if TYPE_CHECKING:
     from contactstudy.answers.answer import Answer
@@ -85,7 +85,7 @@ def plan(
         echo(f"  {reason}")
     echo(f"  period: {planned.period_check}")
     chosen = planned.device
-    processor = thread_count(chosen.threads) if isinstance(chosen, cs.Cpu) else repr(chosen)
+    processor = counted(chosen.threads, "thread") if isinstance(chosen, cs.Cpu) else repr(chosen)
     is_unknown = isinf(planned.error)
     expected = "the error is known after the solve" if is_unknown else f"error {planned.error:.1g}"
     seconds = "a time not known" if isinf(planned.seconds) else f"{two_digits(planned.seconds)} s"

@@ -159,12 +159,10 @@ def _tabulate(
         )
 
 
-# Remedies where a figure fails.
+# Remedy where a figure fails.
 REMEDY_IN_CODE = (
-    "the stored variables do not fit the figure, or its code is wrong; correct it and run again, which draws what is "
-    "stored."
+    "the stored variables do not fit the figure, or its code is wrong; correct it and run again."
 )
-REMEDY_IN_TIMES = "its figures may need times: run with --repeats 1."
 
 
 @contextmanager

@@ -10,7 +10,7 @@ from studies.engine.options import RunOptions
 from studies.engine.request import Request
 from studies.engine.run import JOURNAL, MANY_POINTS, Run, with_name
 from studies.model.case import Computation
-from studies.model.plain_text import Log, two_digits
+from studies.model.plain_text import Log, counted, two_digits
 from studies.model.study import Study
 from studies.store.journal import Journal
 from studies.store.provenance import machine
@@ -46,8 +46,11 @@ def estimate_cost(
     cases, missing = run.request.cases, run.missing()
     runs = len(run.timed_tasks()) + run.repeats * len(missing)
     counts = (len(run.request.keys), len(cases), len(cases) - len(missing), len(missing), runs)
-    text = "{} points, {} distinct cases, {} stored, {} to compute, {} timed runs to take"
-    log(text.format(*(round(scale * count) for count in counts)))
+    of_points, distinct, stored, to_compute, timed = (round(scale * count) for count in counts)
+    log(
+        f"{counted(of_points, 'point')}, {counted(distinct, 'distinct case')}, {stored} stored, "
+        f"{to_compute} to compute, {counted(timed, 'timed run')} to take"
+    )
     try:
         seconds = planned_seconds([cases[name] for name in missing])
     except AttributeError:

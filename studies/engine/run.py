@@ -22,8 +22,15 @@ from studies.engine.compute import Task, failed, perform, warm_up
 from studies.engine.options import RETRIES, RunOptions
 from studies.engine.progress import progress_of
 from studies.engine.request import Request
-from studies.model.outcome import CaseStatus, Outcome, RunSettings, TimedRun, summary_messages
-from studies.model.plain_text import Log, one_line
+from studies.model.outcome import (
+    CaseStatus,
+    Outcome,
+    RunSettings,
+    TimedRun,
+    is_time,
+    summary_messages,
+)
+from studies.model.plain_text import Log, counted, one_line
 from studies.model.study import Study
 from studies.store.journal import Journal, Key
 from studies.store.netcdf import check_kind, open_folder, read, write
@@ -115,6 +122,7 @@ class Run:
         self.repeats = self.options.repeats if self.study.times == "taken" else 0
         axes = frozenset(axis.name for axis in self.study.axes)
         self.settings = RunSettings(self.study.measures, self.options.fields == "kept", axes)
+        self.aside: Path | None = None  # the file of another program or scene, until it is compared
         # instant (of ``monotonic``) before which the file is not written again
         self.next_write = 0.0
 
@@ -208,10 +216,12 @@ class Run:
             # the netCDF file has what the journal has, if the disk has room
             with suppress(Exception):
                 self.write()
+                self._compare_aside()
             if isinstance(error, StopRun):
                 stored = sum(self.key(key) in self.journal.cases for key in cases)
                 times = len(self.timed_tasks())
-                untimed = f", {times} timed runs are missing" if times else ""
+                missed = counted(times, "timed run is", "timed runs are")
+                untimed = f", {missed} missing" if times else ""
                 self.log(
                     f"stopped while {activity}; {stored} of {len(cases)} cases are stored{untimed}; "
                     "run the same command to go on"
@@ -229,30 +239,48 @@ class Run:
                 self.log(
                     f"{axis.merged} values of {axis.name} differ from others by rounding alone, and are replaced by them"
                 )
-        self.log(f"{len(request.keys)} points, {len(request.cases)} distinct cases")
+        points, cases = (
+            counted(len(request.keys), "point"),
+            counted(len(request.cases), "distinct case"),
+        )
+        self.log(f"{points}, {cases}")
         first = journal.firsts.get(self.study.name)
         changes = request.changes(self.study, first) if first else ""
         if changes:
             self.log(f"{changes}: cases that are stored with the old value are kept, and not used")
         for change, count in self._other_programs(missing).items():
-            self.log(f"{count} stored cases are computed again, since {change} changed")
+            stored = counted(count, "stored case is", "stored cases are")
+            self.log(f"{stored} computed again, since {change} changed")
         if len(missing) < len(request.cases):
-            self.log(
-                f"{len(request.cases) - len(missing)} cases are stored, {len(missing)} to compute"
-            )
+            stored = counted(len(request.cases) - len(missing), "case is", "cases are")
+            self.log(f"{stored} stored, {len(missing)} to compute")
         check_kind(self.path, "study", self.log)
         is_same = first is not None and not changes and first["program"] == self.program.key
         if self.path.is_file() and not is_same:
             names = (f"{self.study.name}.before{number or ''}.nc" for number in itertools.count())
-            aside = next(of for of in map(self.path.with_name, names) if not of.exists())
-            self.path.replace(aside)
-            self.log(f"{self.path.name} holds other results: it is kept as {aside.name}")
+            self.aside = next(of for of in map(self.path.with_name, names) if not of.exists())
+            self.path.replace(self.aside)
         journal.start(
             self.study.name, self.provenance["history"], self.program.key,
             self.program.digests, request.first(),
         )  # fmt: skip
         if "times" in self.options.retry:
             journal.drop_times(map(self.key, request.cases))
+
+    def _compare_aside(self) -> None:
+        """Remove the file that was set aside if its results are those of the new one, or else report it."""
+        if self.aside is None:
+            return
+        before, after = (
+            dataset.drop_vars(
+                [name for name in dataset if is_time(str(name)) or name == "case_key"]
+            )
+            for dataset in (read(self.aside), read(self.path))
+        )
+        if before.equals(after):
+            self.aside.unlink()
+        else:
+            self.log(f"{self.path.name} held other results: they are kept in {self.aside.name}")
 
     def _other_programs(self, missing: Sequence[str]) -> Counter[str]:
         """Return the number of missing cases that are stored of another program, by what differs in it."""
@@ -359,6 +387,7 @@ class Run:
     def _end(self) -> xr.Dataset:
         """Write the file, report the outcomes, and return the Dataset."""
         self.write()
+        self._compare_aside()
         dataset = read(self.path)
         if "left_out" in dataset.attrs:
             self.log(f"left out: {dataset.attrs['left_out']}")
@@ -367,7 +396,8 @@ class Run:
         untimed = (self.journal.untimed.get(self.key(case)) for case in self.request.cases)
         if reasons := [reason for reason in untimed if reason]:
             self.log(
-                f"{len(reasons)} cases have no times, the first since {reasons[0]}; --retry times tries again"
+                f"{counted(len(reasons), 'case has', 'cases have')} no times, the first since {reasons[0]}; "
+                "--retry times tries again"
             )
         self.log(f"wrote {self.path}")
         return dataset

@@ -7,6 +7,7 @@ from enum import IntEnum
 import numpy as np
 import xarray as xr
 
+from studies.model.plain_text import counted
 from studies.model.study import Measures
 
 
@@ -64,20 +65,21 @@ def summary_messages(dataset: xr.Dataset) -> Iterator[str]:
     failed = places[statuses.ravel()[places] != CaseStatus.OK]
     if failed.size:
         first = dataset["error"].values.ravel()[failed.min()]
-        yield f"{failed.size} of {places.size} cases failed, the first with {first}"
+        yield f"{failed.size} of {counted(places.size, 'case')} failed, the first with {first}"
     status = dataset.get("solver_status")
     if status is not None and "flag_meanings" in status.attrs and status.shape == statuses.shape:
         ended = status.values.ravel()[places]
         solves = np.isfinite(ended).sum()
         for number, meaning in enumerate(str(status.attrs["flag_meanings"]).upper().split()):
             if number and (count := np.count_nonzero(ended == number)):
-                yield f"{count} of {solves} solves ended with {meaning}; see 'solver_status'"
+                yield f"{count} of {counted(solves, 'solve')} ended with {meaning}; see 'solver_status'"
     if "accuracy_met" in dataset and dataset["accuracy_met"].shape == statuses.shape:
         met = dataset["accuracy_met"].values.ravel()[places]
         if missed := np.count_nonzero(met == 0):
             why = dataset.get("accuracy_missed", dataset["accuracy_met"]).values.ravel()
             first = f", the first with {why[places][met == 0][0]}" if why.dtype.kind in "OU" else ""
-            yield f"{missed} of {places.size} cases miss the requested accuracy{first}"
+            verb = "misses" if missed == 1 else "miss"
+            yield f"{missed} of {counted(places.size, 'case')} {verb} the requested accuracy{first}"
     unbounded = {}
     for name, bound in dataset.data_vars.items():
         value = dataset.get(str(name).removesuffix("_bound"))
@@ -91,7 +93,7 @@ def summary_messages(dataset: xr.Dataset) -> Iterator[str]:
             unbounded[str(value.name)] = count
     if unbounded:
         counts = ", ".join(f"{name} in {count}" for name, count in unbounded.items())
-        yield f"no bound of {counts} of {places.size} cases"
+        yield f"no bound of {counts} of {counted(places.size, 'case')}"
 
 
 @dataclass(frozen=True, eq=False)

@@ -75,9 +75,9 @@ def name_problem(name: object) -> str:
     return ""
 
 
-def thread_count(threads: SupportsInt) -> str:
-    """Return a number of threads in words."""
-    return f"{int(threads)} thread{'s' if int(threads) > 1 else ''}"
+def counted(number: SupportsInt, one: str, several: str = "") -> str:
+    """Return a number with a noun for `one` thing or `several`, by default with an s, such as "2 threads"."""
+    return f"{int(number)} {one if int(number) == 1 else several or f'{one}s'}"
 
 
 def place_of(error: BaseException, *libraries: str) -> str:

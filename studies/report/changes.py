@@ -7,6 +7,7 @@ import xarray as xr
 
 from contactstudy import InvalidInput
 from studies.model.outcome import is_time
+from studies.model.plain_text import counted
 
 STATUSES = ("case_status", "solver_status")
 ABOUT_CASES = ("case_key", "error")  # texts of the store
@@ -31,10 +32,11 @@ def changes(first: xr.Dataset, second: xr.Dataset) -> Sequence[str]:
     a, b = xr.align(first, second, join="inner", exclude=unindexed)
     points = int(np.prod([a.sizes[axis] for axis in axes], dtype=int))
     sentences = [
-        f"{points} points in both, of {first['case_status'].size} and {second['case_status'].size}"
+        f"{counted(points, 'point')} in both, of {first['case_status'].size} and {second['case_status'].size}"
     ]
     if not points:
-        return sentences
+        apart = [axis for axis in axes if not np.isin(first[axis], second[axis]).any()]
+        return [f"{sentences[0]}: no value of {' or '.join(apart)} is in both"]
     changed = []
     for name in sorted({str(n) for run in (a, b) for n in run.data_vars}):
         runs = [run for run in (a, b) if name in run]
@@ -55,12 +57,14 @@ def changes(first: xr.Dataset, second: xr.Dataset) -> Sequence[str]:
         if is_text or name in STATUSES or "flag_meanings" in a[name].attrs:
             # nan is no difference to nan
             differ = np.count_nonzero((before != after) & ((before == before) | (after == after)))
-            sentences += [f"{name} differs at {differ} of {points} points"] * bool(differ)
+            sentences += [f"{name} differs at {differ} of {counted(points, 'point')}"] * bool(
+                differ
+            )
             continue
         before, after = before.astype(float), after.astype(float)
         is_missing = a[name].isnull() != b[name].isnull()
         if missing := int((is_missing & (a["case_status"] == b["case_status"])).sum()):
-            sentences.append(f"{name} is nan at {missing} points of one run alone")
+            sentences.append(f"{name} is nan at {counted(missing, 'point')} of one run alone")
         with np.errstate(invalid="ignore"):  # two infinite bounds are equal
             change = np.abs(after - before)
         if not np.nan_to_num(change).any():
@@ -94,6 +98,7 @@ def _speed(first: xr.Dataset, second: xr.Dataset) -> Sequence[str]:
             return ["times were taken on different processors and are not compared"]
         low, middle, high = np.quantile(ratio, (0, 0.5, 1))
         sentences.append(
-            f"{name}: median ratio of second to first {middle:.3g} over {ratio.size} points ({low:.3g} to {high:.3g})"
+            f"{name}: median ratio of second to first {middle:.3g} over "
+            f"{counted(ratio.size, 'point')} ({low:.3g} to {high:.3g})"
         )
     return sentences

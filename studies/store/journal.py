@@ -17,8 +17,9 @@ import numpy as np
 import xarray as xr
 
 from contactstudy import InvalidInput
-from contactstudy.domain.files import open_descriptor, reason
+from contactstudy.domain.files import lock_descriptor, open_descriptor, reason
 from studies.model.outcome import CaseStatus, Outcome, TimedRun
+from studies.model.plain_text import counted
 
 START = b'{"sum":"'
 HEAD = len(START) + len('0123456789abcdef",')
@@ -52,6 +53,10 @@ class Journal:
         First point of the last run of a study, and the fields of the case there.
     damaged
         Number of lines that cannot be read.
+    reported
+        Number of them at the last run, which has reported them.
+    is_shared
+        Whether another run has the file open to append.
     """
 
     def __init__(self, path: Path, machine: str) -> None:
@@ -62,7 +67,8 @@ class Journal:
         self.programs: dict[str, Mapping[str, str]] = {}
         self.history: dict[str, list[str]] = defaultdict(list)
         self.firsts: dict[str, Line] = {}
-        self.damaged = 0
+        self.damaged = self.reported = 0
+        self.is_shared = False
         try:
             content = self._content()
         except OSError as error:
@@ -98,6 +104,12 @@ class Journal:
                 os.write(self._file, b"\n")
         except OSError as error:
             raise self._cannot("written", error) from None
+        try:
+            lock_descriptor(self._file, wait=False)
+        except BlockingIOError:
+            self.is_shared = True
+        except OSError:
+            pass  # a file system without locks
         return self
 
     def __exit__(self, *raised: object) -> None:
@@ -106,11 +118,13 @@ class Journal:
         os.close(self._file)
 
     def notes(self) -> Iterator[str]:
-        """Yield a sentence on the lines that are not used, if there are any."""
-        if self.damaged:
-            yield (
-                f"{self.damaged} lines of {self.path.name} are damaged or of another version, and count as not stored"
-            )
+        """Yield sentences on another run in the folder, and on lines that are not used and were not reported."""
+        if self.is_shared:
+            yield f"another run writes to {self.path}: both compute the cases that neither has stored yet"
+        if self.damaged > self.reported:
+            name = self.path.name
+            lines = counted(self.damaged, f"line of {name} is", f"lines of {name} are")
+            yield f"{lines} damaged or of another version, and not used"
 
     def append(self, line: Line) -> None:
         """Append a line, and apply it.
@@ -155,7 +169,13 @@ class Journal:
     ) -> None:
         """Begin a run of a study: write time and command, its first point, and the program where it is new."""
         news = {} if program in self.programs else {"digests": dict(digests)}
-        about = {"study": study, "history": history, "program": program, "first": first}
+        about: dict[str, object] = {
+            "study": study,
+            "history": history,
+            "program": program,
+            "first": first,
+        }
+        about |= {"damaged": self.damaged} if self.damaged else {}
         self.append(about | news)
 
     def add(self, key: Key, study: str, point: Mapping[str, Any], outcome: Outcome) -> None:
@@ -215,6 +235,7 @@ class Journal:
             case {"study": study, "history": history, "program": program, "first": first}:
                 self.history[study].append(history)
                 self.firsts[study] = first
+                self.reported = line.get("damaged", 0)
                 self.programs.setdefault(program, line.get("digests", {}))
             case _:
                 raise ValueError(line)

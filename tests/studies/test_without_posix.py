@@ -115,7 +115,7 @@ def test_a_study_runs_goes_on_and_labels_its_failures_without_posix(tmp_path: Pa
     found = json.loads(done.stdout.splitlines()[-1])
     ok, failed, timeout = CaseStatus.OK, CaseStatus.FAILED, CaseStatus.TIMEOUT
     assert found["statuses"] == found["again"] == [ok, ok, failed, timeout]
-    assert any("1 lines of cases.jsonl are damaged" in line for line in found["said"])
+    assert any("1 line of cases.jsonl is damaged" in line for line in found["said"])
     assert any("3 cases are stored, 1 to compute" in line for line in found["said"])
     assert "waiting for process" in found["holder"]
     assert found["refused"].startswith(

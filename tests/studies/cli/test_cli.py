@@ -185,7 +185,7 @@ def test_options_of_a_run_do_what_they_say(tmp_path: Path) -> None:
     grown = said(
         *here, "--grid", "16,24", "--repeats", "3", "--retry", "times", "--retry", "failed"
     )
-    assert "1 cases are stored, 1 to compute" in grown
+    assert "1 case is stored, 1 to compute" in grown
     assert xr.load_dataset(tmp_path / "period.nc").sizes["repeat"] == 3
 
 

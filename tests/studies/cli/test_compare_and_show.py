@@ -185,6 +185,7 @@ def test_a_file_of_another_kind_is_not_replaced_nor_drawn(folder: Path) -> None:
         ("run padding --plot peak_pressure", "--plot is for a scene or a study without figures"),
         ("report --error 0.1", "--error is for --scene"),
         ("report --scene smooth.toml --workers 1", "--workers is for chapters"),
+        ("run padding --repeats 0 --retry times", "leave one of them out"),
         ("show nowhere.nc", "cannot be read"),
         ("solve smooth.toml --start study/smooth-sweep.nc", "no pressure"),
         ("run padding --vary 'radius=1 mm'", "is a study"),

@@ -65,4 +65,4 @@ def test_a_case_that_cannot_be_timed_is_given_up_and_the_others_are_timed(tmp_pa
     assert counts.values.tolist() == [3, 0, 3]
     runs = log.read_text(encoding="utf-8").split()
     assert runs[-6:] == ["1.0", "4.0"] * 3  # in turn
-    assert any("1 cases have no times, the first since ArithmeticError" in line for line in said)
+    assert any("1 case has no times, the first since ArithmeticError" in line for line in said)

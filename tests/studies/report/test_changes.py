@@ -47,7 +47,7 @@ def test_points_that_both_have_are_compared_wherever_they_stand() -> None:
     said = changes(stored(), after)
     assert said[:2] == ["4 points in both, of 6 and 4", "no measure differs"]
     apart = stored().assign_coords(grid=[1, 2, 3])
-    assert changes(stored(), apart) == ["0 points in both, of 6 and 6"]
+    assert changes(stored(), apart) == ["0 points in both, of 6 and 6: no value of grid is in both"]
     with pytest.raises(InvalidInput, match="compare two runs of one study"):
         changes(stored(), stored().rename(grid="cells"))
 
@@ -110,7 +110,7 @@ def test_times_are_compared_by_their_ratio_on_one_processor_alone() -> None:
     # 1, 2, 2, 3 and 4 times
     assert said[-1] == "solve_time: median ratio of second to first 2 over 5 points (1 to 4)"
     one = changes(stored().isel(grid=[1], padding=[0]), slower.isel(grid=[1], padding=[0]))
-    assert one[-1] == "solve_time: median ratio of second to first 2 over 1 points (2 to 2)"
+    assert one[-1] == "solve_time: median ratio of second to first 2 over 1 point (2 to 2)"
     elsewhere = slower.assign_attrs(cpu_count=4)
     assert (
         changes(stored(), elsewhere)[-1]

@@ -46,7 +46,7 @@ def test_a_damaged_file_of_fields_is_set_aside_and_its_case_recomputed(tmp_path:
     said: list[str] = []
     run(study, tmp_path, options=KEPT, log=said.append)
     assert any(f"set aside as {one.name}.damaged" in line for line in said)
-    assert any("1 cases are stored, 1 to compute" in line for line in said)
+    assert any("1 case is stored, 1 to compute" in line for line in said)
     with xr.open_datatree(tmp_path / "grid.nc") as tree:
         assert len(tree["fields"].children) == 2
 

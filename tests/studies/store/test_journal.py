@@ -70,6 +70,8 @@ def test_times_are_of_one_machine_until_they_are_dropped(tmp_path: Path) -> None
 
 def test_two_processes_may_write_at_the_same_time(tmp_path: Path) -> None:
     with opened(tmp_path) as one, opened(tmp_path) as other:
+        assert not list(one.notes())
+        assert "another run writes to" in " ".join(other.notes())
         for number in range(20):
             add(one if number % 3 else other, str(number), value=float(number))
     found = opened(tmp_path)
@@ -105,7 +107,7 @@ ODD: dict[str, bytes] = {
 
 @pytest.mark.cases(9)
 @pytest.mark.parametrize("kind", ODD)
-def test_a_line_that_cannot_be_read_counts_as_not_stored_and_stays(
+def test_a_line_that_cannot_be_read_counts_as_not_stored_and_is_said_until_a_run_begins(
     kind: str, tmp_path: Path
 ) -> None:
     with opened(tmp_path) as journal:
@@ -114,11 +116,14 @@ def test_a_line_that_cannot_be_read_counts_as_not_stored_and_stays(
         file.write(ODD[kind])
     for _ in range(2):
         with opened(tmp_path) as journal:
-            assert "1 lines of cases.jsonl are damaged or of another version" in " ".join(
+            assert "1 line of cases.jsonl is damaged or of another version" in " ".join(
                 journal.notes()
             )
             assert set(journal.cases) - {("c", "p")} == {("a", "p")}
             add(journal, "c", value=4.0)
+    with opened(tmp_path) as journal:
+        journal.start("s", "now", "p", {}, {})
+    assert list(opened(tmp_path).notes()) == []
     assert float(opened(tmp_path).outcome(("c", "p")).variables["square"]) == 4.0
 
 

@@ -181,15 +181,15 @@ def _of_wear(
 ) -> dict[str, Quantity]:
     """Return the wear volume, around all of a body that turns, and the largest wear depth.
 
-    Where bodies slide, wear follows from load and pressure: the volume from the load, whose error is neither by images
-    nor by cells, and the largest depth from the peak pressures. On a film the volume follows from the pressure of
+    Where bodies slide, wear follows from load and pressure: the volume from the load, whose error is neither by images,
+    nor by cells, nor by steps, and the largest depth from the peak pressures. On a film the volume follows from the pressure of
     asperities, and where slip wears nothing is known but changes between grids.
     """
     last = frames[-1]
     worn, grid = fields["wear_depth"].values, posed.grid
     circumference = getattr(posed.scene.wear, "circumference", None)
     around = 1.0 if circumference is None else circumference / grid.extent[0]
-    of_volume: ErrorParts | None = replace(error, images=None, discretisation=None)
+    of_volume: ErrorParts | None = replace(error, images=None, discretisation=None, steps=None)
     peaks = [frame["peak_pressure"] for frame in frames]
     by_peaks = max((peak.relative_bound for peak in peaks if peak.value), default=0.0)
     of_depth: ErrorParts | None = ErrorParts(discretisation=by_peaks, reason=NO_BOUND_OF_DEPTH)

@@ -61,9 +61,7 @@ NO_BOUND_OF_STATES = (
     "No bound: this error is not estimated in a contact that has crept, worn or yielded."
 )
 CUT_OFF_STRAIN = "No bound: the plastic strain is cut off at the edge of the grid, give Grid.extent a larger one."
-NO_BOUND_OF_FILMS = (
-    "No bound for the discretisation error: that of a film that changes in time is not estimated."
-)
+NO_BOUND_OF_FILMS = "No bound for the discretisation error of a film at one instant: solve bounds those of all instants together."
 # Reasons for which a number has no bound until it is compared with solutions on coarser cells; these then give the
 # bound.
 BY_GRIDS = frozenset({NO_ESTIMATE, NO_BOUND_OF_STATES, NO_BOUND_OF_FILMS})
@@ -275,6 +273,9 @@ class Evolution(Answer):
             dataset = labels.evolution_dataset(self.trajectory, instants)
         else:
             dataset = labels.over_time(self.times, [frame.to_dataset() for frame in self.frames])
+        dataset.attrs.pop("warnings", None)  # of the first instant by itself
+        if self.films is not None and self.error.warnings:
+            dataset.attrs["warnings"] = " ".join(self.error.warnings)
         return with_quantities(dataset, self.quantities).assign_attrs(accuracy=self.accuracy)
 
 

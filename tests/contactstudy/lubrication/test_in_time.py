@@ -179,6 +179,9 @@ def test_the_verb_marches_a_film_that_changes_and_bounds_its_steps() -> None:
     assert last.central_film == same.contacts[-1].central_film
     parts = last.error.central_film
     assert parts.steps == same.time_discretisation_errors["central_film"][-1]
+    warnings = evolution.to_dataset().attrs.get("warnings", "")
+    assert warnings == " ".join(evolution.error.warnings)
+    assert ("No bound" in warnings) is (evolution.error.l1.total == np.inf)
 
 
 def test_friction_and_load_are_those_of_the_instant() -> None:

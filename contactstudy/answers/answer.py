@@ -205,7 +205,9 @@ class Answer(InNotebook):
     def summary(self) -> str:
         """Return accuracy, warnings, quantities with their bounds, status, extent, surfaces and work as text."""
         size = "  extent {} x {}".format(*map(readable, self.grid.extent))
-        warnings = (f"  warning: {warning}" for warning in self.error.warnings)
+        reasons = {quantity.reason for quantity in self.quantities.values()}  # said below the table
+        others = (warning for warning in self.error.warnings if warning not in reasons)
+        warnings = (f"  warning: {warning}" for warning in others)
         surfaces = (f"  {note}" for note in surface_notes(getattr(self, "scene", None)))
         status = f"  {self.status}"
         return "\n".join(

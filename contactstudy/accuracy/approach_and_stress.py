@@ -13,7 +13,7 @@ from contactstudy.accuracy.image_errors import IMAGES_REMEDY, with_all_images
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
-from contactstudy.solvers.solution import Solution
+from contactstudy.solvers.solution import Solution, Status
 
 # Error of the approach by a range that was chosen for the grid, over that range times the relative error of the area by
 # it: at most 0.07 on 21 cylinders against the JKR limit.
@@ -77,7 +77,8 @@ def stress_error(
     The error of the peak pressure counts at the surface, where it has no bound by as much as the peak itself, and falls
     like the stress of a wave of two cells along the axis with the longer ones (Johnson 1985, sect. 13.2). Images that
     the padding leaves out lack with their own stress. The error is infinite, with the reason, where too few cells in
-    contact are neighbours, and where the range of an attraction was chosen for the grid.
+    contact are neighbours, where the grid cuts the contact off, and where the range of an attraction was chosen for the
+    grid.
 
     Parameters
     ----------
@@ -92,6 +93,8 @@ def stress_error(
     """
     if has_isolated_cells(solution):
         return ErrorParts(discretisation=inf, reason=TOO_FEW_CELLS)
+    if solution.status is Status.CONTACT_AT_EDGE:
+        return ErrorParts(discretisation=inf, reason=next(iter(estimate.warnings), ""))
     if solution.regularised:
         return ErrorParts(range=inf, reason=NO_STRESS_LIMIT)
     grid, largest = solution.problem.grid, von_mises.max(axis=(1, 2))

@@ -19,7 +19,7 @@ from contactstudy.scene.solids.bodies import (
     is_layered,
     modulus_at_own_width,
 )
-from contactstudy.solvers.solution import Solution
+from contactstudy.solvers.solution import Solution, Status
 
 # Beyond these a contact is not one of elastic half-spaces: peak pressure over E*, slope of the heights, approach over
 # the radius, and width of the grid over that of the contact.
@@ -32,9 +32,13 @@ MIN_MODULUS = 1e3
 
 
 def implausible(solution: Solution) -> str:
-    """Return one sentence about implausible numbers, with the unit that was likely mistaken; else ``""``."""
+    """Return one sentence about implausible numbers, with the unit that was likely mistaken; else ``""``.
+
+    Nothing is said of a contact that its grid cuts off, whose pressure is not that of the bodies.
+    """
     scene, grid, pressure = scene_of(solution.problem), solution.problem.grid, solution.pressure
-    if scene is None or not np.isfinite(pressure).all():
+    is_cut_off = solution.status is Status.CONTACT_AT_EDGE
+    if scene is None or is_cut_off or not np.isfinite(pressure).all():
         return ""
     peak, hertz = solution.peak_pressure, scene.hertz
     modulus = scene.contact_modulus if hertz is None else hertz.contact_modulus
@@ -70,10 +74,11 @@ def beyond_strength(solution: Solution) -> str:
 
     Hardness and yield stress are those of the bodies, of a coated one of both its materials. The load at first yield is
     that of the smooth line contact under the traction over the pressure. Nothing is said of a body that yields, nor
-    together with ``Scene.hardness``, which caps the pressure.
+    together with ``Scene.hardness``, which caps the pressure, nor of a contact that its grid cuts off.
     """
     scene, peak = scene_of(solution.problem), solution.peak_pressure
-    if scene is None or scene.hardness < inf or not peak > 0:
+    is_cut_off = solution.status is Status.CONTACT_AT_EDGE
+    if scene is None or scene.hardness < inf or is_cut_off or not peak > 0:
         return ""
     shear = 0.0 if solution.traction is None else float(np.hypot(*solution.traction.shear).max())
     for number, body in enumerate(scene.solids):

@@ -12,7 +12,7 @@ from contactstudy.accuracy.plausibility import yield_margin, yield_stresses
 from contactstudy.domain.errors import ErrorEstimate
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
-from contactstudy.io.quantities.quantity import Quantity, with_bound
+from contactstudy.io.quantities.quantity import NO_ESTIMATE, Quantity, with_bound
 from contactstudy.problem.problem import Field
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.solids.bodies import in_part, is_layered
@@ -169,7 +169,7 @@ def _surface_tension(
     value = value if value > ROUNDING * scale else 0.0
     bound = TENSION_ERROR * _fall(tension, stress[2, 0], scale) * bool(value)
     bound += BY_PRESSURE * estimate.l1.total * scale
-    reason = "" if bound < inf else estimate.l1.reason
+    reason = "" if bound < inf else estimate.l1.reason or next(iter(estimate.warnings), NO_ESTIMATE)
     label = f"largest tensile stress at the surface of {name}"
     place = position if value else None
     return {"surface_tension": Quantity(value, "Pa", label, bound, reason, place)}

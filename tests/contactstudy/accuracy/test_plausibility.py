@@ -139,3 +139,20 @@ def test_friction_lowers_the_pressure_of_first_yield(friction: Any, *, is_beyond
     steel = cs.HalfSpace(210e9, 0.3, yield_stress=4e8)
     said = of_solids(steel, steel, friction=friction)  # 0.6 GPa: 1.79 times, in sliding 1.03
     assert ("first yields" in said) is is_beyond
+
+
+def test_of_a_contact_that_its_grid_cuts_off_nothing_is_said_but_that(
+    line_contact: LineContact,
+) -> None:
+    """Its pressure is an artefact, beyond any strength, and every number but the load has that one reason."""
+    bodies = tuple(
+        replace(body, hardness=1e6, yield_stress=1e6) for body in line_contact.scene.solids
+    )  # type: ignore[type-var]
+    scene = replace(line_contact.scene, solids=bodies, outputs=(cs.SubsurfaceStress(),))
+    cut = cs.solve(scene, line_contact.grid((32, 1), 1.0, width=0.5), EXACT)
+    assert cut.status is cs.Status.CONTACT_AT_EDGE
+    (warning,) = cut.error.warnings
+    assert "cut off at the edge of the grid" in warning
+    unbounded = [number for number in cut.quantities.values() if number.bound == np.inf]
+    assert {number.reason for number in unbounded} == {warning}
+    assert cut.quantities["mean_gap"].value == 0

@@ -125,10 +125,9 @@ def _judged(name: str, quantities: Quantities, requested: float) -> Judged:
     """Return the number `name` of the `quantities`, with a `requested` relative error."""
     quantity = quantities[name]
     whole = quantities.get(WHOLE.get(name, name), quantity)
-    is_fraction = name.endswith("_fraction")
-    scale = 1.0 if is_fraction else max(abs(quantity.value), abs(whole.value))
+    scale = 1.0 if quantity.is_fraction else max(abs(quantity.value), abs(whole.value))
     bound = quantity.bound / scale if scale else inf
-    label, reason = quantity.label.split(" (")[0] + " (absolute)" * is_fraction, quantity.reason
+    label, reason = quantity.label.split(" (")[0] + " (absolute)" * quantity.is_fraction, quantity.reason
     return Judged(label, bound, requested, reason, not name.endswith(NOT_BY_CELLS))
 
 

@@ -80,13 +80,14 @@ def test_components_count_over_the_whole_and_fractions_over_one() -> None:
     numbers = {
         "traction_coefficient": Quantity(0.2, "1", "tangential force over load", 1e-3, ""),
         "lateral_traction_coefficient": Quantity(1e-6, "1", "lateral force", 1e-3, ""),
-        "stick_fraction": Quantity(1e-3, "1", "fraction that sticks", 2e-3, ""),
+        "stick_fraction": Quantity(1e-3, "1", "fraction that sticks", 2e-3, "", is_fraction=True),
         "pressure_shift": Quantity(0.0, "m", "centroid", 1e-9, ""),
     }
     judged = judged_numbers(numbers, 1e-2)
     assert judged["lateral_traction_coefficient"].ratio == pytest.approx(0.5)
     assert judged["stick_fraction"].ratio == pytest.approx(0.2)
     assert str(judged["stick_fraction"]) == "0.2 % in the fraction that sticks (absolute)"
+    assert "0.2 % (absolute)" in str(numbers["stick_fraction"])  # as the table says
     assert "pressure_shift" not in judged  # zero, of which no error is a part
     assert all(isfinite(number.ratio) for number in judged.values())
 

@@ -108,9 +108,8 @@ def contact_quantities(
     if mean_error is not None and estimate.load is not None:  # at a given approach
         both = mean_error.total + estimate.load.total
         mean_error = ErrorParts(discretisation=both, reason=mean_error.reason)
-    apart = (
-        0.0 if solution.pressure.all() else solution.mean_gap
-    )  # without the rounding of a full contact
+    # a full contact has no gap but rounding
+    apart = 0.0 if solution.pressure.all() else solution.mean_gap
     mean_gap = Quantity(apart, "m", "mean gap", detail=width_note)
     quantities |= {
         "contact_area": with_bound(in_contact, area_error, fallback_reasons),

@@ -59,10 +59,16 @@ def film_quantities(contact: "FilmSolution", estimate: ErrorEstimate) -> dict[st
         quantities["meniscus"] = Quantity(contact.meniscus, "m", "position of the inlet meniscus")
     if contact.contact_pressure is not None:
         quantities["contact_load_fraction"] = Quantity(
-            contact.contact_load_fraction, "1", "fraction of the load on asperities"
+            contact.contact_load_fraction,
+            "1",
+            "fraction of the load on asperities",
+            is_fraction=True,
         )
         quantities["contact_area_fraction"] = Quantity(
-            contact.contact_area_fraction, "1", "real contact area over Hertz's contact area"
+            contact.contact_area_fraction,
+            "1",
+            "real contact area over Hertz's contact area",
+            is_fraction=True,
         )
     if (temperatures := contact.temperatures) is not None:
         quantities["flash_temperature"] = Quantity(

@@ -34,6 +34,8 @@ class Quantity:
         none.
     detail
         What is said of this value alone, behind its label.
+    is_fraction
+        Whether it is a part of one, whose error is said as it is and not relative to the value.
     """
 
     value: float
@@ -43,6 +45,7 @@ class Quantity:
     reason: str = NO_ESTIMATE
     position: Mapping[str, float] | None = None
     detail: str = ""
+    is_fraction: bool = False
 
     @property
     def is_formula(self) -> bool:
@@ -143,11 +146,13 @@ def _position_text(axis: str, at: float) -> str:
 
 
 def _error_text(quantity: Quantity) -> str:
-    """Return the bound of a number relative to it, or as it is where the value is 0; empty without a bound."""
+    """Return the bound of a number relative to it, or as it is of a fraction or a zero; empty without a bound."""
     if not quantity.bound:
         return "exact"
     if not isfinite(quantity.bound):
         return ""
+    if quantity.is_fraction:
+        return f"error <= {per_cent(quantity.bound)} (absolute)"
     if not quantity.value:
         return f"error <= {readable(quantity.bound, quantity.unit, 2)}"
     return f"error <= {per_cent(quantity.relative_bound)}"

@@ -94,7 +94,7 @@ def _of_force(
     """
     pressed, touching = float(solution.pressure.sum()), int(np.count_nonzero(solution.pressure))
     sticking = float(np.count_nonzero(traction.stick) / touching) if touching else 0.0
-    stick = Quantity(sticking, "1", "fraction of the contact that sticks")
+    stick = Quantity(sticking, "1", "fraction of the contact that sticks", is_fraction=True)
     area = estimate.contact_area
     if area is not None and touching:
         at_boundary = np.count_nonzero(_at_stick_slip_boundary(solution, traction)) / touching

@@ -61,7 +61,7 @@ NO_BOUND_OF_STATES = (
     "No bound: this error is not estimated in a contact that has crept, worn or yielded."
 )
 CUT_OFF_STRAIN = "No bound: the plastic strain is cut off at the edge of the grid, give Grid.extent a larger one."
-NO_BOUND_OF_FILMS = "No bound for the discretisation error of a film at one instant: solve bounds those of all instants together."
+NO_BOUND_OF_FILMS = "No bound for the discretisation error of a film at one instant: solve bounds that of all together."
 # Reasons for which a number has no bound until it is compared with solutions on coarser cells; these then give the
 # bound.
 BY_GRIDS = frozenset({NO_ESTIMATE, NO_BOUND_OF_STATES, NO_BOUND_OF_FILMS})

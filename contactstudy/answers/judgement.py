@@ -127,7 +127,10 @@ def _judged(name: str, quantities: Quantities, requested: float) -> Judged:
     whole = quantities.get(WHOLE.get(name, name), quantity)
     scale = 1.0 if quantity.is_fraction else max(abs(quantity.value), abs(whole.value))
     bound = quantity.bound / scale if scale else inf
-    label, reason = quantity.label.split(" (")[0] + " (absolute)" * quantity.is_fraction, quantity.reason
+    label, reason = (
+        quantity.label.split(" (")[0] + " (absolute)" * quantity.is_fraction,
+        quantity.reason,
+    )
     return Judged(label, bound, requested, reason, not name.endswith(NOT_BY_CELLS))
 
 

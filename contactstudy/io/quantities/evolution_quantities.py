@@ -182,8 +182,8 @@ def _of_wear(
     """Return the wear volume, around all of a body that turns, and the largest wear depth.
 
     Where bodies slide, wear follows from load and pressure: the volume from the load, whose error is neither by images,
-    nor by cells, nor by steps, and the largest depth from the peak pressures. On a film the volume follows from the pressure of
-    asperities, and where slip wears nothing is known but changes between grids.
+    nor by cells, nor by steps, and the largest depth from the peak pressures. On a film the volume follows from the
+    pressure of asperities, and where slip wears nothing is known but changes between grids.
     """
     last = frames[-1]
     worn, grid = fields["wear_depth"].values, posed.grid

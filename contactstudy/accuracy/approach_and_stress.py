@@ -100,8 +100,7 @@ def stress_error(
     grid, largest = solution.problem.grid, von_mises.max(axis=(1, 2))
     assert estimate.peak_pressure is not None
     peak = min(estimate.peak_pressure.total, 1.0)
-    cell = max(size for size, count in zip(grid.cell_size, grid.cells, strict=True) if count > 1)
-    decay = np.pi * depths / cell
+    decay = np.pi * depths / _longest_cell(grid)
     at_depths = largest * (1 + peak * (1 + decay) * np.exp(-decay))
     cells, images = float(at_depths.max() / largest.max()) - 1, 0.0
     if estimate.l1.images:
@@ -110,6 +109,21 @@ def stress_error(
         whole = [_largest_at(solution, float(depth), every_image) for depth in depths]
         images = float(np.abs(whole - largest).max() / largest.max())
     return ErrorParts(images, cells)
+
+
+def unbounded_by_peak(estimate: ErrorEstimate, depths: Array, grid: Grid) -> ErrorParts | None:
+    """Return why largest stresses have no bound, where the peak pressure alone has none; None where they have one.
+
+    Where the pressure is infinite, as at a roller's sharp end, the stress below grows without limit towards the surface,
+    and coarse cells may show the largest elsewhere. At given `depths` (z,) [m] of a cell and more it is finite.
+    """
+    peak = estimate.peak_pressure
+    if peak is None or peak.discretisation != inf or estimate.l1.total == inf:
+        return None
+    if depths.min() >= _longest_cell(grid):
+        return None
+    reason = peak.reason.replace("the peak pressure", "the largest stress")
+    return ErrorParts(discretisation=inf, reason=reason)
 
 
 def unresolved_interface(grid: Grid, thickness: float) -> ErrorParts | None:
@@ -131,6 +145,11 @@ def unresolved_interface(grid: Grid, thickness: float) -> ErrorParts | None:
 def interface_shear(stress: Array) -> Array:
     """Return the shear stress (x, y) on planes of constant depth, from stress (component, x, y)."""
     return np.asarray(np.hypot(stress[3], stress[4]))
+
+
+def _longest_cell(grid: Grid) -> float:
+    """Return the longer side [m] of a cell, along axes of several cells."""
+    return max(size for size, count in zip(grid.cell_size, grid.cells, strict=True) if count > 1)
 
 
 def _largest_at(solution: Solution, depth: float, paddings: Paddings) -> float:

@@ -187,7 +187,10 @@ def error_estimate(
         cells = replace(cells, peak_pressure=cells.peak_pressure + at_boundary)
     of_net, peak_of_net = over_net(solution)
     l1 = ErrorParts(l1_images, cells.l1, residual.l1 * of_net)
-    peak = ErrorParts(peak_images, cells.peak_pressure, residual.peak_pressure * peak_of_net)
+    no_peak = cells.warnings[0] if cells.peak_pressure == inf and cells.warnings else ""
+    peak = ErrorParts(
+        peak_images, cells.peak_pressure, residual.peak_pressure * peak_of_net, reason=no_peak
+    )
     area = ErrorParts(l1_images, cells.contact_area, residual.contact_area)
     gap = ErrorParts(
         _gap_by_images(solution, l1_images),

@@ -184,6 +184,8 @@ class Answer(InNotebook):
             return reason
         if not isfinite(parts.total):
             return next(iter(self.error.warnings), "")
+        if not self._missed and self._l1_ratio <= 1:  # what is named has no bound, which says why
+            return ""
         cause = max(parts.by_cause, key=parts.by_cause.__getitem__)
         if not all(number.by_cells for number in self._missed):
             return (

@@ -7,7 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from contactstudy.accuracy.approach_and_stress import interface_shear, unresolved_interface
+from contactstudy.accuracy.approach_and_stress import (
+    interface_shear,
+    unbounded_by_peak,
+    unresolved_interface,
+)
 from contactstudy.accuracy.plausibility import yield_margin, yield_stresses
 from contactstudy.domain.errors import ErrorEstimate
 from contactstudy.domain.fields import Array
@@ -112,9 +116,10 @@ def stress_quantities(
             of_interface = "interface_shear" if part == "coating" else f"{part}_shear"
             at_bottom = Quantity(largest, "Pa", label, position=position)
             found[of_interface] = with_bound(at_bottom, unresolved_interface(grid, bottom - top))
-    if estimate.stress is not None and estimate.stress.total == inf:
-        return {key: with_bound(of, estimate.stress) for key, of in found.items()}
-    return found
+    error = estimate.stress
+    if error is None or error.total < inf:
+        error = unbounded_by_peak(estimate, depths, grid)
+    return found if error is None else {key: with_bound(of, error) for key, of in found.items()}
 
 
 def _with_depth(

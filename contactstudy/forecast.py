@@ -13,7 +13,7 @@ from contactstudy.accuracy.discretisation.bound import SHARP_EDGE
 from contactstudy.answers.contact import contact_answer
 from contactstudy.domain.checks import InvalidInput, checked_errors
 from contactstudy.domain.device import ONE_THREAD, Device
-from contactstudy.domain.errors import DEFAULT_ERROR, PRESSURE, Request, pressure_request
+from contactstudy.domain.errors import DEFAULT_ERROR, Request, pressure_request
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.domain.imports import loaded
 from contactstudy.domain.units import readable
@@ -91,7 +91,7 @@ def plan(
     times: "ArrayLike | TimeSteps | None" = None,
     device: Device = ONE_THREAD,
 ) -> Plan:
-    """Choose a grid and a padding that solve a scene to a relative error.
+    """Choose a grid and a padding that solve a scene to a relative error: those on which its solve is expected to end.
 
     It solves the first grids of the solve itself: of a static contact of up to some ten thousand cells, of other scenes
     some with fewer cells than the last one, for some seconds at most.
@@ -151,7 +151,12 @@ def plan(
             device=device,
         )
         begins = f"refinement: a solve begins on {_cells(planned.grid)}."
-        last = replace(last, reasons=(*last.reasons, begins), warnings=planned.warnings)
+        last = replace(
+            last,
+            reasons=(*last.reasons, begins),
+            warnings=planned.warnings,
+            first_grids=planned.first_grids,
+        )
     return replace(
         last,
         error=forecast.error,
@@ -260,9 +265,7 @@ class _Request:
             further = grid_for_numbers(last.answer, is_default=self.is_default)
             while further is not None and prod(further.cells) > prod(grid.cells):
                 numbers = f" Numbers other than the pressure take {_cells(further)}."
-                # of all numbers the solve itself decides, and of the pressure its refinement
-                if isinstance(self.error, Mapping) and {*self.error} != {PRESSURE}:
-                    grid = further
+                grid = further
                 expected = self.seconds_on(further, levels)
                 if expected > CONSTANTS.exact_seconds:
                     seconds += CONSTANTS.followed * expected

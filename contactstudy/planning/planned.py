@@ -24,7 +24,7 @@ class Plan(InNotebook):
     scene
         The scene. Its random surfaces have an extent: where the contact is narrower than they are, the grid is too.
     grid
-        The grid.
+        The grid on which a solve to the error is expected to end; a reason may name that on which it begins.
     padding
         The boundary conditions.
     dimension

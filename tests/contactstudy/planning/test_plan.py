@@ -30,7 +30,7 @@ def rough(contact: LineContact, fraction: float, cut_off: float = 0.3) -> cs.Sce
 
 @pytest.mark.parametrize("error", [1e-2, 1e-4])
 def test_a_planned_smooth_contact_meets_its_error(error: float, line_contact: LineContact) -> None:
-    plan = cs.plan(line_contact.scene, error=error)
+    plan = cs.plan(line_contact.scene, error={"pressure": error})
     solution = cs.solve(line_contact.scene.problem(plan.grid, plan.padding), tolerance=1e-3 * error)
     assert solution.status is cs.Status.CONVERGED
     assert plan.error <= error
@@ -196,7 +196,7 @@ def test_a_plan_stays_on_the_measured_surface_and_in_the_memory(
     assert "as it grows or rolls, or its plastic zone may need" in " ".join(in_time.warnings)
     monkeypatch.setattr("contactstudy.planning.plan.available_bytes", lambda: 4e6)
     wide = line_contact.with_shapes(cs.MeasuredSurface(heights / 10, extent=(6 * a, 3 * a)))
-    small = cs.plan(wide, error=1e-4)
+    small = cs.plan(wide, error={"pressure": 1e-4})
     # of the 80 % that a plan may take, a hundredth of the cells along each axis is left for rounding, and a step
     assert 0.9 * 0.8 * 4e6 < small.bytes <= 0.8 * 4e6
     assert small.error > 1e-4
@@ -317,7 +317,7 @@ def test_the_seconds_of_a_plan_grow_with_the_depths_at_which_stress_is_asked_for
         replace(line_contact.scene, rolling=cs.Rolling(1.0)),
     ):
         stressed = replace(scene, outputs=(cs.SubsurfaceStress(depths),))
-        plain, planned = cs.plan(scene), cs.plan(stressed)
+        plain, planned = (cs.plan(one, error={"pressure": 1e-2}) for one in (scene, stressed))
         assert planned.grid == plain.grid
         assert planned.seconds > 2 * plain.seconds
 
@@ -334,7 +334,7 @@ def test_a_plan_is_the_grid_of_the_solve_and_wider_than_the_contact(
         "creeping": (soft, {"times": (0.0, 1.0)}),
         "rolling": (replace(soft, rolling=cs.Rolling(0.1)), {}),
     }[kind]
-    named |= {"error": {"pressure": 0.05}}
+    named |= {"error": 0.05}  # of every number
     planned, answer = cs.plan(scene, **named), cs.solve(scene, **named)
     assert planned.grid.cells == answer.grid.cells
     assert planned.grid.extent[0] == pytest.approx(answer.grid.extent[0])

@@ -327,7 +327,8 @@ def _trials(file: cs.SceneFile, error: Request, measure: str, wider: float) -> _
     padding = file.padding if isinstance(file.padding, tuple) else None
     grid, scene = file.grid, file.scene
     if grid is None or scene.hertz is not None:
-        settings = PlanSettings(error, file.plan_settings.period)
+        named = error if isinstance(error, Mapping) else {"pressure": error}
+        settings = PlanSettings(named, file.plan_settings.period)
         planned = replace(file, padding=padding, plan_settings=settings).plan()
         padding = padding or planned.padding
         if grid is None:

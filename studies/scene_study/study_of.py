@@ -10,7 +10,7 @@ from contactstudy import InvalidInput, MeasuredSurface, Roughness, Scene
 from contactstudy.answers.answer import surface_notes
 from contactstudy.domain.checks import whole_quotient
 from contactstudy.domain.device import available_bytes
-from contactstudy.domain.errors import DEFAULT_ERROR
+from contactstudy.domain.errors import DEFAULT_ERROR, PRESSURE
 from contactstudy.domain.units import readable
 from contactstudy.io.scene_files.scene_writer import scene_text
 from contactstudy.planning.cost import MEMORY_FRACTION, memory, within_memory
@@ -18,6 +18,7 @@ from contactstudy.planning.grid_requirements import (
     GridRequirements,
     grid_requirements,
     halvable_count,
+    measured_length_scales,
     with_random_extents,
 )
 from contactstudy.scene.shapes.shape import length_scales_of
@@ -130,12 +131,12 @@ def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:
     first = points[0]
     if first.grid is None and any(point.scene.hertz is None for point in points):
         note = "each measured surface is solved on its own points"
-        return [point.plan().grid for point in points], [note]
+        return [_planned_grid(point) for point in points], [note]
     if first.grid is None and any(point.scene.lubrication is not None for point in points):
         notes = [
             "each film has its own grid, because inlet length and cell size depend on the film thickness"
         ]
-        return [point.plan().grid for point in points], notes
+        return [_planned_grid(point) for point in points], notes
     if first.grid is not None:
         note = f"grid {_size_text(first.grid)}, given, for {_count_text(points)}"
         return [first.grid] * len(points), [note]
@@ -160,7 +161,7 @@ def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:
     is_common = len(periods) == 1 or measured
     if not is_common and any(requirement.period_fault(period) for requirement in requirements):
         separate = f"no common period for {_count_text(points)}: each has its own grid"
-        return [point.plan().grid for point in points], [separate, *notes]
+        return [_planned_grid(point) for point in points], [separate, *notes]
     across = halvable_count(width / min(grid.cell_size[0] for grid in planned))
     varying = [grid for grid in planned if grid.cells[1] > 1]
     along = max((halvable_count(period / grid.cell_size[1]) for grid in varying), default=1)
@@ -184,7 +185,18 @@ def _planned(
     by_width = sorted(range(len(points)), key=lambda number: requirements[number].half_width)
     step = 1 if len(points) <= MAX_PLANNED else len(points) // (MAX_PLANNED - 1)
     chosen = dict.fromkeys([*by_width[::step], by_width[-1]])
-    return [points[number].plan().grid for number in chosen]
+    return [_planned_grid(points[number]) for number in chosen]
+
+
+def _planned_grid(point: SceneFile) -> cs.Grid:
+    """Return the grid that is planned for a point: for its pressure, where its file names no numbers."""
+    settings = point.plan_settings
+    error = settings.error
+    if error is None and measured_length_scales(point.scene) is None:
+        error = DEFAULT_ERROR
+    if isinstance(error, float):
+        error = {PRESSURE: error}
+    return replace(point, plan_settings=replace(settings, error=error)).plan().grid
 
 
 def _fitting(grid: cs.Grid, point: SceneFile) -> cs.Grid:

@@ -86,14 +86,14 @@ def test_a_crowned_roller_that_wears_is_as_long_as_its_total_load_says() -> None
 
 def test_rolling_takes_passes() -> None:
     scene = rolling_cylinder(SOLID, rolling=cs.Rolling(0.1))
-    plan = cs.plan(scene, error=1e-2)
+    plan = cs.plan(scene, error={"pressure": 1e-2})
     # of half as much room again, which a grid that is given may do without
     for part, is_wide_enough in ((0.75, True), (0.5, False)):
         given = replace(plan.grid, extent=(part * plan.grid.extent[0], plan.grid.length))
         assert (plan_grid(scene, grid=given).warnings == ()) is is_wide_enough
     # cells as fine as those of an elastic contact at rest, of which there are 24
     rest = replace(scene, rolling=None, solids=(cs.HalfSpace(1.0, 0.0), scene.solids[1]))
-    fine = cs.plan(rest, error=1e-2).grid.cell_size[0]
+    fine = cs.plan(rest, error={"pressure": 1e-2}).grid.cell_size[0]
     assert plan.grid.cell_size[0] == pytest.approx(fine, rel=1 / 24)
     found = solve_rolling(scene, plan.grid, plan.padding)
     assert found.lagged.outer_iterations == pytest.approx(plan.solves, abs=2)

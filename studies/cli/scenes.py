@@ -98,10 +98,11 @@ def plan(
         echo(f"  note: {note}")
     for number, shape in enumerate(described.scene.shapes):
         if isinstance(shape, cs.Roughness) and shape.extent is None and shape.rms:
-            width, length = planned.grid.extent
+            placed = planned.scene.shapes[number]
+            width, length = getattr(placed, "extent", None) or planned.grid.extent
             echo(
-                f"  note: shapes[{number}] has no extent, so its heights change with the grid: "
-                f"give extent = [{width:.6g}, {length:.6g}] to keep this surface"
+                f"  note: shapes[{number}] has no extent, and gets that of this plan: give "
+                f"extent = [{width:.6g}, {length:.6g}] to keep this surface on other grids"
             )
 
 

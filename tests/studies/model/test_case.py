@@ -55,7 +55,7 @@ def test_a_run_says_which_cases_miss_their_accuracy_and_which_have_no_bound() ->
         kind_bound=["d", "e", "f"],  # text of the study's own
     )
     assert list(summary_messages(dataset)) == [
-        "1 of 3 cases miss the requested accuracy, the first with 1 % not met: 3 % in L1",
+        "1 of 3 cases misses the requested accuracy, the first with 1 % not met: 3 % in L1",
         "no bound of peak_pressure in 1 of 3 cases",
     ]
 

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.special import erfinv
 
 import contactstudy as cs
-from contactstudy.domain.checks import in_range, positive
+from contactstudy.domain.checks import positive
 from contactstudy.domain.device import using
 from contactstudy.elasticity.convolution import Convolution
 from contactstudy.elasticity.transforms import transforms
@@ -88,7 +88,7 @@ def self_affine(grid: cs.Grid, hurst: float, cut_off: float, fraction: float) ->
     """
     side = grid.length
     cut_off = positive("cut_off", cut_off, "give a number of cells above 0")
-    fraction = in_range("fraction", fraction, "give a fraction between 0 and 1")
+    fraction = positive("fraction", fraction, "give a fraction between 0 and 1")
     if fraction >= 1:
         raise cs.InvalidInput(f"fraction is {fraction!r}: give a fraction between 0 and 1.")
     rms, longest, shortest = cs.RmsSlope(SLOPE), ROLL_OFF * side, cut_off * grid.cell_size[0]

@@ -207,7 +207,7 @@ def test_what_cannot_be_done_is_answered_in_a_sentence(
 
 
 def test_a_plan_says_where_a_surface_is_that_of_its_grid(folder: Path) -> None:
-    assert "shapes[1] has no extent, so its heights change with the grid" in said(
+    assert "shapes[1] has no extent, and gets that of this plan" in said(
         "plan", folder / "rough.toml"
     )
     assert "extent" not in said("plan", folder / "smooth.toml")

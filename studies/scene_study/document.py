@@ -148,7 +148,8 @@ def varied(raw: Table, document: SceneDocument, name: str, given: object, folder
     if path[-1] == "file":
         return Varied(path, _surfaces(given, folder), "surface", "measured surface")
     _, annotation = at(document, path)
-    is_whole = annotation is None or int in (annotation, *get_args(annotation))
+    kinds = [getattr(hint, "__origin__", hint) for hint in (annotation, *get_args(annotation))]
+    is_whole = annotation is None or int in kinds
     if not isinstance(given, str):
         values = _listed(name, given)
     else:

@@ -40,11 +40,11 @@ def test_the_lightest_loads_have_the_film_of_martin(load: float) -> None:
 
 
 @pytest.mark.whole
-def test_the_heaviest_isoviscous_film_of_the_range_meets_an_error_of_1_percent() -> None:
-    contact = solve_lubricated(by_moes(1000, 0), error=1e-2)
+def test_the_heaviest_isoviscous_film_of_the_range_meets_an_error_of_3_percent() -> None:
+    contact = solve_lubricated(by_moes(1000, 0), error=3e-2)
     assert contact.status is cs.Status.CONVERGED
     for parts in (contact.estimate.central_film, contact.estimate.minimum_film):
-        assert total(parts) <= 1e-2
+        assert total(parts) <= 3e-2
     # of an endless inlet, after the reference on graded cells
     film = in_moes_units(contact, contact.central_film)
     assert film == pytest.approx(0.6264, rel=total(contact.estimate.central_film))

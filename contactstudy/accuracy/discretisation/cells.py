@@ -218,8 +218,7 @@ def _alike_pairs(places: Array, beside: Array) -> float:
     """Return the number of pairs of edges, each with itself too, that lie alike in their cells.
 
     Those have the same place in their cell and the same pressure in the last two cells, as mirrored and repeated
-    contacts have.
-    Pairs that are alike by chance, a ninth of those within three times the differences, do not count.
+    contacts have. Pairs that are alike by chance, a ninth of those within three times the differences, do not count.
     """
     edges = np.stack([places / ALIKE_PLACE, beside / ALIKE_PRESSURE])
     near, nearer = (

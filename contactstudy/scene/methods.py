@@ -48,8 +48,9 @@ def method_of(scene: SceneContext) -> Method:
     film, wears = scene.lubrication is not None, scene.wear is not None
     changes = scene.time_dependent_field is not None
     keeps_states = any(creeps(solid) or yields(solid) for solid in scene.solids)
-    has_traction = getattr(scene.friction, "is_steady", False)  # tractive rolling
-    wears_evenly = has_traction or getattr(scene.wear, "circumference", None) is not None
+    wears_evenly = (
+        scene.has_tractive_rolling or getattr(scene.wear, "circumference", None) is not None
+    )
     rolls_at_speed = scene.rolling_speed is not None
     methods = (
         (film and wears, FILM_WEAR),
@@ -60,7 +61,8 @@ def method_of(scene: SceneContext) -> Method:
         (rolls_at_speed, STEADY_ROLLING),
         (scene.rolling is not None, PASSES),
         (
-            changes and (has_traction or (scene.adhesion is not None and not keeps_states)),
+            changes
+            and (scene.has_tractive_rolling or (scene.adhesion is not None and not keeps_states)),
             QUASI_STATIC,
         ),
         (changes, TIME_DEPENDENT),

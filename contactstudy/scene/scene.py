@@ -228,7 +228,7 @@ class Scene(InNotebook):
             isinstance(self.load, ChangingLoad) and falls(self.load)
         ):
             changing = "Scene.load, which falls"
-        elif self.rolls or getattr(self.friction, "is_steady", False):
+        elif self.rolls or self.has_tractive_rolling:
             changing = "a contact that rolls"
         elif self.wear:
             changing = "Scene.wear"
@@ -551,11 +551,16 @@ class Scene(InNotebook):
         return tuple(history for history in given if hasattr(history, "end"))
 
     @property
+    def has_tractive_rolling(self) -> bool:
+        """Whether friction transmits a traction in steady rolling."""
+        return bool(getattr(self.friction, "is_steady", False))
+
+    @property
     def rolling_speed(self) -> float | None:
         """Speed [m/s] along x of steady `Rolling`, or of `TractiveRolling` of a body that creeps; None for others."""
         if self.rolling is not None:
             return self.rolling.speed
-        drives = getattr(self.friction, "is_steady", False) and any(map(creeps, self.solids))
+        drives = self.has_tractive_rolling and any(map(creeps, self.solids))
         return self.friction.speed if drives else None  # type: ignore[union-attr]
 
     @property

@@ -45,7 +45,7 @@ class Wear:
 
     def check(self, scene: SceneContext) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if the motion of `scene` gives another sliding or turning."""
-        film, drives = scene.lubrication, getattr(scene.friction, "is_steady", False)
+        film, drives = scene.lubrication, scene.has_tractive_rolling
         standing = getattr(scene.friction, "standing", None)
         if getattr(scene.rolling, "passes", None) is not None:
             raise InvalidInput(

@@ -232,6 +232,10 @@ class SceneContext(Protocol):
         """Law of friction, or None."""
 
     @property
+    def has_tractive_rolling(self) -> bool:
+        """Whether friction transmits a traction in steady rolling."""
+
+    @property
     def lubrication(self) -> Any:
         """Film between the bodies, or None."""
 

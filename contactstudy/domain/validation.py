@@ -134,7 +134,7 @@ def valid(name: str, value: Any, hint: Any) -> Any:
         return value
     if hint is Any:
         return value
-    kind, unit, limits = options[0] if origin is Annotated else hint, *notes(hint)
+    kind, unit, limits = kind_of(hint), *notes(hint)
     if kind is float:
         number = _float(in_si(name, value, unit) if isinstance(value, str) and unit else value)
         if number is not None and limits.hold(number):
@@ -193,6 +193,11 @@ def _entries(name: str, value: Any, options: tuple[Any, ...], hint: Any) -> tupl
     return tuple(valid(f"{name}[{n}]", entry, kind) for n, (entry, kind) in pairs)
 
 
+def kind_of(hint: Any) -> Any:
+    """Return the type that an annotation is about, without its unit and limits."""
+    return get_args(hint)[0] if get_origin(hint) is Annotated else hint
+
+
 def notes(hint: Any) -> tuple[Unit | None, Limits]:
     """Return the unit of an annotation, if it has one, and its limits."""
     marks = getattr(hint, "__metadata__", ())
@@ -223,7 +228,7 @@ def remedy(hint: Any) -> str:
 def _accepted(hint: Any) -> Iterator[str]:
     origin, options = get_origin(hint), get_args(hint)
     unit, limits = notes(hint)
-    kind = options[0] if origin is Annotated else hint
+    kind = kind_of(hint)
     if origin in (Union, UnionType):
         for option in options:
             yield from _accepted(option)

@@ -15,6 +15,7 @@ from contactstudy import InvalidInput, MeasuredSurface
 from contactstudy.domain.checks import parameters, suggestion
 from contactstudy.domain.identity import digest
 from contactstudy.domain.units import Unit
+from contactstudy.domain.validation import kind_of
 from contactstudy.io.scene_files.scene_schema import MeasuredSurfaceTable, SceneDocument
 from contactstudy.scene.surfaces.measurement import Reading
 from contactstudy.scene_file import SceneFile, document_from, scene_file_from
@@ -148,8 +149,7 @@ def varied(raw: Table, document: SceneDocument, name: str, given: object, folder
     if path[-1] == "file":
         return Varied(path, _surfaces(given, folder), "surface", "measured surface")
     _, annotation = at(document, path)
-    kinds = [getattr(hint, "__origin__", hint) for hint in (annotation, *get_args(annotation))]
-    is_whole = annotation is None or int in kinds
+    is_whole = annotation is None or int in map(kind_of, (annotation, *get_args(annotation)))
     if not isinstance(given, str):
         values = _listed(name, given)
     else:

@@ -13,7 +13,7 @@ from cattrs.errors import ForbiddenExtraKeysError
 from cattrs.gen import make_dict_structure_fn
 
 from contactstudy.domain.checks import InvalidInput, parameters, suggestion
-from contactstudy.domain.validation import remedy, valid
+from contactstudy.domain.validation import kind_of, remedy, valid
 
 # Classes that a table may describe, by the type of the field and their names; NO_KIND is the default.
 NO_KIND = ""
@@ -68,7 +68,7 @@ class _Structure:
             self.converter.register_structure_hook_func(applies, hook)
 
     def _has_kinds(self, target: Any) -> bool:
-        return _kind_in(target) in self.kinds or get_origin(target) in (Union, UnionType)
+        return kind_of(target) in self.kinds or get_origin(target) in (Union, UnionType)
 
     def _tuple(self, value: object, target: Any) -> tuple[Any, ...]:
         """Return a list as a tuple, of any length or of one type for each entry."""
@@ -91,7 +91,7 @@ class _Structure:
         """Return a table, or the name of a kind, as the dataclass that its kind or its keys choose."""
         if is_dataclass(value):
             return value
-        target = _kind_in(target)
+        target = kind_of(target)
         kinds = dict(self.kinds.get(target, {}))
         plain = []
         for option in get_args(target):
@@ -214,11 +214,6 @@ def _closest(key: str, names: set[str]) -> str | None:
     if (meant := SYMBOLS_OF_FIELDS.get(key)) in names:
         return meant
     return next(iter(get_close_matches(key, sorted(names), n=1)), None)
-
-
-def _kind_in(target: Any) -> Any:
-    """Return the type that an annotation is about."""
-    return get_args(target)[0] if get_origin(target) is Annotated else target
 
 
 def _as_annotated(value: object, target: Any) -> Any:

@@ -14,7 +14,7 @@ from contactstudy.answers.contact import contact_answer
 from contactstudy.domain.checks import InvalidInput, checked_errors
 from contactstudy.domain.device import ONE_THREAD, Device
 from contactstudy.domain.errors import DEFAULT_ERROR, Request, pressure_request
-from contactstudy.domain.grid import Grid, Padding, Paddings
+from contactstudy.domain.grid import Grid, Padding, Paddings, cells_text
 from contactstudy.domain.imports import loaded
 from contactstudy.domain.units import readable
 from contactstudy.planning.cost import speedup
@@ -150,7 +150,7 @@ def plan(
             times=times,
             device=device,
         )
-        begins = f"refinement: a solve begins on {_cells(planned.grid)}."
+        begins = f"refinement: a solve begins on {cells_text(planned.grid.cells)}."
         last = replace(
             last,
             reasons=(*last.reasons, begins),
@@ -264,7 +264,7 @@ class _Request:
         if self.is_chosen and last.answer is not None and (first or refines(self.scene)):
             further = grid_for_numbers(last.answer, is_default=self.is_default)
             while further is not None and prod(further.cells) > prod(grid.cells):
-                numbers = f" Numbers other than the pressure take {_cells(further)}."
+                numbers = f" Numbers other than the pressure take {cells_text(further.cells)}."
                 grid = further
                 expected = self.seconds_on(further, levels)
                 if expected > CONSTANTS.exact_seconds:
@@ -279,7 +279,7 @@ class _Request:
         if self.scene.rolling is not None and self.scene.rolling.passes is not None:
             solves = round(solves * grid.cells[0] / last.grid.cells[0])  # one step for a cell
         part = "" if last.answer is not None else "a part of "
-        reason = f"seconds: from {part}a solve on {_cells(last.grid)}.{numbers}"
+        reason = f"seconds: from {part}a solve on {cells_text(last.grid.cells)}.{numbers}"
         said, warnings = self.said_of(levels)
         error = planned.error if self.scene.lubrication else self.error_on(grid, levels)
         return Forecast(grid, error, seconds, solves, (*said, reason), warnings)
@@ -326,7 +326,7 @@ class _Request:
         if hertz is not None and touching.any():
             half_width = np.abs(grid.x[touching]).max() + grid.cell_size[0] / 2
             reasons.append(
-                f"contact: within {half_width / hertz.half_width:.3g} half-widths of Hertz, on {_cells(grid)}."
+                f"contact: within {half_width / hertz.half_width:.3g} half-widths of Hertz, on {cells_text(grid.cells)}."
             )
             if touching[0] or touching[-1]:
                 requirements = grid_requirements(self.scene)
@@ -529,11 +529,6 @@ class _Watch:
             return int(answer.rolling.lagged.outer_iterations)
         counted = getattr(answer, "films", None) or getattr(answer, "passes", None)
         return len(self.reports) if counted else 0
-
-
-def _cells(grid: Grid) -> str:
-    """Return the cells of a grid in words."""
-    return f"{' x '.join(map(str, grid.cells))} cells"
 
 
 def _coarser(grid: Grid, factor: int) -> Grid:

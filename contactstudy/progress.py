@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid
+from contactstudy.domain.grid import Grid, cells_text
 from contactstudy.problem.problem import Problem
 
 if TYPE_CHECKING:
@@ -60,7 +60,7 @@ def of_grids(report: Report, error: float) -> "Callable[[Solution, float], None]
 
     def report_grid(solution: "Solution", bound: float) -> None:
         grid = solution.problem.grid
-        text = f"{_cells(grid.cells)}: {100 * bound:.2g} % in L1"
+        text = f"{cells_text(grid.cells)}: {100 * bound:.2g} % in L1"
         report(Progress(min(error / bound, 1.0), text, solution.pressure, grid))
 
     return report_grid
@@ -103,16 +103,11 @@ def of_film_steps(report: Report, tolerance: float) -> "Callable[[FilmIteration]
         nonlocal fraction
         if last.iterations == 1:  # the first step on another grid
             fraction = fraction_of_fall()
-        cells = _cells(last.film.pressure.shape)
+        cells = cells_text(last.film.pressure.shape)
         text = f"{cells}: residual {last.residual:.1e} of {tolerance:.1e}"
         report(Progress(fraction(last.residual, tolerance), text))
 
     return report_step
-
-
-def _cells(counts: tuple[int, ...]) -> str:
-    """Return the numbers of cells along both axes in words."""
-    return f"{' x '.join(map(str, counts))} cells"
 
 
 def fraction_of_fall() -> Callable[[float, float], float]:

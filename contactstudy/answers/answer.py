@@ -17,7 +17,7 @@ from contactstudy.answers.judgement import (
 )
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.errors import PRESSURE, ErrorEstimate, ErrorParts, Request
-from contactstudy.domain.grid import Grid, Padding, Paddings
+from contactstudy.domain.grid import Grid, Padding, Paddings, cells_text
 from contactstudy.domain.imports import needed_for
 from contactstudy.domain.notebook import InNotebook
 from contactstudy.domain.units import readable
@@ -196,8 +196,7 @@ class Answer(InNotebook):
         factor = max(factor, self._l1_ratio)
         if cause != "discretisation" or factor <= 1:
             return f"most of it is by {REMEDIES[cause]}"
-        cells = " x ".join(map(str, finer_grid(self.grid, factor).cells))
-        return f"about {cells} cells would meet it"
+        return f"about {cells_text(finer_grid(self.grid, factor).cells)} would meet it"
 
     @property
     def work(self) -> str:
@@ -221,9 +220,8 @@ class Answer(InNotebook):
         counts = range(SHOWN, 0, -1)  # with the reasons of those without a bound
         tables = (as_text(dict(islice(self.quantities.items(), count))) for count in counts)
         table = next((text for text in tables if text.count("\n") < SHOWN), "")
-        cells = " x ".join(map(str, self.grid.cells))
         head = f"{type(self).__name__}: {self.accuracy}"
-        return f"{head}\n  {self.status.name}, {cells} cells\n{table}"
+        return f"{head}\n  {self.status.name}, {cells_text(self.grid.cells)}\n{table}"
 
     def _rows(self) -> str:
         return repr(self)

@@ -231,6 +231,11 @@ def across_and_along(padding: Padding | Paddings) -> Paddings:
     return both
 
 
+def cells_text(cells: tuple[int, ...]) -> str:
+    """Return numbers of cells, across and along, such as "128 x 96 cells"."""
+    return f"{' x '.join(map(str, cells))} cells"
+
+
 def on_cells(field: Array, cells: tuple[int, int]) -> Array:
     """Return the means of a field over the cells of another grid of the same extent.
 

@@ -12,6 +12,7 @@ from time import process_time
 import contactstudy as cs
 from contactstudy.domain.errors import Request
 from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import cells_text
 from contactstudy.domain.reuse import caching
 from contactstudy.io.scene_files.scene_schema import PlanSettings
 from contactstudy.planning.grid_requirements import grid_requirements, with_random_extents
@@ -30,7 +31,7 @@ from studies.advice.verdict import (
     meets,
 )
 from studies.model.case import Answer
-from studies.model.plain_text import Log, cells_text
+from studies.model.plain_text import Log
 from studies.reference.line_contact import hertz_means, relative_l1, with_edges_moved
 from studies.reference.paddings import PADDINGS, padding_label, padding_text
 

@@ -17,10 +17,11 @@ import contactstudy as cs
 from contactstudy.answers.answer import surface_notes
 from contactstudy.domain.checks import checked_errors
 from contactstudy.domain.errors import Request
+from contactstudy.domain.grid import cells_text
 from contactstudy.domain.units import readable
 from studies.cli.files import write_figure
 from studies.cli.options import FORMAT, JSON, PICTURES, SCENE, echo, formats_in, out_option
-from studies.model.plain_text import cells_text, counted, two_digits
+from studies.model.plain_text import counted, two_digits
 
 if TYPE_CHECKING:
     from contactstudy.answers.answer import Answer

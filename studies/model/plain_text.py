@@ -20,11 +20,6 @@ def two_digits(number: float) -> str:
     return f"{float(f'{number:.2g}'):g}"
 
 
-def cells_text(cells: tuple[int, int]) -> str:
-    """Return numbers of cells, across and along, such as "128 x 96 cells"."""
-    return f"{cells[0]} x {cells[1]} cells"
-
-
 def one_line(text: object, longest: int = LONGEST) -> str:
     """Return `text` in one line of at most `longest` characters, with control characters escaped."""
     try:

@@ -3,8 +3,9 @@
 from collections.abc import Iterator
 from math import isfinite
 
+from contactstudy.domain.grid import cells_text
 from studies.advice.verdict import PRESSURE, TIE, Measured, Verdict
-from studies.model.plain_text import cells_text, two_digits
+from studies.model.plain_text import two_digits
 from studies.report.style import percent
 
 # Errors for which a page lists the fastest setting, beside the requested one.

@@ -11,6 +11,7 @@ from contactstudy.answers.answer import surface_notes
 from contactstudy.domain.checks import whole_quotient
 from contactstudy.domain.device import available_bytes
 from contactstudy.domain.errors import DEFAULT_ERROR, PRESSURE
+from contactstudy.domain.grid import cells_text
 from contactstudy.domain.units import readable
 from contactstudy.io.scene_files.scene_writer import scene_text
 from contactstudy.planning.cost import MEMORY_FRACTION, memory, within_memory
@@ -25,7 +26,6 @@ from contactstudy.scene.shapes.shape import length_scales_of
 from contactstudy.scene_file import SceneFile, tables_of
 from studies.model.axis import Axis, Value
 from studies.model.case import Case, Computation
-from studies.model.plain_text import cells_text
 from studies.model.study import Point, Study
 from studies.scene_study.document import Table, tables, varied_scenes
 from studies.scene_study.measures import measures

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from contactstudy.domain.grid import cells_text
 from studies.advice.front import pareto_front
 from studies.advice.stored import SETTINGS
 from studies.advice.verdict import PRESSURE, TIE, Measured, Verdict
 from studies.model.drawing import CaptionedFigure, Finding, Table
-from studies.model.plain_text import cells_text
 from studies.report.plots import scaled
 from studies.report.section import Section
 from studies.report.style import WIDTH, captioned, padding_style, panels, percent

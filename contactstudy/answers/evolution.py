@@ -20,8 +20,7 @@ from contactstudy.answers.nested import (
     solved_or_none,
     with_nested_bounds,
 )
-from contactstudy.domain.changes import INLET
-from contactstudy.domain.errors import ErrorEstimate, ErrorParts, Request
+from contactstudy.domain.errors import INLET, ErrorEstimate, ErrorParts, Request
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings, edge_fraction
 from contactstudy.domain.imports import needed_for

@@ -13,9 +13,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contactstudy.accuracy.discretisation.coarser import halved
-from contactstudy.domain.changes import AREA_FLOOR, FLOOR, INLET, MARGIN, largest_change
 from contactstudy.domain.checks import InvalidInput, NotDefined
-from contactstudy.domain.errors import ErrorParts
+from contactstudy.domain.errors import AREA_FLOOR, FLOOR, INLET, MARGIN, ErrorParts, largest_change
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, on_cells
 from contactstudy.io.quantities.quantity import RELATIVE_TO_ZERO, Quantities, Quantity
@@ -37,7 +36,7 @@ NO_COARSER_YIELD = "No bound: nothing yields on half the cells, give more."
 
 @dataclass(frozen=True)
 class NestedConstants:
-    """Constants of the bounds of some numbers, in place of those of :mod:`contactstudy.domain.changes` or beside them.
+    """Constants of the bounds of some numbers, in place of those of :mod:`contactstudy.domain.errors` or beside them.
 
     Attributes
     ----------

@@ -7,7 +7,9 @@ from difflib import get_close_matches
 from numbers import Integral, Real
 from typing import Any
 
-from contactstudy.domain.invalid_input import InvalidInput as InvalidInput
+
+class InvalidInput(ValueError):
+    """Error for a value that cannot be used; the message names the field, the value and the remedy."""
 
 
 class UnknownField(InvalidInput, TypeError):

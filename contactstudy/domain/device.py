@@ -237,7 +237,7 @@ class Gpu:
     @property
     def loops(self) -> Any:
         """Loops over fields, each one launch of a kernel."""
-        return import_module("contactstudy.domain.gpu_loops").LOOPS
+        return import_module("contactstudy.domain.loops.gpu").LOOPS
 
     @property
     def arrays(self) -> Namespace:

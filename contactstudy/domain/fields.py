@@ -194,7 +194,7 @@ def _loops() -> ThreadedLoops | None:
         return None
     # raised by numba for another version of numpy, or without a folder for compiled code
     with suppress(ImportError, RuntimeError):
-        return ThreadedLoops(import_module("contactstudy.domain.compiled"))
+        return ThreadedLoops(import_module("contactstudy.domain.loops.compiled"))
     return None
 
 

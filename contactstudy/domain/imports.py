@@ -37,7 +37,7 @@ def import_for(use: str, module: str) -> Any:
 
 def loaded() -> int:
     """Return how many modules are imported and loops compiled, all of which the seconds of a first call include."""
-    compiled: Any = sys.modules.get("contactstudy.domain.compiled")
+    compiled: Any = sys.modules.get("contactstudy.domain.loops.compiled")
     loops = () if compiled is None else compiled.LOOPS
     return len(sys.modules) + sum(len(loop.overloads) for loop in loops)
 

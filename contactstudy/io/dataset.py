@@ -16,7 +16,7 @@ import xarray as xr
 from contactstudy.analytic import HertzLine
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.errors import ErrorEstimate
-from contactstudy.domain.version import VERSION
+from contactstudy.domain.storage.version import VERSION
 from contactstudy.io.quantities.quantity import Quantities, per_length, roller_length
 from contactstudy.io.scene_files.scene_writer import scene_text
 from contactstudy.problem.constraint import HardnessLimited

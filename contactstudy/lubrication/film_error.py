@@ -8,8 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from contactstudy.domain.changes import AREA_FLOOR, FLOOR, INLET, MARGIN, largest_change
-from contactstudy.domain.errors import ErrorEstimate, ErrorParts
+from contactstudy.domain.errors import (
+    AREA_FLOOR,
+    FLOOR,
+    INLET,
+    MARGIN,
+    ErrorEstimate,
+    ErrorParts,
+    largest_change,
+)
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings, across_and_along, edge_fraction
 from contactstudy.lubrication.lubricated_contact import FilmSolution
@@ -82,7 +89,7 @@ def film_error(contact: FilmSolution) -> ErrorEstimate:
     """Return an estimate of the errors of ``contact``, from solutions on three further grids.
 
     These have half the cells along both axes, a quarter, and half the cells over twice the width. The error of each
-    number by the cells follows from its changes by the rule of all numbers (:mod:`contactstudy.domain.changes`); that by
+    number by the cells follows from its changes by the rule of all numbers (:mod:`contactstudy.domain.errors`); that by
     the inlet is 4/3 of the change by twice its length, as it falls with the square of that.
 
     No estimate is finite where the film, or one on the grids with half the cells, has not converged, is not resolved, or

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from contactstudy.domain.files import replacing
+from contactstudy.domain.storage.files import replacing
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -49,7 +49,7 @@ def write_sensitivity(study: "Study", plot: Sequence[str], out: Path) -> str:
     """Write the table of a stored sensitivity as CSV, and return it as text with aligned columns."""
     import csv
 
-    from contactstudy.domain.files import replacing
+    from contactstudy.domain.storage.files import replacing
     from studies.report.drawings import default, sensitivity
     from studies.report.page import stored
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
 
-from contactstudy.domain.files import replacing
+from contactstudy.domain.storage.files import replacing
 from studies.model.drawing import CaptionedFigure, Finding, Table
 
 

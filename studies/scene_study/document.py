@@ -13,7 +13,7 @@ import numpy as np
 import contactstudy as cs
 from contactstudy import InvalidInput, MeasuredSurface
 from contactstudy.domain.checks import parameters, suggestion
-from contactstudy.domain.identity import digest
+from contactstudy.domain.storage.identity import digest
 from contactstudy.domain.units import Unit
 from contactstudy.domain.validation import kind_of
 from contactstudy.io.scene_files.scene_schema import MeasuredSurfaceTable, SceneDocument

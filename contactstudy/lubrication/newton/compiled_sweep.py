@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from contactstudy.domain.compiled import exact
 from contactstudy.domain.fields import Array
+from contactstudy.domain.loops.compiled import exact
 
 
 @exact

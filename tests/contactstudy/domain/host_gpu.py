@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from contactstudy.domain import gpu_loops
 from contactstudy.domain.device import Cpu, Namespace, available_bytes
+from contactstudy.domain.loops import gpu
 from contactstudy.elasticity import transforms
 
 COMPILER = shutil.which("g++")
@@ -26,15 +26,15 @@ def library(real: str, preconditioner: str) -> Any:
     made = Path(tempfile.mkdtemp()) / "loops.so"
     types = f"-DREAL={NAMES[real]}", f"-DPRE={NAMES[preconditioner]}"
     options = "-O1", "-std=c++17", "-shared", "-fPIC", "-x", "c++", "-DSERIAL"
-    source = str(gpu_loops.SOURCE)
+    source = str(gpu.SOURCE)
     subprocess.run([COMPILER, *options, *types, source, "-o", str(made)], check=True)
     return ctypes.CDLL(str(made))
 
 
 def launch(name: str, *arguments: Any, results: int = 0) -> np.ndarray:
-    """Run a kernel on the processor, as :func:`gpu_loops.launch` does on a GPU."""
-    real, preconditioner, cells, columns = gpu_loops.described(arguments)
-    out = np.full(gpu_loops.MAX_SUMS, np.nan)
+    """Run a kernel on the processor, as :func:`gpu.launch` does on a GPU."""
+    real, preconditioner, cells, columns = gpu.described(arguments)
+    out = np.full(gpu.MAX_SUMS, np.nan)
     values: list[Any] = [ctypes.c_longlong(cells), ctypes.c_longlong(columns)]
     for argument in arguments:
         if isinstance(argument, np.ndarray):

@@ -66,7 +66,7 @@ SUM = """
 import sys, time
 import numpy as np
 from numba.core.caching import IndexDataCacheFile
-from contactstudy.domain.compiled import exact
+from contactstudy.domain.loops.compiled import exact
 
 def read_slowly(self, read=IndexDataCacheFile._load_index):
     index = read(self)

@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.domain import gpu_loops
 from contactstudy.domain.device import Device, Namespace, available_bytes
 from contactstudy.domain.fields import Array
+from contactstudy.domain.loops import gpu
 from contactstudy.elasticity import approximate_inverse
 from contactstudy.solvers import preconditioned_cg
 from contactstudy.solvers.solve import ReportingSolver
@@ -210,7 +210,7 @@ def test_the_coarser_grids_of_large_contacts_on_a_gpu_give_the_same(
 @needs_compiler
 def test_sums_over_blocks_of_threads_are_those_of_one_thread(tmp_path: Path) -> None:
     """Barriers, shuffles and shared memory of the kernels, with one thread of the processor for each of the GPU."""
-    source = gpu_loops.SOURCE.read_text(encoding="utf-8")
+    source = gpu.SOURCE.read_text(encoding="utf-8")
     shared = "__shared__ double parts[SUMS + MAXIMA][32];"
     assert shared in source
     own = "auto& parts = *reinterpret_cast<double (*)[SUMS + MAXIMA][32]>(shared_memory[blockIdx.x].data());"

@@ -8,8 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import contactstudy as cs
-from contactstudy.domain.decimal_units import KNOWN, decimal_unit
-from contactstudy.domain.unit_text import _registry, in_si, parted
+from contactstudy.domain.unit_text import KNOWN, _registry, decimal_unit, in_si, parted
 from contactstudy.domain.units import HARDNESS, Unit
 
 METRES = Unit("m", "a length", "10 mm")

@@ -360,7 +360,7 @@ def test_a_plan_speaks_of_the_grid_on_which_its_solve_ends() -> None:
 def test_seconds_count_nothing_that_is_compiled(
     monkeypatch: pytest.MonkeyPatch, line_contact: LineContact
 ) -> None:
-    exact = pytest.importorskip("contactstudy.domain.compiled").exact
+    exact = pytest.importorskip("contactstudy.domain.loops.compiled").exact
     scene, grid = line_contact.scene, line_contact.grid((64, 64), 1.4)
     spent = []
 

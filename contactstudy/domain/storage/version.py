@@ -13,7 +13,7 @@ NOT_NUMERICAL = ("io", "planning", "forecast.py")
 
 
 @cache
-def source_hash(core: Path = Path(__file__).parents[1]) -> str:
+def source_hash(core: Path = Path(__file__).parents[2]) -> str:
     """Return a hash of the modules in the package ``core`` that can change a number."""
     digest = hashlib.sha256()
     for path in sorted(core.rglob("*.py")):

@@ -1,0 +1,1 @@
+"""Loops over fields, compiled for processors and for GPUs."""

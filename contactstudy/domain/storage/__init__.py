@@ -1,0 +1,1 @@
+"""What is stored: files replaced as a whole, digests of values, the version of this program."""

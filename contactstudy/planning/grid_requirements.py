@@ -390,7 +390,7 @@ def grid_requirements(scene: Scene, padding: Padding | Paddings | None = None) -
         if not hasattr(shape, "length_scales"):
             raise InvalidInput(
                 f"Scene.shapes[{number}] is {shape!r}, which has no length scales: give it "
-                "`length_scales`, or choose the grid yourself."
+                "`length_scales`, or choose grid and padding yourself."
             )
     length_scales = tuple(length_scales_of(scene.shapes))
     length = scene.roller_length

@@ -210,6 +210,10 @@ def run(
     if dry_run:
         estimate_cost(chosen, out, options=options, log=click.echo)
         return
+    if plot:
+        from studies.scene_study.measures import check_names
+
+        check_names(chosen, names_in(plot))
     dataset = run_study(chosen, out, options=options, log=click.echo)
     statuses = dataset["case_status"]
     if not (statuses == CaseStatus.OK).any():

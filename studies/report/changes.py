@@ -1,6 +1,7 @@
 """Differences between two runs of a study."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from math import inf, prod
 
 import numpy as np
 import xarray as xr
@@ -30,58 +31,65 @@ def changes(first: xr.Dataset, second: xr.Dataset) -> Sequence[str]:
         )
     unindexed = {dim for run in (first, second) for dim in run.dims if dim not in run.indexes}
     a, b = xr.align(first, second, join="inner", exclude=unindexed)
-    points = int(np.prod([a.sizes[axis] for axis in axes], dtype=int))
+    points = prod(a.sizes[axis] for axis in axes)
     sentences = [
         f"{counted(points, 'point')} in both, of {first['case_status'].size} and {second['case_status'].size}"
     ]
     if not points:
         apart = [axis for axis in axes if not np.isin(first[axis], second[axis]).any()]
         return [f"{sentences[0]}: no value of {' or '.join(apart)} is in both"]
-    changed = []
-    for name in sorted({str(n) for run in (a, b) for n in run.data_vars}):
-        runs = [run for run in (a, b) if name in run]
-        is_measure = all(set(axes) <= set(run[name].dims) for run in runs)
-        is_text = any(run[name].dtype.kind not in "biuf" for run in runs)
-        if not is_measure or name in (ABOUT_CASES if is_text else OF_SOLVER):
-            continue
-        if is_time(name) or name.endswith(LEFT_OUT_ENDS):
-            continue
-        if len(runs) == 1:
-            sentences.append(f"{name} is in the {'first' if name in a else 'second'} run alone")
-            continue
-        dims = [*axes, *(str(dim) for dim in a[name].dims if dim not in axes)]
-        if dict(a[name].sizes) != dict(b[name].sizes) or not a[name].size:
-            sentences.append(f"{name} is not compared: its values along {dims[-1]} are others")
-            continue
-        before, after = (run[name].transpose(*dims).values for run in (a, b))
-        if is_text or name in STATUSES or "flag_meanings" in a[name].attrs:
-            # nan is no difference to nan
-            differ = np.count_nonzero((before != after) & ((before == before) | (after == after)))
-            sentences += [f"{name} differs at {differ} of {counted(points, 'point')}"] * bool(
-                differ
-            )
-            continue
-        before, after = before.astype(float), after.astype(float)
-        is_missing = a[name].isnull() != b[name].isnull()
-        if missing := int((is_missing & (a["case_status"] == b["case_status"])).sum()):
-            sentences.append(f"{name} is nan at {counted(missing, 'point')} of one run alone")
-        with np.errstate(invalid="ignore"):  # two infinite bounds are equal
-            change = np.abs(after - before)
-        if not np.nan_to_num(change).any():
-            continue
-        scale = float(np.abs(before[np.isfinite(before)]).max(initial=0.0))
-        index = np.unravel_index(int(np.nanargmax(change)), change.shape)
-        at = {dim: a[dim].values[k] for dim, k in zip(dims, index, strict=True)}
-        x, y = float(before[index]), float(after[index])
-        where = ", ".join(f"{axis} {value}" for axis, value in at.items())
-        relative = abs(y - x) / scale if scale else np.inf
-        sentence = (
-            f"{name}: from {x:.6g} to {y:.6g} at {where}, {relative:.2g} of the largest value"
-        )
-        changed.append((relative, sentence))
-    sentences += [sentence for _, sentence in sorted(changed, key=lambda run: -run[0])]
-    sentences += ["no measure differs"] * (len(sentences) == 1)
+    of_solver = (*OF_SOLVER, *ABOUT_CASES)
+    found = [
+        change
+        for name in sorted({str(n) for run in (a, b) for n in run.data_vars})
+        if name not in of_solver and not is_time(name) and not name.endswith(LEFT_OUT_ENDS)
+        for change in _changes_of(name, a, b, axes)
+    ]
+    sentences += [sentence for _, sentence in sorted(found, key=lambda change: -change[0])]
+    sentences += ["no measure differs"] * (not found)
     return [*sentences, *_speed(a, b)]
+
+
+def _changes_of(
+    name: str, a: xr.Dataset, b: xr.Dataset, axes: Sequence[str]
+) -> Iterator[tuple[float, str]]:
+    """Yield sentences on a variable of the points of two runs, each with its relative change, infinite without one."""
+    runs = [run[name] for run in (a, b) if name in run]
+    if not all(set(axes) <= set(run.dims) for run in runs):
+        return
+    if len(runs) == 1:
+        yield inf, f"{name} is in the {'first' if name in a else 'second'} run alone"
+        return
+    dims = [*axes, *(str(dim) for dim in runs[0].dims if dim not in axes)]
+    if dict(runs[0].sizes) != dict(runs[1].sizes) or not runs[0].size:
+        yield inf, f"{name} is not compared: its values along {dims[-1]} are others"
+        return
+    before, after = (run.transpose(*dims).values for run in runs)
+    is_text = any(run.dtype.kind not in "biuf" for run in runs)
+    if is_text or name in STATUSES or "flag_meanings" in runs[0].attrs:
+        # nan is no difference to nan
+        differ = np.count_nonzero((before != after) & ((before == before) | (after == after)))
+        if differ:
+            points = counted(prod(a.sizes[axis] for axis in axes), "point")
+            yield inf, f"{name} differs at {differ} of {points}"
+        return
+    before, after = before.astype(float), after.astype(float)
+    is_missing = runs[0].isnull() != runs[1].isnull()
+    if missing := int((is_missing & (a["case_status"] == b["case_status"])).sum()):
+        yield inf, f"{name} is nan at {counted(missing, 'point')} of one run alone"
+    with np.errstate(invalid="ignore"):  # two infinite bounds are equal
+        change = np.abs(after - before)
+    if not np.nan_to_num(change).any():
+        return
+    scale = float(np.abs(before[np.isfinite(before)]).max(initial=0.0))
+    index = np.unravel_index(int(np.nanargmax(change)), change.shape)
+    where = ", ".join(f"{dim} {a[dim].values[k]}" for dim, k in zip(dims, index, strict=True))
+    x, y = float(before[index]), float(after[index])
+    relative = abs(y - x) / scale if scale else inf
+    yield (
+        relative,
+        f"{name}: from {x:.6g} to {y:.6g} at {where}, {relative:.2g} of the largest value",
+    )
 
 
 def _speed(first: xr.Dataset, second: xr.Dataset) -> Sequence[str]:

@@ -6,7 +6,7 @@ from glob import glob, has_magic
 from itertools import product
 from math import isfinite, prod
 from pathlib import Path
-from typing import Any, get_args, get_type_hints
+from typing import Any, get_args, get_origin, get_type_hints
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from contactstudy.io.scene_files.scene_schema import MeasuredSurfaceTable, Scene
 from contactstudy.scene.surfaces.measurement import Reading
 from contactstudy.scene_file import SceneFile, document_from, scene_file_from
 from studies.model.axis import Axis, Value, check_count
+from studies.model.plain_text import one_line, shortened
 from studies.scene_study.values import MAX_VALUES, parse_values
 
 Table = Mapping[str, Any]
@@ -152,6 +153,8 @@ def varied(raw: Table, document: SceneDocument, name: str, given: object, folder
     is_whole = annotation is None or int in map(kind_of, (annotation, *get_args(annotation)))
     if not isinstance(given, str):
         values = _listed(name, given)
+        if get_origin(annotation) is tuple:  # a list in a file has no type of numpy
+            values = [one.tolist() if isinstance(one, np.ndarray) else one for one in values]
     else:
         try:
             values = parse_values(name, given, int if is_whole else float)
@@ -371,7 +374,7 @@ def varied_scenes(
 def _said(keys: Sequence[Sequence[Varied]], index: Sequence[int]) -> str:
     """Return the values of all keys at a point in words."""
     return ", ".join(
-        f"{key.name} = {key.values[j]!r}"
+        f"{key.name} = {shortened(key.values[j])}"
         for group, j in zip(keys, index, strict=True)
         for key in group
     )
@@ -389,9 +392,10 @@ def _document(
             is_whole = isinstance(value, MeasuredSurface)
             path, value = (path[:-1], value) if is_whole else (path, MeasuredSurface(value))
         try:
-            raw = replaced(raw, path, None if value == "none" and path[-1] != "turn" else value)
+            is_removed = isinstance(value, str) and value == "none" and path[-1] != "turn"
+            raw = replaced(raw, path, None if is_removed else value)
         except InvalidInput as error:
-            raise InvalidInput(f"{source}: {key.name} = {value!r}: {error}") from None
+            raise InvalidInput(f"{source}: {key.name} = {shortened(value)}: {error}") from None
     return document_from(raw, f"{source} with {_said(keys, index)}")
 
 
@@ -416,7 +420,7 @@ def _own_labels(
     for j, raw in enumerate(key.values):
         index = tuple(j if k == position else 0 for k in range(count))
         made = at(documents[index], key.path)[0]
-        if key.axis == "surface":
+        if key.axis == "surface" or isinstance(made, MeasuredSurface):
             name = (
                 raw
                 if isinstance(raw, str)
@@ -429,7 +433,8 @@ def _own_labels(
         elif isinstance(made, int | float | str) and not isinstance(made, bool):
             label = made
         else:
-            label = raw if isinstance(raw, str) else repr(made) if is_dataclass(made) else str(raw)
+            text = raw if isinstance(raw, str) else repr(made) if is_dataclass(made) else str(raw)
+            label = one_line(text)
         if (
             isinstance(label, str)
             and label in labels

@@ -9,7 +9,7 @@ import xarray as xr
 from contactstudy import InvalidInput
 from studies.model.axis import one_of
 from studies.model.drawing import CaptionedFigure
-from studies.model.outcome import CaseStatus, is_time
+from studies.model.outcome import CaseStatus, is_time, summary_messages
 from studies.report.drawings import against_reference, sensitivity
 from studies.report.plots import DOUBTFUL, Law, Plot, doubtful, draw, is_sample, value_text
 
@@ -50,8 +50,12 @@ def figures(dataset: xr.Dataset, plot: Sequence[str] = ()) -> Sequence[Captioned
     Raises
     ------
     InvalidInput
-        For a name that the study does not have, or a study without numbers.
+        For a name that the study does not have, or a study without numbers, such as one whose cases all failed.
     """
+    good = dataset.where(dataset["case_status"] == CaseStatus.OK)
+    if not (dataset["case_status"] == CaseStatus.OK).any():
+        why = "; ".join(summary_messages(dataset)) or "none of its cases was run"
+        raise InvalidInput(f"The study has nothing to draw: {why}.")
     axes = _by_length(dataset)
     measures = _measures(dataset)
     names = chosen(dataset, plot)
@@ -61,7 +65,6 @@ def figures(dataset: xr.Dataset, plot: Sequence[str] = ()) -> Sequence[Captioned
         )
     if "changes" in dataset.attrs:
         return sensitivity.figures(dataset, names)
-    good = dataset.where(dataset["case_status"] == CaseStatus.OK)
     shown, further = axes[:2], axes[2:]
     drawn = []
     omitted = [name for name in measures if name not in names and not plot]

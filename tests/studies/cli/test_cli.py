@@ -136,6 +136,9 @@ def test_a_study_of_ones_own_runs_under_any_name_and_fails_in_a_sentence(
     assert done.returncode == 1
     assert "2 of 2 cases failed, the first with AttributeError in measures" in done.stdout
     assert done.stderr == "json: no case gave numbers, so there is nothing to draw.\n"
+    done = call("show", "outputs/json.nc")
+    assert done.returncode == 2
+    assert "2 of 2 cases failed, the first with AttributeError" in done.stderr
 
 
 @POSIX

@@ -183,6 +183,10 @@ def test_a_file_of_another_kind_is_not_replaced_nor_drawn(folder: Path) -> None:
         ("run xyz", "choose from coating, creep"),
         ("run nowhere.py", "cannot be read"),
         ("run padding --plot peak_pressure", "--plot is for a scene or a study without figures"),
+        (
+            "run smooth.toml --vary 'radius=1 mm' --plot peak_presure --out none",
+            "did you mean 'peak_pressure'",
+        ),
         ("report --error 0.1", "--error is for --scene"),
         ("report --scene smooth.toml --workers 1", "--workers is for chapters"),
         ("run padding --repeats 0 --retry times", "leave one of them out"),

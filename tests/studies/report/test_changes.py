@@ -12,7 +12,7 @@ AXES = ("padding", "grid")
 
 def stored(**more: Any) -> xr.Dataset:
     numbers = {
-        "error": np.array([[4.0, 2.0, 1.0], [-8.0, 3.0, np.nan]]),
+        "l1_error": np.array([[4.0, 2.0, 1.0], [-8.0, 3.0, np.nan]]),
         "width": np.ones((2, 3)),
         "solve_time": np.array([[1.0, 2.0, 4.0], [1.0, 1.0, np.nan]]),
         "iterations": np.full((2, 3), 7.0),
@@ -27,7 +27,7 @@ def stored(**more: Any) -> xr.Dataset:
 
 def test_the_largest_change_relative_to_the_largest_number_comes_first() -> None:
     after = stored(
-        error=np.array([[4.0, 2.5, 1.0], [-8.0, 2.9, np.nan]]),
+        l1_error=np.array([[4.0, 2.5, 1.0], [-8.0, 2.9, np.nan]]),
         width=np.array([[1.0, 1.0, 0.8], [1.0, 1.0, 1.0]]),
         iterations=np.full((2, 3), 9.0),
         pressure_estimate_residual=np.full((2, 3), 2e-9),
@@ -37,7 +37,7 @@ def test_the_largest_change_relative_to_the_largest_number_comes_first() -> None
         "6 points in both, of 6 and 6",
         "width: from 1 to 0.8 at padding exact, grid 64, 0.2 of the largest value",
         # half over the largest in size, 8
-        "error: from 2 to 2.5 at padding exact, grid 32, 0.062 of the largest value",
+        "l1_error: from 2 to 2.5 at padding exact, grid 32, 0.062 of the largest value",
     ]
     assert len(said) == 4
 

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from contactstudy.accuracy.discretisation.bound import SHARP_EDGE
 from contactstudy.answers.contact import contact_answer
+from contactstudy.answers.judgement import judged_numbers
 from contactstudy.domain.checks import InvalidInput, checked_errors
 from contactstudy.domain.device import ONE_THREAD, Device
 from contactstudy.domain.errors import DEFAULT_ERROR, Request, pressure_request
@@ -136,10 +137,11 @@ def plan(
             steps.instants_of(*scene.histories)
     request = _Request(planned, requested, times, is_chosen=grid is None, is_default=error is None)
     try:
-        forecast = request.forecast()
+        levels = request.levels()
     except InvalidInput as refused:
         reason = f"seconds: unknown, since {refused}"
         return replace(planned, seconds=inf, reasons=(*planned.reasons, reason))
+    forecast = request.forecast(levels)
     last = planned
     if forecast.grid != planned.grid:  # what is said of the last grid, and its bytes
         last = plan_grid(
@@ -239,10 +241,12 @@ class _Request:
             return 1.0
         return speedup(planned.grid, planned.padding, planned.device)
 
-    def forecast(self) -> Forecast:
-        """Return the forecast, from solves on ever finer grids."""
+    def forecast(self, levels: list[Level]) -> Forecast:
+        """Return the forecast, from solves on ever finer grids.
+
+        Raises :class:`~contactstudy.InvalidInput` for the name of a number in the requested error that no answer has.
+        """
         planned, first = self.planned, self.planned.first_grids
-        levels = self.levels() if first is None else self.first_levels(first)
         last, grid = levels[-1], planned.grid
         if first is None:
             refines_cells = self.is_steady_film and self.is_chosen and grid.cells[1] == 1
@@ -260,6 +264,9 @@ class _Request:
             for finer in self.refinements(levels):
                 grid = finer
                 seconds += self.seconds_on(grid, levels)
+        for level in levels:
+            if level.answer is not None:
+                judged_numbers(level.answer.quantities, self.error)  # refuses names
         numbers = ""
         if self.is_chosen and last.answer is not None and (first or refines(self.scene)):
             further = grid_for_numbers(last.answer, is_default=self.is_default)
@@ -268,6 +275,7 @@ class _Request:
                 grid = further
                 expected = self.seconds_on(further, levels)
                 if expected > CONSTANTS.exact_seconds:
+                    numbers = numbers[:-1] + " or more."
                     seconds += CONSTANTS.followed * expected
                     break
                 levels.append(self.solved(further, 1, levels[-1].looser))
@@ -350,7 +358,12 @@ class _Request:
         return tuple(reasons), tuple(warnings)
 
     def levels(self) -> list[Level]:
-        """Return solves on ever finer grids, up to the planned one, as long as their seconds allow."""
+        """Return solves on ever finer grids, up to the planned one, as long as their seconds allow.
+
+        Of a static contact they are those with which its own solve begins.
+        """
+        if self.planned.first_grids is not None:
+            return self.first_levels(self.planned.first_grids)
         refused, levels = InvalidInput("no grid is coarser"), list[Level]()
         for factor in (8, 4, 2, 1):
             grid = _coarser(self.planned.grid, factor)

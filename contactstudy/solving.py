@@ -49,9 +49,9 @@ REFINEMENTS_OF_NUMBERS, MAX_GROWTH = 5, 4.0
 # Most cells of a grid for the numbers of a contact that slips, whose iterations the convolutions do not count, and of
 # one whose stress is asked for.
 MAX_CELLS_OF_SLIP, MAX_CELLS_OF_STRESS = 10_000, 200_000
-# Refinements of a scene that is not static, whose error is at least of first order: their number, the margin on the
-# cells that this gives, the largest factor on the cells along an axis, and the most cells of a grid.
-REFINEMENTS, MARGIN, MAX_REFINEMENT, MAX_CELLS = 3, 1.05, 3.0, 2_000_000
+# Refinements of a scene that is not static: their number, the order with which its error is expected to fall, the margin
+# on the cells that this gives, the largest factor on the cells along an axis, and the most cells of a grid.
+REFINEMENTS, ORDER, MARGIN, MAX_REFINEMENT, MAX_CELLS = 3, 1.25, 1.05, 3.0, 2_000_000
 
 
 @overload
@@ -467,7 +467,12 @@ class _Request:
     def film(self) -> "LubricatedContact":
         """Solve a steady film."""
         from contactstudy.answers.lubricated_contact import film_answer
-        from contactstudy.lubrication.solve_lubricated import solve_lubricated, varies_along
+        from contactstudy.lubrication.solve_lubricated import (
+            MAX_CELLS,
+            MAX_REQUESTED_CELLS,
+            solve_lubricated,
+            varies_along,
+        )
 
         if self.start is not None and not hasattr(self.start, "film"):
             raise InvalidInput(
@@ -486,6 +491,7 @@ class _Request:
             max_iterations=self._film_options.max_iterations,
             start=self.start,
             progress=self.progress and of_film_steps(self.progress, self.options.tolerance),
+            most_cells=MAX_CELLS if self.error is None else MAX_REQUESTED_CELLS,
         )
         return film_answer(contact, requested=self.requested)
 
@@ -588,7 +594,8 @@ def next_grid(grid: Grid, parts: Mapping[str, float], requested: float) -> Grid 
     cells, total = parts["discretisation"], sum(parts.values())
     if total <= requested or not isfinite(cells) or total - cells >= requested:
         return None
-    finer = finer_grid(grid, min(MARGIN * cells / (requested - total + cells), MAX_REFINEMENT))
+    factor = MARGIN * (cells / (requested - total + cells)) ** (1 / ORDER)
+    finer = finer_grid(grid, min(factor, MAX_REFINEMENT))
     return finer if prod(finer.cells) <= MAX_CELLS else None
 
 

@@ -18,8 +18,9 @@ from contactstudy.scene.scene import Scene
 HALF_SWEEP_ERROR = 0.02
 # Least distance of the inlet's edge from the axis [a], and the largest inlet sweep over the half-width of the pressure.
 INLET, INLET_SWEEP_FRACTION = 1.25, 0.1
-# Refinements towards an error at most, and the most cells across of plane strain.
-REFINEMENTS, MAX_CELLS = 6, 3200
+# Refinements towards an error at most, and the most cells across of plane strain, by default and for a requested error:
+# some seconds, and a minute.
+REFINEMENTS, MAX_CELLS, MAX_REQUESTED_CELLS = 6, 3200, 6400
 # Length [m] of a grid in plane strain, where none is given: it has no effect.
 PERIOD = 1e-3
 # Cells along the length on which the dry contact of a shape that varies along it is solved.
@@ -38,6 +39,7 @@ def film_grid(
     shortest_wavelengths: tuple[float, float] = (inf, inf),
     longer: float = 1.0,
     finer: float = 1.0,
+    most_cells: int = MAX_CELLS,
 ) -> Grid:
     """Return a grid on which central and minimum film of a smooth contact are within a relative ``error``.
 
@@ -50,10 +52,12 @@ def film_grid(
     period
         Period along the length [m], which has no effect on the film in plane strain.
     shortest_wavelengths
-        Shortest wavelengths (across, along) of the surfaces [m]; ``CELLS_PER_WAVE`` cells each, but no more than
-        ``MAX_CELLS`` across. Along a roller ``CELLS_ALONG_ROLLER``, and one where nothing varies along the length.
+        Shortest wavelengths (across, along) of the surfaces [m]; ``CELLS_PER_WAVE`` cells each. Along a roller
+        ``CELLS_ALONG_ROLLER``, and one where nothing varies along the length.
     longer, finer
         Factors by which the inlet is longer and the cells are finer.
+    most_cells
+        Cells across at most.
 
     Raises
     ------
@@ -67,7 +71,7 @@ def film_grid(
     sweep = min((film / SWEEP) ** (2 / 3), INLET_SWEEP_FRACTION * scales.relative_half_width)
     cell = sweep / 2 * min(1.0, sqrt(error / 2 / HALF_SWEEP_ERROR)) / finer
     cell = min(cell, shortest_wavelengths[0] / a / CELLS_PER_WAVE)
-    across = min(ROW_MULTIPLE * ceil(2 * inlet / cell / ROW_MULTIPLE), MAX_CELLS)
+    across = min(ROW_MULTIPLE * ceil(2 * inlet / cell / ROW_MULTIPLE), most_cells)
     along = 1
     if shortest_wavelengths[1] < inf:
         along = ROW_MULTIPLE * ceil(
@@ -89,6 +93,7 @@ def solve_lubricated(
     max_iterations: int = 300,
     start: FilmSolution | None = None,
     progress: Callable[[FilmIteration], object] | None = None,
+    most_cells: int = MAX_CELLS,
 ) -> FilmSolution:
     """Solve the steady film of ``scene``, flooded or starved, isothermal or heated.
 
@@ -114,6 +119,8 @@ def solve_lubricated(
         A contact to start from, such as that at a somewhat higher speed; on another grid it is interpolated.
     progress
         Called after each step on each grid with the iteration so far.
+    most_cells
+        Cells across at most, in plane strain.
 
     Returns
     -------
@@ -134,9 +141,9 @@ def solve_lubricated(
     longer = finer = 1.0
     for _ in range(REFINEMENTS):
         fitting = (
-            _on_extent(grid, finer)
+            _on_extent(grid, finer, most_cells)
             if grid
-            else film_grid(scene, error, period, longer=longer, finer=finer)
+            else film_grid(scene, error, period, longer=longer, finer=finer, most_cells=most_cells)
         )
         contact = start = with_error(scene, fitting, padding, controls, start)
         assert contact.estimate is not None
@@ -151,7 +158,7 @@ def solve_lubricated(
             return contact
         # on a given extent the error of the inlet remains
         remaining = error if grid is None or inlet > error / 2 else 2 * (error - inlet)
-        if fitting.cells[0] >= MAX_CELLS or (
+        if fitting.cells[0] >= most_cells or (
             grid and (cells <= remaining / 2 or grid.cells[1] > 1)
         ):
             break
@@ -172,14 +179,14 @@ def solve_lubricated(
     return replace(contact, estimate=replace(estimate, warnings=(*estimate.warnings, reason)))
 
 
-def _on_extent(grid: Grid, finer: float) -> Grid:
-    """Return the grid with finer cells across, at most ``MAX_CELLS``."""
+def _on_extent(grid: Grid, finer: float, most_cells: int) -> Grid:
+    """Return the grid with finer cells across, at most `most_cells`."""
     nx, ny = grid.cells
     if finer == 1:
         return grid
     # a multiple, so that the cells of the coarser grids are unions of cells
     return Grid(
-        (max(nx, min(ROW_MULTIPLE * ceil(nx * finer / ROW_MULTIPLE), MAX_CELLS)), ny), grid.extent
+        (max(nx, min(ROW_MULTIPLE * ceil(nx * finer / ROW_MULTIPLE), most_cells)), ny), grid.extent
     )
 
 

@@ -2,10 +2,17 @@
 
 from math import inf, prod
 
+from contactstudy.domain.errors import DEFAULT_ERROR
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings, across_and_along
 from contactstudy.domain.units import readable
 from contactstudy.lubrication.posed_film import check_film_padding, lubricated_scales
-from contactstudy.lubrication.solve_lubricated import CELLS_PER_WAVE, MAX_CELLS, film_grid
+from contactstudy.lubrication.solve_lubricated import (
+    CELLS_PER_WAVE,
+    MAX_CELLS,
+    MAX_REQUESTED_CELLS,
+    PERIOD,
+    film_grid,
+)
 from contactstudy.planning.grid_requirements import grid_requirements
 from contactstudy.planning.planned import Plan
 from contactstudy.scene.scene import Scene
@@ -16,7 +23,7 @@ FLOATS_PER_CELL, FOURIER_MATRICES = 180, 50
 
 def plan_of_film(
     scene: Scene,
-    error: float,
+    error: float | None,
     period: float | None,
     grid: Grid | None,
     padding: Padding | Paddings | None = None,
@@ -29,7 +36,7 @@ def plan_of_film(
         The lubricated scene.
     error
         Relative error of the central and the minimum film thickness, friction, temperatures and the fraction of
-        the load that asperities carry.
+        the load that asperities carry; 1 % if None, on fewer cells at most.
     period
         Length of the grid [m]; chosen if None.
     grid
@@ -50,7 +57,11 @@ def plan_of_film(
         else ["The grid is given, so its error is not predicted: solve, and read answer.error."]
     )
     is_chosen = grid is None
+    most_cells = MAX_CELLS if error is None else MAX_REQUESTED_CELLS
+    error = error or DEFAULT_ERROR
     if grid is None:
+        if not requirements.varies and period is None:
+            period = PERIOD
         inlet_width = film_grid(scene, error, requirements.extent(period)[1]).extent[0]
         width = requirements.width(inlet_width)
         grid = film_grid(
@@ -59,10 +70,11 @@ def plan_of_film(
             requirements.length(period, width),
             shortest_wavelengths=requirements.shortest_wavelengths,
             longer=width / inlet_width,
+            most_cells=most_cells,
         )
-        if grid.cells[0] >= MAX_CELLS:
+        if grid.cells[0] >= most_cells:
             warnings.append(
-                f"plan.error is {error:.2g}: a film has {MAX_CELLS} cells across at most, which may not reach it."
+                f"plan.error is {error:.2g}: a film has {most_cells} cells across at most, which may not reach it."
             )
     (nx, ny), width = grid.cells, grid.extent[0]
     check_film_padding(padding, ny)

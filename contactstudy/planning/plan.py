@@ -74,7 +74,7 @@ def plan_grid(
         # imported only for lubricated scenes
         from contactstudy.planning.film_plan import plan_of_film
 
-        return plan_of_film(scene, error or DEFAULT_ERROR, period, grid, padding)
+        return plan_of_film(scene, error, period, grid, padding)
     if scene.adhesion is not None:
         # imported only for scenes with adhesion
         from contactstudy.planning.adhesive_plan import plan_of_adhesion

@@ -36,7 +36,7 @@ class Plan(InNotebook):
     seconds
         Seconds of processor time (with a device, of wall time) of a solve to the error: its plan, all grids and steps,
         their estimates, and the stress that a steady scene names, from solves on coarser grids just now. Imports,
-        compilation, files and plots are not counted. Infinite where no coarser grid can be solved.
+        compilation, tables of a material, files and plots are not counted. Infinite where no coarser grid can be solved.
     bytes
         Bytes that a solve holds at most.
     period_check

@@ -32,6 +32,8 @@ REFINEMENT, MAX_FINE_CELLS = 8, 2**17
 # pressure's error, measured on smooth, wavy and rough cylinders against cells of an eighth of the size. On coarse cells,
 # outer iterations end at the change COARSE_CHANGE.
 CHANGE_FACTOR, PRESSURE_FACTOR, COARSE_CHANGE = 2.0, 0.15, 1e-4
+# A shift of the pressure below this fraction of the grid's width is rounding.
+ROUNDING = 1e-14
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,11 +64,11 @@ class SteadyRolling:
 
     @property
     def shift(self) -> float:
-        """Distance [m] of the pressure's centroid in front of the axis; 0 without pressure."""
-        pressure = self.solution.pressure
-        x = self.solution.problem.grid.x
+        """Distance [m] of the pressure's centroid in front of the axis; 0 without pressure, and where it is rounding."""
+        pressure, grid = self.solution.pressure, self.solution.problem.grid
         total = pressure.sum()
-        return self.direction * float(x @ pressure.sum(axis=1) / total) if total else 0.0
+        shift = float(grid.x @ pressure.sum(axis=1) / total) if total else 0.0
+        return self.direction * shift if abs(shift) > ROUNDING * grid.extent[0] else 0.0
 
     @cached_property
     def resistance_coefficient(self) -> float:

@@ -17,6 +17,7 @@ def test_the_plan_of_a_file_reaches_its_error() -> None:
     assert planned.dimension == 1
     assert planned.error == 0.01
     contact = described.solve()
+    assert contact.grid.length == planned.grid.length
     assert contact.status is cs.Status.CONVERGED
     assert contact.judged["friction_coefficient"].ratio <= 1
     assert contact.error.central_film.total <= 0.01

@@ -1,4 +1,3 @@
-import sys
 from dataclasses import replace
 
 import numpy as np
@@ -75,9 +74,8 @@ def test_an_error_refines_the_cells_of_a_given_extent() -> None:
     assert total(contact.estimate.minimum_film) <= 4e-2
 
 
-def test_an_error_that_the_most_cells_miss_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sys.modules[solve_lubricated.__module__], "MAX_CELLS", 256)
-    contact = solve_lubricated(by_moes(5, 0), error=2e-3)
+def test_an_error_that_the_most_cells_miss_is_named() -> None:
+    contact = solve_lubricated(by_moes(5, 0), error=2e-3, most_cells=256)
     assert "0.002 is not reached on 256 x 1 cells" in " ".join(contact.estimate.warnings)
 
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
+from contactstudy.domain.imports import loaded
 from contactstudy.forecast import _TimeLimitReached, _Watch
 from contactstudy.planning.plan import plan_grid
 from contactstudy.progress import Progress
@@ -127,7 +128,7 @@ def test_what_is_wrong_with_a_grid_is_said_before_anything_runs(line_contact: Li
 
 
 def test_the_error_of_a_film_beyond_its_most_cells_is_not_promised() -> None:
-    planned = cs.plan(films.by_moes(20, 2), error=1e-6)
+    planned = plan_grid(films.by_moes(20, 2), error=1e-6)
     assert planned.error == inf
     assert planned.warnings[0].startswith("plan.error is 1e-06: ")
 
@@ -323,7 +324,7 @@ def test_the_seconds_of_a_plan_grow_with_the_depths_at_which_stress_is_asked_for
 
 
 @pytest.mark.cases(3)
-@pytest.mark.parametrize("kind", ["rough", "creeping", "rolling"])
+@pytest.mark.parametrize("kind", ["rough", "creeping", "rolling", "rolling elastically"])
 def test_a_plan_is_the_grid_of_the_solve_and_wider_than_the_contact(
     kind: str, line_contact: LineContact
 ) -> None:
@@ -333,6 +334,7 @@ def test_a_plan_is_the_grid_of_the_solve_and_wider_than_the_contact(
         "rough": (rough(line_contact, 0.3), {}),
         "creeping": (soft, {"times": (0.0, 1.0)}),
         "rolling": (replace(soft, rolling=cs.Rolling(0.1)), {}),
+        "rolling elastically": (replace(line_contact.scene, rolling=cs.Rolling(0.1)), {}),
     }[kind]
     named |= {"error": 0.05}  # of every number
     planned, answer = cs.plan(scene, **named), cs.solve(scene, **named)
@@ -355,6 +357,22 @@ def test_a_plan_speaks_of_the_grid_on_which_its_solve_ends() -> None:
     again = plan_grid(scene, error=0.1, grid=plan.grid)
     assert plan.bytes == again.bytes
     assert any(reason.startswith(f"{plan.grid.cells[0]} x 1 cells:") for reason in plan.reasons)
+
+
+def test_a_number_that_no_answer_has_is_refused(line_contact: LineContact) -> None:
+    rolling = replace(line_contact.scene, rolling=cs.Rolling(0.1))
+    for scene in (line_contact.scene, rolling, films.by_moes(5, 0)):
+        with pytest.raises(cs.InvalidInput, match="peak_presure"):
+            cs.plan(scene, error={"peak_presure": 0.1})
+
+
+def test_the_table_of_a_material_is_made_once_and_not_counted() -> None:
+    body = cs.HalfSpace(210e9, 0.2345, free_faces=1e-3)
+    before = loaded()
+    cs.Scene(cs.LineLoad(1e5), (body, body), (cs.Cylinder(0.01),)).problem(
+        cs.Grid((16, 12), (4e-4, 1e-3)), cs.ZeroPadding()
+    )
+    assert loaded() > before
 
 
 def test_seconds_count_nothing_that_is_compiled(

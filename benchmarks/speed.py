@@ -14,7 +14,7 @@ from scipy.special import erfinv
 
 import contactstudy as cs
 from contactstudy.domain.checks import positive
-from contactstudy.domain.device import using
+from contactstudy.domain.device import Precision, using
 from contactstudy.elasticity.convolution import Convolution
 from contactstudy.elasticity.transforms import transforms
 from contactstudy.problem.operator import Operator
@@ -121,7 +121,7 @@ def transform_seconds(operator: Operator) -> float:
     """Return the least time [s] of a bare pair of transforms of the operator's size."""
     assert isinstance(operator, Convolution)
     with using(cs.Cpu()):
-        scaled, pair = operator.scaled(1.0, cs.Precision.DOUBLE), transforms()
+        scaled, pair = operator.scaled(1.0, Precision.DOUBLE), transforms()
         field = np.zeros(scaled.cells)
 
         def transform_pair() -> object:

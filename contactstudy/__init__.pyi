@@ -4,7 +4,7 @@ from .answers.contact import Contact
 from .answers.evolution import Evolution
 from .answers.lubricated_contact import LubricatedContact
 from .domain.checks import InvalidInput, NotDefined
-from .domain.device import Cpu, Gpu, Precision
+from .domain.device import Cpu, Gpu
 from .domain.errors import ErrorEstimate
 from .domain.grid import (
     CircularSuperposition,
@@ -18,7 +18,7 @@ from .domain.grid import (
 )
 from .elasticity.coefficients import Coefficients
 from .elasticity.convolution import Convolution, convolution
-from .evolution.time_steps import ErrorEstimator, Scheme, TimeSteps
+from .evolution.time_steps import TimeSteps
 from .forecast import plan
 from .io.compare import compare
 from .io.scene_files.materials import material
@@ -58,7 +58,7 @@ from .scene.lubrication.lubrication import (
     ReynoldsCavitation,
     SpeedHistory,
 )
-from .scene.rolling import Rolling, RollingPressure
+from .scene.rolling import Rolling
 from .scene.scene import (
     Scene,
 )
@@ -74,7 +74,7 @@ from .scene.shapes.roller import (
 )
 from .scene.shapes.roughness import RmsSlope, Roughness, Sa
 from .scene.shapes.shape import LengthScales, Shape
-from .scene.shapes.texture import Cosine, Dimple, FlatBottomed, Groove, Parabolic, Texture, Waviness
+from .scene.shapes.texture import Dimple, Groove, Texture, Waviness
 from .scene.shapes.tilt import Tilt
 from .scene.solids.bodies import Body, HalfSpace
 from .scene.solids.coated import CoatedHalfSpace
@@ -84,10 +84,6 @@ from .scene.solids.hardness_profile import HardnessProfile
 from .scene.solids.viscoelastic import ViscoelasticHalfSpace
 from .scene.stress import SubsurfaceStress
 from .scene.surfaces.measured_surface import MeasuredSurface
-from .scene.surfaces.measurement import (
-    Flip,
-    Sizes,
-)
 from .scene.surfaces.preparation import (
     AsMeasured,
     GaussianFilter,
@@ -96,7 +92,6 @@ from .scene.surfaces.preparation import (
     RefuseMissing,
     Tapered,
     Tile,
-    Trend,
 )
 from .scene.wear import Wear
 from .scene_file import SceneFile, read_scene, write_scene
@@ -127,7 +122,6 @@ __all__ = [
     "Constraint",
     "Contact",
     "Convolution",
-    "Cosine",
     "Cpu",
     "Crown",
     "Cylinder",
@@ -139,14 +133,11 @@ __all__ = [
     "ElrodAdams",
     "EndRelief",
     "ErrorEstimate",
-    "ErrorEstimator",
     "Evolution",
     "ExactPeriodicity",
     "Eyring",
     "FilmHeat",
     "FiniteLength",
-    "FlatBottomed",
-    "Flip",
     "FreeFaces",
     "Fretting",
     "GaussianFilter",
@@ -174,10 +165,8 @@ __all__ = [
     "NotDefined",
     "Padding",
     "Paddings",
-    "Parabolic",
     "PartialSlip",
     "PolonskyKeer",
-    "Precision",
     "PreconditionedCG",
     "PrescribedLoad",
     "Problem",
@@ -189,16 +178,13 @@ __all__ = [
     "RmsSlope",
     "Roelands",
     "Rolling",
-    "RollingPressure",
     "Roughness",
     "Sa",
     "Scales",
     "Scene",
     "SceneFile",
-    "Scheme",
     "Shape",
     "SineLoad",
-    "Sizes",
     "Sliding",
     "Solution",
     "SolveOptions",
@@ -216,7 +202,6 @@ __all__ = [
     "TimeSteps",
     "TotalLoad",
     "TractiveRolling",
-    "Trend",
     "ViscoelasticHalfSpace",
     "Waviness",
     "Wear",

@@ -431,12 +431,12 @@ class _Request:
         """Return the steps in time to a larger error; None where they have none, or it would be too large."""
         if not (self.scene.method.takes_times and refines(self.scene)):
             return None
-        from contactstudy.evolution.time_steps import ErrorEstimator, TimeSteps
+        from contactstudy.evolution.time_steps import TimeSteps
         from contactstudy.planning.grid_requirements import CONSTANTS as GRID
 
         steps = TimeSteps.of(self.times)
         error = steps.error or (self.target and (1 - GRID.cell_fraction) * self.target)
-        if steps.error_estimator is not ErrorEstimator.STEP_DOUBLING or not error:
+        if steps.error_estimator != "step_doubling" or not error:
             return None
         return (
             None if looser * error > CONSTANTS.most_error else replace(steps, error=looser * error)

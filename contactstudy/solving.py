@@ -361,11 +361,10 @@ class _Request:
         """Follow a dry scene through time."""
         from contactstudy.answers.evolution import evolution_answer
         from contactstudy.evolution.integration.evolve import evolve
-        from contactstudy.evolution.time_steps import ErrorEstimator
         from contactstudy.planning.grid_requirements import CONSTANTS as GRID
 
         requested, target, steps = self.requested, self.target, self.steps
-        by_error = steps.error_estimator is ErrorEstimator.STEP_DOUBLING
+        by_error = steps.error_estimator == "step_doubling"
         fraction = (1 - GRID.cell_fraction) * target if target and by_error else None
         first, padding = self.planned()
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, fields
-from enum import Enum
 from functools import cache, wraps
 from importlib import import_module
 from math import inf
@@ -142,21 +141,9 @@ def valid(name: str, value: Any, hint: Any) -> Any:
     elif kind is int:
         if _is(value, Integral) and limits.hold(value):
             return int(value)
-    elif isinstance(kind, type) and issubclass(kind, Enum):
-        return _member(name, value, kind)
     elif not isinstance(value, type) and isinstance(value, get_origin(kind) or kind):
         return value
     raise InvalidInput(f"{name} is {value!r}: {remedy(hint)}{_sizes(value)}.")
-
-
-def _member(name: str, value: object, kind: type[Enum]) -> Enum:
-    """Return a member of an enumeration, which may be given by its name in any case."""
-    if isinstance(value, kind):
-        return value
-    names = {member.name.lower(): member for member in kind}
-    if not isinstance(value, str) or value.lower() not in names:
-        raise InvalidInput(f"{name} is {value!r}: {suggestion(str(value), names)}.")
-    return names[value.lower()]
 
 
 def _sizes(value: object) -> str:
@@ -245,8 +232,6 @@ def _accepted(hint: Any) -> Iterator[str]:
         yield limits.text
     elif kind in (int, float):
         yield f"a {'whole ' * (kind is int)}number {limits.text}".strip()
-    elif isinstance(kind, type) and issubclass(kind, Enum):
-        yield " or ".join(f"{kind.__name__}.{member.name}" for member in kind)
     else:
         plain = {str: "a text", bool: "true or false"}
         word = getattr(kind, "__name__", str(kind))

@@ -3,10 +3,9 @@
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from enum import Enum
 from itertools import pairwise
 from math import ceil, inf, sqrt
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -27,37 +26,18 @@ DEFAULT_INSTANTS = 41
 SDIRK_GAMMA = 1 - 1 / sqrt(2)
 
 
-class Scheme(Enum):
-    """Stages of a step: for each, its fraction of the duration, and the fraction of the stage that is explicit.
-
-    The scheme is that of sliding wear, ``Wear(speed=...)`` of a dry contact that does not roll; creep is exact for a
-    pressure that is linear in each stage. Every scheme keeps the wear volume.
-    """
-
-    #: Second order, L-stable, two solves.
-    #: Source: Alexander (1977), SIAM J. Numer. Anal. 14, sect. 3.
-    TWO_STAGE = ((SDIRK_GAMMA, 0.0), (1 - SDIRK_GAMMA, (1 - 2 * SDIRK_GAMMA) / (1 - SDIRK_GAMMA)))
-    #: Backward Euler: first order, L-stable, one solve.
-    IMPLICIT = ((1.0, 0.0),)
-    #: Forward Euler: first order, unstable in plane strain for steps [s] beyond 2 lambda / (k v),
-    #: with the wear rate per pressure k v [m/(Pa s)] and the
-    #: :func:`~contactstudy.evolution.states.state_variables.least_eigenvalue` lambda: for comparison.
-    EXPLICIT = ((1.0, 1.0),)
-
-    @property
-    def stages(self) -> tuple[tuple[float, float], ...]:
-        """Pairs (fraction of the duration, explicit fraction of the stage), in the order of time."""
-        stages: tuple[tuple[float, float], ...] = self.value
-        return stages
-
-
-class ErrorEstimator(Enum):
-    """Choice of how the time-discretisation error is estimated."""
-
-    #: By step doubling: a second integration with steps twice as long, at half the cost of the first.
-    STEP_DOUBLING = "step doubling"
-    #: No estimate: one step from each instant or kink of the load to the next, with an infinite error.
-    NONE = "none"
+Scheme = Literal["two_stage", "implicit", "explicit"]
+# Stages of a step of sliding wear in the order of time: for each its fraction of the duration, and the fraction of the
+# stage that is explicit.
+STAGES: dict[Scheme, tuple[tuple[float, float], ...]] = {
+    "two_stage": (
+        (SDIRK_GAMMA, 0.0),
+        (1 - SDIRK_GAMMA, (1 - 2 * SDIRK_GAMMA) / (1 - SDIRK_GAMMA)),
+    ),
+    "implicit": ((1.0, 0.0),),
+    "explicit": ((1.0, 1.0),),
+}
+ErrorEstimator = Literal["step_doubling", "none"]
 
 
 @validated
@@ -84,32 +64,39 @@ class TimeSteps:
         from each instant to the next, and to each kink of the load or quarter of its period, or two where the next one
         differs in length; steady wear and films take 1e-3.
     scheme
-        How sliding wear is stepped; other wear has a method of its own.
+        How sliding wear, ``Wear(speed=...)`` of a dry contact that does not roll, is stepped; other wear has a method of
+        its own, and creep is exact for a pressure that is linear in each stage. "implicit" is backward Euler, of first
+        order, L-stable, with one solve a step; "two_stage" is of second order, L-stable, with two solves (Alexander
+        1977, SIAM J. Numer. Anal. 14, sect. 3); "explicit", for comparison, is forward Euler, unstable in plane strain
+        for steps [s] beyond 2 lambda / (k v), with the wear rate per pressure k v [m/(Pa s)] and the
+        :func:`~contactstudy.evolution.states.state_variables.least_eigenvalue` lambda. Each keeps the wear volume.
     error_estimator
         How the time-discretisation error is estimated of a dry contact that keeps creep, sliding wear, plastic strain
-        or a tangential traction from one instant to the next.
+        or a tangential traction from one instant to the next: by "step_doubling", a second integration with steps twice
+        as long, at half the cost of the first; or "none", one step from each instant or kink of the load to the next,
+        with an infinite error.
     step
         Largest length [s] of a step of a film, in place of an error.
 
     Raises
     ------
     InvalidInput
-        If an `error` is given beside :attr:`ErrorEstimator.NONE` or a `step`, or `times` beside `end` or `instants`.
+        If an `error` is given beside the estimator ``"none"`` or a `step`, or `times` beside `end` or `instants`.
     """
 
     times: Times | None = None
     end: Annotated[Seconds, FINITE] | None = None
     instants: Annotated[int, at_least(2)] | None = None
     error: Annotated[Number, BELOW_ONE] | None = None
-    scheme: Scheme = Scheme.IMPLICIT
-    error_estimator: ErrorEstimator = ErrorEstimator.STEP_DOUBLING
+    scheme: Scheme = "implicit"
+    error_estimator: ErrorEstimator = "step_doubling"
     step: Seconds | None = None
 
     def check_together(self) -> None:
         """Check that what decides on the instants and on the steps is given once."""
-        if self.error is not None and self.error_estimator is ErrorEstimator.NONE:
+        if self.error is not None and self.error_estimator == "none":
             raise InvalidInput(
-                f"TimeSteps.error_estimator is NONE beside an error of {self.error!r}, by whose estimate steps are "
+                f"TimeSteps.error_estimator is 'none' beside an error of {self.error!r}, by whose estimate steps are "
                 "chosen: leave one of them out."
             )
         if self.times == ():

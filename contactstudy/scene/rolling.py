@@ -1,9 +1,8 @@
 """Rolling of the bodies: steady, or repeated over one that yields."""
 
-from enum import Enum
 from itertools import pairwise
 from math import inf
-from typing import Annotated
+from typing import Annotated, Literal
 
 from contactstudy.analytic import HertzLine
 from contactstudy.domain.checks import InvalidInput
@@ -13,14 +12,7 @@ from contactstudy.scene.loads.load_history import ChangingLoad, PiecewiseLinear
 from contactstudy.scene.shapes.shape import Shape
 from contactstudy.scene.solids.bodies import SceneContext
 
-
-class RollingPressure(Enum):
-    """Choice of the pressure that rolls over a half-space."""
-
-    #: Pressure of the contact solved together with the plastic strain.
-    SOLVED = "solved"
-    #: Pressure of the elastic contact throughout, as Merwin & Johnson (1963) assume.
-    ELASTIC = "elastic"
+RollingPressure = Literal["solved", "elastic"]
 
 
 @validated
@@ -37,7 +29,8 @@ class Rolling:
     passes
         Number of passes over a body that yields, at least 1; None rolls steadily.
     pressure
-        :class:`RollingPressure` of the passes.
+        Pressure of the passes: "solved" together with the plastic strain, or that of the "elastic" contact throughout,
+        as Merwin & Johnson (1963) assume.
     distance
         Distance of each pass [m]. None rolls until the plastic strain left behind is steady.
     steady
@@ -53,7 +46,7 @@ class Rolling:
 
     speed: Annotated[MetresPerSecond, FROM_ZERO_TO_INFINITE] | None = None
     passes: Annotated[int, at_least(1)] | None = None
-    pressure: RollingPressure = RollingPressure.SOLVED
+    pressure: RollingPressure = "solved"
     distance: Metres | None = None
     steady: Number = 5e-3
 

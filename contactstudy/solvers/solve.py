@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field, fields, replace
 from math import inf
-from typing import Annotated, ClassVar, Protocol, runtime_checkable
+from typing import Annotated, ClassVar, Literal, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -87,7 +87,7 @@ class SolveOptions:
     solver: Annotated[Solver, Example("PreconditionedCG()")] = field(
         default_factory=PreconditionedCG
     )
-    precision: Precision = Precision.DOUBLE
+    precision: Literal["single", "double"] = "double"
 
 
 def solve_contact(
@@ -133,14 +133,15 @@ def solve_contact(
         return adhered
     if not problem.control.is_met_by(problem.constraint, problem.undeformed_gap.size):
         return _without_pressure(problem)
+    precision = Precision(options.precision)
     if isinstance(device, Cpu):
-        refuse_solve(problem, options.precision)
+        refuse_solve(problem, precision)
     else:
-        _refuse_other_device(checked(device, "solve.device"), problem, options.precision)
+        _refuse_other_device(checked(device, "solve.device"), problem, precision)
     if start is not None:
-        start = _admissible_start(start, problem, options.precision)
+        start = _admissible_start(start, problem, precision)
     with using(device), np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        bare = problem.bare(options.precision)
+        bare = problem.bare(precision)
         last = options.solver.iterate(
             bare,
             tolerance=options.tolerance,

@@ -198,8 +198,6 @@ def _type(wanted: Any) -> str:
     if get_origin(wanted) is tuple:
         several = [one for one in get_args(wanted) if one is not ...]
         return "a list of: " + "; ".join(dict.fromkeys(_type(one) for one in several))
-    if isclass(wanted) and issubclass(wanted, Enum):
-        return "one of " + ", ".join(f'`"{one.name.lower()}"`' for one in wanted)
     if args := [one for one in get_args(wanted) if one is not type(None)]:
         return " or ".join(_type(one) for one in args)
     return {int: "a whole number", float: "a number", str: "a text", bool: "true or false"}.get(

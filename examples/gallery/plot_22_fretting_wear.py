@@ -26,7 +26,7 @@ scene = cs.Scene(load, (steel, steel), (cs.Cylinder(0.01),), friction=fretting, 
 half_width = scene.hertz.half_width
 grid = cs.Grid((256, 1), (2.6 * half_width, 1e-3))
 shown = (0.0, *ends[[18, 22, 27, 39]])
-steps = cs.TimeSteps(times=shown, error_estimator=cs.ErrorEstimator.NONE)
+steps = cs.TimeSteps(times=shown, error_estimator="none")
 worn = cs.solve(scene, grid, cs.ExactPeriodicity(), times=steps)
 
 figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.8), layout="constrained")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from contactstudy import InvalidInput, Sizes
+from contactstudy import InvalidInput
 from studies.cli.files import write_figure, write_text
 from studies.cli.options import (
     FORMAT,
@@ -84,7 +84,7 @@ def show(
         "unit": unit,
         "invalid": invalid,
         "decimal": decimal,
-        "sizes": Sizes(sizes or "checked"),
+        "sizes": sizes or "checked",
     }
     if surfaces := surfaces_of(file, extent, **keys):
         refuse(context, "a study, and not for a surface", "as_table")

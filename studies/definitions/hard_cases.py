@@ -156,7 +156,7 @@ CASES: dict[str, HardCase] = {
     ),
     "single precision": replace(
         START,
-        options=cs.SolveOptions(1e-10, precision=cs.Precision.SINGLE),
+        options=cs.SolveOptions(1e-10, precision="single"),
         ends=frozenset({cs.Status.PRECISION_LIMIT}),
     ),
     "one iteration": replace(

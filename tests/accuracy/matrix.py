@@ -15,7 +15,7 @@ from studies.reference.line_contact import HERTZ, HERTZ_HEIGHT, P_H, SCENE, A
 from tests.accuracy import smooth
 from tests.accuracy.case import EXACT, FREE, MODULUS, AccuracyCase, Finer, scene
 
-PROFILES = (cs.FlatBottomed(), cs.Parabolic(), cs.Cosine())
+PROFILES = ("flat", "parabolic", "cosine")
 SAMPLING = 0.05 * A  # interval of the measured surface
 FINER = Finer((4, 4), EXACT)
 

@@ -22,7 +22,7 @@ NOTHING: dict[str, cs.Shape] = {
     "grooves": cs.Texture(cs.Groove(0.0, 1e-5), pitch=(inf, 3e-5)),
     "measured surface": cs.MeasuredSurface(np.zeros((24, 8)), (1e-2, 9e-5)),
     "trend of a surface": cs.MeasuredSurface(
-        np.zeros((128, 64)), trend=cs.Trend.QUADRATIC, seam=cs.Tapered()
+        np.zeros((128, 64)), trend="quadratic", seam=cs.Tapered()
     ),
     "roughness": cs.Roughness(0.0, hurst=0.8, roll_off=1e-4, cut_off=1e-5),
     "roughness by slope": cs.Roughness(cs.RmsSlope(0.0), hurst=0.8, roll_off=1e-4, cut_off=1e-5),
@@ -142,7 +142,7 @@ cs.solve(wearing, cs.Grid((64, 1), (2.5e-4, 1e-4)), exact, times=(0, 1))
         """
 body, rigid = cs.ElasticPlasticHalfSpace(210e9, 0.3, 1e9, 2e9), cs.HalfSpace(float("inf"), 0.3)
 yields = cs.Scene(cs.LineLoad(5e5), (body, rigid), (cs.Cylinder(0.01),))
-once = cs.TimeSteps((0,), error_estimator=cs.ErrorEstimator.NONE)
+once = cs.TimeSteps((0,), error_estimator="none")
 cs.solve(yields, cs.Grid((16, 1), (8e-4, 1e-4)), exact, times=once)
 assert "contactstudy.elasticity.eigenstrain.plane_strain_operator" in sys.modules
 """,

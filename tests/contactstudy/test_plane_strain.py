@@ -38,11 +38,11 @@ SCENES: dict[str, tuple[cs.Scene, int, float, int, tuple[str, ...], float, dict[
     ),
     "yielding": (
         pressed(2.5, hardening=0.02), 18, half_width(2.5) / 6, 5, PLASTIC, 1e-6,
-        {"times": cs.TimeSteps((1.0, 2.0), error_estimator=cs.ErrorEstimator.NONE), "tolerance": 1e-7},
+        {"times": cs.TimeSteps((1.0, 2.0), error_estimator="none"), "tolerance": 1e-7},
     ),
     "sliding and yielding": (
         SLIDES, 32, 6e-4 / 32, 2, ("equivalent_plastic_strain",), 1e-3,
-        {"times": cs.TimeSteps((0.0, 1.0), error_estimator=cs.ErrorEstimator.NONE)},
+        {"times": cs.TimeSteps((0.0, 1.0), error_estimator="none")},
     ),
     # iterations stop at the rounding of a film that is a small difference of large heights
     "film": (FILM, 96, 9 * A / 96, 8, ("film", "pressure", "shear"), 1e-9, {"tolerance": 1e-12}),

@@ -182,7 +182,7 @@ def test_a_name_that_is_not_there_is_an_attribute_error() -> None:
 def test_a_precision_is_named_by_a_word(line_contact: LineContact) -> None:
     problem = line_contact.scene.problem(line_contact.grid(16, 1.2), cs.ExactPeriodicity())
     by_word = cs.solve(problem, precision="single", tolerance=1e-4)
-    by_value = cs.solve(problem, precision=cs.Precision.SINGLE, tolerance=1e-4)
+    by_value = cs.solve(problem, precision="single", tolerance=1e-4)
     np.testing.assert_array_equal(by_word.pressure, by_value.pressure)
     with pytest.raises(
         cs.InvalidInput, match=r"^solve.precision is 'half': choose from single, double"

@@ -39,7 +39,7 @@ def ends_well(name: str, padding: str, solver: str) -> cs.Solution:
     if judged.verdict is Verdict.WITHIN_STATED_ERROR:
         carried = solution.pressure.sum() / problem.control.total
         # the solver's own sum is rounded: each pressure, and its way through the sum by halves
-        eps = np.finfo(case.options.precision.real).eps
+        eps = np.finfo(case.options.precision).eps
         rounding = eps / 2 * (1 + np.log2(solution.pressure.size))
         assert carried == pytest.approx(1, rel=max(solution.residual, rounding, 1e-12))
     return solution

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
+from contactstudy.domain.device import Precision
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.elasticity.coefficients import BoussinesqCoefficients
 from contactstudy.elasticity.viscoelastic import Creep
@@ -85,7 +86,7 @@ def coupled_state_variable(
 
     check_paddings(problem)
     elastic = solved_or_unloaded(options, problem)
-    return PlasticState(YieldingBody.in_scene(scene), elastic, options.precision)
+    return PlasticState(YieldingBody.in_scene(scene), elastic, Precision(options.precision))
 
 
 def evolve(
@@ -95,8 +96,8 @@ def evolve(
     *,
     times: ArrayLike | None = None,
     error: float | None = None,
-    error_estimator: ErrorEstimator = ErrorEstimator.STEP_DOUBLING,
-    scheme: Scheme = Scheme.IMPLICIT,
+    error_estimator: ErrorEstimator = "step_doubling",
+    scheme: Scheme = "implicit",
     options: SolveOptions = SolveOptions(),  # noqa: B008 (a frozen value)
     folder: str | PathLike[str] | None = None,
     progress: Callable[[float, float], None] | None = None,
@@ -165,7 +166,7 @@ def evolve(
     if times is None and not keeps_states:
         breakpoints = all_recorded(breakpoints)
     checkpoint = None if folder is None else Checkpoint(Path(folder))
-    doubles = error_estimator is ErrorEstimator.STEP_DOUBLING
+    doubles = error_estimator == "step_doubling"
     integrator = AdaptiveIntegrator(
         stepper=stepper,
         breakpoints=breakpoints,

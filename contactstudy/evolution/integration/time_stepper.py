@@ -27,7 +27,7 @@ from contactstudy.evolution.states.state_variables import (
     Step,
     WearState,
 )
-from contactstudy.evolution.time_steps import Scheme
+from contactstudy.evolution.time_steps import STAGES, Scheme
 from contactstudy.evolution.warm_started import (
     WarmStartedContact,
     solved_or_unloaded,
@@ -251,7 +251,7 @@ class TimeStepper:
             return self._stage(instant, Step(end, end, (instant.load, load), load))
         solved = SolvedContacts()
         stages = (
-            self.scheme.stages
+            STAGES[self.scheme]
             if any(state_variable.has_stages for state_variable in self.all_state_variables)
             else SINGLE_STAGE
         )

@@ -6,6 +6,7 @@ from typing import Protocol
 
 import numpy as np
 
+from contactstudy.domain.device import Precision
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.eigenstrain.outer_strain import OuterStrain
 from contactstudy.elasticity.eigenstrain.plane_strain_operator import PlaneStrainOperator
@@ -44,7 +45,7 @@ class SolvedContact(WarmStartedContact):
 
     def tangent(self, solution: Solution) -> Tangent:
         """Return the linearised contact in which the same cells stay in contact."""
-        return ContactTangent.from_solution(solution, self.options.precision)
+        return ContactTangent.from_solution(solution, Precision(self.options.precision))
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +77,7 @@ def rolling_contact(
         Whether plastic strain changes the pressure.
     """
     elastic = solved_or_unloaded(options, problem)
-    if kind is RollingPressure.ELASTIC:
+    if kind == "elastic":
         return FixedContact(elastic)
     return SolvedContact(problem, options, elastic.pressure)
 

@@ -79,7 +79,7 @@ class AnyStateVariable(Protocol):
 
     @property
     def has_stages(self) -> bool:
-        """True if the stages of a :class:`~contactstudy.evolution.time_steps.Scheme` make a step more accurate."""
+        """True if the stages of a scheme make a step more accurate."""
 
     def start(self, shape: tuple[int, int]) -> State:
         """Return the state before the first load, on a grid of `shape` cells (x, y)."""

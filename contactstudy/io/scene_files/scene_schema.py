@@ -3,10 +3,9 @@
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
-from enum import Enum
 from math import inf
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
@@ -67,10 +66,6 @@ from contactstudy.scene.shapes.roller import (
 from contactstudy.scene.shapes.roughness import Roughness
 from contactstudy.scene.shapes.shape import Shape
 from contactstudy.scene.shapes.texture import (
-    Cosine,
-    FlatBottomed,
-    Parabolic,
-    Profile,
     Texture,
     Waviness,
 )
@@ -104,13 +99,6 @@ from contactstudy.solvers.solve import SolveOptions, Solver
 ProfileContext = tuple[float, tuple[Body, Body]]
 
 
-class Turn(Enum):
-    """Orientation of a measured surface on the grid."""
-
-    NONE = "as measured"
-    QUARTER = "rotated by 90 degrees: the length of the measurement runs across the contact"
-
-
 @dataclass(frozen=True, kw_only=True)
 class MeasuredSurfaceTable(Reading):
     """Measured surface given by its file; a relative path starts at the folder of the scene file.
@@ -124,16 +112,16 @@ class MeasuredSurfaceTable(Reading):
     file
         Path of the file, from the folder of the scene file.
     turn
-        Quarter, for a surface whose length as measured runs across the contact.
+        "quarter" rotates by 90 degrees: the length of the measurement then runs across the contact.
     """
 
     file: str | MeasuredSurface
     missing: Missing = field(default_factory=RefuseMissing)
-    trend: Trend = Trend.PLANE
+    trend: Trend = "plane"
     filter: GaussianFilter | None = None
     seam: PeriodicExtension = field(default_factory=Tapered)
     seam_across: PeriodicExtension | None = None
-    turn: Turn = Turn.NONE
+    turn: Literal["none", "quarter"] = "none"
     tile: Tile | None = None
 
     def shape(self, folder: Path, context: ProfileContext) -> MeasuredSurface:
@@ -156,7 +144,7 @@ class MeasuredSurfaceTable(Reading):
                 f"MeasuredSurface.file is {self.file!r}: give the path of an existing file."
             )
         surface = surface if self.tile is None else surface.cut(self.tile)
-        return surface.turned() if self.turn is Turn.QUARTER else surface
+        return surface.turned() if self.turn == "quarter" else surface
 
 
 @dataclass(frozen=True)
@@ -198,7 +186,7 @@ class ProfilePointsTable:
     positions: tuple[Annotated[Metres, FINITE], ...] = ()
     drops: tuple[Annotated[Metres, FINITE], ...] = ()
     file: str | None = None
-    axis: Axis = Axis.ALONG
+    axis: Axis = "along"
 
     def shape(self, folder: Path, _: ProfileContext) -> ProfilePoints:
         """Return the profile, read from the file if there is one."""
@@ -437,7 +425,6 @@ KINDS: Mapping[Any, Mapping[str, type]] = {
     | {NO_KIND: LineLoad},
     Friction: _kinds(Sliding, PartialSlip, Fretting, TractiveRolling),
     Output: _kinds(SubsurfaceStress),
-    Profile: _kinds(Parabolic, Cosine, FlatBottomed),
     Missing: _kinds(RefuseMissing, HarmonicFill),
     PeriodicExtension: _kinds(AsMeasured, Mirrored, Tapered),
     Solver: _kinds(PreconditionedCG, PolonskyKeer),

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import MISSING, Field, fields, is_dataclass
-from enum import Enum
 from pathlib import Path
 from typing import Any
 
@@ -74,8 +73,6 @@ def _is_default(field: Field[Any], value: object) -> bool:
 
 def _toml_value(value: object, name: str, scene_path: Path | None = None) -> Any:
     """Return a value as types of TOML: tables with their kind, lists, texts, numbers."""
-    if isinstance(value, Enum):
-        return value.name.lower()
     if isinstance(value, MeasuredSurface):
         return _measured_surface_table(value, name, scene_path)
     if is_dataclass(value) and type(value).__module__.startswith("contactstudy"):

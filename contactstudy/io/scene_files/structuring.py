@@ -3,7 +3,6 @@
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import is_dataclass
 from difflib import get_close_matches
-from enum import Enum
 from math import inf
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
@@ -57,7 +56,6 @@ class _Structure:
         self.converter = cattrs.Converter(forbid_extra_keys=True)
         hooks: tuple[tuple[Callable[[Any], bool], Callable[[Any, Any], Any]], ...] = (
             (lambda target: get_origin(target) in (Annotated, Literal), _as_annotated),
-            (lambda target: isinstance(target, type) and issubclass(target, Enum), _as_annotated),
             (lambda target: get_origin(target) is tuple, self._tuple),
             (self._has_kinds, self._of_kind),
         )

@@ -1,8 +1,7 @@
 """Profiles of rollers as drawings and measurements give them: points, tangential arcs, rounded and chamfered ends."""
 
-from enum import Enum
 from math import inf, tan
-from typing import Annotated, ClassVar
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 
@@ -13,12 +12,8 @@ from contactstudy.domain.units import Metres, Radians
 from contactstudy.domain.validation import AT_LEAST_ZERO, FINITE, OR_INFINITE, Limits, validated
 from contactstudy.scene.shapes.shape import LengthScales
 
-
-class Axis(Enum):
-    """Axis along which a profile varies."""
-
-    ALONG = "along the length"
-    ACROSS = "across the contact"
+# Axis along which a profile varies: along the length, or across the contact.
+Axis = Literal["along", "across"]
 
 
 @validated
@@ -49,7 +44,7 @@ class ProfilePoints:
 
     positions: tuple[Annotated[Metres, FINITE], ...]
     drops: tuple[Annotated[Metres, FINITE], ...]
-    axis: Axis = Axis.ALONG
+    axis: Axis = "along"
 
     def check_together(self) -> None:
         """Check that positions increase, with a drop for each."""
@@ -73,7 +68,7 @@ class ProfilePoints:
     @property
     def length_scales(self) -> LengthScales:
         """Length scales of a roller of the length of the points; across of a shape known over their width."""
-        if self.axis is Axis.ACROSS:
+        if self.axis == "across":
             return LengthScales(known_width=self.length)
         return LengthScales(roller=self.length)
 
@@ -81,12 +76,12 @@ class ProfilePoints:
         """Return the drop at the cell centres [m], of shape (1, ny) or (nx, 1)."""
         from scipy.interpolate import PchipInterpolator  # imported late, since it is slow
 
-        at = np.asarray(grid.x if self.axis is Axis.ACROSS else grid.y)
+        at = np.asarray(grid.x if self.axis == "across" else grid.y)
         first, last = self.positions[0], self.positions[-1]
         # the middle of a whole profile is that of the grid
         at = np.abs(at) if first == 0 else at + (first + last) / 2
         drop = PchipInterpolator(self.positions, self.drops)(np.clip(at, first, last))
-        return np.asarray(drop[:, None] if self.axis is Axis.ACROSS else drop[None, :])
+        return np.asarray(drop[:, None] if self.axis == "across" else drop[None, :])
 
 
 @validated

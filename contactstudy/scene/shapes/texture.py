@@ -1,8 +1,7 @@
 """Machined textures, such as dimples and grooves, and waviness."""
 
-from dataclasses import field
 from math import inf, pi
-from typing import Annotated, ClassVar, Protocol, Self, runtime_checkable
+from typing import Annotated, ClassVar, Literal, Self
 
 import numpy as np
 
@@ -27,39 +26,14 @@ from contactstudy.scene.shapes.shape import LengthScales
 Wavelength = Annotated[Metres, OR_INFINITE]
 
 
-@runtime_checkable
-class Profile(Protocol):
-    """Shape of the flank of a dimple or a groove, from its middle to its rim."""
-
-    def __call__(self, t: Array) -> Array:
-        """Return the fraction of the depth at each fraction `t`, of any shape, of the way from middle (0) to rim (1)."""
+Profile = Literal["parabolic", "cosine", "flat"]
 
 
-@validated
-class Parabolic:
-    """Parabolic flank ``1 - t^2``: a spherical cap, as the paraboloid that stands for a sphere in Hertz's theory."""
-
-    def __call__(self, t: Array) -> Array:
-        """Return the fraction of the depth at the fraction `t` of the way to the rim."""
-        return (1 - t) * (1 + t)
-
-
-@validated
-class Cosine:
-    """Cosine flank ``(1 + cos(pi t)) / 2``, without a kink at the rim."""
-
-    def __call__(self, t: Array) -> Array:
-        """Return the fraction of the depth at the fraction `t` of the way to the rim."""
-        return np.asarray((1 + np.cos(np.pi * t)) / 2)
-
-
-@validated
-class FlatBottomed:
-    """Flat bottom: the full depth up to the rim, for cylindrical dimples and rectangular grooves."""
-
-    def __call__(self, t: Array) -> Array:
-        """Return one: the full depth at every fraction `t` of the way to the rim."""
+def flank(profile: Profile, t: Array) -> Array:
+    """Return the fraction of the depth of a feature at each fraction `t` of the way from middle (0) to rim (1)."""
+    if profile == "flat":
         return np.ones_like(t)
+    return np.asarray((1 - t) * (1 + t) if profile == "parabolic" else (1 + np.cos(np.pi * t)) / 2)
 
 
 @validated
@@ -73,12 +47,13 @@ class Dimple:
     diameter
         Diameter at the rim [m], above zero.
     profile
-        Flank, such as :class:`~contactstudy.Parabolic`.
+        Flank: "parabolic", ``1 - t^2`` on the way t to the rim, as the paraboloid that stands for a sphere in Hertz's
+        theory; "cosine", ``(1 + cos(pi t)) / 2``, without a kink at the rim; or "flat", of the full depth up to the rim.
     """
 
     depth: Annotated[Metres, AT_LEAST_ZERO]
     diameter: Metres
-    profile: Profile = field(default_factory=Parabolic)
+    profile: Profile = "parabolic"
 
     @property
     def size(self) -> float:
@@ -101,12 +76,12 @@ class Groove:
     width
         Width at the rim [m], above zero.
     profile
-        Flank, such as :class:`~contactstudy.Cosine`.
+        Flank, "parabolic", "cosine" or "flat", as of a :class:`~contactstudy.Dimple`.
     """
 
     depth: Annotated[Metres, AT_LEAST_ZERO]
     width: Metres
-    profile: Profile = field(default_factory=Cosine)
+    profile: Profile = "cosine"
 
     @property
     def size(self) -> float:
@@ -202,7 +177,7 @@ class Texture:
         y = grid.y if along < inf else np.zeros(1)
         distance = np.hypot(_from_nearest(grid.x, across)[:, None], _from_nearest(y, along))
         t = distance / (self.feature.size / 2)
-        depth = self.feature.depth * self.feature.profile(np.minimum(t, 1))
+        depth = self.feature.depth * flank(self.feature.profile, np.minimum(t, 1))
         return np.where(t < 1, depth, 0.0)
 
 

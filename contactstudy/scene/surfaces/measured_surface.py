@@ -28,6 +28,8 @@ from contactstudy.scene.surfaces.preparation import (
     Tile,
     Trend,
     cell_means,
+    trend_text,
+    without_trend,
 )
 
 
@@ -52,7 +54,8 @@ class MeasuredSurface:
     missing
         Rule for missing (non-measured) points, applied first.
     trend
-        Polynomial subtracted from all points, applied second.
+        Least-squares form subtracted from all points, applied second: "none", the "mean", a "plane", a "quadratic",
+        "cubic" or "quartic" polynomial, or a "cylinder".
     seam
         Rule of the periodic extension along the length, applied last.
     seam_across
@@ -82,7 +85,7 @@ class MeasuredSurface:
     heights: Any = field(repr=False, compare=False)
     extent: tuple[Metres, Metres] | None = None
     missing: Annotated[Missing, Example("RefuseMissing()")] = field(default_factory=RefuseMissing)
-    trend: Trend = Trend.NONE
+    trend: Trend = "none"
     seam: Annotated[PeriodicExtension, Example("Mirrored()")] = field(default_factory=AsMeasured)
     file: str | None = field(default=None, compare=False, repr=False)
     is_turned: bool = field(default=False, compare=False, repr=False)
@@ -111,15 +114,15 @@ class MeasuredSurface:
         extent: tuple[float, float] | None = None,
         unit: str | None = None,
         missing: Missing | None = None,
-        trend: Trend = Trend.PLANE,
+        trend: Trend = "plane",
         seam: PeriodicExtension | None = None,
         seam_across: PeriodicExtension | None = None,
         filter: GaussianFilter | None = None,  # noqa: A002 (the field's name)
         invalid: float | None = None,
         decimal: Literal[",", "."] | None = None,
         transpose: bool = False,
-        flip: Flip = Flip.NONE,
-        sizes: Sizes = Sizes.CHECKED,
+        flip: Flip = "none",
+        sizes: Sizes = "checked",
     ) -> Self:
         """Read a surface from a file; by default its tilt is subtracted and its ends are tapered.
 
@@ -137,7 +140,7 @@ class MeasuredSurface:
         unit, invalid, decimal, transpose, flip, sizes
             As for :class:`~contactstudy.scene.surfaces.measurement.Reading`.
         missing, trend, seam, seam_across, filter
-            As for the class; the defaults are to refuse missing points, ``Trend.PLANE``, ``Tapered()``,
+            As for the class; the defaults are to refuse missing points, ``"plane"``, ``Tapered()``,
             ``AsMeasured()`` and no filter.
 
         Raises
@@ -180,7 +183,7 @@ class MeasuredSurface:
             parts.append(
                 f"{missing} missing points ({missing / self.heights.size:.2%}) {self.missing.description}"
             )
-        parts.append(self.trend.description(self.missing.fill(self.heights), self.extent))
+        parts.append(trend_text(self.trend, self.missing.fill(self.heights), self.extent))
         if self.filter is not None:
             parts.append(self.filter.description)
         parts.append(f"ends along {self.seam.description}, across {self.seam_across.description}")
@@ -309,7 +312,7 @@ class MeasuredSurface:
 def _completed(surface: MeasuredSurface) -> Array:
     """Return heights (x, y) [m] without missing points, less their trend, filtered; cached and read-only."""
     heights = surface.missing.fill(surface.heights)
-    heights = surface.trend.subtracted(heights, surface.extent)
+    heights = without_trend(surface.trend, heights, surface.extent)
     if surface.filter is not None:
         heights = surface.filter.filtered(heights, surface.extent)
     heights = heights.view()

@@ -4,7 +4,6 @@ import logging
 import re
 import warnings
 from dataclasses import KW_ONLY
-from enum import Enum
 from os import PathLike, fspath
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple
@@ -45,20 +44,11 @@ SQUARE = "points are taken as square"
 METRES = (None, "", "m", "metre", "metres", "meter", "meters")
 
 
-class Flip(Enum):
-    """Reversed directions of a measured surface; the value is the reversed axes."""
-
-    NONE = ()
-    ACROSS = (0,)
-    ALONG = (1,)
-    BOTH = (0, 1)
-
-
-class Sizes(Enum):
-    """Choice of whether sizes and heights of a file are checked for plausibility and against the keys beside it."""
-
-    CHECKED = "checked"
-    CONFIRMED = "confirmed"
+# Reversed directions of a measured surface, and the reversed axes.
+Flip = Literal["none", "across", "along", "both"]
+REVERSED: dict[Flip, tuple[int, ...]] = {"none": (), "across": (0,), "along": (1,), "both": (0, 1)}
+# Whether sizes and heights of a file are checked for plausibility and against the keys beside it.
+Sizes = Literal["checked", "confirmed"]
 
 
 @validated
@@ -80,7 +70,7 @@ class Reading:
     flip
         Directions that are reversed.
     sizes
-        Whether implausible sizes are refused. ``Sizes.CONFIRMED`` takes them, and keys that contradict the file.
+        Whether implausible sizes are refused. ``"confirmed"`` takes them, and keys that contradict the file.
     """
 
     called: ClassVar[str] = "MeasuredSurface"
@@ -91,8 +81,8 @@ class Reading:
     invalid: Annotated[Number, FINITE] | None = None
     decimal: Literal[",", "."] | None = None
     transpose: bool = False
-    flip: Flip = Flip.NONE
-    sizes: Sizes = Sizes.CHECKED
+    flip: Flip = "none"
+    sizes: Sizes = "checked"
 
     def check_together(self) -> None:
         """Check that the unit is one of length."""
@@ -167,11 +157,11 @@ def read(
     points, sizes = values * content.unit, content.sizes
     if reading.transpose:
         points, sizes = points.T, None if sizes is None else (sizes[1], sizes[0])
-    points = np.flip(points, reading.flip.value)
+    points = np.flip(points, REVERSED[reading.flip])
     notes += ["across and along were exchanged (transpose)"] * reading.transpose
-    if reading.flip is not Flip.NONE:
-        notes.append(f"reversed (flip {reading.flip.name.lower()})")
-    is_open = reading.sizes is Sizes.CONFIRMED
+    if reading.flip != "none":
+        notes.append(f"reversed (flip {reading.flip})")
+    is_open = reading.sizes == "confirmed"
     if reading.extent is not None and sizes is not None and content.assumed:
         agrees = np.isclose(sizes, reading.extent, rtol=0.01, atol=0)
         is_open = is_open or content.assumed != SQUARE or bool(agrees.any())
@@ -180,7 +170,7 @@ def read(
     elif content.assumed:
         notes.append(content.assumed)
     sizes = agreed_extent(sizes, reading.extent)
-    if reading.sizes is Sizes.CHECKED and not content.is_own:
+    if reading.sizes == "checked" and not content.is_own:
         _check_plausible(name, points, sizes, content.unit)
     notes = [*content.notes, *notes, *_steps(points)]
     if content.sizes is None and sizes is not None and 1 not in points.shape:
@@ -224,7 +214,7 @@ def _unit(
         raise InvalidInput(
             f"MeasuredSurface.unit of {name!r} {fault}: give the unit of its numbers, one of {', '.join(UNITS)}."
         )
-    if given is None or (own is not None and reading.sizes is Sizes.CHECKED):
+    if given is None or (own is not None and reading.sizes == "checked"):
         assert own is not None
         if given is not None and not np.isclose(given, own, rtol=1e-9, atol=0):
             raise InvalidInput(
@@ -293,7 +283,7 @@ def _of_text(name: str, text: TextTable, reading: Reading) -> FileContent:
     own = {**header.units, **{axis: unit for axis, (_, unit) in columns.items() if unit}}
     unit = _unit(name, reading, own.get("z"), header.unknown.get("z"))
     content = _matrix(text, header, unit)
-    if reading.sizes is Sizes.CHECKED:
+    if reading.sizes == "checked":
         if len(header.sizes) == len(header.steps) == 2 and not header.is_bare and not columns:
             header.doubts += [
                 f"{axis} {header.sizes[axis]:g} and {count} times {header.steps[axis]:g}"
@@ -302,7 +292,7 @@ def _of_text(name: str, text: TextTable, reading: Reading) -> FileContent:
             ]
         _check_header(name, text, header, unit, reading, is_matrix=not columns)
     said = header.counts.get("x", 0) * header.counts.get("y", 0)
-    if said not in (0, content.values.size) and not columns and reading.sizes is Sizes.CHECKED:
+    if said not in (0, content.values.size) and not columns and reading.sizes == "checked":
         raise InvalidInput(
             f"path is {name!r}, of {content.values.size} numbers, where its header says {said}: give the whole file, or "
             'sizes = "confirmed" if the header is wrong.'
@@ -517,7 +507,7 @@ def _measured(name: str, content: FileContent, reading: Reading) -> tuple[Array,
     """Return the numbers of a file, nan at each point that was not measured, and notes on these."""
     values, notes = np.array(content.values, dtype=np.float64), []
     number = content.invalid if reading.invalid is None else reading.invalid
-    if number != content.invalid is not None and reading.sizes is Sizes.CHECKED:
+    if number != content.invalid is not None and reading.sizes == "checked":
         raise InvalidInput(
             f"MeasuredSurface.invalid of {name!r} is {number!r}: leave it out, since the file says {content.invalid!r}."
         )
@@ -525,7 +515,7 @@ def _measured(name: str, content: FileContent, reading: Reading) -> tuple[Array,
         values[~(np.abs(values) < VOID)] = np.nan
         if number is not None:
             values[np.isclose(values, number, rtol=1e-6, atol=0)] = np.nan
-    while reading.sizes is Sizes.CHECKED:
+    while reading.sizes == "checked":
         heights, counts = np.unique(values[np.isfinite(values)], return_counts=True)
         if len(heights) < 4:
             break

@@ -1,6 +1,5 @@
 """Preparation of measured heights: tiles, missing points, trend, periodic extension (seam) and resampling to cells."""
 
-from enum import Enum
 from math import inf, log, pi, sqrt
 from typing import Annotated, ClassVar, Literal, Protocol, runtime_checkable
 
@@ -155,43 +154,38 @@ def _harmonic_heights(heights: Array, holes: NDArray[np.bool_]) -> Array:
     return np.asarray(spsolve((sparse.diags_array(neighbours) - links).tocsc(), border_sum))
 
 
-class Trend(Enum):
-    """Least-squares form that is subtracted from a measured surface; the value of a polynomial is its total degree."""
+# Least-squares form that is subtracted from a measured surface, and the total degrees of the polynomials among them.
+Trend = Literal["none", "mean", "plane", "quadratic", "cubic", "quartic", "cylinder"]
+DEGREES = {"mean": 0, "plane": 1, "quadratic": 2, "cubic": 3, "quartic": 4}
 
-    NONE = -1
-    MEAN = 0
-    PLANE = 1
-    QUADRATIC = 2
-    CUBIC = 3
-    QUARTIC = 4
-    CYLINDER = -2
 
-    def subtracted(self, heights: Array, extent: tuple[float, float] | None = None) -> Array:
-        """Return `heights` (x, y) over `extent` [m] less the form, fitted to all points alike."""
-        if self is Trend.NONE:
-            return heights
-        if self is Trend.CYLINDER:
-            return heights - _cylinder(heights, extent)[0]
-        return heights - _polynomial(heights, self.value)[0]
+def without_trend(trend: Trend, heights: Array, extent: tuple[float, float] | None) -> Array:
+    """Return `heights` (x, y) over `extent` [m] less the form, fitted to all points alike."""
+    if trend == "none":
+        return heights
+    if trend == "cylinder":
+        return heights - _cylinder(heights, extent)[0]
+    return heights - _polynomial(heights, DEGREES[trend])[0]
 
-    def description(self, heights: Array, extent: tuple[float, float] | None = None) -> str:
-        """Return what is subtracted from `heights` (x, y) over `extent` [m], with its coefficients."""
-        plane = _polynomial(heights, 1)[0]
-        rises = plane[-1, 0] - plane[0, 0], plane[0, -1] - plane[0, 0]
-        across, along = (f"{1e6 * rise:.3g} um" for rise in rises)
-        text = f"a plane that rises {across} across and {along} along"
-        if self is Trend.CYLINDER:
-            curvature, axis = _cylinder(heights, extent)[1:]
-            radius = readable(1 / curvature) if curvature else "infinite"
-            turned = f"its axis at {axis:.1f} degrees to the length"
-            return f"{text} and a cylinder of radius {radius}, {turned}, were subtracted"
-        if self.value < Trend.PLANE.value:
-            return text + " is left" + ", and the mean was subtracted" * (self is Trend.MEAN)
-        if self is Trend.PLANE:
-            return f"{text} was subtracted"
-        powers = _polynomial(heights, self.value)[1].items()
-        terms = ", ".join(f"x^{i} y^{j}: {1e6 * factor:.3g} um" for (i, j), factor in powers)
-        return f"{text}, in a polynomial with {terms} (x and y from -1 to 1 over the points), was subtracted"
+
+def trend_text(trend: Trend, heights: Array, extent: tuple[float, float] | None) -> str:
+    """Return what is subtracted from `heights` (x, y) over `extent` [m], with its coefficients."""
+    plane = _polynomial(heights, 1)[0]
+    rises = plane[-1, 0] - plane[0, 0], plane[0, -1] - plane[0, 0]
+    across, along = (f"{1e6 * rise:.3g} um" for rise in rises)
+    text = f"a plane that rises {across} across and {along} along"
+    if trend in ("none", "mean"):
+        return text + " is left" + ", and the mean was subtracted" * (trend == "mean")
+    if trend == "plane":
+        return f"{text} was subtracted"
+    if trend == "cylinder":
+        curvature, axis = _cylinder(heights, extent)[1:]
+        radius = readable(1 / curvature) if curvature else "infinite"
+        turned = f"its axis at {axis:.1f} degrees to the length"
+        return f"{text} and a cylinder of radius {radius}, {turned}, were subtracted"
+    powers = _polynomial(heights, DEGREES[trend])[1].items()
+    terms = ", ".join(f"x^{i} y^{j}: {1e6 * factor:.3g} um" for (i, j), factor in powers)
+    return f"{text}, in a polynomial with {terms} (x and y from -1 to 1 over the points), was subtracted"
 
 
 def _polynomial(heights: Array, degree: int) -> tuple[Array, dict[tuple[int, int], float]]:

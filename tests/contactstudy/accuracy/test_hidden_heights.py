@@ -40,7 +40,7 @@ def test_lands_narrower_than_a_cell_leave_no_bound(
     cells: int, land: float, line_contact: LineContact
 ) -> None:
     pitch = line_contact.hertz.half_width / 4
-    groove = cs.Groove(2e-6, (1 - land) * pitch, cs.FlatBottomed())
+    groove = cs.Groove(2e-6, (1 - land) * pitch, "flat")
     scene = line_contact.with_shapes(cs.Texture(groove, (pitch, inf)))
     estimate = estimate_of(scene, line_contact.grid((cells, 1), 1.0, width=3.0))
     assert estimate.l1.total == estimate.peak_pressure.total == inf

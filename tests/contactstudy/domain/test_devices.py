@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.domain.device import Device, Namespace, available_bytes
+from contactstudy.domain.device import Device, Namespace, Precision, available_bytes
 from contactstudy.domain.fields import Array
 from contactstudy.domain.loops import gpu
 from contactstudy.elasticity import approximate_inverse
@@ -227,7 +227,7 @@ def test_sums_over_blocks_of_threads_are_those_of_one_thread(tmp_path: Path) -> 
 class Spring:
     work, own, blocks = 1.0, 1.0, (1, 1)
 
-    def scaled(self, factor: float, precision: cs.Precision) -> "Spring":
+    def scaled(self, factor: float, precision: Precision) -> "Spring":
         return self
 
 

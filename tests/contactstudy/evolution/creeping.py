@@ -45,7 +45,7 @@ def evolved(
         padding,
         times=times,
         options=options,
-        error_estimator=cs.ErrorEstimator.NONE,
+        error_estimator="none",
         **more,
     )
 

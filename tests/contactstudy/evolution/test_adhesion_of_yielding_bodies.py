@@ -35,7 +35,7 @@ def scene(
 @cache
 def solved(scene: cs.Scene, times: tuple[float, ...]) -> cs.Evolution:
     grid = cs.Grid((64, 1), (6 * np.sqrt(8 * UNIT * RADIUS / (pi * MODULUS)), 1e-3))
-    by_steps = cs.TimeSteps(times, error_estimator=cs.ErrorEstimator.NONE)
+    by_steps = cs.TimeSteps(times, error_estimator="none")
     steps = times if isinstance(scene.solids[0], cs.HalfSpace) else by_steps
     found = cs.solve(scene, grid, cs.ExactPeriodicity(), times=steps)
     assert isinstance(found, cs.Evolution)

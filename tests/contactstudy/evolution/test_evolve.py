@@ -269,7 +269,7 @@ def test_every_padding_is_integrated(padding: cs.Padding | cs.Paddings) -> None:
 
 
 @pytest.mark.parametrize(
-    "named", [{"error_estimator": one} for one in cs.ErrorEstimator] + [{"error": 1e-2}]
+    "named", [{"error_estimator": one} for one in ("step_doubling", "none")] + [{"error": 1e-2}]
 )
 def test_a_march_stops_without_a_bound_where_no_pressure_carries_the_load(
     named: dict[str, Any],
@@ -350,7 +350,7 @@ def test_steps_whose_error_is_not_estimated_go_from_instant_to_instant(
 ) -> None:
     scene = rolling_cylinder(SOLID)
     grid = cs.Grid((24, 1), (0.6, 1.0)) if requested else None
-    steps = cs.TimeSteps((0.0, 1.0, 2.0), error_estimator=cs.ErrorEstimator.NONE)
+    steps = cs.TimeSteps((0.0, 1.0, 2.0), error_estimator="none")
     found = cs.solve(scene, grid, times=steps, period=None if grid else 1.0, **requested)
     assert isinstance(found, cs.Evolution)
     assert found.counts["solves"][0] == 3

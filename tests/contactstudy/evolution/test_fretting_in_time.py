@@ -143,7 +143,7 @@ def jumping(jumps: list[float], wear: float, cells: int) -> cs.Contact:
         forces += [-FORCE, FORCE]
     friction = cs.Fretting(MU, tuple(forces), times=tuple(times), period=1.0)
     scene = replace(LINE, friction=friction, wear=cs.Wear(wear, 0.0))
-    steps = cs.TimeSteps(times=(0.0, times[-1]), error_estimator=cs.ErrorEstimator.NONE)
+    steps = cs.TimeSteps(times=(0.0, times[-1]), error_estimator="none")
     found = cs.solve(scene, cs.Grid((cells, 1), (2.7, 1.0)), EXACT, times=steps, tolerance=1e-7)
     assert found.status is cs.Status.CONVERGED
     return found.frames[-1]
@@ -350,7 +350,7 @@ def test_a_punch_that_a_rising_load_widens_carries_the_force_as_a_rigid_displace
         friction=cs.Fretting(0.9, (0.0, 0.01), times=(0.0, 1.0)),
     )
     grid = cs.Grid((32, 16), (2.4, 2.4))
-    steps = cs.TimeSteps(times=(0.0, 1.0), error_estimator=cs.ErrorEstimator.NONE)
+    steps = cs.TimeSteps(times=(0.0, 1.0), error_estimator="none")
     first, last = cs.solve(scene, grid, FREE, times=steps, tolerance=1e-9).frames
     response = scene.friction.response(scene, grid, FREE, last.problem.scales.length)
     moved = response(last.shear)[0]

@@ -9,7 +9,7 @@ import contactstudy as cs
 from contactstudy.answers.evolution import evolution_answer
 from contactstudy.domain.fields import Array
 from contactstudy.evolution.integration.evolve import evolve
-from contactstudy.evolution.time_steps import Scheme
+from contactstudy.evolution.time_steps import STAGES, Scheme
 from contactstudy.evolution.trajectory import Trajectory
 from tests.contactstudy.evolution.creeping import LOAD, RIGID, evolved
 from tests.contactstudy.scene.shapes.test_own_shapes import Own
@@ -42,7 +42,7 @@ def eigenvalue(grid: cs.Grid) -> float:
 
 @pytest.mark.parametrize(
     ("step", "cells", "scheme"),
-    [(0.1, 64, Scheme.IMPLICIT), (100.0, 64, Scheme.IMPLICIT), (0.05, 8, Scheme.EXPLICIT)],
+    [(0.1, 64, "implicit"), (100.0, 64, "implicit"), (0.05, 8, "explicit")],
 )
 def test_a_wave_decays_by_the_recursion_of_the_scheme_to_rounding(
     step: float, cells: int, scheme: Scheme
@@ -53,7 +53,7 @@ def test_a_wave_decays_by_the_recursion_of_the_scheme_to_rounding(
         WAVY, grid, step * number, padding=(EXACT, EXACT), tolerance=1e-12, scheme=scheme
     )
     ratio = step / eigenvalue(grid)
-    expected = (1 + ratio) ** -number if scheme is Scheme.IMPLICIT else (1 - ratio) ** number
+    expected = (1 + ratio) ** -number if scheme == "implicit" else (1 - ratio) ** number
     # the first amplitude is 3e-3 of the mean pressure, of which the solver leaves 1e-12
     np.testing.assert_allclose(wave(found), expected, atol=1e-8)
 
@@ -64,7 +64,7 @@ def test_a_wave_decays_as_the_exponential_with_the_order_of_the_scheme() -> None
     exact = exp(-1 / eigenvalue(grid))
     assert exact == pytest.approx(0.0432139, rel=1e-3)  # pi (pi / 256)^2 / 3 of it
     errors = {}
-    for scheme in (Scheme.IMPLICIT, Scheme.TWO_STAGE):
+    for scheme in ("implicit", "two_stage"):
         ends = []
         for steps in (10, 20):
             times = np.linspace(0, 1, steps + 1)
@@ -72,11 +72,11 @@ def test_a_wave_decays_as_the_exponential_with_the_order_of_the_scheme() -> None
                 WAVY, grid, times, padding=(EXACT, EXACT), tolerance=1e-11, scheme=scheme
             )
             ends.append(wave(found)[-1])
-        if scheme is Scheme.IMPLICIT:
+        if scheme == "implicit":
             assert ends == pytest.approx([0.0650909, 0.0540424], rel=2e-3)
         errors[scheme] = np.log2((ends[0] - exact) / (ends[1] - exact))
-    assert errors[Scheme.IMPLICIT] == pytest.approx(1, abs=0.15)
-    assert errors[Scheme.TWO_STAGE] == pytest.approx(2, abs=0.4)
+    assert errors["implicit"] == pytest.approx(1, abs=0.15)
+    assert errors["two_stage"] == pytest.approx(2, abs=0.4)
 
 
 @pytest.mark.parametrize(("tilt", "rate"), [(0.0, 1.72667), (1e-3, 1.00306)])
@@ -103,7 +103,7 @@ def test_a_worn_cylinder_is_flat_as_wide_as_the_rigid_one() -> None:
     assert middle * 2 * half / LOAD == pytest.approx(1.016, abs=0.015)
 
 
-@pytest.mark.parametrize("scheme", list(Scheme))
+@pytest.mark.parametrize("scheme", list(STAGES))
 @pytest.mark.parametrize(
     "load",
     [
@@ -134,7 +134,7 @@ def test_errors_of_two_stage_steps_bound_the_pressure_and_the_peak_of_a_rounded_
 ) -> None:
     rounded = Own(lambda grid: 3 * np.maximum(np.abs(grid.x[:, None]) - 0.3, 0) ** 2)
     scene = replace(CYLINDER, load=cs.LineLoad(0.05), shapes=(rounded,))
-    grid, scheme = cs.Grid((64, 1), (1.0, 1.0)), Scheme.TWO_STAGE
+    grid, scheme = cs.Grid((64, 1), (1.0, 1.0)), "two_stage"
     fine = duration * np.unique([*np.linspace(0, 1, 129), *np.geomspace(1e-6, 0.2, 40)])
     exact = evolved(scene, grid, fine, scheme=scheme)
     found = evolve(scene, grid, EXACT, times=duration * np.linspace(0, 1, 5), scheme=scheme)

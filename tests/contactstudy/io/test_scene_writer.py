@@ -14,15 +14,15 @@ SURFACE = np.random.default_rng(1).normal(scale=1e-7, size=(12, 8))
 SHAPES: tuple[cs.Shape, ...] = (
     cs.Cylinder(0.01), cs.Crown(0.5), cs.Crown(0.5, 8e-3), cs.Tilt(1e-3), cs.LundbergProfile(1e-7, 1e-6, 1e-3),
     cs.FiniteLength(8e-4), cs.Waviness(1e-7, along=1e-4, phase=0.25),
-    cs.Texture(cs.Dimple(1e-7, 2e-5, cs.Cosine()), (5e-5, 6e-5)),
-    cs.Texture(cs.Groove(1e-7, 2e-5, cs.FlatBottomed()), (5e-5, inf)),
+    cs.Texture(cs.Dimple(1e-7, 2e-5, "cosine"), (5e-5, 6e-5)),
+    cs.Texture(cs.Groove(1e-7, 2e-5, "flat"), (5e-5, inf)),
     cs.Roughness(1e-7, 0.8, 1e-4, 3e-5, seed=3, peklenik=2.0, extent=(4e-4, 4e-4)),
     cs.Roughness(cs.RmsSlope(0.02), 0.7, 1e-4, 3e-5),
-    cs.MeasuredSurface(SURFACE, (1e-4, 2e-4), cs.HarmonicFill(), cs.Trend.PLANE, cs.Mirrored()),
+    cs.MeasuredSurface(SURFACE, (1e-4, 2e-4), cs.HarmonicFill(), "plane", cs.Mirrored()),
     cs.MeasuredSurface(SURFACE), cs.Sphere(0.02), cs.Ellipsoid(0.02, -0.05),
     cs.EndRelief(0.01, 0.008, end_radius=1.0, end_angle=0.01), cs.ProfilePoints((0.0, 0.005), (0.0, 1e-6)),
     cs.MovingShape(cs.Waviness(1e-7, along=5e-5), body=np.int64(1)),  # type: ignore[arg-type]
-    cs.MovingShape(cs.MeasuredSurface(SURFACE, (1e-4, 2e-4), trend=cs.Trend.PLANE)),
+    cs.MovingShape(cs.MeasuredSurface(SURFACE, (1e-4, 2e-4), trend="plane")),
 )  # fmt: skip
 PADDINGS: tuple[cs.Padding | cs.Paddings, ...] = (
     cs.ExactPeriodicity(), cs.ZeroPadding(), cs.DuplicatedPadding(), cs.Superposition(3),
@@ -68,7 +68,7 @@ def test_outputs_solver_and_plan_read_back(tmp_path: Path) -> None:
         described.options,
         tolerance=1e-6,
         solver=cs.PolonskyKeer(patience=7),
-        precision=cs.Precision.SINGLE,
+        precision="single",
     )
     described = replace(
         described, options=settings, plan_settings=replace(described.plan_settings, error=2e-3)
@@ -81,9 +81,7 @@ def test_outputs_solver_and_plan_read_back(tmp_path: Path) -> None:
 def test_a_surface_read_from_a_file_is_named_by_it(tmp_path: Path) -> None:
     surface = cs.MeasuredSurface(SURFACE, (1e-4, 2e-4))
     surface.write(tmp_path / "ground.nc")
-    read = cs.MeasuredSurface.read(
-        tmp_path / "ground.nc", trend=cs.Trend.NONE, seam=cs.AsMeasured()
-    )
+    read = cs.MeasuredSurface.read(tmp_path / "ground.nc", trend="none", seam=cs.AsMeasured())
     assert read.digest == surface.digest
     for laid in (read, read.turned(), read.cut(cs.Tile((2, 2), 3))):
         written = scene(cs.Cylinder(0.01), laid)

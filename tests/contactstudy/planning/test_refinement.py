@@ -29,7 +29,7 @@ def shapes(contact: LineContact) -> dict[str, tuple[cs.Shape, ...]]:
         "smooth": (),
         "waves": (cs.Waviness(0.1 * gap, along=0.6 * a),),
         "rough": (cs.Roughness(0.1 * gap, 0.8, roll_off=1.1 * a, cut_off=0.35 * a, seed=5, extent=(4.4 * a, 4.4 * a)),),
-        "dimples": (cs.Texture(cs.Dimple(0.2 * gap, 0.4 * a, cs.Cosine()), pitch=(0.9 * a, 0.8 * a)),),
+        "dimples": (cs.Texture(cs.Dimple(0.2 * gap, 0.4 * a, "cosine"), pitch=(0.9 * a, 0.8 * a)),),
         "sharp end": (cs.FiniteLength(14 * a),),
         "crown": (cs.Crown.of_drop(0.5 * gap, 15 * a), cs.FiniteLength(15 * a)),
     }  # fmt: skip

@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
+from contactstudy.domain.device import Precision
 from contactstudy.problem.bare_problem import BareProblem
 from contactstudy.solvers.polonsky_keer import PolonskyKeer
 from tests.conftest import LineContact
 
 
 def bare_problem(scene: cs.Scene, grid: cs.Grid) -> BareProblem:
-    return scene.problem(grid, cs.ExactPeriodicity()).bare(cs.Precision.DOUBLE)
+    return scene.problem(grid, cs.ExactPeriodicity()).bare(Precision.DOUBLE)
 
 
 @pytest.fixture

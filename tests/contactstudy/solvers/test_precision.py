@@ -5,7 +5,7 @@ import contactstudy as cs
 from tests.conftest import LineContact
 from tests.contactstudy.solvers.test_preconditioned_cg import PADDINGS, ROUGH, problem
 
-SINGLE = cs.Precision.SINGLE
+SINGLE = "single"
 
 
 def measured(solution: cs.Solution) -> float:

@@ -124,9 +124,9 @@ def test_a_solution_is_its_own_start(solver: cs.Solver, line_contact: LineContac
         np.testing.assert_allclose(again.pressure, found.pressure, rtol=1e-14)
 
 
-@pytest.mark.parametrize("precision", list(cs.Precision))
+@pytest.mark.parametrize("precision", ["single", "double"])
 def test_threads_give_the_same_answer(
-    precision: cs.Precision, line_contact: LineContact, monkeypatch: pytest.MonkeyPatch
+    precision: str, line_contact: LineContact, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(rows, "BLOCK_CELLS", 256)
     monkeypatch.setattr(rows, "CELLS_PER_THREAD", 256)
@@ -134,7 +134,7 @@ def test_threads_give_the_same_answer(
     rough = cs.Roughness(rms=1e-2 * a, hurst=0.8, roll_off=a, cut_off=0.2 * a, seed=1)
     scene = line_contact.with_shapes(rough)
     posed = scene.problem(line_contact.grid((64, 48), 2.4, 4.8), cs.ExactPeriodicity())
-    tolerance = 1e-10 if precision is cs.Precision.DOUBLE else 1e-5
+    tolerance = 1e-10 if precision == "double" else 1e-5
     one, two = (
         cs.solve(posed, tolerance=tolerance, precision=precision, device=cs.Cpu(threads))
         for threads in (1, 2)

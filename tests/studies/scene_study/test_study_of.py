@@ -64,7 +64,7 @@ def test_values_reach_the_case_that_is_solved(smooth: Path) -> None:
     for case in scenes(studies.study_of(smooth, varied)):
         assert case.scene.load.per_length in (2e4, 4e4)
         assert case.padding == cs.Superposition(3)
-        assert case.options == cs.SolveOptions(1e-5, precision=cs.Precision.SINGLE)
+        assert case.options == cs.SolveOptions(1e-5, precision="single")
 
 
 def test_a_grid_that_is_given_is_kept_and_its_fields_vary(smooth: Path) -> None:

@@ -27,7 +27,7 @@ def test_dimples_repeat_at_their_pitch_and_are_deepest_in_the_middle() -> None:
 
 @pytest.mark.parametrize(
     ("profile", "fraction"),
-    [(cs.Parabolic(), 1 / 2), (cs.Cosine(), 1 / 2 - 2 / math.pi**2), (cs.FlatBottomed(), 1.0)],
+    [("parabolic", 1 / 2), ("cosine", 1 / 2 - 2 / math.pi**2), ("flat", 1.0)],
     ids=repr,
 )
 def test_dimples_hold_the_volume_of_their_profile(profile: object, fraction: float) -> None:

@@ -39,11 +39,12 @@ def test_a_cylinder_is_taken_off_with_its_radius_and_its_axis(angle: float, radi
     form = np.sign(radius) * np.sqrt(radius**2 - across**2) + 0.02 * (y * c - x * d)
     rough = 1e-8 * np.random.default_rng(0).standard_normal(x.shape)
     extent = 8e-4 * 50 / 49, 1e-3 * 60 / 59
-    left = cs.Trend.CYLINDER.subtracted(form + rough, extent)
-    np.testing.assert_allclose(left, rough, atol=2e-9)
-    said = cs.Trend.CYLINDER.description(form + rough, extent)
-    found = re.search(r"a cylinder of radius (\S+) mm, its axis at (\S+) degrees", said)
-    assert found is not None, said
+    surface = cs.MeasuredSurface(form + rough, extent, trend="cylinder")
+    np.testing.assert_allclose(surface.prepared, rough, atol=2e-9)
+    found = re.search(
+        r"a cylinder of radius (\S+) mm, its axis at (\S+) degrees", surface.description
+    )
+    assert found is not None, surface.description
     assert float(found[1]) == pytest.approx(1e3 * radius, rel=1e-3)
     assert abs(float(found[2])) == pytest.approx(angle, abs=0.1)
 
@@ -51,8 +52,6 @@ def test_a_cylinder_is_taken_off_with_its_radius_and_its_axis(angle: float, radi
 def test_a_cylinder_is_taken_off_a_profile() -> None:
     x = np.linspace(-5e-4, 5e-4, 200)
     form = np.sqrt(5e-3**2 - x**2)[:, None]
-    left = cs.Trend.CYLINDER.subtracted(form, (1e-3 * 200 / 199, 1e-6))
-    np.testing.assert_allclose(left, 0, atol=1e-12)
-    assert "a cylinder of radius 5 mm, its axis at 0.0 degrees" in cs.Trend.CYLINDER.description(
-        form, (1e-3 * 200 / 199, 1e-6)
-    )
+    surface = cs.MeasuredSurface(form, (1e-3 * 200 / 199, 1e-6), trend="cylinder")
+    np.testing.assert_allclose(surface.prepared, 0, atol=1e-12)
+    assert "a cylinder of radius 5 mm, its axis at 0.0 degrees" in surface.description

@@ -48,7 +48,7 @@ def surface(
 ) -> cs.MeasuredSurface:
     data = text if isinstance(text, bytes) else text.encode()
     (folder / name).write_bytes(data)
-    return cs.MeasuredSurface.read(folder / name, trend=cs.Trend.NONE, **keys)
+    return cs.MeasuredSurface.read(folder / name, trend="none", **keys)
 
 
 GWYDDION = "# Channel: Topography\n# Width: 36.00 µm\n# Height: 24.00 µm\n# Value units: m\n"
@@ -96,7 +96,7 @@ def test_one_map_is_one_surface_by_its_content(
         found = surface(tmp_path, text, name)
         np.testing.assert_allclose(found.heights, MAP * 1e-9, atol=1e-18)
     else:
-        given: Any = {"sizes": cs.Sizes.CONFIRMED} if unit == "in mm" else {"unit": unit}
+        given: Any = {"sizes": "confirmed"} if unit == "in mm" else {"unit": unit}
         found = surface(tmp_path, text, name, **given)
         np.testing.assert_allclose(found.heights, MAP * 1e-6, atol=1e-14)
     scale = 1e3 if unit == "in mm" else 1.0
@@ -147,7 +147,7 @@ def test_repeated_heights_are_refused_until_a_key_says_what_they_are(
     keys: Any = {"unit": "um", "extent": EXTENT, "missing": cs.HarmonicFill(0.5)}
     masked = surface(tmp_path, matrix(heights=heights), invalid=height, **keys)
     assert np.isnan(masked.heights).sum() == cells
-    kept = surface(tmp_path, matrix(heights=heights), sizes=cs.Sizes.CONFIRMED, **keys)
+    kept = surface(tmp_path, matrix(heights=heights), sizes="confirmed", **keys)
     np.testing.assert_allclose(kept.heights, heights * 1e-6, atol=1e-14)
 
 
@@ -166,7 +166,7 @@ def test_implausible_sizes_are_refused_with_the_likely_unit(
 ) -> None:
     with pytest.raises(cs.InvalidInput, match=sentence):
         surface(tmp_path, matrix(), **keys)
-    assert surface(tmp_path, matrix(), sizes=cs.Sizes.CONFIRMED, **keys)
+    assert surface(tmp_path, matrix(), sizes="confirmed", **keys)
 
 
 def test_a_flat_with_dimples_has_a_height_that_most_points_share(tmp_path: Path) -> None:
@@ -194,7 +194,7 @@ def test_a_key_that_contradicts_the_header_is_refused_until_it_is_confirmed(tmp_
         given: Any = {key: value}
         with pytest.raises(cs.InvalidInput, match=sentence):
             surface(tmp_path, text, **given)
-        assert surface(tmp_path, text, sizes=cs.Sizes.CONFIRMED, **given)
+        assert surface(tmp_path, text, sizes="confirmed", **given)
 
 
 @pytest.mark.cases(100)
@@ -260,7 +260,7 @@ def test_a_stylus_trace_runs_across_and_transposed_along(tmp_path: Path) -> None
 
 def test_a_surface_is_transposed_and_flipped_as_it_is_read_and_written_so(tmp_path: Path) -> None:
     found = surface(
-        tmp_path, GWYDDION + matrix(scale=1e-6, number="%.4e"), transpose=True, flip=cs.Flip.ACROSS
+        tmp_path, GWYDDION + matrix(scale=1e-6, number="%.4e"), transpose=True, flip="across"
     )
     np.testing.assert_allclose(found.heights, MAP.T[::-1] * 1e-6, atol=1e-14)
     assert found.extent == pytest.approx(EXTENT[::-1])

@@ -82,7 +82,7 @@ def test_a_file_is_read_in_metres(written: Path) -> None:
 def test_a_surface_from_a_file_is_that_of_its_heights(written: Path) -> None:
     surface = cs.MeasuredSurface.read(str(written))
     points, extent = read(written)
-    given = cs.MeasuredSurface(points, extent, trend=cs.Trend.PLANE, seam=cs.Tapered())
+    given = cs.MeasuredSurface(points, extent, trend="plane", seam=cs.Tapered())
     assert surface == given
     with pytest.raises(cs.InvalidInput, match=r"give MeasuredSurface\.read\(path\)"):
         cs.MeasuredSurface(written)
@@ -214,7 +214,7 @@ def test_points_in_columns_make_a_grid_with_sizes(tmp_path: Path) -> None:
         if (i, j) != (1, 1)
     ]
     (tmp_path / "points.xyz").write_text("\n".join(lines))
-    points, extent = read(tmp_path / "points.xyz", None, "mm", sizes=cs.Sizes.CONFIRMED)
+    points, extent = read(tmp_path / "points.xyz", None, "mm", sizes="confirmed")
     expected = TABLE * 1e-3
     expected[1, 1] = np.nan
     np.testing.assert_allclose(points, expected, rtol=1e-12)
@@ -261,7 +261,7 @@ def test_a_surface_says_what_was_subtracted_from_it(tmp_path: Path) -> None:
         cs.MeasuredSurface.read(
             tmp_path / "tilted.csv", extent=(4e-3, 5e-3), unit="um", trend=trend
         )
-        for trend in (cs.Trend.PLANE, cs.Trend.NONE)
+        for trend in ("plane", "none")
     )
     assert "a plane that rises 2 um across and 3 um along was subtracted" in freed.description
     assert "a plane that rises 2 um across and 3 um along is left;" in kept.description

@@ -8,13 +8,14 @@ from collections.abc import Callable
 from dataclasses import replace
 from math import sqrt
 from time import process_time
+from typing import Annotated
 
 import numpy as np
 from scipy.special import erfinv
 
 import contactstudy as cs
-from contactstudy.domain.checks import positive
 from contactstudy.domain.device import Precision, using
+from contactstudy.domain.validation import ABOVE_ZERO, BELOW_ONE, valid
 from contactstudy.elasticity.convolution import Convolution
 from contactstudy.elasticity.transforms import transforms
 from contactstudy.problem.operator import Operator
@@ -87,10 +88,8 @@ def self_affine(grid: cs.Grid, hurst: float, cut_off: float, fraction: float) ->
     Source: Persson (2001): the fraction is ``erf(sqrt(2) p / (E* slope))``.
     """
     side = grid.length
-    cut_off = positive("cut_off", cut_off, "give a number of cells above 0")
-    fraction = positive("fraction", fraction, "give a fraction between 0 and 1")
-    if fraction >= 1:
-        raise cs.InvalidInput(f"fraction is {fraction!r}: give a fraction between 0 and 1.")
+    cut_off = valid("cut_off", cut_off, Annotated[float, ABOVE_ZERO])
+    fraction = valid("fraction", fraction, Annotated[float, BELOW_ONE])
     rms, longest, shortest = cs.RmsSlope(SLOPE), ROLL_OFF * side, cut_off * grid.cell_size[0]
     shape = cs.Roughness(rms=rms, hurst=hurst, roll_off=longest, cut_off=shortest, seed=1)
     mean = float(erfinv(fraction)) / sqrt(2) * SCENE.contact_modulus * SLOPE

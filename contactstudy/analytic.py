@@ -9,10 +9,9 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contactstudy.domain.checks import positive
 from contactstudy.domain.fields import Array
 from contactstudy.domain.units import Metres, Newtons, NewtonsPerMetre, Pascals, Unit
-from contactstudy.domain.validation import Limits, validated
+from contactstudy.domain.validation import Limits, valid, validated
 
 # Points in a panel of a quadrature over time, panels to each end, and halvings of a time.
 GAUSS, PANELS, BISECTIONS = 10, 16, 60
@@ -124,7 +123,7 @@ def first_yield(
     InvalidInput
         If the radius, the modulus or the stress is not above 0.
     """
-    positive("yield_stress", yield_stress, "give a stress above 0")
+    valid("yield_stress", yield_stress, Pascals)
     unit = HertzLine(1.0, radius, contact_modulus)
     x = np.linspace(-1.2, 1.2, 241 if friction else 1)[:, None] + (0.0 if friction else 1.2)
     xx, zz, xz = unit.stress(

@@ -12,12 +12,13 @@ from numpy.typing import ArrayLike
 from contactstudy.accuracy.discretisation.bound import SHARP_EDGE
 from contactstudy.answers.contact import contact_answer
 from contactstudy.answers.judgement import judged_numbers
-from contactstudy.domain.checks import InvalidInput, checked_errors
+from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.device import ONE_THREAD, Device
 from contactstudy.domain.errors import DEFAULT_ERROR, Request, pressure_request
 from contactstudy.domain.grid import Grid, Padding, Paddings, cells_text
 from contactstudy.domain.imports import loaded
 from contactstudy.domain.units import readable
+from contactstudy.domain.validation import checked_errors
 from contactstudy.planning.cost import speedup
 from contactstudy.planning.grid_requirements import grid_requirements
 from contactstudy.planning.plan import plan_grid

@@ -9,10 +9,11 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from contactstudy.domain.checks import InvalidInput, checked_errors
+from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.device import Cpu, Device
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
 from contactstudy.domain.notebook import InNotebook
+from contactstudy.domain.validation import checked_errors
 from contactstudy.evolution.time_steps import TimeSteps
 from contactstudy.forecast import plan
 from contactstudy.io.scene_files.cycles import with_cycles

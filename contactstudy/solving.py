@@ -12,11 +12,12 @@ from numpy.typing import ArrayLike
 from contactstudy.answers.contact import Contact, contact_answer
 from contactstudy.answers.judgement import finer_grid
 from contactstudy.answers.nested import halved_grid, widened
-from contactstudy.domain.checks import InvalidInput, checked_errors
+from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.device import ONE_THREAD, Cpu, Device, using
 from contactstudy.domain.errors import DEFAULT_ERROR, Request, pressure_request
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings, on_cells
+from contactstudy.domain.validation import checked_errors
 from contactstudy.problem.problem import Problem
 from contactstudy.progress import (
     Progress,

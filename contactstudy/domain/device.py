@@ -9,12 +9,13 @@ from importlib import import_module
 from math import inf
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any, Protocol, cast, runtime_checkable
+from typing import Annotated, Any, Protocol, cast, runtime_checkable
 
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from contactstudy.domain.checks import InvalidInput, set_fields, whole_number
+from contactstudy.domain.checks import InvalidInput
+from contactstudy.domain.validation import at_least, validated
 
 # During a solve these are arrays of the device's library: of floats, of numbers of any type, and with one element.
 Array = NDArray[np.floating[Any]]
@@ -123,7 +124,7 @@ class Device(Protocol):
         """Return an array of the library as a numpy array."""
 
 
-@dataclass(frozen=True)
+@validated
 class Cpu:
     """Processor of this machine.
 
@@ -138,13 +139,7 @@ class Cpu:
         If the number of threads is not a whole number of at least 1.
     """
 
-    threads: int = 1
-
-    def __post_init__(self) -> None:
-        threads = whole_number(
-            "Cpu.threads", self.threads, 1, "it must be a whole number of at least 1"
-        )
-        set_fields(self, threads=threads)
+    threads: Annotated[int, at_least(1)] = 1
 
     @property
     def arrays(self) -> Namespace:

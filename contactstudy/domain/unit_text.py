@@ -5,8 +5,7 @@ from contextlib import suppress
 from decimal import Decimal
 from functools import cache
 from math import inf
-from types import UnionType
-from typing import Annotated, Any, Union, get_args, get_origin
+from typing import Any
 
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.imports import import_for
@@ -194,12 +193,3 @@ def decimal_unit(symbol: str) -> Scale | None:
             before + times * unit_power for before, unit_power in zip(totals, powers, strict=True)
         )
     return total, totals
-
-
-def unit_of(annotation: object) -> Unit | None:
-    """Return the unit of the numbers of an annotated type, also of one among others; None for a type without one."""
-    if get_origin(annotation) is Annotated:
-        return next((note for note in get_args(annotation) if isinstance(note, Unit)), None)
-    if get_origin(annotation) in (Union, UnionType) and str not in get_args(annotation):
-        return next(filter(None, map(unit_of, get_args(annotation))), None)
-    return None

@@ -1,6 +1,6 @@
 """Frozen dataclasses whose annotations say what a field may be: its unit, limits and kind."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, fields
 from functools import cache, wraps
 from importlib import import_module
@@ -19,14 +19,9 @@ from typing import (
     get_type_hints,
 )
 
-from contactstudy.domain.checks import (
-    InvalidInput,
-    called,
-    refuse_unknown,
-    suggestion,
-)
+from contactstudy.domain.checks import InvalidInput, UnknownField, parameters, suggestion
 from contactstudy.domain.unit_text import in_si, remedy_of
-from contactstudy.domain.units import Unit
+from contactstudy.domain.units import Number, Unit
 
 Class = TypeVar("Class", bound=type)
 
@@ -74,6 +69,8 @@ BodyIndex = Annotated[
     int, Limits("0 or 1, the body's index in Scene.solids", lambda x: x in (0, 1))
 ]
 
+RelativeError = Annotated[Number, BELOW_ONE]
+
 
 @dataclass_transform(frozen_default=True, field_specifiers=(field,))
 def validated(cls: Class) -> Class:
@@ -87,7 +84,7 @@ def validated(cls: Class) -> Class:
 
     @wraps(construct)
     def __init__(self: Any, *values: object, **named: object) -> None:
-        refuse_unknown(made, named)
+        _refuse_unknown(made, named)
         construct(self, *values, **named)
         for one in fields(made):
             value = getattr(self, one.name, None)
@@ -98,6 +95,19 @@ def validated(cls: Class) -> Class:
 
     made.__init__ = __init__
     return made  # type: ignore[no-any-return]
+
+
+def called(cls: type) -> str:
+    """Return the name of a class in messages on its fields: its own, or that by which users give the fields."""
+    return getattr(cls, "called", cls.__name__)
+
+
+def _refuse_unknown(cls: type, named: Iterable[str]) -> None:
+    """Raise :class:`UnknownField` for a name that is no parameter of a dataclass, with the most similar one."""
+    names = parameters(cls)
+    for name in named:
+        if name not in names:
+            raise UnknownField(f"{called(cls)}.{name} is not known: {suggestion(name, names)}.")
 
 
 @cache
@@ -144,6 +154,20 @@ def valid(name: str, value: Any, hint: Any) -> Any:
     elif not isinstance(value, type) and isinstance(value, get_origin(kind) or kind):
         return value
     raise InvalidInput(f"{name} is {value!r}: {remedy(hint)}{_sizes(value)}.")
+
+
+def checked_errors(field: str, value: object) -> float | dict[str, float]:
+    """Return a relative error, or those of the numbers that are named, as a table or a text ``"name = 2 %, ..."``."""
+    if isinstance(value, str) and "=" in value:
+        parts = (part.partition("=") for part in value.split(","))
+        value = {name.strip(): error.strip() for name, _, error in parts}
+    if not isinstance(value, Mapping):
+        return float(valid(field, value, RelativeError))
+    if not value:
+        raise InvalidInput(f"{field} is empty: give an error, or some by the names of numbers.")
+    return {
+        name: valid(f"{field}[{name!r}]", error, RelativeError) for name, error in value.items()
+    }
 
 
 def _sizes(value: object) -> str:

@@ -14,11 +14,13 @@ import numpy as np
 from numpy.typing import DTypeLike
 from scipy import fft
 
-from contactstudy.domain.checks import InvalidInput, positive
+from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.device import Cpu, Precision, arrays, device
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings, across_and_along
 from contactstudy.domain.reuse import cached_array
+from contactstudy.domain.units import Metres
+from contactstudy.domain.validation import valid
 from contactstudy.elasticity.approximate_inverse import (
     MARGIN,
     ExactInverse,
@@ -333,7 +335,7 @@ def convolution(
     InvalidInput
         If the datum is not above 0 m, or `padding` is not a padding.
     """
-    datum = positive("datum", datum, "give a distance above 0 m")
+    datum = valid("datum", datum, Metres)
     return superposed({BoussinesqCoefficients(datum): 1 / (np.pi * contact_modulus)}, grid, padding)
 
 

@@ -4,9 +4,10 @@ from collections.abc import Callable
 from dataclasses import replace
 from math import ceil, inf, isfinite, sqrt
 
-from contactstudy.domain.checks import InvalidInput, positive
+from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
-from contactstudy.domain.units import readable
+from contactstudy.domain.units import Metres, readable
+from contactstudy.domain.validation import valid
 from contactstudy.lubrication.film_error import with_error
 from contactstudy.lubrication.lubricated_contact import FilmSolution
 from contactstudy.lubrication.newton.pseudo_time import FilmControls, FilmIteration
@@ -137,7 +138,7 @@ def solve_lubricated(
         return solve_on(scene, grid, padding, controls, start)
 
     error = 1e-2 if error is None else error
-    period = PERIOD if period is None else positive("solve.period", period, "give one above 0 m")
+    period = PERIOD if period is None else valid("solve.period", period, Metres)
     longer = finer = 1.0
     for _ in range(REFINEMENTS):
         fitting = (

@@ -11,7 +11,7 @@ import numpy as np
 from contactstudy.accuracy.discretisation.contact_edge import smooth_l1
 from contactstudy.accuracy.estimate import CONSTANTS as ESTIMATE
 from contactstudy.analytic import HertzLine
-from contactstudy.domain.checks import InvalidInput, NotDefined, positive
+from contactstudy.domain.checks import InvalidInput, NotDefined
 from contactstudy.domain.grid import (
     ExactPeriodicity,
     Grid,
@@ -19,7 +19,8 @@ from contactstudy.domain.grid import (
     Paddings,
     ZeroPadding,
 )
-from contactstudy.domain.units import readable
+from contactstudy.domain.units import Metres, readable
+from contactstudy.domain.validation import valid
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.shapes.shape import LengthScales, Shape, length_scales_of
 from contactstudy.scene.solids.bodies import Layered, layers_of
@@ -226,7 +227,7 @@ class GridRequirements:
             If the period is not above 0, a roller has no length, or the shapes share no period.
         """
         if period is not None:
-            return positive("plan.period", period, "give a period above 0 m")
+            return float(valid("plan.period", period, Metres))
         if self.roller_length == inf:
             raise InvalidInput(
                 "Scene.shapes crown a roller without a length: add FiniteLength, or give plan a period."

@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING
 from numpy.typing import ArrayLike
 
 from contactstudy.accuracy.half_space import beyond_half_space
-from contactstudy.domain.checks import InvalidInput, checked_errors, positive
+from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.device import ONE_THREAD, Device, available_bytes, checked
 from contactstudy.domain.errors import DEFAULT_ERROR, Request, pressure_request
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
-from contactstudy.domain.units import readable
+from contactstudy.domain.units import Metres, readable
+from contactstudy.domain.validation import checked_errors, valid
 from contactstudy.planning.cost import MEMORY_FRACTION, memory, within_memory
 from contactstudy.planning.grid_requirements import CONSTANTS as GRID
 from contactstudy.planning.grid_requirements import (
@@ -109,7 +110,7 @@ def _plan_of_flat(
 ) -> Plan:
     """Plan a flat with a measured surface: its points are the cells and both axes periodic, if no others are given."""
     if period is not None:
-        positive("plan.period", period, "give a period above 0 m")
+        valid("plan.period", period, Metres)
     warnings = []
     if error is not None:
         warnings.append(

@@ -8,16 +8,12 @@ from typing import TYPE_CHECKING, Annotated, Any, Protocol, runtime_checkable
 import numpy as np
 
 from contactstudy.analytic import HertzEllipse, HertzLine
-from contactstudy.domain.checks import (
-    InvalidInput,
-    finite,
-    instance,
-)
+from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings, across_and_along
 from contactstudy.domain.notebook import InNotebook
 from contactstudy.domain.units import Hardness, readable
-from contactstudy.domain.validation import OR_INFINITE, Example, validated
+from contactstudy.domain.validation import OR_INFINITE, Example, valid, validated
 from contactstudy.elasticity.convolution import Convolution, superposed
 from contactstudy.problem.constraint import (
     Compressive,
@@ -162,7 +158,7 @@ class Scene(InNotebook):
         """Check what the effects of the scene must have in common, and refuse two that cannot be combined."""
         contact_modulus(self.solids)
         for number, shape in enumerate(self.shapes):
-            finite(f"Scene.shapes[{number}].curvature", shape.curvature, "give a curvature in 1/m")
+            valid(f"Scene.shapes[{number}].curvature", shape.curvature, float)
         self._check_load()
         for effect in (self.rolling, self.friction, self.lubrication, self.adhesion, self.wear):
             if effect is not None:
@@ -401,7 +397,7 @@ class Scene(InNotebook):
         self, grid: Grid, padding: Padding | Paddings, solver: "AdhesiveSolver | None"
     ) -> Problem:
         """Return the problem on a grid, with a solver for adhesion that another grid may have chosen."""
-        instance("grid", grid, Grid, "give a Grid")
+        valid("grid", grid, Grid)
         if self.rolls:
             moving = "friction" if self.rolling is None else "rolling"
             raise InvalidInput(

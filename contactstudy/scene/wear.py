@@ -24,7 +24,7 @@ class Wear:
     coefficient
         Specific wear rate k [1/Pa], the wear coefficient over the hardness, at least zero.
     speed
-        Sliding speed [m/s], at least zero, so that ``ds = speed dt``; zero where slip or a film gives the sliding.
+        Sliding speed [m/s], so that ``ds = speed dt``: zero where slip or a film gives the sliding, else above zero.
     body
         Index (0 or 1) of the wearing body in ``Scene.solids``.
     circumference
@@ -73,6 +73,12 @@ class Wear:
         if self.speed != 0 and (film is not None or drives):
             raise InvalidInput(
                 f"Wear.speed is {self.speed!r} together with {why}, which gives the sliding: give a speed of 0 m/s."
+            )
+        slips = film is not None or drives or getattr(scene.friction, "times", None) is not None
+        if self.speed == 0 and not slips:
+            raise InvalidInput(
+                "Wear.speed is 0, and nothing else in the scene gives a sliding, so that nothing wears: give a speed "
+                "above 0 m/s, Fretting with times, TractiveRolling or a film, or leave wear out."
             )
         if turns or film is not None:
             self._check_steady(scene)

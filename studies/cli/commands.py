@@ -9,9 +9,9 @@ from typing import Any, NoReturn
 import click
 
 from contactstudy import InvalidInput, __version__
-from contactstudy.domain.checks import checked_errors
 from contactstudy.domain.errors import Request
 from contactstudy.domain.imports import missing_package
+from contactstudy.domain.validation import checked_errors
 from studies.cli.new import new
 from studies.cli.options import PLOT, echo, is_given, names_in, out_option, refuse
 from studies.cli.scenes import plan, solve

@@ -1,12 +1,13 @@
 """Settings of the paper's cylinder as studies: padding, n, period, grid and tolerance, with errors against Hertz."""
 
 from collections.abc import Mapping
+from typing import Annotated
 
 import numpy as np
 import xarray as xr
 
 import contactstudy as cs
-from contactstudy.domain.checks import positive, whole_number
+from contactstudy.domain.validation import ABOVE_ZERO, at_least, valid
 from contactstudy.io.scene_files.scene_writer import scene_text
 from studies.model.axis import Axis, one_of
 from studies.model.case import Case, dimensionless
@@ -78,9 +79,9 @@ def preset(name: str) -> Study:
 def case_at(point: Point) -> Case:
     """Return the case of a point, with one cell or square cells along; any period will do, as nothing varies along."""
     padding = padding_at(str(point["padding"]), int(point["images"]))
-    across = whole_number("grid", point["grid"], 2, "give at least 2 cells across the width")
+    across = valid("grid", point["grid"], Annotated[int, at_least(2)])
     along = ALONG[one_of("along", point.get("along", "square"), ALONG)]
-    half_widths = positive("period", point["period"], "give a period above 0 half-widths")
+    half_widths = valid("period", point["period"], Annotated[float, ABOVE_ZERO])
     width, length = WIDTH * HERTZ.half_width, half_widths * HERTZ.half_width
     grid = cs.Grid((across, along or max(2, round(across * length / width))), (width, length))
     tolerance = float(point.get("solver_tolerance", TOLERANCE))

@@ -3,7 +3,6 @@
 from collections.abc import Callable
 
 import contactstudy as cs
-from contactstudy.domain.checks import whole_number
 from studies.model.axis import one_of
 
 PADDINGS: dict[str, Callable[[int], cs.Padding]] = {
@@ -20,7 +19,7 @@ BY_CLASS = {type(make(0)).__name__: name for name, make in PADDINGS.items()}
 def padding_at(padding: str, images: int) -> cs.Padding:
     """Return the padding of a name, with a number of images where it has one."""
     make = PADDINGS[one_of("padding", padding, PADDINGS)]
-    return make(whole_number("images", images, 0, "must be a whole number, at least 0"))
+    return make(images)
 
 
 def padding_label(padding: str, images: int) -> str:

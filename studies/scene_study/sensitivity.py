@@ -13,7 +13,8 @@ import xarray as xr
 
 from contactstudy import InvalidInput, Scene, SceneFile
 from contactstudy.domain.checks import parameters
-from contactstudy.domain.unit_text import NUMBER, PLUS_MINUS, SYMBOLS, parted, unit_of
+from contactstudy.domain.unit_text import NUMBER, PLUS_MINUS, SYMBOLS, parted
+from contactstudy.domain.validation import notes
 from contactstudy.scene_file import document_from, scene_file_from
 from studies.engine.options import RunOptions
 from studies.engine.run import run
@@ -223,7 +224,7 @@ def _is_number(annotation: Any, value: object) -> bool:
     """
     if annotation is None:
         return not isinstance(value, int) and _has_number(value)
-    return unit_of(annotation) is not None or any(
+    return notes(annotation)[0] is not None or any(
         _is_number(part, value) for part in get_args(annotation) if get_args(part)
     )
 

@@ -143,6 +143,8 @@ BESIDE: list[tuple[str, cs.Scene, dict[str, Any]]] = [
         {"solids": (YIELDING, RIGID), "rolling": cs.Rolling(passes=1), "outputs": (cs.SubsurfaceStress(),)},
     ),
     # wear of bodies that turn
+    ("Wear.speed is 0, * nothing wears", WORN, {"wear": replace(WEARS, speed=0.0)}),
+    ("Wear.speed is 0, * nothing wears", SMOOTH, {"friction": cs.Sliding(0.1), "wear": cs.Wear(1e-15, 0.0)}),
     ("*circumference is None, * turns by Scene.rolling", WORN, {"wear": cs.Wear(1e-15, 0.1)}),
     *(("*does not turn: leave it out", WORN, {"rolling": rolling, "friction": cs.Sliding(0.1, standing=0)})
       for rolling in (None, WORN.rolling)),

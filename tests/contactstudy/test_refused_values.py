@@ -276,7 +276,7 @@ VALUES: list[tuple[str, Callable[[Any], object], list[Any]]] = [
       )),
     ("Superposition.images is *at least 0.", cs.Superposition, [-1, 1.5, True, None, "6"]),
     ("CircularSuperposition.images is *at least 0.", cs.CircularSuperposition, [-1, 1.5, True, None, "6"]),
-    ("Cpu.threads is *: it must be a whole number of at least 1", cs.Cpu, [0, -1, 1.5, True, None]),
+    ("Cpu.threads is *: give a whole number of at least 1", cs.Cpu, [0, -1, 1.5, True, None]),
     (
         "padding is *(across, along).",
         lambda one: cs.convolution(1.0, GRID, one, 1.0), [None, "exact", (FREE,), (FREE, 6)],

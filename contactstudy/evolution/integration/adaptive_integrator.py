@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from contactstudy.domain.checks import InvalidInput, checked_relative_error
+from contactstudy.domain.checks import InvalidInput
+from contactstudy.domain.validation import RelativeError, valid
 from contactstudy.evolution.integration.checkpoint import Checkpoint
 from contactstudy.evolution.integration.integration_errors import IntegrationErrors
 from contactstudy.evolution.integration.time_stepper import Instant, SolvedContacts, TimeStepper
@@ -86,7 +87,7 @@ class StepControl:
         InvalidInput
             If the error is not between 0 and 1, or too close to the tolerance for steps to meet it.
         """
-        error = checked_relative_error("TimeSteps.error", error)
+        error = valid("TimeSteps.error", error, RelativeError)
         if error < MIN_ERROR_OVER_TOLERANCE * tolerance:
             raise InvalidInput(
                 f"solve.error or TimeSteps.error leaves {error!r} to the steps in time: give at least "

@@ -5,11 +5,11 @@ from typing import Annotated, ClassVar
 
 import numpy as np
 
-from contactstudy.domain.checks import InvalidInput, whole_number
+from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.domain.units import Metres, NewtonsPerMetre, Pascals, Seconds, readable
-from contactstudy.domain.validation import FINITE, BodyIndex, validated
+from contactstudy.domain.validation import FINITE, BodyIndex, at_least, valid, validated
 from contactstudy.elasticity.tangential import ShearResponse, shear_response
 from contactstudy.scene.friction.friction_law import (
     SAMPLES,
@@ -165,9 +165,7 @@ class Fretting:
         Each half cycle takes equal `steps`. One is exact where nothing varies along the length. A bulk stress with an
         amplitude of `bulk_stress` [Pa] is in phase.
         """
-        count = whole_number(
-            "Fretting.cycle.steps", steps, 1, "give at least one step a half cycle"
-        )
+        count = valid("Fretting.cycle.steps", steps, Annotated[int, at_least(1)])
         down = [1 - 2 * (n + 1) / count for n in range(count)]
         down[-1] = -1.0
         parts = (1.0, *down, *(-part for part in down))

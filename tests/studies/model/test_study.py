@@ -12,10 +12,10 @@ def test_built_in_studies_have_a_title_and_cases(name: str) -> None:
 
 
 POINTS = [
-    ("padding", "period", "0", "period is 0.0: give a period above 0"),
+    ("padding", "period", "0", "period is 0.0: give"),
     ("padding", "period", "-2.4", "period is -2.4"),
-    ("padding", "grid", "1", "grid is 1: give at least 2 cells"),
-    ("padding", "images", "-1", "images is -1: must be a whole number, at least 0"),
+    ("padding", "grid", "1", "grid is 1: give"),
+    ("padding", "images", "-1", "Superposition.images is -1: give"),
     ("padding", "padding", "exakt", "padding is 'exakt': did you mean 'exact'"),
 ]
 

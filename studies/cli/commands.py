@@ -16,21 +16,21 @@ from studies.cli.new import new
 from studies.cli.options import PLOT, echo, is_given, names_in, out_option, refuse
 from studies.cli.scenes import plan, solve
 from studies.cli.show import compare, drawing, show
-from studies.cli.study_command import AXES, StudyCommand
 from studies.cli.vary import (
     REFERENCE,
     SENSITIVITY,
     VARY,
-    load_scene_study,
+    load_varied,
     sensitivity_of,
     with_reference,
     write_sensitivity,
 )
 from studies.model.plain_text import one_line
-from studies.registry import BUILT_IN, has_own_figures, load, load_drawing, outline
+from studies.registry import BUILT_IN, has_own_figures, load_drawing, outline
 
 # What runs is imported by the commands that run, and what draws by those that draw: help comes at once.
 
+MAX_LISTED = 60  # characters of the values of an axis
 OUT = out_option("Folder for netCDF files, figures and report.")
 WORKERS = click.option(
     "--workers",
@@ -120,9 +120,8 @@ def report(
 
 
 @cli.command(
-    cls=StudyCommand,
-    epilog="Every axis of a study is an option, which run STUDY --help lists: contactstudy run period "
-    "--period 0.6,2.4 --images 0:10 (a range has both its ends; lengths are in half-widths).",
+    epilog="contactstudy studies lists the axes of each study: contactstudy run period --vary period=0.6,2.4 --vary "
+    "images=0:10 (a range has both its ends; lengths are in half-widths).",
 )
 @click.argument("study")
 @OUT
@@ -191,10 +190,9 @@ def run(
             "vary",
             "reference",
         )
-    chosen = sensitivity_of(study) if vary_every else load_scene_study(study, vary)
-    if chosen is None:
-        chosen = load(study).override(context.meta[AXES])
-    elif (is_given(context, "repeats") and repeats) or "times" in retry:
+    chosen = sensitivity_of(study) if vary_every else load_varied(study, vary)
+    is_timed = (is_given(context, "repeats") and repeats) or "times" in retry
+    if is_timed and study.endswith(".toml"):
         chosen = replace(chosen, times="taken")  # cases of a scene are timed on request
     if reference is not None:
         chosen = with_reference(chosen, study, reference)
@@ -235,11 +233,14 @@ for command in (compare, new, plan, show, solve):
 
 @cli.command()
 def studies() -> None:
-    """List the built-in studies with the lengths of their axes."""
+    """List the built-in studies with their axes and the values of these."""
     for name in BUILT_IN:
         title, axes = outline(name)
-        lengths = ", ".join(f"{axis.name} ({len(axis.values)})" for axis in axes)
-        click.echo(f"{name:<12} {title} Axes: {lengths}.")
+        click.echo(f"{name}: {title}")
+        for axis in axes:
+            units = "" if axis.units == "1" else f" [{axis.units}]"
+            values = one_line(", ".join(map(str, axis.values)), MAX_LISTED)
+            click.echo(f"  {axis.name}: {axis.long_name}{units}: {values}")
 
 
 def main() -> None:

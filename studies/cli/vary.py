@@ -7,17 +7,18 @@ from typing import TYPE_CHECKING
 import click
 
 from contactstudy import InvalidInput
-from studies.cli.study_command import EXAMPLE
+from studies.registry import load
 
 if TYPE_CHECKING:
     from studies.model.study import Study
 
+EXAMPLE = '--vary "load.per_length=50 N/mm,100 N/mm"'
 VARY = click.option(
     "--vary",
     multiple=True,
     metavar="FIELD=VALUES",
-    help="A field of the scene file and its values, such as load.per_length=50:400:8 N/mm (8 values), "
-    "50:400:8:log N/mm (in equal ratios), shapes.1.rms=0.1 um,0.2 um or surfaces=measured/*.x3p.",
+    help="An axis of the study and its values, such as period=0.6,2.4 or images=0:10; or a field of the scene file, "
+    "such as load.per_length=50:400:8 N/mm (8 values), 50:400:8:log N/mm (in equal ratios) or surfaces=measured/*.x3p.",
 )
 REFERENCE = click.option(
     "--reference",
@@ -65,19 +66,12 @@ def write_sensitivity(study: "Study", plot: Sequence[str], out: Path) -> str:
     return "\n".join("  ".join(map(str.ljust, row, widths)).rstrip() for row in rows)
 
 
-def load_scene_study(name: str, vary: Sequence[str]) -> "Study | None":
-    """Return the study of the scene in the file `name`, over `vary` or what the file varies; None for no scene file.
+def load_varied(name: str, vary: Sequence[str]) -> "Study":
+    """Return the study of a name, or of the scene in a file, over the values `vary`, or over its own.
 
     Raises :class:`~contactstudy.InvalidInput` for what cannot be varied.
     """
-    if not name.endswith(".toml"):
-        if vary:
-            raise InvalidInput(
-                f"--vary is for a scene in a .toml file, and {name!r} is a study: give its axes as options, "
-                f"which contactstudy run {name} --help lists."
-            )
-        return None
-    fields: dict[str, object] = {}
+    fields: dict[str, str] = {}
     for text in vary:
         field, equals, values = text.partition("=")
         field = field.strip()
@@ -88,11 +82,12 @@ def load_scene_study(name: str, vary: Sequence[str]) -> "Study | None":
         if field in fields:
             raise InvalidInput(f"--vary names {field} twice: write all its values in one list.")
         fields[field] = values.strip()
+    if not name.endswith(".toml"):
+        return load(name).override(fields)
     from contactstudy import read_scene
     from studies.scene_study.study_of import study_of
 
-    described = read_scene(name)
-    if not fields and not described.vary:
+    if not fields and not read_scene(name).vary:
         raise InvalidInput(
             f"{name} is run without anything to vary: give {EXAMPLE} or a table [vary] in the file, or use "
             f"contactstudy solve {name}."

@@ -5,8 +5,8 @@ from typing import Annotated, Literal
 
 from contactstudy import InvalidInput
 from contactstudy.domain.validation import ABOVE_ZERO, at_least, validated
-from studies.model.axis import MAX_POINTS
 from studies.model.outcome import CaseStatus
+from studies.model.values import MAX_VALUES
 
 # Statuses whose cases are computed again, by the name of the retry.
 RETRIES = {
@@ -52,7 +52,7 @@ class RunOptions:
     repeats: Annotated[int, at_least(0)] = 2
     retry: tuple[Literal["failed", "timeout", "killed", "times"], ...] = ()
     fields: Literal["none", "kept"] = "none"
-    max_points: Annotated[int, at_least(1)] | None = MAX_POINTS
+    max_points: Annotated[int, at_least(1)] | None = MAX_VALUES
 
     def check_together(self) -> None:
         """Raise InvalidInput for a time limit without a process that can be ended."""

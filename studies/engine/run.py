@@ -234,11 +234,6 @@ class Run:
         journal, request = self.journal, self.request
         for note in (*journal.notes(), *self.study.notes):
             self.log(note)
-        for axis in self.study.axes:
-            if axis.merged:
-                self.log(
-                    f"{axis.merged} values of {axis.name} differ from others by rounding alone, and are replaced by them"
-                )
         points, cases = (
             counted(len(request.keys), "point"),
             counted(len(request.cases), "distinct case"),

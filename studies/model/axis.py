@@ -1,33 +1,21 @@
 """Axes of a study: their values, and the notation of values in text."""
 
 import math
-import re
-from collections.abc import Iterable, Iterator, Sequence, Sized
-from dataclasses import dataclass, field
-from itertools import chain, islice
+from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from contactstudy import InvalidInput
 from contactstudy.domain.checks import suggestion
-from contactstudy.domain.device import available_bytes
 from studies.model.plain_text import is_storable, name_problem, shortened
+from studies.model.values import check_count, parse_values
 
 if TYPE_CHECKING:
     import xarray as xr
 
 Value = str | int | float
-# largest difference of two equal numbers, relative to the axis' span and to the larger of them
-EQUAL_WITHIN = 1e-12
-MAX_POINTS = 1_000_000  # points of a study above which a user must confirm
-CONFIRM = "give fewer, or run it from Python with RunOptions(max_points=None)"
-POINT_BYTES = 500  # memory that a point takes at least, its key and its place in the table
-
-NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
-# first:last, first:last:count or first:last:count:log
-RANGE = re.compile(rf"({NUMBER})\s*:\s*({NUMBER})(?:\s*:\s*(\d+)(?:\s*:\s*(log))?)?")
-
 FORMS = {
     int: "give whole numbers such as 0,1,6, a range such as 0:10, or n values of a range such as 32:1024:6:log",
     float: "give numbers such as 0.6,2.4, or n values of a range such as 0.6:2.4:4 or 1:100:3:log",
@@ -53,9 +41,6 @@ def one_of(field: str, value: object, names: Iterable[str]) -> str:
 class Axis:
     """Values of one parameter, all of one type, with the labels of a Dataset's coordinate.
 
-    Numbers that differ by rounding alone, by less than 1e-12 of the axis' span and of themselves, count as one value,
-    such as 0.3 and 3 * 0.1.
-
     Parameters
     ----------
     name
@@ -67,11 +52,6 @@ class Axis:
     units
         Unit of the numbers.
 
-    Attributes
-    ----------
-    merged
-        Number of values that were merged into another one.
-
     Raises
     ------
     InvalidInput
@@ -82,7 +62,6 @@ class Axis:
     values: tuple[Value, ...]
     long_name: str
     units: str = "1"
-    merged: int = field(init=False, compare=False)
 
     def __post_init__(self) -> None:
         if problem := name_problem(self.name):
@@ -118,9 +97,7 @@ class Axis:
         if len(set(values)) < len(values):
             twice = next(value for value in values if values.count(value) > 1)
             raise InvalidInput(f"Axis {self.name!r} has the value {twice!r} twice: give it once.")
-        distinct = tuple(dict.fromkeys(_without_rounding(values) if float in kinds else values))
-        object.__setattr__(self, "values", distinct)
-        object.__setattr__(self, "merged", len(values) - len(distinct))
+        object.__setattr__(self, "values", values)
 
     def _finite(self, value: Value) -> float:
         """Return `value` as a finite float."""
@@ -147,36 +124,36 @@ class Axis:
         """Type of the values, int, float or str."""
         return type(self.values[0])
 
-    def override(
-        self, values: str | Iterable[Value], *, max_count: int | None = MAX_POINTS
-    ) -> "Axis":
+    def override(self, values: str | Iterable[Value]) -> "Axis":
         """Return this axis with other values.
 
         Parameters
         ----------
         values
             Text such as ``"0:10"`` or ``"0.6,2.4"``, or numbers or names.
-        max_count
-            Largest number of values, which are counted before they are made; None allows any.
 
         Raises
         ------
         InvalidInput
             For values that are not of the axis's type, and for too many.
         """
-        parts = list(_split(values, self.kind)) if isinstance(values, str) else [values]
-        count = sum(len(part) if isinstance(part, Sized) else 0 for part in parts)
-        check_count(self.name, count, "values", max_count, CONFIRM)
-        raw = islice(chain.from_iterable(parts), None if max_count is None else max_count + 1)
-        parsed = dict.fromkeys(self._convert(value) for value in raw)
-        check_count(self.name, len(parsed), "values", max_count, CONFIRM)
+        raw: Iterable[object] = values
+        if isinstance(values, str):
+            is_named = self.kind is str
+            raw = (
+                map(str.strip, values.split(","))
+                if is_named
+                else parse_values(self.name, values, self.kind)
+            )
+        parsed = dict.fromkeys(map(self._convert, raw))
+        check_count(self.name, len(parsed), "values")
         if self.kind is not str:  # figures and findings read from the least to the largest
             parsed = dict.fromkeys(sorted(parsed))
         if not parsed:
             raise InvalidInput(f"{self.name} is {shortened(values)}: {FORMS[self.kind]}.")
         return Axis(self.name, tuple(parsed), self.long_name, self.units)
 
-    def _convert(self, value: Value) -> Value:
+    def _convert(self, value: object) -> Value:
         """Return a value as the type of this axis."""
         try:
             if isinstance(value, bool) or (self.kind is str and not isinstance(value, str)):
@@ -196,67 +173,3 @@ def is_geometric(values: np.ndarray) -> bool:
         return False
     ratios = values[1:] / values[:-1]
     return bool(np.allclose(ratios, ratios[0], rtol=1e-3) and abs(ratios[0] - 1) > 1e-3)
-
-
-def check_count(
-    name: str, count: int, what: str, max_count: int | None, remedy: str = "give fewer"
-) -> None:
-    """Raise InvalidInput for more than `max_count` values, or more than this machine's memory can hold."""
-    if max_count is not None and count > max_count:
-        raise InvalidInput(f"{name} has {count} {what}, more than {max_count}: {remedy}.")
-    if count * POINT_BYTES > available_bytes():
-        raise InvalidInput(
-            f"{name} has {count} {what}, which take some {count * POINT_BYTES / 1e9:.3g} GB of memory, and "
-            f"there are {available_bytes() / 1e9:.3g} GB: give fewer."
-        )
-
-
-def _without_rounding(values: Sequence[Value]) -> list[Value]:
-    """Return, for each number, the first in `values` that is equal to it up to rounding."""
-    numbers = [float(value) for value in values]
-    span = max(numbers) - min(numbers)
-    groups: list[list[int]] = []
-    for position in sorted(range(len(numbers)), key=numbers.__getitem__):
-        last = groups[-1][-1] if groups else position
-        size = max(abs(numbers[position]), abs(numbers[last]))
-        if groups and numbers[position] - numbers[last] <= EQUAL_WITHIN * min(span, size):
-            groups[-1].append(position)
-        else:
-            groups.append([position])
-    first = {position: min(group) for group in groups for position in group}
-    return [values[first[position]] for position in range(len(values))]
-
-
-def _split(text: str, kind: type) -> Iterator[Sequence[str] | Sequence[float]]:
-    """Yield the values of each part between commas; a part that is not a range stays as text."""
-    for part in text.split(","):
-        match = RANGE.fullmatch(part.strip()) if kind is not str else None
-        values = None if match is None else values_between(*match.groups(""), kind=kind)
-        yield (part.strip(),) if values is None else values
-
-
-def values_between(
-    first: str, last: str, count: str, spacing: str, *, kind: type
-) -> Sequence[float] | None:
-    """Return the values of a range, of type `kind`, both ends included; None for text that is not a range.
-
-    Without a `count` they are all whole numbers between the ends. A range rises and has at least two values. With the
-    `spacing` "log" it has equal ratios and begins above 0; one of whole numbers has whole ends.
-    """
-    low, high, is_integer = float(first), float(last), kind is int
-    if is_integer and not (low.is_integer() and high.is_integer()):
-        return None
-    if not count:
-        rises = is_integer and low <= high and high - low < 2**53
-        return range(int(low), int(high) + 1) if rises else None
-    number, is_range = int(count), low < high and not (spacing and low <= 0)
-    if number < 2 or not is_range or number * POINT_BYTES > available_bytes():
-        return None
-    spaced = np.geomspace(low, high, number) if spacing else np.linspace(low, high, number)
-    if is_integer:
-        rounded = np.round(spaced).astype(int)
-        if not spacing and np.abs(spaced - rounded).max() > 1e-9 * max(-low, high):
-            return None
-        return [int(value) for value in np.unique(rounded)]
-    # rounded to twelve digits, so that 3e-07 is not 3.0000000000000004e-07
-    return [float(f"{value:.12g}") for value in spaced]

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from contactstudy import InvalidInput
 from contactstudy.domain.checks import suggestion
 from contactstudy.domain.notebook import InNotebook
-from studies.model.axis import CONFIRM, MAX_POINTS, Axis, Value, check_count, one_of
+from studies.model.axis import Axis, Value, one_of
 from studies.model.plain_text import name_problem, one_line, place_of, shortened
 
 if TYPE_CHECKING:
@@ -81,20 +81,20 @@ class Study(InNotebook):
         return prod(len(axis.values) for axis in self.axes)
 
     def check_size(self, max_count: int | None) -> None:
-        """Raise InvalidInput for more than `max_count` points, or more than memory holds."""
-        check_count(f"Study {self.name!r}", self.size, "points", max_count, CONFIRM)
+        """Raise InvalidInput for more than `max_count` points; None allows any."""
+        if max_count is not None and self.size > max_count:
+            raise InvalidInput(
+                f"Study {self.name!r} has {self.size} points, more than {max_count}: give fewer, or run it from Python "
+                "with RunOptions(max_points=None)."
+            )
 
-    def override(
-        self, axes: Mapping[str, str | Iterable[Value]], *, max_count: int | None = MAX_POINTS
-    ) -> Study:
+    def override(self, axes: Mapping[str, str | Iterable[Value]]) -> Study:
         """Return this study with other values of some axes.
 
         Parameters
         ----------
         axes
             Values by name of the axis, as for :meth:`~studies.model.axis.Axis.override`.
-        max_count
-            Largest number of values of an axis; None allows any.
 
         Raises
         ------
@@ -107,10 +107,7 @@ class Study(InNotebook):
                 raise InvalidInput(
                     f"Axis {name!r} is not one of study {self.name!r}: {suggestion(name, sorted(present))}."
                 )
-        changed = {
-            name: present[name].override(values, max_count=max_count)
-            for name, values in axes.items()
-        }
+        changed = {name: present[name].override(values) for name, values in axes.items()}
         return replace(self, axes=tuple((present | changed).values()))
 
     def visits(self) -> Iterator[tuple[Point, Computation]]:

@@ -19,11 +19,13 @@ from contactstudy.domain.validation import kind_of
 from contactstudy.io.scene_files.scene_schema import MeasuredSurfaceTable, SceneDocument
 from contactstudy.scene.surfaces.measurement import Reading
 from contactstudy.scene_file import SceneFile, document_from, scene_file_from
-from studies.model.axis import Axis, Value, check_count
+from studies.model.axis import Axis, Value
 from studies.model.plain_text import one_line, shortened
-from studies.scene_study.values import MAX_VALUES, parse_values
+from studies.model.values import check_count, parse_values
 
 Table = Mapping[str, Any]
+# Points of a sweep, of which each has a document.
+MAX_POINTS = 100_000
 # Short names of keys that are often varied.
 SHORT_NAMES = {
     "n": "padding.images",
@@ -340,7 +342,7 @@ def varied_scenes(
                 "change together: give equally many values of each."
             )
     counts = [len(group[0].values) for group in keys]
-    check_count("vary", prod(counts), "points", MAX_VALUES)
+    check_count("vary", prod(counts), "points", MAX_POINTS)
     documents = {
         index: _document(raw, keys, index, source) for index in product(*map(range, counts))
     }

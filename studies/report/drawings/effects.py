@@ -215,8 +215,7 @@ ROUGH_PADDINGS = Plot(
     "paddings", ("pressure_error_l1",), "shapes_1_rms", hue="padding", over=("shapes_1_seed",), log="y",
     labels={"shapes_1_rms": "rms height", "pressure_error_l1": "L1 error of the pressure"},
     caption="L1 error of every padding against exact periodicity on the same surface and grid, over the rms height of "
-    "the roughness: the median of four surfaces of one Hurst exponent (0.8) and one Peklenik number (1), with their "
-    "range.",
+    "the roughness: the median of four surfaces (Hurst exponent 0.8, Peklenik number 1), and their range.",
 )  # fmt: skip
 
 

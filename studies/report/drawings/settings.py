@@ -156,9 +156,9 @@ def _of_square(measure: str, along: str) -> Callable[[xr.Dataset], float]:
 ONE_CELL_ALONG = Claim(
     "How many cells along?",
     "One, for a smooth cylinder: with exact periodicity it takes {less} of the time of square cells.",
-    "Nothing varies along the length. On {grid} cells across the L1 error is {one} with one cell along and {square} "
-    "with square ones, in {quick} and {slow} of processor time. Its period is free too: over 100 a the pressure "
-    "of every padding has the error of the cells alone. The figures below have square cells, as the paper.",
+    "On {grid} cells across the L1 error is {one} with one cell along and {square} "
+    "with square ones, in {quick} and {slow} of processor time. The figures below"
+    " have square cells, as the paper.",
     {
         "less": lambda d: _of_square("total_time", "one")(d) / _of_square("total_time", "square")(d),
         "grid": lambda d: int(d["grid"][-1]),

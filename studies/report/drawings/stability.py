@@ -34,8 +34,7 @@ STABLE = Claim(
     "explains why there is none.",
     "{cases} difficult contacts were solved with {paddings} paddings, each by two solvers: {right} pairs of answers "
     "differ by no more than the errors that the program states for their residuals, {explained} end with a status that "
-    "explains why there is no answer, and {wrong}. The median difference is {median} of the stated errors. The tests "
-    "compare each answer with a dense matrix, built pair by pair without transforms and solved directly.",
+    "explains why there is no answer, and {wrong}. The median difference is {median} of the stated errors.",
     {
         "all": lambda d: "Not all" if _count(d, NEITHER) else "All",
         "cases": lambda d: d.sizes["case"],

@@ -192,7 +192,7 @@ def test_a_file_of_another_kind_is_not_replaced_nor_drawn(folder: Path) -> None:
         ("run padding --repeats 0 --retry times", "leave one of them out"),
         ("show nowhere.nc", "cannot be read"),
         ("solve smooth.toml --start study/smooth-sweep.nc", "no pressure"),
-        ("run padding --vary 'radius=1 mm'", "is a study"),
+        ("run padding --vary perid=1", "did you mean 'period'"),
         ("run smooth.toml", "without anything to vary"),
         ("run smooth.toml --vary load.per_length", "a field and its values"),
         ("run smooth.toml --vary load.per_length=", "a field and its values"),

@@ -1,12 +1,15 @@
-"""Values of a field of a scene in a text, as on the command line: numbers with units, ranges, lists and tables."""
+"""Values in a text, as on the command line: numbers with units, ranges, lists and tables."""
 
 import re
 import tomllib
 from collections.abc import Iterator
 
-from contactstudy import InvalidInput
-from studies.model.axis import NUMBER, check_count, values_between
+import numpy as np
 
+from contactstudy import InvalidInput
+
+MAX_VALUES = 1_000_000  # of an axis, and points of a study above which a user must confirm
+NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 QUANTITY = re.compile(rf"({NUMBER})\s*(.*)")
 RANGE = re.compile(
     rf"({NUMBER})\s*([^:,\d]*):\s*({NUMBER})\s*([^:,\d][^:,]*)?(?::\s*(\d+)\s*(?::\s*(log))?\s*([^:]*))?"
@@ -15,7 +18,6 @@ FORMS = (
     "give values separated by commas, such as 50 N/mm,100 N/mm, or a range with its number of values, such "
     "as 50:400:8 N/mm or, in equal ratios, 50:400:8:log N/mm"
 )
-MAX_VALUES = 100_000  # of an axis, and points of all axes together
 OPEN, CLOSED = "[{", "]}"
 
 
@@ -66,20 +68,50 @@ def _expanded(field: str, part: str, number_type: type) -> list[object]:
     groups = ((group or "").strip() for group in match.groups())
     first, first_unit, last, last_unit, count, log, unit = groups
     units = {group for group in (first_unit, last_unit, unit) if group}
+    # of whole numbers all between the ends, of which one may be beyond any float
+    every = min(float(last) - float(first), 1e18) if number_type is int else 0
+    check_count(field, int(count or every), "values")
     if len(units) > 1:
         raise InvalidInput(
             f"{field} is {part!r}, which has the units {sorted(units)}: write both ends in one unit."
         )
-    check_count(field, int(count or 0), "values", MAX_VALUES)
-    values = values_between(first, last, count, log, kind=number_type)
+    values = _between(first, last, count, log, kind=number_type)
     if values is None:
         raise InvalidInput(
             f"{field} is {part!r}: give a rising range with its number of values, such as {first}:{last}:8, with :log "
             "behind it for equal ratios above 0, or of whole numbers such as 0:10."
         )
-    check_count(field, len(values), "values", MAX_VALUES)
     suffix = f" {units.pop()}" if units else ""
     return [f"{value:.12g}{suffix}" if suffix else value for value in values]
+
+
+def _between(first: str, last: str, count: str, spacing: str, *, kind: type) -> list[float] | None:
+    """Return the values of a range, of type `kind`, both ends included; None for text that is not a range.
+
+    Without a `count` they are all whole numbers between the ends. A range rises and has at least two values. With the
+    `spacing` "log" it has equal ratios and begins above 0; one of whole numbers has whole ends.
+    """
+    low, high, is_integer = float(first), float(last), kind is int
+    if is_integer and not (low.is_integer() and high.is_integer()):
+        return None
+    if not count:
+        return [*range(int(low), int(high) + 1)] if is_integer and low <= high else None
+    if int(count) < 2 or low >= high or (spacing and low <= 0):
+        return None
+    spaced = (np.geomspace if spacing else np.linspace)(low, high, int(count))
+    if is_integer:
+        rounded = np.round(spaced).astype(int)
+        if not spacing and np.abs(spaced - rounded).max() > 1e-9 * max(-low, high):
+            return None
+        return [int(value) for value in np.unique(rounded)]
+    # rounded to twelve digits, so that 3e-07 is not 3.0000000000000004e-07
+    return [float(f"{value:.12g}") for value in spaced]
+
+
+def check_count(name: str, count: int, what: str, max_count: int = MAX_VALUES) -> None:
+    """Raise InvalidInput for more than `max_count` values."""
+    if count > max_count:
+        raise InvalidInput(f"{name} has {count} {what}, more than {max_count}: give fewer.")
 
 
 def _plain(part: str) -> object:

@@ -295,7 +295,12 @@ def variables(study: Study) -> list[str]:
 
 def studies() -> str:
     """A page with every study and its axes, and the variables of those that are no scene file."""
-    text = ["# Studies", "", "Every axis can be varied: `contactstudy run STUDY --vary AXIS=VALUES`.", ""]
+    text = [
+        "# Studies",
+        "",
+        "Every axis can be varied: `contactstudy run STUDY --vary AXIS=VALUES`.",
+        "",
+    ]
     for name in BUILT_IN:
         study = load(name)
         text += [

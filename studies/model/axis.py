@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -137,7 +137,7 @@ class Axis:
         InvalidInput
             For values that are not of the axis's type, and for too many.
         """
-        raw: Iterable[object] = values
+        raw: Iterable[Any] = values
         if isinstance(values, str):
             is_named = self.kind is str
             raw = (
@@ -153,7 +153,7 @@ class Axis:
             raise InvalidInput(f"{self.name} is {shortened(values)}: {FORMS[self.kind]}.")
         return Axis(self.name, tuple(parsed), self.long_name, self.units)
 
-    def _convert(self, value: object) -> Value:
+    def _convert(self, value: Any) -> Value:
         """Return a value as the type of this axis."""
         try:
             if isinstance(value, bool) or (self.kind is str and not isinstance(value, str)):

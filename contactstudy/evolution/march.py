@@ -1,23 +1,32 @@
 """March through time by pairs of steps, beside steps of twice the length, whose difference tells the error of all.
 
-A method tells the error of one step itself, as the change by its correction or from its predictor: that chooses the
-length of the steps. Source: Hairer, Norsett & Wanner (1993), sect. II.4, eq. 4.13.
+A pair of steps that has too large an error is rejected, and the next one is as long as its error allows. Where no error
+is asked for, steps go from one point in time to the next, two of them beside one.
+Source: Hairer, Norsett & Wanner (1993), sect. II.4, eqs. 4.4 and 4.13, there with the error of one pair alone.
 """
 
 from collections import Counter
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from math import ceil, inf
-from typing import Generic, Protocol, TypeVar
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from math import inf
+from typing import ClassVar, Generic, Protocol, TypeVar
 
-import numpy as np
+from contactstudy.evolution.time_steps import Breakpoint
+from contactstudy.solvers.solution import Status
 
-from contactstudy.solvers.solution import Status, worst
-
-# Smallest and largest factor on the length of a step, and the fraction of the allowed length that is aimed at.
-MIN_FACTOR, MAX_FACTOR, SAFETY = 0.1, 2.0, 0.8
-# A step shorter than this, over the time between two instants, is never rejected.
-SHORTEST = 1e-6
+# Smallest and largest factor on the length of a pair, and the fraction of the allowed length that is aimed at.
+MIN_FACTOR, MAX_FACTOR, SAFETY = 0.2, 2.0, 0.9
+# Largest factor on the length of a pair that was rejected, and on those of a march that starts again.
+MAX_REJECTED_FACTOR, MAX_RESTART_FACTOR = 0.5, 0.7
+# A pair shorter than this, over the whole time, is never rejected: where its error is too large, or it has no solution.
+SHORTEST, SHORTEST_WITHOUT_SOLUTION = 1e-12, 1e-6
+# Pairs as long as the time to a point but for this fraction of it are as long as that.
+ROUNDING = 1e-9
+# Steps make no pair where their lengths differ by a larger factor: an error of first order is 1.08 times the difference
+# to one step of both lengths at this factor, once that at equal lengths, and 5 times at 10.
+MAX_RATIO_OF_PAIR = 1.5
+# Most increments of a jump in doubled steps.
+MAX_INCREMENTS = 2**11
 
 
 class State(Protocol):
@@ -28,12 +37,12 @@ class State(Protocol):
         """Time [s]."""
 
     @property
-    def status(self) -> Status:
-        """Outcome of the step that led to it."""
+    def statuses(self) -> Sequence[Status]:
+        """Outcomes of the solves of the step that led to it."""
 
     @property
     def change(self) -> float:
-        """Error of that step as its method estimates it; infinite where it has no solution."""
+        """Error of that step as its method estimates it, 0 if it does not; infinite where it has no solution."""
 
     @property
     def work(self) -> Counter[str]:
@@ -43,111 +52,299 @@ class State(Protocol):
 S = TypeVar("S", bound=State)
 
 
+class Method(Generic[S]):
+    """Method that takes the steps of a march and tells their errors.
+
+    Attributes
+    ----------
+    order
+        Power of its length with which the error of a pair of steps grows.
+    increments
+        Increments of a jump in doubled steps at first, twice as many in short ones; 0 where its path does not matter.
+    """
+
+    order: ClassVar[int] = 2
+    increments: int = 0
+
+    def begin(self, start: S) -> tuple[S, S]:
+        """Return the states of short and of doubled steps at the start, when no step is taken yet."""
+        return start, start
+
+    def step(self, state: S, end: float) -> S:
+        """Return the state after one step to the time `end` [s], before any jump there."""
+        raise NotImplementedError
+
+    def jump(self, state: S, increments: int) -> S:
+        """Return the state after a jump at its time in so many increments."""
+        raise NotImplementedError
+
+    def error(self, before: tuple[S, S], middle: S, after: tuple[S, S]) -> float:
+        """Return the error of a pair of steps, from the (short, doubled) states before and after it: that of a step."""
+        doubled: float = after[1].change / 2**self.order
+        return max(middle.change, after[0].change, doubled)
+
+    def accept(self, before: S, middle: S, after: tuple[S, S]) -> float:
+        """Take a pair of steps or a jump into the error of all steps, and return that; 0 if it is not limited."""
+        return 0.0
+
+
+@dataclass(frozen=True)
+class Control:
+    """Control of the length of pairs of steps by their error.
+
+    How far later steps damp an error is not known in advance: if that of all steps exceeds the allowed one, the march
+    starts again with a :meth:`stricter` control.
+
+    Attributes
+    ----------
+    limit
+        Largest error of a pair of steps.
+    order
+        See :class:`Method`.
+    first, longest
+        Length [s] of the first pair of steps, and of any.
+    allowed
+        Largest error of all steps.
+    """
+
+    limit: float
+    order: int
+    first: float = inf
+    longest: float = inf
+    allowed: float = inf
+
+    def factor(self, error: float) -> float:
+        """Return the factor on the length of the next pair, after one with this `error`."""
+        if error <= 0:
+            return MAX_FACTOR
+        longer: float = SAFETY * (self.limit / error) ** (1 / self.order)
+        return min(max(longer, MIN_FACTOR), MAX_FACTOR)
+
+    def stricter(self, excessive: float) -> "Control":
+        """Return the control of the next march, after one in which the error of all steps is above the allowed one."""
+        shorter = min(SAFETY * self.allowed / excessive, MAX_RESTART_FACTOR)
+        return replace(self, limit=self.limit * shorter ** (self.order / (self.order - 1)))
+
+
 @dataclass(frozen=True, eq=False)
 class Record(Generic[S]):
     """What is recorded at an instant.
 
     Attributes
     ----------
-    time
-        Time [s].
-    state, coarse
-        The state after short steps, and after steps twice as long.
-    status
-        The worst status of the accepted steps since the instant before.
+    state
+        The state after short steps.
+    coarse
+        The same after steps twice as long; None in the middle of one, and where there is no solution.
+    statuses
+        Outcomes of the solves of accepted steps since the record before.
     work
-        Work since the instant before, with the number of ``steps`` and of ``rejected`` pairs of them.
+        Work since the record before, with the number of ``steps`` and of ``rejected`` pairs of them and jumps.
     """
 
-    time: float
     state: S
-    coarse: S
-    status: Status
+    coarse: S | None
+    statuses: tuple[Status, ...]
     work: Counter[str]
 
 
-def march(
-    start: S,
-    step: Callable[[S, float], S],
-    instants: Sequence[float],
-    error: float,
-    *,
-    order: int,
-    first: float = inf,
-    longest: float = inf,
-    kinks: Sequence[float] = (),
-    every_pair: bool = False,
-    compare: Callable[[S, S], object] = lambda fine, coarse: None,
-    progress: Callable[[float, float], None] | None = None,
-) -> list[Record[S]]:
-    """Return what is recorded at `instants`, up to a step without a solution.
+@dataclass(eq=False)
+class March(Generic[S]):
+    """March of a method from its start to the last of `points`, beside one with steps twice as long.
 
-    Parameters
+    Attributes
     ----------
+    method
+        Takes the steps.
     start
         State at the first time.
-    step
-        Returns the state after a step of a duration [s].
-    instants
-        Times [s] to record, ascending.
-    error
-        Largest error of a step.
-    order
-        Power of the duration with which the error of a step grows.
-    first, longest
-        Length of the first step, and of any [s].
-    kinks
-        Further times [s] at which steps end.
+    points
+        Instants at which steps end, in the order of time.
+    control
+        Control of the length of pairs of steps; None steps from one point to the next.
+    step_doubling
+        Whether there are steps twice as long beside the others.
     every_pair
-        Whether each pair of steps is recorded.
-    compare
-        Called with the states after each pair of short steps and after the step of twice the length.
+        Whether each pair of steps is recorded, and the state after each jump.
     progress
-        Called with the time since the start and that of the whole [s], for each step of a pair once this is accepted.
+        Called with the time since the start and that of the whole [s] for each accepted step; None calls nothing.
     """
-    fine = coarse = start
-    length, work, status = min(first, longest), Counter(start.work), start.status
-    records: list[Record[S]] = []
 
-    def record(time: float) -> None:
-        nonlocal work, status
-        records.append(Record(time, fine, coarse, status, work))
-        work, status = Counter(), fine.status
+    method: Method[S]
+    start: S
+    points: Sequence[Breakpoint]
+    control: Control | None
+    step_doubling: bool = True
+    every_pair: bool = False
+    progress: Callable[[float, float], None] | None = None
 
-    if start.change == inf:
-        record(start.time)
-        return records
-    for target in sorted({*instants, *kinks}):
-        span = target - fine.time
-        while (remaining := target - fine.time) > SHORTEST * span:
-            duration = remaining / ceil(remaining / min(2 * length, remaining) - SHORTEST) / 2
-            middle = step(fine, duration)
-            work += middle.work
-            change, is_shortest = middle.change, duration <= SHORTEST * span
-            if change <= error or is_shortest:  # else the pair is given up at once
-                end, double = step(middle, duration), step(coarse, 2 * duration)
-                work += end.work + double.work
-                change = max(change, end.change, double.change / 2**order)
-            factor = SAFETY * (error / max(change, SHORTEST * error)) ** (1 / order)
-            next_length = duration * float(np.clip(factor, MIN_FACTOR, MAX_FACTOR))
-            if change > error and not is_shortest:
-                work["rejected"] += 1
-                length = next_length
+    def __post_init__(self) -> None:
+        self.total: Counter[str] = Counter()
+        self._begin()
+
+    def _begin(self) -> None:
+        """Return to the start; the work done so far counts in the first record."""
+        self.number = 0
+        self.fine, self.coarse = self.method.begin(self.start)
+        self.duration = self.points[-1].time - self.start.time
+        self.work, self.statuses = Counter(self.total), list(self.start.statuses)
+        self._count(self.start.work)
+        self.length = inf if self.control is None else min(self.control.first, self.control.longest)
+
+    def run(self) -> Iterator[list[Record[S]] | None]:
+        """Yield what is recorded, as soon as its error is known, up to a step that has no solution.
+
+        None says that the march has started again with shorter steps, so that earlier records do not count.
+        """
+        if self.fine.change == inf:
+            yield [self._record(self.fine, None)]
+        while self.number < len(self.points) and self.fine.change < inf:
+            if self.fine.time < self.points[self.number].time:
+                restarts = self.total["restarts"]
+                records = self._pair(self.points[self.number])
+                yield records if self.total["restarts"] == restarts else None
+            point = self.points[self.number]
+            if self.fine.change == inf or self.fine.time < point.time:
                 continue
-            work["steps"] += 2
-            fine, coarse = end, double
-            status = worst((status, middle.status, end.status, double.status))
-            if change == inf:
-                record(fine.time)
-                return records
-            compare(fine, coarse)
-            # a step shortened to end at an instant does not limit the next one
-            length = min(max(next_length, length if duration < length else 0.0), longest)
-            if progress is not None:
-                for state in (middle, end):
-                    progress(state.time - start.time, instants[-1] - start.time)
-            if every_pair and target - fine.time > SHORTEST * span:
-                record(fine.time)
-        if every_pair or target in instants:
-            record(target)
-    return records
+            if point.times_recorded == 2:
+                yield [self._record(self.fine, self.coarse)]
+            if point.jumps:
+                self._jump()
+            self.number += 1
+            if self.fine.change == inf:
+                yield [self._record(self.fine, None)]
+            elif point.times_recorded or (self.every_pair and point.jumps):
+                yield [self._record(self.fine, self.coarse)]
+            else:
+                yield []
+
+    def records(self) -> tuple[Record[S], ...]:
+        """Return what is recorded up to the last point, or a step without a solution, by a march that starts once."""
+        return tuple(record for records in self.run() for record in records or ())
+
+    @property
+    def can_go_on(self) -> bool:
+        """True if nothing is left to be recorded at the present time, so that a march may go on from here later."""
+        is_done = self.number == len(self.points)
+        return self.fine.change < inf and (
+            is_done or self.fine.time < self.points[self.number].time
+        )
+
+    def _pair(self, point: Breakpoint) -> list[Record[S]]:
+        """Take a pair of steps towards `point`, unless it is rejected, and return what is recorded."""
+        before, records = (self.fine, self.coarse), list[Record[S]]()
+        half, end = self._ends(point)
+        middle = self._step(self.fine, half)
+        if self._rejects(middle.change, end):
+            return []
+        statuses = list(middle.statuses)
+        if middle.change == inf or not self.step_doubling:
+            return self._go_on(before[0], middle, middle, middle, statuses)
+        if half == point.time:
+            self.statuses, statuses = self.statuses + statuses, []
+            if point.times_recorded:
+                records.append(self._record(middle, None))
+            self.number += 1
+        fine, coarse = self._step(middle, end), self._step(self.coarse, end)
+        error = self.method.error(before, middle, (fine, coarse))
+        if self._rejects(error, end):
+            return []
+        if self.control is not None:
+            # a pair cut short by a point is no measure of the allowed length
+            longer = (end - before[0].time) * self.control.factor(error)
+            longer = max(longer, self.length if end == point.time else 0.0)
+            self.length = min(longer, self.control.longest)
+        statuses += [*fine.statuses, *coarse.statuses]
+        return records + self._go_on(before[0], middle, fine, coarse, statuses)
+
+    def _go_on(
+        self, before: S, middle: S, fine: S, coarse: S, statuses: list[Status]
+    ) -> list[Record[S]]:
+        """Continue from the states after a pair of steps, or start again where the error of all is too large."""
+        self.fine, self.coarse = fine, coarse
+        self.statuses += statuses
+        if fine.change == inf:
+            return [self._record(fine, None)]
+        self._count(Counter(steps=1 if fine is middle else 2))
+        error = self.method.accept(before, middle, (fine, coarse))
+        if self.control is not None and error > self.control.allowed:
+            self.control = self.control.stricter(error)
+            self._count(Counter(restarts=1))
+            self._begin()
+            return []
+        if self.progress is not None:
+            for state in (fine,) if fine is middle else (middle, fine):
+                self.progress(state.time - self.start.time, self.duration)
+        return [self._record(fine, coarse)] if self.every_pair else []
+
+    def _ends(self, point: Breakpoint) -> tuple[float, float]:
+        """Return the times [s] at which the steps of the next pair towards `point` end."""
+        now = self.fine.time
+        remaining = point.time - now
+        if self.control is None:
+            if not self.step_doubling:
+                return point.time, point.time
+            if not self._ends_pair(point):
+                return point.time, self.points[self.number + 1].time
+            return (now + point.time) / 2, point.time
+        if self.length >= remaining * (1 - ROUNDING):
+            return now + remaining / 2, point.time
+        pair = min(self.length, remaining / 2)
+        return now + pair / 2, now + pair
+
+    def _ends_pair(self, point: Breakpoint) -> bool:
+        """Return whether a step to `point` makes no pair with the one after it, so that two steps lead there."""
+        if point is self.points[-1] or point.is_discontinuity or point.times_recorded == 2:
+            return True
+        after = self.points[self.number + 1]
+        ratio = (after.time - point.time) / (point.time - self.fine.time)
+        # without load both integrations have the same pressure
+        return after.before == 0 or max(ratio, 1 / ratio) > MAX_RATIO_OF_PAIR
+
+    def _step(self, state: S, end: float) -> S:
+        """Return the state after a step to `end` [s], whose work counts whether it is accepted or not."""
+        after = self.method.step(state, end)
+        self._count(after.work)
+        return after
+
+    def _rejects(self, error: float, end: float) -> bool:
+        """Return whether a pair of steps to `end` [s] is too long for its `error`; if so, the next one is shorter."""
+        pair = end - self.fine.time
+        shortest = SHORTEST if error < inf else SHORTEST_WITHOUT_SOLUTION
+        if self.control is None or error <= self.control.limit or pair <= shortest * self.duration:
+            return False
+        self._count(Counter(rejected=1))
+        self.length = pair * min(self.control.factor(error), MAX_REJECTED_FACTOR)
+        return True
+
+    def _jump(self) -> None:
+        """Take a jump at the present time in as many increments as the error of a pair allows."""
+        increments, limit = self.method.increments, self.control.limit if self.control else inf
+        before = self.fine
+        while True:
+            fine = coarse = self.method.jump(self.fine, max(2 * increments, 1))
+            self._count(fine.work)
+            if fine.change == inf or not self.step_doubling:
+                break
+            coarse = self.method.jump(self.coarse, max(increments, 1))
+            self._count(coarse.work)
+            error = self.method.error((self.fine, self.coarse), fine, (fine, coarse))
+            if not increments or error <= limit or increments >= MAX_INCREMENTS:
+                break
+            self._count(Counter(rejected=1))
+            increments *= 2
+        self.fine, self.coarse = fine, coarse
+        self.statuses += [*fine.statuses] if coarse is fine else [*fine.statuses, *coarse.statuses]
+        if fine.change < inf:
+            self.method.accept(before, fine, (fine, coarse))
+
+    def _count(self, work: Counter[str]) -> None:
+        """Count work that was done."""
+        self.work.update(work)
+        self.total.update(work)
+
+    def _record(self, state: S, coarse: S | None) -> Record[S]:
+        """Return what is recorded of a state, with the outcomes and the work since the record before."""
+        record = Record(state, coarse, tuple(self.statuses), self.work)
+        self.work, self.statuses = Counter(), []
+        return record

@@ -184,11 +184,11 @@ class Breakpoint:
     """
 
     time: float
-    before: float
-    after: float
-    times_recorded: int
-    is_discontinuity: bool
-    history_jumps: bool
+    before: float = 0.0
+    after: float = 0.0
+    times_recorded: int = 0
+    is_discontinuity: bool = False
+    history_jumps: bool = False
 
     @property
     def jumps(self) -> bool:

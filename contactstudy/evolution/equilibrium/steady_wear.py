@@ -21,9 +21,9 @@ from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings, on_cells
 from contactstudy.evolution.films.film_trajectory import Difference, FilmTrajectory, film_trajectory
-from contactstudy.evolution.march import Record, march
+from contactstudy.evolution.march import Control, March, Method, Record
 from contactstudy.evolution.rolling.steady_rolling import SteadyRolling, solve_rolling
-from contactstudy.evolution.time_steps import ascending
+from contactstudy.evolution.time_steps import Breakpoint, ascending
 from contactstudy.evolution.trajectory import Trajectory, frame_of
 from contactstudy.lubrication.lubricated_contact import FilmSolution
 from contactstudy.lubrication.solve_lubricated import solve_lubricated
@@ -84,13 +84,13 @@ class _DryContact:
     def status(self) -> Status:
         return self.solution.status
 
-    def time_discretisation_errors(self, coarse: "_DryContact") -> dict[str, float]:
-        """Return relative differences to the contact after longer steps, by quantity.
+    def time_discretisation_errors(self, coarse: "_DryContact | None") -> dict[str, float]:
+        """Return relative differences to the contact after longer steps, by quantity; infinite without a solution.
 
         That of the peak pressure is the largest of any cell. That of the area counts cells in contact in one of both
         alone, and is at least that in L1, since a small change may move no edge to another cell.
         """
-        if not self.pressure.any():  # no solution
+        if coarse is None or not self.pressure.any():
             return dict.fromkeys(("l1", "peak_pressure", "contact_area"), inf)
         touching, change = self.pressure > 0, np.abs(self.pressure - coarse.pressure)
         moved = np.count_nonzero(touching ^ (coarse.pressure > 0)) / np.count_nonzero(touching)
@@ -114,20 +114,20 @@ Contact = TypeVar("Contact", _DryContact, FilmSolution)
 class _Worn(Generic[Contact]):
     """A contact at a time [s], on the gap that is worn by a `depth` (x, y) [m].
 
-    The `status` is the worst one of the solves in the last step, and `work` counts them. The `change` is that of the
+    The `statuses` are those of the solves in the last step, and `work` counts them. The `change` is that of the
     pressure by the correction of this step, relative in L1; infinite where a solve failed.
     """
 
     time: float
     contact: Contact
     depth: Array
-    status: Status
+    statuses: tuple[Status, ...]
     work: Counter[str]
     change: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
-class _Wearing(Generic[Contact]):
+class _Wearing(Method[_Worn[Contact]]):
     """Heun's method for a contact that wears.
 
     Attributes
@@ -136,7 +136,7 @@ class _Wearing(Generic[Contact]):
         Solves the contact with a wear depth (x, y) [m], from the one before if there is one.
     rate
         Wear rate (x, y) [m/s] of a contact.
-    work
+    counted
         Number of solves of a contact, of their iterations, and of their FFT convolutions (dry) or linear iterations
         (film).
     first_depth
@@ -145,23 +145,30 @@ class _Wearing(Generic[Contact]):
 
     solved: Callable[[Array, Contact | None], Contact]
     rate: Callable[[Contact], Array]
-    work: Callable[[Contact], Counter[str]]
+    counted: Callable[[Contact], Counter[str]]
     first_depth: float
 
-    def step(self, now: _Worn[Contact], duration: float) -> _Worn[Contact]:
-        """Return the contact after a step of a `duration` [s], with the change from Euler's predictor to it."""
-        rate = self.rate(now.contact)
-        predicted = self.solved(now.depth + duration * rate, now.contact)
-        depth = now.depth + duration / 2 * (rate + self.rate(predicted))
+    def unworn(self, cells: tuple[int, int], time: float) -> _Worn[Contact]:
+        """Return the contact of so many `cells` (x, y) before it wears, at a `time` [s]."""
+        depth = np.zeros(cells)
+        contact = self.solved(depth, None)
+        change = inf if contact.status.is_failure else 0.0
+        return _Worn(time, contact, depth, (contact.status,), self.counted(contact), change)
+
+    def step(self, state: _Worn[Contact], end: float) -> _Worn[Contact]:
+        """Return the contact after a step to `end` [s], with the change from Euler's predictor to it."""
+        rate, duration = self.rate(state.contact), end - state.time
+        predicted = self.solved(state.depth + duration * rate, state.contact)
+        depth = state.depth + duration / 2 * (rate + self.rate(predicted))
         after = self.solved(depth, predicted)
-        change = np.abs(after.pressure - predicted.pressure).sum() / now.contact.pressure.sum()
+        change = np.abs(after.pressure - predicted.pressure).sum() / state.contact.pressure.sum()
         failed = after.status.is_failure or predicted.status.is_failure
         return _Worn(
-            now.time + duration,
+            end,
             after,
             depth,
-            worst((predicted.status, after.status)),
-            self.work(predicted) + self.work(after),
+            (predicted.status, after.status),
+            self.counted(predicted) + self.counted(after),
             inf if failed else float(change),
         )
 
@@ -171,21 +178,17 @@ class _Wearing(Generic[Contact]):
         times: ArrayLike | None,
         error: float | None,
         progress: Callable[[float, float], None] | None,
-    ) -> list[Record[_Worn[Contact]]]:
+    ) -> tuple[Record[_Worn[Contact]], ...]:
         """Return the contact of so many `cells` (x, y) at each of `times` [s], or up to one without a solution."""
         if times is None:
             raise InvalidInput("solve.times is None, and wear has no end: give times [s].")
         instants = ascending(times)
-        depth = np.zeros(cells)
-        contact = self.solved(depth, None)
-        change = inf if contact.status.is_failure else 0.0
-        start = _Worn(
-            min(0.0, instants[0]), contact, depth, contact.status, self.work(contact), change
-        )
-        rate = float(self.rate(contact).max())
-        first = self.first_depth / rate if rate else inf
-        error = STEP_ERROR if error is None else error
-        return march(start, self.step, instants, error, order=2, first=first, progress=progress)
+        start = self.unworn(cells, min(0.0, instants[0]))
+        rate = float(self.rate(start.contact).max())
+        first = 2 * self.first_depth / rate if rate else inf
+        control = Control(STEP_ERROR if error is None else error, self.order, first)
+        points = [Breakpoint(time, times_recorded=1) for time in instants]
+        return March(self, start, points, control, progress=progress).records()
 
 
 def follow_wear(
@@ -247,7 +250,7 @@ def follow_wear(
             return _wear_rate(wear, pv, grid)
         return _wear_rate(wear, wear.speed * contact.pressure, grid)
 
-    def work(contact: _DryContact) -> Counter[str]:
+    def counted(contact: _DryContact) -> Counter[str]:
         solves = 1 if contact.rolling is None else contact.rolling.lagged.outer_iterations
         found = contact.solution
         counts: Any = {
@@ -255,7 +258,7 @@ def follow_wear(
         }  # fmt: skip
         return Counter(counts)
 
-    wearing = _Wearing(solved, rate, work, FIRST_DEPTH * problem.scales.gap)
+    wearing = _Wearing(solved, rate, counted, FIRST_DEPTH * problem.scales.gap)
     records = wearing.records(grid.cells, times, error, progress)
     frames = []
     for record in records:
@@ -265,12 +268,14 @@ def follow_wear(
         wear_depth = Field(("x", "y"), record.state.depth, "m", "wear depth")
         frame = frame_of(
             replace(contact.solution, problem=worn),
-            time=record.time,
+            time=record.state.time,
             load=scene.largest_load,
-            status=record.status,
+            status=worst(record.statuses),
             fields={"wear_depth": wear_depth},
             rolling=contact.rolling,
-            errors_by_steps=contact.time_discretisation_errors(record.coarse.contact),
+            errors_by_steps=contact.time_discretisation_errors(
+                None if record.coarse is None else record.coarse.contact
+            ),
             **{name: record.work[name] for name in ("solves", "iterations", "convolutions")},
         )
         frames.append(frame)
@@ -314,16 +319,16 @@ def follow_film_wear(
         assert film.contact_pressure is not None
         return _wear_rate(wear, abs(film.sliding_speed) * film.contact_pressure, grid)
 
-    def work(film: FilmSolution) -> Counter[str]:
+    def counted(film: FilmSolution) -> Counter[str]:
         return Counter(iterations=film.iterations, linear_iterations=film.linear_iterations)
 
-    wearing = _Wearing(solved, rate, work, FIRST_DEPTH * lubrication.boundary.film)
+    wearing = _Wearing(solved, rate, counted, FIRST_DEPTH * lubrication.boundary.film)
     records = wearing.records(grid.cells, times, error, progress)
-    films = [replace(record.state.contact, status=record.status) for record in records]
-    coarse = [record.coarse.contact for record in records]
+    films = [replace(one.state.contact, status=worst(one.statuses)) for one in records]
     compared = [
-        Difference.of(record.time, *pair)
-        for record, *pair in zip(records, films, coarse, strict=True)
+        Difference.of(record.state.time, film, record.coarse.contact)
+        for record, film in zip(records, films, strict=True)
+        if record.coarse is not None
     ]
     return film_trajectory(records, films, compared)
 

@@ -22,8 +22,8 @@ from contactstudy.evolution.films.film_trajectory import (
     FilmTrajectory,
     film_trajectory,
 )
-from contactstudy.evolution.march import march
-from contactstudy.evolution.time_steps import ascending
+from contactstudy.evolution.march import Control, March, Method
+from contactstudy.evolution.time_steps import Breakpoint, ascending
 from contactstudy.lubrication.film_equation import Film, SqueezeTerm
 from contactstudy.lubrication.lubricated_contact import FilmSolution
 from contactstudy.lubrication.newton.pseudo_time import (
@@ -153,26 +153,20 @@ def evolve_lubricated(
         error = STEP_ERROR if step is None else UNLIMITED
     start = _FilmStepper.begin(scene, grid, padding, instants[0], tolerance)
     passage = start.posed.equation.cell[0] * start.time_unit
-    compared: list[Difference] = []
-
-    def compare(fine: "_FilmStepper", coarse: "_FilmStepper") -> None:
-        compared.append(Difference.of(fine.time, fine.contact, coarse.contact))
-
-    records = march(
-        start,
-        _FilmStepper.advanced,
-        instants,
+    control = Control(
         error,
-        order=3,
-        first=step or TUNING.first * passage,
+        _Films.order,
+        first=2 * (step or TUNING.first * passage),
         # two steps at least, which the estimate takes at once
-        longest=min(step or inf, start.longest_step, (instants[-1] - instants[0]) / 2),
-        kinks=_kinks(scene, instants[0], instants[-1]),
-        every_pair=times is None,
-        compare=compare,
-        progress=progress,
+        longest=min(2 * (step or inf), 2 * start.longest_step, instants[-1] - instants[0]),
     )
-    return film_trajectory(records, [record.state.contact for record in records], compared)
+    recorded = instants[:1] if times is None else instants
+    places = sorted({*instants, *_kinks(scene, instants[0], instants[-1])})
+    points = [Breakpoint(time, times_recorded=int(time in recorded)) for time in places]
+    films = _Films()
+    march = March(films, start, points, control, every_pair=times is None, progress=progress)
+    records = march.records()
+    return film_trajectory(records, [record.state.contact for record in records], films.compared)
 
 
 def _check_loaded(scene: Scene, instants: list[float]) -> None:
@@ -197,6 +191,27 @@ def _kinks(scene: Scene, start: float, end: float) -> list[float]:
     return [time for time in (*times, *of_speed) if start < time < end]
 
 
+class _Films(Method["_FilmStepper"]):
+    """Steps of a film, compared after each pair with one of twice the length."""
+
+    order = 3
+
+    def __init__(self) -> None:
+        self.compared: list[Difference] = []
+
+    def step(self, state: "_FilmStepper", end: float) -> "_FilmStepper":
+        """Return the film after a step to `end` [s]."""
+        return state.advanced(end)
+
+    def accept(
+        self, before: object, middle: object, after: "tuple[_FilmStepper, _FilmStepper]"
+    ) -> float:
+        """Keep the difference of a pair of steps to one of twice the length."""
+        fine, coarse = after
+        self.compared.append(Difference.of(fine.time, fine.contact, coarse.contact))
+        return 0.0
+
+
 @dataclass(frozen=True, eq=False)
 class _FilmStepper:
     """Time stepper: the last three instants, latest first, and the film equation at the latest.
@@ -212,6 +227,7 @@ class _FilmStepper:
     solver: LinearSolver
     time_unit: float
     tolerance: float
+    time: float
     distance: float
     past: tuple[_Instant, ...]
     now: PosedFilm
@@ -234,7 +250,17 @@ class _FilmStepper:
         posed = pose(largest, grid, padding)
         time_unit = posed.scales.hertz.half_width / posed.scales.lubrication.largest_speed
         stepper = cls(
-            scene, grid, padding, posed, linear_solver(posed), time_unit, tolerance, 0.0, (), posed
+            scene,
+            grid,
+            padding,
+            posed,
+            linear_solver(posed),
+            time_unit,
+            tolerance,
+            start,
+            0.0,
+            (),
+            posed,
         )
         now = stepper._posed_at(start, 0.0, first_load)
         if now.equation.speed <= 0:
@@ -256,19 +282,14 @@ class _FilmStepper:
         return longest
 
     @property
-    def time(self) -> float:
-        """Time of the last instant [s]."""
-        return self.past[0].time * self.time_unit
-
-    @property
     def last(self) -> FilmIteration:
         """Iteration of the last instant."""
         return self.past[0].iteration
 
     @property
-    def status(self) -> Status:
+    def statuses(self) -> tuple[Status, ...]:
         """Outcome of the last instant."""
-        return Status.CONVERGED if self.change < inf else Status.FILM_NOT_CONVERGED
+        return (Status.CONVERGED if self.change < inf else Status.FILM_NOT_CONVERGED,)
 
     @property
     def work(self) -> Counter[str]:
@@ -276,9 +297,9 @@ class _FilmStepper:
         last = self.last
         return Counter(iterations=last.iterations, linear_iterations=last.linear_iterations)
 
-    def advanced(self, length: float) -> "_FilmStepper":
-        """Return the time stepper after a step [s], with the error of that step; the first two steps have none."""
-        end = self.time + length
+    def advanced(self, end: float) -> "_FilmStepper":
+        """Return the time stepper after a step to `end` [s], with the error of that step; the first two have none."""
+        length = end - self.time
         speed = self.posed.scales.lubrication.speed_at
         middle = speed(self.time + length / 2)
         distance = self.distance + length * (speed(self.time) + 4 * middle + speed(end)) / 6
@@ -316,7 +337,7 @@ class _FilmStepper:
             error = TUNING.step_error * float(change / last.film.thickness[inside].mean())
         error = error if last.converged(self.tolerance) else inf
         past = (instant, *self.past[:2])
-        return replace(self, past=past, now=now, distance=distance, change=error)
+        return replace(self, time=end, past=past, now=now, distance=distance, change=error)
 
     @cached_property
     def contact(self) -> FilmSolution:

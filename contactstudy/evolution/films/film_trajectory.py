@@ -64,11 +64,6 @@ class FilmTrajectory:
             "linear_iterations": (self.linear_iterations, "iterations of linear systems"),
         }
 
-    @property
-    def central_film(self) -> Array:
-        """Central film (time,) [m]."""
-        return np.array([contact.central_film for contact in self.contacts])
-
 
 @dataclass(frozen=True)
 class Difference:
@@ -139,7 +134,7 @@ def film_trajectory(
 ) -> FilmTrajectory:
     """Return the films that a march recorded, with the errors that differences to longer steps tell."""
     work = sum((record.work for record in records), Counter())
-    times = tuple(record.time for record in records)
+    times = tuple(record.state.time for record in records)
     return FilmTrajectory(
         times,
         tuple(films),

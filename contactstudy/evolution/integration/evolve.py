@@ -1,21 +1,26 @@
 """Follow a scene through time: its state variables, its steps, and the method."""
 
-from collections.abc import Callable
-from dataclasses import replace
+from collections import Counter
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from math import inf, pi
 from os import PathLike
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.device import Precision
 from contactstudy.domain.grid import Grid, Padding, Paddings
+from contactstudy.domain.validation import RelativeError, valid
 from contactstudy.elasticity.coefficients import BoussinesqCoefficients
 from contactstudy.elasticity.viscoelastic import Creep
-from contactstudy.evolution.integration.adaptive_integrator import AdaptiveIntegrator, StepControl
 from contactstudy.evolution.integration.checkpoint import Checkpoint
-from contactstudy.evolution.integration.time_stepper import TimeStepper
+from contactstudy.evolution.integration.dry_steps import DrySteps, Errors
+from contactstudy.evolution.integration.time_stepper import Instant, TimeStepper
+from contactstudy.evolution.march import Control, March
 from contactstudy.evolution.states.state_variables import (
     CoupledStateVariable,
     CreepState,
@@ -24,7 +29,7 @@ from contactstudy.evolution.states.state_variables import (
     least_eigenvalue,
 )
 from contactstudy.evolution.time_steps import ErrorEstimator, Scheme, all_recorded, schedule
-from contactstudy.evolution.trajectory import Trajectory
+from contactstudy.evolution.trajectory import Frame, Trajectory
 from contactstudy.evolution.warm_started import solved_or_unloaded
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.friction.fretting import Fretting
@@ -34,8 +39,19 @@ from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.scene.shapes_source import summed_gap
 from contactstudy.scene.solids.bodies import creeps, instantaneous, response, yields
 from contactstudy.scene.solids.viscoelastic import creeping, relaxed
+from contactstudy.solvers.solution import Status
 from contactstudy.solvers.solve import SolveOptions
 
+# In the first march, a pair of steps may add this fraction of the allowed error to the difference of two integrations.
+INITIAL_TOLERANCE_FRACTION = 0.5
+# Duration of the first pair of steps over that of all: if it is too long, it is rejected.
+INITIAL_STEP = 1e-2
+# The least ratio of the error to the solver's tolerance, so that the solver's error does not count.
+MIN_ERROR_OVER_TOLERANCE = 100
+# Files of a checkpoint: a recorded frame by its index, and the march to go on from.
+FRAME_FILE, STATE_FILE = "frame_{:05d}.npz", "state.npz"
+# What a checkpoint holds of a march beside its instants, outcomes and control.
+SAVED = "number", "length", "work", "total"
 # Steps in a period of a load that repeats, at least.
 PER_PERIOD = 4
 
@@ -149,9 +165,9 @@ def evolve(
     InvalidInput
         If times decrease, the error is out of reach, or the folder belongs to another integration.
     """
-    control = None if error is None else StepControl.for_error(error, options.tolerance)
     load = _load(scene, times)
     end = schedule(load, times)[-1].time
+    control = None if error is None else _control(error, options.tolerance, end - load.start)
     stepper = _time_stepper(scene, grid, padding, load, end - load.start, scheme, options)
     keeps_states = bool(stepper.all_state_variables)
     turns = stepper.depends_on_path or (times is None and not keeps_states)
@@ -163,35 +179,115 @@ def evolve(
         # steps of whole periods would meet the load at the same place of each, and not see that it changes
         longest=getattr(load, "period", inf) / PER_PERIOD if keeps_states else inf,
     )
-    if times is None and not keeps_states:
-        breakpoints = all_recorded(breakpoints)
-    checkpoint = None if folder is None else Checkpoint(Path(folder))
-    doubles = error_estimator == "step_doubling"
-    integrator = AdaptiveIntegrator(
-        stepper=stepper,
-        breakpoints=breakpoints,
-        control=control,
-        step_doubling=doubles and keeps_states,
-        records_all=times is None,
-        checkpoint=checkpoint,
-        progress=progress,
-    )
-    if checkpoint is None:
-        integrator.integrate()
+    if not keeps_states:
+        control = None
+        breakpoints = all_recorded(breakpoints) if times is None else breakpoints
+    doubles = keeps_states and error_estimator == "step_doubling"
+    steps = DrySteps(stepper, doubles)
+    start = stepper.start(breakpoints[0].time)
+    every_pair = keeps_states and times is None
+    march = March(steps, start, breakpoints, control, doubles, every_pair, progress)
+    if folder is None:
+        frames = _frames(march, steps, None)
     else:
+        checkpoint = Checkpoint(Path(folder))
         instants = None if times is None else tuple(np.asarray(times, float).ravel().tolist())
         request = scene, grid, padding, instants, error, error_estimator, scheme, options
         with checkpoint.open(request):
-            integrator.restore()
-            integrator.integrate()
+            frames = _frames(march, steps, checkpoint)
     return Trajectory(
         stepper.problem,
-        tuple(integrator.frames),
-        integrator.rejected,
-        integrator.restarts,
+        tuple(frames),
+        march.total["rejected"],
+        march.total["restarts"],
         PosedScene(scene, grid, padding),
         stepper.coupled,
     )
+
+
+@dataclass(frozen=True)
+class _Saved:
+    """A march where it can go on: short and doubled instants, the values by name, and the number of its frames."""
+
+    fine: Instant
+    coarse: Instant
+    march: Mapping[str, Any]
+    errors: Mapping[str, Any]
+    statuses: tuple[str, ...]
+    limit: float
+    frames: int
+
+
+def _frames(march: March[Instant], steps: DrySteps, checkpoint: Checkpoint | None) -> list[Frame]:
+    """Return what a march records as frames; with a checkpoint, it goes on from there and is kept there."""
+    frames = [] if checkpoint is None else _restored(march, steps, checkpoint)
+    for records in march.run():
+        if records is None:
+            frames = []
+            continue
+        for record in records:
+            frame = steps.frame(record, has_failed=march.fine.change == inf)
+            if checkpoint is not None:
+                checkpoint.write(FRAME_FILE.format(len(frames)), frame)
+            frames.append(frame)
+        if checkpoint is not None and march.can_go_on:
+            fine, coarse = (
+                replace(instant, kept=(), replaced=()) for instant in (march.fine, march.coarse)
+            )
+            saved = _Saved(
+                fine,
+                coarse,
+                {name: getattr(march, name) for name in SAVED},
+                vars(steps.errors),
+                tuple(status.name for status in march.statuses),
+                inf if march.control is None else march.control.limit,
+                len(frames),
+            )
+            checkpoint.write(STATE_FILE, saved)
+    return frames
+
+
+def _restored(march: March[Instant], steps: DrySteps, checkpoint: Checkpoint) -> list[Frame]:
+    """Set a march to where it was saved, if it was, and return the frames until there."""
+    if not (checkpoint.folder / STATE_FILE).exists():
+        return []
+    saved = checkpoint.read(STATE_FILE, _Saved)
+    march.fine, march.coarse = saved.fine, saved.coarse
+    march.statuses = [Status[name] for name in saved.statuses]
+    if march.control is not None:
+        march.control = replace(march.control, limit=saved.limit)
+    for name, value in saved.march.items():
+        setattr(march, name, Counter(value) if isinstance(value, dict) else value)
+    steps.errors = Errors(**saved.errors)
+    frames = (checkpoint.read(FRAME_FILE.format(n), Frame) for n in range(saved.frames))
+    return [replace(frame, problem=steps.stepper.problem) for frame in frames]
+
+
+def _control(error: float, tolerance: float, duration: float) -> Control:
+    """Return the control of steps whose time-discretisation error is at most a relative `error` in L1.
+
+    Parameters
+    ----------
+    error
+        Allowed error.
+    tolerance
+        Tolerance of the solver.
+    duration
+        Duration [s] of all steps.
+
+    Raises
+    ------
+    InvalidInput
+        If the error is not between 0 and 1, or too close to the tolerance for steps to meet it.
+    """
+    error = valid("TimeSteps.error", error, RelativeError)
+    if error < MIN_ERROR_OVER_TOLERANCE * tolerance:
+        raise InvalidInput(
+            f"solve.error or TimeSteps.error leaves {error!r} to the steps in time: give at least "
+            f"{MIN_ERROR_OVER_TOLERANCE} times the tolerance of the contacts, or a smaller tolerance."
+        )
+    limit, first = INITIAL_TOLERANCE_FRACTION * error, INITIAL_STEP * duration
+    return Control(limit, DrySteps.order, first, allowed=error)
 
 
 def _time_stepper(

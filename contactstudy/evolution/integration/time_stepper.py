@@ -53,6 +53,8 @@ from contactstudy.solvers.solve import SolveOptions
 CONTACTS_PER_COUPLED_STEP = 30
 # Largest number of fixed-point iterations of a step.
 MAX_FIXED_POINT_ITERATIONS = 30
+# Work of a contact.
+WORK = "iterations", "convolutions"
 # The single, implicit stage of a step that has no stages.
 SINGLE_STAGE = ((1.0, 0.0),)
 
@@ -73,6 +75,10 @@ class Instant:
         State of each state variable, in the order of :attr:`TimeStepper.all_state_variables`.
     adhesion
         Adhesive traction, from which the next contact continues; None without adhesion, and before the first contact.
+    kept, replaced
+        Contacts solved in the step that led here, in the order of time, and those replaced by better ones.
+    max_halvings
+        See :meth:`TimeStepper.advance`, of the steps that go on from here.
     """
 
     time: float
@@ -80,28 +86,37 @@ class Instant:
     pressure: Array
     states: tuple[State, ...]
     adhesion: AdhesiveTraction | None = None
+    kept: tuple[Solution, ...] = ()
+    replaced: tuple[Solution, ...] = ()
+    max_halvings: int = 0
 
     @property
     def net_pressure(self) -> Array:
         """Pressure (x, y) [Pa] less the attraction, which drives the state variables."""
         return net_pressure(self.pressure, self.adhesion)
 
-
-@dataclass(frozen=True, eq=False)
-class SolvedContacts:
-    """Contacts solved in a step: `kept` ones, in the order of time, and those `replaced` by better ones."""
-
-    kept: tuple[Solution, ...] = ()
-    replaced: tuple[Solution, ...] = ()
-
-    def __add__(self, later: "SolvedContacts") -> "SolvedContacts":
-        """Return both together."""
-        return SolvedContacts(self.kept + later.kept, self.replaced + later.replaced)
+    @property
+    def statuses(self) -> tuple[Status, ...]:
+        """Outcomes of the contacts that were kept."""
+        return tuple(contact.status for contact in self.kept)
 
     @property
-    def last(self) -> Solution:
-        """Contact at the end of the step."""
-        return self.kept[-1]
+    def change(self) -> float:
+        """Infinite where the last contact has no solution, else 0: a step estimates no error of its own."""
+        return 0.0 if not self.kept or np.isfinite(self.kept[-1].residual) else inf
+
+    @property
+    def work(self) -> Counter[str]:
+        """Solves, iterations and convolutions of the step."""
+        contacts = self.kept + self.replaced
+        counts: Any = {name: sum(getattr(one, name) for one in contacts) for name in WORK}
+        return Counter(counts | {"solves": len(contacts)})
+
+    def after(self, before: "Instant", *replaced: Solution) -> "Instant":
+        """Return this instant with the contacts on the way to that `before` too, and with those `replaced`."""
+        return replace(
+            self, kept=before.kept + self.kept, replaced=replaced + before.replaced + self.replaced
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -186,87 +201,63 @@ class TimeStepper:
         states = tuple(state_variable.start(shape) for state_variable in self.all_state_variables)
         return Instant(time, 0.0, np.zeros(shape), states)
 
-    def jump(
-        self, instant: Instant, load: float, increments: int, max_halvings: int
-    ) -> tuple[Instant, SolvedContacts]:
-        """Change the load at one instant.
-
-        Parameters
-        ----------
-        instant
-            The contact before the jump.
-        load
-            Load [N/m] after the jump.
-        increments
-            Number of equal load increments.
-        max_halvings
-            See :meth:`advance`.
-
-        Returns
-        -------
-        tuple of Instant and SolvedContacts
-            The contact after the jump, and the contacts of all increments.
-        """
-        solved = SolvedContacts()
-        first = instant.load
+    def jump(self, instant: Instant, increments: int) -> Instant:
+        """Return the contact after the jump of the load at an `instant`, in so many equal load increments."""
+        load = self.load.at(instant.time)
+        found = instant
         for increment in range(1, increments + 1):
-            between = first + (load - first) * increment / increments
+            between = instant.load + (load - instant.load) * increment / increments
             target = load if increment == increments else between
-            instant, of_increment = self.advance(instant, instant.time, target, max_halvings)
-            solved += of_increment
-        return instant, solved
+            after = self.advance(found, instant.time, target, instant.max_halvings)
+            found = after if found is instant else after.after(found)
+        return found
 
-    def advance(
-        self, instant: Instant, end: float, load: float, max_halvings: int = 0
-    ) -> tuple[Instant, SolvedContacts]:
-        """Advance to the time `end` [s], where the load is `load` [N/m].
+    def step(self, instant: Instant, end: float) -> Instant:
+        """Return the contact at the time `end` [s], before any jump of the load there."""
+        return self.advance(instant, end, self.load.before(end), instant.max_halvings)
+
+    def advance(self, instant: Instant, end: float, load: float, max_halvings: int) -> Instant:
+        """Return the contact at the time `end` [s], where the load is `load` [N/m].
 
         A step in which bodies start to yield may have an error that a step twice as long does not show, because they
-        hardly yield in its first half. So such a step is halved, and its halves again, up to
-        `max_halvings` times.
-
-        Returns
-        -------
-        tuple of Instant and SolvedContacts
-            The contact at `end`, and the contacts of all stages on the way.
+        hardly yield in its first half. So such a step is halved, and its halves again, up to `max_halvings` times.
         """
-        after, solved = self._step(instant, end, load)
+        after = self._stages(instant, end, load)
         coupled = self.coupled
         if (
             not max_halvings
             or coupled is None
             or not coupled.has_onset_of_yield(instant.states[-1], after.states[-1])
         ):
-            return after, solved
+            return after
         time = (instant.time + end) / 2
         half = self.load.at(time) if instant.time < end else (instant.load + load) / 2
-        middle, first = self.advance(instant, time, half, max_halvings - 1)
-        after, second = self.advance(middle, end, load, max_halvings - 1)
-        return after, SolvedContacts((), solved.kept + solved.replaced) + first + second
+        middle = self.advance(instant, time, half, max_halvings - 1)
+        last = self.advance(middle, end, load, max_halvings - 1)
+        return last.after(middle, *after.kept, *after.replaced)
 
-    def _step(self, instant: Instant, end: float, load: float) -> tuple[Instant, SolvedContacts]:
-        """Advance through the stages of one step."""
+    def _stages(self, instant: Instant, end: float, load: float) -> Instant:
+        """Return the contact after the stages of one step to `end` [s]."""
         start, duration = instant.time, end - instant.time
         if duration == 0:
             return self._stage(instant, Step(end, end, (instant.load, load), load))
-        solved = SolvedContacts()
         stages = (
             STAGES[self.scheme]
             if any(state_variable.has_stages for state_variable in self.all_state_variables)
             else SINGLE_STAGE
         )
-        fraction = 0.0
-        for part, explicit in stages:
+        fraction, found = 0.0, instant
+        for number, (part, explicit) in enumerate(stages, start=1):
             fraction += part
-            last = len(solved.kept) == len(stages) - 1
+            last = number == len(stages)
             time = end if last else start + fraction * duration
-            loads = instant.load, load if last else self.load.at(time)
-            step = Step(instant.time, time, loads, self.load.mean(instant.time, time), explicit)
-            instant, of_stage = self._stage(instant, step)
-            solved += of_stage
-        return instant, solved
+            loads = found.load, load if last else self.load.at(time)
+            step = Step(found.time, time, loads, self.load.mean(found.time, time), explicit)
+            after = self._stage(found, step)
+            found = after if found is instant else after.after(found)
+        return found
 
-    def _stage(self, instant: Instant, step: Step) -> tuple[Instant, SolvedContacts]:
+    def _stage(self, instant: Instant, step: Step) -> Instant:
         """Solve the contact at the end of one stage, and advance every state variable."""
         coupled: tuple[State, ...] = ()
         solutions: list[Solution] = []
@@ -302,10 +293,16 @@ class TimeStepper:
                 status, residual = variable.outcome(state)
                 if solution.status.has_converged and status is not Status.CONVERGED:
                     solution = replace(solution, status=status, residual=residual)
-        instant = Instant(
-            step.end, step.loads[1], solution.pressure, states + coupled, solution.adhesion
+        return Instant(
+            step.end,
+            step.loads[1],
+            solution.pressure,
+            states + coupled,
+            solution.adhesion,
+            (solution,),
+            tuple(solutions[:-1]),
+            instant.max_halvings,
         )
-        return instant, SolvedContacts((solution,), tuple(solutions[:-1]))
 
     def _coupled_step(
         self, coupled: CoupledStateVariable, state: State, problem: Problem, pressure: Array

@@ -69,7 +69,7 @@ class ForecastConstants:
     grid_seconds: float = 10.0
     all_seconds: float = 2.0
     exact_seconds: float = 0.5
-    followed: float = 1.5
+    followed: float = 1.25
     least_cells: int = 12
     least_fraction: float = 1e-4
     power: float = 0.9
@@ -142,31 +142,30 @@ def plan(
     except InvalidInput as refused:
         reason = f"seconds: unknown, since {refused}"
         return replace(planned, seconds=inf, reasons=(*planned.reasons, reason))
-    forecast = request.forecast(levels)
-    last = planned
-    if forecast.grid != planned.grid:  # what is said of the last grid, and its bytes
-        last = plan_grid(
-            planned.scene,
-            error=error,
-            grid=forecast.grid,
-            padding=padding,
-            times=times,
-            device=device,
+    last, seconds, reason = request.end(levels)
+    reasons, warnings = request.said_of(levels)
+    found = planned
+    if last != planned.grid:  # what is said of the last grid, and its bytes
+        found = plan_grid(
+            planned.scene, error=error, grid=last, padding=padding, times=times, device=device
         )
         begins = f"refinement: a solve begins on {cells_text(planned.grid.cells)}."
-        last = replace(
-            last,
-            reasons=(*last.reasons, begins),
+        found = replace(
+            found,
+            reasons=(*found.reasons, begins),
             warnings=planned.warnings,
             first_grids=planned.first_grids,
         )
+    solves = levels[-1].solves
+    if scene.rolling is not None and scene.rolling.passes is not None:
+        solves = round(solves * last.cells[0] / levels[-1].grid.cells[0])  # one step for a cell
     return replace(
-        last,
-        error=forecast.error,
-        seconds=forecast.seconds / request.speedup,
-        solves=forecast.solves or planned.solves,
-        reasons=(*last.reasons, *forecast.reasons),
-        warnings=(*last.warnings, *forecast.warnings),
+        found,
+        error=planned.error if scene.lubrication else request.error_on(last, levels),
+        seconds=seconds / request.speedup,
+        solves=solves if solves and scene.method is not methods.STATIC else planned.solves,
+        reasons=(*found.reasons, *reasons, reason),
+        warnings=(*found.warnings, *warnings),
     )
 
 
@@ -195,18 +194,6 @@ class Level:
     looser: float = 1.0
 
 
-@dataclass(frozen=True)
-class Forecast:
-    """The last grid of a solve, its expected error, the seconds of all grids, the solves on it, and what is said."""
-
-    grid: Grid
-    error: float
-    seconds: float
-    solves: int
-    reasons: tuple[str, ...]
-    warnings: tuple[str, ...]
-
-
 @dataclass(frozen=True, eq=False)
 class _Request:
     """A planned solve, to be carried out on coarser grids: its plan, error and times, and whether its grid is free."""
@@ -230,9 +217,10 @@ class _Request:
         return self.planned.scene
 
     @property
-    def is_steady_film(self) -> bool:
-        """Whether a film is solved once, which refines its cells itself."""
-        return self.scene.method is methods.FILM
+    def refines_film(self) -> bool:
+        """Whether the scene is a steady film that refines its cells itself."""
+        is_film = self.scene.method is methods.FILM
+        return is_film and self.is_chosen and self.planned.grid.cells[1] == 1
 
     @property
     def speedup(self) -> float:
@@ -242,74 +230,69 @@ class _Request:
             return 1.0
         return speedup(planned.grid, planned.padding, planned.device)
 
-    def forecast(self, levels: list[Level]) -> Forecast:
-        """Return the forecast, from solves on ever finer grids.
+    def end(self, levels: list[Level]) -> tuple[Grid, float, str]:
+        """Return the grid on which a solve is expected to end, the seconds of all its grids, and a sentence on these.
 
         Raises :class:`~contactstudy.InvalidInput` for the name of a number in the requested error that no answer has.
         """
-        planned, first = self.planned, self.planned.first_grids
-        last, grid = levels[-1], planned.grid
-        if first is None:
-            refines_cells = self.is_steady_film and self.is_chosen and grid.cells[1] == 1
-            if refines_cells and last.answer is not None:
-                grid = self.grid_of_film(last)
-            seconds = self.seconds_on(grid, levels)
-        else:
-            between = [finer for finer in first.between if prod(finer.cells) < prod(grid.cells)]
-            seconds = sum(level.seconds for level in levels)
-            if first.between:
-                seconds += sum(self.seconds_on(finer, levels) for finer in (*between, grid))
-            if self.scene.outputs:
-                seconds += self.seconds_of_outputs(last) * prod(grid.cells) / prod(last.grid.cells)
-        if self.is_chosen and refines(self.scene):
-            for finer in self.refinements(levels):
-                grid = finer
-                seconds += self.seconds_on(grid, levels)
         for level in levels:
             if level.answer is not None:
                 judged_numbers(level.answer.quantities, self.error)  # refuses names
-        numbers = ""
-        if self.is_chosen and last.answer is not None and (first or refines(self.scene)):
-            further = grid_for_numbers(last.answer, is_default=self.is_default)
-            while further is not None and prod(further.cells) > prod(grid.cells):
-                numbers = f" Numbers other than the pressure take {cells_text(further.cells)}."
-                grid = further
-                expected = self.seconds_on(further, levels)
-                if expected > CONSTANTS.exact_seconds:
-                    numbers = numbers[:-1] + " or more."
-                    seconds += CONSTANTS.followed * expected
-                    break
-                levels.append(self.solved(further, 1, levels[-1].looser))
-                seconds += levels[-1].seconds
-                if levels[-1].answer is None:
-                    break
-                further = grid_for_numbers(levels[-1].answer, is_default=self.is_default)
-        solves = last.solves
-        if self.scene.rolling is not None and self.scene.rolling.passes is not None:
-            solves = round(solves * grid.cells[0] / last.grid.cells[0])  # one step for a cell
+        last, grids = levels[-1], self.grids_of_pressure(levels)
+        seconds = sum(self.seconds_on(grid, levels) for grid in grids)
+        if self.planned.first_grids is not None:
+            seconds += sum(level.seconds for level in levels)
+        grid, numbers = grids[-1] if grids else self.planned.grid, ""
+        refines_numbers = self.planned.first_grids is not None or refines(self.scene)
+        while self.is_chosen and refines_numbers and (answer := levels[-1].answer) is not None:
+            further = grid_for_numbers(answer, is_default=self.is_default)
+            if further is None or prod(further.cells) <= prod(grid.cells):
+                break
+            grid, numbers = (
+                further,
+                f" Numbers other than the pressure take {cells_text(further.cells)}",
+            )
+            expected = self.seconds_on(grid, levels)
+            if expected > CONSTANTS.exact_seconds:
+                seconds += CONSTANTS.followed * expected
+                numbers += " or more."
+                break
+            numbers += "."
+            levels.append(self.solved(grid, 1, levels[-1].looser))
+            seconds += levels[-1].seconds
         part = "" if last.answer is not None else "a part of "
-        reason = f"seconds: from {part}a solve on {cells_text(last.grid.cells)}.{numbers}"
-        said, warnings = self.said_of(levels)
-        error = planned.error if self.scene.lubrication else self.error_on(grid, levels)
-        return Forecast(grid, error, seconds, solves, (*said, reason), warnings)
+        return (
+            grid,
+            seconds,
+            f"seconds: from {part}a solve on {cells_text(last.grid.cells)}.{numbers}",
+        )
+
+    def grids_of_pressure(self, levels: list[Level]) -> list[Grid]:
+        """Return the grids that a solve is expected to take for its pressure or film, beside its first ones."""
+        planned, first = self.planned.grid, self.planned.first_grids
+        if first is not None:
+            between = [grid for grid in first.between if prod(grid.cells) < prod(planned.cells)]
+            return [*between, planned] if first.between else []
+        if self.refines_film and levels[-1].answer is not None:
+            return [self.grid_of_film(levels[-1])]
+        is_refined = self.is_chosen and refines(self.scene)
+        return [planned, *(self.refinements(levels) if is_refined else ())]
 
     def first_levels(self, first: FirstGrids) -> list[Level]:
-        """Return the solves of a static contact with which its own begins."""
-        return [
+        """Return the solves of a static contact with which its own begins, the last one with its stress."""
+        levels = [
             Level(
                 level.grid,
-                seconds,
+                level.seconds,
                 0,
                 contact_answer(level.solution, estimate=level.estimate, requested=self.error),
             )
-            for level, seconds in zip(first.levels, first.seconds, strict=True)
+            for level in first.levels
         ]
-
-    def seconds_of_outputs(self, level: Level) -> float:
-        """Return the seconds that the stress of an answer takes."""
         begin = process_time()
-        len(level.answer.quantities)
-        return process_time() - begin
+        len(levels[-1].answer.quantities)
+        last = replace(levels[-1], seconds=levels[-1].seconds + process_time() - begin)
+        return [*levels[:-1], last]
 
     def error_on(self, grid: Grid, levels: list[Level]) -> float:
         """Return the error of the pressure to expect on a grid, without that of steps in time; infinite if not known."""
@@ -399,9 +382,8 @@ class _Request:
         more so where they take too long: those of first order become fewer by the same factor.
         """
         error, named = self.error, dict[str, Any]()
-        if self.is_steady_film and self.target is not None:
+        if self.scene.method is methods.FILM and self.target is not None:
             error = min(self.target * factor**2, CONSTANTS.most_error)
-        takes_chosen = self.is_steady_film and self.is_chosen and grid.cells[1] == 1
         while True:
             if self.scene.method.takes_times:
                 named["times"] = self.times if looser == 1 else self.looser_steps(looser)
@@ -409,7 +391,7 @@ class _Request:
             try:
                 answer: Any = solve(
                     self.scene,
-                    None if takes_chosen else grid,
+                    None if self.refines_film else grid,
                     self.planned.padding,
                     error=error,
                     progress=watch,
@@ -537,12 +519,10 @@ class _Watch:
 
     def solves(self, answer: Any) -> int:
         """Return the contacts that are solved for an answer, where they are counted; else 0."""
-        if getattr(answer, "trajectory", None) is not None:
-            return int(answer.trajectory.solves)
-        if getattr(answer, "rolling", None) is not None:
-            return int(answer.rolling.lagged.outer_iterations)
-        counted = getattr(answer, "films", None) or getattr(answer, "passes", None)
-        return len(self.reports) if counted else 0
+        for count in ("solves", "outer_iterations"):
+            if count in answer.counts:
+                return int(answer.counts[count][0])
+        return len(self.reports) if hasattr(answer, "frames") else 0
 
 
 def _coarser(grid: Grid, factor: int) -> Grid:

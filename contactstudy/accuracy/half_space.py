@@ -31,7 +31,8 @@ def beyond_half_space(scene: Scene | None) -> str:
             faults.append(
                 f"the contact is {readable(2 * half_width, digits=3)} wide "
                 f"on a radius of {readable(radius, digits=3)}; {_error_of_curvature(scene, bends, half_width)}; reduce "
-                "the load, or compute the whole bodies with finite elements"
+                "the load, see that it is in N/m, radii in m and moduli in Pa, or compute the whole bodies with finite "
+                "elements"
             )
             break
     half_width = min(widths)

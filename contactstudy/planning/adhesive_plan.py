@@ -1,7 +1,7 @@
 """Plan of a scene with adhesion: six cells in the cohesive zone, and a width that holds the attraction."""
 
 from dataclasses import replace
-from math import inf, sqrt
+from math import sqrt
 
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.planning.cost import memory
@@ -91,8 +91,6 @@ def plan_of_adhesion(
         scene=scene,
         grid=grid,
         padding=padding,
-        error=inf,
-        seconds=inf,
         bytes=memory(grid, padding),
         period_check=requirements.period_check(grid.length),
         reasons=(*requirements.reasons(grid), reason),

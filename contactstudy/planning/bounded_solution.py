@@ -5,8 +5,6 @@ from functools import cached_property
 from math import inf
 
 from contactstudy.accuracy.discretisation.bound import shown_errors
-from contactstudy.accuracy.discretisation.coarser import halved
-from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.domain.errors import ErrorEstimate
 from contactstudy.domain.grid import Grid
 from contactstudy.solvers.solution import Solution
@@ -22,10 +20,13 @@ class BoundedSolution:
         The solution.
     estimate
         Bounds by cause.
+    seconds
+        Seconds of processor time that it took in its refinement.
     """
 
     solution: Solution
     estimate: ErrorEstimate
+    seconds: float
 
     @property
     def grid(self) -> Grid:
@@ -60,11 +61,3 @@ class BoundedSolution:
         """Whether the peak has no bound, as at a corner or a roller's end, so that convergence is of first order."""
         peak = self.estimate.peak_pressure
         return peak is not None and peak.discretisation == inf
-
-
-def bounded(solution: Solution, coarser: Solution) -> BoundedSolution:
-    """Return `solution` with its bounds, for which that on a `coarser` grid serves if it has half the cells."""
-    is_halved = coarser.problem.grid == halved(solution.problem.grid)
-    return BoundedSolution(
-        solution, error_estimate(solution, coarse=coarser if is_halved else None)
-    )

@@ -111,7 +111,6 @@ def plan_of_film(
         grid=grid,
         padding=padding,
         error=inf if warnings else error,
-        seconds=inf,
         bytes=8 * floats,
         period_check=requirements.period_check(grid.length),
         reasons=tuple(reasons),

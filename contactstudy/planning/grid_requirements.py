@@ -44,8 +44,6 @@ class GridConstants:
         Fraction of the requested error for the cells; the remainder is for the time steps.
     least_cell_at_boundary
         Least cell over the half-width that is planned for the stick-slip boundary.
-    max_width_over_radius
-        A half-width above this fraction of the radius is not that of half-spaces.
     max_cells_for_stress
         Maximum number of cells across for the stress in a thin coating.
     """
@@ -55,7 +53,6 @@ class GridConstants:
     min_cells: int = 32
     cell_fraction: float = 0.5
     least_cell_at_boundary: float = 1e-3
-    max_width_over_radius: float = 0.1
     max_cells_for_stress: int = 2**14
 
 
@@ -352,13 +349,6 @@ class GridRequirements:
                     f"{stiffer:.3g} times as stiff as its substrate, too few for a bound of the error, give "
                     f"{int(np.ceil(ESTIMATE.cells_in_coating * grid.extent[0] / coating.thickness))}."
                 )
-        hertz = self.hertz
-        if hertz.half_width > CONSTANTS.max_width_over_radius * hertz.radius:
-            messages.append(
-                f"The half-width of Hertz is {readable(hertz.half_width)} on a radius of {readable(hertz.radius)}, too "
-                "large a fraction for half-spaces: reduce the load, or, if a unit is mistaken, give loads and radii in "
-                "N/m and m, and HalfSpace.youngs_modulus in Pa (steel has 210e9)."
-            )
         for axis, (cell, wave) in enumerate(
             zip(grid.cell_size, self.shortest_wavelengths, strict=True)
         ):
@@ -416,6 +406,14 @@ def grid_requirements(scene: Scene, padding: Padding | Paddings | None = None) -
         return requirements
     friction = scene.friction.explanation(scene)
     return replace(requirements, friction=friction, sticks=getattr(scene.friction, "sticks", False))
+
+
+def with_requirements(
+    scene: Scene, padding: Padding | Paddings | None, period: float | None
+) -> tuple[Scene, GridRequirements]:
+    """Return `scene`, whose random surfaces keep the extent of its first grid on narrower ones, and its requirements."""
+    scene = with_random_extents(scene, grid_requirements(scene, padding).extent(period))
+    return scene, grid_requirements(scene, padding)
 
 
 def with_random_extents(scene: Scene, extent: tuple[float, float]) -> Scene:

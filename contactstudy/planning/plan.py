@@ -14,13 +14,12 @@ from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
 from contactstudy.domain.units import Metres, readable
 from contactstudy.domain.validation import checked_errors, valid
 from contactstudy.planning.cost import MEMORY_FRACTION, memory, within_memory
-from contactstudy.planning.grid_requirements import CONSTANTS as GRID
 from contactstudy.planning.grid_requirements import (
     flat_grid,
     grid_requirements,
     measured_length_scales,
     period_fault,
-    with_random_extents,
+    with_requirements,
 )
 from contactstudy.planning.planned import Plan
 from contactstudy.planning.refinement import MOST_CELLS, FirstGrids, first_grids, with_width
@@ -57,46 +56,39 @@ def plan_grid(
         raise InvalidInput(
             "plan.times is given, and nothing of the scene changes in time: leave it out, in a file [time_steps]."
         )
-    scales = measured_length_scales(scene)
-    if scales is None and grid is not None and scene.adhesion is None:
-        scales = LengthScales()  # a flat on the grid that is given
-    if scene.hertz is None and scales is not None and scene.lubrication is None:
-        planned = _plan_of_flat(scene, scales, error, period, grid, padding, device)
-        follows_adhesion = scene.adhesion is not None and scene.method is not methods.TIME_DEPENDENT
-        if follows_adhesion or scene.method is methods.STATIC:
-            return planned
-        # imported only for scenes that change in time or roll
-        from contactstudy.planning.transient_requirements import transient_requirements
-
-        # the cells are the points of the surface under any load
-        transient = transient_requirements(scene, _time_steps(times).last)
-        return _with_states(planned, replace(transient, reasons=(), warnings=()))
     if scene.lubrication is not None:
         # imported only for lubricated scenes
         from contactstudy.planning.film_plan import plan_of_film
 
         return plan_of_film(scene, error, period, grid, padding)
-    if scene.adhesion is not None:
+    transient: TransientRequirements | None = None
+    is_followed = scene.adhesion is None or scene.method is methods.TIME_DEPENDENT
+    if scene.method is not methods.STATIC and is_followed:
+        # imported only for scenes that change in time or roll
+        from contactstudy.evolution.time_steps import TimeSteps
+        from contactstudy.planning.transient_requirements import transient_requirements
+
+        transient = transient_requirements(scene, TimeSteps.of(times).last)
+    scales = measured_length_scales(scene)
+    if scales is None and grid is not None and scene.adhesion is None:
+        scales = LengthScales()  # a flat on the grid that is given
+    if scene.hertz is None and scales is not None:
+        planned = _plan_of_flat(scene, scales, error, period, grid, padding, device)
+        if transient is not None:  # the cells are the points of the surface under any load
+            transient = replace(transient, reasons=(), warnings=())
+    elif scene.adhesion is not None:
         # imported only for scenes with adhesion
         from contactstudy.planning.adhesive_plan import plan_of_adhesion
 
-        request = error or DEFAULT_ERROR, period, grid, padding
-        if scene.method is not methods.TIME_DEPENDENT:
-            return plan_of_adhesion(scene, *request)
-        from contactstudy.planning.transient_requirements import transient_requirements
-
-        transient = transient_requirements(scene, _time_steps(times).last)
-        return _with_states(plan_of_adhesion(scene, *request, transient=transient), transient)
-    if scene.method is not methods.STATIC:
-        return _plan_time_dependent(scene, error, period, grid, padding, _time_steps(times))
-    return _plan_static(scene, error, period, grid, padding, device)
-
-
-def _time_steps(times: "ArrayLike | TimeSteps | None") -> "TimeSteps":
-    """Return `times` as time steps."""
-    from contactstudy.evolution.time_steps import TimeSteps  # imported only for scenes in time
-
-    return TimeSteps.of(times)
+        planned = plan_of_adhesion(scene, error or DEFAULT_ERROR, period, grid, padding, transient)
+    elif transient is None:
+        planned = _plan_static(scene, error, period, grid, padding, device)
+    else:
+        error = transient.error_fraction * (error or DEFAULT_ERROR)
+        width = transient.width
+        planned = _plan_static(transient.narrow, error, period, grid, padding, ONE_THREAD, width)
+        planned = replace(planned, scene=scene, first_grids=None)
+    return planned if transient is None else _with_states(planned, transient)
 
 
 def _plan_of_flat(
@@ -127,8 +119,6 @@ def _plan_of_flat(
         scene=scene,
         grid=grid,
         padding=padding,
-        error=inf,
-        seconds=inf,
         bytes=memory(grid, padding),
         period_check=fault or f"The surface repeats over the length {readable(grid.length)}.",
         reasons=(
@@ -149,12 +139,13 @@ def _plan_static(
     width: float = 0.0,
 ) -> Plan:
     """Plan a scene that neither changes in time nor rolls, on a grid of at least this `width` [m]."""
-    requirements = grid_requirements(scene, padding)
-    if grid is None:  # a random surface keeps the extent of the first grid on narrower ones
-        scene = with_random_extents(scene, requirements.extent(period))
+    if grid is None:
+        scene, requirements = with_requirements(scene, padding, period)
+    else:
         requirements = grid_requirements(scene, padding)
     padding = requirements.padding()
     limit = MEMORY_FRACTION * min(available_bytes(), device.available_bytes)
+    may_take = f"{MEMORY_FRACTION:.0%} of the {limit / MEMORY_FRACTION / 1e9:.3g} GB that are free"
     reasons: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
     first: FirstGrids | None = None
@@ -170,75 +161,36 @@ def _plan_static(
         grid = within_memory(first.grid, padding, limit)
         reasons = first.reasons
         if prod(grid.cells) < 0.99 * first.required < inf:
-            warnings = (_of_most_cells(error, first.required, grid, memory(grid, padding), limit),)
+            gigabytes = memory(grid, padding) * first.required / prod(grid.cells) / 1e9
+            warnings = (
+                f"plan.error is {error:.2g}, which takes about {first.required:.2g} cells and {gigabytes:.3g} GB, and "
+                f"{MOST_CELLS:,} and {may_take} are taken at most: give a larger error, and see whether the radii and "
+                "the wavelengths are those that are meant.",
+            )
         if width > grid.extent[0]:
             grid = with_width(grid, requirements.width(width))
     needed = memory(grid, padding)
     if needed > limit:
         warnings = (
-            f"Grid.cells is {grid.cells}: a solve needs {needed / 1e9:.3g} GB, and {_may_take(limit)}, give fewer "
+            f"Grid.cells is {grid.cells}: a solve needs {needed / 1e9:.3g} GB, and a plan takes {may_take}, give fewer "
             "cells.",
         )
     return Plan(
         scene=scene,
         grid=grid,
         padding=padding,
-        error=inf,
-        seconds=inf,
         first_grids=first,
         bytes=needed,
         period_check=requirements.period_check(grid.length),
         reasons=(*requirements.reasons(grid), *reasons),
         warnings=(
-            *(requirements.warnings(grid) or filter(None, (beyond_half_space(scene),))),
+            *requirements.warnings(grid),
+            *filter(None, (beyond_half_space(scene),)),
             *left_out(scene.shapes, grid),
             *warnings,
         ),
         device=device,
     )
-
-
-def _may_take(limit: float) -> str:
-    """Return a sentence on the bytes of which a plan takes at most `limit`."""
-    free = limit / MEMORY_FRACTION / 1e9
-    return f"a plan may take {MEMORY_FRACTION:.0%} of the {free:.3g} GB that are free"
-
-
-def _of_most_cells(
-    error: float, required: float, grid: Grid, bytes_of_grid: int, limit: float
-) -> str:
-    """Return a sentence on an error that takes more cells than there may be."""
-    needed = bytes_of_grid * required / prod(grid.cells)
-    takes = f"plan.error is {error:.2g}, which takes about {required:.2g} cells"
-    if needed > limit:
-        return f"{takes} and {needed / 1e9:.3g} GB, and {_may_take(limit)}: give a larger error."
-    return (
-        f"{takes}, and at most {MOST_CELLS:,} are taken: give a larger error, and see whether the radii and the "
-        "wavelengths are those that are meant."
-    )
-
-
-def _plan_time_dependent(
-    scene: Scene,
-    error: float | None,
-    period: float | None,
-    grid: Grid | None,
-    padding: Padding | Paddings | None,
-    times: "TimeSteps",
-) -> Plan:
-    """Plan a scene that changes in time: wide enough for its widest contact, fine enough for its narrowest."""
-    # imported only for scenes that change in time
-    from contactstudy.planning.transient_requirements import transient_requirements
-
-    transient = transient_requirements(scene, times.last)
-    plastic = None if scene.rolls else transient.plastic
-    error_factor = plastic.error_factor if plastic else 1.0
-    fraction = 1.0 if scene.rolls else GRID.cell_fraction
-    discretisation_error = fraction * (error or DEFAULT_ERROR) / error_factor
-    narrow_plan = _plan_static(
-        transient.narrow, discretisation_error, period, grid, padding, ONE_THREAD, transient.width
-    )
-    return _with_states(replace(narrow_plan, scene=scene, first_grids=None), transient)
 
 
 def _with_states(planned: Plan, transient: "TransientRequirements") -> Plan:

@@ -1,6 +1,7 @@
 """A plan: grid and padding for a scene, with expected error and cost."""
 
 from dataclasses import dataclass, field
+from math import inf
 from typing import TYPE_CHECKING
 
 from contactstudy.domain.checks import set_fields
@@ -13,7 +14,7 @@ if TYPE_CHECKING:
     from contactstudy.planning.refinement import FirstGrids
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Plan(InNotebook):
     """A grid and a padding for a scene, with expected error and cost.
 
@@ -58,8 +59,8 @@ class Plan(InNotebook):
     grid: Grid
     padding: Padding | Paddings
     dimension: int = field(init=False)
-    error: float
-    seconds: float
+    error: float = inf
+    seconds: float = inf
     bytes: int
     period_check: str
     reasons: tuple[str, ...]

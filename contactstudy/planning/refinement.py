@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from itertools import pairwise
 from math import ceil, inf, prod
 from time import process_time
 
@@ -10,19 +9,19 @@ import numpy as np
 from scipy import fft
 
 from contactstudy.accuracy.discretisation.coarser import halved
+from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.accuracy.image_errors import IMAGES_REMEDY
 from contactstudy.domain.device import Cpu, Device
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings, on_cells
 from contactstudy.domain.imports import loaded
 from contactstudy.domain.reuse import cache_of, caching
-from contactstudy.planning.bounded_solution import BoundedSolution, bounded
+from contactstudy.planning.bounded_solution import BoundedSolution
 from contactstudy.planning.grid_requirements import CONSTANTS as GRID
 from contactstudy.planning.grid_requirements import (
     GridRequirements,
-    grid_requirements,
     halvable_count,
-    with_random_extents,
+    with_requirements,
 )
 from contactstudy.scene.scene import Scene
 from contactstudy.solvers.solution import Solution
@@ -146,21 +145,18 @@ def solve_to(
     InvalidInput
         If the scene does not determine a grid, see :func:`~contactstudy.plan`.
     """
-    requirements = grid_requirements(scene)
-    # a random surface keeps the extent of its plan on the grids of other widths
-    scene = with_random_extents(scene, requirements.extent(period))
-    requirements = grid_requirements(scene)
+    scene, requirements = with_requirements(scene, padding, period)
     refinement = GridRefinement(
         scene,
         requirements,
-        padding or requirements.padding(),
         requirements.pressure_error(error),
+        period,
         options or SolveOptions(),
         device,
         most_cells,
         progress,
     )
-    last = refinement.solve_levels(requirements.extent(period), start)[-1]
+    last = refinement.solve_levels(start=start)[-1]
     reason = refinement.reason_not_met(last) if last.bound > error else ""
     l1 = replace(last.estimate.l1, reason=reason)
     return replace(last, estimate=replace(last.estimate, l1=l1))
@@ -174,8 +170,6 @@ class FirstGrids:
     ----------
     levels
         Solutions with their bounds on each of them.
-    seconds
-        Seconds of processor time of each; imports and compilation are not counted.
     required
         Number of cells whose bound is expected to meet the error.
     between
@@ -183,7 +177,6 @@ class FirstGrids:
     """
 
     levels: tuple[BoundedSolution, ...]
-    seconds: tuple[float, ...]
     required: float
     between: tuple[Grid, ...]
 
@@ -213,23 +206,11 @@ def first_grids(
     scene: Scene, requirements: GridRequirements, error: float, period: float | None
 ) -> FirstGrids:
     """Solve a scene on the first grids of its refinement to a relative L1 error, of some 30 000 cells at most."""
-    stamps: list[float] = []
-    refinement = GridRefinement(
-        scene,
-        requirements,
-        requirements.padding(),
-        requirements.pressure_error(error),
-        progress=lambda *_: stamps.append(process_time()),
-        most_solved=CONSTANTS.max_planned_cells,
-    )
+    refinement = GridRefinement(scene, requirements, requirements.pressure_error(error), period)
     before, levels = 0, list[BoundedSolution]()
-    while before < loaded():  # what is imported or compiled is not counted
+    while before < loaded():  # what is imported, compiled or tabulated is not counted
         before = loaded()
-        stamps[:] = [process_time()]
-        levels = refinement.solve_levels(requirements.extent(period))
-    seconds = [later - earlier for earlier, later in pairwise(stamps)]
-    narrower = len(seconds) - len(levels)  # of grids that were too wide or too narrow
-    seconds = [sum(seconds[: narrower + 1]), *seconds[narrower + 1 :]]
+        levels = refinement.solve_levels(CONSTANTS.max_planned_cells)
     last, between = levels[-1], list[Grid]()
     required = float(prod(last.grid.cells))
     if not refinement.meets_error(last):
@@ -238,7 +219,7 @@ def first_grids(
     while grid is not None:
         between.append(grid)
         grid = refinement.next_grid(last, grid)
-    return FirstGrids(tuple(levels), tuple(seconds), required, tuple(between))
+    return FirstGrids(tuple(levels), required, tuple(between))
 
 
 @dataclass(frozen=True, eq=False)
@@ -247,40 +228,47 @@ class GridRefinement:
 
     Attributes
     ----------
-    scene, requirements, padding
-        The scene, what it asks of a grid, and its boundary conditions.
+    scene, requirements
+        The scene, and what it asks of a grid.
     error
         Relative L1 error of the pressure to meet.
+    period
+        Length of the grid [m]; chosen if None.
     options, device
         How and on what device each grid is solved.
     most_cells
         Maximum number of cells of a grid.
     progress
         Called with the solution on each grid and its bound in L1.
-    most_solved
-        Number of cells beyond which a grid is not solved, other than the first one.
     """
 
     scene: Scene
     requirements: GridRequirements
-    padding: Padding | Paddings
     error: float
+    period: float | None
     options: SolveOptions = field(default_factory=SolveOptions)
     device: Device = Cpu()  # noqa: RUF009 (a frozen value)
     most_cells: int = MOST_CELLS
     progress: Callable[[Solution, float], object] | None = None
-    most_solved: int = MOST_CELLS
 
     def solve_levels(
-        self, extent: tuple[float, float], start: Array | None = None
+        self, most_solved: int = MOST_CELLS, start: Array | None = None
     ) -> list[BoundedSolution]:
-        """Return the solutions on all grids with their bounds; the last one meets the error or cannot be refined."""
+        """Return the solutions on all grids with their bounds; the last one meets the error or cannot be refined.
+
+        Parameters
+        ----------
+        most_solved
+            Number of cells beyond which a grid is not solved, other than the first one.
+        start
+            Pressure (x, y) [Pa] to begin with, on any grid.
+        """
         levels: list[BoundedSolution] = []
         coarse: Solution | None = None
-        grid: Grid | None = self.first_grid(extent)
-        widths = 0
+        grid: Grid | None = self.first_grid(self.requirements.extent(self.period))
+        widths, begin = 0, process_time()
         with caching(cache_of(32 * self.most_cells)):
-            while grid is not None and (not levels or prod(grid.cells) <= self.most_solved):
+            while grid is not None and (not levels or prod(grid.cells) <= most_solved):
                 if coarse is None:
                     coarse = self._solve_on(halved(grid), start)
                 solution = self._solve_on(grid, coarse.pressure)
@@ -289,8 +277,10 @@ class GridRefinement:
                     widths += 1
                     levels, coarse, start, grid = [], None, None, self._with_width(grid, width)
                     continue
-                levels.append(bounded(solution, coarse))
-                coarse = solution
+                half = coarse if coarse.problem.grid == halved(grid) else None
+                estimate = error_estimate(solution, coarse=half)
+                levels.append(BoundedSolution(solution, estimate, process_time() - begin))
+                coarse, begin = solution, process_time()
                 if self.progress is not None:
                     self.progress(solution, levels[-1].bound)
                 grid = self.next_grid(levels[-1])
@@ -299,9 +289,8 @@ class GridRefinement:
     def _solve_on(self, grid: Grid, start: Array | None) -> Solution:
         """Return the solution on `grid` from a pressure on another of the same extent."""
         begin = None if start is None else on_cells(start, grid.cells)
-        return solve_contact(
-            self.scene.problem(grid, self.padding), self.options, begin, self.device
-        )
+        problem = self.scene.problem(grid, self.requirements.padding())
+        return solve_contact(problem, self.options, begin, self.device)
 
     def first_grid(self, extent: tuple[float, float]) -> Grid:
         """Return the first grid: coarse, but fine enough to resolve the surface, where that takes few cells."""

@@ -179,6 +179,8 @@ class TransientRequirements:
         Width [m] below which a grid that is given may be too narrow for it.
     relaxed
         Bodies once they have crept.
+    error_fraction
+        Fraction of the requested error that an elastic contact on the same cells may have.
     fields
         Fields held between solves, in addition to one solve.
     reasons
@@ -193,6 +195,7 @@ class TransientRequirements:
     width: float
     least_width: float
     relaxed: tuple[Body, Body]
+    error_fraction: float
     fields: int
     reasons: tuple[str, ...]
     warnings: tuple[str, ...] = ()
@@ -240,7 +243,7 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
         )
         fields = CONSTANTS.rolling_fields
         return TransientRequirements(
-            elastic, width, least_width, bodies, fields, (), plastic=plastic
+            elastic, width, least_width, bodies, 1.0, fields, (), plastic=plastic
         )
     if plastic is not None:
         half_width = max(half_width, plastic.half_extent / GRID.width_factor)
@@ -264,7 +267,10 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
                 half_width *= grid_requirements(elastic).half_width / hertz.half_width
             reasons = (f"load: the cells are for loads from {readable(least, 'N m-1')} on.",)
     width = 2 * GRID.width_factor * half_width
-    return TransientRequirements(narrow, width, width, bodies, fields, reasons, warnings, plastic)
+    fraction = GRID.cell_fraction / (plastic.error_factor if plastic else 1.0)
+    return TransientRequirements(
+        narrow, width, width, bodies, fraction, fields, reasons, warnings, plastic
+    )
 
 
 def _fretting(friction: Fretting, load: AnyLoad, hertz: HertzLine) -> tuple[float, float]:

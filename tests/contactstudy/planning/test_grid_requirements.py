@@ -1,6 +1,5 @@
 from dataclasses import replace
 from math import acosh, inf, pi, sqrt
-from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -83,20 +82,8 @@ def test_a_random_surface_keeps_its_extent_under_a_somewhat_larger_load() -> Non
     assert extent(1e5, own)[0] < extent(1.1e5, own)[0] < 8e-4
 
 
-# As wide as a tenth of the radius.
-THICK: Any = SimpleNamespace(half_width=2.0, radius=20.0)
-
-
-def test_a_contact_wider_than_a_tenth_of_the_radius_is_not_one_of_half_spaces() -> None:
-    grid = cs.Grid((64, 1), (8.0, 4.0))
-    assert GridRequirements(THICK, (), inf).warnings(grid) == ()
-    wider: Any = SimpleNamespace(half_width=2.01, radius=20.0)
-    (said,) = GridRequirements(wider, (), inf).warnings(grid)
-    assert "too large a fraction for half-spaces" in said
-
-
 def test_a_wave_needs_two_cells_along_each_axis() -> None:
-    waves = GridRequirements(THICK, (LengthScales(shortest_wavelengths=(0.5, 0.25)),), inf)
+    waves = requirements(LengthScales(shortest_wavelengths=(0.5, 0.25)))
     assert waves.warnings(cs.Grid((32, 32), (8.0, 4.0))) == ()
     (said,) = waves.warnings(cs.Grid((31, 32), (8.0, 4.0)))
     assert said.startswith("Grid.cells[0] is 31")

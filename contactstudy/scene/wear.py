@@ -24,7 +24,7 @@ class Wear:
     coefficient
         Specific wear rate k [1/Pa], the wear coefficient over the hardness, at least zero.
     speed
-        Sliding speed [m/s], so that ``ds = speed dt``: zero where slip or a film gives the sliding, else above zero.
+        Sliding speed [m/s], at least zero, so that ``ds = speed dt``; zero only where slip or a film gives it.
     body
         Index (0 or 1) of the wearing body in ``Scene.solids``.
     circumference

@@ -19,6 +19,7 @@ from tests.contactstudy.lubrication.scenes import by_moes
 from tests.contactstudy.lubrication.scenes import grid as film_grid
 from tests.contactstudy.scene.shapes.test_own_shapes import Own
 from tests.contactstudy.test_refused_values import (
+    COATED,
     EXACT,
     FREE,
     OIL,
@@ -111,6 +112,11 @@ BESIDE: list[tuple[str, cs.Scene, dict[str, Any]]] = [
         {"friction": cs.Fretting(0.3, displacements=(0.0, 1e-7), times=(0.0, 1.0)), "load": HISTORY},
     ),
     ("*flow along its surface", SMOOTH, {"friction": FRETS, "solids": (YIELDING, YIELDING)}),
+    # bulk stress
+    *(("*Scene.solids[1], a CoatedHalfSpace", SMOOTH, {"friction": law, "solids": (COATED, COATED)}) for law in (
+        cs.PartialSlip(0.3, 1e4, bulk_stress=1e7, bulk_body=1),
+        cs.Fretting(0.3, (1e4,), bulk_stresses=(1e7,), bulk_body=1),
+    )),
     # free faces
     *((said, SMOOTH, {"solids": (ENDED, STEEL)} | changes) for said, changes in (
         ("Scene.shapes[1] is FiniteLength*leave it out", {"shapes": (CYLINDER, cs.FiniteLength(0.012))}),
@@ -221,6 +227,9 @@ def held(**times: Any) -> object:
 
 
 SOLVES: list[tuple[str, Callable[[], object]]] = [
+    ("Scene.friction has a bulk stress with images across", lambda: replace(
+        SMOOTH, friction=cs.PartialSlip(0.3, 1e4, bulk_stress=1e7)
+    ).problem(UNIT, (EXACT, EXACT))),
     ("*enter it again", lambda: DRIVEN.problem(cs.Grid((32, 1), (3e-4, 1e-3)), (EXACT, EXACT))),
     *((
         "TractiveRolling.spin is 5.0 in a contact without end",

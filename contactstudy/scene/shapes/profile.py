@@ -100,7 +100,7 @@ class EndRelief:
     end_radius
         Radius of the arcs at both ends [m], infinite, the default, for none.
     end_angle
-        Angle of the chamfers from the tangent of the middle part [rad], at least zero and below 1.5.
+        Angle of the chamfers from the tangent of the middle part [rad], at least zero and up to 1.5.
     radius
         Radius of the middle part [m], infinite, the default, for a straight one.
 

@@ -1,11 +1,15 @@
 import re
-from dataclasses import replace
-from inspect import signature
-from typing import Any
+from collections.abc import Iterator
+from dataclasses import is_dataclass, replace
+from inspect import getdoc, isclass, signature
+from math import nan
+from typing import Any, get_args, get_origin
 
 import pytest
 
 import contactstudy as cs
+from contactstudy.domain.checks import parameters
+from contactstudy.domain.validation import hint_of, kind_of, valid
 
 
 @pytest.mark.parametrize(
@@ -25,3 +29,39 @@ def test_a_misspelt_keyword_is_answered_with_the_right_one(make: Any, sentence: 
 def test_a_constructor_that_suggests_fields_keeps_its_signature() -> None:
     assert list(signature(cs.Cylinder).parameters) == ["radius"]
     assert cs.Cylinder(0.1) == cs.Cylinder(radius=0.1) == replace(cs.Cylinder(0.2), radius=0.1)
+
+
+# What a docstring says of a number: above or at least 0, and what it is below, or goes up to.
+LIMITS = re.compile(r"(above|at least) (?:zero|0)\b(?: and (below|up to) (\d(?:\.\d+)?))?")
+
+
+def numbers() -> Iterator[tuple[str, Any, str]]:
+    """Name, annotation and meaning of each number of the public classes whose constructors check their fields."""
+    for cls in (getattr(cs, name) for name in cs.__all__):
+        if not (isclass(cls) and is_dataclass(cls) and hasattr(cls.__init__, "__wrapped__")):
+            continue
+        for name in parameters(cls):
+            hint, doc = hint_of(cls, name), f"{getdoc(cls)}\n"
+            kinds = map(kind_of, (hint, *get_args(hint)))
+            if get_origin(hint) is not tuple and {int, float}.intersection(kinds):
+                meaning = re.search(rf"^(?:\w+, )*{name}(?:, \w+)*\n((?:    .*\n?)+)", doc, re.M)
+                yield (
+                    f"{cls.__name__}.{name}",
+                    hint,
+                    " ".join(meaning[1].split()) if meaning else "",
+                )
+
+
+def test_a_number_outside_the_limits_that_its_docstring_says_is_refused() -> None:
+    limited = 0
+    for name, hint, meaning in numbers():
+        bad: list[object] = [nan, "much", object()]
+        if (limits := LIMITS.search(meaning)) and "of any sign" not in meaning:
+            limited += 1
+            low, high, end = limits.groups()
+            bad.append(0.0 if low == "above" else -1.0)
+            bad += [float(end) + 0.1 * (high == "up to")] if high else []
+        for value in bad:
+            with pytest.raises(cs.InvalidInput, match=rf"^{name} is .*: (give|choose) "):
+                valid(name, value, hint)
+    assert limited > 50

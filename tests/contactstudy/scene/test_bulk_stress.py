@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy import InvalidInput
 from tests.conftest import STEEL
 
 FRICTION, LOAD = 0.5, 1e5
@@ -91,31 +90,3 @@ def test_a_cycle_of_bulk_stress_in_phase_or_alone_is_a_whole_one(amplitude: floa
         .quantities["energy_per_cycle"]
         .value
     )
-
-
-@pytest.mark.parametrize(
-    ("law", "message"),
-    [
-        (cs.PartialSlip(FRICTION, FORCE, bulk_stress=1e7, bulk_body=1), r"solids\[1\], a Coated"),
-        (
-            cs.Fretting(FRICTION, (FORCE,), bulk_stresses=(1e7,), bulk_body=1),
-            r"solids\[1\], a Coated",
-        ),
-    ],
-)
-def test_a_bulk_stress_needs_a_homogeneous_half_space(law: object, message: str) -> None:
-    coated = cs.CoatedHalfSpace(STEEL, 1e-5, STEEL)
-    with pytest.raises(InvalidInput, match=message):
-        cs.Scene(cs.LineLoad(LOAD), (coated, coated), (cs.Cylinder(0.01),), friction=law)
-
-
-def test_bulk_stresses_are_as_many_as_forces_and_without_times() -> None:
-    with pytest.raises(InvalidInput, match="2 stresses and"):
-        cs.Fretting(FRICTION, (FORCE,), bulk_stresses=(1e7, 2e7))
-    with pytest.raises(InvalidInput, match="together with times"):
-        cs.Fretting(FRICTION, (FORCE,), times=(1.0,), bulk_stresses=(1e7,))
-    law = cs.PartialSlip(FRICTION, FORCE, bulk_stress=1e7)
-    scene = cs.Scene(cs.LineLoad(LOAD), (STEEL, STEEL), (cs.Cylinder(0.01),), friction=law)
-    both = cs.ExactPeriodicity(), cs.ExactPeriodicity()
-    with pytest.raises(InvalidInput, match="images across"):
-        cs.solve(scene, cs.Grid((32, 1), (4e-4, 1e-3)), both)

@@ -190,28 +190,6 @@ def test_a_substrate_that_does_not_yield_holds_the_coating_in_its_plane() -> Non
     np.testing.assert_allclose(xx, 0.3 / 0.7 * zz, atol=1e-9)
 
 
-def test_a_scene_with_a_coated_body_has_its_stress_on_both_sides_of_the_bond() -> None:
-    coated = cs.CoatedHalfSpace(cs.HalfSpace(840e9, 0.3), 1e-4, STEEL)
-    scene = cs.Scene(
-        cs.LineLoad(1e5),
-        (coated, cs.HalfSpace(inf, 0.3)),
-        (cs.Cylinder(0.01),),
-        outputs=(cs.SubsurfaceStress(),),
-    )
-    grid = cs.Grid((48, 1), (4e-4, 1e-3))
-    found = cs.solve(scene.problem(grid, cs.ExactPeriodicity())).to_dataset()
-    assert {1e-4, 1e-4 * BELOW} <= set(found["z"].values)
-    # of a homogeneous body the largest is 0.558 times the highest pressure
-    assert float(found["von_mises"].max()) > 0.57 * float(found["pressure"].max())
-    same = replace(scene, solids=(cs.CoatedHalfSpace(STEEL, 1e-4, STEEL), cs.HalfSpace(inf, 0.3)))
-    plain = replace(scene, solids=(STEEL, cs.HalfSpace(inf, 0.3)))
-    one, two = (
-        cs.solve(which.problem(grid, cs.ExactPeriodicity())).to_dataset()["von_mises"].values
-        for which in (same, plain)
-    )
-    np.testing.assert_array_equal(one, two)
-
-
 @pytest.mark.parametrize("fractions", [None, (0.5, 0.70429, 1.0, 1.5)])
 def test_numbers_of_a_coating_are_its_von_mises_stress_and_the_shear_at_its_bond(
     fractions: tuple[float, ...] | None,

@@ -91,32 +91,6 @@ def test_partial_slip_of_a_cylinder_is_cattaneos(
     assert carried == pytest.approx(sign * fraction * mu * 1e5, rel=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("padding", "load"),
-    [
-        (cs.ExactPeriodicity(), LOAD),
-        # a roller shorter than the grid: forces per length are those of the roller
-        ((cs.ZeroPadding(), cs.ZeroPadding()), cs.TotalLoad(15.0, 1.5e-4)),
-    ],
-)
-def test_without_poissons_ratio_the_traction_is_a_difference_of_two_pressures(
-    padding: cs.Padding, load: cs.LineLoad | cs.TotalLoad
-) -> None:
-    """``q = mu (p(P) - p(P - Q / mu))`` (Ciavarella 1998, Int. J. Solids Struct. 35, 2349; Jaeger 1998)."""
-    cork, mu, force = replace(STEEL, poisson_ratio=0.0), 0.3, 1.2e4
-    one = scene(cs.PartialSlip(mu, force), solids=(cork, cork), shapes=ROUGH, load=load)
-    grid = cs.Grid((48, 48), (3e-4, 3e-4))
-    less = force / mu * one.loaded_length(grid, padding)
-    total = one.largest_load * one.loaded_length(grid, padding)
-    remaining = replace(one, load=cs.TotalLoad(total - less, grid.length), friction=None)
-    slips, inner = (
-        cs.solve(each.problem(grid, padding), tolerance=1e-9) for each in (one, remaining)
-    )
-    expected = mu * (slips.pressure - inner.pressure)
-    # the solver's tolerance, times how much a narrow spot's traction answers to a gap: measured below 30
-    assert np.abs(slips.shear[0] - expected).sum() <= 1e-6 * expected.sum()
-
-
 def test_disks_meet_every_condition_of_coulombs_law() -> None:
     """With Poisson's ratio, in three dimensions: within the disk no slip, on its rim slip against the shear."""
     mu = 0.25

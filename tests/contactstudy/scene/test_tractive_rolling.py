@@ -58,12 +58,6 @@ def test_shear_of_a_cylinder_is_carters(cells: int, part: float) -> None:
     assert solution.traction.iterations <= 30
 
 
-def test_lateral_creepage_in_plane_strain_is_carters_with_the_compliance_along() -> None:
-    """The surface gives way 1 / (1 - nu) times as much along the cylinder."""
-    solution = solved(rolling(lateral=0.5 * SATURATION / (1 - STEEL.poisson_ratio)), (512, 1))
-    assert traction_share(solution) == pytest.approx([0, 0.75], abs=1e-3)
-
-
 @pytest.mark.parametrize(
     ("poisson_ratio", "shape", "c11", "c22", "c23"),
     [
@@ -168,11 +162,6 @@ def test_without_creepage_nothing_is_sheared() -> None:
     assert solution.traction.power.sum() == 0
 
 
-def test_shear_goes_with_the_coefficient_to_zero() -> None:
-    slippery = solved(cs.TractiveRolling(1e-9, longitudinal=1e-3), (64, 1))
-    np.testing.assert_allclose(slippery.shear[0], 1e-9 * slippery.pressure, rtol=1e-6)
-
-
 def mirrored_waves(sign: float) -> Own:
     """Waves that a sign of -1 mirrors across."""
 
@@ -203,17 +192,6 @@ def test_rolling_back_is_rolling_in_a_mirror() -> None:
     )
     mirrored = back.shear[:, ::-1] * np.array([-1, 1])[:, None, None]
     np.testing.assert_allclose(mirrored, ahead.shear, atol=1e-7 * MU * P0)
-
-
-@pytest.mark.parametrize("fraction", [0.1, 0.5, 0.9, 0.99, -0.5])
-def test_creepage_of_a_given_force_is_carters(fraction: float) -> None:
-    friction = cs.TractiveRolling(MU, tangential=fraction * MU * LOAD.per_length)
-    solution = solved(friction, (512, 1), 1e-7)
-    assert solution.status is cs.Status.CONVERGED
-    assert traction_share(solution)[0] == pytest.approx(fraction, abs=1e-7)
-    expected = np.sign(fraction) * (1 - np.sqrt(1 - abs(fraction)))
-    found = solution.traction.creepage.longitudinal / SATURATION
-    assert found == pytest.approx(expected, abs=1e-4)
 
 
 @pytest.mark.parametrize("cells", [28, 41, 54, 84])

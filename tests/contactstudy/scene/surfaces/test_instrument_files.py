@@ -122,7 +122,9 @@ def test_a_heading_with_the_micro_sign_is_read_in_any_encoding(
     ("mark", "header", "keys"),
     [
         ("-9999", "", {}), ("1e38", "", {}), ("3.4028235e38", "", {}), ("-32768", "", {}), ("-inf", "", {}),
-        ("no data", "", {}), ("#N/A", "", {}), ("0.123", "", {"invalid": 0.123}), ("7.5", "NODATA_value 7.5\n", {}),
+        ("no data", "", {}), ("#N/A", "", {}), ("", "", {}), ("NaN", "", {}), ("***", "", {}),
+        ("BAD", "", {}), ("--", "", {}),
+        ("0.123", "", {"invalid": 0.123}), ("7.5", "NODATA_value 7.5\n", {}),
     ],
 )  # fmt: skip
 def test_points_that_were_not_measured_are_missing(

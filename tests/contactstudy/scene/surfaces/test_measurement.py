@@ -72,13 +72,6 @@ def written(tmp_path: Path) -> Path:
 
 
 @pytest.mark.whole
-def test_a_file_is_read_in_metres(written: Path) -> None:
-    points, extent = read(written)
-    np.testing.assert_allclose(points, HEIGHTS, rtol=1e-14)
-    assert extent == pytest.approx((6e-6, 8e-6), rel=1e-14)
-
-
-@pytest.mark.whole
 def test_a_surface_from_a_file_is_that_of_its_heights(written: Path) -> None:
     surface = cs.MeasuredSurface.read(str(written))
     points, extent = read(written)
@@ -185,18 +178,6 @@ def test_rows_of_numbers_are_read_in_their_unit(tmp_path: Path, name: str, text:
     points, extent = read(tmp_path / name, (2e-3, 3e-3), "um")
     np.testing.assert_allclose(points, LARGE * 1e-6, rtol=1e-15)
     assert extent == (2e-3, 3e-3)
-
-
-@pytest.mark.parametrize("mark", ["", "NaN", "***", "BAD", "--"])
-def test_a_word_for_a_missing_point_is_missing(tmp_path: Path, mark: str) -> None:
-    (tmp_path / "holes.csv").write_text(rows(";").replace("1.75", mark, 1))
-    points, _ = read(tmp_path / "holes.csv", None, "um")
-    assert np.argwhere(np.isnan(points)).tolist() == [[0, 6]]
-
-
-def test_a_profile_is_one_column(tmp_path: Path) -> None:
-    (tmp_path / "profile.txt").write_text("".join(f"{n}\n" for n in range(8)))
-    assert read(tmp_path / "profile.txt", None, "um")[0].shape == (8, 1)
 
 
 def test_an_array_in_a_file_is_read_in_its_unit(tmp_path: Path) -> None:

@@ -84,7 +84,7 @@ def explanation(verdict: Verdict) -> Iterator[str]:
         ratios = [(padding_name(one.setting.label), one.seconds / best.seconds) for one in others]
         if ties := [name for name, ratio in ratios if ratio <= TIE]:
             whose = ", which goes to the scene's own padding" * (best.setting.label == verdict.own)
-            yield f"As fast within {percent(TIE - 1)}, a tie{whose}: {', '.join(ties)}."
+            yield f"As fast within {percent(TIE - 1)}, or but for the set-up, a tie{whose}: {', '.join(ties)}."
         if slower := [f"{name} ({ratio:.2g} times)" for name, ratio in ratios if ratio > TIE]:
             yield f"Slower: {', '.join(slower)}."
     least: dict[str, Measured] = {}

@@ -14,11 +14,11 @@ from studies.advice.trials import verdict_on
 from studies.advice.verdict import (
     EVERY_NUMBER,
     PRESSURE,
-    TIE,
     Measured,
     SceneToJudge,
     Setting,
     Verdict,
+    is_tie,
     paper_scene,
     scene_in,
 )
@@ -72,7 +72,7 @@ def test_the_tables_of_a_verdict_solve_the_scene_to_met(
     assert answer.met, answer.accuracy
     best = verdict.best()
     assert best is not None
-    assert best.seconds <= TIE * verdict.meeting()[0].seconds
+    assert is_tie(best, verdict.meeting()[0])
     if name == "rough-roller":  # which ends along its length
         free = cs.ZeroPadding(), cs.ZeroPadding()
         assert {measured.setting.padding for measured in verdict.settings} == {free}
@@ -172,9 +172,11 @@ def test_a_tie_goes_to_the_padding_of_the_scene_and_to_more_cells() -> None:
     ).best()
     assert best is not None
     assert (best.setting.label, best.setting.cells) == ("exact", (64, 64))
-    faster = of(one(COPIED, seconds=0.8), one(seconds=1.0)).best()
-    assert faster is not None
-    assert faster.setting.label == "duplicated"
+    # on one grid a copy differs in its set-up alone; on another the faster one is chosen
+    for cells, chosen in ((32, "exact"), (24, "duplicated")):
+        faster = of(one(COPIED, cells, seconds=0.8), one(seconds=1.0)).best()
+        assert faster is not None
+        assert faster.setting.label == chosen
 
 
 @pytest.mark.parametrize(("measure", "met"), [(PRESSURE, True), (EVERY_NUMBER, False)])

@@ -119,7 +119,8 @@ def _fastest(verdict: Verdict) -> Table:
     ]
     return Table(
         "The fastest setting for each error, of those that were tried. Times are the least processor times of a solve "
-        f"on one thread; a tie within {percent(TIE - 1)}, or but for the set-up, goes to the scene's own padding and to more cells.",
+        f"on one thread; a tie within {percent(TIE - 1)}, or but for the set-up, goes to the scene's own padding and to "
+        "more cells.",
         ("request", *HEAD),
         tuple(rows),
     )

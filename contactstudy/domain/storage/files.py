@@ -10,7 +10,7 @@ import os
 import re
 import shutil
 import socket
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from datetime import UTC, datetime
 from importlib import import_module
@@ -185,66 +185,48 @@ def _lacks_inodes(folder: Path) -> bool:
 
 
 @contextmanager
-def locked(path: Path, log: Callable[[str], object]) -> Iterator[None]:
-    """Hold the lock at ``path`` during the block; wait for another holder after passing its name to ``log``.
+def locked(path: Path, what: str) -> Iterator[None]:
+    """Hold the lock at ``path`` during the block; `what` is locked, as the message calls it.
 
-    The file names its holder and is removed at the end. On a file system without locks the name alone decides. Locking
-    libraries were not usable: they cannot name the holder of a lock on every system, or truncate the file. Raises
-    :class:`~contactstudy.InvalidInput` if the lock is a symbolic link, or, without locks, if its holder is on another
-    machine, where this program cannot see whether it is running.
+    The file names its holder and is removed at the end. On a file system without locks the name alone decides. Raises
+    :class:`~contactstudy.InvalidInput` if another process holds the lock, which it names, or if the lock cannot be
+    taken, such as a symbolic link.
     """
     try:
-        descriptor = _acquire(path, log)
+        descriptor = open_descriptor(path, os.O_RDWR | os.O_CREAT)
     except OSError as error:
         raise InvalidInput(
-            f"Lock {str(path)!r} cannot be taken ({reason(error, path)}): remove it or give another folder with --out."
+            f"Lock {str(path)!r} cannot be taken ({reason(error, path)}): remove it, or give another folder."
         ) from None
     try:
-        yield
-    finally:
-        with suppress(OSError):  # Windows does not remove an open file: it stays, unlocked
-            # only this file: the folder may have been removed, and created again by another process
-            if _is_at(descriptor, path):
-                path.unlink()
-        os.close(descriptor)
-
-
-def _acquire(path: Path, log: Callable[[str], object]) -> int:
-    """Lock the file at ``path``, write this process into it, and return its descriptor."""
-    wait = False
-    while True:
-        descriptor = open_descriptor(path, os.O_RDWR | os.O_CREAT)
-        try:
-            holder = _holder(descriptor, path, wait=wait)
-            # the last holder may have removed the file between the opening and the locking of it
-            if holder is None and _is_at(descriptor, path):
-                _write_holder(descriptor)
-                return descriptor
-        except BaseException:
-            os.close(descriptor)
-            raise
-        os.close(descriptor)
-        if holder is not None:
-            log(f"{path.stem.lstrip('.')}: waiting for {holder}, which writes to the same output")
-            wait = True
-
-
-def _holder(descriptor: int, path: Path, *, wait: bool) -> str | None:
-    """Lock the open file and return None, or return the name of the process that holds the lock."""
-    try:
-        lock_descriptor(descriptor, wait=wait)
-    except BlockingIOError:
-        return _holder_name(_read_holder(descriptor))
-    except OSError as error:
-        if error.errno not in NO_LOCK_ERRORS:
-            raise
         holder = _read_holder(descriptor)
-        if holder is not None and _may_be_alive(holder):
+        # a holder that ends removes the file, which may be between the opening and the locking of it
+        if _is_held(descriptor, holder) or not _is_at(descriptor, path):
             raise InvalidInput(
-                f"Lock {str(path)!r} is held by {_holder_name(holder)}, and this file system cannot tell whether "
-                "that still runs: if it does not, remove the file."
-            ) from None
-    return None
+                f"{what} is locked by {_holder_name(holder)}: run again when that has ended, or give another folder; "
+                f"if it does not run, remove {str(path)!r}."
+            )
+        _write_holder(descriptor)
+        try:
+            yield
+        finally:
+            with suppress(OSError):  # Windows does not remove an open file: it stays, unlocked
+                # only this file: the folder may have been removed, and created again by another process
+                if _is_at(descriptor, path):
+                    path.unlink()
+    finally:
+        os.close(descriptor)
+
+
+def _is_held(descriptor: int, holder: dict[str, object] | None) -> bool:
+    """Lock the open file, and return whether another process holds it, that of its content if there are no locks."""
+    try:
+        lock_descriptor(descriptor, wait=False)
+    except BlockingIOError:
+        return True
+    except OSError:
+        return holder is not None and _may_be_alive(holder)
+    return False
 
 
 def lock_descriptor(descriptor: int, *, wait: bool) -> None:

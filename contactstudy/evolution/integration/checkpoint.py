@@ -65,13 +65,7 @@ class Checkpoint:
         self.folder.mkdir(parents=True, exist_ok=True)
         identity = {"request": digest(request), "version": VERSION, "source": source_hash()}
         self.request_hash = digest(identity)
-
-        def refuse(holder: str) -> None:
-            raise InvalidInput(
-                f"solve.folder is {str(self.folder)!r}; {holder}: run again when it has ended, or give another folder."
-            )
-
-        with locked(self.folder / ".integration.lock", refuse):
+        with locked(self.folder / ".integration.lock", f"solve.folder {str(self.folder)!r}"):
             remove_partial_files(self.folder)
             path = self.folder / "request.json"
             if path.exists():

@@ -1,9 +1,9 @@
 import errno
 import json
 import os
+import re
 import shutil
 import socket
-import threading
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -23,8 +23,7 @@ from contactstudy.domain.storage.files import (
     set_aside,
     write_with_checksum,
 )
-from tests.conftest import HANGS
-from tests.studies.conftest import NEVER, POSIX, quiet
+from tests.studies.conftest import NEVER, POSIX
 
 
 def test_a_file_stays_as_it_was_until_the_new_one_is_whole(tmp_path: Path) -> None:
@@ -103,32 +102,16 @@ def signed(path: Path, **held: object) -> Path:
     return path
 
 
-@POSIX
-def test_the_second_process_names_the_holder_of_the_lock_and_waits(tmp_path: Path) -> None:
+def test_a_second_holder_of_a_lock_is_refused_with_the_name_of_the_first(tmp_path: Path) -> None:
     path = tmp_path / ".study.lock"
-    said: list[str] = []
-    order: list[str] = []
-    waits = threading.Event()
-
-    def log(text: str) -> None:
-        said.append(text)
-        waits.set()
-
-    def second() -> None:
-        with locked(path, log):
-            order.append("second")
-
-    thread = threading.Thread(target=second)
-    with locked(path, quiet):
+    with locked(path, "it"):
         since = json.loads(path.read_text(encoding="utf-8"))["since"]
-        thread.start()
-        assert waits.wait(HANGS)
-        order.append("first")
-    thread.join()
-    assert order == ["first", "second"]
-    holder = f"process {os.getpid()} on {socket.gethostname()} (since {since})"
-    assert said == [f"study: waiting for {holder}, which writes to the same output"]
+        holder = f"process {os.getpid()} on {socket.gethostname()} (since {since})"
+        with pytest.raises(InvalidInput, match=re.escape(f"it is locked by {holder}: run again")):
+            locked(path, "it").__enter__()
     assert not path.exists()
+    with locked(path, "it"):
+        assert path.exists()
 
 
 def test_without_locks_on_a_file_system_what_the_file_says_counts(
@@ -139,19 +122,19 @@ def test_without_locks_on_a_file_system_what_the_file_says_counts(
 
     monkeypatch.setattr(module, "lock_descriptor", unsupported)
     path = signed(tmp_path / "lock", host="there")
-    with pytest.raises(InvalidInput, match=r"is held by process \d+ on there \(since 2026-01-02"):
-        locked(path, quiet).__enter__()
+    with pytest.raises(InvalidInput, match=r"is locked by process \d+ on there \(since 2026-01-02"):
+        locked(path, "it").__enter__()
     assert path.exists()
     signed(path, pid=NEVER)
-    with locked(path, quiet):
+    with locked(path, "it"):
         assert json.loads(path.read_text(encoding="utf-8"))["pid"] == os.getpid()
 
 
 def test_a_lock_that_cannot_be_taken_says_why(tmp_path: Path) -> None:
     path = tmp_path / "lock"
     path.mkdir()
-    with pytest.raises(InvalidInput, match=r"cannot be taken .*: remove it or give another folder"):
-        locked(path, quiet).__enter__()
+    with pytest.raises(InvalidInput, match=r"cannot be taken .*: remove it, or give another folder"):
+        locked(path, "it").__enter__()
 
 
 @POSIX

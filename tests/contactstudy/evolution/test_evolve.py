@@ -172,7 +172,9 @@ def test_a_folder_is_of_one_integration_one_version_and_one_process(
     seen: list[str] = []
 
     def second(time: float, end: float) -> None:
-        with pytest.raises(cs.InvalidInput, match=r"waiting for process .*: run again when it has"):
+        with pytest.raises(
+            cs.InvalidInput, match=r"is locked by process .*: run again when that has"
+        ):
             evolve(scene, GRID, EXACT, times=[0.0, 1.0], folder=tmp_path)
         seen.append("second")
 

@@ -33,7 +33,6 @@ from contactstudy.scene.shapes.roller import FiniteLength
 from contactstudy.scene.shapes.shape import Shape, length_scales_of
 from contactstudy.scene.solids.bodies import (
     Body,
-    RestrictedBody,
     contact_modulus,
     creeps,
     hertz_line,
@@ -159,60 +158,23 @@ class Scene(InNotebook):
         contact_modulus(self.solids)
         for number, shape in enumerate(self.shapes):
             valid(f"Scene.shapes[{number}].curvature", shape.curvature, float)
-        self._check_load()
-        for effect in (self.rolling, self.friction, self.lubrication, self.adhesion, self.wear):
-            if effect is not None:
-                effect.check(self)
+        self._check_curvatures()
+        effects = self.rolling, self.friction, self.lubrication, self.adhesion, self.wear
+        for part in (self.load, *effects, *self.solids):
+            getattr(part, "check", lambda _: None)(self)
         self._check_outputs()
         self._check_hardness()
-        self._check_approach()
-        for solid in self.solids:
-            if isinstance(solid, RestrictedBody):
-                solid.check(self)
         if self.free_length < inf:
             check_free_faces(self)
 
-    def _check_load(self) -> None:
-        """Check the load, and the length of its roller."""
-        if self.adhesion is None:
-            if isinstance(self.load, PullOff):
-                raise InvalidInput(
-                    "Scene.load is a PullOff without adhesion: give Scene.adhesion, such as Adhesion(work=0.05)."
-                )
-            if hasattr(self.load, "check_compressive"):
-                self.load.check_compressive()
+    def _check_curvatures(self) -> None:
+        """Check that a hollow body has room for the other."""
         across, _ = self.curvatures
         sharpest = max((abs(shape.curvature) for shape in self.shapes), default=0.0)
         if across < 0 or 0 <= across < CONFORMING * sharpest:
             raise InvalidInput(
                 f"Scene.shapes have curvatures that add up to {across:.4g} 1/m: the hollow body must have the larger "
                 "radius, give that of a hollow body below 0 m and a convex one that fits into it."
-            )
-        if isinstance(self.load, TotalLoad):
-            _ = self.roller_length  # which refuses a load without one
-
-    def _check_approach(self) -> None:
-        """Check a search or an approach in place of a load, once every effect is checked."""
-        if isinstance(self.load, PullOff) and self.time_dependent_field is not None:
-            raise InvalidInput(
-                f"Scene.load is a PullOff together with {self.time_dependent_field}, which has a history: give a "
-                "LoadHistory that falls until contact is lost."
-            )
-        if isinstance(self.load, PullOff) and self.rolling is not None:
-            raise InvalidInput(
-                "Scene.load is a PullOff together with Scene.rolling: elastic bodies that roll part at the load at "
-                "which they do at rest, leave rolling out."
-            )
-        if not isinstance(self.load, Approach):
-            return
-        conflicting = self.time_dependent_field if self.lubrication is None else "Scene.lubrication"
-        if self.rolling is not None:
-            conflicting = "Scene.rolling"
-        if self.hardness != inf:
-            conflicting = "Scene.hardness"
-        if conflicting is not None:
-            raise InvalidInput(
-                f"Scene.load is an Approach together with {conflicting}, which needs a given load: give a LineLoad."
             )
 
     def _check_hardness(self) -> None:

@@ -158,7 +158,6 @@ class Fretting:
         amplitude: float,
         steps: int = 1,
         bulk_stress: float = 0.0,
-        bulk_body: int = 0,
     ) -> "Fretting":
         """Return one cycle of fretting, from 0 to the `amplitude` [N/m], to its opposite, and to the amplitude again.
 
@@ -171,7 +170,7 @@ class Fretting:
         parts = (1.0, *down, *(-part for part in down))
         stresses = tuple(bulk_stress * part for part in parts) if bulk_stress else None
         forces = tuple(amplitude * part for part in parts)
-        return cls(coefficient, forces, bulk_stresses=stresses, bulk_body=bulk_body)
+        return cls(coefficient, forces, bulk_stresses=stresses)
 
     def check(self, scene: SceneContext) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if the contact cannot stick, or its traction is not supported."""

@@ -6,6 +6,7 @@ from typing import Annotated
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.units import Metres, Newtons, NewtonsPerMetre
 from contactstudy.domain.validation import ANY_SIGN, valid, validated
+from contactstudy.scene.solids.bodies import SceneContext
 
 
 @validated
@@ -26,9 +27,10 @@ class LineLoad:
 
     per_length: Annotated[NewtonsPerMetre, ANY_SIGN]
 
-    def check_compressive(self) -> None:
-        """Raise :class:`~contactstudy.InvalidInput` unless the load presses the bodies together."""
-        valid("LineLoad.per_length", self.per_length, NewtonsPerMetre)
+    def check(self, scene: SceneContext) -> None:
+        """Raise :class:`~contactstudy.InvalidInput` unless the load, or an attraction, presses the bodies together."""
+        if scene.adhesion is None:
+            valid("LineLoad.per_length", self.per_length, NewtonsPerMetre)
 
     @property
     def largest(self) -> float:
@@ -75,9 +77,11 @@ class TotalLoad:
             )
         return length
 
-    def check_compressive(self) -> None:
-        """Raise :class:`~contactstudy.InvalidInput` unless the load presses the bodies together."""
-        valid("TotalLoad.total", self.total, Newtons)
+    def check(self, scene: SceneContext) -> None:
+        """Raise :class:`~contactstudy.InvalidInput` for a load that pulls without adhesion, and without a length."""
+        if scene.adhesion is None:
+            valid("TotalLoad.total", self.total, Newtons)
+        _ = scene.roller_length
 
 
 ConstantLoad = LineLoad | TotalLoad

@@ -9,6 +9,7 @@ from typing import Annotated, ClassVar, Protocol, runtime_checkable
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.units import NewtonsPerMetre, PerSecond, Radians, Seconds
 from contactstudy.domain.validation import ANY_SIGN, AT_LEAST_ZERO, FINITE, valid, validated
+from contactstudy.scene.solids.bodies import SceneContext
 
 # Loads that press the bodies together.
 LOADS = tuple[Annotated[NewtonsPerMetre, AT_LEAST_ZERO], ...]
@@ -183,9 +184,10 @@ class LoadHistory(PiecewiseLinear):
         """Largest load [N/m]."""
         return max(self.per_length)
 
-    def check_compressive(self) -> None:
-        """Raise :class:`~contactstudy.InvalidInput` if a load pulls the bodies apart."""
-        valid("LoadHistory.per_length", self.per_length, LOADS)
+    def check(self, scene: SceneContext) -> None:
+        """Raise :class:`~contactstudy.InvalidInput` if a load pulls the bodies apart without adhesion."""
+        if scene.adhesion is None:
+            valid("LoadHistory.per_length", self.per_length, LOADS)
 
 
 @validated

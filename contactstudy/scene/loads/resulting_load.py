@@ -1,11 +1,12 @@
 """Loads that are results: an approach, or the point of separation, given in place of a load."""
 
-from math import e, exp, pi
+from math import e, exp, inf, pi
 from typing import Annotated, ClassVar
 
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.units import Metres, NewtonsPerMetre, Number, readable
 from contactstudy.domain.validation import ANY_SIGN, Limits, validated
+from contactstudy.scene.solids.bodies import SceneContext
 
 # Distance from the axis at which the surface does not move, over the equivalent radius, where none is given.
 DATUM_OVER_RADIUS = 2.0
@@ -41,6 +42,20 @@ class Approach:
 
     approach: Annotated[Metres, ANY_SIGN]
     datum: Metres | None = None
+
+    def check(self, scene: SceneContext) -> None:
+        """Raise :class:`~contactstudy.InvalidInput` for an effect of `scene` that needs a given load."""
+        named = {
+            "Scene.hardness": scene.hardness != inf,
+            "Scene.rolling": scene.rolling is not None,
+            "Scene.lubrication": scene.lubrication is not None,
+            scene.time_dependent_field: scene.time_dependent_field is not None,
+        }
+        for field, conflicts in named.items():
+            if conflicts:
+                raise InvalidInput(
+                    f"Scene.load is an Approach together with {field}, which needs a given load: give a LineLoad."
+                )
 
     def check_datum(self, *, endless_axes: int) -> None:
         """Raise InvalidInput for a datum unless it has an effect: of one axis with infinitely many images."""
@@ -95,6 +110,23 @@ class PullOff:
 
     preload: Annotated[NewtonsPerMetre, ANY_SIGN]
     error: Annotated[Number, Limits("from 1e-6 and below 1", lambda x: 1e-6 <= x < 1)] = 4e-3
+
+    def check(self, scene: SceneContext) -> None:
+        """Raise :class:`~contactstudy.InvalidInput` for a `scene` without adhesion, with a history, or that rolls."""
+        if scene.adhesion is None:
+            raise InvalidInput(
+                "Scene.load is a PullOff without adhesion: give Scene.adhesion, such as Adhesion(work=0.05)."
+            )
+        if scene.time_dependent_field is not None:
+            raise InvalidInput(
+                f"Scene.load is a PullOff together with {scene.time_dependent_field}, which has a history: give a "
+                "LoadHistory that falls until contact is lost."
+            )
+        if scene.rolling is not None:
+            raise InvalidInput(
+                "Scene.load is a PullOff together with Scene.rolling: elastic bodies that roll part at the load at "
+                "which they do at rest, leave rolling out."
+            )
 
     @property
     def per_length(self) -> float:

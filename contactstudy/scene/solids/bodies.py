@@ -192,14 +192,6 @@ class Inelastic(Protocol):
         """Elastic half-space with the same instantaneous response to the first load."""
 
 
-@runtime_checkable
-class RestrictedBody(Protocol):
-    """Body that is not defined in every scene."""
-
-    def check(self, scene: "SceneContext") -> None:
-        """Raise :class:`~contactstudy.InvalidInput` if the body is not defined in this scene."""
-
-
 class SceneContext(Protocol):
     """Properties of a scene that its bodies and effects read, to say whether they are defined together."""
 

@@ -133,7 +133,9 @@ def test_without_locks_on_a_file_system_what_the_file_says_counts(
 def test_a_lock_that_cannot_be_taken_says_why(tmp_path: Path) -> None:
     path = tmp_path / "lock"
     path.mkdir()
-    with pytest.raises(InvalidInput, match=r"cannot be taken .*: remove it, or give another folder"):
+    with pytest.raises(
+        InvalidInput, match=r"cannot be taken .*: remove it, or give another folder"
+    ):
         locked(path, "it").__enter__()
 
 

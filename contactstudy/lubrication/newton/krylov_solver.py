@@ -17,7 +17,7 @@ from scipy.sparse.linalg import LinearOperator, gmres
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.convolution import Convolution
 from contactstudy.lubrication.film_equation import Film, Linearised, Mask, neighbour
-from contactstudy.lubrication.newton.local_stage import LineStage, LUStage, local_stage
+from contactstudy.lubrication.newton.local_stage import LocalStage, local_stage
 from contactstudy.lubrication.newton.pseudo_time import ActiveSets, FilmCorrection
 from contactstudy.problem.operator import ApproximateInverse, Extension
 
@@ -66,7 +66,6 @@ class KrylovSolver:
 
     deflection: Convolution
     fourier: "FourierStage | None" = None
-    local: LineStage | LUStage | None = None
     built_for: float = 0.0
     iterations_at_build: int | None = None
     last: "tuple[StepSystem, Array] | None" = None
@@ -91,7 +90,7 @@ class KrylovSolver:
         try:
             staged = self._with_fourier_stage(linear, cavitated, touching)
             assert staged.fourier is not None
-            local = local_stage(linear, cavitated, touching, staged.local)
+            local = local_stage(linear, cavitated, touching)
         except (np.linalg.LinAlgError, RuntimeError):  # singular
             return unsolved
         system = StepSystem(linear, cavitated, touching, staged.fourier, local)
@@ -115,15 +114,11 @@ class KrylovSolver:
             start = system.restricted_from(*self.last)
         unknowns, residual, count = system.solve(right, start, norm)
         solved = bool(np.isfinite(residual) and residual < TUNING.max_residual)
-        if not solved and staged.local is not None:  # with the factors of an earlier system
-            again = replace(self, fourier=None).step(linear, film, active, load_residual)
-            return again._replace(iterations=count + again.iterations)
         at_first = count if staged.iterations_at_build is None else staged.iterations_at_build
         slow = count > TUNING.growth * at_first + TUNING.margin
         solver = replace(
             staged,
             fourier=None if slow else staged.fourier,
-            local=None if touching.any() else local,
             iterations_at_build=at_first,
             last=(system, unknowns),
             inverse=inverse,
@@ -150,9 +145,7 @@ class KrylovSolver:
         fourier = FourierStage.of(
             linear, full_film, touching, influence_by_harmonic(self.deflection)
         )
-        return replace(
-            self, fourier=fourier, local=None, built_for=time_step, iterations_at_build=None
-        )
+        return replace(self, fourier=fourier, built_for=time_step, iterations_at_build=None)
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,7 +161,7 @@ class StepSystem:
     cavitated: Mask
     touching: Mask
     fourier: "FourierStage"
-    local: LineStage | LUStage
+    local: LocalStage
     extension: Extension | None = None
 
     @cached_property
@@ -224,7 +217,7 @@ class StepSystem:
         coarse = coarse * solved
         unknowns = self.stacked(coarse * (self.full_film & ~self.touching), coarse, separation)
         cells, touching, _ = self.unstacked(values - self.product(unknowns))
-        correction = self.local.solve(cells) * ~self.linear.equation.fixed
+        correction = self.local(cells) * ~self.linear.equation.fixed
         if self.extension is not None:
             touching = self.extension.pressure(self.extension(touching))
         return unknowns + self.stacked(correction, touching, 0.0)

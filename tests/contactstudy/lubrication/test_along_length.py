@@ -10,7 +10,6 @@ import contactstudy as cs
 from contactstudy.lubrication import posed_film
 from contactstudy.lubrication.film_equation import neighbour
 from contactstudy.lubrication.newton import local_stage
-from contactstudy.lubrication.newton.local_stage import LUStage
 from contactstudy.lubrication.newton.pseudo_time import FilmControls
 from contactstudy.lubrication.posed_film import pose, prolongated
 from contactstudy.lubrication.solve_lubricated import solve_lubricated
@@ -85,27 +84,16 @@ def test_nothing_flows_out_of_cells_that_hold_nothing() -> None:
     assert np.isfinite(linear.residual).all()
 
 
-def test_without_the_compiler_the_film_is_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
-    scene = by_moes(20, 5, crossed(0.3 * film_scale(by_moes(20, 5))))
-    with_it = solve_lubricated(scene, grid(64, 4.0, 16))
-    monkeypatch.setattr(local_stage, "compiled_sweep", lambda: None)
-    without = solve_lubricated(scene, grid(64, 4.0, 16))
-    assert without.film == pytest.approx(with_it.film, rel=1e-6)
-
-
-def test_factors_that_serve_for_several_systems_give_the_same_film(
-    monkeypatch: pytest.MonkeyPatch,
+@pytest.mark.parametrize("along", [15, 16])
+def test_the_local_stage_changes_the_way_to_a_film_and_not_the_film(
+    along: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    scene = by_moes(20, 5, crossed(0.4 * film_scale(by_moes(20, 5))))
-    factorised = Mock(wraps=local_stage.splu)
-    monkeypatch.setattr(local_stage, "splu", factorised)
-    films, counts = [], []
-    for _ in range(2):
-        films.append(solve_lubricated(scene, grid(128, 4.0, 16, period=4.0)).film)
-        counts.append(factorised.call_count)
-        monkeypatch.setattr(LUStage, "scaled_to", lambda _, *system: LUStage.of(*system))
-    assert 2 * counts[0] < counts[1] - counts[0]
-    assert films[0] == pytest.approx(films[1], rel=1e-6)
+    scene = by_moes(20, 5, crossed(0.3 * film_scale(by_moes(20, 5))))
+    by_lines = solve_lubricated(scene, grid(64, 4.0, along))
+    monkeypatch.setattr(local_stage, "_by_lines", local_stage._by_factors)
+    by_factors = solve_lubricated(scene, grid(64, 4.0, along))
+    assert by_factors.film == pytest.approx(by_lines.film, rel=1e-6)
+    assert by_lines.linear_iterations < 1.5 * by_factors.linear_iterations
 
 
 def test_a_crowned_roller_has_its_film_in_the_middle_and_none_beyond_its_ends(

@@ -9,7 +9,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import inf
-from typing import ClassVar, Generic, Protocol, TypeVar
+from typing import ClassVar, Generic, Literal, Protocol, TypeVar
 
 from contactstudy.evolution.time_steps import Breakpoint
 from contactstudy.solvers.solution import Status
@@ -66,8 +66,8 @@ class Method(Generic[S]):
     order: ClassVar[int] = 2
     increments: int = 0
 
-    def begin(self, start: S) -> tuple[S, S]:
-        """Return the states of short and of doubled steps at the start, when no step is taken yet."""
+    def begin(self, start: S) -> tuple[S, S | None]:
+        """Return the states of short and of doubled steps at the start; None in place of the latter takes none."""
         return start, start
 
     def step(self, state: S, end: float) -> S:
@@ -83,7 +83,7 @@ class Method(Generic[S]):
         doubled: float = after[1].change / 2**self.order
         return max(middle.change, after[0].change, doubled)
 
-    def accept(self, before: S, middle: S, after: tuple[S, S]) -> float:
+    def accept(self, before: S, middle: S, after: tuple[S, S | None]) -> float:
         """Take a pair of steps or a jump into the error of all steps, and return that; 0 if it is not limited."""
         return 0.0
 
@@ -135,7 +135,7 @@ class Record(Generic[S]):
     state
         The state after short steps.
     coarse
-        The same after steps twice as long; None in the middle of one, and where there is no solution.
+        The same after steps twice as long; None in the middle of one, without them, and where there is no solution.
     statuses
         Outcomes of the solves of accepted steps since the record before.
     work
@@ -162,10 +162,8 @@ class March(Generic[S]):
         Instants at which steps end, in the order of time.
     control
         Control of the length of pairs of steps; None steps from one point to the next.
-    step_doubling
-        Whether there are steps twice as long beside the others.
-    every_pair
-        Whether each pair of steps is recorded, and the state after each jump.
+    recorded
+        What is recorded beside the points that are: nothing, or each pair of steps and the state after each jump.
     progress
         Called with the time since the start and that of the whole [s] for each accepted step; None calls nothing.
     """
@@ -174,8 +172,7 @@ class March(Generic[S]):
     start: S
     points: Sequence[Breakpoint]
     control: Control | None
-    step_doubling: bool = True
-    every_pair: bool = False
+    recorded: Literal["points", "pairs"] = "points"
     progress: Callable[[float, float], None] | None = None
 
     def __post_init__(self) -> None:
@@ -213,7 +210,7 @@ class March(Generic[S]):
             self.number += 1
             if self.fine.change == inf:
                 yield [self._record(self.fine, None)]
-            elif point.times_recorded or (self.every_pair and point.jumps):
+            elif point.times_recorded or (self.recorded == "pairs" and point.jumps):
                 yield [self._record(self.fine, self.coarse)]
             else:
                 yield []
@@ -232,41 +229,41 @@ class March(Generic[S]):
 
     def _pair(self, point: Breakpoint) -> list[Record[S]]:
         """Take a pair of steps towards `point`, unless it is rejected, and return what is recorded."""
-        before, records = (self.fine, self.coarse), list[Record[S]]()
+        begin, doubled, records = self.fine, self.coarse, list[Record[S]]()
         half, end = self._ends(point)
         middle = self._step(self.fine, half)
         if self._rejects(middle.change, end):
             return []
         statuses = list(middle.statuses)
-        if middle.change == inf or not self.step_doubling:
-            return self._go_on(before[0], middle, middle, middle, statuses)
+        if middle.change == inf or doubled is None:
+            return self._go_on(begin, middle, (middle, doubled), statuses)
         if half == point.time:
             self.statuses, statuses = self.statuses + statuses, []
             if point.times_recorded:
                 records.append(self._record(middle, None))
             self.number += 1
-        fine, coarse = self._step(middle, end), self._step(self.coarse, end)
-        error = self.method.error(before, middle, (fine, coarse))
+        after = self._step(middle, end), self._step(doubled, end)
+        error = self.method.error((begin, doubled), middle, after)
         if self._rejects(error, end):
             return []
         if self.control is not None:
             # a pair cut short by a point is no measure of the allowed length
-            longer = (end - before[0].time) * self.control.factor(error)
+            longer = (end - begin.time) * self.control.factor(error)
             longer = max(longer, self.length if end == point.time else 0.0)
             self.length = min(longer, self.control.longest)
-        statuses += [*fine.statuses, *coarse.statuses]
-        return records + self._go_on(before[0], middle, fine, coarse, statuses)
+        statuses += [*after[0].statuses, *after[1].statuses]
+        return records + self._go_on(begin, middle, after, statuses)
 
     def _go_on(
-        self, before: S, middle: S, fine: S, coarse: S, statuses: list[Status]
+        self, begin: S, middle: S, after: tuple[S, S | None], statuses: list[Status]
     ) -> list[Record[S]]:
         """Continue from the states after a pair of steps, or start again where the error of all is too large."""
-        self.fine, self.coarse = fine, coarse
+        self.fine, self.coarse = fine, coarse = after
         self.statuses += statuses
         if fine.change == inf:
             return [self._record(fine, None)]
         self._count(Counter(steps=1 if fine is middle else 2))
-        error = self.method.accept(before, middle, (fine, coarse))
+        error = self.method.accept(begin, middle, after)
         if self.control is not None and error > self.control.allowed:
             self.control = self.control.stricter(error)
             self._count(Counter(restarts=1))
@@ -275,14 +272,14 @@ class March(Generic[S]):
         if self.progress is not None:
             for state in (fine,) if fine is middle else (middle, fine):
                 self.progress(state.time - self.start.time, self.duration)
-        return [self._record(fine, coarse)] if self.every_pair else []
+        return [self._record(fine, coarse)] if self.recorded == "pairs" else []
 
     def _ends(self, point: Breakpoint) -> tuple[float, float]:
         """Return the times [s] at which the steps of the next pair towards `point` end."""
         now = self.fine.time
         remaining = point.time - now
         if self.control is None:
-            if not self.step_doubling:
+            if self.coarse is None:
                 return point.time, point.time
             if not self._ends_pair(point):
                 return point.time, self.points[self.number + 1].time
@@ -320,23 +317,25 @@ class March(Generic[S]):
     def _jump(self) -> None:
         """Take a jump at the present time in as many increments as the error of a pair allows."""
         increments, limit = self.method.increments, self.control.limit if self.control else inf
-        before = self.fine
+        begin, doubled = self.fine, self.coarse
         while True:
-            fine = coarse = self.method.jump(self.fine, max(2 * increments, 1))
+            fine, coarse = self.method.jump(begin, max(2 * increments, 1)), doubled
             self._count(fine.work)
-            if fine.change == inf or not self.step_doubling:
+            if fine.change == inf or doubled is None:
                 break
-            coarse = self.method.jump(self.coarse, max(increments, 1))
+            coarse = self.method.jump(doubled, max(increments, 1))
             self._count(coarse.work)
-            error = self.method.error((self.fine, self.coarse), fine, (fine, coarse))
+            error = self.method.error((begin, doubled), fine, (fine, coarse))
             if not increments or error <= limit or increments >= MAX_INCREMENTS:
                 break
             self._count(Counter(rejected=1))
             increments *= 2
         self.fine, self.coarse = fine, coarse
-        self.statuses += [*fine.statuses] if coarse is fine else [*fine.statuses, *coarse.statuses]
+        self.statuses += fine.statuses
+        if coarse is not None and coarse is not doubled:
+            self.statuses += coarse.statuses
         if fine.change < inf:
-            self.method.accept(before, fine, (fine, coarse))
+            self.method.accept(begin, fine, (fine, coarse))
 
     def _count(self, work: Counter[str]) -> None:
         """Count work that was done."""

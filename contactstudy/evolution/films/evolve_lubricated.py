@@ -164,7 +164,7 @@ def evolve_lubricated(
     places = sorted({*instants, *_kinks(scene, instants[0], instants[-1])})
     points = [Breakpoint(time, times_recorded=int(time in recorded)) for time in places]
     films = _Films()
-    march = March(films, start, points, control, every_pair=times is None, progress=progress)
+    march = March(films, start, points, control, "pairs" if times is None else "points", progress)
     records = march.records()
     return film_trajectory(records, [record.state.contact for record in records], films.compared)
 
@@ -204,11 +204,12 @@ class _Films(Method["_FilmStepper"]):
         return state.advanced(end)
 
     def accept(
-        self, before: object, middle: object, after: "tuple[_FilmStepper, _FilmStepper]"
+        self, before: object, middle: object, after: "tuple[_FilmStepper, _FilmStepper | None]"
     ) -> float:
         """Keep the difference of a pair of steps to one of twice the length."""
         fine, coarse = after
-        self.compared.append(Difference.of(fine.time, fine.contact, coarse.contact))
+        if coarse is not None:
+            self.compared.append(Difference.of(fine.time, fine.contact, coarse.contact))
         return 0.0
 
 

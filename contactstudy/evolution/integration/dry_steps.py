@@ -16,6 +16,7 @@ from contactstudy.domain.errors import ErrorParts
 from contactstudy.evolution.integration.time_stepper import Instant, TimeStepper
 from contactstudy.evolution.march import Method, Record
 from contactstudy.evolution.states.state_variables import HasTimeDiscretisationError
+from contactstudy.evolution.time_steps import ErrorEstimator
 from contactstudy.evolution.trajectory import UNKNOWN, Frame, frame_of
 from contactstudy.solvers.solution import Solution, Status, unloaded, worst_until
 
@@ -84,21 +85,23 @@ class DrySteps(Method[Instant]):
     ----------
     stepper
         Takes one step.
-    step_doubling
-        Whether doubled steps tell the time-discretisation error.
+    estimator
+        How the time-discretisation error is estimated.
     """
 
     stepper: TimeStepper
-    step_doubling: bool
+    estimator: ErrorEstimator
     errors: "Errors" = field(init=False)
 
     def __post_init__(self) -> None:
         self.increments = 0 if self.stepper.coupled is None else INCREMENTS
 
-    def begin(self, start: Instant) -> tuple[Instant, Instant]:
-        """Return the instant before the first load for short steps, which are halved, and for doubled ones."""
+    def begin(self, start: Instant) -> tuple[Instant, Instant | None]:
+        """Return the instant before the first load for short steps, which are halved, and for doubled ones, if any."""
         self.errors = Errors()
-        return replace(start, max_halvings=MAX_HALVINGS if self.step_doubling else 0), start
+        if self.estimator == "none":
+            return start, None
+        return replace(start, max_halvings=MAX_HALVINGS), start
 
     def step(self, state: Instant, end: float) -> Instant:
         """Return the contact after a step to the time `end` [s], before any jump of the load there."""
@@ -120,13 +123,14 @@ class DrySteps(Method[Instant]):
         total = self._error_over_difference(step) * float(np.abs(change).sum())
         return max(self._relative(total, after[0], before[0]), of_states)
 
-    def accept(self, before: Instant, middle: Instant, after: tuple[Instant, Instant]) -> float:
+    def accept(
+        self, before: Instant, middle: Instant, after: tuple[Instant, Instant | None]
+    ) -> float:
         """Keep the errors of a pair of steps or a jump, and return the largest error in L1."""
-        fine, coarse = after
-        errors = self.errors
-        for instant in {id(one): one for one in (middle, fine, coarse)}.values():
+        (fine, coarse), errors = after, self.errors
+        for instant in {id(one): one for one in (middle, fine, coarse) if one}.values():
             self._keep(instant.kept)
-        if not self.step_doubling:
+        if coarse is None:
             return 0.0
         if fine.time > before.time:
             errors.step = (fine.time - before.time) / 2
@@ -144,8 +148,7 @@ class DrySteps(Method[Instant]):
         instant, stepper = record.state, self.stepper
         solution = instant.kept[-1] if instant.kept else unloaded(stepper.problem)
         by_steps = self.errors.by_steps if record.coarse is not None else self.errors.inside
-        is_estimated = self.step_doubling or not stepper.all_state_variables
-        if has_failed or not is_estimated:
+        if has_failed or (self.estimator == "none" and stepper.all_state_variables):
             by_steps = dict.fromkeys(NAMES_OF_ERRORS, inf)
         common = self._common(instant)
         total = {name: error + common[name] for name, error in by_steps.items()}

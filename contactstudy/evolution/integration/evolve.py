@@ -182,11 +182,10 @@ def evolve(
     if not keeps_states:
         control = None
         breakpoints = all_recorded(breakpoints) if times is None else breakpoints
-    doubles = keeps_states and error_estimator == "step_doubling"
-    steps = DrySteps(stepper, doubles)
+    steps = DrySteps(stepper, error_estimator if keeps_states else "none")
+    recorded: Any = "pairs" if keeps_states and times is None else "points"
     start = stepper.start(breakpoints[0].time)
-    every_pair = keeps_states and times is None
-    march = March(steps, start, breakpoints, control, doubles, every_pair, progress)
+    march = March(steps, start, breakpoints, control, recorded, progress)
     if folder is None:
         frames = _frames(march, steps, None)
     else:
@@ -210,7 +209,7 @@ class _Saved:
     """A march where it can go on: short and doubled instants, the values by name, and the number of its frames."""
 
     fine: Instant
-    coarse: Instant
+    coarse: Instant | None
     march: Mapping[str, Any]
     errors: Mapping[str, Any]
     statuses: tuple[str, ...]
@@ -232,8 +231,9 @@ def _frames(march: March[Instant], steps: DrySteps, checkpoint: Checkpoint | Non
             frames.append(frame)
         if checkpoint is not None and march.can_go_on:
             fine, coarse = (
-                replace(instant, kept=(), replaced=()) for instant in (march.fine, march.coarse)
+                one and replace(one, kept=(), replaced=()) for one in (march.fine, march.coarse)
             )
+            assert fine is not None
             saved = _Saved(
                 fine,
                 coarse,

@@ -25,7 +25,7 @@ class Decay:
 
 class Heun(Method[Decay]):
     def __init__(self) -> None:
-        self.pairs: list[tuple[Decay, Decay]] = []
+        self.pairs: list[tuple[Decay, Decay | None]] = []
 
     def step(self, state: Decay, end: float) -> Decay:
         duration = end - state.time
@@ -35,7 +35,7 @@ class Heun(Method[Decay]):
         failed = end > nextafter(state.last, inf)
         return replace(found, change=inf, statuses=(cs.Status.NOT_FINITE,)) if failed else found
 
-    def accept(self, before: Decay, middle: Decay, after: tuple[Decay, Decay]) -> float:
+    def accept(self, before: Decay, middle: Decay, after: tuple[Decay, Decay | None]) -> float:
         self.pairs.append(after)
         return 0.0
 
@@ -82,7 +82,7 @@ def test_a_march_ends_with_a_step_that_has_no_solution_at_its_own_time() -> None
 
 
 def test_every_pair_is_recorded_and_steps_end_at_kinks_and_are_no_longer_than_allowed() -> None:
-    every, _ = marched(Decay(), 1.0, error=1e99, longest=0.2, kinks=(0.25,), every_pair=True)
+    every, _ = marched(Decay(), 1.0, error=1e99, longest=0.2, kinks=(0.25,), recorded="pairs")
     times = [0.0, *(record.state.time for record in every)]
     assert {0.25, 1.0} <= set(times)
     assert max(b - a for a, b in pairwise(times)) <= 0.2 * (1 + 1e-9)

@@ -9,7 +9,6 @@ import numpy as np
 
 from contactstudy.domain.errors import ErrorParts
 from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid
 from contactstudy.evolution.rolling.steady_rolling import SteadyRolling
 from contactstudy.evolution.states.state_variables import CoupledStateVariable
 from contactstudy.problem.problem import Field, Problem
@@ -109,19 +108,9 @@ class Trajectory:
     coupled: CoupledStateVariable | None = None
 
     @property
-    def grid(self) -> Grid:
-        """Grid of the fields."""
-        return self.problem.grid
-
-    @property
     def times(self) -> Array:
         """Time (time,) [s] of each frame."""
         return np.array([frame.time for frame in self.frames])
-
-    @property
-    def pressure(self) -> Array:
-        """Pressure (time, x, y) [Pa]."""
-        return np.stack([frame.pressure for frame in self.frames])
 
     @property
     def status(self) -> Status:

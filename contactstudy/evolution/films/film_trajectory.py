@@ -11,7 +11,7 @@ import numpy as np
 from contactstudy.domain.fields import Array
 from contactstudy.evolution.march import Record
 from contactstudy.lubrication.lubricated_contact import FilmSolution
-from contactstudy.solvers.solution import Counts, Status, worst
+from contactstudy.solvers.solution import Counts, Status
 
 # Time-discretisation error over the largest difference to an evolution with steps twice as long.
 ERROR_OVER_DIFFERENCE = 1.5
@@ -48,11 +48,6 @@ class FilmTrajectory:
     iterations: int
     linear_iterations: int
     time_discretisation_errors: Mapping[str, Array]
-
-    @property
-    def status(self) -> Status:
-        """Gravest outcome of the recorded contacts."""
-        return worst([contact.status for contact in self.contacts])
 
     @property
     def counts(self) -> Counts:

@@ -70,3 +70,8 @@ def held_pressure(body: cs.ViscoelasticHalfSpace, time: float, x: Array) -> Arra
 def relative(pressure: Array, true: Array) -> float:
     """Return the difference of two pressures in L1, over that of the true one."""
     return float(np.abs(pressure - true).sum() / true.sum())
+
+
+def pressures(found: Trajectory) -> Array:
+    """Return the pressure (time, x, y) at all instants."""
+    return np.stack([frame.pressure for frame in found.frames])

@@ -14,6 +14,7 @@ from tests.contactstudy.evolution.creeping import (
     evolved,
     half_width,
     held_pressure,
+    pressures,
     rolling_cylinder,
 )
 from tests.contactstudy.evolution.test_adhesive_history import SCENE as ADHESIVE
@@ -27,7 +28,7 @@ def line(cells: int, width: float = 0.9) -> cs.Grid:
 
 
 def width_of(found: Trajectory, number: int = -1) -> float:
-    return np.count_nonzero(found.frames[number].pressure) * found.grid.cell_size[0] / 2
+    return np.count_nonzero(found.frames[number].pressure) * found.description.grid.cell_size[0] / 2
 
 
 FLUID = cs.ViscoelasticHalfSpace(0.0, 0.0, ((1.0, 3.0),))
@@ -91,8 +92,8 @@ def test_two_bodies_creep_together() -> None:
         evolved(replace(scene, solids=solids), line(128), times)
         for solids in ((SOLID, RIGID), (half, half))
     )
-    scale = one.pressure.max()
-    np.testing.assert_allclose(both.pressure, one.pressure, atol=1e-5 * scale)
+    scale = pressures(one).max()
+    np.testing.assert_allclose(pressures(both), pressures(one), atol=1e-5 * scale)
 
 
 def test_a_body_without_terms_is_elastic() -> None:
@@ -158,7 +159,7 @@ def test_a_wave_in_full_contact_relaxes_by_itself() -> None:
     scene = cs.Scene(cs.LineLoad(1.0), (body, RIGID), (cs.Waviness(1e-3, across=1.0, along=1e9),))
     times = np.linspace(0, 2, 201)
     found = evolved(scene, grid, times, padding=(EXACT, EXACT), tolerance=1e-11)
-    wave = np.cos(2 * pi * grid.x) @ found.pressure[:, :, 0].T
+    wave = np.cos(2 * pi * grid.x) @ pressures(found)[:, :, 0].T
     relaxed = 0.3 + 0.5 * np.exp(-times / 0.4) + 0.2 * np.exp(-times / 3)
     # the step is a 40th of the shortest time: linear pressure is out by its square over 12
     np.testing.assert_allclose(wave / wave[0], relaxed, rtol=(0.01 / 0.4) ** 2 / 4)

@@ -15,7 +15,7 @@ from contactstudy.evolution.states import plastic_volume
 from contactstudy.evolution.states.plastic import PlasticState, step_solution
 from contactstudy.evolution.trajectory import Trajectory
 from contactstudy.solvers.plasticity import elastoplastic_step
-from tests.contactstudy.evolution.creeping import evolved
+from tests.contactstudy.evolution.creeping import evolved, pressures
 
 EXACT = cs.ExactPeriodicity()
 YOUNG, NU, YIELD = 210e9, 0.3, 1e9
@@ -69,7 +69,7 @@ def test_a_body_yields_first_where_von_mises_says() -> None:
         found = evolved(pressed(1.5), grid, (1,))
         assert isinstance(found.coupled, PlasticState)
         (operator,) = found.coupled.operators
-        stress = von_mises_of(operator.stress_of_pressure(found.pressure[0]))
+        stress = von_mises_of(operator.stress_of_pressure(found.frames[0].pressure))
         fraction = stress.max() / YIELD
         errors.append(1.5 / fraction / FIRST_YIELD - 1)
         layer = np.unravel_index(stress.argmax(), stress.shape)[0]
@@ -185,8 +185,8 @@ def test_loading_again_is_elastic_up_to_where_it_was() -> None:
     unit = YIELD / YOUNG
     # what the Newton method leaves over
     assert float(np.abs(strains[2] - strains[5]).max()) < 1e-8 * unit
-    scale = float(found.pressure[2].max())
-    np.testing.assert_allclose(found.pressure[2], found.pressure[5], atol=1e-6 * scale)
+    before, again = found.frames[2].pressure, found.frames[5].pressure
+    np.testing.assert_allclose(before, again, atol=1e-6 * before.max())
 
 
 @pytest.mark.parametrize("yield_stress", [inf, 1e3 * YIELD], ids=["infinite", "never reached"])
@@ -196,7 +196,7 @@ def test_a_body_that_nothing_makes_yield_is_an_elastic_one(yield_stress: float) 
     times = (0.0, 0.5, 1.0, 1.5, 2.0)
     without, with_it = (evolve(one, grid, EXACT, times=times) for one in (elastic, scene))
     if yield_stress == inf:
-        np.testing.assert_array_equal(with_it.pressure, without.pressure)
+        np.testing.assert_array_equal(pressures(with_it), pressures(without))
         for one, other in zip(with_it.frames, without.frames, strict=True):
             np.testing.assert_array_equal(one.gap, other.gap)
         problems = (one.largest_load for one in (elastic, scene))
@@ -209,7 +209,7 @@ def test_a_body_that_nothing_makes_yield_is_an_elastic_one(yield_stress: float) 
         assert not evolution_answer(with_it).to_dataset()["plastic_strain"].any()
         # both contacts are solved to 1e-8 of the gap, one a hundred times closer
         np.testing.assert_allclose(
-            with_it.pressure, without.pressure, atol=1e-6 * without.pressure.max()
+            pressures(with_it), pressures(without), atol=1e-6 * pressures(without).max()
         )
 
 
@@ -224,7 +224,9 @@ def test_two_equal_bodies_that_yield_share_the_gap_evenly() -> None:
         float(evolution_answer(first).to_dataset()["equivalent_plastic_strain_0"].max())
         > 0.1 * YIELD / YOUNG
     )
-    np.testing.assert_allclose(first.pressure, second.pressure, atol=1e-6 * second.pressure.max())
+    np.testing.assert_allclose(
+        pressures(first), pressures(second), atol=1e-6 * pressures(second).max()
+    )
     labelled, alone = evolution_answer(first).to_dataset(), evolution_answer(second).to_dataset()
     for name in ("plastic_strain", "residual_stress", "residual_displacement"):
         np.testing.assert_array_equal(labelled[f"{name}_0"], labelled[f"{name}_1"])
@@ -254,12 +256,12 @@ def test_the_volume_grows_to_what_yields_and_an_integration_goes_on_in_it(
     first, *_, last = (frame.coupled_state["strain0"].shape for frame in tight.frames)
     assert first < last
     np.testing.assert_allclose(
-        tight.pressure, generous.pressure, atol=1e-5 * generous.pressure.max()
+        pressures(tight), pressures(generous), atol=1e-5 * pressures(generous).max()
     )
     assert evolution_answer(tight).to_dataset()["plastic_strain"].shape[0] == 3
     with pytest.raises(KeyboardInterrupt):
         integrated(folder=tmp_path, progress=kill)
-    np.testing.assert_array_equal(integrated(folder=tmp_path).pressure, tight.pressure)
+    np.testing.assert_array_equal(pressures(integrated(folder=tmp_path)), pressures(tight))
 
 
 @pytest.mark.whole
@@ -271,7 +273,7 @@ def test_a_sudden_load_is_applied_by_parts_and_says_its_error() -> None:
     fine = slowly(scene, grid)
 
     def error(one: Trajectory) -> float:
-        return float(np.abs(one.pressure[-1] - fine).sum() / fine.sum())
+        return float(np.abs(one.frames[-1].pressure - fine).sum() / fine.sum())
 
     # first order: the difference of two integrations is the error of the finer one, and a half more is on the safe side
     assert 0.3 < error(found) / found.time_discretisation_error < 1
@@ -281,7 +283,7 @@ def test_a_sudden_load_is_applied_by_parts_and_says_its_error() -> None:
 
 def slowly(scene: cs.Scene, grid: cs.Grid) -> np.ndarray:
     """The pressure under the largest load, by so many steps up to it that a tenth of the least error here is left."""
-    return evolved(scene, grid, np.linspace(0.3, 1, 48), tolerance=1e-7).pressure[-1]
+    return evolved(scene, grid, np.linspace(0.3, 1, 48), tolerance=1e-7).frames[-1].pressure
 
 
 @pytest.mark.cases(1)
@@ -332,7 +334,7 @@ def test_a_body_that_yields_can_wear() -> None:
     found = evolve(scene, grid_of(3, 0.2), EXACT, times=(0, 1, 2), options=cs.SolveOptions(1e-7))
     worn = (
         evolution_answer(found).to_dataset()["wear_depth"].isel(time=-1).sum().item()
-        * found.grid.cell_size[0]
+        * found.description.grid.cell_size[0]
     )
     assert worn == pytest.approx(2 * 1e-15 * load(3), rel=1e-9)
     assert found.frames[-1].peak_pressure < found.frames[0].peak_pressure
@@ -344,7 +346,7 @@ def test_plastic_strain_moves_with_the_surface_that_wears() -> None:
     found = evolve(scene, grid_of(3, 0.2), EXACT, times=(0, 1))
     plastic, state = found.coupled, found.frames[0].coupled_state
     edges, strain, hardened = (state[f"{name}0"] for name in ("edges", "strain", "equivalent"))
-    whole = np.full(found.grid.cells, edges[2])
+    whole = np.full(found.description.grid.cells, edges[2])
     thickness = np.diff(edges)[:, None, None]
     for name, before in (("strain0", strain), ("equivalent0", hardened)):
         left = (before * thickness)[..., 2:, :, :].sum(axis=-3)
@@ -460,7 +462,7 @@ def test_a_wavy_cylinder_keeps_to_the_yield_surface_wherever_its_waves_begin() -
     assert isinstance(evolution.coupled, PlasticState)
     (operator,) = evolution.coupled.operators
     state = evolution.frames[0].coupled_state
-    stress = operator.stress_of_pressure(evolution.pressure[0])
+    stress = operator.stress_of_pressure(evolution.frames[0].pressure)
     stress -= operator.negative_residual_stress(state["strain0"])
     von_mises = np.sqrt(1.5 * (stress**2).sum(axis=0))
     equivalent = loaded["equivalent_plastic_strain"].values[:, operator.volume.rows]

@@ -11,7 +11,7 @@ from contactstudy.domain.fields import Array
 from contactstudy.evolution.integration.evolve import evolve
 from contactstudy.evolution.time_steps import STAGES, Scheme
 from contactstudy.evolution.trajectory import Trajectory
-from tests.contactstudy.evolution.creeping import LOAD, RIGID, evolved
+from tests.contactstudy.evolution.creeping import LOAD, RIGID, evolved, pressures
 from tests.contactstudy.scene.shapes.test_own_shapes import Own
 
 EXACT = cs.ExactPeriodicity()
@@ -29,7 +29,7 @@ CYLINDER = cs.Scene(
 
 def wave(evolution: Trajectory) -> Array:
     """How much of the wave is left in the pressure, at every instant."""
-    left = np.cos(2 * pi * evolution.grid.x) @ evolution.pressure[:, :, 0].T
+    left = np.cos(2 * pi * evolution.description.grid.x) @ pressures(evolution)[:, :, 0].T
     return left / left[0]
 
 
@@ -85,7 +85,8 @@ def test_the_pressure_of_a_punch_evens_out_at_the_known_rate(tilt: float, rate: 
     grid, step = cs.Grid((100, 1), (2.0, 1.0)), 0.02
     shapes = (Own(lambda grid: tilt * grid.x[:, None]),) if tilt else ()
     scene = cs.Scene(cs.LineLoad(1.0), (ELASTIC, RIGID), shapes, wear=cs.Wear(1.0, 1.0))
-    pressure = evolved(scene, grid, step * np.arange(200), tolerance=1e-12).pressure[:, :, 0]
+    found = evolved(scene, grid, step * np.arange(200), tolerance=1e-12)
+    pressure = pressures(found)[:, :, 0]
     uneven = np.linalg.norm(pressure - (pressure[:, ::-1] if tilt else 0.5), axis=1)
     # implicit Euler: one step divides by 1 + rate ds
     assert (uneven[-2] / uneven[-1] - 1) / step == pytest.approx(rate, rel=1e-3)
@@ -139,7 +140,7 @@ def test_errors_of_two_stage_steps_bound_the_pressure_and_the_peak_of_a_rounded_
     exact = evolved(scene, grid, fine, scheme=scheme)
     found = evolve(scene, grid, EXACT, times=duration * np.linspace(0, 1, 5), scheme=scheme)
     for frame in evolution_answer(found).frames[1:]:
-        true = exact.pressure[np.argmin(np.abs(fine - frame.time))]
+        true = pressures(exact)[np.argmin(np.abs(fine - frame.time))]
         l1, peak = (dict(frame.error)[of].by_cause["steps"] for of in ("l1", "peak_pressure"))
         assert np.abs(frame.pressure - true).sum() <= l1 * true.sum()
         assert abs(frame.pressure.max() - true.max()) <= peak * true.max()

@@ -162,8 +162,9 @@ WITH_RANGE = replace(SCENE, adhesion=cs.Adhesion(work=0.05, range=2e-6))
 # incompressible on rigid: elastically similar
 FRICTIONS = [
     cs.Sliding(0.3),
-    cs.PartialSlip(0.3, 0.4),
-    cs.Fretting.cycle(0.3, 0.4),
+    # more than under the load alone, which is 2 N/m
+    cs.PartialSlip(0.3, 0.61),
+    cs.Fretting.cycle(0.3, 0.61),
     cs.TractiveRolling(0.3, longitudinal=1e-3, lateral=1e-3),
 ]
 
@@ -177,7 +178,12 @@ def test_friction_is_limited_by_the_pressure_that_the_attraction_adds_to(frictio
     assert (np.hypot(*found.shear) <= 0.3 * found.pressure * (1 + 1e-9)).all()
     force = found.shear[0].sum() * GRID.cell_size[0]
     if isinstance(friction, cs.PartialSlip | cs.Fretting):
-        assert force == pytest.approx(0.4)
+        assert force == pytest.approx(0.61)
+        transmitted = 0.3 * found.pressure.sum() * GRID.cell_size[0]
+        with pytest.raises(cs.InvalidInput, match=r"Scene\.friction .* transmits less than .* N/m"):
+            cs.solve(
+                replace(WITH_RANGE, friction=cs.PartialSlip(0.3, 1.001 * transmitted)), GRID, LINE
+            )
     coefficient = found.quantities["traction_coefficient"].value
     assert coefficient == pytest.approx(found.shear[0].sum() * GRID.cell_size[0] / 2)
     if isinstance(friction, cs.Sliding):
@@ -186,7 +192,9 @@ def test_friction_is_limited_by_the_pressure_that_the_attraction_adds_to(frictio
 
 @pytest.mark.parametrize("friction", FRICTIONS[1:])
 def test_shear_of_bodies_that_hardly_adhere_is_that_without_adhesion(friction: Any) -> None:
-    faint = replace(WITH_RANGE, adhesion=cs.Adhesion(work=1e-9, range=2e-6), friction=friction)
+    faint = replace(
+        WITH_RANGE, load=cs.LineLoad(3.0), adhesion=cs.Adhesion(1e-9, 2e-6), friction=friction
+    )
     one, other = (
         cs.solve(each, GRID, LINE, tolerance=1e-9).shear
         for each in (faint, replace(faint, adhesion=None))

@@ -139,19 +139,6 @@ def test_what_is_alike_along_the_length_is_plane_strain() -> None:
     np.testing.assert_allclose(strip, np.repeat(line, 2, axis=3), rtol=0, atol=2e-10)
 
 
-def test_a_cell_alone_is_one_of_a_row_with_a_long_period() -> None:
-    """What differs is what all other cells of the row, and of the lattice that stands for a cell, do there."""
-    medium = CoatedStress((LayerResponse((3.0,), (0.25, 0.35)),), (0.2,))
-    pressure = np.zeros((8, 64))
-    pressure[2:6, 30:34] = 1.0
-    grid = cs.Grid((8, 64), (1.0, 8.0))
-    alone, row = (
-        SubsurfaceStressOperator(grid, paddings, medium, (0.0, 0.1, 0.4))(pressure)[..., 24:40]
-        for paddings in (FREE, LINE)
-    )
-    assert np.abs(alone - row).max() < 2e-2 * np.abs(row).max()
-
-
 def test_a_cell_alone_in_a_thick_coating_is_the_same_on_a_wider_grid() -> None:
     medium = CoatedStress((LayerResponse((3.0,), (0.25, 0.35)),), (2.0,))
     random, stresses = np.random.default_rng(3).random((6, 6)), []

@@ -120,33 +120,6 @@ def test_disks_meet_every_condition_of_coulombs_law() -> None:
     assert np.abs(aside).max() <= 1e-5 * scale
 
 
-def test_a_force_is_limited_by_the_pressure_beside_an_attraction() -> None:
-    """Friction acts on the load and the attraction together, which is known once the contact is solved."""
-    soft, load, mu = (cs.HalfSpace(3e6, 0.5), RIGID), 50.0, 0.3
-    grid = cs.Grid((64, 1), (3e-3, 1e-3))
-
-    def pulled(force: float) -> cs.Solution:
-        return cs.solve(
-            cs.Scene(
-                cs.LineLoad(load),
-                soft,
-                (cs.Cylinder(0.01),),
-                friction=cs.PartialSlip(mu, force),
-                adhesion=cs.Adhesion(0.1, range=4e-6),
-            ).problem(grid, cs.ExactPeriodicity()),
-        )
-
-    force = 1.2 * mu * load
-    held = pulled(force)
-    assert held.shear is not None
-    per_length = grid.cell_area / grid.length
-    assert held.shear[0].sum() * per_length == pytest.approx(force, rel=1e-9)
-    assert held.traction.stick.any()
-    transmitted = mu * held.pressure.sum() * per_length
-    with pytest.raises(cs.InvalidInput, match=r"Scene\.friction .* transmits less than .* N/m"):
-        pulled(1.001 * transmitted)
-
-
 @pytest.mark.parametrize("friction", [cs.PartialSlip(0.3, 1.5e4), cs.Fretting(0.3, (1.5e4, -1e4))])
 def test_bodies_at_an_approach_slip_as_under_its_load(
     friction: cs.PartialSlip | cs.Fretting,

@@ -75,7 +75,7 @@ INNER = (
     "problem.operator.Operator",
     "scene.lubrication.lubrication.ChangingSpeed",
     "scene.scene.Output",
-    "scene.surfaces.measurement.Reading",
+    "scene.surfaces.reading.Reading",
     "accuracy.discretisation.coarser.coarse_solution",
     "accuracy.estimate.error_estimate",
     "answers.answer.Answer",

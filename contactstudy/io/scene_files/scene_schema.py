@@ -76,7 +76,6 @@ from contactstudy.scene.solids.elastic_plastic import ElasticPlasticHalfSpace
 from contactstudy.scene.solids.viscoelastic import ViscoelasticHalfSpace
 from contactstudy.scene.stress import SubsurfaceStress
 from contactstudy.scene.surfaces.measured_surface import MeasuredSurface
-from contactstudy.scene.surfaces.measurement import Reading, column_unit
 from contactstudy.scene.surfaces.preparation import (
     AsMeasured,
     GaussianFilter,
@@ -89,7 +88,9 @@ from contactstudy.scene.surfaces.preparation import (
     Tile,
     Trend,
 )
+from contactstudy.scene.surfaces.reading import Reading
 from contactstudy.scene.surfaces.text_file import decoded, table
+from contactstudy.scene.surfaces.text_surface import column_unit
 from contactstudy.scene.wear import Wear
 from contactstudy.solvers.polonsky_keer import PolonskyKeer
 from contactstudy.solvers.preconditioned_cg import PreconditionedCG

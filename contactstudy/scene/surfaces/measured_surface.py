@@ -17,7 +17,6 @@ from contactstudy.domain.units import Metres, readable
 from contactstudy.domain.validation import Example, validated
 from contactstudy.scene.shapes.shape import LengthScales
 from contactstudy.scene.surfaces import measurement
-from contactstudy.scene.surfaces.measurement import Flip, Reading, Sizes
 from contactstudy.scene.surfaces.preparation import (
     AsMeasured,
     GaussianFilter,
@@ -31,6 +30,7 @@ from contactstudy.scene.surfaces.preparation import (
     trend_text,
     without_trend,
 )
+from contactstudy.scene.surfaces.reading import Flip, Reading, Sizes
 
 
 @validated
@@ -138,7 +138,7 @@ class MeasuredSurface:
             Size (width, length) [m] of a file without sizes. A matrix without it, and a netCDF file that lacks
             coordinates, are heights of the grid's cells.
         unit, invalid, decimal, transpose, flip, sizes
-            As for :class:`~contactstudy.scene.surfaces.measurement.Reading`.
+            As for :class:`~contactstudy.scene.surfaces.reading.Reading`.
         missing, trend, seam, seam_across, filter
             As for the class; the defaults are to refuse missing points, ``"plane"``, ``Tapered()``,
             ``AsMeasured()`` and no filter.

@@ -165,12 +165,12 @@ def without_trend(trend: Trend, heights: Array, extent: tuple[float, float] | No
         return heights
     if trend == "cylinder":
         return heights - _cylinder(heights, extent)[0]
-    return heights - _polynomial(heights, DEGREES[trend])[0]
+    return heights - polynomial(heights, DEGREES[trend])[0]
 
 
 def trend_text(trend: Trend, heights: Array, extent: tuple[float, float] | None) -> str:
     """Return what is subtracted from `heights` (x, y) over `extent` [m], with its coefficients."""
-    plane = _polynomial(heights, 1)[0]
+    plane = polynomial(heights, 1)[0]
     rises = plane[-1, 0] - plane[0, 0], plane[0, -1] - plane[0, 0]
     across, along = (f"{1e6 * rise:.3g} um" for rise in rises)
     text = f"a plane that rises {across} across and {along} along"
@@ -183,13 +183,17 @@ def trend_text(trend: Trend, heights: Array, extent: tuple[float, float] | None)
         radius = readable(1 / curvature) if curvature else "infinite"
         turned = f"its axis at {axis:.1f} degrees to the length"
         return f"{text} and a cylinder of radius {radius}, {turned}, were subtracted"
-    powers = _polynomial(heights, DEGREES[trend])[1].items()
+    powers = polynomial(heights, DEGREES[trend])[1].items()
     terms = ", ".join(f"x^{i} y^{j}: {1e6 * factor:.3g} um" for (i, j), factor in powers)
     return f"{text}, in a polynomial with {terms} (x and y from -1 to 1 over the points), was subtracted"
 
 
-def _polynomial(heights: Array, degree: int) -> tuple[Array, dict[tuple[int, int], float]]:
-    """Return the least-squares polynomial at the points of `heights` (x, y), and its coefficients by powers."""
+def polynomial(heights: Array, degree: int) -> tuple[Array, dict[tuple[int, int], float]]:
+    """Return the least-squares polynomial at the points of `heights` (x, y), and its coefficients by powers.
+
+    It is fitted to the points that are not missing.
+    """
+    measured = np.isfinite(heights).ravel()
     x, y = (_from_middle(count) for count in heights.shape)
     powers = [
         (i, j)
@@ -198,7 +202,7 @@ def _polynomial(heights: Array, degree: int) -> tuple[Array, dict[tuple[int, int
         if i < heights.shape[0] and j < heights.shape[1]
     ]
     basis = np.stack([(x[:, None] ** i * y**j).ravel() for i, j in powers], axis=1)
-    coefficients = np.linalg.lstsq(basis, heights.ravel(), rcond=None)[0]
+    coefficients = np.linalg.lstsq(basis[measured], heights.ravel()[measured], rcond=None)[0]
     form = np.asarray((basis @ coefficients).reshape(heights.shape))
     return form, dict(zip(powers, map(float, coefficients), strict=True))
 
@@ -217,7 +221,7 @@ def _cylinder(heights: Array, extent: tuple[float, float] | None) -> tuple[Array
         for count, side in zip(heights.shape, half, strict=True)
     )
     # curvatures of the quadratic give the start: the axis lies along the smaller
-    form = _polynomial(heights, 2)[1]
+    form = polynomial(heights, 2)[1]
     second = np.array(
         [[2 * form.get((2, 0), 0.0), form.get((1, 1), 0.0)], [0.0, 2 * form.get((0, 2), 0.0)]]
     )

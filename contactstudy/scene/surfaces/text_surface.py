@@ -1,0 +1,249 @@
+"""Heights and sizes of a surface in a text file: a matrix, or points in columns."""
+
+import re
+from typing import Any
+
+import numpy as np
+
+from contactstudy.domain.checks import InvalidInput
+from contactstudy.domain.fields import Array
+from contactstudy.domain.units import readable
+from contactstudy.scene.surfaces.reading import FileContent, Reading, unit_name, unit_of_heights
+from contactstudy.scene.surfaces.text_file import Header, TextTable, length_unit
+
+# Points along each side of a matrix, of which a table of something else has fewer.
+MIN_POINTS = 8
+# First words of the names of columns.
+COLUMNS = {
+    "x": ("x", "dx", "lateral", "distance", "position", "length", "weg", "scan"),
+    "y": ("y", "dy"),
+    "z": ("z", "height", "heights", "raw", "profile", "h", "höhe", "value", "level"),
+}
+# A column of angles, times or voltages, by its unit or its name.
+NO_LENGTH = re.compile(
+    r"°|[\[(](?!(?:[xyz]|lateral|unitless)?[\])])[^\])]+[\])]|\b(deg\w*|grad|m?rad|sec\w*|[mu]?s|m?v|angle|winkel|time|zeit|index|frame)\b",
+    re.I,
+)
+SQUARE = "points are taken as square"
+
+
+def surface_of_text(name: str, text: TextTable, reading: Reading) -> FileContent:
+    """Return heights and sizes of a text file: a matrix, or points in columns."""
+    header = Header.of(text.header, text.values.shape)
+    columns = _columns(name, text)
+    own = {**header.units, **{axis: unit for axis, (_, unit) in columns.items() if unit}}
+    unit = unit_of_heights(name, reading, own.get("z"), header.unknown.get("z"))
+    content = _matrix(text, header, unit)
+    if reading.sizes == "checked":
+        if len(header.sizes) == len(header.steps) == 2 and not header.is_bare and not columns:
+            header.doubts += [
+                f"{axis} {header.sizes[axis]:g} and {count} times {header.steps[axis]:g}"
+                for axis, count in zip("yx", content.values.shape, strict=True)
+                if abs(header.steps[axis] * count - header.sizes[axis]) > 1.5 * header.steps[axis]
+            ]
+        _check_header(name, text, header, unit, reading, is_matrix=not columns)
+    said = header.counts.get("x", 0) * header.counts.get("y", 0)
+    if said not in (0, content.values.size) and not columns and reading.sizes == "checked":
+        raise InvalidInput(
+            f"path is {name!r}, of {content.values.size} numbers, where its header says {said}: give the whole file, or "
+            'sizes = "confirmed" if the header is wrong.'
+        )
+    if columns:
+        for place, own_unit in (columns[axis] for axis in "xy" if axis in columns):
+            other = NO_LENGTH.search(text.names[place])
+            if other and not own_unit:
+                raise InvalidInput(
+                    f"path is {name!r}, whose column {text.names[place]!r} is no length: give positions in mm "
+                    "or the like."
+                )
+        places = [
+            (text.values[:, columns[axis][0]], own.get(axis, unit))
+            for axis in "xy"
+            if axis in columns
+        ]
+        content = _gridded(name, places, text.values[:, columns["z"][0]])
+    notes = list(content.notes)
+    if header.factor != 1:
+        notes.append(f"numbers times the factor {header.factor:g} of the header")
+    if header.unused:
+        notes.append(
+            f"these lines of the header were not used: {', '.join(map(repr, header.unused))}"
+        )
+    return content._replace(unit=unit * header.factor, invalid=header.invalid, notes=tuple(notes))
+
+
+def _check_header(
+    name: str, text: TextTable, header: Header, unit: float, reading: Reading, *, is_matrix: bool
+) -> None:
+    """Raise :class:`~contactstudy.InvalidInput` for a header or a table with two readings."""
+    remedy = 'give the right one, or extent and sizes = "confirmed"'
+    fault = ""
+    if is_matrix and text.blocks > 1 and header.counts.get("x", 0) * header.counts.get("y", 0) == 0:
+        fault = f"with {text.blocks} blocks of numbers between blank lines"
+        remedy = 'give a file of one map, or sizes = "confirmed" if they are one'
+    elif is_matrix and header.doubts:
+        fault = f"whose header has two sizes for one: {header.doubts[0]} m"
+    elif lost := [axis for axis in "xy" if axis in header.unknown]:
+        fault = f"whose {lost[0]} is in {header.unknown[lost[0]]!r}, which is no length"
+    elif is_matrix and header.is_bare and reading.extent is None and unit < 1e-7:
+        fault = f"whose header has sizes without a unit, and heights in {unit_name(unit)}"
+        remedy = "give extent, or the unit of the sizes in the header"
+    if fault:
+        raise InvalidInput(f"path is {name!r}, {fault}: {remedy}.")
+
+
+def _columns(name: str, text: TextTable) -> dict[str, tuple[int, float | None]]:
+    """Return place and unit [m] of the columns x, y and z of a text file; none for a matrix or a single column."""
+    rows, count = text.values.shape
+    named: dict[str, tuple[int, float | None]] = {}
+    for place, label in enumerate(text.names):
+        words = re.split(r"[\s/\[\](),_]+", label.lower())
+        kind = next(
+            (word for word in words if word in COLUMNS), words[0].strip("-:#").removesuffix("pos")
+        )
+        for axis, starts in COLUMNS.items():
+            if kind in starts and axis not in named:
+                named[axis] = place, column_unit(label)
+    if {"x", "z"} <= named.keys():
+        return named
+    units = [column_unit(label) for label in text.names]
+    if count in (2, 3) and rows >= MIN_POINTS - 4 * (count == 3):
+        return {
+            axis: (place, units[place]) for place, axis in enumerate("xz" if count == 2 else "xyz")
+        }
+    if rows < MIN_POINTS or 1 < count < MIN_POINTS:
+        raise InvalidInput(
+            f"path is {name!r}, of {rows} rows of {count} numbers: give a surface of at least {MIN_POINTS} x "
+            f"{MIN_POINTS} points, columns named x, y and z, columns x and z, or a profile of one column."
+        )
+    return {}
+
+
+def column_unit(label: str) -> float | None:
+    """Return the last unit of length [m] in the name of a column, if any."""
+    words = [word for word in re.split(r"[\s/\[\](),_]+", label) if word]
+    if words[-1:] != ["in"]:  # which is no unit between words
+        words = [word for word in words if word != "in"]
+    return next(filter(None, map(length_unit, reversed(words))), None)
+
+
+def _matrix(text: TextTable, header: Header, unit: float) -> FileContent:
+    """Return a matrix, whose rows run along the contact, with sizes of its header or of places on its margins."""
+    values, places = _without_margins(text.values, np.array(text.above))
+    pair = header.counts.get("y", 0), header.counts.get("x", 0)
+    if pair[0] * pair[1] == values.size and sorted(pair) != sorted(values.shape):
+        values = values.reshape(pair)  # lines that are broken, or one number a line
+    rows, columns = values.shape
+    counts, notes = {"x": columns, "y": rows}, []
+    assumed = f"sizes of the header, which have no unit, count in {unit_name(unit)}" * bool(
+        header.is_bare
+    )
+    found: dict[str, float] = {}
+    for axis, count in counts.items():
+        bare = unit if axis in header.is_bare else 1.0
+        step = abs(np.diff(places[axis]).mean()) if len(places[axis]) else 0.0
+        if step and (step != 1 or places[axis][0] not in (0, 1)):
+            found[axis] = float(step) * count * header.units.get(axis, unit)
+        elif axis in header.steps or axis in header.sizes:
+            found[axis] = header.steps.get(axis, 0.0) * count * bare or header.sizes[axis] * bare
+        if step and axis not in found:
+            notes.append(f"numbers that count the points in {axis} are left out")
+    if columns == 1 and found:  # a profile, whose places may be called x
+        size = found.get("x", 0.0) * (rows if "x" in header.steps else 1) or found["y"]
+        found = {"y": size, "x": size / rows}
+    if len(found) == 2 and found["x"] == found["y"] and rows != columns and not header.steps:
+        notes.append("the one size of the header counts both ways")
+    ratio = (
+        [found["x"] / found["y"] * rows / columns] if len(found) == 2 and not header.steps else []
+    )
+    if ratio and abs(ratio[0] - 1) > 0.05 and abs(ratio[0] * (columns / rows) ** 2 - 1) < 0.01:
+        found = {"x": found["y"], "y": found["x"]}  # points are square for x from row to row
+    if len(found) == 1:  # a lone width or length may be that of the part
+        steps = [
+            found[axis] / counts[axis]
+            for axis in found
+            if axis in header.steps or any(places[axis])
+        ]
+        found = {axis: step * count for step in steps for axis, count in counts.items()}
+        assumed = SQUARE * len(steps)
+    sizes = (found["y"], found["x"]) if found else None
+    return FileContent(values, unit, sizes, tuple(notes), assumed=assumed * bool(found))
+
+
+def _without_margins(values: Array, above: Array) -> tuple[Array, dict[str, Array]]:
+    """Return a matrix without positions in its first column and first row or above it, and these, by axis."""
+    left = top = np.array([])
+    if min(values.shape) > 2 and _is_even(values[1:, 0]) and not _is_even(values[1:, 1]):
+        left, values = values[:, 0], values[:, 1:]
+    count = values.shape[1]
+    if 2 < count <= len(above) and _is_even(above[-count:]):
+        top = above[-count:]
+    elif min(values.shape) > 2 and _is_even(values[0]) and not _is_even(values[1]):
+        top, left, values = values[0], left[1:], values[1:]
+    falling = [
+        axis for axis, places in ((0, left), (1, top)) if len(places) and places[0] > places[-1]
+    ]
+    return np.flip(values, tuple(falling)), {"x": top, "y": left}
+
+
+def _is_even(places: Array) -> bool:
+    """Return whether numbers rise or fall in equal steps."""
+    steps = np.diff(places)
+    return len(steps) > 0 and bool(np.ptp(steps) <= 0.01 * abs(steps.mean())) and steps.mean() != 0
+
+
+def _gridded(name: str, places: list[tuple[Array, float]], z: Array) -> FileContent:
+    """Return heights (x, y) and sizes [m] of points with places (positions, unit) near those of a regular grid."""
+    remedy = "give points on a rectangular grid, in columns x, y and height, or x and height of a profile"
+    keep = np.isfinite(np.sum([positions for positions, _ in places], axis=0))
+    indices, sizes, shift = [], [], 0.0
+    for positions, unit in places:
+        index, step, off = _on_line(positions[keep])
+        if off > 0.1:
+            raise InvalidInput(
+                f"path is {name!r}, whose points are not equidistant: they are up to {off:.2g} of a step beside a "
+                f"regular grid, and 0.1 is the most: {remedy}."
+            )
+        indices.append(index)
+        sizes.append(step * (index.max() + 1) * unit)
+        shift = max(shift, off * step * unit)
+    if len(places) == 1:
+        indices.append(0 * indices[0])
+        sizes.append(sizes[0] / (indices[0].max() + 1))
+    heights = np.full((indices[0].max() + 1, indices[1].max() + 1), np.nan)
+    if heights.size > 2 * len(z):
+        raise InvalidInput(
+            f"path is {name!r}, whose points fill less than half of a grid: {remedy}."
+        )
+    heights[indices[0], indices[1]] = z[keep]
+    if not np.array_equal(heights[indices[0], indices[1]], z[keep], equal_nan=True):
+        raise InvalidInput(f"path is {name!r}, which has two heights at one place: {remedy}.")
+    notes = (
+        (f"points moved by up to {readable(shift)} onto a regular grid",)
+        if shift > 1e-3 * min(sizes) / max(heights.shape)
+        else ()
+    )
+    return FileContent(heights, 1.0, (sizes[0], sizes[1]), notes)
+
+
+def _on_line(positions: Array) -> tuple[Any, float, float]:
+    """Return the indices of positions on a regular line, its step, and the largest distance from it in steps."""
+    order = np.sort(positions)
+    gaps = np.diff(order)
+    if gaps.max(initial=0.0) <= 1e-6 * (order[-1] - order[0]):
+        return np.zeros(len(positions), dtype=int), 1.0, 0.0
+    # gaps between lines of points are the ones above a limit: that which gives the most regular line
+    lines = (_regular(positions, order, gaps > gaps.max() / 2**n) for n in range(1, 11))
+    return min(lines, key=lambda line: line[2])
+
+
+def _regular(positions: Array, order: Array, is_between: Any) -> tuple[Any, float, float]:
+    """Return what :func:`_on_line` does, for lines of points that are divided at some of the gaps in their order."""
+    line = np.concatenate([[0], np.cumsum(is_between)])
+    centres = np.bincount(line, order) / np.bincount(line)
+    between = np.diff(centres)
+    number = np.concatenate([[0.0], np.cumsum(np.round(between / np.median(between)))])
+    step, start = np.polyfit(number, centres, 1)
+    index = np.round((positions - start) / step)
+    off = np.abs(positions - start - step * index).max() / step
+    return index.astype(int), float(step), float(off)

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.evolution.rolling.steady_rolling import SteadyRolling, solve_rolling
-from contactstudy.evolution.time_steps import all_recorded, schedule
+from contactstudy.evolution.time_steps import schedule
 from contactstudy.evolution.trajectory import Frame, Trajectory, frame_of
 from contactstudy.problem.constraint import PrescribedLoad
 from contactstudy.problem.problem import Problem
@@ -40,7 +40,7 @@ def follow_load(
     grid: Grid,
     padding: Padding | Paddings,
     *,
-    times: ArrayLike | None = None,
+    times: ArrayLike,
     options: SolveOptions = SolveOptions(),  # noqa: B008 (a frozen value)
     progress: Callable[[float, float], None] | None = None,
 ) -> Trajectory:
@@ -53,8 +53,7 @@ def follow_load(
     grid, padding
         Cells and boundary conditions.
     times
-        Recorded instants [s], which do not decrease; None records the start, the end and the
-        instants at which the load turns or jumps.
+        Recorded instants [s], which do not decrease.
     options
         How each contact is solved.
     progress
@@ -74,8 +73,6 @@ def follow_load(
     assert isinstance(load, ChangingLoad)
     turns = load.turning_points(schedule(load, times)[-1].time)
     breakpoints = schedule(load, times, kinks=turns)
-    if times is None:
-        breakpoints = all_recorded(breakpoints)
     first = load.at(breakpoints[0].time)
     elastic = scene
     if (speed := scene.rolling_speed) is not None:

@@ -56,11 +56,6 @@ class SlipStep:
     residual: float
     applications: int
 
-    @property
-    def slides(self) -> bool:
-        """True for gross slip: no cell sticks."""
-        return not self.stick.any()
-
 
 def transmission_status(force: float, limit: Array, grid: Grid) -> Status:
     """Return whether a tangential `force` along x [N/m] of the length of `grid` acts: it does not on bodies apart.
@@ -87,7 +82,6 @@ def slip_step(
     *,
     total: Array | None = None,
     rigid: Array | None = None,
-    start: Array | None = None,
     stretch: Array | None = None,
 ) -> SlipStep:
     """Return the tangential traction after a step from a `reference`, under a given resultant or rigid displacement.
@@ -111,8 +105,6 @@ def slip_step(
     rigid
         Rigid displacement (2,) [m] of the second against the first body in this step. Above a limit the contact
         slides fully.
-    start
-        Traction (component, x, y) [Pa] to begin with; None begins with the reference.
     stretch
         Displacement along x (x, 1) [m] of the first against the second body by bulk strain in this step; None for none.
     """
@@ -125,9 +117,8 @@ def slip_step(
         free_slip -= rigid[:, None, None]
     if stretch is not None:
         free_slip[0] += stretch
-    first = newton.gathered(reference if start is None else start)
     shear, slip, displacement, residual = newton.solve(
-        free_slip, first, tolerance, max_applications - 1
+        free_slip, newton.gathered(reference), tolerance, max_applications - 1
     )
     if rigid is None:
         rigid, slip = displacement, slip - displacement[:, None]

@@ -80,13 +80,6 @@ def test_the_net_work_has_no_bound_where_the_load_turns_between_two_instants() -
     assert 0 < abs(few.value - many.value) <= few.bound < inf
 
 
-def test_a_sine_is_recorded_where_it_turns_if_no_times_are_named() -> None:
-    sine = replace(SCENE, load=cs.SineLoad(2.0, 1.5, 1.0, pi / 6))
-    found = follow_load(sine, GRID, LINE)
-    assert found.times == pytest.approx([0, 1 / 6, 2 / 3, 1])
-    assert [frame.load for frame in found.frames] == pytest.approx([2.75, 3.5, 0.5, 2.75])
-
-
 def test_the_work_of_instants_that_are_not_recorded_counts_for_the_next_that_is() -> None:
     all_recorded, one_missing = (
         follow_load(SCENE, GRID, LINE, times=times) for times in ((0.0, 1.0, 2.0), (0.0, 2.0))

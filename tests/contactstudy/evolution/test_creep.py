@@ -17,8 +17,6 @@ from tests.contactstudy.evolution.creeping import (
     pressures,
     rolling_cylinder,
 )
-from tests.contactstudy.evolution.test_adhesive_history import SCENE as ADHESIVE
-from tests.contactstudy.scene.test_fretting import LINE, MU
 
 EXACT = cs.ExactPeriodicity()
 
@@ -95,62 +93,6 @@ def test_a_sine_load_on_a_solid_with_two_times() -> None:
     widest = max(range(len(found.frames)), key=lambda number: width_of(found, number))
     assert found.times[widest] == pytest.approx(1.217635, abs=0.1)
     assert width_of(found, widest) == pytest.approx(0.129483507, abs=grid.cell_size[0])
-
-
-def test_a_body_without_terms_is_elastic() -> None:
-    solid, elastic = cs.ViscoelasticHalfSpace(0.4, 0.0), cs.HalfSpace(0.4, 0.0)
-    found = evolved(rolling_cylinder(solid), line(64), [0.5, 1.0])
-    wanted = cs.solve(rolling_cylinder(elastic), line(64), EXACT)
-    for frame in found.frames:
-        np.testing.assert_allclose(
-            frame.pressure, wanted.pressure, atol=1e-5 * wanted.pressure.max()
-        )
-        # the datum of a displacement follows the scale of the problem: only the gap is the same
-        np.testing.assert_allclose(frame.gap, wanted.gap, atol=1e-6 * wanted.problem.scales.gap)
-
-
-FRETTING = replace(
-    LINE, friction=cs.Fretting(MU, (0.0, 0.12, -0.12, 0.12), times=(0.0, 1.0, 2.0, 3.0))
-)
-PULLED = replace(ADHESIVE, load=cs.LoadHistory((0.0, 1.0, 3.0), (pi, pi, -2 * pi)))
-RISING = rolling_cylinder(cs.HalfSpace(1.0, 0.0), cs.LoadHistory((0.0, 3.0), (LOAD / 2, LOAD)))
-
-
-@pytest.mark.parametrize(
-    ("elastic", "grid", "times", "off"),
-    [
-        (RISING, line(128), (0.0, 1.0, 3.0), 1e-5),
-        (FRETTING, cs.Grid((220, 1), (2.2, 1.0)), (0.0, 1.0, 2.0, 3.0), 1e-4),
-        (PULLED, cs.Grid((128, 1), (24.0, 1.0)), (0.0, 1.0, 1.6, 2.2), 1e-3),
-    ],
-    ids=["alone", "with fretting", "with adhesion"],
-)
-@pytest.mark.parametrize(("fraction", "delay"), [(0.5, 1e9), (1.0, 1e-6)], ids=["slow", "quick"])
-def test_bodies_that_creep_far_more_slowly_or_quickly_than_the_load_are_elastic(
-    elastic: cs.Scene,
-    grid: cs.Grid,
-    times: tuple[float, ...],
-    off: float,
-    fraction: float,
-    delay: float,
-) -> None:
-    """The modulus relaxes by a half, from that of the elastic body or to it."""
-    solid = elastic.solids[0]
-    modulus = solid.youngs_modulus
-    body = cs.ViscoelasticHalfSpace(
-        fraction * modulus, solid.poisson_ratio, ((0.5 * modulus, delay),)
-    )
-    solids = tuple(body if each == solid else each for each in elastic.solids)
-    wanted, found = (
-        cs.solve(scene, grid, EXACT, times=times, tolerance=1e-8).frames[1:]
-        for scene in (elastic, replace(elastic, solids=solids))
-    )
-    for one, other in zip(wanted, found, strict=True):
-        assert other.status is cs.Status.CONVERGED
-        assert other.load_per_length == pytest.approx(one.load_per_length)
-        np.testing.assert_allclose(other.pressure, one.pressure, atol=off * one.pressure.max())
-        if one.traction is not None:
-            np.testing.assert_allclose(other.shear, one.shear, atol=off * np.abs(one.shear).max())
 
 
 def test_a_wave_in_full_contact_relaxes_by_itself() -> None:

@@ -20,9 +20,14 @@ CYCLE = cs.Fretting(MU, (0.0, FORCE, -FORCE, FORCE), times=(0.0, 1.0, 2.0, 3.0))
 
 
 def fretted(
-    friction: cs.Fretting, times: object, scene: cs.Scene = LINE, grid: cs.Grid = STRIP
+    friction: cs.Fretting,
+    times: object,
+    scene: cs.Scene = LINE,
+    grid: cs.Grid = STRIP,
+    **parts: Any,
 ) -> cs.Evolution:
-    found = cs.solve(replace(scene, friction=friction), grid, EXACT, times=times, tolerance=1e-8)
+    scene = replace(scene, friction=friction, **parts)
+    found = cs.solve(scene, grid, EXACT, times=times, tolerance=1e-8)
     assert isinstance(found, cs.Evolution)
     return found
 
@@ -105,7 +110,7 @@ def test_slip_wears_in_proportion_to_the_energy_and_nowhere_else() -> None:
     forces = (0.0, *(FORCE, -FORCE) * 2, 0.0)
     friction = cs.Fretting(MU, forces, times=tuple(range(6)))
     wear = 1.0 / 32
-    found = fretted(friction, [0.0, 5.0], replace(LINE, wear=cs.Wear(wear, 0.0)))
+    found = fretted(friction, [0.0, 5.0], wear=cs.Wear(wear, 0.0))
     worn, lost = (found.quantities[name].value for name in ("wear_volume", "friction_energy"))
     assert worn == pytest.approx(wear / MU * lost, rel=1e-12)
     depth = found.frames[-1].state["wear_depth"].values
@@ -130,7 +135,7 @@ def test_pressure_and_slip_that_do_not_converge_together_have_that_status_and_no
     monkeypatch.setattr(
         "contactstudy.evolution.integration.time_stepper.MAX_FIXED_POINT_ITERATIONS", 1
     )
-    found = fretted(CYCLE, [0.0, 3.0], replace(LINE, wear=cs.Wear(1.0 / 32, 0.0)))
+    found = fretted(CYCLE, [0.0, 3.0], wear=cs.Wear(1.0 / 32, 0.0))
     assert found.status is cs.Status.NOT_CONVERGED
     assert np.isinf(found.error.l1.total)
 

@@ -180,30 +180,6 @@ def test_loading_again_is_elastic_up_to_where_it_was() -> None:
     np.testing.assert_allclose(before, again, atol=1e-6 * before.max())
 
 
-@pytest.mark.parametrize("yield_stress", [inf, 1e3 * YIELD], ids=["infinite", "never reached"])
-def test_a_body_that_nothing_makes_yield_is_an_elastic_one(yield_stress: float) -> None:
-    scene, grid = pressed(3, yield_stress=yield_stress), grid_of(3, 0.1)
-    elastic = replace(scene, solids=(cs.HalfSpace(YOUNG, NU), RIGID))
-    times = (0.0, 0.5, 1.0, 1.5, 2.0)
-    without, with_it = (evolve(one, grid, EXACT, times=times) for one in (elastic, scene))
-    if yield_stress == inf:
-        np.testing.assert_array_equal(pressures(with_it), pressures(without))
-        for one, other in zip(with_it.frames, without.frames, strict=True):
-            np.testing.assert_array_equal(one.gap, other.gap)
-        problems = (one.largest_load for one in (elastic, scene))
-        first, second = (
-            cs.solve(replace(one, load=cs.LineLoad(p)).problem(grid, EXACT))
-            for one, p in zip((elastic, scene), problems, strict=True)
-        )
-        np.testing.assert_array_equal(first.pressure, second.pressure)
-    else:
-        assert not evolution_answer(with_it).to_dataset()["plastic_strain"].any()
-        # both contacts are solved to 1e-8 of the gap, one a hundred times closer
-        np.testing.assert_allclose(
-            pressures(with_it), pressures(without), atol=1e-6 * pressures(without).max()
-        )
-
-
 @pytest.mark.whole
 def test_two_equal_bodies_that_yield_share_the_gap_evenly() -> None:
     one = pressed(3)

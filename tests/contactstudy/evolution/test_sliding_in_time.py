@@ -123,21 +123,3 @@ def test_friction_beyond_yield_in_shear_needs_a_body_that_hardens(hardening: flo
     if not hardening:
         assert found.status is cs.Status.SHEAR_BEYOND_YIELD
         assert found.error.l1.total == inf
-
-
-def test_yielding_bodies_that_slide_without_friction_are_those_without_a_law() -> None:
-    smooth, plain = (yielding(1.3, 0, one, 40) for one in (cs.Sliding(0.0), None))
-    np.testing.assert_array_equal(smooth.pressure, plain.pressure)
-
-
-def test_a_creep_that_takes_for_ever_changes_no_plastic_strain() -> None:
-    solid = cs.ElasticPlasticHalfSpace(210e9, 0.3, 3e8, 1e10)
-    slow = cs.ViscoelasticHalfSpace(110e9, 0.3, ((100e9, 1e9),))
-    found, plain = (
-        solved(
-            replace(SCENE, solids=(solid, other), friction=None), cs.Grid((40, 1), GRID.extent), (0.0, 1.0)
-        ).to_dataset()["equivalent_plastic_strain"]
-        for other in (slow, STEEL)
-    )  # fmt: skip
-    assert plain.max() > 0
-    np.testing.assert_allclose(found, plain, atol=1e-4 * float(plain.max()))

@@ -134,16 +134,6 @@ def test_errors_of_two_stage_steps_bound_the_pressure_and_the_peak_of_a_rounded_
         assert abs(frame.pressure.max() - true.max()) <= peak * true.max()
 
 
-def test_no_wear_is_the_scene_without_it() -> None:
-    grid = cs.Grid((64, 1), (0.3, 1.0))
-    elastic = cs.solve(replace(CYLINDER, wear=None).problem(grid, EXACT))
-    found = evolve(replace(CYLINDER, wear=cs.Wear(0.0, 1.0)), grid, EXACT, times=[0.0, 1.0])
-    np.testing.assert_array_equal(found.frames[0].pressure, elastic.pressure)
-    np.testing.assert_array_equal(found.frames[0].gap, elastic.gap)
-    assert found.time_discretisation_error == 0
-    assert not found.frames[0].fields
-
-
 @pytest.mark.parametrize("rolling", [None, cs.Rolling(1.0)])
 def test_a_contact_whose_coating_is_worn_through_ends_with_the_time(
     rolling: cs.Rolling | None,

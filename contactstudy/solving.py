@@ -364,38 +364,17 @@ class _Request:
         from contactstudy.evolution.integration.evolve import evolve
         from contactstudy.planning.grid_requirements import CONSTANTS as GRID
 
-        requested, target, steps = self.requested, self.target, self.steps
-        by_error = steps.error_estimator == "step_doubling"
-        fraction = (1 - GRID.cell_fraction) * target if target and by_error else None
-        first, padding = self.planned()
-
-        error = fraction if steps.error is None else steps.error
-
-        def solve_on(grid: Grid, level: int = 0) -> "Evolution":
-            folder = self.folder if level == 0 else None
-            if folder is not None and grid != first:  # frames of a finer grid beside those before
-                folder = Path(folder) / "{} x {} cells".format(*grid.cells)
-            trajectory = evolve(
-                self.scene,
-                grid,
-                padding,
-                times=steps.instants_of(*self.scene.histories),
-                error=min(4**level * error, LARGEST_STEP_ERROR) if level and error else error,
-                error_estimator=steps.error_estimator,
-                scheme=steps.scheme,
-                options=self.options,
-                folder=folder,
-                progress=self._report_time if level == 0 else None,
-            )
-
-            def coarser(level: int) -> "Evolution":
-                return solve_on(halved_grid(grid, level), level)
-
-            return evolution_answer(trajectory, requested, None if level else coarser)
-
-        answer = solve_on(first)
-        refines = requested is not None and self.grid is None
-        return self._refined(answer, solve_on) if refines else answer
+        steps, target, error = self.steps, self.target, self.steps.error
+        if error is None and target and steps.error_estimator == "step_doubling":
+            error = (1 - GRID.cell_fraction) * target
+        return self._followed(
+            evolve,
+            evolution_answer,
+            error,
+            error_estimator=steps.error_estimator,
+            scheme=steps.scheme,
+            options=self.options,
+        )
 
     def _followed(
         self,
@@ -414,19 +393,28 @@ class _Request:
         times = self.steps.instants_of(*self.scene.histories)
 
         def on(grid: Grid, level: int = 0) -> "Evolution":
-            scene = with_random_extents(self.scene, first.extent) if level else self.scene
-            longer = min(4**level * error, LARGEST_STEP_ERROR) if level and error else error
-            by_error = {} if longer is None else {"error": longer}
-            progress = None if level else self._report_time
-            arguments = {"times": times, "progress": progress} | by_error | named
-            return answer_of(
-                follow(scene, grid, padding, **arguments), None if level else self.requested
-            )
+            scene, arguments = self.scene, {"times": times, **named}
+            if error is not None:
+                arguments["error"] = min(4**level * error, LARGEST_STEP_ERROR) if level else error
+            if level:
+                scene = with_random_extents(scene, first.extent)
+            else:
+                arguments["progress"] = self._report_time
+                if self.folder is not None:  # frames of a finer grid beside those before
+                    finer = "" if grid == first else "{} x {} cells".format(*grid.cells)
+                    arguments["folder"] = Path(self.folder, finer)
+            followed = follow(scene, grid, padding, **arguments)
+            return answer_of(followed, None if level else self.requested)
 
-        def coarser(level: int, widening: int = 1) -> "Evolution":
-            return on(widened(halved_grid(first, level), widening), level)
+        def solve_on(grid: Grid) -> "Evolution":
+            def coarser(level: int, widening: int = 1) -> "Evolution":
+                return on(widened(halved_grid(grid, level), widening), level)
 
-        return replace(on(first), coarser=coarser)
+            return replace(on(grid), coarser=coarser)
+
+        is_refined = self.grid is None and self.scene.method is methods.TIME_DEPENDENT
+        answer = solve_on(first)
+        return self._refined(answer, solve_on) if is_refined else answer
 
     @property
     def _film_options(self) -> SolveOptions:

@@ -278,13 +278,8 @@ class Evolution(Answer):
         return with_quantities(dataset, self.quantities).assign_attrs(accuracy=self.accuracy)
 
 
-def evolution_answer(
-    trajectory: "Trajectory", requested: Request | None = None, coarser: Coarser | None = None
-) -> Evolution:
-    """Return the frames of a dry contact as an answer, up to that in which a coating is worn through.
-
-    The other arguments are those of :class:`Evolution`.
-    """
+def evolution_answer(trajectory: "Trajectory", requested: Request | None = None) -> Evolution:
+    """Return the frames of a dry contact as an answer, up to that in which a coating is worn through."""
     posed, fields = trajectory.description, [frame.fields for frame in trajectory.frames]
     depths = [of["wear_depth"].values if "wear_depth" in of else None for of in fields]
     kept, sentences = _until_worn_through(posed.scene, trajectory.frames, depths, trajectory.times)
@@ -296,7 +291,7 @@ def evolution_answer(
     ]
     if kept[-1].status is Status.WORN_THROUGH:  # no stress in a coating that is gone
         frames[-1] = replace(frames[-1], problem=replace(frames[-1].problem, outputs=()))
-    return Evolution(tuple(frames), trajectory.times, posed, requested, trajectory, coarser=coarser)
+    return Evolution(tuple(frames), trajectory.times, posed, requested, trajectory)
 
 
 def _until_worn_through(

@@ -16,6 +16,7 @@ import xarray as xr
 from contactstudy.analytic import HertzLine
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.errors import ErrorEstimate
+from contactstudy.domain.grid import Grid
 from contactstudy.domain.storage.version import VERSION
 from contactstudy.io.quantities.quantity import Quantities, per_length, roller_length
 from contactstudy.io.scene_files.scene_writer import scene_text
@@ -82,26 +83,30 @@ def title_attributes(title: str) -> dict[str, str]:
 
 def contact_fields(solution: Solution) -> xr.Dataset:
     """Return pressure, displacement, gap and tractions of a solution over (x, y), with the numbers of its solver."""
-    grid = solution.problem.grid
-    dataset = xr.Dataset(
-        {
-            "pressure": _plane(solution.pressure, "Pa", "contact pressure"),
-            "displacement": _plane(solution.displacement, "m", "surface displacement"),
-            "gap": _plane(solution.gap, "m", "gap after deformation"),
-            "residual": _number(solution.residual, "1", "residual of the solver"),
-            "iterations": _number(solution.iterations, "1", "solver iterations"),
-            "convolutions": _number(
-                solution.convolutions, "1", "FFT convolutions of the full grid"
-            ),
-            "status": _status(solution.status),
-        },
-        coords={"x": ("x", grid.x, X), "y": ("y", grid.y, Y)},
-    )
+    variables = {
+        "pressure": _plane(solution.pressure, "Pa", "contact pressure"),
+        "displacement": _plane(solution.displacement, "m", "surface displacement"),
+        "gap": _plane(solution.gap, "m", "gap after deformation"),
+        "convolutions": _number(solution.convolutions, "1", "FFT convolutions of the full grid"),
+    }
     for part in solution.parts:
-        dataset = dataset.assign(field_variables(part.fields(solution.pressure)))
+        variables |= field_variables(part.fields(solution.pressure))
     if isinstance(solution.problem.constraint, HardnessLimited):
-        dataset["dent"] = _plane(solution.dent, "m", "depth of yielding under the hardness")
-    return dataset
+        variables["dent"] = _plane(solution.dent, "m", "depth of yielding under the hardness")
+    return _over_plane(solution.problem.grid, variables, solution)
+
+
+def _over_plane(
+    grid: Grid, variables: Mapping[str, xr.Variable], solved: "Solution | FilmSolution"
+) -> xr.Dataset:
+    """Return `variables` over the cells of a grid, with the numbers that every solver has, and its status."""
+    of_solver = {
+        "residual": _number(solved.residual, "1", "residual of the solver"),
+        "iterations": _number(solved.iterations, "1", "solver iterations"),
+        "status": _status(solved.status),
+    }
+    axes = {"x": ("x", grid.x, X), "y": ("y", grid.y, Y)}
+    return xr.Dataset({**variables, **of_solver}, axes)
 
 
 def contact_dataset(
@@ -254,14 +259,7 @@ def film_dataset(
     contact: "FilmSolution", error: ErrorEstimate, quantities: Quantities
 ) -> xr.Dataset:
     """Return a lubricated contact with dimensions (x, y), units and long names; errors along ``cause``."""
-    dataset = film_fields(contact)
-    dataset = dataset.assign(field_variables(contact.derived))
-    return with_quantities(_with_errors(dataset, error), quantities)
-
-
-def film_fields(contact: "FilmSolution") -> xr.Dataset:
-    """Return pressure, film, film fraction and shear of a lubricated contact over (x, y), with its scene."""
-    grid, variables, carrier = contact.grid, {}, "the lubricant"
+    variables, carrier = dict[str, xr.Variable](), "the lubricant"
     if contact.contact_pressure is not None:
         carrier = "lubricant and asperities together"
         of_asperities = _plane(contact.contact_pressure, "Pa", "pressure of asperities")
@@ -274,22 +272,17 @@ def film_fields(contact: "FilmSolution") -> xr.Dataset:
         for number, rises in enumerate(heat.surface, start=1):
             name, label = f"surface_temperature_rise_{number}", f"{rise} of surface {number}"
             variables[name] = _plane(rises, "K", label)
-    return xr.Dataset(
-        variables
-        | {
-            "pressure": _plane(contact.pressure, "Pa", f"pressure of {carrier}"),
-            "film": _plane(contact.film, "m", "film thickness"),
-            "film_fraction": _plane(
-                contact.film_fraction, "1", "fractional film content, below 1 where cavitated"
-            ),
-            "shear": _plane(contact.shear, "Pa", "shear stress in the middle of the film"),
-            "mean_speed": _number(contact.mean_speed, "m s-1", "mean speed of the surfaces"),
-            **_hertz(contact.scales.hertz),
-            "residual": _number(contact.residual, "1", "residual of the solver"),
-            "iterations": _number(contact.iterations, "1", "solver iterations"),
-            "status": _status(contact.status),
-        },
-        coords={"x": ("x", grid.x, X), "y": ("y", grid.y, Y)},
-        attrs=title_attributes("lubricated line contact")
-        | scene_attributes(PosedScene(contact.scene, grid, contact.padding)),
-    )
+    content = "fractional film content, below 1 where cavitated"
+    variables |= {
+        "pressure": _plane(contact.pressure, "Pa", f"pressure of {carrier}"),
+        "film": _plane(contact.film, "m", "film thickness"),
+        "film_fraction": _plane(contact.film_fraction, "1", content),
+        "shear": _plane(contact.shear, "Pa", "shear stress in the middle of the film"),
+        "mean_speed": _number(contact.mean_speed, "m s-1", "mean speed of the surfaces"),
+        **_hertz(contact.scales.hertz),
+        **field_variables(contact.derived),
+    }
+    dataset = _over_plane(contact.grid, variables, contact)
+    posed = PosedScene(contact.scene, contact.grid, contact.padding)
+    dataset.attrs = title_attributes("lubricated line contact") | scene_attributes(posed)
+    return with_quantities(_with_errors(dataset, error), quantities)

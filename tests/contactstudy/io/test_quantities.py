@@ -148,44 +148,6 @@ def test_the_load_of_a_roller_is_spread_over_its_length() -> None:
     assert worn.to_dataset()["load"].values == pytest.approx([1e5])
 
 
-def test_the_largest_stress_has_its_place(line_contact: LineContact) -> None:
-    stress = cs.SubsurfaceStress((2e-5, 4e-5, 8e-5))
-    scene = replace(line_contact.scene, outputs=(stress,))
-    contact = cs.solve(scene, line_contact.grid((32, 1), 1.4), cs.ExactPeriodicity())
-    von_mises = contact.to_dataset()["von_mises"]
-    number = contact.quantities["largest_von_mises"]
-    assert number.value == float(von_mises.max())
-    at = von_mises.sel(x=number.position["x"], z=number.position["z"], method="nearest")
-    assert number.position["x"] == pytest.approx(0, abs=1e-12)  # the middle, between two cells
-    assert float(at.max()) == pytest.approx(number.value, rel=1e-9)
-    assert contact.quantities["largest_von_mises_depth"].value == number.position["z"]
-
-
-def test_the_place_of_the_largest_stress_is_its_depth_in_body_and_substrate() -> None:
-    steel, coating = cs.HalfSpace(206e9, 0.3), cs.HalfSpace(206.1e9, 0.3)
-    coated = cs.CoatedHalfSpace(coating, 2e-6, steel)  # as good as none: Hertz's depth
-    outputs = (cs.SubsurfaceStress(),)
-    scene = cs.Scene(cs.LineLoad(2e5), (coated, steel), (cs.Cylinder(8e-3),), outputs=outputs)
-    width = scene.hertz.half_width  # type: ignore[union-attr]
-    numbers = cs.solve(
-        scene, cs.Grid((128, 1), (2.4 * width, 1e-3)), cs.ExactPeriodicity()
-    ).quantities
-    for part in ("largest", "substrate"):
-        depth = numbers[f"{part}_von_mises_depth"].value
-        assert depth == pytest.approx(0.704 * width, rel=0.015)
-        assert numbers[f"{part}_von_mises"].position["z"] == depth  # type: ignore[index]
-
-
-def test_a_safety_factor_holds_within_the_bound_of_the_stress(line_contact: LineContact) -> None:
-    steel = replace(STEEL, yield_stress=1e9)
-    outputs = (cs.SubsurfaceStress((2e-5, 4e-5, 8e-5)),)
-    scene = replace(line_contact.scene, solids=(steel, steel), outputs=outputs)
-    numbers = cs.solve(scene, line_contact.grid((32, 1), 1.4), cs.ExactPeriodicity()).quantities
-    stress, factor = numbers["largest_von_mises"], numbers["safety_factor"]
-    assert factor.value * stress.value == pytest.approx(1e9)
-    assert factor.relative_bound == pytest.approx(stress.relative_bound, rel=0.05)
-
-
 ROWS = {
     "a": Quantity(5e8, "Pa", "peak", 6.15e6, "", {"x": 0.0, "y": 2e-3}),
     "b": Quantity(1e-6, "m", "approach"),

@@ -75,6 +75,7 @@ poisson_ratio = 0.28
 kind = "Cylinder"
 radius = "10 mm"
 """
+THREE = 'kind = "ViscoelasticHalfSpace"\nequilibrium_modulus = 1\npoisson_ratio = 0.4\nrelaxation = [[1, 1, 1]]'
 OF_CYLINDER = '"Cylinder"\nradius = "10 mm"'
 
 
@@ -170,6 +171,7 @@ def test_a_file_without_settings_has_those_of_the_functions(tmp_path: Path) -> N
         (ROLLER, '"steel"', '"stel"', "solids[0].material is 'stel': did you mean 'steel'"),
         (ROLLER, '"steel"', '"steel"\nkind = "CoatedHalfSpace"', "solids[0].material is 'steel', and a CoatedHalfSpace"),
         (ROLLER, "[[shapes]]", "[shapes]", "shapes: it is one table: write its name in double brackets"),
+        (ROLLER, 'material = "steel"', THREE, "relaxation[0]: it has 3 entries: give 2"),
         (ROLLER, OF_CYLINDER, '"Crown"', "give its radius, or its end_drop and length"),
         (ROLLER, OF_CYLINDER, '"LundbergProfile"\nlength = 1', "give amplitude and end_drop, for_load"),
         (ROLLER, OF_CYLINDER, '"LundbergProfile"\nlength = 1\namplitude = 1', "give amplitude and end_drop"),
@@ -215,16 +217,6 @@ def test_a_number_in_an_unlikely_unit_is_asked_about(
 ) -> None:
     doubts = read(GOOD.replace(good, bare, 1), tmp_path).doubts
     assert said in " ".join(doubts) if said else not doubts
-
-
-def test_a_vickers_hardness_without_a_yield_stress_gives_a_third_of_it(tmp_path: Path) -> None:
-    text = "[load]\nper_length = 1e5\n[[solids]]\nyoungs_modulus = 2e11\npoisson_ratio = 0.3\n"
-    body = read(
-        text + 'hardness = "300 HV"\n[[solids]]\nmaterial = "steel"', tmp_path
-    ).scene.solids[0]
-    assert isinstance(body, cs.HalfSpace)
-    assert body.hardness == pytest.approx(300 * 9.80665e6)
-    assert body.yield_stress == pytest.approx(100 * 9.80665e6)
 
 
 def test_a_mean_pressure_on_a_flat_is_periodic_both_ways_as_westergaard_has_it(
@@ -288,39 +280,6 @@ def test_a_measured_surface_is_read_from_beside_the_scene(tmp_path: Path) -> Non
         read(f'{GOOD}{surface}seam = {{kind = "Tapered", fraction = true}}', tmp_path)
 
 
-def test_each_entry_of_a_pair_has_its_own_unit(tmp_path: Path) -> None:
-    body = 'youngs_modulus = "210 GPa"\npoisson_ratio = 0.3'
-    soft = """kind = "ViscoelasticHalfSpace"
-equilibrium_modulus = "1 MPa"
-poisson_ratio = 0.4
-relaxation = [["1.5 MPa", "200 ms"], ["0.5 MPa", 3]]"""
-    good = GOOD.replace('hardness = "2.5 GPa"\n', "")
-    found = read(good.replace(body, soft), tmp_path).scene.solids[0]
-    assert found == cs.ViscoelasticHalfSpace(1e6, 0.4, ((1.5e6, 0.2), (5e5, 3.0)))
-    with pytest.raises(cs.InvalidInput, match=r"relaxation\[0\].*it has 3 entries: give 2"):
-        read(good.replace(body, soft.replace('"200 ms"', '"200 ms", 1')), tmp_path)
-
-
-def test_a_solid_has_the_constants_of_its_material_and_what_is_given_beside(tmp_path: Path) -> None:
-    text = ROLLER + '[[shapes]]\nkind = "FiniteLength"\nlength = "10 mm"\n'
-    solids = read(text, tmp_path).scene.solids
-    assert solids == (cs.material("steel"), replace(cs.material("100Cr6"), poisson_ratio=0.28))
-
-
-def test_a_coat_and_its_substrate_have_materials(tmp_path: Path) -> None:
-    text = ROLLER.replace(
-        'material = "steel"',
-        'kind = "CoatedHalfSpace"\nthickness = "2 um"\ncoating.material = "DLC"\nsubstrate.material = "steel"',
-    ).replace('total = "2 kN"', 'per_length = "100 N/mm"')
-    profile = '[[shapes]]\nkind = "LundbergProfile"\nlength = "8 mm"\nfor_load = "100 N/mm"\n'
-    scene = read(text + profile, tmp_path).scene
-    coated = cs.CoatedHalfSpace(cs.material("ta-C:H"), 2e-6, cs.material("steel"))
-    assert scene.solids[0] == coated
-    # the profile is that for the modulus of this contact, near that of the substrate
-    amplitude = 1e5 / (np.pi * scene.hertz.contact_modulus)
-    assert scene.shapes[1].amplitude == pytest.approx(amplitude, rel=1e-12)
-
-
 def test_every_material_has_a_source() -> None:
     for entry in materials().values():
         assert len(entry.source) > 20, entry.name
@@ -330,56 +289,52 @@ def test_every_material_has_a_source() -> None:
         assert 1.3 * entry.yield_stress < entry.hardness or entry.yield_stress == inf
 
 
-def test_a_material_gives_a_body_that_yields_its_yield_stress(tmp_path: Path) -> None:
-    text = ROLLER.replace(
-        'material = "steel"', 'kind = "ElasticPlasticHalfSpace"\nmaterial = "bronze"'
-    ).replace('total = "2 kN"', 'per_length = "100 N/mm"')
-    assert read(text, tmp_path).scene.solids[0] == cs.ElasticPlasticHalfSpace(113e9, 0.3, 0.14e9)
+LENGTH = '[[shapes]]\nkind = "FiniteLength"\nlength = "8 mm"\n'
+LINE = ROLLER.replace('total = "2 kN"', 'per_length = "100 N/mm"')
+STEEL, PROFILE = 'material = "steel"', '[[shapes]]\nkind = "LundbergProfile"\nlength = "8 mm"\n'
+COAT = 'kind = "CoatedHalfSpace"\nthickness = "2 um"\ncoating.material = "DLC"\nsubstrate.material = "steel"'
+COATED = cs.CoatedHalfSpace(cs.material("ta-C:H"), 2e-6, cs.material("steel"))
+SOFT = 'kind = "ViscoelasticHalfSpace"\nequilibrium_modulus = "1 MPa"\npoisson_ratio = 0.4\nrelaxation = '
+PAIRS = SOFT + '[["1.5 MPa", "200 ms"], ["0.5 MPa", 3]]'
+HARD = 'youngs_modulus = 2e11\npoisson_ratio = 0.3\nhardness = "300 HV"'
+OF_BOTH = 1 / (cs.material("steel").compliance + (1 - 0.28**2) / 207e9)
+OTHER = replace(cs.material("100Cr6"), poisson_ratio=0.28)
+OF_COATED = cs.Scene(cs.LineLoad(1e5), (COATED, OTHER), (cs.Cylinder(0.01),)).hertz.contact_modulus
+DROP = 'amplitude = "1 um"\nend_drop = "9 um"'
+CROWN = '[[shapes]]\nkind = "Crown"\nend_drop = "5 um"\nlength = "8 mm"'
 
 
+@pytest.mark.cases(100)
 @pytest.mark.parametrize(
-    ("extra", "length"),
+    ("text", "field", "value"),
     [
-        ('[[shapes]]\nkind = "FiniteLength"\nlength = "8 mm"\n', 8e-3),
-        ('[grid]\ncells = [16, 8]\nextent = ["1 mm", "5 mm"]\n', 5e-3),
-        ('[plan]\nperiod = "4 mm"\n', 4e-3),
-        ('[[shapes]]\nkind = "FiniteLength"\nlength = "8 mm"\n[plan]\nperiod = "9 mm"\n', 8e-3),
+        (ROLLER + LENGTH, "largest_load", 2e3 / 8e-3),
+        (ROLLER + '[grid]\ncells = [16, 8]\nextent = ["1 mm", "5 mm"]\n', "largest_load", 2e3 / 5e-3),
+        (ROLLER + '[plan]\nperiod = "4 mm"\n', "largest_load", 2e3 / 4e-3),
+        (ROLLER + LENGTH + '[plan]\nperiod = "9 mm"\n', "largest_load", 2e3 / 8e-3),
+        (LINE, "solids", (cs.material("steel"), OTHER)),
+        (LINE.replace(STEEL, COAT), "solids", (COATED, OTHER)),
+        (LINE.replace(STEEL, 'kind = "ElasticPlasticHalfSpace"\nmaterial = "bronze"'), "solids.0",
+         cs.ElasticPlasticHalfSpace(113e9, 0.3, 0.14e9)),
+        (LINE.replace(STEEL, PAIRS), "solids.0", cs.ViscoelasticHalfSpace(1e6, 0.4, ((1.5e6, 0.2), (5e5, 3.0)))),
+        (LINE.replace(STEEL, HARD), "solids.0.hardness", 300 * 9.80665e6),
+        (LINE.replace(STEEL, HARD), "solids.0.yield_stress", pytest.approx(100 * 9.80665e6)),  # a third
+        (LINE + PROFILE + 'for_load = "200 N/mm"', "shapes.1",
+         cs.LundbergProfile.for_load(2e5, contact_modulus=OF_BOTH, radius=0.01, length=8e-3)),
+        (LINE.replace(STEEL, COAT) + PROFILE + 'for_load = "100 N/mm"', "shapes.1.amplitude",
+         pytest.approx(1e5 / np.pi / OF_COATED, rel=1e-12)),
+        (LINE + PROFILE + 'iso_16281_diameter = "10 mm"', "shapes.1", cs.LundbergProfile.iso_16281(0.01, 8e-3)),
+        (LINE + PROFILE + DROP, "shapes.1", cs.LundbergProfile(1e-6, 9e-6, 8e-3)),
+        (LINE + CROWN, "shapes.1", cs.Crown.of_drop(5e-6, 8e-3)),
     ],
-    ids=["roller", "grid", "period", "roller on a longer grid"],
 )  # fmt: skip
-def test_a_total_load_is_spread_over_the_roller_or_the_grid(
-    extra: str, length: float, tmp_path: Path
+def test_a_value_may_be_given_in_its_units_by_a_material_or_by_what_it_is_for(
+    text: str, field: str, value: object, tmp_path: Path
 ) -> None:
-    assert read(ROLLER + extra, tmp_path).scene.largest_load == 2e3 / length
-
-
-@pytest.mark.parametrize(
-    ("keys", "shape"),
-    [
-        (
-            'kind = "LundbergProfile"\nlength = "8 mm"\nfor_load = "200 N/mm"',
-            cs.LundbergProfile.for_load(
-                2e5,
-                contact_modulus=1 / (cs.material("steel").compliance + (1 - 0.28**2) / 207e9),
-                radius=0.01,
-                length=8e-3,
-            ),
-        ),
-        (
-            'kind = "LundbergProfile"\nlength = "8 mm"\niso_16281_diameter = "10 mm"',
-            cs.LundbergProfile.iso_16281(0.01, 8e-3),
-        ),
-        ('kind = "Crown"\nend_drop = "5 um"\nlength = "8 mm"', cs.Crown.of_drop(5e-6, 8e-3)),
-        (
-            'kind = "LundbergProfile"\nlength = "8 mm"\namplitude = "1 um"\nend_drop = "9 um"',
-            cs.LundbergProfile(1e-6, 9e-6, 8e-3),
-        ),
-    ],
-    ids=["for a load", "ISO", "crown of a drop", "of a drop"],
-)
-def test_a_profile_may_be_given_as_in_python(keys: str, shape: cs.Shape, tmp_path: Path) -> None:
-    text = ROLLER.replace("total = ", "length = '8 mm'\ntotal = ") + f"[[shapes]]\n{keys}\n"
-    assert read(text, tmp_path).scene.shapes[1] == shape
+    found: object = read(text, tmp_path).scene
+    for name in field.split("."):
+        found = found[int(name)] if name.isdigit() else getattr(found, name)  # type: ignore[index]
+    assert found == value
 
 
 def test_varied_fields_are_kept_in_groups(tmp_path: Path) -> None:

@@ -12,6 +12,7 @@ from contactstudy.scene.stress import largest_shear, principal_stresses
 STEEL = cs.HalfSpace(210e9, 0.3, yield_stress=1e9)
 LOAD, CYLINDER = cs.LineLoad(1e5), cs.Cylinder(0.01)
 ALL_DEPTHS = cs.SubsurfaceStress()
+DEPTHS = 2e-5, 6e-5, 9e-5
 AT_SURFACE = cs.SubsurfaceStress((0.0,))
 
 
@@ -96,21 +97,30 @@ def test_coating_and_substrate_have_numbers_of_their_own() -> None:
     found = cs.solve(scene, cs.Grid((64, 1), (3 * half, 3 * half))).quantities
     whole, _, _ = line(64)
     # both are steel, and the largest stresses lie below the interface or above it
-    for name, part in (("largest_shear_stress", "substrate"), ("orthogonal_shear", "substrate")):
-        assert found[f"{part}_{name}"].value == pytest.approx(whole[name].value, rel=3e-3)
+    for name in ("largest_shear_stress", "orthogonal_shear", "von_mises_depth"):
+        of_whole = whole[f"largest_{name}" if name.startswith("von") else name].value
+        assert found[f"substrate_{name}"].value == pytest.approx(of_whole, rel=6e-3)
+    for name in ("largest_shear_stress", "orthogonal_shear"):
         assert found[f"coating_{name}"].value < found[f"substrate_{name}"].value
         assert found[f"coating_{name}_depth"].value == pytest.approx(4e-5)
     for part, strength in (("coating", 2e9), ("substrate", 1e9)):
-        margin = found[f"{part}_safety_factor"]
-        assert margin.value == pytest.approx(strength / found[f"{part}_von_mises"].value)
-        assert margin.bound < 0.05 * margin.value
+        margin, stress = found[f"{part}_safety_factor"], found[f"{part}_von_mises"]
+        assert margin.value == pytest.approx(strength / stress.value)
+        assert margin.relative_bound == pytest.approx(stress.relative_bound, rel=0.05)
+        assert margin.relative_bound < 0.05
     weakest = found["substrate_safety_factor"]
     assert found["safety_factor"].value == weakest.value < found["coating_safety_factor"].value
     assert found["safety_factor_depth"].value == pytest.approx(weakest.position["z"])
 
 
-def test_at_given_depths_the_depth_is_one_of_them() -> None:
-    found, _, _ = line(64, cs.SubsurfaceStress((2e-5, 6e-5, 9e-5)))
+def test_at_given_depths_the_largest_stress_is_one_of_them_and_known_to_their_distance() -> None:
+    scene = cs.Scene(LOAD, (STEEL, STEEL), (CYLINDER,), outputs=(cs.SubsurfaceStress(DEPTHS),))
+    half = scene.hertz.half_width
+    contact = cs.solve(scene, cs.Grid((64, 1), (3 * half, 3 * half)), cs.ExactPeriodicity())
+    found, stress = contact.quantities, contact.derived["von_mises"].values
     depth = found["largest_shear_stress_depth"]
     assert (depth.value, depth.bound) == (9e-5, pytest.approx(3e-5))
     assert "surface_tension" not in found
+    largest = found["largest_von_mises"]
+    assert largest.value == stress.max() == pytest.approx(stress[2].max())
+    assert largest.position == pytest.approx({"x": 0, "z": 9e-5}, abs=1e-12)  # between two cells

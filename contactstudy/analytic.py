@@ -123,7 +123,7 @@ def first_yield(
     InvalidInput
         If the radius, the modulus or the stress is not above 0.
     """
-    valid("yield_stress", yield_stress, Pascals)
+    yield_stress = valid("yield_stress", yield_stress, Pascals)
     unit = HertzLine(1.0, radius, contact_modulus)
     x = np.linspace(-1.2, 1.2, 241 if friction else 1)[:, None] + (0.0 if friction else 1.2)
     xx, zz, xz = unit.stress(

@@ -21,7 +21,7 @@ from typing import (
 
 from contactstudy.domain.checks import InvalidInput, UnknownField, parameters, suggestion
 from contactstudy.domain.unit_text import in_si, remedy_of
-from contactstudy.domain.units import Number, Unit
+from contactstudy.domain.units import Unit
 
 Class = TypeVar("Class", bound=type)
 
@@ -69,7 +69,7 @@ BodyIndex = Annotated[
     int, Limits("0 or 1, the body's index in Scene.solids", lambda x: x in (0, 1))
 ]
 
-RelativeError = Annotated[Number, BELOW_ONE]
+RelativeError = Annotated[float, Unit("", "a relative error", "1 %"), BELOW_ONE]
 
 
 @dataclass_transform(frozen_default=True, field_specifiers=(field,))

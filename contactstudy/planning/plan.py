@@ -102,7 +102,7 @@ def _plan_of_flat(
 ) -> Plan:
     """Plan a flat with a measured surface: its points are the cells and both axes periodic, if no others are given."""
     if period is not None:
-        valid("plan.period", period, Metres)
+        period = valid("plan.period", period, Metres)
     warnings = []
     if error is not None:
         warnings.append(

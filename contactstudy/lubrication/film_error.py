@@ -24,21 +24,22 @@ from contactstudy.lubrication.newton.pseudo_time import FilmControls
 from contactstudy.lubrication.posed_film import interpolated, lubricated_scales
 from contactstudy.lubrication.steady_film import solve_on
 from contactstudy.scene.scene import Scene
-from contactstudy.scene.shapes.roughness import Roughness
-from contactstudy.scene.shapes_source import shortest_wavelengths, unresolved
+from contactstudy.scene.shapes_source import shortest_wavelengths, unresolved, with_extent_of
 from contactstudy.solvers.solution import Status
 
-# Attributes of a film by the names of their errors: of those that are fields of ErrorEstimate, and of further ones, in
-# its `numbers`. Names and attributes of what asperities and heat add are the same.
-NUMBERS = {
-    "peak_pressure": "peak_pressure",
-    "central_film": "central_film",
-    "minimum_film": "minimum_film",
-    "friction_coefficient": "friction",
-}
-FURTHER = {name: name for name in ("power_loss", "rolling_resistance", "meniscus")}
-OF_ASPERITIES = "contact_load_fraction", "contact_area_fraction"
-OF_HEAT = "flash_temperature", "film_temperature"
+# Numbers of every film, and of what heats it; those that are no fields of ErrorEstimate; and attributes of other names.
+NUMBERS = (
+    "peak_pressure",
+    "central_film",
+    "minimum_film",
+    "friction_coefficient",
+    "power_loss",
+    "rolling_resistance",
+    "meniscus",
+)
+OF_HEAT = "flash_temperature", "film_temperature", "thermal_reduction"
+FURTHER = "power_loss", "rolling_resistance", "meniscus", "thermal_reduction"
+ATTRIBUTES = {"friction_coefficient": "friction", "thermal_reduction": "temperatures.reduction"}
 # A number that changes by more than this from half the cells, and by no less than from a quarter to half, may grow with
 # the cells, as does the friction of a Newtonian stress under a spike.
 NOTICEABLE = 0.02
@@ -76,7 +77,7 @@ def with_error(
     """Return the contact on ``grid`` with an error estimate; each of its grids starts from a coarser one."""
     if (reason := _without_estimate(scene, grid, padding)) is not None:
         return replace(solve_on(scene, grid, padding, controls, start), estimate=_unknown(reason))
-    scene = _same_surface(scene, grid)
+    scene = replace(scene, shapes=with_extent_of(scene.shapes, grid))
     quarter, half, longer = _grids_of_estimate(grid)
     coarsest = solve_on(scene, quarter, padding, controls, start)
     coarse = solve_on(scene, half, padding, controls, coarsest)
@@ -102,25 +103,12 @@ def film_error(contact: FilmSolution) -> ErrorEstimate:
         return _unknown(reason)
     if contact.status is Status.FILM_NOT_CONVERGED:
         return _unknown(f"The error is unknown: {contact.status}")
-    controls, scene = FilmControls(), _same_surface(contact.scene, contact.grid)
-    return _compared(
-        contact,
-        *(
-            solve_on(scene, grid, contact.padding, controls, contact)
-            for grid in _grids_of_estimate(contact.grid)
-        ),
+    scene = replace(contact.scene, shapes=with_extent_of(contact.scene.shapes, contact.grid))
+    films = (
+        solve_on(scene, grid, contact.padding, FilmControls(), contact)
+        for grid in _grids_of_estimate(contact.grid)
     )
-
-
-def _same_surface(scene: Scene, grid: Grid) -> Scene:
-    """Return the scene with random surfaces of the extent of ``grid``, so that they are the same on a wider grid."""
-    shapes = tuple(
-        replace(shape, extent=grid.extent)
-        if isinstance(shape, Roughness) and shape.extent is None
-        else shape
-        for shape in scene.shapes
-    )
-    return replace(scene, shapes=shapes)
+    return _compared(contact, *films)
 
 
 def _without_estimate(scene: Scene, grid: Grid, padding: Padding | Paddings) -> str | None:
@@ -148,7 +136,7 @@ def _without_estimate(scene: Scene, grid: Grid, padding: Padding | Paddings) -> 
 def _unknown(reason: str) -> ErrorEstimate:
     """Return an estimate without bounds, with the ``reason``."""
     parts = ErrorParts(discretisation=inf, inlet=inf, residual=inf, reason=reason)
-    every: Any = dict.fromkeys(NUMBERS, parts)
+    every: Any = {name: parts for name in NUMBERS if name not in FURTHER}
     return ErrorEstimate(parts, **every, warnings=(reason,))
 
 
@@ -193,11 +181,11 @@ def _compared(
     x, y = contact.grid.x, contact.grid.y
     pressures = [interpolated(film.pressure, film.grid, x, y) for film in (*nested, longer)]
     of_pressure = largest_change([_l1(*pair) for pair in pairwise(pressures[:-1])])
-    pressure = parts(of_pressure, _l1(pressures[1], pressures[-1]))
+    l1 = parts(of_pressure, _l1(pressures[1], pressures[-1]))
 
-    def of_number(attribute: str, why: str = "", least: float = 0.0) -> ErrorParts:
+    def of_number(name: str, why: str = "", least: float = 0.0) -> ErrorParts:
         """Return the error of a number by its relative changes, the change to fewer cells `least` at the least."""
-        value = attrgetter(attribute)
+        value = attrgetter(ATTRIBUTES.get(name, name))
         values = [float(value(film)) for film in nested]
         scale = abs(values[0]) or 1.0
         changes = [abs(fine - half) / scale for fine, half in pairwise(values)]
@@ -207,36 +195,32 @@ def _compared(
         floor = FLOOR * of_pressure * bool(values[0])
         return parts(max(largest_change(changes), floor, least), inlet, why)
 
-    of_spike = has_spike(contact.pressure) or _falls_within_a_cell(contact.pressure)
-    temperatures = contact.temperatures
-    of_heat = "" if temperatures is None else temperatures.reason
+    reasons = _reasons(contact)
+    names = [*NUMBERS, *(OF_HEAT if contact.temperatures is not None else ())]
+    errors = {name: of_number(name, reasons.get(name, "")) for name in names}
+    if contact.contact_pressure is not None:
+        untouched = _untouched_reason(contact, errors["minimum_film"])
+        edge = AREA_FLOOR * edge_fraction(contact.contact_pressure > 0)
+        errors["contact_load_fraction"] = of_number("contact_load_fraction", untouched)
+        errors["contact_area_fraction"] = of_number("contact_area_fraction", untouched, edge)
+    said = dict.fromkeys(one.reason for one in (l1, *errors.values()) if one.reason)
+    numbers = {name: errors.pop(name) for name in names if name in FURTHER}
+    fields: Any = errors
+    return ErrorEstimate(l1, **fields, numbers=numbers, warnings=tuple(said))
+
+
+def _reasons(contact: FilmSolution) -> dict[str, str]:
+    """Return why numbers have no estimate, by name; empty where they have one."""
+    of_heat = "" if contact.temperatures is None else contact.temperatures.reason
     of_friction = of_heat or contact.friction_reason
-    reasons = {
+    of_spike = has_spike(contact.pressure) or _falls_within_a_cell(contact.pressure)
+    return {
         "peak_pressure": OF_SPIKE * of_spike,
         "friction_coefficient": of_friction,
         "power_loss": of_friction * bool(contact.scales.lubrication.slide_roll_ratio),
+        "flash_temperature": of_heat,
+        "film_temperature": of_heat,
     }
-    fields, further = dict(NUMBERS), dict(FURTHER)
-    if temperatures is not None:
-        further["thermal_reduction"] = "temperatures.reduction"
-        fields |= {name: name for name in OF_HEAT}
-        reasons |= dict.fromkeys(OF_HEAT, of_heat)
-    errors: Any
-    errors, numbers = (
-        {name: of_number(attribute, reasons.get(name, "")) for name, attribute in names.items()}
-        for names in (fields, further)
-    )
-    if contact.contact_pressure is not None:
-        untouched = _untouched_reason(contact, errors["minimum_film"])
-        least = AREA_FLOOR * edge_fraction(contact.contact_pressure > 0)
-        errors |= {
-            name: of_number(name, untouched, least * (name == "contact_area_fraction"))
-            for name in OF_ASPERITIES
-        }
-    warnings = tuple(
-        dict.fromkeys(one.reason for one in (pressure, *errors.values()) if one.reason)
-    )
-    return ErrorEstimate(pressure, **errors, numbers=numbers, warnings=warnings)
 
 
 def _untouched_reason(contact: FilmSolution, minimum_film: ErrorParts) -> str:

@@ -45,14 +45,9 @@ class BoundedSolution:
         return inf if part is None else part
 
     @cached_property
-    def cell_errors(self) -> tuple[float, float]:
-        """Relative L1 errors (across, along) that the pressure of the cells shows."""
-        return shown_errors(self.solution)[1]
-
-    @property
     def fractions(self) -> tuple[float, float]:
-        """Contributions (across, along) to the discretisation error, as fractions of it."""
-        across, along = self.cell_errors
+        """Contributions (across, along) to the discretisation error that the pressure shows, as fractions of it."""
+        across, along = shown_errors(self.solution)[1]
         fraction = across / (across + along) if across + along else 1.0
         return fraction, 1 - fraction
 

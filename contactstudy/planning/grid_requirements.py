@@ -296,15 +296,16 @@ class GridRequirements:
             steps = zip(self.shortest_wavelengths, grid.cell_size, strict=True)
             cell += f", {min(wave / step for wave, step in steps):.3g} in the shortest wavelength"
         cell += "."
-        dimension = "three-dimensional: the gap varies along the length."
-        if ny == 1:
-            dimension = (
-                "plane strain as requested: one cell along, though the gap varies along the length."
-            )
-        if not self.varies:
-            dimension = "plane strain: nothing varies along the length, so one cell along suffices."
-        if not self.varies and ny > 1:
-            dimension = "three-dimensional as requested: nothing varies along the length; one cell along would suffice."
+        varies = "the gap varies along the length", "nothing varies along the length"
+        dimension = {
+            (True, False): f"plane strain as requested: one cell along, though {varies[0]}.",
+            (True, True): f"three-dimensional: {varies[0]}.",
+            (False, False): f"plane strain: {varies[1]}, so one cell along suffices.",
+            (
+                False,
+                True,
+            ): f"three-dimensional as requested: {varies[1]}; one cell along would suffice.",
+        }[self.varies, ny > 1]
         if self.given_padding is not None:
             padding = f"padding {self.given_padding!r}: the one given."
         elif self.roller_length:

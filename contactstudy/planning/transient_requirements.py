@@ -86,17 +86,21 @@ class PlasticZone:
         Hertz's half-width [m].
     bodies
         Number of bodies that yield.
+    rolls
+        Whether the contact passes over it, so that strain is kept over all of the grid that moves with the contact.
     """
 
     ratio: float
     half_width: float
     bodies: int
+    rolls: bool
 
     @property
     def half_extent(self) -> float:
-        """Distance [m] across from the axis to the end of the plastic zone."""
+        """Distance [m] across from the axis to the end of the plastic zone, behind a contact that rolls."""
         half_widths = CONSTANTS.plastic_width + CONSTANTS.plastic_widening * self.ratio**2
-        return self.half_width * CONSTANTS.zone_margin * half_widths
+        widening = CONSTANTS.rolled_widening if self.rolls else 1.0
+        return self.half_width * CONSTANTS.zone_margin * half_widths * widening
 
     @property
     def error_factor(self) -> float:
@@ -104,13 +108,12 @@ class PlasticZone:
         return float(max(1.0, self.ratio / 3) ** CONSTANTS.error_power)
 
     def volume(self, grid: Grid) -> Volume:
-        """Return the cells of `grid` expected to yield."""
-        half = min(self.half_extent, grid.extent[0] / 2)
-        across = round(half / grid.cell_size[0])
+        """Return the cells of `grid` expected to yield, of a contact that rolls all down to their depth."""
         middle = grid.cells[0] // 2
+        across = middle if self.rolls else min(round(self.half_extent / grid.cell_size[0]), middle)
         depth = max(CONSTANTS.plastic_depth * self.ratio - 1, 1.0) * self.half_width
         edges = layers(grid, self.half_width, depth)
-        return Volume(grid, max(middle - across, 0), min(middle + across, grid.cells[0]), edges)
+        return Volume(grid, middle - across, min(middle + across, grid.cells[0]), edges)
 
     def bytes(self, grid: Grid) -> int:
         """Return the bytes of operators and fields on `grid`, in addition to one solve."""
@@ -121,7 +124,7 @@ class PlasticZone:
             numbers = operators + CONSTANTS.strain_fields * 3 * prod(volume.shape)
         else:
             numbers = CONSTANTS.strain_fields_along * 5 * prod(volume.shape)
-        return 8 * self.bodies * numbers
+        return 8 * self.bodies * numbers * (CONSTANTS.rolled_operators if self.rolls else 1)
 
     def reason(self, grid: Grid) -> str:
         """Return a sentence on the layers chosen for yielding on `grid`."""
@@ -134,24 +137,6 @@ class PlasticZone:
         )
 
 
-@dataclass(frozen=True)
-class RolledZone(PlasticZone):
-    """Expected plastic zone of passes, whose strain is kept over all of the grid that moves with the contact."""
-
-    @property
-    def half_extent(self) -> float:
-        """Distance [m] across from the axis to the end of the plastic zone, behind the contact."""
-        return CONSTANTS.rolled_widening * super().half_extent
-
-    def bytes(self, grid: Grid) -> int:
-        """Return the bytes of operators and fields on `grid`, in addition to one solve."""
-        return CONSTANTS.rolled_operators * super().bytes(grid)
-
-    def volume(self, grid: Grid) -> Volume:
-        """Return the cells of `grid` down to the depth that is expected to yield."""
-        return replace(super().volume(grid), first=0, last=grid.cells[0])
-
-
 def expected_plastic_zone(scene: Scene) -> PlasticZone | None:
     """Return the expected plastic zone under the largest load of `scene`.
 
@@ -160,8 +145,8 @@ def expected_plastic_zone(scene: Scene) -> PlasticZone | None:
     limits = [float(getattr(body, "yield_stress", 0.0)) for body in filter(yields, scene.solids)]
     if not limits or scene.hertz is None:
         return None
-    kind = RolledZone if scene.rolls else PlasticZone
-    return kind(scene.hertz.peak_pressure / min(limits), scene.hertz.half_width, len(limits))
+    ratio = scene.hertz.peak_pressure / min(limits)
+    return PlasticZone(ratio, scene.hertz.half_width, len(limits), scene.rolls)
 
 
 @dataclass(frozen=True)

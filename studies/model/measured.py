@@ -1,6 +1,6 @@
 """Checks of measured values, so that netCDF and xarray return what was stored."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -21,6 +21,8 @@ RESERVED = frozenset(
 TIME_UNITS = frozenset(
     {"days", "hours", "minutes", "seconds", "milliseconds", "microseconds", "nanoseconds"}
 )
+# Attributes that are text.
+TEXTS = frozenset({"units", "long_name", "standard_name"})
 MAX_CASE_BYTES = (
     2**25
 )  # bytes of all variables of a case: a table of a thousand such cases takes 34 GB
@@ -87,70 +89,39 @@ def _variable(name: object, value: object, source: str, reserved: frozenset[str]
     if isinstance(value, xr.DataArray):
         value = value.variable
     if not isinstance(value, xr.Variable):
-        if isinstance(value, str | bytes) or np.isscalar(value):
-            _check_scalar(value, invalid)
-        elif np.ndim(value) != 0 or isinstance(value, Mapping | set | frozenset):  # type: ignore[arg-type]
-            raise invalid(value, "give xarray.Variable(dims, values) for more than one number")
-        scalar = _values(name, np.asarray(value), invalid)
-        return xr.Variable((), scalar, {"long_name": name.replace("_", " ")})
+        if np.ndim(value) != 0 or not (isinstance(value, str) or np.isscalar(value)):  # type: ignore[arg-type]
+            raise invalid(value, "give a number, text, or xarray.Variable(dims, values)")
+        value = xr.Variable((), value, {"long_name": name.replace("_", " ")})
     for dim in value.dims:
-        if problem := name_problem(dim):
+        problem = name_problem(dim) or "this name is taken, choose another" * (dim in reserved)
+        if problem:
             raise InvalidInput(f"{source} gives {name!r} along {shortened(dim)}: {problem}.")
-        if dim in reserved:
-            raise InvalidInput(
-                f"{source} gives {name!r} along {dim!r}: this name is taken, choose another."
-            )
     if len(set(value.dims)) < len(value.dims):
         raise invalid(value.dims, "give each dimension another name")
-    values = _values(name, np.asarray(value.values), invalid)
-    attributes = {key: _attribute(name, key, entry, source) for key, entry in value.attrs.items()}
-    return xr.Variable(value.dims, values, attributes)
-
-
-MakeError = Callable[[object, str], InvalidInput]
-
-
-def _check_scalar(value: Any, invalid: MakeError) -> None:
-    """Raise the error of `invalid` for text or a whole number that netCDF cannot store."""
-    if isinstance(value, str) and not is_storable(value):
-        raise invalid(value, "give text without control characters and lone surrogates")
-    if isinstance(value, int) and abs(value) > MAX_WHOLE_NUMBER:
-        raise invalid(value, "give a whole number up to 2^53, or text")
-
-
-def _values(name: str, values: np.ndarray, invalid: MakeError) -> np.ndarray:
-    """Return the values of a variable in a type that netCDF stores unchanged."""
-    kind = values.dtype.kind
-    if kind == "O":
-        other_types = [entry for entry in values.flat if not isinstance(entry, str)]
-        if other_types:
-            raise invalid(other_types[0], "give numbers or text")
-        for entry in values.flat:
-            _check_scalar(entry, invalid)
-        values = np.asarray(values.tolist(), dtype=str) if values.size else values.astype(str)
-        kind = "U"
-    if kind == "U":
-        for entry in values.flat:
-            _check_scalar(str(entry), invalid)
+    values = np.asarray(value.values)
+    if values.dtype.kind == "O" and all(isinstance(entry, str) for entry in values.flat):
+        values = np.asarray(values.tolist(), dtype=str)
+    if values.dtype.kind == "U":
         # numpy drops the NUL at the end of a text, but keeps the length of a lone one
-        if values.ndim == 0 and values.dtype.itemsize != 4 * max(len(str(values)), 1):
-            raise invalid(str(values), "give text without NUL")
-        return values
-    if kind == "c":
-        raise invalid(values.flat[0], "give its real and imaginary parts as two variables")
-    if kind in "mM":
-        raise invalid(values.flat[0], "give a number, with its unit in attrs['units']")
-    if kind not in "biuf" or values.dtype.itemsize > 8:
-        raise invalid(values.dtype, "give numbers of at most 64 bits, or text")
+        has_nul = values.ndim == 0 and values.dtype.itemsize != 4 * max(len(str(values)), 1)
+        if has_nul or not all(is_storable(str(entry)) for entry in values.flat):
+            raise invalid(value.values, "give text without control characters and lone surrogates")
+    elif values.dtype.kind not in "biuf" or values.dtype.itemsize > 8:
+        raise invalid(value.values, "give numbers of at most 64 bits, or text")
     is_error = name.endswith("_bound") or "_estimate" in name
-    if kind == "f" and np.isnan(values).any() and not is_error:
+    if values.dtype.kind == "f" and np.isnan(values).any() and not is_error:
         raise MeasuredNaNError(f"{name} is nan")
-    ends = (int(values.min()), int(values.max())) if kind in "iu" and values.size else (0, 0)
-    if max(-ends[0], ends[1]) > MAX_WHOLE_NUMBER:
+    if (
+        values.dtype.kind in "iu"
+        and values.size
+        and max(-int(values.min()), int(values.max())) > MAX_WHOLE_NUMBER
+    ):
         raise invalid(values.max(), "give whole numbers up to 2^53, or text")
-    if values.dtype == np.float16:
-        return values.astype(np.float32)
-    return values.astype(values.dtype.newbyteorder("="), copy=False)
+    plain = values.astype(np.float32) if values.dtype == np.float16 else values
+    attributes = {key: _attribute(name, key, entry, source) for key, entry in value.attrs.items()}
+    return xr.Variable(
+        value.dims, plain.astype(plain.dtype.newbyteorder("="), copy=False), attributes
+    )
 
 
 def _attribute(variable: str, name: object, value: object, source: str) -> Any:
@@ -162,35 +133,20 @@ def _attribute(variable: str, name: object, value: object, source: str) -> Any:
         raise InvalidInput(
             f"{where}: programs that read netCDF change, hide or move values by it; choose another name."
         )
-    if name in ("units", "long_name", "standard_name") and not isinstance(value, str):
-        raise InvalidInput(f"{where} as {shortened(value)}: give text.")
     if name == "units" and (value in TIME_UNITS or " since " in f" {value} ".lower()):
         raise InvalidInput(
             f"{where} as {shortened(value)}: xarray would read a date or a time difference; give a number of "
             "'s', 'min', 'h' or 'd'."
         )
-    if isinstance(value, str):
-        if not is_storable(value):
-            raise InvalidInput(
-                f"{where} as {shortened(value)}: give text without control characters."
-            )
+    if isinstance(value, str) and is_storable(value):
         return value
-    if isinstance(value, int | float) and not isinstance(value, bool):
-        if isinstance(value, int) and not -(2**63) <= value < 2**63:
-            raise InvalidInput(f"{where} as {shortened(value)}: give a number of at most 64 bits.")
-        return value
-    if isinstance(value, np.ndarray | np.generic | list | tuple):
-        try:
-            array = np.asarray(value)
-        except ValueError:
-            array = np.asarray(None)
+    is_row = isinstance(value, np.ndarray | np.generic | list | tuple | int | float)
+    row = np.array(value, dtype=object) if is_row and name not in TEXTS else np.array([])
+    if row.size and row.ndim <= 1:
+        if all(isinstance(entry, str) and is_storable(entry) for entry in row.flat):
+            return [str(entry) for entry in row]
+        array = np.asarray(value)
         is_number = array.dtype.kind in "iuf" and array.dtype.itemsize <= 8
-        is_text = array.dtype.kind == "U" and all(is_storable(str(entry)) for entry in array.flat)
-        if array.size and array.ndim <= 1 and is_number and array.dtype != np.float16:
+        if is_number and array.dtype != np.float16:
             return array.astype(array.dtype.newbyteorder("="))[()]
-        texts = isinstance(value, np.ndarray | np.generic) or all(
-            isinstance(entry, str) for entry in value
-        )
-        if array.size and array.ndim == 1 and is_text and texts:
-            return [str(entry) for entry in array]
     raise InvalidInput(f"{where} as {shortened(value)}: give a number, text or a row of numbers.")

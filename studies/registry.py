@@ -44,12 +44,15 @@ BUILT_IN = tuple(name for names in FAMILIES.values() for name in names)
 def load(name: str) -> Study:
     """Return the built-in study of a name, or the study in a Python file.
 
-    Raises :class:`~contactstudy.InvalidInput` if there is none, or if a file lacks one of its names.
+    Raises :class:`~contactstudy.InvalidInput` if there is none, or if a file has none.
     """
     if name.endswith(".py"):
-        if Path(name).stem in BUILT_IN:
-            raise InvalidInput(f"Study file {name!r} has the name of a built-in study: rename it.")
-        return study_in(Path(name))
+        study = study_in(Path(name))
+        if study.name in BUILT_IN:
+            raise InvalidInput(
+                f"Study file {name!r} has the name of a built-in study, {study.name!r}: rename it."
+            )
+        return study
     if name in SCENES:
         return _chapter(name)
     return cast(Study, _part("studies.definitions", name))

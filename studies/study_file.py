@@ -1,21 +1,17 @@
 """Studies in Python files, which are read and checked before anything runs."""
 
 import os
-import re
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 
 from contactstudy import InvalidInput
-from studies.model.axis import Axis
-from studies.model.plain_text import one_line, quoted, shortened
+from studies.model.plain_text import one_line, quoted
 from studies.model.study import Study
 from studies.store.program import content, look
-
-NEEDED = ("axes", "case_at", "measures")
-FUNCTIONS = ("case_at", "measures", "figure", "findings", "tables")
 
 
 def module_name(path: Path) -> str:
@@ -24,7 +20,7 @@ def module_name(path: Path) -> str:
 
 
 def module_in(path: Path) -> ModuleType:
-    """Return the module in `path`, with the names that a study needs.
+    """Return the module in `path`, which has a `study`.
 
     Raises :class:`~contactstudy.InvalidInput`, with file and line, for any error in it.
     """
@@ -42,24 +38,10 @@ def module_in(path: Path) -> ModuleType:
         vars(module).update(__file__=str(path.absolute()), __source__=source)
         exec(compile(source, str(path.absolute()), "exec"), vars(module))
     look()
-    for part in NEEDED:
-        if not hasattr(module, part):
-            raise InvalidInput(
-                f"Study file {quoted(path)} has no {part!r}: define it at the file's top level."
-            )
-    for part in FUNCTIONS:
-        if not callable(getattr(module, part, print)):
-            raise InvalidInput(f"{_where(path, part)}: {part} is no function: define it with def.")
-    if isinstance(module.axes, Axis):
-        vars(module)["axes"] = (module.axes,)
-    axes = module.axes
-    if not isinstance(axes, tuple | list) or not all(isinstance(axis, Axis) for axis in axes):
+    if not isinstance(getattr(module, "study", None), Study):
         raise InvalidInput(
-            f"{_where(path, 'axes')}: axes is {shortened(axes)}: give a tuple of "
-            "studies.Axis, such as (Axis('grid', (16, 32), 'cells'),)."
+            f"Study file {quoted(path)} has no study: define study = studies.Study(...) at its top level."
         )
-    if not axes:
-        raise InvalidInput(f"{_where(path, 'axes')}: axes is empty: give one axis or more.")
     # worker processes cannot import this file: its functions are pickled by value
     from cloudpickle import register_pickle_by_value
 
@@ -69,32 +51,11 @@ def module_in(path: Path) -> ModuleType:
 
 def study_in(path: Path) -> Study:
     """Return the study in ``path``."""
-    module = module_in(path)
-    description = module.__doc__ if isinstance(module.__doc__, str) else path.stem
-    title = one_line(description.strip().split("\n")[0], 300)
-    times = getattr(module, "times", "taken")
-    depends, folder = _depends(path, module), path.absolute().parent
+    module, folder = module_in(path), path.absolute().parent
+    study: Study = module.study
     # what the file may have read when it was loaded
-    vars(module)["__depends__"] = {name: content(folder / name) for name in depends}
-    try:
-        return Study(
-            path.stem, title, tuple(module.axes), module.case_at, module.measures, times,
-            depends=depends, folder=folder,
-        )  # fmt: skip
-    except InvalidInput as error:
-        blamed = "times" if str(error).startswith("times") else "axes"
-        raise InvalidInput(f"{_where(path, blamed)}: {error}") from None
-
-
-def _depends(path: Path, module: ModuleType) -> tuple[str, ...]:
-    """Return the names of the files that a study file depends on."""
-    names = getattr(module, "depends", ())
-    names = (names,) if isinstance(names, str) else names
-    if not isinstance(names, tuple | list) or not all(isinstance(name, str) for name in names):
-        raise InvalidInput(
-            f"{_where(path, 'depends')}: depends is {shortened(names)}: give the names of files beside the study."
-        )
-    return tuple(names)
+    vars(module)["__depends__"] = {name: content(folder / name) for name in study.depends}
+    return replace(study, folder=folder)
 
 
 @contextmanager
@@ -120,11 +81,3 @@ def _blaming(path: Path) -> Iterator[None]:
         at = "" if line is None else f", line {line}"
         end = "" if message.endswith(".") else "."
         raise InvalidInput(f"Study file {quoted(path)}{at}: {message}{end}") from None
-
-
-def _where(path: Path, name: str) -> str:
-    """Return a text with the file and the line that defines `name`."""
-    text = path.read_text(encoding="utf-8", errors="replace")
-    found = re.search(rf"^(?:def |class )?{name}\b", text, re.MULTILINE)
-    at = f", line {text.count(chr(10), 0, found.start()) + 1}" if found else ""
-    return f"Study file {quoted(path)}{at}"

@@ -50,7 +50,7 @@ class Study(InNotebook):
     depends
         Files that it reads, beside ``folder``: where one changes, what is stored is recomputed.
     folder
-        Folder of the study file.
+        Folder of the study file, which gives it.
     """
 
     name: str
@@ -66,6 +66,15 @@ class Study(InNotebook):
 
     def __post_init__(self) -> None:
         one_of("times", self.times, ("taken", "none"))
+        for part in ("case_at", "measures"):
+            if not callable(getattr(self, part)):
+                raise InvalidInput(
+                    f"Study.{part} is {shortened(getattr(self, part))}: give a function."
+                )
+        if not self.axes or not all(isinstance(axis, Axis) for axis in self.axes):
+            raise InvalidInput(
+                f"Study.axes is {shortened(self.axes)}: give studies.Axis, such as (Axis('grid', (16, 32), 'cells'),)."
+            )
         if problem := name_problem(self.name):
             raise InvalidInput(f"A study is called {shortened(self.name)}: {problem}.")
         names = [axis.name for axis in self.axes]

@@ -8,8 +8,7 @@ from studies.registry import load
 
 GOOD = '''"""Plain numbers."""
 from dataclasses import dataclass
-from studies.model.axis import Axis
-axes = (Axis("number", (1, 2), "a number"),)
+from studies import Axis, Study
 @dataclass(frozen=True)
 class Number:
     number: int
@@ -19,6 +18,7 @@ class Number:
 def case_at(point):
     return Number(point["number"])
 def measures(case, result): return {}
+study = Study("numbers", "Plain numbers.", (Axis("number", (1, 2), "a number"),), case_at, measures)
 def figure(dataset): return ()
 '''
 AXIS = 'Axis("number", (1, 2), "a number"),'
@@ -28,20 +28,20 @@ AXIS = 'Axis("number", (1, 2), "a number"),'
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
-        ("(" + AXIS + ")", "None", r"line 4: axes is None: give a tuple of .*Axis"),
-        (AXIS, "", r"line 4: axes is empty"),
-        (AXIS, AXIS + AXIS, r"line 4: Study '\w+' has two axes 'number'"),
-        ("(1, 2)", "(1, 1)", r"line 4: Axis 'number' has the value 1 twice"),
-        ("(1, 2)", "(1, 'a')", r"line 4: Axis 'number' has values \(1, 'a'\)"),
-        ("(1, 2)", "()", r"line 4: Axis 'number' has values \(\)"),
-        ("(1, 2)", "(1.0, float('nan'))", r"line 4: Axis 'number' has the value nan"),
-        ('Axis("number"', 'Axis("a/b"', r"line 4: Axis name 'a/b': netCDF takes '/'"),
+        ("(" + AXIS + ")", "None", r"line 13: Study.axes is None: give studies.Axis"),
+        (AXIS, "", r"line 13: Study.axes is \(\)"),
+        (AXIS, AXIS + AXIS, r"line 13: Study '\w+' has two axes 'number'"),
+        ("(1, 2)", "(1, 1)", r"line 13: Axis 'number' has the value 1 twice"),
+        ("(1, 2)", "(1, 'a')", r"line 13: Axis 'number' has values \(1, 'a'\)"),
+        ("(1, 2)", "()", r"line 13: Axis 'number' has values \(\)"),
+        ("(1, 2)", "(1.0, float('nan'))", r"line 13: Axis 'number' has the value nan"),
+        ('Axis("number"', 'Axis("a/b"', r"line 13: Axis name 'a/b': netCDF takes '/'"),
         ("import Axis", "import Axes", r"line 3: ImportError: cannot import name 'Axes'"),
-        ("class Number:", "class Number", r"line 6: SyntaxError: expected ':'"),
+        ("class Number:", "class Number", r"line 5: SyntaxError: expected ':'"),
         ("def figure", "1 / 0\ndef figure", r"line 14: ZeroDivisionError: division by zero"),
         ("def figure", "raise SystemExit(3)\ndef figure", r"line 14: SystemExit: 3"),
-        ("def measures(case, result): return {}", "measures = 5", r"line 13: measures is no function"),
-        ("def figure", "times = 'some'\ndef figure", r"line 14: times is 'some'"),
+        (", measures)", ", 5)", r"line 13: Study.measures is 5: give a function"),
+        (", measures)", ", measures, 'some')", r"line 13: times is 'some'"),
     ],
 )  # fmt: skip
 def test_a_mistake_is_said_with_its_line(old: str, new: str, said: str, tmp_path: Path) -> None:
@@ -55,7 +55,7 @@ def test_a_mistake_is_said_with_its_line(old: str, new: str, said: str, tmp_path
 @pytest.mark.parametrize(
     ("body", "said"),
     [
-        ("raise KeyError('x')", r"raises KeyError in case_at \(mine\.py, line 12\) at .*'number': 1"),
+        ("raise KeyError('x')", r"raises KeyError in case_at \(mine\.py, line 11\) at .*'number': 1"),
         ("return None", r"gives None at .*: return a studies\.model\.case\.Case"),
         ("return [1]", r"gives \[1\] at"),
     ],
@@ -67,18 +67,12 @@ def test_a_scene_that_is_none_is_said_with_its_point(body: str, said: str, tmp_p
         Request.of(load(str(path)))
 
 
-@pytest.mark.parametrize("part", ["axes", "case_at", "measures"])
-def test_a_study_without_one_of_its_names_is_refused(part: str, tmp_path: Path) -> None:
+def test_a_file_without_a_study_or_with_the_name_of_another_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "mine.py"
-    path.write_text(GOOD + f"del {part}\n", encoding="utf-8")
-    with pytest.raises(InvalidInput, match=f"has no '{part}'"):
-        load(str(path))
-
-
-def test_the_first_line_of_its_text_is_the_title(tmp_path: Path) -> None:
-    path = tmp_path / "mine.py"
-    path.write_text(GOOD.replace("Plain numbers.", "Plain numbers.\n\nMore."))
-    assert load(str(path)).title == "Plain numbers."
-    path.write_text(GOOD.replace('"""Plain numbers."""', ""))
-    study = load(str(path))
-    assert (study.title, study.name, len(study.cases())) == ("mine", "mine", 2)
+    for old, new, said in (
+        ("study = ", "other = ", "has no study"),
+        ('"numbers"', '"grid"', "built-in study, 'grid'"),
+    ):
+        path.write_text(GOOD.replace(old, new), encoding="utf-8")
+        with pytest.raises(InvalidInput, match=said):
+            load(str(path))

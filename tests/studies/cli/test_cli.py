@@ -137,14 +137,14 @@ def test_a_study_of_ones_own_runs_under_any_name_and_fails_in_a_sentence(
     path.write_text(RIGHT, encoding="utf-8")
     done = call("run", "json.py", "--workers", "1", "--repeats", "0")
     assert done.returncode == 0, done.stderr
-    assert (tmp_path / "outputs" / "json.nc").is_file()
-    assert call("show", "outputs/json.nc").returncode == 0
+    assert (tmp_path / "outputs" / "numbers.nc").is_file()
+    assert call("show", "outputs/numbers.nc").returncode == 0
     path.write_text(OWN, encoding="utf-8")
     done = call("run", "json.py", "--workers", "0", "--repeats", "0")
     assert done.returncode == 1
     assert "2 of 2 cases failed, the first with AttributeError in measures" in done.stdout
-    assert done.stderr == "json: no case gave numbers, so there is nothing to draw.\n"
-    done = call("show", "outputs/json.nc")
+    assert done.stderr == "numbers: no case gave numbers, so there is nothing to draw.\n"
+    done = call("show", "outputs/numbers.nc")
     assert done.returncode == 2
     assert "2 of 2 cases failed, the first with AttributeError" in done.stderr
 

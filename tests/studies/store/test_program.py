@@ -14,10 +14,7 @@ STUDY = '''"""Numbers."""
 from dataclasses import dataclass
 import helper, tomllib
 import kinds
-from studies import Axis
-axes = Axis("number", (1, 2), "a number")
-depends = ("table.toml",)
-times = "none"
+from studies import Axis, Study
 LOAD = 3.0
 @dataclass(frozen=True)
 class Number:
@@ -32,6 +29,8 @@ def case_at(point):
 def measures(case, result):
     with open("table.toml", "rb") as file:
         return {"value": result * tomllib.load(file)["scale"]}
+AXES = (Axis("number", (1, 2), "a number"),)
+study = Study("numbers_here", "Numbers.", AXES, case_at, measures, "none", depends=("table.toml",))
 '''
 HELPER = "import far\nfrom deep.inner import exact\ndef factor(): return far.FACTOR\n"
 FILES = {

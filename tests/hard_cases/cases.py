@@ -13,6 +13,7 @@ from studies.definitions.hard_cases import (
     ENDED,
     FLAT,
     ROUGH,
+    HardCase,
     between,
     grid,
     noise,
@@ -20,7 +21,17 @@ from studies.definitions.hard_cases import (
 )
 from studies.definitions.hard_cases import CASES as NAMED
 from studies.reference.line_contact import P_H, SCENE, A
-from tests.hard_cases.hard_case import HardCase
+
+FREE, EXACT = cs.ZeroPadding(), cs.ExactPeriodicity()
+PADDINGS: dict[str, cs.Padding | cs.Paddings] = {
+    "zero": FREE,
+    "duplicated": cs.DuplicatedPadding(),
+    "superposed": cs.Superposition(2),
+    "circular": cs.CircularSuperposition(2),
+    "exact": EXACT,
+    "exact on both": (EXACT, EXACT),
+    "circular on both": (cs.CircularSuperposition(1), cs.DuplicatedPadding()),
+}
 
 
 def _discretisation() -> dict[str, HardCase]:
@@ -32,7 +43,6 @@ def _discretisation() -> dict[str, HardCase]:
     return {
         **{f"period {period:g} a": case((24, 6), period) for period in (1e-2, 1e2)},
         "cells 1:0.001": case((24, 6), 0.6e-3),
-        "strips of plane strain": HardCase(SCENE, grid((48, 1)), paddings=("exact",)),
         **{
             f"{nx} x {ny} cells": case((nx, ny), 1.2)
             for nx, ny in ((24, 1), (24, 2), (2, 1), (3, 1), (25, 9), (23, 13))
@@ -57,7 +67,7 @@ def _material() -> dict[str, HardCase]:
     cases = {}
     for ratio in (0.0, 0.5):
         body = cs.HalfSpace(210e9, ratio)
-        cases[f"Poisson's ratio {ratio:g}"] = HardCase(**vars(between(body, body)))
+        cases[f"Poisson's ratio {ratio:g}"] = between(body, body)
     wide = grid(width=4.8)
     for fraction in (1.01, 0.99, 0.7, 0.4, 0.328):  # 0.327 carries the load
         scene = replace(with_heights(ROUGH), hardness=fraction * P_H)
@@ -110,7 +120,7 @@ def _solver() -> dict[str, HardCase]:
 
 
 CASES: dict[str, HardCase] = {
-    **{name: HardCase(**vars(case)) for name, case in NAMED.items()},
+    **NAMED,
     **_discretisation(),
     **_load(),
     **_material(),

@@ -1,7 +1,7 @@
 """Reference solution of the discrete problem by a dense matrix, with active sets found by pivoting.
 
 It is built pair by pair without transforms, windows of a convolution or an iteration, and solved directly. It has the
-influence coefficients of a cell in common with the program; :func:`plane_strain_matrix` has not.
+influence coefficients of a cell in common with the program.
 """
 
 from collections.abc import Callable
@@ -21,8 +21,6 @@ from contactstudy.elasticity.kernels.displacement_periodic import (
 # Of influence coefficients and of one transform pair, over the largest displacement.
 ROUNDING = 1e-13
 PIVOTS = 100
-
-InfluenceMatrix = Callable[[cs.Grid, cs.Paddings, float], Array]
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,11 +43,8 @@ def answer(
     grid: cs.Grid,
     paddings: cs.Paddings,
     solution: cs.Solution,
-    matrix_of: InfluenceMatrix | None = None,
 ) -> DenseAnswer:
     """Return the pressure that meets all conditions of contact to rounding, by pivoting from `solution`.
-
-    The matrix of influence coefficients is that of :func:`influence_matrix` unless another one is given.
 
     Source: Hintermüller, Ito & Kunisch (2003), Algorithm 2.1, for two limits.
 
@@ -60,7 +55,7 @@ def answer(
     """
     scales = scene.scales(grid)
     factor = scales.pressure / (np.pi * scene.contact_modulus * scales.gap)
-    matrix = factor * (matrix_of or influence_matrix)(grid, paddings, scales.length)
+    matrix = factor * influence_matrix(grid, paddings, scales.length)
     gap = (solution.problem.undeformed_gap.ravel() - solution.problem.reference_height) / scales.gap
     total = scene.mean_load(grid, paddings) * grid.length / grid.cell_area / scales.pressure
     limit = scene.hardness / scales.pressure
@@ -128,23 +123,6 @@ def influence_matrix(grid: cs.Grid, paddings: cs.Paddings, datum: float) -> Arra
     offsets = _coefficients(x[:, None], y[None, :], grid, paddings, datum)
     i, j = np.divmod(np.arange(nx * ny), ny)
     return np.asarray(offsets[i[:, None] - i + nx - 1, j[:, None] - j + ny - 1])
-
-
-def plane_strain_matrix(grid: cs.Grid, paddings: cs.Paddings, datum: float) -> Array:
-    """Return the influence coefficients [m] of strips that are endless along the length, one for each cell across.
-
-    The pressure of a strip displaces the surface by the integral of ``-2 ln(|x| / datum)`` over its width: Johnson
-    (1985), eq. 2.25. It is the limit of exact periodicity with one cell along.
-    """
-    if grid.cells[1] != 1 or paddings != (cs.ZeroPadding(), cs.ExactPeriodicity()):
-        raise cs.InvalidInput(
-            f"grid.cells is {grid.cells}: a strip has one cell along, and all images."
-        )
-    (count, _), width = grid.cells, grid.cell_size[0]
-    offset = (np.arange(count)[:, None] - np.arange(count)) * width
-    ends = np.stack([offset - width / 2, offset + width / 2])
-    low, high = -2 * ends * (np.log(np.abs(ends) / datum) - 1)
-    return np.asarray(high - low)
 
 
 def _coefficients(x: Array, y: Array, grid: cs.Grid, paddings: cs.Paddings, datum: float) -> Array:

@@ -8,7 +8,7 @@ import pytest
 import contactstudy as cs
 from studies.definitions.hard_cases import SOLVERS, grid
 from studies.reference.line_contact import SCENE
-from tests.hard_cases.hard_case import EXACT, FREE
+from tests.hard_cases.cases import EXACT, FREE
 
 
 @pytest.mark.parametrize("solver", SOLVERS)

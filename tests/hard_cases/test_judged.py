@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from studies.definitions.hard_cases import ROUGH, grid, with_heights
-from tests.hard_cases.cases import CASES
-from tests.hard_cases.dense_solver import answer, influence_matrix, plane_strain_matrix
-from tests.hard_cases.hard_case import PADDINGS, HardCase, Verdict
-from tests.hard_cases.judged import judged_by
+from studies.definitions.hard_cases import ROUGH, HardCase, grid, with_heights
+from tests.hard_cases.cases import CASES, PADDINGS
+from tests.hard_cases.dense_solver import answer
+from tests.hard_cases.judged import Verdict, judged_by
 
 CASE = HardCase(with_heights(ROUGH), grid())
 SOLVER = cs.PreconditionedCG()
@@ -89,13 +88,3 @@ def test_a_status_explains_a_missing_answer_only_where_it_is_expected(solution: 
     assert judged_by(case, soft, PADDING).verdict is Verdict.EXPLAINED_BY_STATUS
     stalled = replace(solution, status=cs.Status.STALLED)
     assert judged_by(CASE, stalled, PADDING).verdict is Verdict.WRONG
-    assert judged_by(CASE, solution, "of another name").verdict is Verdict.NOT_APPLICABLE
-
-
-def test_strips_of_plane_strain_have_coefficients_of_their_own() -> None:
-    """The kernel of cells has them as a limit, to rounding, up to a rigid displacement."""
-    on, paddings = grid((12, 1)), (cs.ZeroPadding(), cs.ExactPeriodicity())
-    strips, cells = (of(on, paddings, on.length) for of in (plane_strain_matrix, influence_matrix))
-    assert np.ptp(strips - cells) < 1e-12 * strips.max()
-    with pytest.raises(cs.InvalidInput, match="one cell along"):
-        plane_strain_matrix(grid((12, 2)), paddings, on.length)

@@ -14,8 +14,8 @@ from contactstudy.accuracy.residual_errors import residual_errors
 from contactstudy.domain.grid import across_and_along
 from studies.definitions.hard_cases import SOLVERS, grid, noise, with_heights
 from studies.reference.line_contact import SCENE, relative_l1
+from tests.hard_cases.cases import PADDINGS
 from tests.hard_cases.dense_solver import answer
-from tests.hard_cases.hard_case import PADDINGS
 
 EXAMPLES = settings(max_examples=int(os.environ.get("HARD_EXAMPLES", "40")))
 TOLERANCE = 1e-10

@@ -7,7 +7,7 @@ import xarray as xr
 import contactstudy as cs
 from studies.definitions.hard_cases import ROUGH, grid, with_heights
 from studies.reference.line_contact import HERTZ_HEIGHT, SCENE
-from tests.hard_cases.hard_case import EXACT
+from tests.hard_cases.cases import EXACT
 
 HEIGHTS = ROUGH * HERTZ_HEIGHT
 

@@ -10,7 +10,7 @@ import pytest
 import contactstudy as cs
 from studies.definitions.hard_cases import CELLS, grid, noise
 from studies.reference.line_contact import P_H, SCENE, A
-from tests.hard_cases.hard_case import EXACT, FREE
+from tests.hard_cases.cases import EXACT, FREE
 
 ENDS = [5e-324, 1e-310, 1e-200, 1e200, 1.7e308]
 # of a solid, a load, a radius, a width and a period, in their own units

@@ -1,5 +1,4 @@
-import re
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -13,9 +12,7 @@ from contactstudy.domain.checks import InvalidInput
 from studies.engine.cost import estimate_cost
 from studies.engine.options import RunOptions
 from studies.engine.run import run
-from studies.model.case import Case
-from studies.model.study import Study
-from studies.reference.line_contact import HERTZ, measures
+from studies.reference.line_contact import HERTZ, SCENE
 from studies.registry import load
 from studies.scene_study.study_of import study_of
 from studies.store.netcdf import read
@@ -52,53 +49,14 @@ def test_the_file_says_where_its_numbers_come_from(dataset: xr.Dataset) -> None:
     assert "LineLoad(per_length=100000.0)" in dataset.attrs["first_case"]
 
 
-def test_stored_errors_are_those_of_a_solve_alone(dataset: xr.Dataset, small_study: Study) -> None:
-    a = HERTZ.half_width
-    scene = cs.Scene(
-        load=cs.LineLoad(1e5),
-        solids=(cs.HalfSpace(youngs_modulus=210e9, poisson_ratio=0.3),) * 2,
-        shapes=(cs.Cylinder(radius=0.01),),
-    )
-    grid = cs.Grid(cells=(24, 6), extent=(2.4 * a, 0.6 * a))
-    solution = cs.solve(scene.problem(grid, cs.Superposition(images=2)))
+def test_stored_errors_are_those_of_a_solve_alone(dataset: xr.Dataset) -> None:
+    grid = cs.Grid((24, 6), (2.4 * HERTZ.half_width, 0.6 * HERTZ.half_width))
+    solution = cs.solve(SCENE.problem(grid, cs.Superposition(images=2)))
     stored = dataset.sel(padding="superposed", images=2, period=0.6, grid=24)
     variation = np.ptp(solution.pressure, axis=1).max() / HERTZ.peak_pressure
     assert stored["length_variation"].item() == pytest.approx(variation, rel=1e-12)
     assert stored["iterations"].item() == solution.iterations
     assert stored["convolutions"].item() == solution.convolutions
-
-
-def test_processes_give_the_numbers_of_one_process(
-    dataset: xr.Dataset, small_study: Study, tmp_path: Path
-) -> None:
-    few = small_study.override({"padding": "zero,exact", "images": [1], "grid": [16]})
-    shared = run(few, tmp_path, workers=2, repeats=0, log=quiet)
-    same = dataset.sel(padding=["zero", "exact"], images=[1], grid=[16])
-    for name in ("axis_pressure_error", "residual", "iterations"):
-        np.testing.assert_array_equal(shared[name], same[name])
-
-
-def failing(case: Case, solution: cs.Contact) -> dict[str, xr.Variable]:
-    if case.padding == cs.Superposition(images=1):
-        raise ArithmeticError("one image too many")
-    return dict(measures(case, solution))
-
-
-def test_a_case_that_fails_is_data_and_the_others_go_on(small_study: Study, tmp_path: Path) -> None:
-    study = replace(small_study.override({"period": [1.0], "grid": [16]}), measures=failing)
-    lines: list[str] = []
-    run(study, tmp_path, workers=0, repeats=0, log=lines.append)
-    dataset = read(tmp_path / "padding.nc")
-    failed = dataset["case_status"] == 2
-    assert int(failed.sum()) == 1
-    assert bool(failed.sel(padding="superposed", images=1).item())
-    reason = str(dataset["error"].sel(padding="superposed", images=1).item())
-    assert re.fullmatch(
-        r"ArithmeticError in failing \(test_run.py, line \d+\): one image too many", reason
-    )
-    assert np.isnan(dataset["axis_pressure_error"].values[failed.values]).all()
-    assert np.isfinite(dataset["axis_pressure_error"].values[~failed.values]).all()
-    assert any("1 of 9 cases failed" in line for line in lines)
 
 
 @pytest.mark.whole

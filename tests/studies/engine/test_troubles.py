@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from distributed import LocalCluster
 
 from contactstudy import InvalidInput
 from studies.engine.options import RunOptions
@@ -109,14 +108,6 @@ def test_a_case_that_cannot_be_sent_fails_alone(address: str | None, where: str)
     assert {outcome.case_status for outcome in outcomes} == {CaseStatus.OK}
     assert bad.case_status == CaseStatus.FAILED
     assert "it holds an open file" in bad.error
-
-
-@pytest.mark.whole
-def test_a_scheduler_in_this_process_serves_one_run_after_another() -> None:
-    with LocalCluster(1, processes=False, protocol="tcp", dashboard_address="127.0.0.1:0") as here:
-        for number in (1.0, 2.0, 4.0):
-            (outcome,) = compute([Trouble(number)], address=here.scheduler_address)
-            assert float(outcome.variables["square"]) == number**2
 
 
 WATCH = """

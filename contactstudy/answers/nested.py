@@ -3,6 +3,7 @@
 Where a law is known of a number, of its edges, its peak or its images, that is its bound; this rule is for all others.
 """
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -29,8 +30,11 @@ NO_COARSER = "No bound: there is no solution on half the cells to compare with, 
 # In the names of largest stresses, and at the beginning of those of numbers that plastic strain alone leaves behind.
 OF_STRESS = "von_mises", "safety_factor", "shear_stress", "orthogonal_shear"
 BY_YIELD = "dent_depth", "shoulder_height", "highest_residual_stress", "lowest_residual_stress"
-# The one of them that lies at the edge of the plastic zone.
-AT_ZONE_EDGE = "highest_residual_stress"
+# Numbers that lie at an edge, of the plastic zone, the contact or its stick zone, beside which fields fall like the
+# square root of the distance.
+AT_EDGE = "highest_residual_stress", "surface_tension", "largest_shear"
+# In the name of a depth, before the index of a body where it has one.
+DEPTH = re.compile(r"_depth(?=(_\d)?$)")
 NO_COARSER_YIELD = "No bound: nothing yields on half the cells, give more."
 
 
@@ -41,17 +45,13 @@ class NestedConstants:
     Attributes
     ----------
     half_order_margin
-        `MARGIN` of the highest residual stress, which rises at the edge of the plastic zone: halved cells leave 0.65 to
-        0.75 of its error.
-    dent_floor
-        `FLOOR` of the largest plastic indentation, which one cell has.
+        `MARGIN` of numbers at an edge, of whose error halved cells leave 0.7: ``1 / (sqrt(2) - 1)``.
     stress_floor, depth_floor
         Least change of a largest stress, relative, and of its depth, which lie between those at which they are
         computed.
     """
 
     half_order_margin: float = 2.4
-    dent_floor: float = 2 / 3  # with the margin, no less than that error itself
     stress_floor: float = 5e-4
     depth_floor: float = 1e-2
 
@@ -136,26 +136,37 @@ def with_nested_bounds(
             found[name] = replace(quantity, reason=l1.reason or quantity.reason)
         else:
             size, others = abs(quantity.value), other_causes
-            of_l1 = CONSTANTS.dent_floor if name == "yielded_depth" else FLOOR
-            floor = of_l1 * (l1.discretisation or 0.0)
+            floor = FLOOR * (l1.discretisation or 0.0)
             if name.endswith(("contact_area", "stick_fraction")):
                 floor = max(floor, AREA_FLOOR * edge_fraction)
             if name.startswith(BY_YIELD):
                 floor = max(floor, AREA_FLOOR * zone_edge)
             if any(stress in name for stress in OF_STRESS):
-                is_depth = name.endswith("_depth")
+                is_depth = DEPTH.search(name)
                 floor = max(floor, CONSTANTS.depth_floor if is_depth else CONSTANTS.stress_floor)
                 others += of_stress.get(name, 0.0)
             values = [quantity.value, *known]
             change = largest_change([abs(fine - coarse) for fine, coarse in pairwise(values)])
-            is_half_order = name.startswith(AT_ZONE_EDGE)
-            margin = CONSTANTS.half_order_margin if is_half_order else MARGIN
+            margin = CONSTANTS.half_order_margin if _is_at_edge(name) else MARGIN
             bound = margin * max(change, floor * size) + others * size
             if wider is not None and name in wider:
                 bound += INLET * abs(known[0] - wider[name].value)
+            reach = max((value for value, _ in quantity.rivals), default=0.0)
+            bound = max(bound, reach - quantity.value)
             reason = "" if bound else RELATIVE_TO_ZERO
             found[name] = replace(quantity, bound=bound or inf, reason=reason)
+    for name, depth in found.items():
+        largest = found.get(DEPTH.sub("", name), depth)
+        if largest is not depth and isfinite(depth.bound):
+            within = largest.value - largest.bound
+            away = [abs(at - depth.value) for value, at in largest.rivals if value >= within]
+            found[name] = replace(depth, bound=max(depth.bound, *away, 0.0))
     return found
+
+
+def _is_at_edge(name: str) -> bool:
+    """Return whether a number lies at an edge."""
+    return name.startswith(AT_EDGE) and not name.startswith("largest_shear_stress")
 
 
 def l1_bound(pressures: Sequence[Array]) -> float:

@@ -15,7 +15,11 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.units import readable
 from contactstudy.io.quantities.adhesion_quantities import adhesion_quantities, moved_force
 from contactstudy.io.quantities.quantity import Quantity, per_length, roller_length, with_bound
-from contactstudy.io.quantities.stress_quantities import largest_place, stress_quantities
+from contactstudy.io.quantities.stress_quantities import (
+    fall_beside,
+    largest_place,
+    stress_quantities,
+)
 from contactstudy.io.quantities.traction_quantities import (
     fretting_quantities,
     rolling_traction_quantities,
@@ -122,8 +126,10 @@ def contact_quantities(
     if scene is not None and not scene.has_approach:
         del quantities["approach"]
     if scene is not None and scene.hardness < inf:
-        depth = float(solution.dent.max())
-        quantities["yielded_depth"] = Quantity(depth, "m", "largest plastic indentation")
+        dent = solution.dent
+        depth, label = float(dent.max()), "largest plastic indentation"
+        rivals = ((depth + fall_beside(dent, dent), 0.0),)
+        quantities["yielded_depth"] = Quantity(depth, "m", label, rivals=rivals)
     load, load_parts = float(solution.net_pressure.sum()) * grid.cell_area, estimate.load or solved
     if not is_point:
         quantities["load_per_length"] = with_bound(

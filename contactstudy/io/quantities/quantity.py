@@ -36,6 +36,9 @@ class Quantity:
         What is said of this value alone, behind its label.
     is_fraction
         Whether it is a part of one, whose error is said as it is and not relative to the value.
+    rivals
+        Of a largest value, those that it may have as well at other places or between the cells, each with its depth [m]:
+        its bound includes them, and that of its depth the depths of those within its bound.
     """
 
     value: float
@@ -46,6 +49,7 @@ class Quantity:
     position: Mapping[str, float] | None = None
     detail: str = ""
     is_fraction: bool = False
+    rivals: Sequence[tuple[float, float]] = ()
 
     @property
     def is_formula(self) -> bool:

@@ -13,21 +13,25 @@ from contactstudy.accuracy.approach_and_stress import (
     unresolved_interface,
 )
 from contactstudy.accuracy.plausibility import yield_margin, yield_stresses
-from contactstudy.domain.errors import ErrorEstimate
+from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
-from contactstudy.io.quantities.quantity import NO_ESTIMATE, Quantity, with_bound
+from contactstudy.io.quantities.quantity import Quantity, with_bound
 from contactstudy.problem.problem import Field
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.solids.bodies import in_part, is_layered
 
-# Bound of the largest tension at a surface over its fall in the first cell outside the contact: beside the edge of a
-# contact that slides it falls like the square root of the distance. At most 3.2 on 68 sliding cylinders of 20 to 340
+# Least bound of the largest tension at a surface over its fall in the first cell outside the contact: beside the edge of
+# a contact that slides it falls like the square root of the distance. At most 3.2 on 68 sliding cylinders of 20 to 340
 # cells, and 1.5 on 14 balls, against closed forms.
 TENSION_ERROR = 3.5
 # Part of the same bound by the error of the pressure, over its L1 error times the largest von Mises stress at the
 # surface.
 BY_PRESSURE = 0.5
+UNRESOLVED_SHEAR = (
+    "No bound for the orthogonal shear stress: the von Mises stress is largest at a depth of less than a cell, and the "
+    "cells do not show the shear beside so small a place, give more cells."
+)
 # Ratio of two depths up to which the stress between them follows a parabola, and above which they are no two sides of
 # an interface.
 MAX_STEP, MIN_STEP = 2.0, 1.001
@@ -75,14 +79,12 @@ def stress_quantities(
     for part, (said, material, top, bottom) in layers.items():
         if (inside := in_part(depths, top, bottom)).any():
             parts[f"{part}_"] = f"{said} of {name}", material, inside
-    found = dict[str, Quantity]()
+    found = _surface_tension(stress, depths, coordinates, name, estimate)
     for before, (where, material, inside) in parts.items():
         axes, at = {**coordinates, "z": depths[inside]}, f"in {where}{at_depths}"
-        mises = von_mises[inside]
+        mises, of_mises = von_mises[inside], f"largest von Mises stress {at}"
         name_of_mises = f"{before}von_mises" if before else "largest_von_mises"
-        found |= _with_depth(
-            name_of_mises, f"largest von Mises stress {at}", mises, axes, given=given, beyond=False
-        )
+        found |= _with_depth(name_of_mises, of_mises, mises, axes, given=given, beyond=False)
         least = yield_margin(material, index, axes["z"], mises)
         if least.ratio < inf:
             label = f"yield stress over von Mises stress in {where if before else least.part}{at_depths}"
@@ -96,7 +98,8 @@ def stress_quantities(
             least_safe = Quantity(depth, "m", f"depth of the least safety {at}")
             found["safety_factor_depth"] = _known_to(least_safe, depths)
         shear, of_shear = largest_shear(stress[:, inside]), f"largest shear stress {at}"
-        found |= _with_depth(f"{before}largest_shear_stress", of_shear, shear, axes, given=given)
+        name_of_shear = f"{before}largest_shear_stress"
+        found |= _with_depth(name_of_shear, of_shear, shear, axes, given=given)
         # a range along x has no place on it
         shear, name_of_range = orthogonal_shear(stress[:, inside]), f"{before}orthogonal_shear"
         along = {axis: places for axis, places in axes.items() if axis != "x"}
@@ -106,7 +109,13 @@ def stress_quantities(
         amplitude = found[name_of_range]
         label = f"double amplitude of the {amplitude.label}"
         found[f"{name_of_range}_range"] = replace(amplitude, value=2 * amplitude.value, label=label)
-    found |= _surface_tension(stress, depths, coordinates, name, estimate)
+        if 0 < (found[name_of_mises].position or {}).get("z", 0.0) < grid.cell_size[0]:
+            unresolved = ErrorParts(discretisation=inf, reason=UNRESOLVED_SHEAR)
+            found |= {
+                key: with_bound(of, unresolved)
+                for key, of in found.items()
+                if key.startswith(name_of_range)
+            }
     for part, (said, _, top, bottom) in layers.items():
         if (at_interface := depths == bottom).any():
             shear = interface_shear(stress[:, at_interface][:, 0])
@@ -133,19 +142,31 @@ def _with_depth(
 ) -> dict[str, Quantity]:
     """Return the largest of `values` (z, x, y) [Pa] and its depth, by the `name` and with the `label` of the largest.
 
-    Depths and coordinates stand in `axes` by their names. Between depths that were not `given` the depth is that of a
-    parabola, and the value that at its vertex if it goes `beyond` the values. The largest of all depths lies up to
-    beside the neighbouring given ones.
+    Its rivals are the highest local maxima at all depths, each with its fall to the cells beside it. Depths and
+    coordinates stand in `axes` by their names. Between depths that were not `given` the depth is that of a parabola, and
+    the value that at its vertex if it goes `beyond` the values. The largest of all depths lies up to beside the
+    neighbouring given ones.
     """
     value, position = largest_place(values, axes, ("z", "x", "y"))
     if "z" not in position:
         return {name: Quantity(value, "Pa", label, position=position)}
-    depths = axes["z"]
-    rise, position["z"] = between_depths(depths, values.max(axis=(1, 2)), given=given)
+    from scipy.ndimage import maximum_filter  # imported late, since it is slow
+
+    depths, peaks = axes["z"], values.max(axis=(1, 2))
+    rise, position["z"] = between_depths(depths, peaks, given=given)
     depth = Quantity(position["z"], "m", f"depth of the {label}")
     if given:
         depth = _known_to(depth, depths)
-    largest = Quantity(value + rise * beyond, "Pa", label, position=position)
+    at, rivals = int(peaks.argmax()), []
+    for number, maxima in enumerate(values == maximum_filter(values, 3, mode="nearest")):
+        if maxima.any():
+            level = np.where(maxima, values[number], -inf)
+            reach = float(level.max()) + fall_beside(level, values[number])
+            rivals.append((reach, position["z"] if number == at else float(depths[number])))
+    if position["z"] == depths[at]:  # no parabola says where between the depths
+        near = slice(max(at - 1, 0), at + 2)
+        rivals += zip(peaks[near].tolist(), depths[near].tolist(), strict=True)
+    largest = Quantity(value + rise * beyond, "Pa", label, position=position, rivals=rivals)
     return {name: largest, f"{name}_depth": depth}
 
 
@@ -163,7 +184,7 @@ def _surface_tension(
     name: str,
     estimate: ErrorEstimate,
 ) -> dict[str, Quantity]:
-    """Return the largest tensile stress at the surface of a body with its bound; none without a stress there."""
+    """Return the largest tensile stress at the surface of a body; none without a stress there."""
     from contactstudy.scene.stress import principal_stresses, von_mises  # only where it is named
 
     scale = float(von_mises(stress[:, 0]).max())
@@ -172,12 +193,11 @@ def _surface_tension(
     tension = principal_stresses(stress[:, 0])[0]
     value, position = largest_place(tension, coordinates)
     value = value if value > ROUNDING * scale else 0.0
-    bound = TENSION_ERROR * _fall(tension, stress[2, 0], scale) * bool(value)
-    bound += BY_PRESSURE * estimate.l1.total * scale
-    reason = "" if bound < inf else estimate.l1.reason or next(iter(estimate.warnings), NO_ESTIMATE)
     label = f"largest tensile stress at the surface of {name}"
+    reach = value + TENSION_ERROR * _fall(tension, stress[2, 0], scale) * bool(value)
+    reach += BY_PRESSURE * estimate.l1.total * scale
     place = position if value else None
-    return {"surface_tension": Quantity(value, "Pa", label, bound, reason, place)}
+    return {"surface_tension": Quantity(value, "Pa", label, position=place, rivals=((reach, 0.0),))}
 
 
 def between_depths(depths: Array, peaks: Array, *, given: bool) -> tuple[float, float]:
@@ -202,20 +222,27 @@ def between_depths(depths: Array, peaks: Array, *, given: bool) -> tuple[float, 
 
 
 def _fall(tension: Array, pressing: Array, scale: float) -> float:
-    """Return the largest fall of a surface `tension` (x, y) from the cell outside the contact where it is the largest.
+    """Return the fall of a surface `tension` (x, y) to the cells outside the contact beside the largest one.
 
-    A cell is in contact where the stress `pressing` it (x, y) is no rounding beside a `scale`; where all are, all count.
+    That is the largest of all cells, or of those outside. A cell is in contact where the stress `pressing` it (x, y) is
+    no rounding beside a `scale`; where all are, all count.
     """
     touches = np.abs(pressing) > ROUNDING * scale
     outside = tension if touches.all() else np.where(touches, -inf, tension)
-    place = np.unravel_index(int(outside.argmax()), outside.shape)
-    falls = [0.0]
+    return max(fall_beside(tension, outside), fall_beside(outside, outside))
+
+
+def fall_beside(values: Array, beside: Array) -> float:
+    """Return the fall from the largest of some `values` (x, y) to the mean of those `beside` it along the steeper axis.
+
+    Infinite ones do not count. It is half of the second difference of a smooth field, wherever its largest value lies.
+    """
+    place, falls = np.unravel_index(int(values.argmax()), values.shape), [0.0]
     for axis in (0, 1):
-        line = np.take(outside, place[1 - axis], axis=1 - axis)
-        beside = [
-            line[place[axis] + step] for step in (-1, 1) if 0 <= place[axis] + step < len(line)
-        ]
-        falls += [float(outside[place] - other) for other in beside if other > -inf]
+        line, at = np.take(beside, place[1 - axis], axis=1 - axis), int(place[axis])
+        around = np.delete(line[max(at - 1, 0) : at + 2], min(at, 1))
+        if (known := np.isfinite(around)).any():
+            falls.append(float(values[place] - around[known].mean()))
     return max(falls)
 
 

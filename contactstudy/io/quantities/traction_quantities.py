@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.io.quantities.quantity import Quantity, per_length, with_bound
+from contactstudy.io.quantities.stress_quantities import fall_beside
 from contactstudy.scene.scene import scene_of
 from contactstudy.solvers.friction.fretting_traction import FrettingTraction
 from contactstudy.solvers.friction.rolling_traction import RollingTraction
@@ -135,12 +136,14 @@ def fretting_quantities(
             with_bound(number, replace(estimate.l1, discretisation=relative, reason=reason))
             for number, relative in ((dissipated, energy_error), (largest_slip, slip_error))
         )
+    shear = np.hypot(traction.shears[:, 0], traction.shears[:, 1]).max(axis=0, initial=0.0)
+    largest = float(shear.max())
+    rivals = ((largest + fall_beside(shear, shear), 0.0),)
+    label = "largest tangential traction of all steps"
     return traction_quantities(solution, traction, estimate, length) | {
         name: dissipated,
         "largest_slip": largest_slip,
-        "largest_shear": Quantity(
-            traction.largest_shear, "Pa", "largest tangential traction of all steps"
-        ),
+        "largest_shear": Quantity(largest, "Pa", label, rivals=rivals),
     }
 
 

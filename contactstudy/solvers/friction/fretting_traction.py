@@ -3,8 +3,6 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-import numpy as np
-
 from contactstudy.domain.fields import Array
 from contactstudy.problem.problem import Field
 from contactstudy.solvers.solution import OF_SURFACE, TangentialTraction
@@ -52,8 +50,3 @@ class FrettingTraction(TangentialTraction):
             "tangential_force": Field(("step",), self.forces, "N", "tangential force after each step"),
             "rigid_displacement": Field(("step",), self.rigid_displacement, "m", slid),
         }  # fmt: skip
-
-    @property
-    def largest_shear(self) -> float:
-        """Largest tangential traction [Pa] of all steps."""
-        return float(np.hypot(self.shears[:, 0], self.shears[:, 1]).max(initial=0.0))

@@ -151,7 +151,7 @@ def with_nested_bounds(
             bound = margin * max(change, floor * size) + others * size
             if wider is not None and name in wider:
                 bound += INLET * abs(known[0] - wider[name].value)
-            reach = max((value for value, _ in quantity.rivals), default=0.0)
+            reach = max((value for value, _ in quantity.rivals), default=quantity.value)
             bound = max(bound, reach - quantity.value)
             reason = "" if bound else RELATIVE_TO_ZERO
             found[name] = replace(quantity, bound=bound or inf, reason=reason)

@@ -80,21 +80,24 @@ def contact_quantities(
     paddings = solution.problem.paddings
     wraps = (False, False) if paddings is None else (paddings[0].wraps, paddings[1].wraps)
     # an attraction makes edges steep, and nothing is known of where in their cells they lie
-    adheres = solution.adhesion is not None
+    edges_are_steep = solution.adhesion is not None
     count = np.count_nonzero(touching)
-    area = (count if adheres else contact_area_in_cells(solution.pressure, wraps)) * grid.cell_area
+    in_cells = count if edges_are_steep else contact_area_in_cells(solution.pressure, wraps)
+    area = in_cells * grid.cell_area
     total = float(pressure[touching].sum() * grid.cell_area)
     pressed = np.where(touching, pressure, -inf) if touching.any() else np.zeros(grid.cells)
     peak, place = largest_place(pressed, {"x": grid.x, "y": grid.y})
     area_error = estimate.contact_area
+    edges = None if edges_are_steep else resolved_edges(solution.pressure)
     half_width, half_length = (
-        _half_size(solution, axis, area_error, fallback_reasons) for axis in (0, 1)
+        _half_size(solution, axis, along, area_error, fallback_reasons)
+        for axis, along in enumerate((edges, None))
     )
     is_point = scene is not None and scene.ellipse is not None
     solved = ErrorParts(residual=solution.residual)
     width_note = "" if wraps[0] else f", over the grid's width of {readable(grid.extent[0], 'm')}"
     mirrored = _mirrored(pressure, grid.y, place)
-    label = "peak pressure" if solution.adhesion is None else "peak net pressure"
+    label = f"peak {'net ' * edges_are_steep}pressure"
     highest = Quantity(peak, "Pa", label, position=place, detail=mirrored)
     highest = with_bound(highest, estimate.peak_pressure, fallback_reasons)
     quantities = {"peak_pressure": highest}
@@ -106,7 +109,7 @@ def contact_quantities(
     in_contact = per_length(area, "m2", "contact area", length, grid.length)
     mean = Quantity(total / area if area else 0.0, "Pa", "mean pressure in contact")
     mean_error = area_error
-    if solution.adhesion is not None and mean.value and area_error is not None:
+    if edges_are_steep and mean.value and area_error is not None:
         moved = moved_force(solution, estimate) * grid.cell_area + area_error.total * abs(total)
         mean_error = ErrorParts(discretisation=moved / abs(total), reason=area_error.reason)
     if mean_error is not None and estimate.load is not None:  # at a given approach
@@ -181,21 +184,19 @@ def _of_rolling(rolling: "SteadyRolling", estimate: ErrorEstimate) -> dict[str, 
 def _half_size(
     solution: Solution,
     axis: int,
+    resolved: tuple[Array, Array] | None,
     area_error: ErrorParts | None,
     fallback_reasons: Sequence[str],
 ) -> Quantity:
     """Return half the distance between the outermost edges in contact along an axis, with its bound.
 
-    Straight smooth edges lie inside their cells, with the error of the area, and where they bend along the length with
-    what they do so between two cells. Elsewhere the outer faces of the outermost cells count. On cells of any size,
-    contact reaches at least to where a touching cell has another beside it, and at most to where the gap is no larger
-    than heights inside a cell, which the second difference of the gap shows.
+    Straight smooth edges, which are `resolved`, lie inside their cells, with the error of the area, and where they bend
+    along the length with what they do so between two cells. Elsewhere the outer faces of the outermost cells count. On
+    cells of any size, contact reaches at least to where a touching cell has another beside it, and at most to where the
+    gap is no larger than heights inside a cell, which the second difference of the gap shows.
     """
     touching, grid = solution.pressure > 0, solution.problem.grid
     cell = grid.cell_size[axis]
-    resolved: tuple[Array, Array] | None = None
-    if axis == 0 and solution.adhesion is None:
-        resolved = resolved_edges(solution.pressure)
     size = _half_extent(touching, axis, cell)
     if resolved is not None:
         size = sum(float(edge.max()) for edge in resolved) * cell / 2

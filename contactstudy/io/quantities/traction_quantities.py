@@ -79,8 +79,7 @@ def _force_over_load(solution: Solution, traction: TangentialTraction) -> list[f
 
 def _net_load(solution: Solution) -> float:
     """Return the sum of the pressure less that of the attraction [Pa]."""
-    attracted = 0.0 if solution.attraction is None else float(solution.attraction.sum())
-    return float(solution.pressure.sum()) - attracted
+    return float(solution.net_pressure.sum())
 
 
 def _of_force(
@@ -91,7 +90,7 @@ def _of_force(
 ) -> dict[str, Quantity]:
     """Return `forces` over the load, and the part of the contact that sticks, with its bound.
 
-    Of a contact with adhesion there is also the force over the repulsion, which alone means something under a pull.
+    Where bodies attract each other there is also the force over the repulsion, which alone means something under a pull.
     """
     pressed, touching = float(solution.pressure.sum()), int(np.count_nonzero(solution.pressure))
     sticking = float(np.count_nonzero(traction.stick) / touching) if touching else 0.0
@@ -100,7 +99,7 @@ def _of_force(
     if area is not None and touching:
         at_boundary = np.count_nonzero(_at_stick_slip_boundary(solution, traction)) / touching
         stick = _with_slip_bound(stick, at_boundary + area.total * stick.value, estimate)
-    if solution.adhesion is None:
+    if _net_load(solution) == pressed:
         return forces | {"stick_fraction": stick}
     over = float(traction.shear[0].sum()) / pressed if pressed else 0.0
     repulsive = Quantity(over, "1", "tangential force over repulsion")

@@ -13,6 +13,7 @@ from contactstudy.io.pictures.figure import (
     LAW_STYLE,
     SETTINGS,
     add_legend,
+    draw_map,
     finish,
     in_display_unit,
     name_axes,
@@ -46,11 +47,7 @@ def _map(ax: Axes, dataset: xr.Dataset) -> None:
     x, across = in_display_unit(dataset["x"], "m", "across")
     y, along = in_display_unit(dataset["y"], "m", "along")
     pressure, title = in_display_unit(dataset["pressure"], "Pa", "pressure")
-    look: Any = {"cmap": "viridis", "shading": "nearest", "rasterized": True}
-    mesh = ax.pcolormesh(y, x, pressure, **look)
-    name_axes(ax, along, across, title)
-    ax.grid(visible=False)
-    ax.figure.colorbar(mesh, ax=ax)
+    draw_map(ax, y, x, pressure, (along, across, title))
 
 
 def _along(ax: Axes, dataset: xr.Dataset) -> None:
@@ -166,13 +163,8 @@ def comparison_picture(fields: xr.Dataset, at: tuple[float, float]) -> Figure:
             y, along = in_display_unit(fields["y"], "m", "along")
             change = fields["difference"] / scale
             largest = float(np.abs(change).max()) or 1.0
-            mesh = axes[0].pcolormesh(
-                y, x, change, cmap="RdBu_r", vmin=-largest, vmax=largest,
-                shading="nearest", rasterized=True,
-            )  # fmt: skip
-            name_axes(axes[0], along, across, f"b - a [{unit}]")
-            axes[0].grid(visible=False)
-            figure.colorbar(mesh, ax=axes[0])
+            names, limits = (along, across, f"b - a [{unit}]"), {"vmin": -largest, "vmax": largest}
+            draw_map(axes[0], y, x, change, names, cmap="RdBu_r", **limits)
         section = fields.sel(y=at[1], method="nearest")
         axes[-1].plot(x, section["a"] / scale, label="a", color="#0072B2")
         axes[-1].plot(x, section["b"] / scale, label="b", color="#D55E00", linestyle="--")

@@ -13,6 +13,7 @@ from contactstudy.domain.units import display_unit_of, readable
 from contactstudy.io.pictures.figure import (
     LAW_STYLE,
     SETTINGS,
+    draw_map,
     finish,
     in_display_unit,
     name_axes,
@@ -65,17 +66,9 @@ def film_evolution_picture(evolved: xr.Dataset) -> Figure:
         axes[1].set_yscale("log")
         middle = inside["film"].isel(y=inside.sizes["y"] // 2)
         x, across = in_display_unit(inside["x"], "m", "across")
-        mesh = axes[2].pcolormesh(
-            inside["time"], x, middle.T / film[0],
-            cmap="viridis", shading="nearest", norm="log", rasterized=True,
-        )  # fmt: skip
-        axes[2].set(
-            xlabel="time [s]",
-            ylabel=across,
-            title=f"film in the middle [{film[1]}]",
-            xlim=inside["time"][[0, -1]],
-        )
-        figure.colorbar(mesh, ax=axes[2])
+        names = "time [s]", across, f"film in the middle [{film[1]}]"
+        draw_map(axes[2], inside["time"], x, middle.T / film[0], names, norm="log")
+        axes[2].set_xlim(*inside["time"].values[[0, -1]])
         for name, color in (("central_film", "#0072B2"), ("minimum_film", "#D55E00")):
             label = evolved[name].attrs["long_name"]
             axes[3].plot(evolved["time"], evolved[name] / film[0], color=color, label=label)
@@ -173,15 +166,10 @@ def _plastic(ax: Axes, evolved: xr.Dataset, name: str) -> None:
     depth = next(str(dimension) for dimension in strain.dims if str(dimension).startswith("z"))
     scale, unit = display_unit_of(evolved["x"], "m")
     x, z = evolved["x"] / scale, evolved[depth] / scale
-    mesh = ax.pcolormesh(x, z, strain * 100, cmap="viridis", shading="nearest", rasterized=True)
-    ax.set(
-        xlabel=f"across [{unit}]",
-        ylabel=f"depth [{unit}]",
-        title=f"{strain.attrs['long_name']} at the end [%]",
-        aspect="equal",
-    )
+    title = f"{strain.attrs['long_name']} at the end [%]"
+    draw_map(ax, x, z, strain * 100, (f"across [{unit}]", f"depth [{unit}]", title))
+    ax.set_aspect("equal")
     ax.invert_yaxis()
-    ax.figure.colorbar(mesh, ax=ax)
 
 
 def _residual(ax: Axes, evolved: xr.Dataset, name: str) -> None:
@@ -215,18 +203,11 @@ def _map(ax: Axes, evolved: xr.Dataset) -> None:
     # an instant given twice is a jump: the map has room for one
     time = evolved["time"].values
     distinct = np.append(np.diff(time) > 0, [True])
-    mesh = ax.pcolormesh(
-        time[distinct],
-        x,
-        pressure.values[distinct].T,
-        cmap="viridis",
-        shading="nearest" if distinct.sum() > 1 else "auto",
-        rasterized=True,
-    )
-    name_axes(ax, "time [s]", across, title)
+    shading = "nearest" if distinct.sum() > 1 else "auto"
+    values, names = pressure.values[distinct].T, ("time [s]", across, title)
+    draw_map(ax, time[distinct], x, values, names, shading=shading)
     if distinct.sum() > 1:
         ax.set_xlim(time[0], time[-1])
-    ax.figure.colorbar(mesh, ax=ax)
 
 
 def _numbers(ax: Axes, evolved: xr.Dataset) -> None:

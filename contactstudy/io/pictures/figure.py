@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter, NullLocator
+from numpy.typing import ArrayLike
 
 from contactstudy.domain.units import display_unit_of
 
@@ -66,6 +67,17 @@ def in_display_unit(values: xr.DataArray, unit: str, name: str) -> tuple[xr.Data
 def name_axes(ax: Axes, across: str, up: str, title: str) -> None:
     """Name both axes, and the panel by its title."""
     ax.set(xlabel=across, ylabel=up, title=title)
+
+
+def draw_map(
+    ax: Axes, x: ArrayLike, y: ArrayLike, values: Any, names: tuple[str, str, str], **look: Any
+) -> None:
+    """Draw `values` (y, x) as colours with their bar, and name both axes and the panel."""
+    style: dict[str, Any] = {"cmap": "viridis", "shading": "nearest", "rasterized": True}
+    mesh = ax.pcolormesh(x, y, values, **(style | look))
+    name_axes(ax, *names)
+    ax.grid(visible=False)
+    ax.figure.colorbar(mesh, ax=ax)
 
 
 def number_text(value: float, *others: float) -> str:

@@ -1,7 +1,6 @@
 """Picture of a measured surface as it enters a contact."""
 
 from textwrap import fill
-from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -10,7 +9,7 @@ from matplotlib.figure import Figure
 
 from contactstudy.domain.fields import Array
 from contactstudy.domain.units import display_unit_of
-from contactstudy.io.pictures.figure import SETTINGS, name_axes, panels
+from contactstudy.io.pictures.figure import SETTINGS, draw_map, name_axes, panels
 from contactstudy.io.quantities.surface_quantities import parameters_text, surface_parameters
 from contactstudy.scene.surfaces.measured_surface import MeasuredSurface
 
@@ -49,11 +48,8 @@ def _map(ax: Axes, surface: MeasuredSurface, heights: Array, title: str) -> None
         ax.plot(across if len(across) > 1 else along, heights.ravel() / size)
         name_axes(ax, f"place [{unit}]", f"height [{name}]", title)
         return
-    look: Any = {"cmap": "viridis", "shading": "nearest", "rasterized": True}
-    mesh = ax.pcolormesh(along, across, heights / size, **look)
-    name_axes(ax, f"along [{unit}]", f"across [{unit}]", f"height [{name}], {title}")
-    ax.grid(visible=False)
-    ax.figure.colorbar(mesh, ax=ax)
+    names = f"along [{unit}]", f"across [{unit}]", f"height [{name}], {title}"
+    draw_map(ax, along, across, heights / size, names)
 
 
 def _profiles(ax: Axes, surface: MeasuredSurface) -> None:

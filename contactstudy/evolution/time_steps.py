@@ -1,24 +1,14 @@
-"""Steps in time: instants to record, instants at which steps end, stages of a step, and the estimate of their error."""
+"""Steps in time as a user names them: instants to record, stages of a step, and the estimate of their error."""
 
-from collections import Counter
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from itertools import pairwise
-from math import ceil, inf, sqrt
+from math import sqrt
 from typing import Annotated, Any, Literal
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.units import Number, Seconds
 from contactstudy.domain.validation import BELOW_ONE, FINITE, at_least, validated
-from contactstudy.scene.loads.load_history import (
-    ChangingLoad,
-    PiecewiseLinear,
-    Times,
-    check_ascending,
-)
+from contactstudy.scene.loads.load_history import ChangingLoad, Times
 
 # Recorded instants where neither they nor their number are named.
 DEFAULT_INSTANTS = 41
@@ -163,121 +153,3 @@ def _kinks(history: Any, end: float) -> list[float]:
     if isinstance(history, ChangingLoad):
         times = history.turning_points(end)
     return sorted(times, key=lambda time: abs(history.at(time)))
-
-
-@dataclass(frozen=True)
-class Breakpoint:
-    """An instant at which steps end.
-
-    Attributes
-    ----------
-    time
-        Time [s].
-    before, after
-        Load [N/m] before and after a jump; equal where there is none.
-    times_recorded
-        Number of times that the contact is recorded: 0, 1, or 2 for before and after a jump.
-    is_discontinuity
-        Whether the load, its rate or another history may jump or turn at this instant.
-    history_jumps
-        Whether another history jumps.
-    """
-
-    time: float
-    before: float = 0.0
-    after: float = 0.0
-    times_recorded: int = 0
-    is_discontinuity: bool = False
-    history_jumps: bool = False
-
-    @property
-    def jumps(self) -> bool:
-        """True if the load or another history jumps at this instant."""
-        return self.before != self.after or self.history_jumps
-
-
-def schedule(
-    load: ChangingLoad,
-    times: ArrayLike | None,
-    *,
-    kinks: Sequence[float] = (),
-    history: PiecewiseLinear | None = None,
-    longest: float = inf,
-) -> tuple[Breakpoint, ...]:
-    """Return the instants at which steps end, from the start of the load to the last recorded time.
-
-    Parameters
-    ----------
-    load
-        Load over time.
-    times
-        Recorded times [s]; None ends where the load does.
-    kinks
-        Further times [s] at which steps end, such as those where the load turns.
-    history
-        Another history, which may have kinks or jump.
-    longest
-        Longest time [s] from one instant to the next.
-
-    Raises
-    ------
-    InvalidInput
-        If times decrease, begin before the load or name an instant three times; if they are None and the load has no
-        end.
-    """
-    recorded = None if times is None else _checked(times, load)
-    end = load.end if recorded is None else recorded[-1]
-    if recorded is None and end <= load.start:
-        raise InvalidInput("solve.times is None, and Scene.load has no end: give times [s].")
-    counts = Counter(recorded or ())
-    further = (*kinks, *(history.times if history is not None else ()))
-    breaks = {
-        load.start,
-        *load.breaks(end),
-        *(time for time in further if load.start <= time <= end),
-    }
-    places = sorted(breaks | set(counts) | {end})
-    instants = places[:1]
-    for first, last in pairwise(places):
-        parts = ceil((last - first) / longest * (1 - 1e-9))  # rounding makes no further part
-        instants += [first + (last - first) * part / parts for part in range(1, parts)] + [last]
-    return tuple(
-        Breakpoint(
-            time,
-            load.before(time),
-            load.at(time),
-            counts[time],
-            time in breaks,
-            history is not None and history.before(time) != history.at(time),
-        )
-        for time in instants
-    )
-
-
-def all_recorded(breakpoints: tuple[Breakpoint, ...]) -> tuple[Breakpoint, ...]:
-    """Return `breakpoints`, all recorded: before and after a jump, but the first only after it."""
-    first, *others = breakpoints
-    return (
-        replace(first, times_recorded=1),
-        *(replace(point, times_recorded=1 + point.jumps) for point in others),
-    )
-
-
-def _checked(times: ArrayLike, load: ChangingLoad) -> list[float]:
-    """Return `times` [s] as a list; raise InvalidInput if they decrease, begin before the load or stand three times."""
-    instants: list[float] = np.ravel(times).tolist()
-    check_ascending("solve.times", instants)
-    if instants[0] < load.start:
-        raise InvalidInput(
-            f"solve.times[0] is {instants[0]!r}: give times from {load.start!r} s on, when the load begins."
-        )
-    return instants
-
-
-def ascending(times: ArrayLike, least: int = 1) -> list[float]:
-    """Return `times` [s] as a list; raise InvalidInput unless they ascend and are at least so many."""
-    instants: list[float] = np.ravel(times).tolist()
-    if len(instants) < least or sorted(set(instants)) != instants:
-        count = "two or more" if least > 1 else "them"
-        raise InvalidInput(f"solve.times is {times!r}: give {count}, ascending.")
-    return instants

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from contactstudy.domain.grid import Grid, Padding, Paddings
+from contactstudy.evolution.march import schedule
 from contactstudy.evolution.rolling.steady_rolling import SteadyRolling, solve_rolling
-from contactstudy.evolution.time_steps import schedule
 from contactstudy.evolution.trajectory import Frame, Trajectory, frame_of
 from contactstudy.problem.constraint import PrescribedLoad
 from contactstudy.problem.problem import Problem

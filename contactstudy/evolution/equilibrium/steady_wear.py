@@ -21,9 +21,15 @@ from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings, on_cells
 from contactstudy.evolution.films.film_trajectory import Difference, FilmTrajectory, film_trajectory
-from contactstudy.evolution.march import Control, March, Method, Record
+from contactstudy.evolution.march import (
+    Breakpoint,
+    Control,
+    March,
+    Method,
+    Record,
+    ascending,
+)
 from contactstudy.evolution.rolling.steady_rolling import SteadyRolling, solve_rolling
-from contactstudy.evolution.time_steps import Breakpoint, ascending
 from contactstudy.evolution.trajectory import Trajectory, frame_of
 from contactstudy.lubrication.lubricated_contact import FilmSolution
 from contactstudy.lubrication.solve_lubricated import solve_lubricated

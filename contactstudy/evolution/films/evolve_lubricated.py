@@ -22,8 +22,7 @@ from contactstudy.evolution.films.film_trajectory import (
     FilmTrajectory,
     film_trajectory,
 )
-from contactstudy.evolution.march import Control, March, Method
-from contactstudy.evolution.time_steps import Breakpoint, ascending
+from contactstudy.evolution.march import Breakpoint, Control, March, Method, ascending
 from contactstudy.lubrication.film_equation import Film, SqueezeTerm
 from contactstudy.lubrication.lubricated_contact import FilmSolution
 from contactstudy.lubrication.newton.pseudo_time import (

@@ -20,7 +20,7 @@ from contactstudy.elasticity.viscoelastic import Creep
 from contactstudy.evolution.integration.checkpoint import Checkpoint
 from contactstudy.evolution.integration.dry_steps import DrySteps, Errors
 from contactstudy.evolution.integration.time_stepper import Instant, TimeStepper
-from contactstudy.evolution.march import Control, March
+from contactstudy.evolution.march import Control, March, all_recorded, schedule
 from contactstudy.evolution.states.state_variables import (
     CoupledStateVariable,
     CreepState,
@@ -28,7 +28,7 @@ from contactstudy.evolution.states.state_variables import (
     WearState,
     least_eigenvalue,
 )
-from contactstudy.evolution.time_steps import ErrorEstimator, Scheme, all_recorded, schedule
+from contactstudy.evolution.time_steps import ErrorEstimator, Scheme
 from contactstudy.evolution.trajectory import Frame, Trajectory
 from contactstudy.evolution.warm_started import solved_or_unloaded
 from contactstudy.problem.problem import Problem

@@ -132,7 +132,8 @@ class KilledError(Exception):
 @pytest.mark.cases(1)
 @pytest.mark.parametrize("error", [1e-2, None], ids=["chosen steps", "given steps"])
 def test_a_killed_integration_goes_on_to_the_same_bits(tmp_path: Path, error: float | None) -> None:
-    scene = rolling_cylinder(SOLID, wear=cs.Wear(0.1, 1.0))
+    load = cs.LoadHistory((0.0, 0.7, 0.7, 1.0), (LOAD, LOAD, 0.6 * LOAD, 0.6 * LOAD))
+    scene = rolling_cylinder(SOLID, load, wear=cs.Wear(0.1, 1.0))
     times = np.linspace(0, 1, 9)
     whole = evolve(scene, GRID, EXACT, times=times, error=error)
 

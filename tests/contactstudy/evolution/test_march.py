@@ -7,8 +7,7 @@ from typing import Any
 import pytest
 
 import contactstudy as cs
-from contactstudy.evolution.march import Control, March, Method, Record
-from contactstudy.evolution.time_steps import Breakpoint
+from contactstudy.evolution.march import Breakpoint, Control, March, Method, Record
 
 
 @dataclass(frozen=True)

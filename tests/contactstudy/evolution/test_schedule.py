@@ -3,7 +3,8 @@ from math import pi
 import pytest
 
 import contactstudy as cs
-from contactstudy.evolution.time_steps import TimeSteps, schedule
+from contactstudy.evolution.march import schedule
+from contactstudy.evolution.time_steps import TimeSteps
 
 LOAD = cs.LoadHistory(times=(0.0, 1.0, 1.0, 3.0), per_length=(0.0, 2.0, 5.0, 1.0))
 

@@ -33,10 +33,13 @@ STRAIN, STRESS, DENT = "equivalent_plastic_strain", "residual_stress", "residual
 
 def evolution_picture(evolved: xr.Dataset) -> Figure:
     """Draw an evolution as ``Evolution.to_dataset`` labels it: profiles, a map over time, numbers and errors."""
-    worn = "wear_depth" in evolved
-    adheres = "attraction" in evolved
-    drawn = [_profiles, _map, _numbers, _loop if adheres else _errors] + [_worn] * worn
-    drawn += [_shear] * ("shear_x" in evolved)
+    drawn: list[Any] = [
+        partial(_lines, name="pressure"),
+        _map,
+        _numbers,
+        _loop if "attraction" in evolved else _errors,
+        *(partial(_lines, name=name) for name in ("wear_depth", "shear_x") if name in evolved),
+    ]
     if dents := [str(name) for name in evolved if str(name).startswith(DENT)]:
         bodies = [
             str(name).removeprefix(STRAIN)
@@ -61,7 +64,7 @@ def film_evolution_picture(evolved: xr.Dataset) -> Figure:
         reach = FILM_WIDTH * float(evolved["hertz_half_width"][0])
         inside = evolved.sel(x=slice(-reach, reach))
         film = display_unit_of(inside["film"].mean(), "m")
-        _profiles(axes[0], inside)
+        _lines(axes[0], inside, "pressure")
         _lines(axes[1], inside, "film", film)
         axes[1].set_yscale("log")
         middle = inside["film"].isel(y=inside.sizes["y"] // 2)
@@ -101,8 +104,14 @@ def passes_picture(rolled: xr.Dataset) -> Figure:
         return finish(figure, rolled)
 
 
-def _lines(ax: Axes, evolved: xr.Dataset, name: str, scale: tuple[float, str]) -> None:
-    """Draw a variable across the middle of the length at some instants, the first dark, the last bright."""
+def _lines(
+    ax: Axes, evolved: xr.Dataset, name: str, scale: tuple[float, str] | None = None
+) -> None:
+    """Draw a variable across the middle of the length at some instants, the first dark, the last bright.
+
+    The `scale` is the value of one unit and its name; None chooses it.
+    """
+    scale = scale or display_unit_of(abs(evolved[name]), evolved[name].attrs["units"])
     middle = evolved[name].isel(y=evolved.sizes["y"] // 2)
     x, across = in_display_unit(evolved["x"], "m", "across")
     chosen = _instants(evolved, middle.values)
@@ -141,22 +150,9 @@ def _instants(evolved: xr.Dataset, values: Any) -> list[int]:
     return sorted(even)
 
 
-def _profiles(ax: Axes, evolved: xr.Dataset) -> None:
-    _lines(ax, evolved, "pressure", display_unit_of(evolved["pressure"], "Pa"))
-
-
-def _worn(ax: Axes, evolved: xr.Dataset) -> None:
-    _lines(ax, evolved, "wear_depth", display_unit_of(evolved["wear_depth"], "m"))
-
-
-def _shear(ax: Axes, evolved: xr.Dataset) -> None:
-    _lines(ax, evolved, "shear_x", display_unit_of(abs(evolved["shear_x"]), "Pa"))
-
-
 def _dent(ax: Axes, evolved: xr.Dataset, name: str) -> None:
-    scale = display_unit_of(abs(evolved[name]), "m")
-    _lines(ax, evolved, name, scale)
-    ax.set_ylabel(f"residual displacement [{scale[1]}], into the bodies")
+    _lines(ax, evolved, name)
+    ax.set_ylabel(f"{ax.get_ylabel()}, into the bodies")
     ax.invert_yaxis()
 
 

@@ -57,7 +57,7 @@ def test_yield_has_a_panel_of_its_dent_and_one_of_the_strain_under_the_middle_at
     dent = -1e-6 * np.arange(24.0).reshape(4, 3, 2)
     strain = 1e-3 * np.arange(48.0).reshape(4, 2, 3, 2)
     yielded = labelled(
-        residual_displacement=(("time", "x", "y"), dent, {"long_name": "dent"}),
+        residual_displacement=(("time", "x", "y"), dent, {"long_name": "dent", "units": "m"}),
         equivalent_plastic_strain=(("time", "z", "x", "y"), strain, {"long_name": "strain"}),
     ).assign_coords(z=[1e-3, 5e-3])
     profiles, shown = evolution_picture(yielded).axes[4:6]

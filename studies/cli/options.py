@@ -1,4 +1,4 @@
-"""Options that several commands have."""
+"""Options that several commands have, and files that they write, each whole or not at all."""
 
 import shutil
 import sys
@@ -11,6 +11,7 @@ import click
 from click.core import ParameterSource
 
 from contactstudy import InvalidInput
+from contactstudy.domain.storage.files import replacing
 
 Decorator = Callable[[Any], Any]
 
@@ -43,6 +44,14 @@ def out_option(text: str, default: str | None = "outputs") -> Decorator:
     return click.option("--out", type=folder, default=default, show_default=shown, help=text)
 
 
+OUT = out_option("Folder for netCDF files, figures and report.")
+WORKERS = click.option(
+    "--workers",
+    type=click.IntRange(min=0, max=1024),
+    default=2,
+    show_default=True,
+    help="Worker processes, driven by threads of dask; 0 computes in this process alone.",
+)
 PLOT = click.option(
     "--plot",
     default="",
@@ -85,3 +94,10 @@ def is_given(context: click.Context, name: str) -> bool:
 def names_in(text: str) -> tuple[str, ...]:
     """Return the names in a text with commas."""
     return tuple(filter(None, (name.strip() for name in text.split(","))))
+
+
+def write_text(text: str, path: Path) -> None:
+    """Write a text, and say so."""
+    with replacing(path) as partial:
+        partial.write_text(text, encoding="utf-8")
+    click.echo(f"wrote {path}")

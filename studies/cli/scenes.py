@@ -1,4 +1,4 @@
-"""The commands for one scene in a file: ``contactstudy plan`` and ``contactstudy solve``."""
+"""The commands for one scene in a file: ``contactstudy new``, ``contactstudy plan`` and ``contactstudy solve``."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import json
 import os
 import sys
 from dataclasses import asdict, replace
+from importlib.resources import files as package_files
 from math import inf, isinf
 from pathlib import Path
 from time import perf_counter
@@ -15,12 +16,21 @@ import click
 
 import contactstudy as cs
 from contactstudy.answers.answer import surface_notes
+from contactstudy.domain.checks import suggestion
 from contactstudy.domain.errors import Request
 from contactstudy.domain.grid import cells_text
 from contactstudy.domain.units import readable
 from contactstudy.domain.validation import checked_errors
-from studies.cli.files import write_figure
-from studies.cli.options import FORMAT, JSON, PICTURES, SCENE, echo, formats_in, out_option
+from studies.cli.options import (
+    FORMAT,
+    JSON,
+    PICTURES,
+    SCENE,
+    echo,
+    formats_in,
+    out_option,
+)
+from studies.model.drawing import write_figure
 from studies.model.plain_text import counted, two_digits
 
 if TYPE_CHECKING:
@@ -45,6 +55,50 @@ REQUEST = click.option(
 )
 # A plan that takes longer or more memory than this is announced before it runs.
 LONG, LARGE = 60.0, 4e9
+
+
+@click.command()
+@click.argument("kind", required=False)
+@click.option("--out", type=click.Path(path_type=Path), help="File to write.  [default: KIND.toml]")
+@click.option("--list", "listed", is_flag=True, help="List the kinds of scenes, one a line.")
+def new(kind: str | None, out: Path | None, listed: bool) -> None:  # noqa: FBT001 (click's own way)
+    """Write a commented scene of a KIND, such as roller, or coating, which is a sweep.
+
+    plan, solve and run take it. No file is replaced.
+    """
+    scenes = templates() | templates("chapters")
+    if listed:
+        width = max(map(len, scenes))
+        for name, text in scenes.items():
+            click.echo(f"{name:<{width}}  {text.splitlines()[0].removeprefix('# ')}")
+        return
+    if kind is None:
+        raise cs.InvalidInput(
+            f"KIND is missing: choose from {', '.join(scenes)}, which contactstudy new --list describes."
+        )
+    if kind not in scenes:
+        raise cs.InvalidInput(f"KIND is {kind!r}: {suggestion(kind, scenes)}.")
+    path = out or Path(f"{kind}.toml")
+    try:
+        with path.open("x", encoding="utf-8") as file:
+            file.write(scenes[kind].replace(f"{kind}.toml", path.name))
+    except FileExistsError:
+        raise cs.InvalidInput(f"{path} exists already: give another file with --out.") from None
+    except OSError as error:
+        raise cs.InvalidInput(
+            f"{path} cannot be written ({error.strerror}): give another file with --out."
+        ) from None
+    verb = "run {0} runs its sweep" if "[vary]" in scenes[kind] else "solve {0} solves it"
+    click.echo(f"wrote {path}: contactstudy {verb.format(path)}")
+
+
+def templates(name: str = "templates") -> dict[str, str]:
+    """Return the texts of the scenes in a folder of the package by their kinds, in the order of the alphabet."""
+    folder = package_files("studies") / name
+    names = sorted(entry.name for entry in folder.iterdir() if entry.name.endswith(".toml"))
+    return {
+        name.removesuffix(".toml"): (folder / name).read_text(encoding="utf-8") for name in names
+    }
 
 
 @click.command()

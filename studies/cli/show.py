@@ -3,12 +3,12 @@
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from contactstudy import InvalidInput
-from studies.cli.files import write_figure, write_text
+import contactstudy as cs
+from contactstudy import InvalidInput, MeasuredSurface
 from studies.cli.options import (
     FORMAT,
     PICTURES,
@@ -18,8 +18,9 @@ from studies.cli.options import (
     names_in,
     out_option,
     refuse,
+    write_text,
 )
-from studies.cli.surfaces import drawn_surfaces, surfaces_of
+from studies.model.drawing import write_figure
 from studies.model.plain_text import one_line, place_of
 
 if TYPE_CHECKING:
@@ -159,6 +160,48 @@ def _tabulate(
         )
 
 
+def surfaces_of(file: Path, extent: str | None, **keys: Any) -> dict[str, MeasuredSurface]:
+    """Return the measured surfaces of a file or of a scene by the stems of their pictures; none for another file."""
+    if file.suffix == ".toml":
+        shapes = enumerate(cs.read_scene(file).scene.shapes)
+        found = {
+            f"{file.stem}-shapes-{number}": shape
+            for number, shape in shapes
+            if isinstance(shape, MeasuredSurface)
+        }
+        if not found:
+            raise InvalidInput(
+                f"{str(file)!r} has no measured surface: give one that has, or the .nc file of its solve."
+            )
+        return found
+    if not file.is_file() or (file.suffix == ".nc" and not _holds_heights(file)):
+        return {}
+    sides: Any = None if extent is None else [side.strip() for side in extent.split(",")]
+    missing = cs.HarmonicFill(up_to=0.5)
+    given: Any = {"extent": sides, "missing": missing, "seam": cs.AsMeasured(), **keys}
+    return {file.stem: MeasuredSurface.read(file, **given)}
+
+
+def _holds_heights(file: Path) -> bool:
+    """Return whether a netCDF file holds heights alone, and no solution or study."""
+    from studies.store.netcdf import read_any
+
+    dataset = read_any(file)
+    return "heights" in dataset and not {"gap", "case_status"} & set(dataset.variables)
+
+
+def drawn_surfaces(surfaces: dict[str, MeasuredSurface], *, with_raw: bool) -> "dict[str, Figure]":
+    """Print what was done to surfaces, and their parameters; return their pictures."""
+    from contactstudy.io.pictures.surface import surface_picture
+    from contactstudy.io.quantities.surface_quantities import parameters_text, surface_parameters
+
+    for name, surface in surfaces.items():
+        click.echo(f"{name}: {surface.description}")
+        for line in parameters_text(surface_parameters(surface)):
+            click.echo(f"  {line}")
+    return {name: surface_picture(surface, raw=with_raw) for name, surface in surfaces.items()}
+
+
 # Remedy where a figure fails.
 REMEDY_IN_CODE = (
     "the stored variables do not fit the figure, or its code is wrong; correct it and run again."
@@ -211,7 +254,6 @@ def compare(context: click.Context, /, first: Path, second: Path, out: Path | No
 
     Both are solutions on any grids of one period, or runs of one study.
     """
-    import contactstudy as cs
     from studies.report.changes import changes
     from studies.store.netcdf import open_folder, read_any
 

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from contactstudy import InvalidInput
+from contactstudy.domain.storage.files import replacing
 from studies.model.plain_text import name_problem, shortened
 
 if TYPE_CHECKING:
@@ -88,3 +90,12 @@ class Drawing:
     figure: Callable[[xr.Dataset], Sequence[CaptionedFigure]]
     findings: Callable[[xr.Dataset], Sequence[Finding]] = no_items
     tables: Callable[[xr.Dataset], Sequence[Table]] = no_items
+
+
+def write_figure(figure: Figure, stem: Path, formats: Sequence[str]) -> list[Path]:
+    """Write a figure in each format to files with the path `stem` without its ending; return the files."""
+    files = [stem.with_name(f"{stem.name}.{suffix}") for suffix in formats]
+    for file in files:
+        with replacing(file) as partial:
+            figure.savefig(partial)
+    return files

@@ -16,7 +16,7 @@ from studies.advice.stored import SETTINGS, from_dataset, path_in, verdict_of
 from studies.advice.verdict import PRESSURE, Verdict, paper_scene
 from studies.engine.options import RunOptions
 from studies.engine.run import run
-from studies.model.drawing import CaptionedFigure, Drawing, Finding
+from studies.model.drawing import CaptionedFigure, Drawing, Finding, write_figure
 from studies.model.outcome import CaseStatus
 from studies.model.plain_text import Log
 from studies.model.study import Study
@@ -24,7 +24,7 @@ from studies.reference.paddings import padding_text
 from studies.registry import BUILT_IN, load_drawing
 from studies.report.chapters import CHAPTERS, MAIN, Chapter, Part, chapter_of_study
 from studies.report.drawings import comparison as settings
-from studies.report.section import Section, embedded, saved
+from studies.report.section import Section, embedded
 from studies.store.netcdf import read
 
 MAX_LISTED = 10  # of an axis that a page lists
@@ -47,7 +47,7 @@ def draw_figures(study: Study, drawing: Drawing, out: Path) -> Sequence[Captione
     figures = drawing.figure(stored(study, out))
     _check(figures, study.name)
     for figure in figures:
-        saved(figure, out / study.name)
+        write_figure(figure.figure, out / study.name / figure.name, ["png"])
     return figures
 
 

@@ -3,11 +3,9 @@
 import base64
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from io import BytesIO
 from pathlib import Path
 
-from contactstudy.domain.storage.files import replacing
-from studies.model.drawing import CaptionedFigure, Finding, Table
+from studies.model.drawing import CaptionedFigure, Finding, Table, write_figure
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,22 +35,14 @@ class Section:
         return [item for item in self.findings if item.question]
 
 
-def saved(drawn: CaptionedFigure, folder: Path) -> bytes:
-    """Save a figure as PNG into a folder, and return it."""
-    data = BytesIO()
-    drawn.figure.savefig(data, format="png")
-    with replacing(folder / f"{drawn.name}.png") as path:
-        path.write_bytes(data.getvalue())
-    return data.getvalue()
-
-
 def embedded(drawn: CaptionedFigure, folder: str, out: Path) -> Mapping[str, str]:
     """Save a figure into ``<out>/<folder>``, and return what a page shows of it as texts.
 
     They are ``png`` in base64, the path of its ``file``, ``caption``, and ``width`` and ``height`` in pixels.
     """
+    [path] = write_figure(drawn.figure, out / folder / drawn.name, ["png"])
     return {
-        "png": base64.b64encode(saved(drawn, out / folder)).decode(),
+        "png": base64.b64encode(path.read_bytes()).decode(),
         "file": f"{folder}/{drawn.name}.png",
         "caption": drawn.caption,
         "width": f"{100 * drawn.figure.get_figwidth():.0f}",

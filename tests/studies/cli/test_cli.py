@@ -15,7 +15,7 @@ import contactstudy as cs
 from studies.cli import commands
 from studies.cli import main as module
 from studies.cli.commands import main
-from studies.cli.new import templates
+from studies.cli.scenes import templates
 from studies.model.outcome import CaseStatus
 from tests.studies.cli.conftest import said
 from tests.studies.conftest import POSIX

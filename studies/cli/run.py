@@ -1,0 +1,231 @@
+"""``contactstudy run``: a study over its axes, or a scene over fields of it."""
+
+import sys
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from contactstudy import InvalidInput
+from studies.cli.options import OUT, PLOT, WORKERS, is_given, names_in, refuse, write_text
+from studies.cli.show import drawing
+from studies.registry import has_own_figures, load, load_drawing
+
+if TYPE_CHECKING:
+    from studies.model.study import Study
+
+EXAMPLE = '--vary "load.per_length=50 N/mm,100 N/mm"'
+VARY = click.option(
+    "--vary",
+    multiple=True,
+    metavar="FIELD=VALUES",
+    help="An axis of the study and its values, such as period=0.6,2.4 or images=0:10; or a field of the scene file, "
+    "such as load.per_length=50:400:8 N/mm (8 values), 50:400:8:log N/mm (in equal ratios) or surfaces=measured/*.x3p.",
+)
+REFERENCE = click.option(
+    "--reference",
+    metavar="FIELD=VALUE",
+    help="One of the values of a varied field, against which errors are drawn, such as padding=ExactPeriodicity; with "
+    "--repeats also over the times.",
+)
+REPEATS = click.option(
+    "--repeats",
+    type=click.IntRange(min=0),
+    default=2,
+    show_default=True,
+    help="Timed runs of each case, one at a time on one thread; the least time counts. 0 takes no times.",
+)
+SENSITIVITY = click.option(
+    "--sensitivity",
+    "vary_every",
+    is_flag=True,
+    help="Raise and lower each number of the scene file alone, by the tolerance behind it, as in '10 mm +- 0.05 mm', or "
+    "by 1 %; print and draw what the quantities change by.",
+)
+
+
+def sensitivity_of(name: str) -> "Study":
+    """Return the study of each number of the scene in the file `name`, raised and lowered."""
+    from studies.scene_study.sensitivity import sensitivity_study
+
+    if not name.endswith(".toml"):
+        raise InvalidInput(
+            f"--sensitivity is for a scene in a .toml file, and {name!r} is a study: leave it out."
+        )
+    return sensitivity_study(name)
+
+
+def write_sensitivity(study: "Study", plot: Sequence[str], out: Path) -> str:
+    """Write the table of a stored sensitivity as CSV, and return it as text with aligned columns."""
+    import pandas as pd
+
+    from studies.report.drawings import default, sensitivity
+    from studies.report.page import stored
+
+    dataset = stored(study, out)
+    found = sensitivity.table(dataset, default.chosen(dataset, plot))
+    table = pd.DataFrame(list(found.rows), columns=list(found.head))
+    write_text(table.to_csv(index=False), out / f"{study.name}.csv")
+    return str(table.to_string(index=False))
+
+
+def load_varied(name: str, vary: Sequence[str]) -> "Study":
+    """Return the study of a name, or of the scene in a file, over the values `vary`, or over its own.
+
+    Raises :class:`~contactstudy.InvalidInput` for what cannot be varied.
+    """
+    fields: dict[str, str] = {}
+    for text in vary:
+        field, equals, values = text.partition("=")
+        field = field.strip()
+        if not equals or not field or not values.strip():
+            raise InvalidInput(
+                f"--vary is {text!r}: give a field and its values, such as {EXAMPLE}."
+            )
+        if field in fields:
+            raise InvalidInput(f"--vary names {field} twice: write all its values in one list.")
+        fields[field] = values.strip()
+    if not name.endswith(".toml"):
+        return load(name).override(fields)
+    from contactstudy import read_scene
+    from studies.scene_study.study_of import study_of
+
+    if not fields and not read_scene(name).vary:
+        raise InvalidInput(
+            f"{name} is run without anything to vary: give {EXAMPLE} or a table [vary] in the file, or use "
+            f"contactstudy solve {name}."
+        )
+    return study_of(Path(name), fields or None)
+
+
+def with_reference(study: "Study", name: str, reference: str) -> "Study":
+    """Return the study of a scene file with the value of a varied field against which errors are drawn.
+
+    Raises :class:`~contactstudy.InvalidInput` for a value that the study does not vary.
+    """
+    from studies.advice.reference_error import against
+    from studies.scene_study.study_of import study_of
+
+    field, equals, value = (part.strip() for part in reference.partition("="))
+    if not name.endswith(".toml") or not equals or not field or not value:
+        raise InvalidInput(
+            f"--reference is {reference!r}: give a varied field of a scene file and one of its values, such as "
+            "padding=ExactPeriodicity."
+        )
+    (axis,) = study_of(Path(name), {field: value}).axes
+    values = {varied.name: varied.values for varied in study.axes}.get(axis.name, ())
+    if len(axis.values) != 1 or axis.values[0] not in values:
+        raise InvalidInput(
+            f"--reference is {reference!r}, which is not one of the values that are varied: add it to --vary."
+        )
+    return against(study, axis.name, axis.values[0])
+
+
+@click.command(
+    epilog="contactstudy studies lists the axes of each study: contactstudy run period --vary period=0.6,2.4 --vary "
+    "images=0:10 (a range has both its ends; lengths are in half-widths).",
+)
+@click.argument("study")
+@OUT
+@WORKERS
+@REPEATS
+@click.option(
+    "--scheduler",
+    metavar="ADDRESS",
+    help="dask scheduler whose workers compute the cases, such as tcp://127.0.0.1:8786, instead of --workers.",
+)
+@click.option(
+    "--time-limit",
+    type=click.FloatRange(min=0, min_open=True),
+    metavar="SECONDS",
+    help="Longest time of one case; a longer case is stopped.  [default: none]",
+)
+@click.option(
+    "--retry",
+    type=click.Choice(["failed", "timeout", "killed", "times"]),
+    multiple=True,
+    help="Compute again the cases that failed (in any way), timed out, or were killed; take all times again.",
+)
+@click.option(
+    "--fields",
+    flag_value="kept",
+    default="none",
+    help="Store the fields of every case, such as pressure and gap, as groups of the netCDF file.",
+)
+@VARY
+@SENSITIVITY
+@REFERENCE
+@PLOT
+@click.option(
+    "--dry-run",
+    is_flag=True,
+    help="Print the number of cases and their estimated cost; compute nothing.",
+)
+@click.pass_context
+def run(
+    context: click.Context,
+    /,
+    study: str,
+    out: Path,
+    repeats: int,
+    retry: tuple[Any, ...],
+    vary: tuple[str, ...],
+    vary_every: bool,  # noqa: FBT001 (click gives it by name)
+    plot: str,
+    dry_run: bool,  # noqa: FBT001 (click gives it by name)
+    reference: str | None,
+    **settings: Any,  # further options of a run
+) -> None:
+    """Run STUDY over its axes, or a scene over those given.
+
+    STUDY is a built-in name, a .py file or a scene in a .toml file. What is stored in the folder is not computed again.
+    """
+    from studies.engine.cost import estimate_cost
+    from studies.engine.options import RunOptions
+    from studies.engine.run import run as run_study
+    from studies.model.outcome import CaseStatus
+
+    if vary_every:
+        refuse(
+            context,
+            "a sweep, and not for --sensitivity, which varies each number alone",
+            "vary",
+            "reference",
+        )
+    chosen = sensitivity_of(study) if vary_every else load_varied(study, vary)
+    is_timed = (is_given(context, "repeats") and repeats) or "times" in retry
+    if is_timed and study.endswith(".toml"):
+        chosen = replace(chosen, times="taken")  # cases of a scene are timed on request
+    if reference is not None:
+        chosen = with_reference(chosen, study, reference)
+    if chosen.times != "taken" and repeats:
+        refuse(
+            context, f"studies whose cases are timed, which {chosen.name} does not do", "repeats"
+        )
+    if has_own_figures(study):
+        refuse(context, "a scene or a study without figures of its own", "plot")
+    if "times" in retry and not repeats:
+        raise InvalidInput("--retry has times, and --repeats 0 takes none: leave one of them out.")
+    options = RunOptions(repeats=repeats, retry=retry, **settings)
+    if dry_run:
+        estimate_cost(chosen, out, options=options, log=click.echo)
+        return
+    if plot:
+        from studies.scene_study.measures import check_names
+
+        check_names(chosen, names_in(plot))
+    dataset = run_study(chosen, out, options=options, log=click.echo)
+    statuses = dataset["case_status"]
+    if not (statuses == CaseStatus.OK).any():
+        click.echo(f"{chosen.name}: no case gave numbers, so there is nothing to draw.", err=True)
+        sys.exit(1)
+    from studies.report import page as reporting
+
+    with drawing(chosen.name):
+        figures_of = load_drawing(study, names_in(plot))
+        reporting.draw_figures(chosen, figures_of, out)
+    if vary_every:
+        click.echo(write_sensitivity(chosen, names_in(plot), out))
+    click.echo(f"{chosen.name}: drew {out / chosen.name}")

@@ -7,22 +7,9 @@ import pytest
 
 import contactstudy as cs
 from tests.conftest import STEEL, LineContact
+from tests.contactstudy.scene.shapes.test_own_shapes import Own
 
 Array = np.ndarray
-
-
-@dataclass(frozen=True)
-class Parabola:
-    """A shape of one's own: what Cylinder is."""
-
-    radius: float
-
-    @property
-    def curvature(self) -> float:
-        return 1 / self.radius
-
-    def gap(self, grid: cs.Grid) -> Array:
-        return (grid.x**2 / (2 * self.radius))[:, None]
 
 
 @dataclass(frozen=True)
@@ -65,7 +52,8 @@ def test_a_solid_of_ones_own_gives_the_closed_form_of_its_kernel() -> None:
     stiffness, radius, half_width = 1e13, 0.01, 1e-4
     rigid = cs.HalfSpace(np.inf, 0.0)
     load = 2 / 3 * stiffness * half_width**3 / radius
-    scene = cs.Scene(cs.LineLoad(load), (Foundation(stiffness), rigid), (Parabola(radius),))
+    shape = Own(lambda grid: (grid.x**2 / (2 * radius))[:, None], 1 / radius)
+    scene = cs.Scene(cs.LineLoad(load), (Foundation(stiffness), rigid), (shape,))
     grid = cs.Grid((200, 1), (4 * half_width, half_width))
     solution = cs.solve(scene.problem(grid, cs.ExactPeriodicity()))
     assert solution.status is cs.Status.CONVERGED

@@ -51,8 +51,27 @@ class Cylinder:
         return (grid.x**2 / (2 * self.radius))[:, None]
 
 
+class _Paraboloid:
+    """Paraboloid about the origin, with two curvatures."""
+
+    #: Curvature [1/m]: none is added to the line contact.
+    curvature: ClassVar[float] = 0.0
+    #: Length scales of a roller whose length is not known.
+    length_scales: ClassVar[LengthScales] = LengthScales(roller=inf)
+
+    @property
+    def curvatures(self) -> tuple[float, float]:
+        """Curvatures (across, along) [1/m]."""
+        raise NotImplementedError
+
+    def gap(self, grid: Grid) -> Array:
+        """Return ``x^2 / (2 Rx) + y^2 / (2 Ry)`` [m], of shape (x, y)."""
+        across, along = self.curvatures
+        return np.asarray(grid.x[:, None] ** 2 * (across / 2) + grid.y**2 * (along / 2))
+
+
 @validated
-class Sphere:
+class Sphere(_Paraboloid):
     """Paraboloid about the origin, ``(x^2 + y^2) / (2 R)``, as in Hertz's theory of a sphere.
 
     Under a :class:`~contactstudy.TotalLoad` without a length it is a point contact. Under a load per length it is one
@@ -69,9 +88,6 @@ class Sphere:
         If the radius is zero, infinite or no number.
     """
 
-    #: Curvature [1/m]: a sphere adds none to the line contact.
-    curvature: ClassVar[float] = 0.0
-
     radius: Radius
 
     def check_together(self) -> None:
@@ -84,18 +100,9 @@ class Sphere:
         """Curvatures (across, along) [1/m]."""
         return 1 / self.radius, 1 / self.radius
 
-    @property
-    def length_scales(self) -> LengthScales:
-        """Length scales of a roller whose length is not known."""
-        return LengthScales(roller=inf)
-
-    def gap(self, grid: Grid) -> Array:
-        """Return ``(x^2 + y^2) / (2 R)`` [m], of shape (x, y)."""
-        return np.asarray((grid.x[:, None] ** 2 + grid.y**2) / (2 * self.radius))
-
 
 @validated
-class Ellipsoid:
+class Ellipsoid(_Paraboloid):
     """Surface with two principal radii, ``x^2 / (2 Rx) + y^2 / (2 Ry)``: a barrel, a raceway's groove, a wheel, a rail.
 
     Each body of a point contact may have its own: curvatures add. A ball of 5 mm in a groove of 5.2 mm about a shaft of
@@ -114,9 +121,6 @@ class Ellipsoid:
         If a radius is zero or no number.
     """
 
-    #: Curvature [1/m]: as of a sphere, none is added to the line contact.
-    curvature: ClassVar[float] = 0.0
-
     radius: Radius
     radius_along: Radius
 
@@ -124,16 +128,6 @@ class Ellipsoid:
     def curvatures(self) -> tuple[float, float]:
         """Curvatures (across, along) [1/m]."""
         return 1 / self.radius, 1 / self.radius_along
-
-    @property
-    def length_scales(self) -> LengthScales:
-        """Length scales of a roller whose length is not known."""
-        return LengthScales(roller=inf)
-
-    def gap(self, grid: Grid) -> Array:
-        """Return ``x^2 / (2 Rx) + y^2 / (2 Ry)`` [m], of shape (x, y)."""
-        across, along = self.curvatures
-        return np.asarray(grid.x[:, None] ** 2 * (across / 2) + grid.y**2 * (along / 2))
 
 
 @validated

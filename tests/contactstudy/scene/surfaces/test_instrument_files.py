@@ -273,13 +273,6 @@ def test_a_surface_is_transposed_and_flipped_as_it_is_read_and_written_so(tmp_pa
     assert cs.read_scene(tmp_path / "scene.toml").scene == scene.scene
 
 
-def test_a_step_that_no_surface_of_these_slopes_has_is_said(tmp_path: Path) -> None:
-    heights = np.add.outer(np.sin(np.arange(40.0) / 5), np.cos(np.arange(40.0) / 7)) * 0.3
-    heights[20, 20] += 9.0
-    found = surface(tmp_path, matrix(heights=heights), unit="um", extent=(2e-4, 2e-4))
-    assert "4 steps between neighbours of up to 9" in found.description
-
-
 def test_thousands_are_read_with_the_decimal_sign(tmp_path: Path) -> None:
     found = surface(tmp_path, THOUSANDS, unit="nm", extent=(1e-3, 2e-3), decimal=",")
     np.testing.assert_allclose(found.heights, np.round(MAP * 1e4) * 1e-9, atol=1e-14)
@@ -317,11 +310,17 @@ def test_lines_of_a_header_that_are_not_used_are_said(tmp_path: Path) -> None:
     assert "these lines of the header were not used: 'Sample: 10 mm wide'" in found.description
 
 
-def test_spikes_are_named_before_another_unit(tmp_path: Path) -> None:
+def test_steps_that_no_surface_of_these_slopes_has_are_said_and_high_ones_are_spikes(
+    tmp_path: Path,
+) -> None:
     heights = np.add.outer(np.sin(np.arange(40.0) / 5), np.cos(np.arange(40.0) / 7)) * 0.3
-    heights[20, 20] += 30.0
+    keys: Any = {"unit": "um", "extent": (2e-4, 2e-4)}
+    heights[20, 20] += 9.0
+    found = surface(tmp_path, matrix(heights=heights), **keys)
+    assert "4 steps between neighbours of up to 9" in found.description
+    heights[20, 20] += 21.0
     with pytest.raises(cs.InvalidInput, match=r"4 steps .*: spikes, or points that were not"):
-        surface(tmp_path, matrix(heights=heights), unit="um", extent=(2e-4, 2e-4))
+        surface(tmp_path, matrix(heights=heights), **keys)
 
 
 def test_grooves_have_no_steps(tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from contactstudy.domain.checks import InvalidInput
+from contactstudy.domain.checks import InvalidInput, parameters
 from contactstudy.domain.device import Cpu, Device
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
 from contactstudy.domain.notebook import InNotebook
@@ -254,18 +254,8 @@ def scene_file_from(document: SceneDocument, folder: Path = Path()) -> SceneFile
         and not any(scales.spacing for scales in length_scales_of(shapes))
     ):
         document = replace(document, grid=grid_of_waves(shapes))
-    scene = Scene(
-        _with_length(document, shapes),
-        document.solids,
-        shapes,
-        document.hardness,
-        document.outputs,
-        friction=document.friction,
-        wear=document.wear,
-        rolling=document.rolling,
-        lubrication=document.lubrication,
-        adhesion=document.adhesion,
-    )
+    of_scene = {name: getattr(document, name) for name in parameters(Scene)}
+    scene = Scene(**of_scene | {"load": _with_length(document, shapes), "shapes": shapes})
     padding: Padding | Paddings | None = document.padding
     doubts: tuple[str, ...] = ()
     if is_flat and document.padding_across is None:

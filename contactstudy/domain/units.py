@@ -17,8 +17,6 @@ class Unit:
     example: str
 
 
-SECONDS = Unit("s", "a time", "2 min")
-
 Metres = Annotated[float, Unit("m", "a length", "10 mm")]
 Pascals = Annotated[float, Unit("Pa", "a pressure", "1.2 GPa")]
 HARDNESS = Unit("Pa", "a hardness", "700 HV")
@@ -38,7 +36,7 @@ Kelvins = Annotated[float, Unit("K", "a temperature", "333 K")]
 PerKelvin = Annotated[float, Unit("1/K", "a temperature coefficient", "0.04 1/K")]
 PascalSeconds = Annotated[float, Unit("Pa*s", "a viscosity", "40 mPa*s")]
 MetresPerSecond = Annotated[float, Unit("m/s", "a speed", "100 mm/s")]
-Seconds = Annotated[float, SECONDS]
+Seconds = Annotated[float, Unit("s", "a time", "2 min")]
 PerSecond = Annotated[float, Unit("Hz", "a frequency", "50 Hz")]
 Radians = Annotated[float, Unit("rad", "an angle", "1 degree")]
 Number = Annotated[float, Unit("", "a number", "0.3")]

@@ -2,16 +2,15 @@
 
 import re
 from collections.abc import Mapping
-from typing import Any
+from typing import Annotated, Any
 
 from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.unit_text import in_si
-from contactstudy.domain.units import SECONDS, Unit
+from contactstudy.domain.units import Metres, MetresPerSecond, PerSecond, Seconds
+from contactstudy.domain.validation import ANY_SIGN, valid
 
 # A number and what it counts, such as "3 cycles" or "1e4 revolutions".
 COUNTED = re.compile(r"\s*(\d+\.?\d*(?:[eE]\+?\d+)?)\s*(cycle|rev|revolution|turn)s?\s*")
-LENGTH, SPEED = Unit("m", "a length", "60 mm"), Unit("m/s", "a speed", "1 m/s")
-FREQUENCY = Unit("Hz", "a frequency", "50 Hz")
+SPEED = Annotated[MetresPerSecond, ANY_SIGN]
 
 
 def with_cycles(raw: Mapping[str, Any]) -> dict[str, Any]:
@@ -41,20 +40,20 @@ def with_cycles(raw: Mapping[str, Any]) -> dict[str, Any]:
     return dict(raw) | {"time_steps": {name: seconds(name, value) for name, value in steps.items()}}
 
 
-def _entry(raw: Mapping[str, Any], table: str, key: str, unit: Unit) -> float:
+def _entry(raw: Mapping[str, Any], table: str, key: str, hint: Any) -> float:
     """Return an entry of a table in SI, 0 where there is none."""
     value = raw[table].get(key) if isinstance(raw.get(table), Mapping) else None
-    return 0.0 if value is None else in_si(f"{table}.{key}", value, unit)
+    return 0.0 if value is None else float(valid(f"{table}.{key}", value, hint))
 
 
 def _cycle(raw: Mapping[str, Any]) -> float:
     """Return the duration of a cycle [s]; 0 if it is not known."""
-    frequency = _entry(raw, "load", "frequency", FREQUENCY)
-    return 1 / frequency if frequency else _entry(raw, "friction", "period", SECONDS)
+    frequency = _entry(raw, "load", "frequency", PerSecond)
+    return 1 / frequency if frequency else _entry(raw, "friction", "period", Seconds)
 
 
 def _revolution(raw: Mapping[str, Any]) -> float:
     """Return the duration of a revolution of the wearing body [s]; 0 if it is not known."""
     speeds = (_entry(raw, table, "speed", SPEED) for table in ("rolling", "friction", "wear"))
     speed = next(filter(None, speeds), 0.0)
-    return _entry(raw, "wear", "circumference", LENGTH) / speed if speed else 0.0
+    return _entry(raw, "wear", "circumference", Metres) / abs(speed) if speed else 0.0

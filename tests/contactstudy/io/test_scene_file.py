@@ -239,11 +239,18 @@ RING = (
 )
 
 
+BACK = RING.replace('"0.5 m/s"', "0").replace(
+    'kind = "Sliding"\ncoefficient = 0.1\nstanding = 1',
+    'kind = "TractiveRolling"\ncoefficient = 0.1\nlongitudinal = 1e-3\nspeed = "-0.5 m/s"',
+)
+
+
 @pytest.mark.cases(100)
 @pytest.mark.parametrize(
     ("scene", "end", "seconds"),
     [
         (SWINGING, "1e3 cycles", 20.0), (RING, "500 rev", 100.0), (RING, "1 revolution", 0.2), (RING, "2 h", 7200.0),
+        (BACK, "1 revolution", 0.2),
         (SWINGING, "5 rev", "give wear.circumference, and a speed"), (RING, "5 cycles", "give load.frequency"),
     ],
 )  # fmt: skip

@@ -4,16 +4,14 @@ from dataclasses import dataclass, replace
 from math import log
 
 import numpy as np
+from scipy.special import log1p
 
 from contactstudy.domain.fields import Array
-from contactstudy.elasticity.kernels.layer.buried_potential import buried_cell, log_mean
 from contactstudy.elasticity.kernels.layer.displacement_waves import (
     DisplacementWaves,
     Subtracted,
-    buried_field,
     contrasts,
 )
-from contactstudy.elasticity.kernels.layer.remainder import remainder_cell
 from contactstudy.elasticity.kernels.layer.response import LayerResponse
 from contactstudy.elasticity.kernels.layer.wave_coefficients import WaveCoefficients
 from contactstudy.elasticity.kernels.traction import SWAPPED
@@ -23,10 +21,9 @@ from contactstudy.elasticity.kernels.traction import SWAPPED
 class CoatingCoefficients:
     """Influence coefficients [m] that a bonded layer adds to those of a half-space of its own material.
 
-    Under long waves the displacement is that of a half-space of the substrate. Rows and lattices are summed by their
-    waves, see :class:`~contactstudy.elasticity.kernels.layer.displacement_waves.DisplacementWaves`. A row's mean and a
-    cell alone have long waves in closed form, as mirror sources buried at two thicknesses; what is left of a cell alone
-    is integrated along its edges from tables of the distance.
+    Under long waves the displacement is that of a half-space of the substrate. A row's mean has these waves in closed
+    form, as those of lines buried at two thicknesses; all else is found from the
+    :class:`~contactstudy.elasticity.kernels.layer.displacement_waves.DisplacementWaves`.
 
     Parameters
     ----------
@@ -63,19 +60,7 @@ class CoatingCoefficients:
 
     def cell(self, x: Array, y: Array, dx: float, dy: float) -> Array:
         """Return the response to one cell; x and y broadcast."""
-        cell, depth = (x, y, dx, dy), 2 * self.thickness
-        remainder = remainder_cell(self.response, self.name, self.thickness, *cell)
-        pressed, along, coupling, across = contrasts(self.response)
-        if self.name == "z":
-            return remainder + pressed * buried_cell(*cell, depth)
-        if self.name == "xy":
-            return remainder + (along - across) * buried_field("xy", *cell, depth)
-        if self.name in ("x", "y"):
-            return remainder + coupling * buried_field(self.name, *cell, depth)
-        images = along * buried_field(self.name, *cell, depth)
-        return np.asarray(
-            remainder + images + across * buried_field(SWAPPED[self.name], *cell, depth)
-        )
+        return self.thickness * self._waves(Subtracted.NONE).cell(x, y, dx, dy)
 
     def row(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
         """Return the response to an infinite row of images along y; x is a column, y a row."""
@@ -93,7 +78,7 @@ class CoatingCoefficients:
             )
             return np.asarray(total + 2 * coupling * (upper - lower))
         if contrast := self._contrast:
-            total = total - dx * contrast * log_mean(np.abs(x), dx / 2, depth)
+            total = total - dx * contrast * _log_mean(np.abs(x), dx / 2, depth)
         return np.asarray(total + self.rigid_shift(dx))
 
     @property
@@ -114,3 +99,11 @@ class CoatingCoefficients:
     ) -> Array:
         """Return the response to an infinite lattice of images along both axes; x is a column, y a row."""
         return self.thickness * self._waves(Subtracted.NONE).lattice(x, y, dx, dy, width, period)
+
+
+def _log_mean(x: Array, half: float, depth: float) -> Array:
+    """Return the mean of ``ln(x^2 + depth^2)`` over segments of half-length `half` about each x."""
+    place = x + 1j * depth
+    t = half / place
+    ends = (1 + t) * log1p(t) - (1 - t) * log1p(-t)
+    return np.asarray(2 * np.real(np.log(place) - 1 + ends / (2 * t)))

@@ -139,17 +139,20 @@ def test_what_is_alike_along_the_length_is_plane_strain() -> None:
     np.testing.assert_allclose(strip, np.repeat(line, 2, axis=3), rtol=0, atol=2e-10)
 
 
-def test_a_cell_alone_in_a_thick_coating_is_the_same_on_a_wider_grid() -> None:
-    medium = CoatedStress((LayerResponse((3.0,), (0.25, 0.35)),), (2.0,))
-    random, stresses = np.random.default_rng(3).random((6, 6)), []
+@pytest.mark.parametrize(("ratio", "thickness"), [(3.0, 2.0), (1e3, 0.5)])
+def test_stress_below_a_body_that_ends_is_the_same_on_a_wider_grid(
+    ratio: float, thickness: float
+) -> None:
+    medium = CoatedStress((LayerResponse((ratio,), (0.25, 0.35)),), (thickness,))
+    random, stresses = np.random.default_rng(3).random((3, 6, 6)), []
     for cells in (6, 48):
         grid, first = cs.Grid((cells, cells), (cells / 6, cells / 6)), cells // 2 - 3
-        pressure = np.zeros(grid.cells)
-        pressure[first : first + 6, first : first + 6] = random
-        stress = SubsurfaceStressOperator(grid, FREE, medium, (0.0, 1.0, 2.0))(pressure)
+        loads = np.zeros((3, *grid.cells))
+        loads[:, first : first + 6, first : first + 6] = random
+        below = SubsurfaceStressOperator(grid, FREE, medium, (0.0, 0.4, thickness, 9.0))
+        stress = below.with_shear(loads[1:])(loads[0])
         stresses.append(stress[..., first : first + 6, first : first + 6])
-    for one, two in zip(*stresses, strict=True):
-        np.testing.assert_allclose(one, two, rtol=0, atol=2e-4 * np.abs(two[1:]).max())
+    np.testing.assert_allclose(*stresses, rtol=0, atol=1e-12 * np.abs(stresses[1]).max())
 
 
 @pytest.mark.parametrize("ratio", [0.1, 3.0])

@@ -178,18 +178,20 @@ class LayerResponse:
         )
         return np.stack([normal, along, plane[:, 0, 0], across])
 
-    def remainders(self, k: RealOrComplex) -> RealOrComplex:
+    def remainders(self, k: RealOrComplex, which: slice = slice(None)) -> RealOrComplex:
         """Return what `compliances` add to those without the half-space, less ``contrasts exp(-2 k)`` (4, ...).
 
-        Many real values are those of a spline.
+        `which` of them are returned. Many real values are those of a spline.
         """
         if k.size > MAX_DIRECT and not np.iscomplexobj(k):
-            return np.asarray(np.moveaxis(_spline(self)(k), -1, 0))
+            fitted = _spline(self)
+            return np.asarray(np.moveaxis(PPoly(fitted.c[..., which], fitted.x)(k), -1, 0))
         change, flat = self._change(k.ravel()), k.ravel()
         long = np.abs(flat) < SERIES_END * self.pole_distance_from_zero
         if long.any():
             change[:, long] = polynomial.polyval(flat[long], np.array(self._series).T)
-        return np.asarray(change.reshape(4, *k.shape))
+        change = change[which]
+        return np.asarray(change.reshape(len(change), *k.shape))
 
     def _change(self, k: RealOrComplex) -> RealOrComplex:
         """Return `remainders`, which lose the digits that long waves have in common."""
@@ -204,11 +206,6 @@ class LayerResponse:
         turn = np.exp(2j * np.pi * np.arange(64) / 64)
         terms = np.real(np.fft.fft(self._change(around * turn)))[:, :7] / 64
         return [[0.0, *row[1:]] for row in (terms / around ** np.arange(7.0)).tolist()]
-
-    @property
-    def slopes(self) -> tuple[float, ...]:
-        """Derivatives of `remainders` at k = 0."""
-        return tuple(terms[1] for terms in self._series)
 
 
 def _inverse(matrix: RealOrComplex) -> RealOrComplex:

@@ -11,7 +11,12 @@ import numpy as np
 from scipy.interpolate import PPoly
 
 from contactstudy.domain.fields import Array
-from contactstudy.elasticity.kernels.layer.response import LayerResponse, RealOrComplex, spline
+from contactstudy.elasticity.kernels.layer.response import (
+    MAX_DIRECT,
+    LayerResponse,
+    RealOrComplex,
+    spline,
+)
 
 # Last wave number of the spline through the remainder, times the rate at which it decays: that of a wave with 34, where
 # it is below rounding, along either axis.
@@ -69,8 +74,16 @@ class LayerStress:
 
         It is zero at k = 0, and decays as exp(-k `decay_rate`). In a layer the closed form is a change of s_xx at the
         depth of the point mirrored in the deepest interface, between the stresses of this layer under the strains of two
-        half-spaces.
+        half-spaces. Many real `k`, up to LAST_STRESS_WAVE over the decay rate, are those of a spline.
         """
+        if k.size > MAX_DIRECT and not np.iscomplexobj(k):
+            values = np.asarray(np.moveaxis(_spline(self)(k), -1, 0))
+        else:
+            values = self._remainder(k.ravel())
+        return values.reshape(2, 3, *k.shape)
+
+    def _remainder(self, k: RealOrComplex) -> RealOrComplex:
+        """Return :meth:`remainder` at wave numbers `k` (k,)."""
         if not self.in_layer:
             return np.asarray(self.plane(k) - np.array(half_space(k * self.depth)))
         above, image = self.materials.above, np.array(half_space(k * self.decay_rate))
@@ -106,11 +119,6 @@ class LayerStress:
         contrast = self.ratios(self.materials)[0] - self.ratios(self.materials.above)[0]
         return without[0] - down, around - without[1] - contrast * np.exp(-k * self.decay_rate)
 
-    def interpolated(self, k: Array) -> Array:
-        """Return :meth:`remainder` at real `k` of any shape, by a spline made once up to ``r k = LAST_STRESS_WAVE``."""
-        values = np.asarray(_table(self)(k.ravel())).T
-        return np.asarray(values.reshape(2, 3, *k.shape))
-
 
 def _plane(materials: LayerResponse, depth: float, k: RealOrComplex) -> RealOrComplex:
     """Return (s_zz, s_xz, s_xx) under a unit pressure and a unit shear (load, component, k)."""
@@ -131,7 +139,12 @@ def _antiplane(
 
 
 @lru_cache(maxsize=64)
-def _table(stress: LayerStress) -> PPoly:
+def _spline(stress: LayerStress) -> PPoly:
     """Return the remainder as a spline (load and component) of the wave number."""
+
+    def remainder(k: Array) -> RealOrComplex:
+        blocks = np.array_split(k, 1 + k.size // MAX_DIRECT)
+        return np.concatenate([stress.remainder(block) for block in blocks], axis=2)
+
     first = stress.materials.pole_distance_from_zero / 2
-    return spline(stress.remainder, first, LAST_STRESS_WAVE / stress.decay_rate)
+    return spline(remainder, first, LAST_STRESS_WAVE / stress.decay_rate)

@@ -3,9 +3,6 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-import numpy as np
-
-from contactstudy.domain.fields import Array
 from contactstudy.elasticity.kernels.layer.response import LayerResponse, RealOrComplex
 from contactstudy.elasticity.kernels.layer.stress import LayerStress
 from contactstudy.elasticity.kernels.stress_cell import COMPONENTS, CellKernel
@@ -57,41 +54,36 @@ class StressWaves:
         """Return the response and the component that take the place of these when the axes are exchanged."""
         return StressWaves(self.stress, SWAPPED_LOADS[self.load]), COMPONENTS[name].swapped
 
-    def plane_amplitudes(self, k: RealOrComplex) -> dict[str, RealOrComplex]:
-        """Return the stresses over the load, by name, under waves across with wave numbers `k`, real or imaginary."""
+    def harmonics(self, k: RealOrComplex) -> dict[str, dict[int, RealOrComplex]]:
+        """Return the components of the remainder by name and number of turns, see :class:`WaveResponse`."""
         if self.load == "along":
-            s_tz, s_lt = self.stress.antiplane(k)
-            return {"yz": s_tz + 0j, "xy": 1j * s_lt}
-        factor = 1 if self.load == "pressure" else 1j
-        loaded = self.stress.remainder(k)[0 if self.load == "pressure" else 1]
-        normal, shear, across = factor * loaded + 0j
-        transverse = self.stress.poisson_ratio * (normal + across)
-        return {"xx": across, "yy": transverse, "zz": normal, "xz": -1j * shear}
-
-    def amplitudes(self, across: Array, along: Array) -> dict[str, Array]:
-        """Return all components of the remainder over the load, by name, under waves (across, along)."""
-        size = np.hypot(across, along)
-        with np.errstate(invalid="ignore"):
-            c = np.where(size > 0, across / size, 1.0)
-            s = np.where(size > 0, along / size, 0.0)
-        pressed, sheared = self.stress.interpolated(size)
-        s_tz: RealOrComplex
-        s_lt: RealOrComplex
-        if self.load == "pressure":
-            normal, shear, s_ll = pressed[0], -1j * pressed[1], pressed[2]
-            s_tz = s_lt = np.zeros_like(size)
-        else:
-            part, transverse = (c, -s) if self.load == "across" else (s, c)
-            normal, shear = 1j * part * sheared[0], part * sheared[1]
-            s_ll = 1j * part * sheared[2]
-            down, around = self.stress.antiplane(size)
-            s_tz, s_lt = transverse * down, 1j * transverse * around
+            return {
+                COMPONENTS[name].swapped: {
+                    m: -part if m == 3 or (m == 2 and name != "yz") else part
+                    for m, part in parts.items()
+                }
+                for name, parts in StressWaves(self.stress, "across").harmonics(k).items()
+            }
+        normal, shear, s_ll = self.stress.remainder(k)[0 if self.load == "pressure" else 1]
         s_tt = self.stress.poisson_ratio * (s_ll + normal)
+        if self.load == "pressure":
+            mean, turning = (s_ll + s_tt) / 2, (s_ll - s_tt) / 2
+            return {
+                "xx": {0: mean, 2: turning},
+                "yy": {0: mean, 2: -turning},
+                "zz": {0: normal},
+                "yz": {1: -1j * shear},
+                "xz": {1: -1j * shear},
+                "xy": {2: turning},
+            }
+        # the shear along the wave is the cosine, that along its crests minus the sine of the angle
+        down, around = self.stress.antiplane(k)
+        turning = (s_ll - s_tt) / 4 - around / 2
         return {
-            "xx": c * c * s_ll + s * s * s_tt - 2 * c * s * s_lt,
-            "yy": s * s * s_ll + c * c * s_tt + 2 * c * s * s_lt,
-            "zz": normal,
-            "yz": s * shear + c * s_tz,
-            "xz": c * shear - s * s_tz,
-            "xy": c * s * (s_ll - s_tt) + (c * c - s * s) * s_lt,
+            "xx": {1: 1j * (s_ll - turning), 3: 1j * turning},
+            "yy": {1: 1j * (s_tt + turning), 3: -1j * turning},
+            "zz": {1: 1j * normal},
+            "yz": {2: (shear - down) / 2},
+            "xz": {0: (shear + down) / 2, 2: (shear - down) / 2},
+            "xy": {1: 1j * (turning + around), 3: 1j * turning},
         }

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Protocol, TypeVar
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +10,8 @@ from scipy import fft
 from scipy.special import erfc
 
 from contactstudy.domain.fields import Array
-from contactstudy.elasticity.kernels.layer.response import LayerResponse, RealOrComplex, composite
+from contactstudy.elasticity.kernels.layer.cell_alone import WaveResponse, cell_alone
+from contactstudy.elasticity.kernels.layer.response import RealOrComplex, composite
 
 Indices = NDArray[np.intp]
 T = TypeVar("T")
@@ -18,13 +19,9 @@ T = TypeVar("T")
 ROUNDING_EXPONENT = 34.0
 # Phase of a wave, in radians, that the Gauss points of one piece of k resolve.
 PIECE_PHASE = 12.0
-# The waves of a row decay within DECAY_PERIODS; a cell alone is one of a lattice LATTICE_RATIO times as wide as the
-# grid.
-DECAY_PERIODS, LATTICE_RATIO = 6.0, 4
-# Distance of the rows that stand for a single one, over the width of the grid, where the period is longer.
-ROW_RATIO = 16
-# Smallest period of that lattice, in thicknesses over the distance of the poles from the real axis.
-MIN_PERIOD = 64.0
+# The first wave along a row decays within DECAY_PERIODS, later ones within shorter distances: those from 1, BAND_RATIO,
+# BAND_RATIO^2 ... on are summed on lattices of their own.
+DECAY_PERIODS, BAND_RATIO = 6.0, 8
 # Windows of waves, in waves per cell: the end, and the width of the erfc by which they end; WINDOW_END widths farther it
 # is below rounding. A sum over waves that end so is negligible beyond 2 / width cells: within half of NEAR_CELLS for
 # long waves, and at the centre of a cell for those that are seen there. Short waves are the seen ones but the long ones.
@@ -35,47 +32,11 @@ SHORT_WAVES = LONG_WAVES + SEEN_WAVES
 WINDOW_END, NEAR_CELLS = 5.3, 24
 # Number of values that are held at once.
 VALUES_AT_ONCE = 2**17
-# Number of waves along an axis up to which they are summed as a series, and beyond which by a transform.
-MAX_SERIES_WAVES = 1200
-
-
-class WaveResponse(Protocol):
-    """Fields in a layered half-space under a wave of load; wave numbers are those times the layer's thickness."""
-
-    def __hash__(self) -> int: ...
-
-    @property
-    def decay_rate(self) -> float:
-        """Rate, per wave number times thickness, at which amplitudes decay: exp(-k `decay_rate`)."""
-
-    @property
-    def materials(self) -> LayerResponse:
-        """Ratio of the moduli and Poisson's ratios, which determine the singularities in k."""
-
-    def parity(self, name: str) -> tuple[int, int]:
-        """Return the parity of a field in x and y."""
-
-    def swap_axes(self, name: str) -> "tuple[WaveResponse, str]":
-        """Return the response and the field that take the place of these when the axes are exchanged."""
-
-    def amplitudes(self, across: Array, along: Array) -> dict[str, Array]:
-        """Return the fields over the load, by name, under waves (across, along).
-
-        A field that is even along both axes or odd along both has a real amplitude, another an imaginary one.
-        """
-
-    def plane_amplitudes(self, k: RealOrComplex) -> dict[str, RealOrComplex]:
-        """Return the fields over the load, by name, under waves across; those left out are zero.
-
-        The wave numbers `k` are real or imaginary.
-        """
 
 
 @dataclass(frozen=True)
 class WaveCoefficients:
     """Influence coefficients of a field that falls as the inverse cube of the distance, by its waves.
-
-    A cell alone is approximated by a periodic lattice far wider than the grid and the layer's thickness.
 
     Parameters
     ----------
@@ -102,52 +63,9 @@ class WaveCoefficients:
         return WaveCoefficients(waves, self.thickness, name)
 
     def cell(self, x: Array, y: Array, dx: float, dy: float) -> Array:
-        """Return the response to one cell; x and y broadcast and are whole numbers of cells.
-
-        A lattice four times as wide as the offsets stands for it; if the layer is thick, its waves along an axis are at
-        most `MAX_SERIES_WAVES`.
-        """
-        periods = [
-            LATTICE_RATIO * (float(np.abs(offsets).max()) + step)
-            for offsets, step in ((x, dx), (y, dy))
-        ]
-        least = min(self.least_period, MAX_SERIES_WAVES * self._shortest_wave)
-        if least > min(periods):
-            return self._series(x, y, dx, dy, (max(periods[0], least), max(periods[1], least)))
-        cells = [
-            fft.next_fast_len(round(length / step))
-            for length, step in zip(periods, (dx, dy), strict=True)
-        ]
-        field = self._lattice(dx, dy, *cells)
-        return np.asarray(field[_indices(x, dx, cells[0]), _indices(y, dy, cells[1])])
-
-    def _series(
-        self, x: Array, y: Array, dx: float, dy: float, periods: tuple[float, float]
-    ) -> Array:
-        """Return the response to one cell of a lattice by its Fourier series; one of x and y is a column."""
-        waves, fields = [], []
-        for offset, size, period, even in zip((x, y), (dx, dy), periods, self.parity, strict=True):
-            q = 2 * np.pi / period * np.arange(int(period / self._shortest_wave) + 1)
-            weight = 2 * size / period * np.sinc(q * size / (2 * np.pi))
-            weight[0] /= 2
-            phase = np.multiply.outer(offset.ravel(), q)
-            fields.append((np.cos(phase) if even > 0 else -np.sin(phase)) * weight)
-            waves.append(q * self.thickness)
-        amplitude = self.waves.amplitudes(waves[0][:, None], waves[1])[self.name]
-        odd = self.parity[0] * self.parity[1] < 0
-        part = amplitude.imag if odd else self.parity[0] * amplitude.real
-        response = fields[0] @ part @ fields[1].T
-        return np.asarray(response if np.ndim(x) == 2 else response.T)
-
-    @property
-    def least_period(self) -> float:
-        """Least period of a lattice that stands for a single cell, however small the offsets are."""
-        return MIN_PERIOD * self.thickness / self.waves.materials.pole_distance_from_real_axis
-
-    @property
-    def _shortest_wave(self) -> float:
-        """Wavelength of the shortest wave that is not negligible."""
-        return 2 * np.pi * self.waves.decay_rate * self.thickness / ROUNDING_EXPONENT
+        """Return the response to one cell; x and y broadcast, and form a grid where there are many."""
+        h = self.thickness
+        return cell_alone(self.waves, self.name, x / h, y / h, dx / h, dy / h)
 
     def row(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
         """Return the response to an infinite row of images along y; x is a column, y a row."""
@@ -165,11 +83,20 @@ class WaveCoefficients:
         if along == 1:
             return np.zeros((x.size, y.size))
         farthest = float(np.abs(x).max())
-        # beside long periods the field itself has fallen off before its waves have
-        reach = farthest + min(DECAY_PERIODS * period, max(ROW_RATIO * farthest, self.least_period))
-        across = fft.next_fast_len(int(np.ceil(reach / dx)) + 1)
-        chosen = self._lattice(dx, dy, across, along)[_indices(x.ravel(), dx, across)]
-        chosen = chosen - chosen.mean(axis=1, keepdims=True)
+        rows = round(farthest / dx) + 1
+        first_waves = [1]
+        while 2 * BAND_RATIO * first_waves[-1] < along:
+            first_waves.append(BAND_RATIO * first_waves[-1])
+        lengths = [farthest + DECAY_PERIODS * period / first for first in first_waves]
+        widths = [fft.next_fast_len(int(np.ceil(length / dx)) + 1) for length in lengths]
+        # what is summed on small lattices has fallen off there
+        least = min(widths[0], rows + int(NEAR_CELLS * max(1, dy / dx)))
+        bands = tuple(
+            (first, max(width, least)) for first, width in zip(first_waves, widths, strict=True)
+        )
+        field = _lattice(self.waves, self.thickness, dx, dy, bands, along, rows)[self.name]
+        chosen = field[_indices(np.abs(x.ravel()), dx, rows)]
+        chosen = np.where(x < 0, self.parity[0], 1) * (chosen - chosen.mean(axis=1, keepdims=True))
         return np.asarray(chosen[:, _indices(y.ravel(), dy, along)])
 
     def lattice(
@@ -177,14 +104,10 @@ class WaveCoefficients:
     ) -> Array:
         """Return the response to an infinite lattice of images along both axes; x is a column, y a row."""
         cells = round(width / dx), round(period / dy)
-        field = self._lattice(dx, dy, *cells)
-        return np.asarray(
-            field[np.ix_(_indices(x.ravel(), dx, cells[0]), _indices(y.ravel(), dy, cells[1]))]
-        )
-
-    def _lattice(self, dx: float, dy: float, across: int, along: int) -> Array:
-        """Return the response (across, along) to a cell of a lattice at all its points, summed over its waves."""
-        return _lattice(self.waves, self.thickness, dx, dy, across, along)[self.name]
+        bands = ((0, cells[0]),)
+        field = _lattice(self.waves, self.thickness, dx, dy, bands, cells[1], cells[0])[self.name]
+        at_x, at_y = _indices(x.ravel(), dx, cells[0]), _indices(y.ravel(), dy, cells[1])
+        return np.asarray(field[np.ix_(at_x, at_y)])
 
     def _line(self, x: Array, dx: float) -> Array:
         """Return the response to a strip, infinite along y, at distances `x` at least 0, in order."""
@@ -257,15 +180,28 @@ def _plane_waves(
     The fields are multiplied by the weights of the points.
     """
     points, weight = composite(np.array(ends))
-    fields = waves.plane_amplitudes(direction * points)
-    return points, {name: field * weight / np.pi for name, field in fields.items()}
+    weight /= np.pi
+    return points, {
+        name: sum(parts.values()) * weight
+        for name, parts in waves.harmonics(direction * points).items()
+        if waves.parity(name)[1] > 0
+    }
 
 
 @lru_cache(maxsize=4)
 def _lattice(
-    waves: WaveResponse, thickness: float, dx: float, dy: float, across: int, along: int
+    waves: WaveResponse,
+    thickness: float,
+    dx: float,
+    dy: float,
+    bands: tuple[tuple[int, int], ...],
+    along: int,
+    rows: int,
 ) -> dict[str, Array]:
-    """Return the response (across, along) to one cell of a lattice at all its points, for each field.
+    """Return the response (rows, along) to one cell of a lattice at its first points, for each field.
+
+    `bands` have the first wave along y, and the number of cells across of the lattice on which the waves from there to
+    the next band are summed.
 
     Waves that are long along both axes are summed on the lattice. Others are summed on small ones about the cell (Ewald
     1921): those that are short along the longer side of a cell alone, then those that are short along the shorter side.
@@ -276,16 +212,31 @@ def _lattice(
     def on_axes(shorter_side: T, longer_side: T) -> tuple[T, T]:
         return (shorter_side, longer_side) if dx < dy else (longer_side, shorter_side)
 
-    fields = _summed(waves, thickness, steps, (across, along), (LONG_WAVES, LONG_WAVES))
+    fields: dict[str, Array] = {}
+    ends = *(first for first, _ in bands[1:]), None
+    for (first, across), end in zip(bands, ends, strict=True):
+        part = _summed(
+            waves,
+            thickness,
+            steps,
+            (across, along),
+            (LONG_WAVES, LONG_WAVES),
+            slice(first, end),
+            rows,
+        )
+        fields = {name: fields.get(name, 0.0) + field for name, field in part.items()}
     for near, windows in (
         (on_axes(NEAR_CELLS * ratio, NEAR_CELLS), on_axes(LONG_WAVES, SHORT_WAVES)),
         (on_axes(NEAR_CELLS, NEAR_CELLS / ratio + 3), on_axes(SHORT_WAVES, SEEN_WAVES)),
     ):
-        cells = min(across, int(near[0])), min(along, int(near[1]))
+        cells = min(bands[0][1], int(near[0])), min(along, int(near[1]))
         short = _summed(waves, thickness, steps, cells, windows)
-        places = np.ix_(*(np.round(fft.fftfreq(n) * n).astype(np.intp) for n in cells))
+        at_x, at_y = (np.round(fft.fftfreq(n) * n).astype(np.intp) for n in cells)
+        at_x %= bands[0][1]
+        seen = np.flatnonzero(at_x < rows)
+        places = np.ix_(at_x[seen], at_y)
         for name, field in short.items():
-            fields[name][places] += field
+            fields[name][places] += field[seen]
     return fields
 
 
@@ -295,35 +246,61 @@ def _summed(
     steps: tuple[float, float],
     cells: tuple[int, int],
     windows: tuple[Window, Window],
+    band: slice = slice(None),
+    rows: int | None = None,
 ) -> dict[str, Array]:
-    """Return the response (x, y) to one cell of a lattice of `cells`, for each field, by the waves in `windows`."""
+    """Return the response (x, y) to one cell of a lattice of `cells`, for each field, by the waves in `windows`.
+
+    Only waves along y in the `band` are taken; values are those at the first `rows` of x.
+    """
     last = ROUNDING_EXPONENT / (waves.decay_rate * thickness)
     q, weights = [], []  # waves per cell, of both axes at least 0: fields have a parity
-    for step, count, window in zip(steps, cells, windows, strict=True):
+    for step, count, window, chosen in zip(steps, cells, windows, (slice(None), band), strict=True):
         shortest = min(last * step / (2 * np.pi), window[-1][0] + WINDOW_END * window[-1][1])
-        q.append(np.arange(int(shortest * count) + 1) / count)
+        q.append(np.arange(int(shortest * count) + 1)[chosen] / count)
         below = [erfc((q[-1] - end) / width) / 2 for end, width in window]
         weights.append(np.sinc(q[-1]) * (below[-1] - sum(below[:-1])))
-        weights[-1][0] /= 2
+        weights[-1][q[-1] == 0] /= 2
     kx, ky = (2 * np.pi * waves_of / step for waves_of, step in zip(q, steps, strict=True))
+    first, points = band.start or 0, min(cells[1], 2 * (band.stop or cells[1]))
     summed: dict[str, Array] = {}
-    rows = min(cells[0], max(1, VALUES_AT_ONCE // ky.size))
-    for start in range(0, kx.size, rows):
-        chosen = slice(start, start + rows)
+    at_once = min(cells[0], max(1, VALUES_AT_ONCE // max(ky.size, 1)))
+    for start in range(0, kx.size, at_once):
+        chosen = slice(start, start + at_once)
         columns = int(np.searchsorted(ky, np.sqrt(max(last**2 - kx[start] ** 2, 0.0)), "right"))
         weight = np.multiply.outer(weights[0][chosen], weights[1][:columns])
-        amplitudes = waves.amplitudes(kx[chosen, None] * thickness, ky[:columns] * thickness)
+        found = amplitudes(waves, kx[chosen, None] * thickness, ky[:columns] * thickness)
         where = np.arange(start, start + weight.shape[0]) % cells[0]
-        for name, amplitude in amplitudes.items():
-            folded = np.zeros((where.size, -(-columns // cells[1]) * cells[1]), amplitude.dtype)
-            np.multiply(amplitude, weight, out=folded[:, :columns])
-            total = summed.setdefault(name, np.zeros(cells, amplitude.dtype))
-            total[where] += folded.reshape(where.size, -1, cells[1]).sum(axis=1)
+        for name, amplitude in found.items():
+            folded = np.zeros(
+                (where.size, -(-(first + columns) // points) * points), amplitude.dtype
+            )
+            np.multiply(amplitude, weight, out=folded[:, first : first + columns])
+            total = summed.setdefault(name, np.zeros((cells[0], points), amplitude.dtype))
+            total[where] += folded.reshape(where.size, -1, points).sum(axis=1)
     fields = {}
     for name, total in summed.items():
-        for axis, parity in enumerate(waves.parity(name)):
-            total = total + parity * np.roll(np.flip(total, axis), 1, axis)
-        fields[name] = fft.irfft2(total[:, : cells[1] // 2 + 1], cells)
+        even_x, even_y = waves.parity(name)
+        half = (total + even_y * np.roll(np.flip(total, 1), 1, 1))[:, : points // 2 + 1]
+        half = half + even_x * np.roll(np.flip(half, 0), 1, 0)
+        fields[name] = fft.irfft(fft.ifft(half, axis=0)[:rows], cells[1], axis=1)
+    return fields
+
+
+def amplitudes(waves: WaveResponse, across: Array, along: Array) -> dict[str, Array]:
+    """Return the fields over the load, by name, under waves (across, along)."""
+    size = np.hypot(across, along)
+    harmonics = waves.harmonics(size)
+    turns: list[Array | NDArray[np.complex128]] = [np.ones(1)]
+    if any(m > 0 for parts in harmonics.values() for m in parts):
+        wave = across + 1j * along
+        turn = np.divide(wave, size, out=np.ones_like(wave), where=size > 0)
+        turns += [turn, turn * turn, turn * turn * turn]
+    fields: dict[str, Array] = {}
+    for name, parts in harmonics.items():
+        odd = waves.parity(name)[1] < 0
+        turned = (part * (turns[m].imag if odd else turns[m].real) for m, part in parts.items())
+        fields[name] = np.asarray(sum(turned))
     return fields
 
 

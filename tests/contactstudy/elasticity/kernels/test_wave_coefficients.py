@@ -1,10 +1,12 @@
 import numpy as np
 import pytest
 
+from contactstudy.elasticity.coating import CoatingCoefficients
+from contactstudy.elasticity.kernels.layer.cell_alone import WaveResponse
 from contactstudy.elasticity.kernels.layer.displacement_waves import DisplacementWaves, Subtracted
 from contactstudy.elasticity.kernels.layer.stress import LayerStress
 from contactstudy.elasticity.kernels.layer.stress_waves import StressWaves
-from contactstudy.elasticity.kernels.layer.wave_coefficients import WaveCoefficients, WaveResponse
+from contactstudy.elasticity.kernels.layer.wave_coefficients import WaveCoefficients
 from tests.contactstudy.elasticity.kernels.layer_materials import LAYERS
 
 
@@ -33,3 +35,38 @@ def test_a_long_cell_on_a_thin_layer_is_the_sum_of_its_parts(
         for j in range(-(parts[1] // 2), parts[1] // 2 + 1):
             summed += np.roll(fine, (i, j), (0, 1))[:: parts[0], :: parts[1]]
     np.testing.assert_allclose(response(1, 1), summed, atol=1e-12 * np.abs(summed).max())
+
+
+# the far field of far stiffer layers begins beyond so many images
+@pytest.mark.parametrize("name", ["stiff", "very soft", "rubber on a rigid base", "alike"])
+@pytest.mark.parametrize(
+    ("thickness", "period", "images"),
+    [(0.06, 1.0, 2000), (0.4, 1.0, 2000), (1.7, 1.0, 2000), (0.4, 60.0, 400)],
+)
+def test_a_row_is_the_sum_of_its_images(
+    name: str, thickness: float, period: float, images: int
+) -> None:
+    """Those far away are felt as lines: what is left of them falls as the square of their number, but for a constant."""
+    coating = CoatingCoefficients(LAYERS[name], thickness, "z", 1.0)
+    dx, dy = 0.3, 0.25
+    x, y = np.array([[0.0], [0.3], [2.7]]), np.array([0.0, 0.25, 0.5])
+    away = (y[:, None] + period * np.arange(-images, images + 1)).ravel()
+    cells = coating.cell(x, away, dx, dy).reshape(3, 3, -1)
+    half = images // 2
+    few, many = cells[:, :, half:-half].sum(axis=2), cells.sum(axis=2)
+    # half a step beyond the last image
+    ratio = ((images + 0.5) / (half + 0.5)) ** 2
+    summed, row = (ratio * many - few) / (ratio - 1), coating.row(x, y, dx, dy, period)
+    np.testing.assert_allclose(
+        row - row[0, 0], summed - summed[0, 0], atol=1e-11 * np.abs(cells).max() * images**0.5
+    )
+
+
+@pytest.mark.parametrize("name", LAYERS)
+def test_a_row_of_cells_many_periods_wide_is_the_sum_of_its_parts(name: str) -> None:
+    coating, width = CoatingCoefficients(LAYERS[name], 0.2, "z", 1.0), 15.0
+    x, y = np.array([[0.0], [1.0]]) * width, 0.125 * np.arange(5)
+    whole = coating.row(x, y, width, 0.125, 1.0)
+    parts = (x + width * np.array([-1.0, 0.0, 1.0]) / 3).reshape(-1, 1)
+    summed = coating.row(parts, y, width / 3, 0.125, 1.0).reshape(2, 3, 5).sum(axis=1)
+    np.testing.assert_allclose(whole, summed, atol=1e-12 * np.abs(whole).max())

@@ -550,10 +550,11 @@ def grid_for_numbers(answer: Any, *, is_default: bool) -> Grid | None:
     factors = sorted((MARGIN * number.finer for number in missed), reverse=True)
     # iterations grow about as the root of the cells along an axis
     left = most / answer.counts["convolutions"][0]
-    factor = next((f for f in factors if _cells(answer.grid, f) * f**0.5 <= left), None)
-    if factor is None or _cells(answer.grid, factor) > largest:
-        return None
-    return finer_grid(answer.grid, min(factor, MAX_GROWTH))
+    for factor in factors:
+        cells = _cells(answer.grid, factor)
+        if cells <= largest and cells * factor**0.5 <= left:
+            return finer_grid(answer.grid, min(factor, MAX_GROWTH))
+    return None
 
 
 def refines(scene: Scene) -> bool:

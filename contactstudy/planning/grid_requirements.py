@@ -8,7 +8,6 @@ from operator import is_
 
 import numpy as np
 
-from contactstudy.accuracy.discretisation.contact_edge import smooth_l1
 from contactstudy.accuracy.estimate import CONSTANTS as ESTIMATE
 from contactstudy.analytic import HertzLine
 from contactstudy.domain.checks import InvalidInput, NotDefined
@@ -42,8 +41,6 @@ class GridConstants:
         Minimum number of cells along an axis. With half or twice as many, plans change by 2 % of the cells at most.
     cell_fraction
         Fraction of the requested error for the cells; the remainder is for the time steps.
-    least_cell_at_boundary
-        Least cell over the half-width that is planned for the stick-slip boundary.
     max_cells_for_stress
         Maximum number of cells across for the stress in a thin coating.
     """
@@ -52,7 +49,6 @@ class GridConstants:
     waves_per_period: int = 4
     min_cells: int = 32
     cell_fraction: float = 0.5
-    least_cell_at_boundary: float = 1e-3
     max_cells_for_stress: int = 2**14
 
 
@@ -77,8 +73,6 @@ class GridRequirements:
         Coated bodies.
     friction
         A sentence on friction; empty where it changes nothing.
-    sticks
-        Whether a part of the contact sticks, and the rest slips.
     given_padding
         Boundary conditions that are given, or None.
     stress_cell
@@ -90,7 +84,6 @@ class GridRequirements:
     hardness: float
     coatings: tuple[Layered, ...] = ()
     friction: str = ""
-    sticks: bool = False
     given_padding: Padding | Paddings | None = None
     stress_cell: float = inf
 
@@ -237,16 +230,6 @@ class GridRequirements:
         waves = CONSTANTS.waves_per_period
         unit = _common_period(repeats) if repeats else (self.longest_wavelength or width) / waves
         return unit * max(1, int(np.ceil(waves * self.longest_wavelength / unit * (1 - 1e-12))))
-
-    def pressure_error(self, error: float) -> float:
-        """Return the relative L1 error of the pressure to plan for where an `error` is requested.
-
-        Where a part of the contact sticks, the stick-slip boundary lies somewhere in a cell. In plane strain, where
-        cells cost little, they are therefore planned about `error` / 2 of the half-width wide.
-        """
-        if not self.sticks or self.varies:
-            return error
-        return min(error, smooth_l1(max(error / 2, CONSTANTS.least_cell_at_boundary)))
 
     def padding(self) -> Padding | Paddings:
         """Return the given padding, else zero along both axes if a roller ends, or across, and periodic along."""
@@ -395,18 +378,15 @@ def grid_requirements(scene: Scene, padding: Padding | Paddings | None = None) -
     coatings = tuple(solid for solid in scene.solids if isinstance(solid, Layered))
     asked = (scene.solids[output.body] for output in scene.outputs if hasattr(output, "body"))
     thickness = min((layer.thickness for layer, _ in layers_of(tuple(asked))), default=inf)
-    requirements = GridRequirements(
+    return GridRequirements(
         scene.hertz,
         length_scales,
         scene.hardness,
         coatings,
+        friction="" if scene.friction is None else scene.friction.explanation(scene),
         given_padding=padding,
         stress_cell=thickness * ESTIMATE.cell_at_interface,
     )
-    if scene.friction is None:
-        return requirements
-    friction = scene.friction.explanation(scene)
-    return replace(requirements, friction=friction, sticks=getattr(scene.friction, "sticks", False))
 
 
 def with_requirements(

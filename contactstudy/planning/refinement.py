@@ -149,7 +149,7 @@ def solve_to(
     refinement = GridRefinement(
         scene,
         requirements,
-        requirements.pressure_error(error),
+        error,
         period,
         options or SolveOptions(),
         device,
@@ -206,7 +206,7 @@ def first_grids(
     scene: Scene, requirements: GridRequirements, error: float, period: float | None
 ) -> FirstGrids:
     """Solve a scene on the first grids of its refinement to a relative L1 error, of some 30 000 cells at most."""
-    refinement = GridRefinement(scene, requirements, requirements.pressure_error(error), period)
+    refinement = GridRefinement(scene, requirements, error, period)
     before, levels = 0, list[BoundedSolution]()
     while before < loaded():  # what is imported, compiled or tabulated is not counted
         before = loaded()

@@ -87,6 +87,17 @@ def test_a_line_contact_that_slips_in_part_is_solved_on_cells_that_show_where(
     assert answer.met
 
 
+def test_a_number_that_takes_too_many_cells_at_first_sight_is_met_all_the_same() -> None:
+    """On 16 cells the power lost has an error of 100 times itself, which falls faster than is expected of it."""
+    scene = cs.Scene(
+        cs.LineLoad(1e5),
+        (cs.HalfSpace(70e9, 0.33), STEEL),
+        (cs.Cylinder(0.01),),
+        friction=cs.TractiveRolling(0.3, longitudinal=1e-3),
+    )
+    assert cs.solve(scene, error="5 %").met
+
+
 def test_a_random_surface_stays_where_the_grid_is_as_narrow_as_the_contact() -> None:
     rough = cs.Roughness(rms=1e-7, hurst=0.8, roll_off=1e-4, cut_off=5e-5, seed=1)
     scene = cs.Scene(cs.LineLoad(1e4), (STEEL, STEEL), (cs.Cylinder(0.01), rough))

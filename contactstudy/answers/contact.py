@@ -187,7 +187,9 @@ class Contact(Answer, Solution):
         for number in range(1, len(self.problem.outputs) if found else 0):
             if suffix := self._suffix(number):
                 alone = self._with_output_alone(number)
-                of_body = stress_quantities(alone.scene, alone.derived, self.grid, alone.error)
+                of_body = stress_quantities(
+                    alone.scene, alone.derived, self.grid, alone.error, self.problem.paddings
+                )
                 found |= {f"{name}{suffix}": quantity for name, quantity in of_body.items()}
                 unseen |= {f"{name}{suffix}": alone.error.stress for name in of_body}
         if not self._depends_on_history and any(

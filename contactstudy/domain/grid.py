@@ -207,6 +207,11 @@ class ExactPeriodicity:
 Paddings = tuple[Padding, Padding]
 
 
+def is_free(padding: Padding) -> bool:
+    """Return whether the surface continues beyond the domain without pressure on it."""
+    return not padding.wraps and padding.window is not None and len(padding.window) == 1
+
+
 def across_and_along(padding: Padding | Paddings) -> Paddings:
     """Return the paddings of both axes, (across, along).
 

@@ -10,7 +10,7 @@ import numpy as np
 from contactstudy.analytic import HertzEllipse, HertzLine
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid, Padding, Paddings, across_and_along
+from contactstudy.domain.grid import Grid, Padding, Paddings, across_and_along, is_free
 from contactstudy.domain.notebook import InNotebook
 from contactstudy.domain.units import Hardness, readable
 from contactstudy.domain.validation import OR_INFINITE, Example, valid, validated
@@ -401,7 +401,7 @@ class Scene(InNotebook):
             control=self._control(grid, padding),
             scales=scales,
             paddings=paddings,
-            open_edges=(0, -1) if _is_free(paddings[0]) else (),
+            open_edges=(0, -1) if is_free(paddings[0]) else (),
             open_ends=self._open_ends(heights, grid, paddings[1]),
             source=source,
             outputs=tuple(output.of(self.solids, grid, paddings) for output in self.outputs),
@@ -420,7 +420,7 @@ class Scene(InNotebook):
             return superposed(weights, grid, paddings)
         from contactstudy.elasticity.free_faces import between_faces  # only where they are named
 
-        if not all(map(_is_free, paddings)):
+        if not all(map(is_free, paddings)):
             raise InvalidInput(
                 f"padding is {paddings!r}: bodies with free faces end along the length and have no images, give "
                 "ZeroPadding() along both axes."
@@ -439,8 +439,8 @@ class Scene(InNotebook):
     def repeats(self, padding: Padding | Paddings) -> bool:
         """Return whether `padding` makes a roller infinite: it repeats the length, and no shape may end or crown it."""
         scales = [getattr(shape, "length_scales", None) for shape in self.shapes]
-        is_free = _is_free(across_and_along(padding)[1])
-        return not is_free and all(of_shape and not of_shape.roller for of_shape in scales)
+        is_free_along = is_free(across_and_along(padding)[1])
+        return not is_free_along and all(of_shape and not of_shape.roller for of_shape in scales)
 
     def mean_load(self, grid: Grid, padding: Padding | Paddings) -> float:
         """Return the largest load, over the period of `grid` [N/m]."""
@@ -548,7 +548,7 @@ class Scene(InNotebook):
 
     def _open_ends(self, gap: Array, grid: Grid, along: Padding) -> tuple[int, ...]:
         """Return the end rows under zero padding along if the surface varies along it and no roller ends there."""
-        if not _is_free(along) or self._ends_on(grid):
+        if not is_free(along) or self._ends_on(grid):
             return ()
         return (0, -1) if self.free_length < inf or (gap != gap[:, :1]).any() else ()
 
@@ -606,8 +606,3 @@ def _refuse_full_contact(load: Approach, gap: Array, paddings: Paddings) -> None
             f"and no pressure brings the bodies closer than their mean undeformed gap of {readable(mean)}: give a "
             "smaller approach, or a LineLoad."
         )
-
-
-def _is_free(padding: Padding) -> bool:
-    """Return whether the surface continues beyond the domain without pressure on it."""
-    return not padding.wraps and padding.window is not None and len(padding.window) == 1

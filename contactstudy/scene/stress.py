@@ -1,6 +1,6 @@
 """Subsurface stress under the pressure of a contact, at given depths."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from math import inf, isclose, isinf
@@ -10,7 +10,7 @@ import numpy as np
 
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import ExactPeriodicity, Grid, Paddings, ZeroPadding
+from contactstudy.domain.grid import ExactPeriodicity, Grid, Paddings, ZeroPadding, is_free
 from contactstudy.domain.units import Metres, readable
 from contactstudy.domain.validation import AT_LEAST_ZERO, BodyIndex, validated
 from contactstudy.elasticity.coefficients import FreeFaceCoefficients
@@ -309,6 +309,36 @@ class SubsurfaceStressOperator:
             ),
             "z": Field(("z",), np.array(depths), "m", "depth below the surface", Z),
         }
+
+
+def surface_beyond(
+    output: SubsurfaceStress,
+    solids: tuple[Body, ...],
+    grid: Grid,
+    paddings: Paddings,
+    stress: Array,
+) -> Iterator[tuple[Grid, Array]]:
+    """Yield grids 3, 9 ... times as wide as `grid`, of as many cells, with the stress (component, x, y) at the surface.
+
+    The tractions are those of the `stress` (component, x, y) at the surface on `grid`, as means over larger cells. An
+    axis whose images count, or of one cell, stays as it is; there are no grids where both do.
+    """
+    widens = [is_free(one) and count > 1 for one, count in zip(paddings, grid.cells, strict=True)]
+    # pressure, and the tractions across and along that this body exerts on itself
+    tractions = -stress[[2, 4, 3]]
+    while any(widens):
+        for axis, (widens_here, count) in enumerate(zip(widens, grid.cells, strict=True), 1):
+            if widens_here:
+                around = [(count, count) if each == axis else (0, 0) for each in range(3)]
+                padded = np.moveaxis(np.pad(tractions, around), axis, -1)
+                means = padded.reshape(*padded.shape[:-1], count, 3).mean(axis=-1)
+                tractions = np.moveaxis(means, -1, axis)
+        width, length = (
+            3 * size if wider else size for size, wider in zip(grid.extent, widens, strict=True)
+        )
+        grid = Grid(grid.cells, (width, length))
+        below = replace(output.of(solids, grid, paddings), depths=(0.0,), shear=tractions[1:])
+        yield grid, below(tractions[0])[:, 0]
 
 
 def von_mises(stress: Array) -> Array:

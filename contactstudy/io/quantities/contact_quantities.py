@@ -101,7 +101,7 @@ def contact_quantities(
     highest = Quantity(peak, "Pa", label, position=place, detail=mirrored)
     highest = with_bound(highest, estimate.peak_pressure, fallback_reasons)
     quantities = {"peak_pressure": highest}
-    quantities |= stress_quantities(scene, derived, grid, estimate)
+    quantities |= stress_quantities(scene, derived, grid, estimate, solution.problem.paddings)
     if rolling is not None:
         quantities |= _of_rolling(rolling, estimate)
     for part in solution.parts:

@@ -8,6 +8,7 @@ import numpy as np
 
 from contactstudy.analytic import dowson_higginson_film, film_asymptotes
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
+from contactstudy.domain.grid import across_and_along
 from contactstudy.domain.units import readable
 from contactstudy.io.quantities.quantity import FORMULA, Quantity, with_bound
 from contactstudy.io.quantities.stress_quantities import stress_quantities
@@ -80,7 +81,10 @@ def film_quantities(contact: "FilmSolution", estimate: ErrorEstimate) -> dict[st
         quantities["thermal_reduction"] = Quantity(
             temperatures.reduction, "1", "film with a heated inlet over the isothermal one"
         )
-    quantities |= stress_quantities(contact.scene, contact.derived, contact.grid, estimate)
+    paddings = across_and_along(contact.padding)
+    quantities |= stress_quantities(
+        contact.scene, contact.derived, contact.grid, estimate, paddings
+    )
     errors = dict(estimate) | dict(estimate.numbers)
     if "lambda_ratio" in quantities and quantities["lambda_ratio"].reason != OF_HEATED_INLET:
         errors["lambda_ratio"] = errors["central_film"]

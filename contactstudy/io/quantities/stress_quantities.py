@@ -1,7 +1,8 @@
 """Numbers of the stress below a surface: largest values in each part of a body, their depths, and margins to yield."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import islice
 from math import exp, inf, log
 from typing import Any
 
@@ -15,8 +16,8 @@ from contactstudy.accuracy.approach_and_stress import (
 from contactstudy.accuracy.plausibility import yield_margin, yield_stresses
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid
-from contactstudy.io.quantities.quantity import Quantity, with_bound
+from contactstudy.domain.grid import Grid, Paddings, is_free
+from contactstudy.io.quantities.quantity import NO_ESTIMATE, Quantity, with_bound
 from contactstudy.problem.problem import Field
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.solids.bodies import in_part, is_layered
@@ -41,6 +42,11 @@ MAX_STEP, MIN_STEP = 2.0, 1.001
 # Relative difference of largest values that are equal but for the residual of the solver, and stress over the largest
 # von Mises stress at the surface that is rounding.
 SYMMETRY, ROUNDING = 1e-7, 1e-9
+# Number of grids, each three times as wide, on which the largest tension is sought beyond that of a layered body; and
+# how far at least, over the thickness times the cube root of the ratio of moduli: within 2 with ratios up to 1000.
+WIDER, BENDING_LENGTHS = 8, 4.0
+BEYOND_GRID = "No bound: the tension may be larger beyond the grid, where the coating bends; give a wider grid."
+AT_END_OF_GRID = "No bound: the largest stress lies at the end of the grid, and a larger one beyond; give a wider grid."
 
 
 def stress_quantities(
@@ -48,6 +54,7 @@ def stress_quantities(
     derived: Mapping[str, Field],
     grid: Grid,
     estimate: ErrorEstimate,
+    paddings: Paddings | None,
 ) -> dict[str, Quantity]:
     """Return largest stresses below the surface with their depths and the margin to yield, of a body and its parts.
 
@@ -65,10 +72,17 @@ def stress_quantities(
         Cells of the surface.
     estimate
         Errors of the contact.
+    paddings
+        Paddings of its axes; None for an operator that has none.
     """
     if scene is None or "von_mises" not in derived:
         return {}
-    from contactstudy.scene.stress import largest_shear, orthogonal_shear  # only where it is named
+    from contactstudy.scene.stress import (  # only where it is named
+        SubsurfaceStress,
+        largest_shear,
+        orthogonal_shear,
+        surface_beyond,
+    )
 
     index = next(output.body for output in scene.outputs if hasattr(output, "body"))
     given = any(isinstance(getattr(output, "depths", None), tuple) for output in scene.outputs)
@@ -83,6 +97,8 @@ def stress_quantities(
         if (inside := in_part(depths, top, bottom)).any():
             parts[f"{part}_"] = f"{said} of {name}", material, inside
     found = dict[str, Quantity]()
+    # places of the ends of ranges along x
+    ends: dict[str, list[Mapping[str, float]]] = {}
     for before, (where, material, inside) in parts.items():
         axes, at = {**coordinates, "z": depths[inside]}, f"in {where}{at_depths}"
         mises, of_mises = von_mises[inside], f"largest von Mises stress {at}"
@@ -119,7 +135,8 @@ def stress_quantities(
                 for key, of in found.items()
                 if key.startswith(name_of_range)
             }
-    found |= _surface_tension(stress, depths, coordinates, name, estimate)
+        of_range = stress[4, inside][shear.max(axis=(1, 2)).argmax()]
+        ends[name_of_range] = [largest_place(sign * of_range, coordinates)[1] for sign in (1, -1)]
     for part, (said, _, top, bottom) in layers.items():
         if (at_interface := depths == bottom).any():
             shear = interface_shear(stress[:, at_interface][:, 0])
@@ -129,6 +146,18 @@ def stress_quantities(
             of_interface = "interface_shear" if part == "coating" else f"{part}_shear"
             at_bottom = Quantity(largest, "Pa", label, position=position)
             found[of_interface] = with_bound(at_bottom, unresolved_interface(grid, bottom - top))
+    if paddings is not None and is_free(paddings[0]):
+        places = {key: [of.position] for key, of in found.items() if of.position} | ends
+        for key, of in found.items():
+            of_largest = places.get(key.removesuffix("_depth").removesuffix("_range"), [])
+            if any(abs(place.get("x", 0.0)) >= grid.x[-1] > 0 for place in of_largest):
+                found[key] = replace(of, bound=inf, reason=AT_END_OF_GRID)
+    if not depths[0] and (scale := float(von_mises[0].max())):
+        wider: Iterator[tuple[Grid, Array]] = iter(())
+        if layers and paddings:
+            output = next(one for one in scene.outputs if isinstance(one, SubsurfaceStress))
+            wider = surface_beyond(output, scene.solids, grid, paddings, stress[:, 0])
+        found |= _surface_tension(stress[:, 0], scale, wider, layers, grid, name, estimate)
     error = estimate.stress
     if error is None or error.total < inf:
         error = unbounded_by_peak(estimate, depths, grid)
@@ -184,25 +213,67 @@ def _known_to(depth: Quantity, depths: Array) -> Quantity:
 
 def _surface_tension(
     stress: Array,
-    depths: Array,
-    coordinates: Mapping[str, Array],
+    scale: float,
+    wider: Iterator[tuple[Grid, Array]],
+    layers: Mapping[str, tuple[str, Any, float, float]],
+    grid: Grid,
     name: str,
     estimate: ErrorEstimate,
 ) -> dict[str, Quantity]:
-    """Return the largest tensile stress at the surface of a body; none without a stress there."""
-    from contactstudy.scene.stress import principal_stresses, von_mises  # only where it is named
+    """Return the largest tensile stress at the surface of a body.
 
-    scale = float(von_mises(stress[:, 0]).max())
-    if depths[0] or not scale:
-        return {}
-    tension = principal_stresses(stress[:, 0])[0]
-    value, position = largest_place(tension, coordinates)
+
+    A stiff layer bends beyond the grid. Its largest tension there is sought on `wider` grids, up to one that reaches
+    beyond the bending length and shows no larger one.
+
+    Parameters
+    ----------
+    stress
+        Stress (component, x, y) [Pa] at the surface.
+    scale
+        Its largest von Mises stress [Pa].
+    wider
+        Larger and larger grids, and stress on them.
+    layers
+        Parts of the body that has layers.
+    grid, name, estimate
+        Cells of the surface, words for the body, and errors of the contact.
+    """
+    from contactstudy.scene.stress import principal_stresses  # only where it is named
+
+    tension, reason = principal_stresses(stress)[0], ""
+    value, position = largest_place(tension, {"x": grid.x, "y": grid.y})
+    between_cells = TENSION_ERROR * _fall(tension, stress[2], scale)
+    moduli = [part[1].youngs_modulus for part in layers.values()]
+    elastic = [modulus for modulus in moduli if modulus < inf]
+    depth = max((part[2] for part in layers.values()), default=0.0)
+    farthest = (
+        BENDING_LENGTHS * depth * (max(elastic) / min(elastic)) ** (1 / 3) if elastic else 0.0
+    )
+    before = grid
+    for around, below in islice(wider, WIDER):
+        axes = {"x": around.x, "y": around.y}
+        within = zip(axes.values(), before.extent, strict=True)
+        beyond = principal_stresses(below)[0]
+        beyond[np.ix_(*(np.abs(at) < extent / 2 for at, extent in within))] = -inf
+        largest, place = largest_place(beyond, axes)
+        added = [
+            more - of for more, of in zip(around.extent, grid.extent, strict=True) if more > of
+        ]
+        if largest > max(value, ROUNDING * scale):
+            value, position = largest, place
+            between_cells = _fall(beyond, below[2], scale)  # it is smooth there
+        elif min(added) > 2 * farthest:
+            break
+        before = around
+    else:
+        reason = BEYOND_GRID if before is not grid else ""
     value = value if value > ROUNDING * scale else 0.0
     label = f"largest tensile stress at the surface of {name}"
-    reach = value + TENSION_ERROR * _fall(tension, stress[2, 0], scale) * bool(value)
-    reach += BY_PRESSURE * estimate.l1.total * scale
-    place = position if value else None
-    return {"surface_tension": Quantity(value, "Pa", label, position=place, rivals=((reach, 0.0),))}
+    reach = value + between_cells * bool(value) + BY_PRESSURE * estimate.l1.total * scale
+    where, rivals = position if value else None, ((reach, 0.0),)
+    tensile = Quantity(value, "Pa", label, inf, reason or NO_ESTIMATE, where, rivals=rivals)
+    return {"surface_tension": tensile}
 
 
 def between_depths(depths: Array, peaks: Array, *, given: bool) -> tuple[float, float]:

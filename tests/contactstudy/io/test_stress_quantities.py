@@ -124,3 +124,22 @@ def test_at_given_depths_the_largest_stress_is_one_of_them_and_known_to_their_di
     largest = found["largest_von_mises"]
     assert largest.value == stress.max() == pytest.approx(stress[2].max())
     assert largest.position == pytest.approx({"x": 0, "z": 9e-5}, abs=1e-12)  # between two cells
+
+
+@pytest.mark.parametrize("modulus", [400e9, 4e12])
+def test_the_tension_of_a_bent_coating_is_found_beyond_the_grid(modulus: float) -> None:
+    coated = cs.CoatedHalfSpace(cs.HalfSpace(modulus, 0.25), 1e-4, STEEL)
+    scene = cs.Scene(LOAD, (coated, STEEL), (CYLINDER,), outputs=(AT_SURFACE,))
+    narrow, wide = (
+        cs.solve(scene, cs.Grid(cells, extent), cs.ExactPeriodicity()).quantities["surface_tension"]
+        for cells, extent in (((50, 1), (2.4e-4, 1e-4)), ((250, 1), (2e-3, 1e-4)))
+    )
+    assert abs(narrow.value - wide.value) <= narrow.bound <= 0.3 * narrow.value
+    assert narrow.position["x"] == pytest.approx(wide.position["x"], abs=2e-5)
+
+
+def test_a_largest_stress_at_the_end_of_the_grid_has_no_bound() -> None:
+    found, _, _ = line(64, cs.SubsurfaceStress((2e-3,)))
+    assert np.isinf(found["orthogonal_shear"].bound)
+    assert "wider grid" in found["orthogonal_shear"].reason
+    assert np.isfinite(found["largest_von_mises"].bound)

@@ -53,21 +53,23 @@ def is_storable(text: str) -> bool:
 @lru_cache(4096)
 def name_problem(name: object) -> str:
     """Return why netCDF cannot hold a variable, dimension or attribute with the name `name`; empty if it can."""
-    if not isinstance(name, str):
-        return "give text"
-    if not name:
-        return "give at least one letter"
-    if "/" in name:
-        return "netCDF takes '/' for a group"
-    if not (name[0].isalnum() or name[0] == "_" or ord(name[0]) > 127) or name != name.strip():
-        return "a name starts with a letter, a digit or an underscore and ends without a space"
-    if not all(char.isprintable() for char in name):
-        return "a name has printable characters only"
-    if unicodedata.normalize("NFC", name) != name:
-        return "netCDF would change its accents: write it in the composed form (NFC)"
-    if len(name.encode()) > 250:
-        return "a name has at most 250 bytes"
-    return ""
+    is_plain = (
+        isinstance(name, str)
+        and (name[:1].isalnum() or name[:1] == "_" or ord(name[:1] or " ") > 127)
+        and name == name.strip()
+        and name.isprintable()
+        and "/" not in name  # which is for a group
+        and unicodedata.normalize("NFC", name) == name  # netCDF composes accents
+        and len(name.encode()) <= 250
+    )
+    return (
+        ""
+        if is_plain
+        else (
+            "give a name of at most 250 bytes that begins with a letter, a digit or an underscore, without '/', with "
+            "printable characters only and accents in the composed form (NFC)"
+        )
+    )
 
 
 def counted(number: SupportsInt, one: str, several: str = "") -> str:

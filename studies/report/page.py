@@ -45,7 +45,6 @@ NOTHING_TO_DRAW = Drawing(
 def draw_figures(study: Study, drawing: Drawing, out: Path) -> Sequence[CaptionedFigure]:
     """Draw the figures of ``study`` into ``<out>/<study>/``, from its netCDF file alone."""
     figures = drawing.figure(stored(study, out))
-    _check(figures, study.name)
     for figure in figures:
         write_figure(figure.figure, out / study.name / figure.name, ["png"])
     return figures
@@ -209,16 +208,6 @@ def axes_text(dataset: xr.Dataset) -> str:
         long_name = str(coordinate.attrs.get("long_name", name)).partition(" (")[0]
         texts.append(f"{long_name}: {text} {unit}".rstrip())
     return "; ".join(texts)
-
-
-def _check(figures: object, name: str) -> None:
-    """Raise InvalidInput unless a study's figures are a sequence of CaptionedFigure."""
-    is_row = isinstance(figures, list | tuple)
-    if not is_row or not all(isinstance(figure, CaptionedFigure) for figure in figures):  # type: ignore[attr-defined]
-        raise InvalidInput(
-            f"figure of {name!r} gives no studies.model.drawing.CaptionedFigure: return a tuple of them, or () for "
-            "none."
-        )
 
 
 def _others(chapter: Chapter, out: Path) -> Sequence[tuple[Chapter, bool]]:

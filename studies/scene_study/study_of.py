@@ -26,6 +26,7 @@ from contactstudy.scene.shapes.shape import length_scales_of
 from contactstudy.scene_file import SceneFile, tables_of
 from studies.model.axis import Axis, Value
 from studies.model.case import Case, Computation
+from studies.model.plain_text import counted
 from studies.model.study import Point, Study
 from studies.scene_study.document import Table, tables, varied_scenes
 from studies.scene_study.measures import measures
@@ -138,7 +139,7 @@ def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:
         ]
         return [_planned_grid(point) for point in points], notes
     if first.grid is not None:
-        note = f"grid {_size_text(first.grid)}, given, for {_count_text(points)}"
+        note = f"grid {_size_text(first.grid)}, given, for {counted(len(points), 'point')}"
         return [first.grid] * len(points), [note]
     requirements = [grid_requirements(point.scene) for point in points]
     planned = _planned(points, requirements)
@@ -160,7 +161,7 @@ def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:
     period = min(periods) if measured else max(periods)
     is_common = len(periods) == 1 or measured
     if not is_common and any(requirement.period_fault(period) for requirement in requirements):
-        separate = f"no common period for {_count_text(points)}: each has its own grid"
+        separate = f"no common period for {counted(len(points), 'point')}: each has its own grid"
         return [_planned_grid(point) for point in points], [separate, *notes]
     across = halvable_count(width / min(grid.cell_size[0] for grid in planned))
     varying = [grid for grid in planned if grid.cells[1] > 1]
@@ -174,7 +175,7 @@ def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:
             f"and this machine has {available_bytes() / 1e9:.3g} GB: it is the finest that fits; give "
             "fewer values, a larger plan.error, or a grid"
         )
-    shared = f"grid {_size_text(grid)}, planned once for {_count_text(points)}"
+    shared = f"grid {_size_text(grid)}, planned once for {counted(len(points), 'point')}"
     return [grid] * len(points), [shared, *notes]
 
 
@@ -227,11 +228,6 @@ def _size_text(grid: cs.Grid) -> str:
     return f"{cells_text(grid.cells)} over {readable(grid.extent[0])} x {readable(grid.extent[1])}"
 
 
-def _count_text(points: Sequence[SceneFile]) -> str:
-    """Return the number of points in words."""
-    return f"{len(points)} points" if len(points) > 1 else "1 point"
-
-
 def study_of(
     scene: Scene | SceneFile | str | PathLike[str],
     vary: Mapping[str, object] | Sequence[Mapping[str, object]] | None = None,
@@ -276,8 +272,11 @@ def study_of(
     files = list(found.points.values())
     placed, notes = on_shared_grids(files)
     cases = dict(zip(found.points, placed, strict=True))
-    is_same = len({_digests(file.scene.shapes) for file in files}) == 1
-    surfaces = surface_notes(files[0].scene) if is_same else []
+    digests = {
+        tuple(shape.digest for shape in file.scene.shapes if isinstance(shape, MeasuredSurface))
+        for file in files
+    }
+    surfaces = surface_notes(files[0].scene) if len(digests) == 1 else []
     if name is None:
         # not the name of the scene, which contactstudy solve gives to its file
         name = f"{Path(scene).stem}-sweep" if isinstance(scene, str | PathLike) else "scene"
@@ -300,11 +299,6 @@ def axes_of(path: Path) -> tuple[Axis, ...]:
     """Return the axes of the study of a scene file, of which nothing is planned."""
     raw, groups, _ = read_tables(path)
     return varied_scenes(raw, groups, path.parent, str(path)).axes
-
-
-def _digests(shapes: Sequence[cs.Shape]) -> tuple[str, ...]:
-    """Return the digests of the measured surfaces among shapes."""
-    return tuple(shape.digest for shape in shapes if isinstance(shape, MeasuredSurface))
 
 
 @dataclass(frozen=True, eq=False)

@@ -35,7 +35,7 @@ AXIS = 'Axis("number", (1, 2), "a number"),'
         ("(1, 2)", "(1, 'a')", r"line 13: Axis 'number' has values \(1, 'a'\)"),
         ("(1, 2)", "()", r"line 13: Axis 'number' has values \(\)"),
         ("(1, 2)", "(1.0, float('nan'))", r"line 13: Axis 'number' has the value nan"),
-        ('Axis("number"', 'Axis("a/b"', r"line 13: Axis name 'a/b': netCDF takes '/'"),
+        ('Axis("number"', 'Axis("a/b"', r"line 13: Axis name 'a/b': give a name .* without '/'"),
         ("import Axis", "import Axes", r"line 3: ImportError: cannot import name 'Axes'"),
         ("class Number:", "class Number", r"line 5: SyntaxError: expected ':'"),
         ("def figure", "1 / 0\ndef figure", r"line 14: ZeroDivisionError: division by zero"),

@@ -26,7 +26,7 @@ VALUES = (
     xr.Variable(("a/b",), [1.0]), xr.Variable(("",), [1.0]),
 )  # fmt: skip
 # o and u0308 are a letter and its accent, which netCDF would join
-NAMES = ("a/b", "", " a", "a ", "a\n", "o\u0308", 5, "q" * 300, "number", "case_status")
+NAMES = ("a/b", "", " a", "a ", "a\n", "o\u0308", 5, "é" * 126, "-a", "number", "case_status")
 ATTRIBUTES = (
     *({name: 1.0} for name in ("scale_factor", "add_offset", "_FillValue", "missing_value", "a/b")),
     {"_Unsigned": "true"}, {"dtype": "x"}, {"coordinates": "number"},

@@ -11,7 +11,6 @@ import numpy as np
 
 from contactstudy import InvalidInput
 from contactstudy.domain.units import display_unit_of, readable
-from studies.model.axis import is_geometric
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -128,7 +127,7 @@ def _axis(field: "xr.DataArray", dim: str, *, in_study: bool) -> dict[str, Any]:
         "unit": unit,
         "values": [float(f"{value / factor:.9g}") for value in values.tolist()],
         "canLog": can_log,
-        "log": can_log and in_study and (spans or is_geometric(values)),
+        "log": can_log and in_study and spans,
     }
 
 

@@ -239,7 +239,7 @@ def _announce(scene: Path, described: cs.SceneFile, device: cs.Cpu | cs.Gpu) -> 
 
 
 def _rollers(scene: cs.Scene, grid: cs.Grid) -> list[str]:
-    """Return a sentence for each profiled roller that ends on or inside a grid, on whether it needs a FiniteLength."""
+    """Return a sentence for each profiled roller that ends inside a grid and is not cut off there."""
     if any(isinstance(shape, cs.FiniteLength) for shape in scene.shapes):
         return []
     notes = []
@@ -251,10 +251,6 @@ def _rollers(scene: cs.Scene, grid: cs.Grid) -> list[str]:
             notes.append(
                 f"shapes[{number}] is {readable(length)} long on a grid {readable(grid.length)} long, and is not "
                 f"cut off at its ends: add the shape FiniteLength(length={length:g}) if the roller ends there"
-            )
-        elif length <= grid.length * (1 + 1e-9):
-            notes.append(
-                f"shapes[{number}] ends where the grid ends, so that no FiniteLength is needed"
             )
     return notes
 

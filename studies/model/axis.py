@@ -165,11 +165,3 @@ class Axis:
         if not exact or (self.kind is float and not math.isfinite(converted)):
             raise InvalidInput(f"{self.name} is {shortened(value)}: {FORMS[self.kind]}.")
         return converted  # type: ignore[no-any-return]
-
-
-def is_geometric(values: np.ndarray) -> bool:
-    """Return whether three positive numbers or more follow each other in equal ratios, to a thousandth."""
-    if values.size < 3 or not (values > 0).all():
-        return False
-    ratios = values[1:] / values[:-1]
-    return bool(np.allclose(ratios, ratios[0], rtol=1e-3) and abs(ratios[0] - 1) > 1e-3)

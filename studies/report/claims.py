@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 import numpy as np
 import xarray as xr
 
-from contactstudy import InvalidInput
 from studies.model.drawing import CaptionedFigure, Drawing, Finding, Table
 from studies.model.outcome import CaseStatus
 from studies.report.plots import Law, Plot, draw
@@ -83,10 +82,7 @@ def drawing(
         if figures and not any(made):
             wanted = [name for one in figures if isinstance(one, Plot) for name in one.y]
             missing = next((name for name in wanted if name not in dataset), wanted[0])
-            raise InvalidInput(
-                f"The study is stored without the variable {missing!r}, or numbers of it, which its figures need: run "
-                "the study again, and for times with --repeats 1."
-            )
+            raise KeyError(f"No variable named {missing!r}, or no number of it")  # as of a dataset
         return tuple(one for one in made if one is not None)
 
     def findings(dataset: xr.Dataset) -> Sequence[Finding]:

@@ -275,6 +275,10 @@ class Record(Generic[S]):
 class March(Generic[S]):
     """March of a method from its start to the last of `points`, beside one with steps twice as long.
 
+    1. Between two points: a pair of steps is rejected, taken, or followed by a new start with a stricter control.
+    2. At a point: the state before a jump is recorded, the jump taken, and the state after it recorded.
+    3. A step or jump without a solution ends the march, after shorter ones where a control allows them.
+
     Attributes
     ----------
     method

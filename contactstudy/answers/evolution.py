@@ -256,20 +256,7 @@ class Evolution(Answer):
         if self.passes is not None:
             dataset = labels.passes_dataset(self.passes)
         elif self.trajectory is not None:
-            contacts: Any = self.frames
-            # the last one has no outputs where a coating is worn through
-            highest = max(contacts, key=lambda one: (len(one.problem.outputs), one.peak_pressure))
-            instants = [
-                labels.instant_dataset(
-                    frame,
-                    contact,
-                    {**contact.state, **contact.derived_at_depths_of(highest)},
-                    contact.quantities,
-                    contact.error.l1,
-                )
-                for frame, contact in zip(self.trajectory.frames, contacts, strict=True)
-            ]
-            dataset = labels.evolution_dataset(self.trajectory, instants)
+            dataset = labels.evolution_dataset(self.trajectory, self.frames)
         else:
             dataset = labels.over_time(self.times, [frame.to_dataset() for frame in self.frames])
         dataset.attrs.pop("warnings", None)  # of the first instant by itself

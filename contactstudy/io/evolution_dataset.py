@@ -1,13 +1,12 @@
 """Labelled datasets (xarray) of an evolution, of films in time and of repeated rolling."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
 
-from contactstudy.domain.errors import ErrorParts
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.kernels.stress_cell import COMPONENTS
 from contactstudy.io.dataset import (
@@ -20,9 +19,7 @@ from contactstudy.io.dataset import (
     scene_attributes,
     title_attributes,
 )
-from contactstudy.io.quantities.quantity import Quantities
-from contactstudy.problem.problem import Field
-from contactstudy.solvers.solution import Solution, Status
+from contactstudy.solvers.solution import Status
 
 if TYPE_CHECKING:
     from contactstudy.evolution.rolling.repeated_rolling import RepeatedRolling
@@ -49,36 +46,15 @@ NUMBERS = {
 }
 
 
-def instant_dataset(
-    frame: "Frame",
-    contact: Solution,
-    fields: Mapping[str, Field],
-    quantities: Quantities,
-    error: ErrorParts,
-) -> xr.Dataset:
-    """Return one instant of a dry scene: fields of the `contact`, its state and its outputs, and numbers.
+def evolution_dataset(evolution: "Trajectory", contacts: Sequence[Any]) -> xr.Dataset:
+    """Return the instants of a dry scene along time, with the strain of bodies that yield; ``status`` as CF flags.
 
-    The displacement is left out, which follows from gap and approach. The `error` is that of the pressure in L1.
+    The `contacts` are the answers at the instants.
     """
-    variables = {name: field_variable(field) for name, field in fields.items()}
-    for name in ("approach", "peak_pressure", "contact_area"):
-        if name in quantities:
-            number = quantities[name]
-            variables[name] = labelled((), number.value, number.unit, number.label)
-    for name, (unit, label) in NUMBERS.items():
-        variables[name] = labelled((), getattr(frame, name), unit, label)
-    for name, of, size in (
-        ("time_discretisation_error", "time-discretisation", error.steps or 0.0),
-        ("grid_error", "discretisation", replace(error, steps=None).total),
-    ):
-        label, comment = f"estimated {of} error in L1", "NaN where it is not known"
-        variables[name] = labelled((), known_or_nan(size), "1", label, comment=comment)
-    return contact_fields(contact).drop_vars("displacement").assign(variables)
-
-
-def evolution_dataset(evolution: "Trajectory", instants: Sequence[xr.Dataset]) -> xr.Dataset:
-    """Return the instants of a dry scene along time, with the strain of bodies that yield; ``status`` as CF flags."""
     frames, posed = evolution.frames, evolution.description
+    # the last one has no outputs where a coating is worn through
+    highest = max(contacts, key=lambda one: (len(one.problem.outputs), one.peak_pressure))
+    instants = [_instant(*pair, highest) for pair in zip(frames, contacts, strict=True)]
     dataset = over_time(evolution.times, instants)
     dataset.attrs = title_attributes("evolution of a line contact") | scene_attributes(posed)
     statuses = [frame.status for frame in frames]
@@ -87,6 +63,30 @@ def evolution_dataset(evolution: "Trajectory", instants: Sequence[xr.Dataset]) -
         strains = evolution.coupled.over_time([frame.coupled_state for frame in frames])
         dataset = dataset.assign({name: field_variable(of) for name, of in strains.items()})
     return dataset
+
+
+def _instant(frame: "Frame", contact: Any, highest: Any) -> xr.Dataset:
+    """Return one instant of a dry scene: fields of the `contact`, its state and its outputs, and numbers.
+
+    The displacement is left out, which follows from gap and approach. Depths of outputs are those of the contact with
+    the `highest` pressure.
+    """
+    fields = contact.state | contact.derived_at_depths_of(highest)
+    variables = {name: field_variable(field) for name, field in fields.items()}
+    for name in ("approach", "peak_pressure", "contact_area"):
+        if name in contact.quantities:
+            number = contact.quantities[name]
+            variables[name] = labelled((), number.value, number.unit, number.label)
+    for name, (unit, label) in NUMBERS.items():
+        variables[name] = labelled((), getattr(frame, name), unit, label)
+    error = contact.error.l1
+    for name, of, size in (
+        ("time_discretisation_error", "time-discretisation", error.steps or 0.0),
+        ("grid_error", "discretisation", replace(error, steps=None).total),
+    ):
+        label, comment = f"estimated {of} error in L1", "NaN where it is not known"
+        variables[name] = labelled((), known_or_nan(size), "1", label, comment=comment)
+    return contact_fields(contact).drop_vars("displacement").assign(variables)
 
 
 def over_time(times: Array, instants: Sequence[xr.Dataset]) -> xr.Dataset:

@@ -64,7 +64,7 @@ def test_every_block_of_a_page_runs_and_prints_what_it_says(
         if kind == "sh":
             for line in block.splitlines():
                 command(line)
-        elif "axes =" in block:
+        elif "study = Study(" in block:
             Path("radius.py").write_text(block, encoding="utf-8")
         elif kind == "python":  # "py" is for a cluster, or for libraries that are not needed
             exec(compile(block, page, "exec"), known)
@@ -119,7 +119,7 @@ def test_pages_link_to_what_is_there() -> None:
 
 def test_own_study_keeps_the_law_it_shows() -> None:
     text = (ROOT / "docs/how-to/own-study.md").read_text(encoding="utf-8")
-    block = next(block for _, block in BLOCK.findall(text) if "axes =" in block)
+    block = next(block for _, block in BLOCK.findall(text) if "study = Study(" in block)
     Path("radius.py").write_text(block, encoding="utf-8")
     own = load("radius.py").override({"radius": "0.01,0.02,0.04"})
     dataset = run(own, Path("outputs"), workers=0, repeats=0)

@@ -40,7 +40,7 @@ from contactstudy.scene.loads.load_history import ChangingLoad
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.shapes.moving_shape import MovingShape
 from contactstudy.scene.shapes.roller import Ellipsoid, Sphere
-from contactstudy.scene.shapes.shape import LengthScales, Shape, length_scales_of
+from contactstudy.scene.shapes.shape import LengthScales, Shape, curvature_of, length_scales_of
 from contactstudy.solvers.solve import SolveOptions
 from contactstudy.solving import solve
 
@@ -234,7 +234,7 @@ def write_scene(described: Scene | SceneFile, path: str | PathLike[str]) -> None
 
 def scene_file_from(document: SceneDocument, folder: Path = Path()) -> SceneFile:
     """Return the scene of `document`; files of surfaces start at `folder`."""
-    curvature = sum(getattr(shape, "curvature", 0.0) for shape in document.shapes)
+    curvature = sum(map(curvature_of, document.shapes))
 
     def read(shape: Any) -> Shape:
         if isinstance(shape, MovingShapeTable):

@@ -4,6 +4,7 @@ from math import inf, log, pi, sqrt
 
 from contactstudy.domain.units import readable
 from contactstudy.scene.scene import Scene
+from contactstudy.scene.shapes.shape import curvatures_of
 from contactstudy.scene.solids.bodies import HalfSpace
 
 # Largest half-width of the contact over a body's radius, and least thickness of a body over the half-width, for which
@@ -25,7 +26,7 @@ def beyond_half_space(scene: Scene | None) -> str:
     widths = (hertz.half_width,) if scene.ellipse is None else scene.ellipse.semi_axes
     faults: list[str] = []
     for axis, half_width in enumerate(widths):
-        bends = [_curvatures(shape)[axis] for shape in scene.shapes]
+        bends = [curvatures_of(shape)[axis] for shape in scene.shapes]
         radius = min((1 / abs(bend) for bend in bends if bend), default=inf)
         if half_width > LARGEST_WIDTH * radius:
             faults.append(
@@ -51,11 +52,6 @@ def beyond_half_space(scene: Scene | None) -> str:
             "0.3 } as the substrate"
         )
     return f"The half-space is not a good approximation: {'; '.join(faults)}." if faults else ""
-
-
-def _curvatures(shape: object) -> tuple[float, float]:
-    """Return the curvatures [1/m] of a shape across and along, above zero where it is convex; zero without any."""
-    return getattr(shape, "curvatures", (getattr(shape, "curvature", 0.0), 0.0))
 
 
 def _error_of_curvature(scene: Scene, bends: list[float], half_width: float) -> str:

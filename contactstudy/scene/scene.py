@@ -30,7 +30,12 @@ from contactstudy.scene.loads.load_history import ChangingLoad, falls
 from contactstudy.scene.loads.resulting_load import DATUM_OVER_RADIUS, Approach, PullOff
 from contactstudy.scene.methods import STATIC, Method, method_of
 from contactstudy.scene.shapes.roller import FiniteLength
-from contactstudy.scene.shapes.shape import Shape, length_scales_of
+from contactstudy.scene.shapes.shape import (
+    Shape,
+    curvature_of,
+    curvatures_of,
+    length_scales_of,
+)
 from contactstudy.scene.solids.bodies import (
     Body,
     contact_modulus,
@@ -157,7 +162,7 @@ class Scene(InNotebook):
         """Check what the effects of the scene must have in common, and refuse two that cannot be combined."""
         contact_modulus(self.solids)
         for number, shape in enumerate(self.shapes):
-            valid(f"Scene.shapes[{number}].curvature", shape.curvature, float)
+            valid(f"Scene.shapes[{number}].curvature", curvature_of(shape), float)
         self._check_curvatures()
         effects = self.rolling, self.friction, self.lubrication, self.adhesion, self.wear
         for part in (self.load, *effects, *self.solids):
@@ -170,7 +175,7 @@ class Scene(InNotebook):
     def _check_curvatures(self) -> None:
         """Check that a hollow body has room for the other."""
         across, _ = self.curvatures
-        sharpest = max((abs(shape.curvature) for shape in self.shapes), default=0.0)
+        sharpest = max((abs(curvature_of(shape)) for shape in self.shapes), default=0.0)
         if across < 0 or 0 <= across < CONFORMING * sharpest:
             raise InvalidInput(
                 f"Scene.shapes have curvatures that add up to {across:.4g} 1/m: the hollow body must have the larger "
@@ -214,7 +219,7 @@ class Scene(InNotebook):
     @property
     def radius(self) -> float | None:
         """Equivalent radius R [m] of the shapes, 1/R the sum of their curvatures; None unless that is above zero."""
-        curvature = sum(shape.curvature for shape in self.shapes)
+        curvature = sum(map(curvature_of, self.shapes))
         return 1 / curvature if curvature > 0 else None
 
     @property
@@ -243,7 +248,7 @@ class Scene(InNotebook):
     @property
     def curvatures(self) -> tuple[float, float]:
         """Sums of the curvatures of the shapes (across, along) [1/m]."""
-        each = [getattr(shape, "curvatures", (shape.curvature, 0.0)) for shape in self.shapes]
+        each = list(map(curvatures_of, self.shapes))
         return sum(across for across, _ in each), sum(along for _, along in each)
 
     @property

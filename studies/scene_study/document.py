@@ -17,6 +17,7 @@ from contactstudy.domain.storage.identity import digest
 from contactstudy.domain.units import Unit
 from contactstudy.domain.validation import kind_of
 from contactstudy.io.scene_files.scene_schema import MeasuredSurfaceTable, SceneDocument
+from contactstudy.scene.shapes.shape import curvature_of
 from contactstudy.scene.surfaces.reading import Reading
 from contactstudy.scene_file import SceneFile, document_from, scene_file_from
 from studies.model.axis import Axis, Value
@@ -403,7 +404,7 @@ def _document(
 
 def with_surfaces(document: SceneDocument, folder: Path, read: dict[object, Any]) -> SceneDocument:
     """Return a document whose measured surfaces are read, each once for all points."""
-    curvature = sum(getattr(shape, "curvature", 0.0) for shape in document.shapes)
+    curvature = sum(map(curvature_of, document.shapes))
     shapes: list[Any] = list(document.shapes)
     for k, table in enumerate(shapes):
         if isinstance(table, MeasuredSurfaceTable):

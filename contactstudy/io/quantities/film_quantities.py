@@ -13,7 +13,7 @@ from contactstudy.domain.units import readable
 from contactstudy.io.quantities.quantity import FORMULA, Quantity, with_bound
 from contactstudy.io.quantities.stress_quantities import stress_quantities
 from contactstudy.scene.lubrication.lubricant import LimitingShear
-from contactstudy.scene.shapes.shape import LengthScales
+from contactstudy.scene.shapes.shape import LengthScales, curvature_of
 
 if TYPE_CHECKING:
     from contactstudy.lubrication.lubricated_contact import FilmSolution
@@ -136,7 +136,4 @@ def _lambda_ratio(contact: "FilmSolution") -> dict[str, Quantity]:
 
 def _rough(shape: object) -> bool:
     """Return whether a shape has heights but no curvature, as roughness, textures and measured surfaces do."""
-    return (
-        not getattr(shape, "curvature", 1.0)
-        and getattr(shape, "length_scales", LengthScales()).height > 0
-    )
+    return not curvature_of(shape) and getattr(shape, "length_scales", LengthScales()).height > 0

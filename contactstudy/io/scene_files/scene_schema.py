@@ -64,7 +64,7 @@ from contactstudy.scene.shapes.roller import (
     Sphere,
 )
 from contactstudy.scene.shapes.roughness import Roughness
-from contactstudy.scene.shapes.shape import Shape
+from contactstudy.scene.shapes.shape import Shape, curvatures_of
 from contactstudy.scene.shapes.texture import (
     Texture,
     Waviness,
@@ -307,7 +307,7 @@ class MeanPressure:
 
     def load(self, width: float | None, shapes: tuple[Shape, ...]) -> LineLoad:
         """Return the load per length over the `width` [m] of the grid or the surface."""
-        if any(shape.curvature or hasattr(shape, "curvatures") for shape in shapes):
+        if any(map(any, map(curvatures_of, shapes))):
             raise InvalidInput(
                 "load.pressure is the mean pressure of nominally flat bodies, and a shape is curved: give per_length, "
                 "or total."

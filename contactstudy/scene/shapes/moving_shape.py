@@ -1,7 +1,7 @@
 """Heights that move with a body through a contact with a film."""
 
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar, Self, cast
+from typing import Any, Self, cast
 
 import numpy as np
 from scipy import ndimage
@@ -10,7 +10,7 @@ from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.validation import BodyIndex, validated
-from contactstudy.scene.shapes.shape import LengthScales, Shape, length_scales_of
+from contactstudy.scene.shapes.shape import LengthScales, Shape, curvature_of, length_scales_of
 
 
 @dataclass(frozen=True)
@@ -45,15 +45,14 @@ class MovingShape:
         For another shape, or another body.
     """
 
-    #: Curvature [1/m]: what moves has none.
-    curvature: ClassVar[float] = 0.0
-
     shape: Shape
     body: BodyIndex = 0
 
     def check_together(self) -> None:
         """Check that the shape is heights alone."""
-        if self.shape.curvature or any(scales.roller for scales in length_scales_of([self.shape])):
+        if curvature_of(self.shape) or any(
+            scales.roller for scales in length_scales_of([self.shape])
+        ):
             raise InvalidInput(
                 f"MovingShape.shape is {self.shape!r}: give heights that shape no roller, such as Roughness."
             )

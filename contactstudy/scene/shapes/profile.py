@@ -1,7 +1,7 @@
 """Profiles of rollers as drawings and measurements give them: points, tangential arcs, rounded and chamfered ends."""
 
 from math import inf, tan
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Literal
 
 import numpy as np
 
@@ -38,9 +38,6 @@ class ProfilePoints:
     InvalidInput
         If there is not one drop for each position, or the positions do not increase.
     """
-
-    #: Curvature [1/m]: the profile does not bend the cross-section.
-    curvature: ClassVar[float] = 0.0
 
     positions: tuple[Annotated[Metres, FINITE], ...]
     drops: tuple[Annotated[Metres, FINITE], ...]
@@ -109,9 +106,6 @@ class EndRelief:
     InvalidInput
         If a number is outside these limits, or an arc is longer than its radius.
     """
-
-    #: Curvature [1/m]: the profile does not bend the cross-section.
-    curvature: ClassVar[float] = 0.0
 
     length: Metres
     middle: Annotated[Metres, AT_LEAST_ZERO]

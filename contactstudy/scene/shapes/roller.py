@@ -54,8 +54,6 @@ class Cylinder:
 class _Paraboloid:
     """Paraboloid about the origin, with two curvatures."""
 
-    #: Curvature [1/m]: none is added to the line contact.
-    curvature: ClassVar[float] = 0.0
     #: Length scales of a roller whose length is not known.
     length_scales: ClassVar[LengthScales] = LengthScales(roller=inf)
 
@@ -151,9 +149,6 @@ class Crown:
         If a number is not above zero.
     """
 
-    #: Curvature [1/m]: a crown does not bend the cross-section.
-    curvature: ClassVar[float] = 0.0
-
     radius: Annotated[Metres, OR_INFINITE] = inf
     length: Annotated[Metres, OR_INFINITE] = inf
 
@@ -206,9 +201,6 @@ class LundbergProfile:
     InvalidInput
         If a number is outside these limits.
     """
-
-    #: Curvature [1/m]: the profile does not bend the cross-section.
-    curvature: ClassVar[float] = 0.0
 
     amplitude: Annotated[Metres, AT_LEAST_ZERO]
     end_drop: Annotated[Metres, AT_LEAST_ZERO]
@@ -316,9 +308,6 @@ class FiniteLength:
     InvalidInput
         If the length is not above zero; on a grid whose cells are longer.
     """
-
-    #: Curvature [1/m]: the roller's ends do not bend the cross-section.
-    curvature: ClassVar[float] = 0.0
 
     length: Metres
 

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 from functools import partial
-from typing import Annotated, ClassVar, Self
+from typing import Annotated, Self
 
 import numpy as np
 from scipy import fft
@@ -99,9 +99,6 @@ class Roughness:
     InvalidInput
         If a number is outside these limits, or no wave fits the extent.
     """
-
-    #: Curvature [1/m]: roughness does not bend the mean cross-section.
-    curvature: ClassVar[float] = 0.0
 
     rms: Annotated[Metres, AT_LEAST_ZERO] | RmsSlope | Sa
     hurst: Annotated[Number, BELOW_ONE]

@@ -14,11 +14,10 @@ from contactstudy.domain.grid import Grid
 
 @runtime_checkable
 class Shape(Protocol):
-    """Contribution to the undeformed gap."""
+    """Contribution to the undeformed gap.
 
-    @property
-    def curvature(self) -> float:
-        """Curvature of the mean cross-section at the axis [1/m], zero if the shape has none."""
+    A shape that curves the body also has the `curvature` of its mean cross-section at the axis [1/m].
+    """
 
     def gap(self, grid: Grid) -> Array:
         """Return the undeformed gap [m] at the cell centres; it broadcasts to (x, y).
@@ -66,6 +65,16 @@ class LengthScales:
     slope: float = 0.0
     known_width: float = inf
     spacing: tuple[float, float] | None = None
+
+
+def curvature_of(shape: object) -> float:
+    """Return the curvature [1/m] of the mean cross-section of a shape at the axis; 0 where it names none."""
+    return getattr(shape, "curvature", 0.0)
+
+
+def curvatures_of(shape: object) -> tuple[float, float]:
+    """Return the curvatures of a shape (across, along) [1/m], where also those of a surface curved both ways count."""
+    return getattr(shape, "curvatures", (curvature_of(shape), 0.0))
 
 
 def gap_of(shape: Shape, grid: Grid) -> Array:

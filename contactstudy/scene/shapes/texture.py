@@ -1,7 +1,7 @@
 """Machined textures, such as dimples and grooves, and waviness."""
 
 from math import inf, pi
-from typing import Annotated, ClassVar, Literal, Self
+from typing import Annotated, Literal, Self
 
 import numpy as np
 
@@ -113,9 +113,6 @@ class Texture:
         If features overlap, a pitch is missing, or the pitch along does not divide the grid's period.
     """
 
-    #: Curvature [1/m]: a texture does not bend the mean cross-section.
-    curvature: ClassVar[float] = 0.0
-
     feature: Dimple | Groove
     pitch: tuple[Wavelength, Wavelength]
 
@@ -216,9 +213,6 @@ class Waviness:
     InvalidInput
         If a period of the grid does not hold a whole number of waves along.
     """
-
-    #: Curvature [1/m]: waves do not bend the mean cross-section.
-    curvature: ClassVar[float] = 0.0
 
     amplitude: Annotated[Metres, ANY_SIGN]
     across: Wavelength = inf

@@ -1,7 +1,7 @@
 """Misalignment of a roller."""
 
 from math import inf, tan
-from typing import Annotated, ClassVar
+from typing import Annotated
 
 import numpy as np
 
@@ -37,9 +37,6 @@ class Tilt:
     InvalidInput
         If the angle is outside these limits.
     """
-
-    #: Curvature [1/m]: a tilt does not bend the cross-section.
-    curvature: ClassVar[float] = 0.0
 
     angle: Angle
 

@@ -6,7 +6,7 @@ from hashlib import blake2b
 from math import ceil, inf
 from os import PathLike
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 
@@ -78,9 +78,6 @@ class MeasuredSurface:
     InvalidInput
         If the heights or sizes cannot be used.
     """
-
-    #: Curvature [1/m], which is not known: the heights count as roughness.
-    curvature: ClassVar[float] = 0.0
 
     heights: Any = field(repr=False, compare=False)
     extent: tuple[Metres, Metres] | None = None

@@ -14,6 +14,7 @@ from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
 from contactstudy.domain.units import Metres, readable
 from contactstudy.domain.validation import checked_errors, valid
 from contactstudy.planning.cost import MEMORY_FRACTION, memory, within_memory
+from contactstudy.planning.grid_requirements import CONSTANTS as GRID
 from contactstudy.planning.grid_requirements import (
     flat_grid,
     grid_requirements,
@@ -84,7 +85,7 @@ def plan_grid(
     elif transient is None:
         planned = _plan_static(scene, error, period, grid, padding, device)
     else:
-        error = transient.error_fraction * (error or DEFAULT_ERROR)
+        error = (1.0 if scene.rolls else GRID.cell_fraction) * (error or DEFAULT_ERROR)
         width = transient.width
         planned = _plan_static(transient.narrow, error, period, grid, padding, ONE_THREAD, width)
         planned = replace(planned, scene=scene, first_grids=None)

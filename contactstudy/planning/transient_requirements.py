@@ -33,8 +33,6 @@ class TransientConstants:
         and at the depth `plastic_depth` r - 1. Fitted to computed zones.
     zone_margin
         Planned width of the zone over that.
-    error_power
-        The discretisation error is (r / 3) to this power times the elastic one, and at least that.
     strain_fields, strain_fields_along
         Fields of plastic strain that a step holds in plane strain, and where strain varies along the length: measured on
         rough cylinders of 48^2 to 128^2 cells.
@@ -59,7 +57,6 @@ class TransientConstants:
     plastic_widening: float = 0.07
     plastic_depth: float = 1.2
     zone_margin: float = 1.25
-    error_power: float = 1.5
     strain_fields: int = 24
     strain_fields_along: int = 36
     rolling_widening: float = 1.5
@@ -101,11 +98,6 @@ class PlasticZone:
         half_widths = CONSTANTS.plastic_width + CONSTANTS.plastic_widening * self.ratio**2
         widening = CONSTANTS.rolled_widening if self.rolls else 1.0
         return self.half_width * CONSTANTS.zone_margin * half_widths * widening
-
-    @property
-    def error_factor(self) -> float:
-        """Discretisation error over that of an elastic contact."""
-        return float(max(1.0, self.ratio / 3) ** CONSTANTS.error_power)
 
     def volume(self, grid: Grid) -> Volume:
         """Return the cells of `grid` expected to yield, of a contact that rolls all down to their depth."""
@@ -164,8 +156,6 @@ class TransientRequirements:
         Width [m] below which a grid that is given may be too narrow for it.
     relaxed
         Bodies once they have crept.
-    error_fraction
-        Fraction of the requested error that an elastic contact on the same cells may have.
     fields
         Fields held between solves, in addition to one solve.
     reasons
@@ -180,7 +170,6 @@ class TransientRequirements:
     width: float
     least_width: float
     relaxed: tuple[Body, Body]
-    error_fraction: float
     fields: int
     reasons: tuple[str, ...]
     warnings: tuple[str, ...] = ()
@@ -228,7 +217,7 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
         )
         fields = CONSTANTS.rolling_fields
         return TransientRequirements(
-            elastic, width, least_width, bodies, 1.0, fields, (), plastic=plastic
+            elastic, width, least_width, bodies, fields, (), plastic=plastic
         )
     if plastic is not None:
         half_width = max(half_width, plastic.half_extent / GRID.width_factor)
@@ -252,10 +241,7 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
                 half_width *= grid_requirements(elastic).half_width / hertz.half_width
             reasons = (f"load: the cells are for loads from {readable(least, 'N m-1')} on.",)
     width = 2 * GRID.width_factor * half_width
-    fraction = GRID.cell_fraction / (plastic.error_factor if plastic else 1.0)
-    return TransientRequirements(
-        narrow, width, width, bodies, fraction, fields, reasons, warnings, plastic
-    )
+    return TransientRequirements(narrow, width, width, bodies, fields, reasons, warnings, plastic)
 
 
 def _fretting(friction: Fretting, load: AnyLoad, hertz: HertzLine) -> tuple[float, float]:

@@ -13,7 +13,7 @@ found by the method of Wiener & Hopf (1931); the expansion in modes is derived i
 
 from dataclasses import dataclass
 from functools import cache
-from math import gamma, inf, pi, sqrt
+from math import gamma
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,9 +23,6 @@ from contactstudy.elasticity.kernels.displacement_cell import mean_gauss_rule
 
 # modes k = 1 ... MODES behave like d^(k - 3/2) at d cells from the edge
 MODES = 4
-# Factor of (dx / a)^2 in the L1 error of a smooth contact: what remains beside that of the edges.
-SECOND_ORDER = 0.1
-MAX_CELL = 1e100  # half-widths: the square of a larger cell overflows
 
 
 @dataclass(frozen=True)
@@ -162,25 +159,6 @@ def edge_position(last: Array, inner: Array) -> Array:
     ratio = np.where(inner > 0, last / np.where(inner > 0, inner, 1), np.nan)
     position = np.interp(ratio, outer / second, edge)
     return np.asarray(np.where(inner > 0, position, sum(CONSTANTS.positions) / 2))
-
-
-def smooth_l1(cell: float) -> float:
-    """Return the largest relative L1 error of a smooth line contact, before it is solved, for a `cell` in half-widths.
-
-    It includes the part that remains beside the error of the edges.
-    """
-    if cell > MAX_CELL:
-        return inf
-    return float(l1_factor() * cell**1.5 + SECOND_ORDER * cell**2)
-
-
-def l1_factor() -> float:
-    """Return the largest relative L1 error of a smooth line contact over (dx / a)^1.5, from both edges.
-
-    Beside an edge the pressure is ``sqrt(2 d / a)`` times its peak, at the distance d.
-    """
-    _, at_centres, of_means, _, _ = _edge_discretisations()
-    return 2 * sqrt(2) * float(np.maximum(at_centres, of_means).max()) / (pi / 2)
 
 
 @cache

@@ -15,7 +15,6 @@ from contactstudy.domain.checks import NotDefined
 from contactstudy.domain.errors import ErrorParts
 from contactstudy.evolution.integration.time_stepper import Instant, TimeStepper
 from contactstudy.evolution.march import Method, Record
-from contactstudy.evolution.states.state_variables import HasTimeDiscretisationError
 from contactstudy.evolution.time_steps import ErrorEstimator
 from contactstudy.evolution.trajectory import UNKNOWN, Frame, frame_of
 from contactstudy.solvers.solution import Solution, Status, unloaded, worst_until
@@ -209,33 +208,20 @@ class DrySteps(Method[Instant]):
 
     def _size_of_states(self, instant: Instant) -> float:
         """Return the L1 norm that errors of states are relative to; 0 if none has an estimate of its own."""
-        variables = zip(self.stepper.all_state_variables, instant.states, strict=True)
-        return sum(
-            variable.size(state)
-            for variable, state in variables
-            if isinstance(variable, HasTimeDiscretisationError)
-        )
+        return sum(variable.size(state) for variable, (state,) in self.stepper.iterated(instant))
 
     def _common(self, fine: Instant) -> dict[str, float]:
-        """Return the errors that two integrations have in common, by the names of `by_steps`, from the finer one."""
+        """Return the errors that two integrations have in common, by the names of `NAMES_OF_ERRORS`."""
         of_states = of_pressure = 0.0
-        for variable, state in zip(self.stepper.all_state_variables, fine.states, strict=True):
-            if isinstance(variable, HasTimeDiscretisationError):
-                of_states = variable.common_error(state)
-                of_pressure = of_states if variable.changes_pressure else 0.0
+        for variable, (state,) in self.stepper.iterated(fine):
+            of_states = variable.common_error(state)
+            of_pressure = of_states if variable.changes_pressure else 0.0
         return {"pressure": of_pressure, "states": of_states, "peak_pressure": of_pressure}
 
     def _of_states(self, fine: Instant, coarse: Instant) -> float:
         """Return the largest error of the state variables that have an estimate of their own; 0 if none has."""
-        variables = zip(self.stepper.all_state_variables, fine.states, coarse.states, strict=True)
-        return max(
-            (
-                variable.time_discretisation_error(fine, coarse)
-                for variable, fine, coarse in variables
-                if isinstance(variable, HasTimeDiscretisationError)
-            ),
-            default=0.0,
-        )
+        pairs = self.stepper.iterated(fine, coarse)
+        return max((one.time_discretisation_error(*states) for one, states in pairs), default=0.0)
 
     def _relative(self, norm: float, *instants: Instant) -> float:
         """Return an error summed over the cells [Pa], relative to the largest L1 norm of the pressures of `instants`.

@@ -184,14 +184,23 @@ class TimeStepper:
     @property
     def depends_on_path(self) -> bool:
         """True if a state depends on every turn of the load, as plastic strain and the traction of fretting do."""
-        iterated = (isinstance(one, IteratedStateVariable) for one in self.state_variables)
-        return self.coupled is not None or any(iterated)
+        return self.coupled is not None or any(
+            isinstance(one, IteratedStateVariable) for one in self.state_variables
+        )
+
+    def iterated(self, *instants: Instant) -> list[tuple[IteratedStateVariable, list[State]]]:
+        """Return each iterated state variable with its state at each of `instants`."""
+        states = (instant.states for instant in instants)
+        return [
+            (variable, kept)
+            for variable, *kept in zip(self.all_state_variables, *states, strict=True)
+            if isinstance(variable, IteratedStateVariable)
+        ]
 
     def traction(self, instant: Instant) -> TangentialTraction | None:
         """Return the tangential traction of a state that keeps one, or of full sliding; None without friction."""
-        for variable, state in zip(self.state_variables, instant.states, strict=False):
-            if isinstance(variable, IteratedStateVariable):
-                return variable.traction(state)
+        for variable, (state,) in self.iterated(instant):
+            return variable.traction(state)
         friction = self.problem.friction
         return friction.traction(instant.pressure) if isinstance(friction, FullSliding) else None
 

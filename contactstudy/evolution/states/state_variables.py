@@ -89,8 +89,23 @@ class AnyStateVariable(Protocol):
 
 
 @runtime_checkable
-class HasTimeDiscretisationError(Protocol):
-    """Protocol of a state variable whose own time-discretisation error is estimated, beside that of the pressure."""
+class IteratedStateVariable(Protocol):
+    """Protocol of a state variable whose contribution depends on the result of the step: a fixed-point iteration.
+
+    Its own time-discretisation error is estimated, beside that of the pressure.
+    """
+
+    def next_iterate(self, state: State, found: State, tolerance: float) -> State:
+        """Return the next iterate of the `state` at the start of a step, from what was `found` at its end.
+
+        It is the same `state` where the iteration has converged to the `tolerance`.
+        """
+
+    def outcome(self, state: State) -> tuple[Status, float]:
+        """Return how the solution for the `state` at the end of a step ended, and its relative residual."""
+
+    def traction(self, state: State) -> TangentialTraction:
+        """Return the tangential traction that the `state` keeps."""
 
     @property
     def changes_pressure(self) -> bool:
@@ -104,23 +119,6 @@ class HasTimeDiscretisationError(Protocol):
 
     def size(self, state: State) -> float:
         """Return the L1 norm that errors are relative to."""
-
-
-@runtime_checkable
-class IteratedStateVariable(Protocol):
-    """Protocol of a state variable whose contribution depends on the result of the step: a fixed-point iteration."""
-
-    def next_iterate(self, state: State, found: State, tolerance: float) -> State:
-        """Return the next iterate of the `state` at the start of a step, from what was `found` at its end.
-
-        It is the same `state` where the iteration has converged to the `tolerance`.
-        """
-
-    def outcome(self, state: State) -> tuple[Status, float]:
-        """Return how the solution for the `state` at the end of a step ended, and its relative residual."""
-
-    def traction(self, state: State) -> TangentialTraction:
-        """Return the tangential traction that the `state` keeps."""
 
 
 class StateVariable(AnyStateVariable, Protocol):

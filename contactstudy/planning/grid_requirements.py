@@ -482,7 +482,8 @@ def _common_period(lengths: set[float]) -> float:
     return common
 
 
-def halvable_count(count: float, least: int = CONSTANTS.min_cells) -> int:
-    """Return a number of cells that can be halved repeatedly down to a coarse grid, at least `count` and `least`."""
-    step = 2 ** max(0, int(log2(max(count, CONSTANTS.min_cells) / CONSTANTS.min_cells)))
-    return int(np.ceil(max(count, least) / step * (1 - 1e-12)) * step)
+def halvable_count(count: float) -> int:
+    """Return a number of cells, at least `count` and some, that can be halved repeatedly down to a coarse grid."""
+    count = max(count, CONSTANTS.min_cells)
+    step = 2 ** int(log2(count / CONSTANTS.min_cells))
+    return int(np.ceil(count / step * (1 - 1e-12)) * step)

@@ -1,5 +1,6 @@
 """Normal stiffness of a dry contact, and the bound of its error; approach and stiffness between distant points."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from math import exp, inf, isclose, log, pi
 from typing import Annotated, Any
@@ -16,6 +17,7 @@ from contactstudy.domain.validation import CURVED, valid
 from contactstudy.io.quantities.contact_quantities import approach_datum
 from contactstudy.io.quantities.quantity import Quantity
 from contactstudy.scene.loads.resulting_load import PullOff
+from contactstudy.scene.solids.coated import CoatedHalfSpace
 from contactstudy.solvers.conjugate_gradients import conjugate_gradients
 from contactstudy.solving import solve
 
@@ -187,7 +189,7 @@ def distant_approach(
     cylinder between the contact and its axis, if it is loaded opposite to the contact, and ``2 ln(2 d / a) - nu / (1 -
     nu)`` that of a flat body down to a depth d (Johnson 1985, sect. 5.6). Both differ from the approach of half-spaces
     by a constant times the load, whatever the surfaces are like. On a roller that ends, the constant is that of its
-    pressure, at mid-length.
+    pressure, at mid-length. In a coated body c changes with the distance; by how much is part of the bound.
 
     Parameters
     ----------
@@ -228,7 +230,7 @@ def distant_approach(
             f"and the scene has {readable(scene.radius)}: {remedy}."
         )
     per_length = float(contact.net_pressure.sum()) * grid.cell_area / contact.loaded_length
-    shift, places = 0.0, []
+    shift, unsure, places = 0.0, 0.0, []
     for number, (solid, radius) in enumerate(zip(scene.solids, given, strict=True)):
         material: Any = getattr(solid, "substrate", solid)
         if 0 < radius < inf:
@@ -243,14 +245,25 @@ def distant_approach(
             distance = below * exp(-1 / (2 * (1 - material.poisson_ratio)))
             places.append(f"a depth of {readable(below)}")
         if datum:
-            shift += 2 * material.compliance / pi * log(datum / distance)
+            of_body = 2 * material.compliance / pi * log(datum / distance)
+            shift += of_body
+            if isinstance(solid, CoatedHalfSpace):
+                added = _of_line(solid, datum) - _of_line(solid, distance) - of_body
+                shift, unsure = shift + added, unsure + abs(added)
         else:
             weights = grid.cell_area / np.hypot(distance, grid.y - grid.y.mean())
             of_load = float((contact.net_pressure * weights).sum()) / per_length
             shift += material.compliance / pi * of_load
     detail = f", between {' and '.join(places)}"
     near, found = contact.quantities["approach"], contact_stiffness(contact)
-    approach = replace(near, value=near.value - shift * per_length, detail=detail)
+    at_axes = near.bound + unsure * abs(per_length)
+    approach = replace(near, value=near.value - shift * per_length, bound=at_axes, detail=detail)
     value = 1 / (1 / found.value - shift)
-    bound = found.bound * (value / found.value) ** 2
+    bound = found.bound * (value / found.value) ** 2 + unsure * value**2
     return DistantApproach(approach, replace(found, value=value, bound=bound, detail=detail))
+
+
+def _of_line(body: CoatedHalfSpace, datum: float) -> float:
+    """Return the displacement over a load on a line [1/Pa] by which a body moves so that it is 0 at the `datum` [m]."""
+    response: Mapping[Any, float] = body.response(datum)
+    return float(sum(weight * kind.rigid_shift(1.0) for kind, weight in response.items()))

@@ -16,6 +16,9 @@ from contactstudy.elasticity.kernels.layer.response import LayerResponse
 from contactstudy.elasticity.kernels.layer.wave_coefficients import WaveCoefficients
 from contactstudy.elasticity.kernels.traction import SWAPPED
 
+# Width over its distance of a strip that stands for a line.
+LINE = 1e-4
+
 
 @dataclass(frozen=True)
 class CoatingCoefficients:
@@ -90,9 +93,14 @@ class CoatingCoefficients:
     def rigid_shift(self, line: float) -> float:
         """Return what the datum adds to the response to a row of images, each with the area `line` times the period.
 
-        The surface of a half-space of the substrate stays where it is at the datum.
+        The surface does not move at the datum under a load on a line. Fields without a logarithm have none.
         """
-        return self._contrast * 2 * line * log(self.datum)
+        if self.name not in ("xx", "yy", "z"):
+            return 0.0
+        width = LINE * self.datum
+        waves = self._waves(Subtracted.FIRST).strip(np.array([self.datum]), width)
+        of_waves = self.thickness * float(waves[0]) / width
+        return line * (self._contrast * log(self.datum**2 + 4 * self.thickness**2) - of_waves)
 
     def lattice(
         self, x: Array, y: Array, dx: float, dy: float, width: float, period: float

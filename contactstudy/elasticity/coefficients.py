@@ -141,7 +141,9 @@ def without_shift(
     images = len(rows[0]) if len(rows) == 1 else 0
     period = grid.extent[0 if paddings[0].window is None else 1]
     unshifted: Coefficients = replace(coefficients, datum=1.0)  # type: ignore[type-var]
-    return unshifted, images * coefficients.rigid_shift(grid.cell_area / period)
+    line = grid.cell_area / period
+    added = coefficients.rigid_shift(line) - unshifted.rigid_shift(line)  # type: ignore[attr-defined]
+    return unshifted, images * added
 
 
 def influence_coefficients(grid: Grid, paddings: Paddings, coefficients: Coefficients) -> Array:

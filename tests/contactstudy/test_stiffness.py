@@ -86,6 +86,18 @@ def test_axes_of_cylinders_approach_as_johnson_has_it(radii: tuple[float, float]
     assert "20 mm away" in near.detail or radii[1] == 0.02
 
 
+def test_a_coating_counts_in_the_approach_of_axes_as_far_as_it_is_thick() -> None:
+    found = []
+    for coating, thickness in ((cs.HalfSpace(70e9, 0.2), 1e-6), (cs.HalfSpace(70e9, 0.2), 1e-2)):
+        coated = cs.CoatedHalfSpace(coating, thickness, STEEL)
+        scene = cs.Scene(cs.LineLoad(1e5), (coated, STEEL), (cs.Cylinder(0.01),))
+        contact = cs.solve(scene, cs.Grid((64, 1), (4e-4, 4e-4)), EXACT)
+        found.append(cs.distant_approach(contact, (0.01, np.inf), depth="50 mm").approach)
+    thin, thick = found
+    assert thin.bound < 1e-3 * thin.value
+    assert 0.02 * thick.value < thick.bound < 0.1 * thick.value
+
+
 def test_axes_of_a_long_roller_that_ends_approach_as_those_of_an_endless_one() -> None:
     flat = cs.FiniteLength(0.08)
     scene = cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL), (cs.Cylinder(0.01), flat))

@@ -151,6 +151,8 @@ def test_a_file_without_settings_has_those_of_the_functions(tmp_path: Path) -> N
         (GOOD, '[load]\nper_length = "100 N/mm"', "", "load: it is missing: give a table."),
         (GOOD, 'per_length = "100 N/mm"', "", "it is missing: give a load per length"),
         (GOOD, 'per_length = "100 N/mm"', 'totl = "1 kN"', "load: unknown key 'totl': did you mean 'total'"),
+        (GOOD, 'per_length = "100 N/mm"', "force = 1", "unknown key 'force'"),
+        (GOOD, 'per_length = "100 N/mm"', "force = 1", "it is missing"),
         (GOOD, "rms = {slope = 0.01}", "", "shapes[1].rms: it is missing: give a length"),
         (GOOD, "[load]", '[load]\ntotal = "1 kN"', "load: it has per_length, total together: give the keys of"),
         (GOOD, '"100 N/mm"', '"1,5 N/mm"', "with a decimal point"),
@@ -188,6 +190,17 @@ def test_what_is_wrong_is_named_by_its_key(
         read(text.replace(good, bad), tmp_path)
     assert said in str(raised.value)
     assert "scene.toml" in str(raised.value)
+
+
+def test_a_misspelt_key_is_not_missing_too(tmp_path: Path) -> None:
+    wrong = GOOD.replace("per_length", "per_lenght").replace('radius = "10 mm"', 'radus = "10 N"')
+    with pytest.raises(cs.InvalidInput) as refused:
+        read(wrong, tmp_path)
+    said = str(refused.value)
+    assert "did you mean 'per_length'." in said
+    assert "did you mean 'radius'." in said
+    assert "radius: it is '10 N': give a length" in said
+    assert "missing" not in said
 
 
 def test_either_axis_has_its_padding(tmp_path: Path) -> None:

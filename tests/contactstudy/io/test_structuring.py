@@ -1,7 +1,6 @@
 import math
 from decimal import Decimal
 from itertools import product
-from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -100,23 +99,3 @@ def test_any_text_is_a_number_or_refused(text: str) -> None:
         assert isinstance(in_si("field", text, METRES), float)
     except cs.InvalidInput as error:
         assert str(error).startswith("field is ")  # noqa: PT017 (either is right)
-
-
-def test_a_misspelt_key_is_not_missing_too(tmp_path: Path) -> None:
-    (tmp_path / "scene.toml").write_text(
-        '[load]\nper_lenght = "100 N/mm"\n[[solids]]\nmaterial = "steel"\n[[solids]]\nmaterial = "steel"\n'
-        '[[shapes]]\nkind = "Cylinder"\nradus = "10 N"\n'
-    )
-    with pytest.raises(cs.InvalidInput) as refused:
-        cs.read_scene(tmp_path / "scene.toml")
-    said = str(refused.value)
-    assert "load: unknown key 'per_lenght': did you mean 'per_length'." in said
-    assert "shapes[0]: unknown key 'radus': did you mean 'radius'." in said
-    assert "radius: it is '10 N': give a length" in said
-    assert "missing" not in said
-
-
-def test_a_key_that_is_like_no_other_leaves_another_missing(tmp_path: Path) -> None:
-    (tmp_path / "scene.toml").write_text('[load]\nforce = "100 N/mm"\n')
-    with pytest.raises(cs.InvalidInput, match=r"unknown key 'force'[\s\S]*it is missing"):
-        cs.read_scene(tmp_path / "scene.toml")

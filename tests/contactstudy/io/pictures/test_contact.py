@@ -4,7 +4,6 @@ import xarray as xr
 
 import contactstudy as cs
 from contactstudy.io.pictures.contact import contact_picture, film_picture
-from contactstudy.io.pictures.figure import label_axes, panels
 from contactstudy.io.pictures.picture import picture_of
 
 X = np.array([-1e-4, 0.0, 1e-4])
@@ -120,16 +119,6 @@ def test_pressure_film_and_temperature_are_drawn_in_one() -> None:
     assert np.nanmax(drawn["pressure [GPa]"]) == pytest.approx(1)
     assert np.nanmin(drawn["film [nm]"]) == pytest.approx(100)
     assert np.nanmax(drawn["temperature rise [K]"]) == pytest.approx(20)
-
-
-def test_numbers_of_one_logarithmic_axis_have_one_format() -> None:
-    figure, (ax,) = panels(1)
-    ax.loglog([1, 10], [2e-4, 3e-3])
-    label_axes(figure)
-    figure.draw_without_rendering()
-    texts = [label.get_text() for label in ax.get_yticklabels(which="both") if label.get_text()]
-    assert texts
-    assert all("10^{" in text for text in texts)
 
 
 def test_a_dataset_of_no_answer_has_no_picture() -> None:

@@ -101,5 +101,3 @@ def test_a_file_marches_a_film_with_histories_of_load_and_speed(tmp_path: Path) 
     speeds = evolution.to_dataset()["mean_speed"]
     assert speeds.dims == ("time",)
     assert speeds.values == pytest.approx([0.1, 0.6625, 1.0])
-    cs.write_scene(described, tmp_path / "again.toml")
-    assert cs.read_scene(tmp_path / "again.toml").scene == described.scene

@@ -150,18 +150,6 @@ def test_shares_near_the_dry_contact_settle_with_finer_cells_within_their_error(
     assert coarse.contact_load_fraction == pytest.approx(fraction, abs=1e-2)
 
 
-@pytest.mark.whole
-def test_isoviscous_ridges_have_two_films_at_one_speed() -> None:
-    """From higher speeds on a thick film; from the dry contact held flat. On 800 cells, at 0.06 of the speed."""
-    above, below, at = (mixed(0.06, speed, viscosity=0) for speed in (0.1, 0.04, 0.06))
-    down, up = (
-        solve_lubricated(at, grid(800), start=solve_lubricated(other, grid(800)))
-        for other in (above, below)
-    )
-    assert down.contact_load_fraction == pytest.approx(0.1999, abs=1e-4)
-    assert up.contact_load_fraction == pytest.approx(0.8335, abs=1e-4)
-
-
 def test_a_slow_rough_film_becomes_the_dry_contact_along_the_length() -> None:
     rough = cs.Roughness(0.03 * UNIT, hurst=0.8, roll_off=A, cut_off=A / 4, seed=1)
     scene, cells = mixed(0.06, 1.0), cs.Grid((64, 16), (6 * A, 2 * A))

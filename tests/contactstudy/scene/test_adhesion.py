@@ -169,6 +169,7 @@ FRICTIONS = [
 ]
 
 
+@pytest.mark.cases(4)
 @pytest.mark.parametrize("friction", FRICTIONS)
 def test_friction_is_limited_by_the_pressure_that_the_attraction_adds_to(friction: Any) -> None:
     alone = cs.solve(WITH_RANGE, GRID, LINE, tolerance=1e-7)

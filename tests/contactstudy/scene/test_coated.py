@@ -278,6 +278,8 @@ def test_a_stack_is_read_from_a_file_and_each_layer_has_its_numbers(tmp_path: Pa
     numbers = contact.quantities
     stress = contact.derived["von_mises"].values.max(axis=(1, 2))
     z = contact.derived["z"].values
+    for interface in (4e-6, 1e-5):  # the stress just below it, beside that at it
+        assert ((z / interface - 1 > 1e-13) & (z / interface - 1 < 1e-9)).any()
     for name, inside in (
         ("coating", z <= 4e-6),
         ("interlayer_0", (z > 4e-6) & (z <= 1e-5)),

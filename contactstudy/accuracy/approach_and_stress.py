@@ -7,10 +7,8 @@ import numpy as np
 
 from contactstudy.accuracy.discretisation.bound import CONSTANTS as ONE_GRID
 from contactstudy.accuracy.discretisation.bound import has_isolated_cells
-from contactstudy.accuracy.discretisation.coarser import FIRST_ORDER_MARGIN
-from contactstudy.accuracy.estimate import CONSTANTS as COATING
 from contactstudy.accuracy.image_errors import IMAGES_REMEDY, with_all_images
-from contactstudy.domain.errors import ErrorEstimate, ErrorParts
+from contactstudy.domain.errors import MARGIN, ErrorEstimate, ErrorParts
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.solvers.solution import Solution, Status
@@ -57,7 +55,7 @@ def approach_error(
     change = 0.0 if coarse is None else abs(solution.approach - coarse.approach)
     source = solution.problem.source
     if solution.adhesion is not None or (source is not None and source.ends_along):
-        change *= FIRST_ORDER_MARGIN
+        change *= MARGIN
     varies = float(solution.displacement.std())
     cells, residual = estimate.l1.discretisation or 0.0, estimate.l1.residual or 0.0
     shift = max(change, ONE_GRID.gap_error * cells * varies)
@@ -132,7 +130,7 @@ def unresolved_interface(grid: Grid, thickness: float) -> ErrorParts | None:
     It lies beside an edge of the contact, over a length of the `thickness` [m] of the layer above, so that it has a
     bound on cells of up to half of that.
     """
-    cell, largest = grid.cell_size[0], thickness * COATING.cell_at_interface
+    cell, largest = grid.cell_size[0], thickness * ONE_GRID.cell_at_interface
     if cell <= largest * (1 + 1e-9):
         return None
     reason = (

@@ -1,6 +1,6 @@
 """Estimated errors of a solution, by cause: images left out, cells, the solver's residual, a range of attraction."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import inf
 
 import numpy as np
@@ -12,7 +12,6 @@ from contactstudy.accuracy.discretisation.bound import (
     over_net,
 )
 from contactstudy.accuracy.discretisation.coarser import (
-    FIRST_ORDER_MARGIN,
     DiscretisationErrors,
     coarse_solution,
     comparable,
@@ -34,12 +33,11 @@ from contactstudy.accuracy.range_errors import (
 )
 from contactstudy.accuracy.residual_errors import residual_errors
 from contactstudy.domain.checks import NotDefined
-from contactstudy.domain.errors import ErrorEstimate, ErrorParts
+from contactstudy.domain.errors import MARGIN, ErrorEstimate, ErrorParts
 from contactstudy.domain.reuse import cache_of, caching
-from contactstudy.domain.units import readable
 from contactstudy.scene.scene import scene_of
 from contactstudy.scene.shapes_source import left_out, standing_heights
-from contactstudy.scene.solids.bodies import creeps, layers_of
+from contactstudy.scene.solids.bodies import creeps
 from contactstudy.solvers.friction.rolling_traction import RollingTraction
 from contactstudy.solvers.solution import Solution
 
@@ -64,31 +62,6 @@ NO_RETARDED_IMAGES = (
 )
 
 
-@dataclass(frozen=True)
-class CoatingConstants:
-    """Constants of the rise of the pressure at the edges of a contact on a stiff coating.
-
-    Attributes
-    ----------
-    stiff_coating
-        Stiffness of a coating over that of its substrate, above which the pressure rises at the edges over part of the
-        thickness t.
-    cell_at_interface
-        Largest cell over the thickness with which the grid resolves the shear stress at the interface.
-    cells_in_coating
-        Cells in the thickness of such a coating with which the grid resolves the rise.
-    edge_rise
-        Largest rise there over the pressure of a plate bent over the radius R, ``E t / R``, over the cube root of the
-        ratio of stiffness.
-    """
-
-    stiff_coating: float = 2.0
-    cell_at_interface: float = 0.5
-    cells_in_coating: int = 2
-    edge_rise: float = 2 / 3
-
-
-CONSTANTS = CoatingConstants()
 # Error of the peak pressure over Dundurs' beta times the largest difference of the shear traction between neighbours at
 # the stick-slip boundary, where the peak lies there: at most 0.42 in 32 contacts on 41 to 324 cells. As many cells away
 # the error is half of that.
@@ -105,8 +78,8 @@ def error_estimate(
 
     The causes are images that the padding leaves out (:mod:`~contactstudy.accuracy.image_errors`), the solver's residual
     (:mod:`~contactstudy.accuracy.residual_errors`), and the cells
-    (:mod:`~contactstudy.accuracy.discretisation.bound`), to which the edges of a
-    stiff coating add. Adhesion in the JKR limit adds its range (:mod:`~contactstudy.accuracy.range_errors`).
+    (:mod:`~contactstudy.accuracy.discretisation.bound`). Adhesion in the JKR limit adds its range
+    (:mod:`~contactstudy.accuracy.range_errors`).
 
     Under a given load, where heights and edges are smooth, the solution alone determines them. Otherwise, with adhesion
     and at a given approach, the same contact is solved once more on cells of twice the size, with its heights sampled
@@ -172,17 +145,6 @@ def error_estimate(
     with caching(cache_of(problem.undeformed_gap.nbytes)):
         cells = discretisation_bound(solution, coarse, heights)
     cells = replace(cells, warnings=cells.warnings or range_warning(solution))
-    rise_at_edge, width, reason = _edge_rise(solution)
-    if reason:
-        rise = max(rise_at_edge / float(solution.pressure.max()) - 1, 0.0)
-        # one at either edge, in the mean over the length
-        mean = float(solution.pressure.mean()) * problem.grid.extent[0]
-        cells = replace(
-            cells,
-            peak_pressure=max(cells.peak_pressure, rise),
-            l1=cells.l1 + 2 * rise_at_edge * width / mean,
-            warnings=(*cells.warnings, reason),
-        )
     if at_boundary := _peak_by_shear(solution):
         cells = replace(cells, peak_pressure=cells.peak_pressure + at_boundary)
     of_net, peak_of_net = over_net(solution)
@@ -249,39 +211,7 @@ def _attraction_error(solution: Solution, coarse: Solution | None) -> ErrorParts
         return ErrorParts(discretisation=inf, reason=NO_ATTRACTION)
     left = max(OUTER.change_in_tolerances * solution.residual, LEAST_CHANGE)
     by_range = load_range_error(solution)
-    return ErrorParts(discretisation=FIRST_ORDER_MARGIN * changed, residual=left, range=by_range)
-
-
-def _edge_rise(solution: Solution) -> tuple[float, float, str]:
-    """Return the pressure [Pa] at the edges of a contact on a coating of few cells, its width [m], and a sentence.
-
-    Both are 0, and the sentence is empty, where no coating is much stiffer than its substrate or the cells resolve the
-    rise.
-    """
-    pressure, width, reason, problem = 0.0, 0.0, "", solution.problem
-    scene = scene_of(problem)
-    if scene is None:
-        return pressure, width, reason
-    for coating, stiffer in layers_of(scene.solids):
-        cells = coating.thickness / problem.grid.cell_size[0]
-        if stiffer > CONSTANTS.stiff_coating and cells < CONSTANTS.cells_in_coating:
-            bending = coating.thickness * _curvature(solution) / coating.compliance
-            pressure = max(pressure, CONSTANTS.edge_rise * bending / stiffer ** (1 / 3))
-            width = max(width, coating.thickness)
-            reason = (
-                f"The grid has {cells:.2g} cells in a coating {stiffer:.3g} times as stiff as its substrate, which do "
-                "not resolve how the pressure rises at the edges: the peak there is at most about "
-                f"{readable(pressure, 'Pa', 3)}."
-            )
-    return pressure, width, reason
-
-
-def _curvature(solution: Solution) -> float:
-    """Return the largest curvature of the undeformed gap across [1/m] in cells that touch and beside them."""
-    grid, touching = solution.problem.grid, solution.pressure > 0
-    bends = np.abs(np.diff(solution.problem.undeformed_gap, n=2, axis=0)) / grid.cell_size[0] ** 2
-    beside = touching[:-2] | touching[1:-1] | touching[2:]
-    return float(bends[beside].max(initial=0.0))
+    return ErrorParts(discretisation=MARGIN * changed, residual=left, range=by_range)
 
 
 def _dundurs_of_shear(solution: Solution) -> float:

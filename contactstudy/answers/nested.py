@@ -5,7 +5,7 @@ Where a law is known of a number, of its edges, its peak or its images, that is 
 
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 from math import inf, isfinite
 from types import MappingProxyType
@@ -15,7 +15,17 @@ import numpy as np
 
 from contactstudy.accuracy.discretisation.coarser import halved
 from contactstudy.domain.checks import InvalidInput, NotDefined
-from contactstudy.domain.errors import AREA_FLOOR, FLOOR, INLET, MARGIN, ErrorParts, largest_change
+from contactstudy.domain.errors import (
+    AREA_FLOOR,
+    DEPTH_FLOOR,
+    FLOOR,
+    HALF_ORDER_MARGIN,
+    INLET,
+    MARGIN,
+    STRESS_FLOOR,
+    ErrorParts,
+    largest_change,
+)
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, on_cells
 from contactstudy.io.quantities.quantity import RELATIVE_TO_ZERO, Quantities, Quantity
@@ -36,27 +46,6 @@ AT_EDGE = "highest_residual_stress", "surface_tension", "largest_shear"
 # In the name of a depth, before the index of a body where it has one.
 DEPTH = re.compile(r"_depth(?=(_\d)?$)")
 NO_COARSER_YIELD = "No bound: nothing yields on half the cells, give more."
-
-
-@dataclass(frozen=True)
-class NestedConstants:
-    """Constants of the bounds of some numbers, in place of those of :mod:`contactstudy.domain.errors` or beside them.
-
-    Attributes
-    ----------
-    half_order_margin
-        `MARGIN` of numbers at an edge, of whose error halved cells leave 0.7: ``1 / (sqrt(2) - 1)``.
-    stress_floor, depth_floor
-        Least change of a largest stress, relative, and of its depth, which lie between those at which they are
-        computed.
-    """
-
-    half_order_margin: float = 2.4
-    stress_floor: float = 5e-4
-    depth_floor: float = 1e-2
-
-
-CONSTANTS = NestedConstants()
 
 
 def halved_grid(grid: Grid, times: int) -> Grid:
@@ -143,11 +132,11 @@ def with_nested_bounds(
                 floor = max(floor, AREA_FLOOR * zone_edge)
             if any(stress in name for stress in OF_STRESS):
                 is_depth = DEPTH.search(name)
-                floor = max(floor, CONSTANTS.depth_floor if is_depth else CONSTANTS.stress_floor)
+                floor = max(floor, DEPTH_FLOOR if is_depth else STRESS_FLOOR)
                 others += of_stress.get(name, 0.0)
             values = [quantity.value, *known]
             change = largest_change([abs(fine - coarse) for fine, coarse in pairwise(values)])
-            margin = CONSTANTS.half_order_margin if _is_at_edge(name) else MARGIN
+            margin = HALF_ORDER_MARGIN if _is_at_edge(name) else MARGIN
             bound = margin * max(change, floor * size) + others * size
             if wider is not None and name in wider:
                 bound += INLET * abs(known[0] - wider[name].value)

@@ -8,7 +8,7 @@ from operator import is_
 
 import numpy as np
 
-from contactstudy.accuracy.estimate import CONSTANTS as ESTIMATE
+from contactstudy.accuracy.discretisation.bound import CONSTANTS as ONE_GRID
 from contactstudy.analytic import HertzLine
 from contactstudy.domain.checks import InvalidInput, NotDefined
 from contactstudy.domain.grid import (
@@ -323,16 +323,6 @@ class GridRequirements:
     def warnings(self, grid: Grid) -> tuple[str, ...]:
         """Return a sentence for each fault of `grid`."""
         messages = []
-        for coating, stiffer in layers_of(self.coatings):
-            if (
-                stiffer > ESTIMATE.stiff_coating
-                and grid.cell_size[0] > coating.thickness / ESTIMATE.cells_in_coating
-            ):
-                messages.append(
-                    f"Grid.cells[0] is {grid.cells[0]}: {coating.thickness / grid.cell_size[0]:.2g} cells in a coating "
-                    f"{stiffer:.3g} times as stiff as its substrate, too few for a bound of the error, give "
-                    f"{int(np.ceil(ESTIMATE.cells_in_coating * grid.extent[0] / coating.thickness))}."
-                )
         for axis, (cell, wave) in enumerate(
             zip(grid.cell_size, self.shortest_wavelengths, strict=True)
         ):
@@ -385,7 +375,7 @@ def grid_requirements(scene: Scene, padding: Padding | Paddings | None = None) -
         coatings,
         friction="" if scene.friction is None else scene.friction.explanation(scene),
         given_padding=padding,
-        stress_cell=thickness * ESTIMATE.cell_at_interface,
+        stress_cell=thickness * ONE_GRID.cell_at_interface,
     )
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from contactstudy.accuracy.discretisation.cells import contact_area_in_cells
 from contactstudy.domain.checks import InvalidInput
+from contactstudy.domain.errors import MARGIN
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, edge_fraction, on_cells
 from contactstudy.problem.problem import Problem, Source
@@ -15,12 +16,11 @@ from contactstudy.solvers.cohesive_law import Dugdale, Exponential
 from contactstudy.solvers.solution import Branch, Solution, Status
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
-# Tolerance of the coarse solution, whose difference from the fine one needs two digits.
-COARSE_TOLERANCE = 1e-4
+# Tolerance of the coarse solution. It begins with the means of the fine one, which on several hundred cells are within
+# 1e-4 of it, and would then be taken for it.
+COARSE_TOLERANCE = 1e-6
 # That of one with adhesion, whose states near separation differ by slow changes alone.
 ADHESIVE_TOLERANCE = 1e-7
-# Bound over the change from cells of twice the size, which is the error itself where errors fall like the cell.
-FIRST_ORDER_MARGIN = 1.5
 # Error of the work of adhesion by which cells trap the edge of a contact, times the cells in the cohesive zone.
 TRAPPED_WORK: dict[type, float] = {Exponential: 0.06, Dugdale: 0.16}
 
@@ -138,11 +138,11 @@ def error_by_change(solution: Solution, coarse: Solution | None) -> Discretisati
         return change
     assert change.load is not None
     errors = DiscretisationErrors(
-        FIRST_ORDER_MARGIN * change.l1,
-        FIRST_ORDER_MARGIN * change.peak_pressure,
-        max(FIRST_ORDER_MARGIN * change.contact_area, edge_fraction(solution.pressure > 0)),
-        FIRST_ORDER_MARGIN * change.mean_gap,
-        FIRST_ORDER_MARGIN * change.load,
+        MARGIN * change.l1,
+        MARGIN * change.peak_pressure,
+        max(MARGIN * change.contact_area, edge_fraction(solution.pressure > 0)),
+        MARGIN * change.mean_gap,
+        MARGIN * change.load,
     )
     return errors if solution.adhesion is None else _with_trapping(errors, solution)
 

@@ -91,9 +91,8 @@ class Contact(Answer, Solution):
                 return self.rolling.error_estimate()
             if not self._has_derived_errors:
                 return self.estimate or error_estimate(self)
-            coarse = coarse_solution(self.problem, self.pressure, self.attraction)
-            estimate = self.estimate or error_estimate(self, coarse=coarse)
-            return self._with_derived(estimate, comparable(coarse))
+            estimate = self.estimate or error_estimate(self, coarse=self._on_half_the_cells)
+            return self._with_derived(estimate, comparable(self._on_half_the_cells))
         except NotDefined as reason:
             unknown = ErrorParts(discretisation=inf, reason=f"No bound: {reason}")
             return ErrorEstimate(unknown, unknown, unknown, unknown, warnings=(unknown.reason,))
@@ -213,16 +212,18 @@ class Contact(Answer, Solution):
             return []
         return levels_below(self.coarser or self._on_coarser_cells)
 
+    @cached_property
+    def _on_half_the_cells(self) -> Solution | None:
+        """The solution on half of the cells along each axis; None where the problem is not known on them."""
+        return coarse_solution(self.problem, self.pressure, self.attraction)
+
     def _on_coarser_cells(self, level: int) -> "Contact":
         """Return the contact on 1 / 2^level of the cells along each axis."""
-        solution: Solution = self
-        for _ in range(level):
-            start = solution.pressure, solution.attraction
-            coarse = comparable(coarse_solution(solution.problem, *start))
-            if coarse is None:
-                raise NotDefined("There is no solution on coarser cells.")
-            solution = coarse
-        return contact_answer(solution, is_coarse=True)
+        half = comparable(self._on_half_the_cells)
+        if half is None:
+            raise NotDefined("There is no solution on coarser cells.")
+        answer = contact_answer(half, is_coarse=True)
+        return answer if level == 1 else answer._on_coarser_cells(level - 1)
 
     @property
     def judged_error(self) -> tuple[str, ErrorParts]:

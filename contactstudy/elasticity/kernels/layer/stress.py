@@ -11,16 +11,13 @@ import numpy as np
 from scipy.interpolate import PPoly
 
 from contactstudy.domain.fields import Array
-from contactstudy.elasticity.kernels.layer.response import (
-    MAX_DIRECT,
-    LayerResponse,
-    RealOrComplex,
-    spline,
-)
+from contactstudy.elasticity.kernels.layer.response import LayerResponse, RealOrComplex, spline
 
 # Last wave number of the spline through the remainder, times the rate at which it decays: that of a wave with 34, where
 # it is below rounding, along either axis.
 LAST_STRESS_WAVE = 49.0
+# Values beyond which that spline is made: more than the integral over the waves of a strip takes.
+MAX_DIRECT = 1024
 
 
 def half_space(t: RealOrComplex) -> tuple[tuple[RealOrComplex, RealOrComplex, RealOrComplex], ...]:

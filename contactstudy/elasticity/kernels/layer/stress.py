@@ -16,8 +16,9 @@ from contactstudy.elasticity.kernels.layer.response import LayerResponse, RealOr
 # Last wave number of the spline through the remainder, times the rate at which it decays: that of a wave with 34, where
 # it is below rounding, along either axis.
 LAST_STRESS_WAVE = 49.0
-# Values beyond which that spline is made: more than the integral over the waves of a strip takes.
-MAX_DIRECT = 1024
+# Values beyond which that spline is made: more than the integral over the waves of a strip takes. On a lattice it is
+# always made, since many sums read it.
+MAX_DIRECT = 2**13
 
 
 def half_space(t: RealOrComplex) -> tuple[tuple[RealOrComplex, RealOrComplex, RealOrComplex], ...]:
@@ -71,9 +72,10 @@ class LayerStress:
 
         It is zero at k = 0, and decays as exp(-k `decay_rate`). In a layer the closed form is a change of s_xx at the
         depth of the point mirrored in the deepest interface, between the stresses of this layer under the strains of two
-        half-spaces. Many real `k`, up to LAST_STRESS_WAVE over the decay rate, are those of a spline.
+        half-spaces. Many real `k`, up to LAST_STRESS_WAVE over the decay rate, are those of a spline, as are those of a
+        lattice (across, along).
         """
-        if k.size > MAX_DIRECT and not np.iscomplexobj(k):
+        if (k.ndim > 1 or k.size > MAX_DIRECT) and not np.iscomplexobj(k):
             values = np.asarray(np.moveaxis(_spline(self)(k), -1, 0))
         else:
             values = self._remainder(k.ravel())

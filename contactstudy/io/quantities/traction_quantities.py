@@ -6,6 +6,7 @@ from math import inf, isfinite
 import numpy as np
 from numpy.typing import NDArray
 
+from contactstudy.accuracy.range_errors import NO_LIMIT
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.io.quantities.quantity import Quantity, per_length, with_bound
 from contactstudy.io.quantities.stress_quantities import fall_beside
@@ -30,12 +31,16 @@ def traction_quantities(
     over_load = _force_over_load(solution, traction)[0]
     coefficient = Quantity(over_load, "1", "tangential force over load")
     friction = getattr(scene_of(solution.problem), "friction", None)
-    displacement_given = getattr(friction, "displacements", None) is not None
-    if not (friction is None or displacement_given):
+    sticks = getattr(friction, "sticks", False)
+    if solution.adhesion is not None and not sticks:
+        # full sliding over the load, which the grid changes with the repulsion
+        if solution.adhesion.regularised:
+            coefficient = replace(coefficient, reason=NO_LIMIT)
+    elif not (friction is None or getattr(friction, "displacements", None) is not None):
         pressed, load = float(solution.pressure.sum()), abs(_net_load(solution))
         error = ErrorParts(residual=solution.residual * (pressed / load if load else 1.0))
         # where the contact sticks the force is given, else in full sliding that over the load
-        if getattr(friction, "sticks", False) and estimate.load is not None:
+        if sticks and estimate.load is not None:
             error = estimate.load
         coefficient = with_bound(coefficient, error)
     return _of_force(solution, traction, estimate, {"traction_coefficient": coefficient})
@@ -103,6 +108,9 @@ def _of_force(
         return forces | {"stick_fraction": stick}
     over = float(traction.shear[0].sum()) / pressed if pressed else 0.0
     repulsive = Quantity(over, "1", "tangential force over repulsion")
+    friction = getattr(scene_of(solution.problem), "friction", None)
+    if friction is not None and not getattr(friction, "sticks", False):
+        repulsive = replace(repulsive, bound=0.0, reason="")  # it is the coefficient of friction
     of_load = forces if _net_load(solution) > 0 else {}
     return of_load | {"stick_fraction": stick, "traction_over_repulsion": repulsive}
 

@@ -68,11 +68,12 @@ class LubricatedContact(Answer, FilmSolution):
 
     @property
     def counts(self) -> Counts:
-        """Iterations of the film and of its linear systems, and the residual."""
+        """Iterations of the film and of its linear systems, the residual, and the imbalance of the flow."""
         return {
             "iterations": (self.iterations, "steps on the finest grid"),
             "linear_iterations": (self.linear_iterations, "iterations of linear systems"),
             "residual": (self.residual, "residual of the film"),
+            "flux_spread": (self.flux_spread, "relative imbalance of the mass flow"),
         }
 
     def summary(self) -> str:

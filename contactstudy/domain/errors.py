@@ -100,7 +100,7 @@ class ErrorEstimate(InNotebook):
         Error of largest stresses that their changes between grids do not show; None where no stress is computed.
     central_film, minimum_film, friction_coefficient
         Errors of the numbers of a film; None for a dry contact.
-    contact_load_fraction, contact_area_fraction
+    contact_load_fraction, contact_area_ratio
         Errors of the load and the area of asperity contacts in a film; None without a boundary film.
     flash_temperature, film_temperature
         Errors of the temperatures of a film, as the model has them; None for a film of one temperature.
@@ -126,7 +126,7 @@ class ErrorEstimate(InNotebook):
     minimum_film: ErrorParts | None = None
     friction_coefficient: ErrorParts | None = None
     contact_load_fraction: ErrorParts | None = None
-    contact_area_fraction: ErrorParts | None = None
+    contact_area_ratio: ErrorParts | None = None
     flash_temperature: ErrorParts | None = None
     film_temperature: ErrorParts | None = None
     rolling_resistance: ErrorParts | None = None

@@ -202,7 +202,7 @@ def _compared(
         untouched = _untouched_reason(contact, errors["minimum_film"])
         edge = AREA_FLOOR * edge_fraction(contact.contact_pressure > 0)
         errors["contact_load_fraction"] = of_number("contact_load_fraction", untouched)
-        errors["contact_area_fraction"] = of_number("contact_area_fraction", untouched, edge)
+        errors["contact_area_ratio"] = of_number("contact_area_ratio", untouched, edge)
     said = dict.fromkeys(one.reason for one in (l1, *errors.values()) if one.reason)
     numbers = {name: errors.pop(name) for name in names if name in FURTHER}
     fields: Any = errors

@@ -227,7 +227,7 @@ class FilmSolution:
         return float(self.contact_pressure.sum() / self.pressure.sum())
 
     @property
-    def contact_area_fraction(self) -> float:
+    def contact_area_ratio(self) -> float:
         """Real contact area, where asperities touch, over that of Hertz's contact."""
         if self.contact_pressure is None:
             return 0.0

@@ -6,6 +6,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.domain.device import threads
+from tests.conftest import STEEL
 from tests.contactstudy.evolution.creeping import LOAD, SOLID, rolling_cylinder
 from tests.contactstudy.evolution.test_roll_repeatedly import scene as yielding_cylinder
 from tests.contactstudy.lubrication import scenes as films
@@ -52,3 +53,14 @@ def test_a_solve_uses_the_threads_of_its_device(kind: str) -> None:
 def test_a_smooth_film_has_the_period_that_is_given() -> None:
     scene, _ = KINDS["film"]
     assert cs.solve(scene, error=0.3, period=7e-3).grid.length == 7e-3
+
+
+def test_an_elastic_contact_in_a_load_history_has_the_bounds_of_that_contact_alone() -> None:
+    grid, rest = cs.Grid((48, 1), (4e-4, 1e-4)), cs.ExactPeriodicity()
+    history = cs.LoadHistory((0.0, 1.0), (1e5, 5e4))
+    scene = cs.Scene(history, (STEEL, STEEL), (cs.Cylinder(0.01),))
+    last = cs.solve(scene, grid, rest, times=[0.0, 1.0]).frames[-1].quantities
+    alone = cs.solve(replace(scene, load=cs.LineLoad(5e4)), grid, rest).quantities
+    for name in ("contact_area", "half_width", "mean_gap", "approach"):
+        assert last[name].value == pytest.approx(alone[name].value, rel=1e-5)
+        assert last[name].bound == pytest.approx(alone[name].bound, rel=0.1)

@@ -157,9 +157,15 @@ class DrySteps(Method[Instant]):
             for variable, state in zip(stepper.all_state_variables, instant.states, strict=True)
             for name, of in variable.fields(state).items()
         }
-        parts, peak_parts, warnings = self._of_grid(solution)
+        at_rest: dict[str, Any] = {}
+        if not stepper.all_state_variables and solution.pressure.any() and not has_failed:
+            at_rest = {
+                **{name: getattr(solution, name) for name in ("problem", "displacement")},
+                "grid_error_parts": None,
+            }
+        parts, peak_parts, warnings = (UNKNOWN, UNKNOWN, ()) if at_rest else self._of_grid(solution)
         work: Any = {name: record.work[name] for name in ("solves", "iterations", "convolutions")}
-        return frame_of(
+        frame = frame_of(
             solution,
             time=instant.time,
             load=instant.load,
@@ -176,6 +182,7 @@ class DrySteps(Method[Instant]):
             adhesion=instant.adhesion,
             **work,
         )
+        return replace(frame, **at_rest)
 
     def _by_steps(self, fine: Instant, coarse: Instant, step: float) -> dict[str, float]:
         """Return errors of `fine` by steps, in L1 of the pressure and of the states, and of the peak pressure.

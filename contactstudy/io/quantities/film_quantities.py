@@ -54,7 +54,6 @@ def film_quantities(contact: "FilmSolution", estimate: ErrorEstimate) -> dict[st
         ),
         **_of_formulas(contact),
         **_lambda_ratio(contact),
-        "flux_spread": Quantity(contact.flux_spread, "1", "relative imbalance of the mass flow", 0.0, ""),
     }  # fmt: skip
     if scales.lubrication.supply is not None:
         quantities["meniscus"] = Quantity(contact.meniscus, "m", "position of the inlet meniscus")
@@ -65,8 +64,8 @@ def film_quantities(contact: "FilmSolution", estimate: ErrorEstimate) -> dict[st
             "fraction of the load on asperities",
             is_fraction=True,
         )
-        quantities["contact_area_fraction"] = Quantity(
-            contact.contact_area_fraction,
+        quantities["contact_area_ratio"] = Quantity(
+            contact.contact_area_ratio,
             "1",
             "real contact area over Hertz's contact area",
             is_fraction=True,

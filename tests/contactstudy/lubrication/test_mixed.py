@@ -144,7 +144,7 @@ def test_shares_near_the_dry_contact_settle_with_finer_cells_within_their_error(
     # either end of each stretch in contact lies anywhere within half a cell of where it is counted
     touching = coarse.contact_pressure[:, 0] > 0
     ends = np.count_nonzero(np.diff(touching))
-    assert estimate.contact_area_fraction.total >= ends / 2 / np.count_nonzero(touching)
+    assert estimate.contact_area_ratio.total >= ends / 2 / np.count_nonzero(touching)
     fraction = fine.contact_load_fraction
     assert coarse.contact_load_fraction == pytest.approx(fraction, rel=parts.total)
     assert coarse.contact_load_fraction == pytest.approx(fraction, abs=1e-2)

@@ -46,7 +46,7 @@ OVER_GRID = Plot(
     "over_grid", (ERROR,), "grid", hue="padding", dash="images",
     at={"period": -1, "solver_tolerance": 0, "along": 0}, log="xy", labels=LABELS,
     caption="L1 error of the pressure over the cells across, the largest over where the edge of the contact lies in "
-    "its cell. A line ends horizontally at the error of its padding, which finer grids do not reduce.",
+    "its cell. A flat end is the error of the padding.",
 )  # fmt: skip
 SIDE_BY_SIDE = Plot(
     "paddings", (ERROR,), "padding", dash="images", at=FINEST | {"period": -1}, log="y", labels=LABELS,
@@ -89,7 +89,7 @@ def needed_images(dataset: xr.Dataset) -> Table | None:
         rows.append((f"{period:g} a", *map(percent, single), *least))
     return Table(
         "Error of the paddings without an n, and the least n of a circular window that adds no more than a target to "
-        f"the error by the cells. The n are those stored: {', '.join(map(str, images))}.",
+        "the error by the cells.",
         ("period", *(name for name in paddings(dataset) if name not in HAS_IMAGES),
          *(f"n for {percent(target)} more" for target in TARGETS)),
         tuple(rows),

@@ -8,6 +8,7 @@ import numpy as np
 from contactstudy.accuracy.discretisation.bound import CONSTANTS as ONE_GRID
 from contactstudy.accuracy.discretisation.bound import has_isolated_cells
 from contactstudy.accuracy.image_errors import IMAGES_REMEDY, with_all_images
+from contactstudy.accuracy.range_errors import root_of_pull_off
 from contactstudy.domain.errors import MARGIN, ErrorEstimate, ErrorParts
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
@@ -59,6 +60,8 @@ def approach_error(
     varies = float(solution.displacement.std())
     cells, residual = estimate.l1.discretisation or 0.0, estimate.l1.residual or 0.0
     shift = max(change, ONE_GRID.gap_error * cells * varies)
+    if solution.adhesion is not None and (root := root_of_pull_off(estimate.pull_off)):
+        shift += root * max(size, solution.adhesion.range)
     reason = next(iter(estimate.warnings), "") if shift == inf else ""
     by_range = None
     if solution.adhesion is not None and estimate.contact_area is not None:

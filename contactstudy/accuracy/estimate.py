@@ -30,6 +30,7 @@ from contactstudy.accuracy.range_errors import (
     pull_off_error,
     range_errors,
     range_warning,
+    root_of_pull_off,
 )
 from contactstudy.accuracy.residual_errors import residual_errors
 from contactstudy.domain.checks import NotDefined
@@ -174,13 +175,18 @@ def error_estimate(
         area = replace(area, range=area_by_range)
         gap = replace(gap, range=gap_error(solution, l1_by_range, 0.0, 0.0))
         load = load and replace(load, range=load_range_error(solution))
+    pull_off = _at_pull_off(solution, cells)
+    if solution.adhesion is not None and (root := root_of_pull_off(pull_off)):
+        highest = root * max(solution.pressure.max(), solution.adhesion.attraction.max())
+        by_state = float(highest) / abs(solution.peak_pressure) if solution.peak_pressure else inf
+        peak = replace(peak, discretisation=(peak.discretisation or 0.0) + by_state)
     return ErrorEstimate(
         l1,
         peak,
         area,
         gap,
         load=load,
-        pull_off=_at_pull_off(solution, cells),
+        pull_off=pull_off,
         warnings=(
             *filter(None, (beyond_strength(solution),)),
             *cells.warnings,

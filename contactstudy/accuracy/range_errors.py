@@ -5,7 +5,7 @@ zero. The range is the work of adhesion over the largest traction.
 """
 
 from bisect import bisect_left
-from math import inf, log
+from math import inf, log, sqrt
 from typing import Any
 
 import numpy as np
@@ -172,6 +172,17 @@ def pull_off_error(solution: Solution, load: float, reason: str) -> ErrorParts:
         range=by_range,
         reason=reason if pull_off else ZERO_PULL_OFF,
     )
+
+
+def root_of_pull_off(pull_off: ErrorParts | None) -> float:
+    """Return the relative error of pressure and approach at pull-off by that of the load, apart from its range.
+
+    A load that is stationary there changes by the square of what they change by. It is 0 of a contact that is not pulled
+    off.
+    """
+    if pull_off is None:
+        return 0.0
+    return sqrt((pull_off.discretisation or 0.0) + (pull_off.residual or 0.0))
 
 
 def _is_pressed_flat(solution: Solution) -> bool:

@@ -192,3 +192,15 @@ def test_stresses_have_no_bound_below_a_sharp_end_that_carries_pressure() -> Non
     for bounded in (unloaded_ends, below):
         numbers = cs.solve(bounded, grid, cs.ZeroPadding()).quantities
         assert numbers["largest_shear_stress"].bound < inf
+
+
+def test_the_state_at_pull_off_is_known_to_the_root_of_the_error_of_its_load() -> None:
+    solids, adhesion = (cs.HalfSpace(1e6, 0.49), RIGID), cs.Adhesion(0.05, range=5e-6)
+    scene = cs.Scene(cs.PullOff(1.0), solids, (cs.Cylinder(0.01),), adhesion=adhesion)
+    coarse, fine = (
+        cs.solve(scene, cs.Grid((cells, 1), (2e-3, 1e-3)), EXACT).quantities for cells in (96, 512)
+    )
+    for name in ("peak_pressure", "peak_repulsive_pressure", "approach"):
+        assert abs(coarse[name].value - fine[name].value) <= coarse[name].bound
+        # the load is stationary there: it hardly changes between the grids
+        assert coarse[name].relative_bound > 5 * fine["pull_off"].relative_bound

@@ -21,7 +21,7 @@ ROUNDING_EXPONENT = 34.0
 PIECE_PHASE = 12.0
 # The first wave along a row decays within DECAY_PERIODS, later ones within shorter distances: those from 1, BAND_RATIO,
 # BAND_RATIO^2 ... on are summed on lattices of their own.
-DECAY_PERIODS, BAND_RATIO = 6.0, 8
+DECAY_PERIODS, BAND_RATIO = 6.0, 4
 # Windows of waves, in waves per cell: the end, and the width of the erfc by which they end; WINDOW_END widths farther it
 # is below rounding. A sum over waves that end so is negligible beyond 2 / width cells: within half of NEAR_CELLS for
 # long waves, and at the centre of a cell for those that are seen there. Short waves are the seen ones but the long ones.

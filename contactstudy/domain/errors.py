@@ -21,7 +21,7 @@ MARGIN = 1.5
 # leave 0.7 of its error: ``1 / (sqrt(2) - 1)``. They left 0.65 to 0.75 of that of the highest residual stress.
 HALF_ORDER_MARGIN = 2.4
 # Least change of a largest stress, relative, and of its depth, which lie between those at which they are computed.
-STRESS_FLOOR, DEPTH_FLOOR = 5e-4, 1e-2
+STRESS_FLOOR, DEPTH_FLOOR = 5e-4, 6e-3
 # Least change of a number, over the L1 error of the pressure, since a change may vanish by chance; and of an area, of a
 # stick fraction, or of a number left by a plastic zone, over the fraction of its cells that lie at its edge.
 FLOOR, AREA_FLOOR = 0.1, 0.5

@@ -188,7 +188,7 @@ def _with_depth(
     depths, peaks = axes["z"], values.max(axis=(1, 2))
     rise, position["z"] = between_depths(depths, peaks, given=given)
     depth = Quantity(position["z"], "m", f"depth of the {label}")
-    if given:
+    if given or not depth.value:
         depth = _known_to(depth, depths)
     at, rivals = int(peaks.argmax()), []
     for number, maxima in enumerate(values == maximum_filter(values, 3, mode="nearest")):

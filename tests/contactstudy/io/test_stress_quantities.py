@@ -143,3 +143,16 @@ def test_a_largest_stress_at_the_end_of_the_grid_has_no_bound() -> None:
     assert np.isinf(found["orthogonal_shear"].bound)
     assert "wider grid" in found["orthogonal_shear"].reason
     assert np.isfinite(found["largest_von_mises"].bound)
+
+
+def test_depths_meet_a_request_of_one_per_cent_and_one_at_the_surface_is_known_to_the_next() -> (
+    None
+):
+    smooth = cs.solve(
+        cs.Scene(LOAD, (STEEL, STEEL), (CYLINDER,), outputs=(ALL_DEPTHS,)), error=0.01
+    )
+    assert smooth.met
+    found, _, half = line(64, friction=cs.Sliding(0.5))
+    depth = found["largest_von_mises_depth"]
+    assert depth.value == 0.0
+    assert 0 < depth.bound < 0.05 * half

@@ -11,14 +11,15 @@ from contactstudy.domain.grid import Grid
 from contactstudy.io.quantities.quantity import RELATIVE_TO_ZERO, Quantities, Quantity, per_cent
 
 # Ends of the names of numbers for which finer cells are no remedy. The depth of a largest stress is known only to the
-# distance between the depths at which stress is computed. The bound of the tension beside an edge falls only like the
-# square root of the cell size.
+# distance between the depths at which stress is computed. The bounds of the tension beside an edge and of the largest
+# tangential traction fall only like the square root of the cell size.
 NOT_BY_CELLS = (
     "safety_factor_depth",
     "von_mises_depth",
     "shear_stress_depth",
     "orthogonal_shear_depth",
     "surface_tension",
+    "largest_shear",
 )
 # What is in the names of numbers for which no grid is refined unless they are named.
 NOT_REFINED = "shear_stress", "orthogonal_shear", "_safety_factor"

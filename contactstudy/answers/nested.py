@@ -126,7 +126,7 @@ def with_nested_bounds(
         else:
             size, others = abs(quantity.value), other_causes
             floor = FLOOR * (l1.discretisation or 0.0)
-            if name.endswith(("contact_area", "stick_fraction")):
+            if name.endswith("contact_area"):
                 floor = max(floor, AREA_FLOOR * edge_fraction)
             if name.startswith(BY_YIELD):
                 floor = max(floor, AREA_FLOOR * zone_edge)
@@ -138,6 +138,8 @@ def with_nested_bounds(
             change = largest_change([abs(fine - coarse) for fine, coarse in pairwise(values)])
             margin = HALF_ORDER_MARGIN if _is_at_edge(name) else MARGIN
             bound = margin * max(change, floor * size) + others * size
+            if name.endswith("stick_fraction"):  # its boundary is known to a row of cells
+                bound = max(bound, edge_fraction)
             if wider is not None and name in wider:
                 bound += INLET * abs(known[0] - wider[name].value)
             reach = max((value for value, _ in quantity.rivals), default=quantity.value)

@@ -22,8 +22,8 @@ MARGIN = 1.5
 HALF_ORDER_MARGIN = 2.4
 # Least change of a largest stress, relative, and of its depth, which lie between those at which they are computed.
 STRESS_FLOOR, DEPTH_FLOOR = 5e-4, 6e-3
-# Least change of a number, over the L1 error of the pressure, since a change may vanish by chance; and of an area, of a
-# stick fraction, or of a number left by a plastic zone, over the fraction of its cells that lie at its edge.
+# Least change of a number, over the L1 error of the pressure, since a change may vanish by chance; and of an area, or of
+# a number left by a plastic zone, over the fraction of its cells that lie at its edge.
 FLOOR, AREA_FLOOR = 0.1, 0.5
 # Bound over the change of a number of a film from twice the width: the error by the inlet falls with its length^-2.
 INLET = 4 / 3

@@ -347,3 +347,15 @@ def test_a_punch_that_a_rising_load_widens_carries_the_force_as_a_rigid_displace
     moved = response(last.shear)[0]
     stuck = (first.pressure > 0) & last.stick
     assert np.ptp(moved[stuck]) < 1e-6 * moved.max()
+
+
+def test_the_stick_fraction_at_the_end_is_known_to_a_row_of_cells() -> None:
+    law = cs.Fretting(0.36, (0.0, 4.9e4, -4.9e4), times=(0.0, 1.0, 2.0))
+    steel = cs.HalfSpace(130e9, 0.29)
+    scene = cs.Scene(cs.LineLoad(1.74e5), (steel, steel), (cs.Cylinder(0.0094),), friction=law)
+    coarse, fine = (
+        cs.solve(scene, cs.Grid((cells, 1), (4.5e-4, 1e-4)), cs.ExactPeriodicity(), times=[0.0, 1.0, 2.0])
+        .quantities["final_stick_fraction"]
+        for cells in (64, 320)
+    )  # fmt: skip
+    assert abs(coarse.value - fine.value) <= coarse.bound < 0.1

@@ -105,10 +105,10 @@ def test_what_a_case_has_started_ends_with_it_wherever_it_is(slot: Slot) -> None
     assert squares(performed(slot, Ending(1.0, "left"), Trouble(4.0))) == [KILLED, 16]
     server = next(one for one in psutil.Process().children() if "forkserver" in str(one.cmdline()))
     present = {one.pid for one in server.children(recursive=True)}
-    assert all(
-        "input()" not in " ".join(psutil.Process(pid).cmdline())
-        for pid in set(psutil.pids()) - before - present
-        if psutil.pid_exists(pid)
+    assert not any(
+        "input()" in str(one.info["cmdline"])
+        for one in psutil.process_iter(["cmdline"])
+        if one.pid not in before | present
     )
     # a keeper and its child
     assert len(present) == 2

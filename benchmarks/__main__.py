@@ -27,9 +27,7 @@ def results(suite: Any, cells: list[int]) -> Iterator[str]:
             for name in dir(suite)
             if name.startswith("track_")
         }
-        numbers = "; ".join(
-            f"{name.replace('_', ' ')} {value:.3g}" for name, value in tracked.items()
-        )
+        numbers = "; ".join(f"{name.replace('_', ' ')} {value:.3g}" for name, value in tracked.items())
         yield f"{line}: {1e3 * seconds:.3g} ms of processor time; {numbers}"
 
 

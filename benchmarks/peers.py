@@ -74,9 +74,7 @@ class ProgramRun:
 
     def _openmp(self) -> AbstractContextManager[object]:
         """Limit the threads of programs that use OpenMP."""
-        limited: AbstractContextManager[object] = _libraries(self.program).limit(
-            limits=self.threads, user_api="openmp"
-        )
+        limited: AbstractContextManager[object] = _libraries(self.program).limit(limits=self.threads, user_api="openmp")
         return limited
 
 
@@ -131,9 +129,7 @@ def _tamaas(program_run: ProgramRun) -> Callable[[], Array]:
         raise NotImplementedError("tamaas has no boundary that is periodic along one axis only")
     peer.initialize(program_run.threads)
     grid, heights = program_run.grid, _heights(program_run)
-    model = peer.ModelFactory.createModel(
-        peer.model_type.basic_2d, list(grid.extent), list(grid.cells)
-    )
+    model = peer.ModelFactory.createModel(peer.model_type.basic_2d, list(grid.extent), list(grid.cells))
     model.E, model.nu = MODULUS, 0.0
     if program_run.boundary == "free":
         peer.ModelFactory.registerNonPeriodic(model, "dcfft")

@@ -29,9 +29,7 @@ TOLERANCE = 1e-8
 SECONDS = 0.05
 WIDTH, PERIOD = 4.8, 2.4  # half-widths
 # It leaves a third of Hertz's area in contact.
-ROUGHNESS = cs.Roughness(
-    rms=0.6 * HERTZ_HEIGHT, hurst=0.8, roll_off=1.2 * A, cut_off=0.15 * A, seed=1
-)
+ROUGHNESS = cs.Roughness(rms=0.6 * HERTZ_HEIGHT, hurst=0.8, roll_off=1.2 * A, cut_off=0.15 * A, seed=1)
 # Iterations after which the memory of a solve does not grow: all fields are allocated after the second.
 ENOUGH = 3
 # Of the self-affine surface: its longest wave over its side, its rms slope, Hurst exponent, shortest wave in cells, and

@@ -126,9 +126,7 @@ def first_yield(
     yield_stress = valid("yield_stress", yield_stress, Pascals)
     unit = HertzLine(1.0, radius, contact_modulus)
     x = np.linspace(-1.2, 1.2, 241 if friction else 1)[:, None] + (0.0 if friction else 1.2)
-    xx, zz, xz = unit.stress(
-        x * unit.half_width, np.linspace(0, 2, 401) * unit.half_width, friction
-    )
+    xx, zz, xz = unit.stress(x * unit.half_width, np.linspace(0, 2, 401) * unit.half_width, friction)
     yy = poisson_ratio * (xx + zz)
     mises = np.sqrt(((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 2 + 3 * xz**2)
     # stresses grow as the square root of the load
@@ -315,9 +313,7 @@ class HertzEllipse:
         ratio = 1.0 if nearly_round else float(np.exp(brentq(excess, np.log(1e-7), -1e-7)))
         bend = sum(curvatures) / 2
         numerator = 1.5 * self.load * ellipe(1 - ratio**2)
-        major = float(
-            np.cbrt(numerator / (np.pi * self.contact_modulus * bend)) * ratio ** (-2 / 3)
-        )
+        major = float(np.cbrt(numerator / (np.pi * self.contact_modulus * bend)) * ratio ** (-2 / 3))
         minor = ratio * major
         return (minor, major) if curvatures[0] >= curvatures[1] else (major, minor)
 

@@ -125,9 +125,7 @@ def plan(
         If the scene does not determine a grid: the width of the contact needs a curved shape, the length of a crowned
         roller a FiniteLength.
     """
-    planned = plan_grid(
-        scene, error=error, period=period, grid=grid, padding=padding, times=times, device=device
-    )
+    planned = plan_grid(scene, error=error, period=period, grid=grid, padding=padding, times=times, device=device)
     requested: Request | None = DEFAULT_ERROR if grid is None else None
     if error is not None:
         requested = checked_errors("plan.error", error)
@@ -147,9 +145,7 @@ def plan(
     reasons, warnings = request.said_of(levels)
     found = planned
     if last != planned.grid:  # what is said of the last grid, and its bytes
-        found = plan_grid(
-            planned.scene, error=error, grid=last, padding=padding, times=times, device=device
-        )
+        found = plan_grid(planned.scene, error=error, grid=last, padding=padding, times=times, device=device)
         begins = f"refinement: a solve begins on {cells_text(planned.grid.cells)}."
         found = replace(
             found,
@@ -424,9 +420,7 @@ class _Request:
         error = steps.error or (self.target and (1 - GRID.cell_fraction) * self.target)
         if steps.error_estimator != "step_doubling" or not error:
             return None
-        return (
-            None if looser * error > CONSTANTS.most_error else replace(steps, error=looser * error)
-        )
+        return None if looser * error > CONSTANTS.most_error else replace(steps, error=looser * error)
 
     def seconds_on(self, grid: Grid, levels: list[Level]) -> float:
         """Return the seconds on a grid from those on others: linear in the cells, or a power of them that two show."""
@@ -493,9 +487,7 @@ class _Watch:
             self._first, self._begun = len(self.reports), self.reports[-1][1]
         self.reports.append((progress.fraction, self.seconds))
         # a fraction of 0 says nothing yet of a finer grid
-        limit = (
-            CONSTANTS.grid_seconds if self._first and not progress.fraction else CONSTANTS.seconds
-        )
+        limit = CONSTANTS.grid_seconds if self._first and not progress.fraction else CONSTANTS.seconds
         if self.seconds > limit:
             raise _TimeLimitReached
 
@@ -512,9 +504,7 @@ class _Watch:
         done = min(max(done, CONSTANTS.least_fraction), 1.0)
         half = max((one for one, at in reports if at <= seconds / 2), default=done / 2)
         power = log(done / max(half, CONSTANTS.least_fraction / 2)) / log(2)
-        ratio = done ** (
-            -1 / min(max(power, CONSTANTS.progress_powers[0]), CONSTANTS.progress_powers[1])
-        )
+        ratio = done ** (-1 / min(max(power, CONSTANTS.progress_powers[0]), CONSTANTS.progress_powers[1]))
         return self._begun + seconds * ratio, round(len(self.reports) * ratio)
 
     def solves(self, answer: Any) -> int:

@@ -41,9 +41,7 @@ class Progress:
 Report = Callable[[Progress], object]
 
 
-def of_iterations(
-    report: Report, problem: Problem, tolerance: float
-) -> Callable[[float, Array], None]:
+def of_iterations(report: Report, problem: Problem, tolerance: float) -> Callable[[float, Array], None]:
     """Return a function of residual and dimensionless pressure (x, y), for the iterations of one contact."""
     fraction = fraction_of_fall()
 

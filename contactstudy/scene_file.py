@@ -55,9 +55,7 @@ ONE_PADDING = (
     'give padding_across = "ExactPeriodicity" too.'
 )
 # A key and a number with a unit that is not in quotes.
-BARE_UNIT = re.compile(
-    r"\s*([\w.]+)\s*=\s*([-+]?[\d.]+(?:[eE][-+]?\d+)?\s*[^\W\d][^#\"']*|[\d.]+\s*%)\s*(?:#.*)?"
-)
+BARE_UNIT = re.compile(r"\s*([\w.]+)\s*=\s*([-+]?[\d.]+(?:[eE][-+]?\d+)?\s*[^\W\d][^#\"']*|[\d.]+\s*%)\s*(?:#.*)?")
 
 
 @dataclass(frozen=True)
@@ -206,9 +204,7 @@ def write_scene(described: Scene | SceneFile, path: str | PathLike[str]) -> None
     """
     path = Path(path)
     if not path.parent.is_dir():
-        raise InvalidInput(
-            f"{path} cannot be written (no such folder): give a path in an existing folder."
-        )
+        raise InvalidInput(f"{path} cannot be written (no such folder): give a path in an existing folder.")
     if isinstance(described, Scene):
         text = scene_text(described, scene_path=path)
     else:
@@ -227,9 +223,7 @@ def write_scene(described: Scene | SceneFile, path: str | PathLike[str]) -> None
     try:
         path.write_text(text, encoding="utf-8")
     except OSError as error:
-        raise InvalidInput(
-            f"{path} cannot be written ({error.strerror}): give another path."
-        ) from None
+        raise InvalidInput(f"{path} cannot be written ({error.strerror}): give another path.") from None
 
 
 def scene_file_from(document: SceneDocument, folder: Path = Path()) -> SceneFile:
@@ -239,20 +233,14 @@ def scene_file_from(document: SceneDocument, folder: Path = Path()) -> SceneFile
     def read(shape: Any) -> Shape:
         if isinstance(shape, MovingShapeTable):
             return MovingShape(read(shape.shape), shape.body)
-        if isinstance(
-            shape, MeasuredSurfaceTable | CrownTable | LundbergProfileTable | ProfilePointsTable
-        ):
+        if isinstance(shape, MeasuredSurfaceTable | CrownTable | LundbergProfileTable | ProfilePointsTable):
             return shape.shape(folder, (curvature, document.solids))
         described: Shape = shape
         return described
 
     shapes = tuple(read(shape) for shape in document.shapes)
     is_flat = isinstance(document.load, MeanPressure)
-    if (
-        is_flat
-        and document.grid is None
-        and not any(scales.spacing for scales in length_scales_of(shapes))
-    ):
+    if is_flat and document.grid is None and not any(scales.spacing for scales in length_scales_of(shapes)):
         document = replace(document, grid=grid_of_waves(shapes))
     of_scene = {name: getattr(document, name) for name in parameters(Scene)}
     scene = Scene(**of_scene | {"load": _with_length(document, shapes), "shapes": shapes})
@@ -265,9 +253,7 @@ def scene_file_from(document: SceneDocument, folder: Path = Path()) -> SceneFile
             doubts = (ONE_PADDING,)
     if document.padding_across is not None:
         if document.padding is None:
-            raise InvalidInput(
-                "padding_across is given without padding: give the one along the length too."
-            )
+            raise InvalidInput("padding_across is given without padding: give the one along the length too.")
         padding = document.padding_across, document.padding
     return SceneFile(
         scene,
@@ -286,9 +272,7 @@ def _missing_quotes(text: str, error: str) -> str:
     lines = text.splitlines()
     source = lines[int(line[1]) - 1] if line and int(line[1]) <= len(lines) else ""
     bare = BARE_UNIT.fullmatch(source)
-    return (
-        f': a value with a unit is in quotes, write {bare[1]} = "{bare[2].strip()}"' if bare else ""
-    )
+    return f': a value with a unit is in quotes, write {bare[1]} = "{bare[2].strip()}"' if bare else ""
 
 
 def _groups(vary: object) -> tuple[Mapping[str, object], ...]:
@@ -306,11 +290,7 @@ def _paths(table: Mapping[str, object], before: str = "") -> dict[str, object]:
     """Return the values of nested tables by their paths."""
     paths: dict[str, object] = {}
     for key, value in table.items():
-        paths |= (
-            _paths(value, f"{before}{key}.")
-            if isinstance(value, Mapping)
-            else {before + key: value}
-        )
+        paths |= _paths(value, f"{before}{key}.") if isinstance(value, Mapping) else {before + key: value}
     return paths
 
 

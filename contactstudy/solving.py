@@ -172,14 +172,10 @@ class _Request:
             self.refuse_unused(PROBLEM)
             if self.grid is not None or self.padding is not None:
                 argument = "padding" if self.grid is None else "grid"
-                raise InvalidInput(
-                    f"solve.{argument} is for a scene: leave it out, a problem has its own."
-                )
+                raise InvalidInput(f"solve.{argument} is for a scene: leave it out, a problem has its own.")
             return replace(self.solve_problem(scene), requested=self.error)
         if not isinstance(scene, Scene):
-            raise InvalidInput(
-                f"solve.scene is {scene!r}: give a Scene, or scene.problem(grid, padding)."
-            )
+            raise InvalidInput(f"solve.scene is {scene!r}: give a Scene, or scene.problem(grid, padding).")
         self.refuse_unused(scene.method)
         return SOLVED_BY[scene.method](self)
 
@@ -203,9 +199,7 @@ class _Request:
                     "device": f"{method.kind} is solved on the CPU",
                 }.get(name, f"{method.kind} has no use for it")
                 raise InvalidInput(f"solve.{name} is given, and {why}: leave it out.")
-        settings: list[tuple[str, Any, tuple[str, ...]]] = [
-            ("solve", self.options, methods.OPTIONS)
-        ]
+        settings: list[tuple[str, Any, tuple[str, ...]]] = [("solve", self.options, methods.OPTIONS)]
         if self.times is not None:
             steps = "error", "scheme", "step", "error_estimator"
             settings.append(("TimeSteps", self.steps, steps))
@@ -278,9 +272,7 @@ class _Request:
         if self.progress is not None:
             options = replace(
                 options,
-                solver=ReportingSolver(
-                    of_iterations(self.progress, problem, options.tolerance), options.solver
-                ),
+                solver=ReportingSolver(of_iterations(self.progress, problem, options.tolerance), options.solver),
             )
         return contact_answer(solve_contact(problem, options, self.first_pressure, self.device))
 
@@ -516,9 +508,7 @@ class _Request:
 
 
 # Methods of a request, by those of scenes; and what a problem is solved with.
-SOLVED_BY: Mapping[
-    methods.Method, Callable[[_Request], "Contact | LubricatedContact | Evolution"]
-] = {
+SOLVED_BY: Mapping[methods.Method, Callable[[_Request], "Contact | LubricatedContact | Evolution"]] = {
     methods.STATIC: _Request.contact,
     methods.STEADY_ROLLING: _Request.steady_rolling,
     methods.PASSES: _Request.repeated_rolling,
@@ -544,9 +534,7 @@ def grid_for_numbers(answer: Any, *, is_default: bool) -> Grid | None:
     largest = MAX_CELLS_OF_STRESS if scene.outputs else MAX_CELLS
     if scene.friction is not None:
         largest = MAX_CELLS_OF_SLIP
-    missed = (
-        number for number in answer.judged.values() if number.refines and 1 < number.ratio < inf
-    )
+    missed = (number for number in answer.judged.values() if number.refines and 1 < number.ratio < inf)
     factors = sorted((MARGIN * number.finer for number in missed), reverse=True)
     # iterations grow about as the root of the cells along an axis
     left = most / answer.counts["convolutions"][0]

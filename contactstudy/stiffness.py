@@ -83,16 +83,12 @@ def _adhesive_stiffness(contact: Contact, active: Array) -> float:
     assert contact.scene.adhesion is not None
     solver: Any = problem.adhesion
     law = getattr(solver, "solver", solver).law  # a search for the pull-off load has a solver
-    slope = np.where(
-        contact.pressure > 0, active / problem.operator.self_compliance, law.slope(contact.gap)
-    )
+    slope = np.where(contact.pressure > 0, active / problem.operator.self_compliance, law.slope(contact.gap))
     root, count = np.sqrt(slope), slope.size
 
     def difference(values: Array) -> Array:
         scaled = values.reshape(root.shape)
-        return np.asarray(
-            root * problem.operator(root * scaled) - (contact.pressure == 0) * scaled
-        ).ravel()
+        return np.asarray(root * problem.operator(root * scaled) - (contact.pressure == 0) * scaled).ravel()
 
     matrix = LinearOperator((count, count), difference, dtype=np.float64)
     increment, failed = minres(matrix, root.ravel(), rtol=ADHESIVE_RTOL, maxiter=ADHESIVE_MAXITER)
@@ -146,9 +142,7 @@ def contact_stiffness(contact: Contact) -> Quantity:
     """
     scene = contact.scene
     if scene is None or not (contact.pressure.any() or contact.adhesion is not None):
-        raise NotDefined(
-            "The stiffness is not defined: the contact has no scene, or bears no load."
-        )
+        raise NotDefined("The stiffness is not defined: the contact has no scene, or bears no load.")
     is_point = scene.ellipse is not None
     # a roller carries its load on its own length, whatever that of the grid
     per_grid = normal_stiffness(contact)
@@ -156,11 +150,7 @@ def contact_stiffness(contact: Contact) -> Quantity:
     datum = approach_datum(contact)
     detail = f", from a point {readable(datum)} away" if datum else ""
     error = stiffness_error(contact, per_grid)
-    reason = (
-        ""
-        if error < inf
-        else "No bound: none is known with adhesion, or where no cell carries more."
-    )
+    reason = "" if error < inf else "No bound: none is known with adhesion, or where no cell carries more."
     unit = "N m-1" if is_point else "N m-2"
     return Quantity(
         value,
@@ -216,9 +206,7 @@ def distant_approach(
     windows = None if paddings is None else [padding.window for padding in paddings]
     is_free = windows is not None and windows[0] is not None and len(windows[0]) == 1
     if scene is None or scene.ellipse is not None or not is_free or windows is None:
-        raise NotDefined(
-            "The approach of axes is not defined: the contact is no line contact that is free across."
-        )
+        raise NotDefined("The approach of axes is not defined: the contact is no line contact that is free across.")
     if not datum and (windows[1] is None or len(windows[1]) > 1):
         raise NotDefined(
             "The approach of axes is not defined: images are left out, give ExactPeriodicity along the length."

@@ -59,9 +59,7 @@ class StudyAccessor(InNotebook):
 
         Least squares through the logarithms; points where the error is zero or missing are left out.
         """
-        one_of(
-            "axis", axis, [name for name in self.axes if self._dataset[name].dtype.kind in "iuf"]
-        )
+        one_of("axis", axis, [name for name in self.axes if self._dataset[name].dtype.kind in "iuf"])
         for name, value in at.items():
             one_of("order", name, [other for other in self.axes if other != axis])
             if value not in self._dataset[name].values:
@@ -70,9 +68,7 @@ class StudyAccessor(InNotebook):
         line = line.squeeze([name for name in line.dims if name != axis and line.sizes[name] == 1])
         if line.dims != (axis,):
             other_axes = [str(name) for name in line.dims if name != axis]
-            raise InvalidInput(
-                f"order has more than one value along {other_axes}: give one of each."
-            )
+            raise InvalidInput(f"order has more than one value along {other_axes}: give one of each.")
         x, y = line[axis].values, line.values
         is_there = np.isfinite(y) & (y > 0) & (x > 0)
         if is_there.sum() < 3:
@@ -98,9 +94,7 @@ class StudyAccessor(InNotebook):
         if good.empty:
             least = f"the least is {table[error].min():.3g}; refine an axis"
             remedy = "no point has an error and a time; run the study with times"
-            raise InvalidInput(
-                f"{error} is nowhere below {at_most:g}: {remedy if table.empty else least}."
-            )
+            raise InvalidInput(f"{error} is nowhere below {at_most:g}: {remedy if table.empty else least}.")
         return good.loc[good["cost"].idxmin()]
 
     def plot(self) -> "list[Figure]":
@@ -114,11 +108,7 @@ class StudyAccessor(InNotebook):
 
     def table(self, variables: Sequence[str] = ()) -> "pd.DataFrame":
         """Return a row for every point, with the axes and `variables`; all that have no further dimension if empty."""
-        names = [
-            str(name)
-            for name, variable in self._dataset.data_vars.items()
-            if variable.dims == self.axes
-        ]
+        names = [str(name) for name, variable in self._dataset.data_vars.items() if variable.dims == self.axes]
         chosen = [one_of("variable", name, names) for name in variables] or names
         flat = self._dataset[chosen].reset_coords(drop=True)
         return flat.to_dataframe(dim_order=list(self.axes)).reset_index()
@@ -129,9 +119,7 @@ class StudyAccessor(InNotebook):
         if bounded:
             table = table[[*self.axes, *bounded]]
         style = {"max_rows": ROWS, "max_cols": COLUMNS, "float_format": "{:.4g}".format}
-        return (
-            f"{self._dataset.attrs.get('title', 'study')}\n{table.to_string(index=False, **style)}"
-        )
+        return f"{self._dataset.attrs.get('title', 'study')}\n{table.to_string(index=False, **style)}"
 
     def _priced(self, error: str) -> "pd.DataFrame":
         """Return a table of all good points with their cost and the absolute error."""

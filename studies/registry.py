@@ -49,9 +49,7 @@ def load(name: str) -> Study:
     if name.endswith(".py"):
         study = study_in(Path(name))
         if study.name in BUILT_IN:
-            raise InvalidInput(
-                f"Study file {name!r} has the name of a built-in study, {study.name!r}: rename it."
-            )
+            raise InvalidInput(f"Study file {name!r} has the name of a built-in study, {study.name!r}: rename it.")
         return study
     if name in SCENES:
         return _chapter(name)

@@ -26,9 +26,7 @@ def module_in(path: Path) -> ModuleType:
     """
     name = module_name(path)
     if not os.path.isfile(path):  # noqa: PTH113 (no error for any name)
-        raise InvalidInput(
-            f"Study file {quoted(path)} cannot be read: give the path of a Python file."
-        )
+        raise InvalidInput(f"Study file {quoted(path)} cannot be read: give the path of a Python file.")
     look()
     module = ModuleType(name)
     sys.modules[name] = module

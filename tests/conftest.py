@@ -22,19 +22,13 @@ MOST_CASES = 2  # of one test in the default tier
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    parser.addoption(
-        "--cases", type=int, help="most of one test in the default tier, whatever its mark says"
-    )
+    parser.addoption("--cases", type=int, help="most of one test in the default tier, whatever its mark says")
     parser.addoption("--rest", action="store_true", help="run what is left out without --whole")
-    parser.addoption(
-        "--whole", action="store_true", help="run all tests, also the slow and the repeated ones"
-    )
+    parser.addoption("--whole", action="store_true", help="run all tests, also the slow and the repeated ones")
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    config.addinivalue_line(
-        "markers", "whole: runs with --whole, or where it is named on the command line"
-    )
+    config.addinivalue_line("markers", "whole: runs with --whole, or where it is named on the command line")
     config.addinivalue_line("markers", "cases(most): so many of its cases are in the default tier")
 
 
@@ -48,11 +42,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     for item in items:
         if item.get_closest_marker("whole") is None:
             cases[item.nodeid.partition("[")[0]].append(item)
-    chosen = {
-        id(item)
-        for several in cases.values()
-        for item in spread(several, config.getoption("--cases"))
-    }
+    chosen = {id(item) for several in cases.values() for item in spread(several, config.getoption("--cases"))}
     if config.getoption("--rest"):
         chosen = {id(item) for item in items} - chosen
     config.hook.pytest_deselected(items=[item for item in items if id(item) not in chosen])
@@ -75,9 +65,7 @@ settings.register_profile("steady", steady, derandomize=True)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "steady"))
 
 # A length in metres may be below 1e-12, which is what approx takes for nothing beside any number but zero.
-type(pytest.approx(1.0)).DEFAULT_ABSOLUTE_TOLERANCE = property(
-    lambda self: 1e-12 if self.expected == 0 else 0.0
-)
+type(pytest.approx(1.0)).DEFAULT_ABSOLUTE_TOLERANCE = property(lambda self: 1e-12 if self.expected == 0 else 0.0)
 
 # Processes of the tests share the cores, on which threads of linear algebra would wait for each other; and what one of
 # them has compiled, no other compiles.
@@ -115,8 +103,6 @@ class LineContact:
 
 @pytest.fixture(scope="session")
 def line_contact() -> LineContact:
-    scene = cs.Scene(
-        load=cs.LineLoad(1e5), solids=(STEEL, STEEL), shapes=(cs.Cylinder(radius=0.01),)
-    )
+    scene = cs.Scene(load=cs.LineLoad(1e5), solids=(STEEL, STEEL), shapes=(cs.Cylinder(radius=0.01),))
     hertz = scene.hertz
     return LineContact(scene, hertz)

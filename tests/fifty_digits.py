@@ -54,9 +54,7 @@ def stored(compute: Callable[..., mp.mpf]) -> Callable[..., mp.mpf]:
     return value
 
 
-def over_decades(
-    rng: np.random.Generator, low: float, high: float, size: int | None = None
-) -> NDArray[np.float64]:
+def over_decades(rng: np.random.Generator, low: float, high: float, size: int | None = None) -> NDArray[np.float64]:
     """Numbers from ``10**low`` to ``10**high``, as many in each octave, the same on every processor."""
     octaves = [int(decade * math.log2(10)) for decade in (low, high)]
     if low == high:

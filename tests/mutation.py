@@ -49,11 +49,7 @@ def computing(node: ast.AST) -> Iterator[ast.AST]:
     """All nodes but those that say something or declare a type."""
     for name, value in ast.iter_fields(node):
         for child in value if isinstance(value, list) else [value]:
-            if (
-                isinstance(child, ast.AST)
-                and not isinstance(child, SPOKEN)
-                and name not in DECLARED
-            ):
+            if isinstance(child, ast.AST) and not isinstance(child, SPOKEN) and name not in DECLARED:
                 yield child
                 yield from computing(child)
 
@@ -116,21 +112,12 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", default="", help="modules whose path begins so")
     parser.add_argument("--seconds", type=float, default=30.0, help="of tests on each change")
-    parser.add_argument(
-        "--clone", type=Path, default=ROOT / ".mutation", help="remove it to begin anew"
-    )
+    parser.add_argument("--clone", type=Path, default=ROOT / ".mutation", help="remove it to begin anew")
     asked = parser.parse_args()
     clone = asked.clone.absolute()
     took = times(clone)
-    files = sorted(
-        path for name in ("contactstudy", "studies") for path in (clone / name).rglob("*.py")
-    )
-    found = [
-        one
-        for path in files
-        if str(path.relative_to(clone)).startswith(asked.only)
-        for one in changes(path)
-    ]
+    files = sorted(path for name in ("contactstudy", "studies") for path in (clone / name).rglob("*.py"))
+    found = [one for path in files if str(path.relative_to(clone)).startswith(asked.only) for one in changes(path)]
     survived = 0
     for path, start, old, new in random.Random(asked.seed).sample(found, asked.count):
         content = path.read_bytes()
@@ -144,9 +131,7 @@ def main() -> None:
             path.write_bytes(content)
         survived += done.returncode == 0
         failed = [word for word in done.stdout.splitlines() if word.startswith(("FAILED", "ERROR"))]
-        fate = (
-            (failed or [f"noticed, code {done.returncode}"])[0] if done.returncode else "survived"
-        )
+        fate = (failed or [f"noticed, code {done.returncode}"])[0] if done.returncode else "survived"
         print(
             f"{path.relative_to(clone)}:{line}: {old.decode()} -> {new.decode()}: {fate}",
             flush=True,

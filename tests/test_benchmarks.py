@@ -30,9 +30,7 @@ PAIRS = [
 
 
 @pytest.mark.parametrize(("program", "boundary"), PAIRS)
-def test_programs_agree_where_they_hold_pressure_constant_in_cells(
-    program: str, boundary: str
-) -> None:
+def test_programs_agree_where_they_hold_pressure_constant_in_cells(program: str, boundary: str) -> None:
     pytest.importorskip(program)
     peers = Peers()
     peers.setup(program, boundary, 32)

@@ -62,10 +62,7 @@ def test_one_cell_along_has_the_error_of_its_page() -> None:
         grid = cs.Grid((129, along), (WIDTH * A, WIDTH * A))
         error = pressure(grid, cs.DuplicatedPadding())[64].mean() / P_H - 1
         assert 100 * error == pytest.approx(number, abs=0.05)
-    alone, several = (
-        pressure(cs.Grid((48, along), (WIDTH * A, WIDTH * A)), cs.ExactPeriodicity())
-        for along in (1, 5)
-    )
+    alone, several = (pressure(cs.Grid((48, along), (WIDTH * A, WIDTH * A)), cs.ExactPeriodicity()) for along in (1, 5))
     np.testing.assert_allclose(np.broadcast_to(alone, several.shape), several, atol=1e-7 * P_H)
 
 
@@ -87,11 +84,7 @@ def test_the_rules_of_a_verdict_have_the_numbers_of_their_page() -> None:
     [lower] = said("price", r"load that is (\d+) % lower")
     assert lower == pytest.approx(100 * (1 - trials.LOWER_LOAD))
     [copied] = said("price", r"\) then has (\d+) or is left out")
-    assert (
-        copied
-        == trials.CENTRED
-        == said("periodicity", r"gives duplicated padding (\d+) cells along")[0]
-    )
+    assert copied == trials.CENTRED == said("periodicity", r"gives duplicated padding (\d+) cells along")[0]
     [tie] = said("price", r"within (\d+) % of the fastest is a tie")
     assert tie == pytest.approx(100 * (verdict.TIE - 1))
 
@@ -100,9 +93,7 @@ def test_no_padding_has_the_error_of_one_lucky_grid() -> None:
     """All grids of a study have the same places of the edge, whatever their number of cells."""
     for cells in (12, 40, 48, 128, 144):
         grid = cs.Grid((cells, 1), (WIDTH * A, A))
-        places = {
-            round((A / one.cell_size[0] + cells / 2) % 1, 6) for one in with_edges_moved(grid, A)
-        }
+        places = {round((A / one.cell_size[0] + cells / 2) % 1, 6) for one in with_edges_moved(grid, A)}
         assert {0.0, 0.32, 0.5, 0.75} <= {place % 1 for place in places}
 
 
@@ -125,8 +116,7 @@ def test_a_window_fixed_to_the_domain_has_the_error_over_a_moving_one_of_its_pag
         grid = cs.Grid((48, 48), (WIDTH * A, period * A))
         exact = pressure(grid, cs.ExactPeriodicity())
         fixed, moving = (
-            relative_l1(pressure(grid, kind(6)), exact)
-            for kind in (cs.Superposition, cs.CircularSuperposition)
+            relative_l1(pressure(grid, kind(6)), exact) for kind in (cs.Superposition, cs.CircularSuperposition)
         )
         assert fixed / moving == pytest.approx(number, rel=0.05)
 
@@ -149,24 +139,16 @@ def test_a_fixed_window_varies_along_the_length_as_its_page_says() -> None:
 def test_all_that_is_above_the_law_with_six_periods_is_the_error_of_the_cells() -> None:
     """The last of the table's rows, in which no image is left out, has it alone."""
     grid = cs.Grid((129, 64), (WIDTH * A, WIDTH * A))
-    errors = [
-        pressure(grid, padding)[64].mean() / P_H - 1
-        for padding in (cs.Superposition(6), cs.ExactPeriodicity())
-    ]
+    errors = [pressure(grid, padding)[64].mean() / P_H - 1 for padding in (cs.Superposition(6), cs.ExactPeriodicity())]
     law = cs.analytic.image_error(1, 6.5 * WIDTH)
     assert 0 < errors[0] - law < 1.2 * errors[1]
 
 
 def test_what_hidden_heights_add_to_a_bound_is_what_its_page_says() -> None:
     page = "error-estimates"
-    assert (
-        hidden_heights.CONSTANTS.pressure_rise
-        == said(page, r"peak by up to ([\d.]+) times the pressure")[0]
-    )
+    assert hidden_heights.CONSTANTS.pressure_rise == said(page, r"peak by up to ([\d.]+) times the pressure")[0]
     assert bound.CONSTANTS.hidden_error == pytest.approx(4 / 5)
-    two_cells, one_cell = said(
-        page, r"takes ([\d.]+) times this where the wave is two cells long, and ([\d.]+) times"
-    )
+    two_cells, one_cell = said(page, r"takes ([\d.]+) times this where the wave is two cells long, and ([\d.]+) times")
     # Johnson (1985), eq. 13.7: a wave of amplitude h and length l is flattened by pi E* h / l
     assert (two_cells, one_cell) == pytest.approx((np.pi / 2, np.pi), abs=0.05)
     contacts = said(page, r"on about (\d+) contacts")[0]

@@ -9,9 +9,7 @@ GALLERY = sorted((Path(__file__).parent.parent / "examples" / "gallery").glob("p
 
 @pytest.mark.whole
 @pytest.mark.parametrize("example", GALLERY, ids=lambda path: path.stem)
-def test_an_example_runs_and_its_number_holds(
-    example: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_example_runs_and_its_number_holds(example: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(plt, "show", lambda: None)
     with plt.rc_context():

@@ -15,9 +15,7 @@ PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["
 def test_the_page_on_installing_says_what_each_dependency_and_extra_is_for() -> None:
     page = (ROOT / "docs/start/install.md").read_text(encoding="utf-8")
     named = {
-        name.strip("` ")
-        for row in re.findall(r"^\| ([^|]*) \|", page, flags=re.MULTILINE)
-        for name in row.split(",")
+        name.strip("` ") for row in re.findall(r"^\| ([^|]*) \|", page, flags=re.MULTILINE) for name in row.split(",")
     }
     wanted = {re.split(r"[<>=\[]", one)[0] for one in PROJECT["dependencies"]}
     assert wanted <= named
@@ -62,9 +60,7 @@ def test_modules_above_are_found_by_name_in_one_place() -> None:
 def test_the_files_that_contributors_are_led_to_are_there() -> None:
     pages = [ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs/development").glob("*.md"))]
     text = "\n".join(page.read_text(encoding="utf-8") for page in pages)
-    paths = re.findall(
-        r"`((?:contactstudy|studies|tests|docs)/[\w/.]+)`", text.replace("NAME.py", "")
-    )
+    paths = re.findall(r"`((?:contactstudy|studies|tests|docs)/[\w/.]+)`", text.replace("NAME.py", ""))
     for path in paths:
         assert (ROOT / path).exists(), path
     for name, path in re.findall(r"`(\w+)` (?:in|of) `([\w/]+\.py)`", text):

@@ -55,9 +55,7 @@ def command(line: str) -> None:
 
 @pytest.mark.whole
 @pytest.mark.parametrize("page", PAGES)
-def test_every_block_of_a_page_runs_and_prints_what_it_says(
-    page: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_every_block_of_a_page_runs_and_prints_what_it_says(page: str, capsys: pytest.CaptureFixture[str]) -> None:
     known: dict[str, object] = {}
     for kind, block in BLOCK.findall((ROOT / page).read_text(encoding="utf-8")):
         capsys.readouterr()

@@ -10,7 +10,9 @@ from page_problems import problems
 
 from contactstudy.io.scene_files.scene_schema import KINDS, PlanSettings, SceneDocument
 
-GOOD = '<h1 id="top">T</h1><h2>U</h2><img src="a.png" alt="A curve."><a href="#top">t</a><a href="https://x.org/y">o</a>'
+GOOD = (
+    '<h1 id="top">T</h1><h2>U</h2><img src="a.png" alt="A curve."><a href="#top">t</a><a href="https://x.org/y">o</a>'
+)
 
 
 @pytest.mark.parametrize(

@@ -29,9 +29,7 @@ NO_STRESS_LIMIT = (
 )
 
 
-def approach_error(
-    solution: Solution, estimate: ErrorEstimate, coarse: Solution | None
-) -> ErrorParts:
+def approach_error(solution: Solution, estimate: ErrorEstimate, coarse: Solution | None) -> ErrorParts:
     """Return the relative error of the approach.
 
     By the cells it is the larger of that by the L1 error of the pressure and of the change from larger cells, of which
@@ -70,9 +68,7 @@ def approach_error(
     return ErrorParts(0.0, shift / size, residual * varies / size, range=by_range, reason=reason)
 
 
-def stress_error(
-    solution: Solution, von_mises: Array, depths: Array, estimate: ErrorEstimate
-) -> ErrorParts:
+def stress_error(solution: Solution, von_mises: Array, depths: Array, estimate: ErrorEstimate) -> ErrorParts:
     """Return the relative error of largest stresses that their changes between grids do not show.
 
     The error of the peak pressure counts at the surface, where it has no bound by as much as the peak itself, and falls

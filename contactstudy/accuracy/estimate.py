@@ -113,9 +113,7 @@ def error_estimate(
     """
     problem, scene = solution.problem, scene_of(solution.problem)
     if problem.paddings is None:
-        raise NotDefined(
-            "Problem.paddings is None: give the paddings of the two axes, (across, along)."
-        )
+        raise NotDefined("Problem.paddings is None: give the paddings of the two axes, (across, along).")
     unknown = None
     if solution.status.is_failure:
         unknown = ErrorParts(residual=inf, reason=f"No bound: {solution.status}")
@@ -126,13 +124,9 @@ def error_estimate(
         warnings = (unknown.reason,)
         return ErrorEstimate(unknown, unknown, unknown, unknown, load=load, warnings=warnings)
     ends_along = problem.source is not None and problem.source.ends_along
-    peak_images, l1_images = image_errors(
-        solution.pressure, problem.grid, problem.paddings, ends_along=ends_along
-    )
+    peak_images, l1_images = image_errors(solution.pressure, problem.grid, problem.paddings, ends_along=ends_along)
     if l1_images and (beta := _dundurs_of_shear(solution)):
-        by_shear = coupling_image_error(
-            solution.pressure, solution.shear[0], problem.grid, problem.paddings[1], beta
-        )
+        by_shear = coupling_image_error(solution.pressure, solution.shear[0], problem.grid, problem.paddings[1], beta)
         peak_images, l1_images = peak_images + by_shear, l1_images + by_shear
     change = 0.0
     if solution.adhesion is not None:
@@ -151,9 +145,7 @@ def error_estimate(
     of_net, peak_of_net = over_net(solution)
     l1 = ErrorParts(l1_images, cells.l1, residual.l1 * of_net)
     no_peak = cells.warnings[0] if cells.peak_pressure == inf and cells.warnings else ""
-    peak = ErrorParts(
-        peak_images, cells.peak_pressure, residual.peak_pressure * peak_of_net, reason=no_peak
-    )
+    peak = ErrorParts(peak_images, cells.peak_pressure, residual.peak_pressure * peak_of_net, reason=no_peak)
     area = ErrorParts(l1_images, cells.contact_area, residual.contact_area)
     gap = ErrorParts(
         _gap_by_images(solution, l1_images),
@@ -163,9 +155,7 @@ def error_estimate(
     load = ErrorParts(l1_images, cells.load, residual.l1) if cells.load is not None else None
     slips = isinstance(solution.traction, RollingTraction)
     if l1_images and (reason := _needs_images(solution, slips=slips)):
-        l1, peak, area, gap = (
-            replace(parts, images=inf, reason=reason) for parts in (l1, peak, area, gap)
-        )
+        l1, peak, area, gap = (replace(parts, images=inf, reason=reason) for parts in (l1, peak, area, gap))
         load = load and replace(load, images=inf, reason=reason)
         cells = replace(cells, warnings=(reason, *cells.warnings))
     if by_range := range_errors(solution):

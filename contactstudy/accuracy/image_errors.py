@@ -22,9 +22,7 @@ END_VARIATION, END_VARIATION_POWER = 0.5, 0.7
 ENDS_MARGIN = 1.5
 
 
-def image_errors(
-    pressure: Array, grid: Grid, paddings: Paddings, *, ends_along: bool = False
-) -> tuple[float, float]:
+def image_errors(pressure: Array, grid: Grid, paddings: Paddings, *, ends_along: bool = False) -> tuple[float, float]:
     """Return the relative errors of the peak pressure and of the pressure in L1 due to images left out by a padding.
 
     A window that reaches D to each side takes ``x^2 / (2 D^2)`` from the logarithm of each image row, and so makes the
@@ -74,9 +72,7 @@ def image_errors(
     return float((1 + narrowing) * (1 + peak) - 1), float(L1_OVER_NARROWING * narrowing + mean)
 
 
-def coupling_image_error(
-    pressure: Array, shear: Array, grid: Grid, along: Padding, beta: float
-) -> float:
+def coupling_image_error(pressure: Array, shear: Array, grid: Grid, along: Padding, beta: float) -> float:
     """Return the relative error in L1 by the images of a traction along x on bodies with Dundurs' `beta`.
 
     Images of the line load Q of the traction beyond the distance D tilt the surfaces by ``2 beta Q / (pi E* D)``, which
@@ -98,9 +94,7 @@ def coupling_image_error(
     if along.window is None:
         return 0.0
     half_width, reach = _half_width(pressure, grid.x), along.reach(grid.length)
-    distances = (
-        np.full(2, reach) if along.wraps else np.concatenate([reach - grid.y, reach + grid.y])
-    )
+    distances = np.full(2, reach) if along.wraps else np.concatenate([reach - grid.y, reach + grid.y])
     inverse = float((1 / np.maximum(distances, half_width)).mean())
     shift = abs(beta * float(shear.sum()) / float(pressure.sum())) * half_width * inverse / 2
     return L1_OVER_NARROWING * shift

@@ -59,9 +59,7 @@ def implausible(solution: Solution) -> str:
         facts.append(f"the peak pressure is {peak / modulus:.2g} times the contact modulus E*")
         hint = hint or "load"
     if hertz is not None and abs(solution.approach) > MAX_APPROACH * hertz.radius:
-        facts.append(
-            f"the approach is {abs(solution.approach) / hertz.radius:.2g} times the radius"
-        )
+        facts.append(f"the approach is {abs(solution.approach) / hertz.radius:.2g} times the radius")
         hint = hint or "load"
     if 0 < width < grid.extent[0] / MAX_WIDTH:
         facts.append(f"the grid is {grid.extent[0] / width:.2g} times as wide as the contact")
@@ -95,9 +93,7 @@ def beyond_strength(solution: Solution) -> str:
         if not isinstance(body, HalfSpace) or isinf(body.yield_stress):
             continue
         radius = scene.hertz.radius if scene.hertz else 1.0
-        first = first_yield(
-            radius, scene.contact_modulus, body.yield_stress, body.poisson_ratio, shear / peak
-        )
+        first = first_yield(radius, scene.contact_modulus, body.yield_stress, body.poisson_ratio, shear / peak)
         pressure, kind = first.peak_pressure, "line"
         if scene.ellipse is not None:
             kind, by_point = "point", first_yield_of_ball(body.yield_stress, body.poisson_ratio)
@@ -239,9 +235,7 @@ def _slope(solution: Solution) -> float:
         if _steepest(gap, axis) <= MAX_SLOPE * step:  # as are median and rms
             continue
         slopes = np.abs(np.diff(gap, axis=axis)) / step
-        both = np.take(touching, range(1, gap.shape[axis]), axis) & np.take(
-            touching, range(gap.shape[axis] - 1), axis
-        )
+        both = np.take(touching, range(1, gap.shape[axis]), axis) & np.take(touching, range(gap.shape[axis] - 1), axis)
         within = sqrt(float((slopes[both] ** 2).mean())) if both.any() else 0.0
         largest = max(largest, float(np.median(slopes)), within)
     return largest

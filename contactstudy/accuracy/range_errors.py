@@ -116,9 +116,7 @@ def load_range_error(solution: Solution) -> float | None:
     return LOAD_BY_RANGE * errors[1] * norm / load if load else inf
 
 
-def l1_range_error(
-    perimeter: float, modulus: float, attraction_range: float, force: float
-) -> float:
+def l1_range_error(perimeter: float, modulus: float, attraction_range: float, force: float) -> float:
     """Return the L1 error due to the range of the net traction of a contact of this `perimeter` [m].
 
     It is relative to a `force` [N], the integral of the size of the net traction. `modulus` is E* [Pa] at the length of
@@ -157,9 +155,7 @@ def pull_off_error(solution: Solution, load: float, reason: str) -> ErrorParts:
     adhesion, pull_off = solution.adhesion, solution.load_per_length
     assert adhesion is not None
     assert adhesion.first_unstable_load is not None
-    trapped = next(
-        fraction for cells, fraction in TRAPPED_FRACTION if adhesion.cells_in_zone >= cells
-    )
+    trapped = next(fraction for cells, fraction in TRAPPED_FRACTION if adhesion.cells_in_zone >= cells)
     is_flat = adhesion.regularised and _is_pressed_flat(solution)
     by_range = inf if is_flat else _range_error(solution, adhesion, pull_off)
     if is_flat:
@@ -194,9 +190,7 @@ def _is_pressed_flat(solution: Solution) -> bool:
         return False
     load: Any = posed.scene.load
     scene = posed.scene.under(load.preload)
-    pressed = solve_contact(
-        scene.problem(problem.grid, posed.padding), SolveOptions(ADHESIVE_TOLERANCE)
-    )
+    pressed = solve_contact(scene.problem(problem.grid, posed.padding), SolveOptions(ADHESIVE_TOLERANCE))
     assert solution.adhesion is not None
     least = min(float(pressed.gap.max()), float(solution.gap.max()))
     return least < FLAT_GAP * solution.adhesion.range
@@ -216,9 +210,7 @@ def _range_error(solution: Solution, adhesion: AdhesiveTraction, load: float) ->
         return None
     if not _follows_table(solution):
         return inf
-    longer = solve_contact(
-        posed.scene.problem(halved(problem.grid), posed.padding), SolveOptions(ADHESIVE_TOLERANCE)
-    )
+    longer = solve_contact(posed.scene.problem(halved(problem.grid), posed.padding), SolveOptions(ADHESIVE_TOLERANCE))
     found = longer.status.has_converged and load
     changed = abs(longer.load_per_length - load) / abs(load) if found else inf
     return max(changed, reduction_below_jkr(adhesion.tabor) if adhesion.tabor else 0.0)

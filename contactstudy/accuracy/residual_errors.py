@@ -37,9 +37,7 @@ def residual_errors(solution: Solution, change: float = 0.0) -> ResidualErrors:
     operator = solution.problem.operator.scaled(scale, Precision.DOUBLE)
     compliance = operator.self_compliance
     # single precision takes half the time
-    inverse = operator.approximate_inverse(
-        Precision.SINGLE if pressure.size >= MIN_COMPILED_CELLS else None
-    )
+    inverse = operator.approximate_inverse(Precision.SINGLE if pressure.size >= MIN_COMPILED_CELLS else None)
     cells = solution.problem.constraint.active(pressure).astype(inverse.real, copy=False)
     correction, level = np.empty_like(cells), 0.0
 
@@ -52,9 +50,7 @@ def residual_errors(solution: Solution, change: float = 0.0) -> ResidualErrors:
         correction = extension.pressure(extension(correction))
         level = inner(correction, cells) / count
 
-    def errors_in_block(
-        pressure: Array, gap: Array, cells: Array, correction: Array
-    ) -> tuple[float, ...]:
+    def errors_in_block(pressure: Array, gap: Array, cells: Array, correction: Array) -> tuple[float, ...]:
         # cells at a limit that should not be there, and the pressure that closes the others
         violation = cell_violation(pressure, gap, cells)
         pressure_error = violation / (scales.gap * compliance)

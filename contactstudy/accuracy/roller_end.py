@@ -45,9 +45,7 @@ def end_of_half_space(solution: Solution) -> str:
         try:
             ended = FreeFaces(scene.solids[number], length)  # type: ignore[arg-type]
             solids = (ended, scene.solids[1]) if number == 0 else (scene.solids[0], ended)
-            with_faces = replace(scene, solids=solids, outputs=()).problem(
-                problem.grid, posed.padding
-            )
+            with_faces = replace(scene, solids=solids, outputs=()).problem(problem.grid, posed.padding)
             softer = solve_contact(with_faces, SolveOptions(TOLERANCE), solution.pressure)
             lower = _at_ends(softer.pressure, rows) / _at_ends(solution.pressure, rows)
             remedy = f"with {key} it is {1 - lower:.0%} lower on this grid"
@@ -88,9 +86,7 @@ def unrelieved_ends(solution: Solution) -> str:
         except InvalidInput:  # an effect of the scene that is not computed with it
             break
         if _excess(relieved.pressure, rows) <= RELIEVED:
-            highest = [
-                readable(float(p.max()), "Pa") for p in (solution.pressure, relieved.pressure)
-            ]
+            highest = [readable(float(p.max()), "Pa") for p in (solution.pressure, relieved.pressure)]
             return (
                 f"{said}: suggested drop {readable(drop)} at each end, by LundbergProfile(amplitude={amplitude:.3g}, "
                 f"end_drop={drop:.3g}, length={length:.6g}), with which the highest pressure on this grid is "

@@ -99,9 +99,7 @@ class Answer(InNotebook):
 
         figure = picture_of(self.dataset_to_draw() if dataset is None else dataset)
         if figure is None:
-            raise InvalidInput(
-                "plot.dataset is not that of an answer: give what to_dataset() returned."
-            )
+            raise InvalidInput("plot.dataset is not that of an answer: give what to_dataset() returned.")
         return figure
 
     @property
@@ -113,10 +111,7 @@ class Answer(InNotebook):
     def judged(self) -> dict[str, Judged]:
         """Numbers that the request speaks of with their bounds, by name; all without a request, or with one for all."""
         numbers = judged_numbers(self.quantities, self.requested)
-        if (
-            isinstance(self.requested, Mapping)
-            and (asked := self.requested.get(PRESSURE)) is not None
-        ):
+        if isinstance(self.requested, Mapping) and (asked := self.requested.get(PRESSURE)) is not None:
             l1 = self.error.l1
             numbers[PRESSURE] = Judged("pressure in L1", l1.total, asked, l1.reason)
         return numbers
@@ -149,9 +144,7 @@ class Answer(InNotebook):
         """Sentence on the accuracy, such as ``1 % met by every number: 0.2 % in L1, 0.7 % in the half-width``."""
         numbers = list(self.judged.values())
         measure, parts = self.judged_error
-        reached = (
-            f"{per_cent(parts.total)} {measure}" if isfinite(parts.total) else f"no bound {measure}"
-        )
+        reached = f"{per_cent(parts.total)} {measure}" if isfinite(parts.total) else f"no bound {measure}"
         bounded = [number for number in numbers if isfinite(number.bound)]
         worst = max(bounded, key=lambda number: number.bound, default=None)
         if worst is not None and worst.bound > parts.total:
@@ -162,9 +155,7 @@ class Answer(InNotebook):
             head = f"request {'met' if self.met else 'not met'}: {asked}"
         elif self.requested is None:
             head = f"error at most {reached}" if isfinite(parts.total) else reached
-            return "; ".join(
-                filter(None, (head, unknown or (self._why if parts.total == inf else "")))
-            )
+            return "; ".join(filter(None, (head, unknown or (self._why if parts.total == inf else ""))))
         else:
             if self.met:
                 verdict = "met by every number" + " with a bound" * bool(unknown)

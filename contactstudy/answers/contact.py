@@ -186,14 +186,10 @@ class Contact(Answer, Solution):
         for number in range(1, len(self.problem.outputs) if found else 0):
             if suffix := self._suffix(number):
                 alone = self._with_output_alone(number)
-                of_body = stress_quantities(
-                    alone.scene, alone.derived, self.grid, alone.error, self.problem.paddings
-                )
+                of_body = stress_quantities(alone.scene, alone.derived, self.grid, alone.error, self.problem.paddings)
                 found |= {f"{name}{suffix}": quantity for name, quantity in of_body.items()}
                 unseen |= {f"{name}{suffix}": alone.error.stress for name in of_body}
-        if not self._depends_on_history and any(
-            each.reason == NO_ESTIMATE for each in found.values()
-        ):
+        if not self._depends_on_history and any(each.reason == NO_ESTIMATE for each in found.values()):
             below = [level.quantities for level in self._below()]
             at_edge = edge_fraction(self.pressure > 0)
             return with_nested_bounds(
@@ -236,11 +232,7 @@ class Contact(Answer, Solution):
     def accuracy(self) -> str:
         """Sentence on the accuracy, before it whether the bodies are too small to be half-spaces."""
         fault = beyond_half_space(self.scene)
-        return (
-            f"{fault.rstrip('.')}; as half-spaces: {super().accuracy}"
-            if fault
-            else super().accuracy
-        )
+        return f"{fault.rstrip('.')}; as half-spaces: {super().accuracy}" if fault else super().accuracy
 
     @property
     def counts(self) -> Counts:

@@ -56,9 +56,7 @@ NO_BOUND_OF_PASSES = (
     "No bound: the discretisation error of repeated rolling is not estimated. It is of first order in the cell width: "
     "solve again with half the cell width and compare."
 )
-NO_BOUND_OF_STATES = (
-    "No bound: this error is not estimated in a contact that has crept, worn or yielded."
-)
+NO_BOUND_OF_STATES = "No bound: this error is not estimated in a contact that has crept, worn or yielded."
 CUT_OFF_STRAIN = "No bound: the plastic strain is cut off at the edge of the grid, give Grid.extent a larger one."
 NO_BOUND_OF_FILMS = "No bound for the discretisation error of a film at one instant: solve bounds that of all together."
 # Reasons for which a number has no bound until it is compared with solutions on coarser cells; these then give the
@@ -128,9 +126,7 @@ class Evolution(Answer):
     def error(self) -> ErrorEstimate:
         """Estimate of the errors by cause at the instant of the largest L1 error, with the warnings of all instants."""
         # separated bodies have no pressure, hence no relative error
-        touching = [
-            frame for frame in self.frames if frame.pressure.any() or frame.status.is_failure
-        ]
+        touching = [frame for frame in self.frames if frame.pressure.any() or frame.status.is_failure]
         by_pressure = sorted(touching or self.frames, key=lambda frame: -frame.pressure.max())
         estimates = [frame.error for frame in by_pressure]
         largest = max(estimates, key=lambda estimate: estimate.l1.total)
@@ -162,9 +158,7 @@ class Evolution(Answer):
         below = [level.quantities for level in self._below]
         at_edge = edge_fraction(self.frames[-1].pressure > 0)
         wider = self._wider.quantities if self._wider else None
-        return with_nested_bounds(
-            found, below, self.error.l1, at_edge, BY_GRIDS, wider, self._zone_edge
-        )
+        return with_nested_bounds(found, below, self.error.l1, at_edge, BY_GRIDS, wider, self._zone_edge)
 
     @cached_property
     def _plastic_fields(self) -> Mapping[str, Field]:
@@ -273,8 +267,7 @@ def evolution_answer(trajectory: "Trajectory", requested: Request | None = None)
     trajectory = replace(trajectory, frames=kept)
     frames = [_frame(trajectory, frame) for frame in kept]
     frames = [
-        _unbounded(frame, sentence) if sentence else frame
-        for frame, sentence in zip(frames, sentences, strict=True)
+        _unbounded(frame, sentence) if sentence else frame for frame, sentence in zip(frames, sentences, strict=True)
     ]
     if kept[-1].status is Status.WORN_THROUGH:  # no stress in a coating that is gone
         frames[-1] = replace(frames[-1], problem=replace(frames[-1].problem, outputs=()))
@@ -319,17 +312,10 @@ def _until_worn_through(
 
 def _unbounded(contact: Contact, reason: str) -> Contact:
     """Return a contact whose errors have no bound, for a reason."""
-    parts: dict[str, Any] = {
-        name: replace(part, discretisation=inf, reason=reason) for name, part in contact.error
-    }
-    numbers = {
-        name: replace(part, discretisation=inf, reason=reason)
-        for name, part in contact.error.numbers.items()
-    }
+    parts: dict[str, Any] = {name: replace(part, discretisation=inf, reason=reason) for name, part in contact.error}
+    numbers = {name: replace(part, discretisation=inf, reason=reason) for name, part in contact.error.numbers.items()}
     warnings = reason, *contact.error.warnings
-    return replace(
-        contact, estimate=replace(contact.error, warnings=warnings, numbers=numbers, **parts)
-    )
+    return replace(contact, estimate=replace(contact.error, warnings=warnings, numbers=numbers, **parts))
 
 
 def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
@@ -360,9 +346,7 @@ def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
     l1 = replace(l1, reason=reason)
     # of each cause the larger bound, that of the pressure in L1 or that of its peak; of the steps that of the peak
     of_peak = frame.peak_grid_error_parts.by_cause
-    larger: dict[str, Any] = {
-        cause: max(part, of_peak.get(cause, 0.0)) for cause, part in l1.by_cause.items()
-    }
+    larger: dict[str, Any] = {cause: max(part, of_peak.get(cause, 0.0)) for cause, part in l1.by_cause.items()}
     larger["steps"] = frame.errors_by_steps["peak_pressure"]
     peak = replace(l1, **larger)
     if l1.range is not None:
@@ -373,9 +357,7 @@ def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
     return replace(
         contact,
         problem=replace(frame.problem, outputs=outputs),
-        estimate=ErrorEstimate(
-            l1, peak, area, unknown, unknown, stress, stress, warnings=frame.warnings
-        ),
+        estimate=ErrorEstimate(l1, peak, area, unknown, unknown, stress, stress, warnings=frame.warnings),
     )
 
 
@@ -387,8 +369,7 @@ def _with_steps(contact: Contact, by_steps: Mapping[str, float]) -> Contact:
     estimate = contact.error
     unknown = ErrorParts(discretisation=inf, reason=NO_BOUND_OF_STATES)
     with_steps: dict[str, Any] = {
-        name: replace(parts, steps=by_steps[name]) if name in by_steps else unknown
-        for name, parts in estimate
+        name: replace(parts, steps=by_steps[name]) if name in by_steps else unknown for name, parts in estimate
     }
     return replace(contact, estimate=replace(estimate, **with_steps))
 
@@ -425,9 +406,7 @@ def films_answer(films: "FilmTrajectory", requested: Request | None = None) -> E
     posed = PosedScene(first.scene, first.grid, first.padding)
     coarse = unresolved(shortest_wavelengths(first.scene.shapes), first.grid)
     depths = [film.wear_depth for film in films.contacts]
-    kept, sentences = _until_worn_through(
-        first.scene, films.contacts, depths, np.array(films.times)
-    )
+    kept, sentences = _until_worn_through(first.scene, films.contacts, depths, np.array(films.times))
     films = replace(films, contacts=kept, times=films.times[: len(kept)])
     frames = []
     for number, (contact, time) in enumerate(zip(kept, films.times, strict=True)):

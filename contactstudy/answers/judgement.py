@@ -89,8 +89,7 @@ def judged_numbers(quantities: Quantities, request: Request | None) -> dict[str,
         requested = inf if request is None else request
         every = {name: _judged(name, quantities, requested) for name in uncertain}
         return {
-            name: replace(one, refines=not any(part in name for part in NOT_REFINED))
-            for name, one in every.items()
+            name: replace(one, refines=not any(part in name for part in NOT_REFINED)) for name, one in every.items()
         }
     found: dict[str, Judged] = {}
     for key, requested in request.items():
@@ -99,9 +98,7 @@ def judged_numbers(quantities: Quantities, request: Request | None) -> dict[str,
         names = [name for name in quantities if _is_named(name, key)]
         if not names:
             known = ", ".join((PRESSURE, *uncertain))
-            raise InvalidInput(
-                f"error names {key!r}, which this answer does not have: give some of {known}."
-            )
+            raise InvalidInput(f"error names {key!r}, which this answer does not have: give some of {known}.")
         # the closest name is the one that is meant
         if key in names:
             names = [key]
@@ -116,9 +113,7 @@ def _is_named(name: str, key: str) -> bool:
 
 def _is_uncertain(quantity: Quantity) -> bool:
     """Return whether a number has a relative error: it is neither exact, nor a formula, nor zero."""
-    is_zero = quantity.reason == RELATIVE_TO_ZERO or (
-        isfinite(quantity.bound) and not quantity.value
-    )
+    is_zero = quantity.reason == RELATIVE_TO_ZERO or (isfinite(quantity.bound) and not quantity.value)
     return not (quantity.is_formula or not quantity.bound or is_zero)
 
 

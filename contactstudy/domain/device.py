@@ -162,9 +162,7 @@ class Cpu:
 
 # Methods of an array return what numpy's functions of the same names do, in half the time on a small field.
 _METHODS = "all", "any", "astype", "max", "min", "repeat", "reshape", "sum", "take"
-_NUMPY = cast(
-    Namespace, SimpleNamespace(**vars(np) | {name: getattr(np.ndarray, name) for name in _METHODS})
-)
+_NUMPY = cast(Namespace, SimpleNamespace(**vars(np) | {name: getattr(np.ndarray, name) for name in _METHODS}))
 ONE_THREAD = Cpu()
 _DEVICE: ContextVar[Device] = ContextVar("device", default=ONE_THREAD)
 _ARRAYS: ContextVar[Namespace] = ContextVar("arrays", default=_NUMPY)
@@ -279,9 +277,7 @@ def _of_system() -> float:
     """
     with suppress(OSError, ValueError, IndexError, KeyError):
         lines = Path("/proc/meminfo").read_text(encoding="utf-8").splitlines()
-        amounts = {
-            name: amount.split() for name, _, amount in (line.partition(":") for line in lines)
-        }
+        amounts = {name: amount.split() for name, _, amount in (line.partition(":") for line in lines)}
         return 1024 * sum(float(amounts[name][0]) for name in ("MemAvailable", "SwapFree"))
     with suppress(ImportError, OSError):
         psutil = import_module("psutil")
@@ -296,8 +292,7 @@ def _of_container() -> float:
     """
     with suppress(OSError, ValueError):
         limit, used, statistics = (
-            (CGROUP / f"memory.{name}").read_text(encoding="utf-8")
-            for name in ("max", "current", "stat")
+            (CGROUP / f"memory.{name}").read_text(encoding="utf-8") for name in ("max", "current", "stat")
         )
         amounts = dict(line.split() for line in statistics.splitlines())
         return float(limit) - float(used) + float(amounts.get("inactive_file", 0))

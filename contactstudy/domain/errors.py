@@ -147,12 +147,7 @@ class ErrorEstimate(InNotebook):
         errors = {name: parts for name, parts in self if parts.by_cause} | dict(self.numbers)
         rows = [
             f"  {name:<24}{100 * parts.total:8.2g} %  "
-            + (
-                parts.reason
-                or ", ".join(
-                    f"{cause} {100 * part:.2g} %" for cause, part in parts.by_cause.items()
-                )
-            )
+            + (parts.reason or ", ".join(f"{cause} {100 * part:.2g} %" for cause, part in parts.by_cause.items()))
             for name, parts in errors.items()
         ]
         return "\n".join(("bounds of relative errors", *rows, *self.warnings))

@@ -73,9 +73,7 @@ def in_threads(work: Callable[[slice], object], shape: tuple[int, ...]) -> None:
     lead = CELLS_PER_THREAD // 2 // columns // 2 * 2
     size = max(2, -(-(rows - lead) // count // 2) * 2)
     begins = range(lead + size, rows, size)
-    futures = [
-        _pool(count - 1).submit(work, slice(begin, min(begin + size, rows))) for begin in begins
-    ]
+    futures = [_pool(count - 1).submit(work, slice(begin, min(begin + size, rows))) for begin in begins]
     work(slice(0, min(lead + size, rows)))
     for future in futures:
         future.result()
@@ -112,9 +110,7 @@ def _distributed(work: Callable[[list[slice]], T], blocks: list[slice], cells: i
         return [work(blocks)]
     size = -(-len(blocks) // count)
     parts = [blocks[begin : begin + size] for begin in range(0, len(blocks), size)]
-    futures = [
-        _pool(count - 1).submit(copy_context().run, _in_thread, work, part) for part in parts[1:]
-    ]
+    futures = [_pool(count - 1).submit(copy_context().run, _in_thread, work, part) for part in parts[1:]]
     return [work(parts[0]), *(future.result() for future in futures)]
 
 
@@ -182,9 +178,7 @@ def _over_rows(loop: Callable[..., object], *arguments: Any, results: int = 0) -
 def _over_blocks(loop: Callable[..., object], field: Array, *arguments: Any) -> None:
     """Run a `loop` over blocks of 2 x 2 cells of a `field` (x, y); it gets the ends of a thread's rows of blocks."""
     rows, columns = field.shape
-    in_threads(
-        lambda part: loop(field, *arguments, part.start, part.stop), (rows // 2, 2 * columns)
-    )
+    in_threads(lambda part: loop(field, *arguments, part.start, part.stop), (rows // 2, 2 * columns))
 
 
 @cache

@@ -226,9 +226,7 @@ def across_and_along(padding: Padding | Paddings) -> Paddings:
         If it is neither.
     """
     both = padding if isinstance(padding, tuple) else (ZeroPadding(), padding)
-    if len(both) != 2 or any(
-        isinstance(axis, type) or not hasattr(axis, "window") for axis in both
-    ):
+    if len(both) != 2 or any(isinstance(axis, type) or not hasattr(axis, "window") for axis in both):
         raise InvalidInput(
             f"padding is {padding!r}: give one for the length, such as ExactPeriodicity(), or a "
             "tuple of two, (across, along)."

@@ -67,9 +67,7 @@ def missing_package(use: str, missing: ModuleNotFoundError) -> ModuleNotFoundErr
     )
 
 
-def names_on_first_use(
-    package: str, file: str
-) -> tuple[Callable[[str], Any], Callable[[], list[str]], list[str]]:
+def names_on_first_use(package: str, file: str) -> tuple[Callable[[str], Any], Callable[[], list[str]], list[str]]:
     """Return ``__getattr__``, ``__dir__`` and ``__all__`` of a `package` whose names are imported on first use.
 
     The names are those that the stub of its `file` imports.

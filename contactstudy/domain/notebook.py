@@ -18,9 +18,7 @@ class InNotebook:
     def _rows(self) -> str:
         entries = [entry for field in _given(self) for entry in _entries(self, field)]
         width = max((len(name) for name, _ in entries), default=0)
-        return "\n".join(
-            (type(self).__name__, *(f"  {name:<{width}}  {text}" for name, text in entries))
-        )
+        return "\n".join((type(self).__name__, *(f"  {name:<{width}}  {text}" for name, text in entries)))
 
     def _repr_html_(self) -> str:
         return f"<pre style='font-family: monospace'>{escape(self._rows())}</pre>"

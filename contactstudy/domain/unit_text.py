@@ -25,9 +25,7 @@ Scale = tuple[int, tuple[int, ...]]
 ONE: Scale = (0, (0, 0, 0, 0))
 # Scale of every prefix and unit together.
 KNOWN: dict[str, Scale] = {"": ONE, "1": ONE} | {
-    prefix + unit: (power, powers)
-    for prefix, power in PREFIXES.items()
-    for unit, powers in UNITS.items()
+    prefix + unit: (power, powers) for prefix, power in PREFIXES.items() for unit, powers in UNITS.items()
 }
 
 NUMBER = re.compile(r"\s*([-+]?(?:inf|(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?))\s*(.*?)\s*")
@@ -85,9 +83,7 @@ def in_si(field: str, value: object, unit: Unit) -> float:
     pint = import_for("a unit", "pint")  # slow to import, and needed only here
     registry = _registry()
     try:
-        parsed = registry.Quantity(
-            Decimal(match[1]), registry.parse_units(match[2].replace("·", "*"))
-        )
+        parsed = registry.Quantity(Decimal(match[1]), registry.parse_units(match[2].replace("·", "*")))
         if unit.symbol == "Hz" and "radian" in dict(parsed.to_root_units().unit_items()):
             parsed /= registry.turn  # cycles per second, as of rpm
         return float(parsed.to(unit.symbol).magnitude)
@@ -115,11 +111,7 @@ def parted(field: str, text: str) -> tuple[str, str, float | None]:
     """
     first, *others = PLUS_MINUS.split(text.strip())
     match, tolerances = NUMBER.fullmatch(first), [NUMBER.fullmatch(other) for other in others]
-    if (
-        match is None
-        or len(others) > 1
-        or not all(one and 0 <= float(one[1]) < inf for one in tolerances)
-    ):
+    if match is None or len(others) > 1 or not all(one and 0 <= float(one[1]) < inf for one in tolerances):
         raise InvalidInput(
             f"{field} is {text!r}: give a number, and behind it one tolerance of at least 0, such as '10 mm +- 0.05 mm'."
         )
@@ -189,7 +181,5 @@ def decimal_unit(symbol: str) -> Scale | None:
         power, powers = KNOWN[name.strip()]
         times = int(exponent or 1) * (1 if sign == "*" else -1)
         total += times * power
-        totals = tuple(
-            before + times * unit_power for before, unit_power in zip(totals, powers, strict=True)
-        )
+        totals = tuple(before + times * unit_power for before, unit_power in zip(totals, powers, strict=True))
     return total, totals

@@ -29,9 +29,7 @@ PerPascal = Annotated[float, Unit("1/Pa", "a specific wear rate", "1e-6 mm3/(N m
 Compressibility = Annotated[float, Unit("1/Pa", "a compressibility", "0.6 1/GPa")]
 PressureViscosity = Annotated[float, Unit("1/Pa", "a pressure-viscosity coefficient", "20 1/GPa")]
 ThermalConductivity = Annotated[float, Unit("W/(m*K)", "a thermal conductivity", "46 W/(m*K)")]
-VolumetricHeatCapacity = Annotated[
-    float, Unit("J/(m^3*K)", "a volumetric heat capacity", "3.6 MJ/(m^3*K)")
-]
+VolumetricHeatCapacity = Annotated[float, Unit("J/(m^3*K)", "a volumetric heat capacity", "3.6 MJ/(m^3*K)")]
 Kelvins = Annotated[float, Unit("K", "a temperature", "333 K")]
 PerKelvin = Annotated[float, Unit("1/K", "a temperature coefficient", "0.04 1/K")]
 PascalSeconds = Annotated[float, Unit("Pa*s", "a viscosity", "40 mPa*s")]

@@ -52,9 +52,7 @@ ABOVE_ZERO = Limits("above 0", lambda x: MIN_SIZE <= x <= MAX_SIZE)
 AT_LEAST_ZERO = Limits("of at least 0", lambda x: x == 0 or MIN_SIZE <= x <= MAX_SIZE)
 ANY_SIGN = Limits("that is finite", lambda x: x == 0 or MIN_SIZE <= abs(x) <= MAX_SIZE)
 OR_INFINITE = Limits("above 0, or inf", lambda x: x == inf or MIN_SIZE <= x <= MAX_SIZE)
-FROM_ZERO_TO_INFINITE = Limits(
-    "of at least 0, or inf", lambda x: x in (0, inf) or MIN_SIZE <= x <= MAX_SIZE
-)
+FROM_ZERO_TO_INFINITE = Limits("of at least 0, or inf", lambda x: x in (0, inf) or MIN_SIZE <= x <= MAX_SIZE)
 CURVED = Limits(
     "above 0 of a convex body, below 0 of a hollow one, inf of a flat",
     lambda x: x == inf or MIN_SIZE <= abs(x) <= MAX_SIZE,
@@ -65,9 +63,7 @@ FROM_ZERO_BELOW_ONE = Limits("of at least 0 and below 1", lambda x: x == 0 or MI
 # Of a number without a unit, unless it has others.
 FINITE = Limits("", lambda x: -inf < x < inf)
 # Index of a body in Scene.solids.
-BodyIndex = Annotated[
-    int, Limits("0 or 1, the body's index in Scene.solids", lambda x: x in (0, 1))
-]
+BodyIndex = Annotated[int, Limits("0 or 1, the body's index in Scene.solids", lambda x: x in (0, 1))]
 
 RelativeError = Annotated[float, Unit("", "a relative error", "1 %"), BELOW_ONE]
 
@@ -165,9 +161,7 @@ def checked_errors(field: str, value: object) -> float | dict[str, float]:
         return float(valid(field, value, RelativeError))
     if not value:
         raise InvalidInput(f"{field} is empty: give an error, or some by the names of numbers.")
-    return {
-        name: valid(f"{field}[{name!r}]", error, RelativeError) for name, error in value.items()
-    }
+    return {name: valid(f"{field}[{name!r}]", error, RelativeError) for name, error in value.items()}
 
 
 def _sizes(value: object) -> str:

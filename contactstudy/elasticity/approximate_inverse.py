@@ -149,9 +149,7 @@ class SpectralInverse:
     @property
     def cells_transformed(self) -> float:
         """Number of cells transformed so far."""
-        return self._transformed + (
-            self._coarser.cells_transformed if self._coarser is not None else 0.0
-        )
+        return self._transformed + (self._coarser.cells_transformed if self._coarser is not None else 0.0)
 
     def extension(self, active: Array) -> "CoveringExtension":
         """Return the map from the displacement of an `active` set (x, y) to that of all cells."""
@@ -243,8 +241,7 @@ class FreeEndsInverse:
         """Return whether any cell of an `active` set (x, y) is within a margin of a free end."""
         (nx, ny), xp = self._cells, arrays()
         across, along = (
-            ceil(MARGIN * n) if longer > n else 0
-            for n, longer in zip(self._cells, self._longer, strict=True)
+            ceil(MARGIN * n) if longer > n else 0 for n, longer in zip(self._cells, self._longer, strict=True)
         )
         ends = (
             active[:across, :],
@@ -303,9 +300,7 @@ class CoveringExtension:
 class SmoothedExtension(CoveringExtension):
     """Extension by the weighted mean of the set's displacement; `smoothed` is a symmetric, positive convolution."""
 
-    def __init__(
-        self, active: Array, smoothed: Callable[[Array], Array], pressure: Callable[[Array], Array]
-    ) -> None:
+    def __init__(self, active: Array, smoothed: Callable[[Array], Array], pressure: Callable[[Array], Array]) -> None:
         super().__init__(active, pressure)
         xp = arrays()
         self._smoothed = smoothed
@@ -356,9 +351,7 @@ class BlockExtension(CoveringExtension):
     A block belongs to the set by the fraction of its cells that do. The blocks are periodic.
     """
 
-    def __init__(
-        self, active: Array, coarser: SpectralInverse, pressure: Callable[[Array], Array]
-    ) -> None:
+    def __init__(self, active: Array, coarser: SpectralInverse, pressure: Callable[[Array], Array]) -> None:
         super().__init__(active, pressure)
         self._loops = compiled_loops(active.shape)
         self._block_active = self._means(active)
@@ -405,9 +398,7 @@ def hole_width(active: Array) -> float:
     return 2 * outside / ends if ends else 0.0
 
 
-def at_unpadded_wave_numbers(
-    spectrum: Array, cells: tuple[int, int], padded: tuple[int, int]
-) -> Array:
+def at_unpadded_wave_numbers(spectrum: Array, cells: tuple[int, int], padded: tuple[int, int]) -> Array:
     """Return the spectrum of a padded grid at the wave numbers nearest to those of the unpadded one, bounded from below.
 
     The bound is a thousandth of the smallest magnitude among waves that vary across.

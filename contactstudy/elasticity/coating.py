@@ -102,9 +102,7 @@ class CoatingCoefficients:
         of_waves = self.thickness * float(waves[0]) / width
         return line * (self._contrast * log(self.datum**2 + 4 * self.thickness**2) - of_waves)
 
-    def lattice(
-        self, x: Array, y: Array, dx: float, dy: float, width: float, period: float
-    ) -> Array:
+    def lattice(self, x: Array, y: Array, dx: float, dy: float, width: float, period: float) -> Array:
         """Return the response to an infinite lattice of images along both axes; x is a column, y a row."""
         return self.thickness * self._waves(Subtracted.NONE).lattice(x, y, dx, dy, width, period)
 

@@ -36,9 +36,7 @@ class Coefficients(Protocol):
     def row(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
         """Return the response to an infinite row of images along y; x is a column, y a row."""
 
-    def lattice(
-        self, x: Array, y: Array, dx: float, dy: float, width: float, period: float
-    ) -> Array:
+    def lattice(self, x: Array, y: Array, dx: float, dy: float, width: float, period: float) -> Array:
         """Return the response to an infinite lattice of images along both axes; x is a column, y a row."""
 
 
@@ -74,9 +72,7 @@ class BoussinesqCoefficients:
         """Return what the datum adds to the response to a row of images, whose area is `line` [m] per length."""
         return 2 * line * log(self.datum)
 
-    def lattice(
-        self, x: Array, y: Array, dx: float, dy: float, width: float, period: float
-    ) -> Array:
+    def lattice(self, x: Array, y: Array, dx: float, dy: float, width: float, period: float) -> Array:
         """Return the response to an infinite lattice of images along both axes; x is a column, y a row."""
         return boussinesq_cell_doubly_periodic(x, y, dx, dy, width, period)
 
@@ -127,9 +123,7 @@ class _Axis:
         return np.arange(float(self.known)) * self.step
 
 
-def without_shift(
-    coefficients: Coefficients, grid: Grid, paddings: Paddings
-) -> tuple[Coefficients, float]:
+def without_shift(coefficients: Coefficients, grid: Grid, paddings: Paddings) -> tuple[Coefficients, float]:
     """Return the coefficients with the datum 1 m, and the constant that they then lack on `grid`.
 
     The costly arrays are then equal for every datum. Coefficients without a rigid shift are returned unchanged.

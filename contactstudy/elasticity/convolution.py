@@ -165,9 +165,7 @@ class Convolution:
         of_x, of_y = np.abs(fft.fft(across, px)) ** 2, np.abs(fft.rfft(along, py)) ** 2
         of_y[1 : (py + 1) // 2] *= 2  # stored once
         waves = np.flatnonzero(of_y > NEGLIGIBLE_ENERGY * of_y.max())
-        return float(
-            np.einsum("x,xy,y", of_x, self.spectrum[:, waves], of_y[waves]) / self.transform_size
-        )
+        return float(np.einsum("x,xy,y", of_x, self.spectrum[:, waves], of_y[waves]) / self.transform_size)
 
     def scaled(self, factor: float, precision: Precision) -> "Convolution":
         """Return this operator times `factor`, in `precision`, on the device in use.
@@ -216,11 +214,7 @@ class Convolution:
         another `precision` is given and can hold the spectrum's range. For few cells in plane strain it solves the
         equations of the contact exactly.
         """
-        if (
-            self.cells[1] == 1
-            and self.cells[0] <= CONSTANTS.direct_cells
-            and isinstance(device(), Cpu)
-        ):
+        if self.cells[1] == 1 and self.cells[0] <= CONSTANTS.direct_cells and isinstance(device(), Cpu):
             return ExactInverse(self._compliance())
         real = self.spectrum.dtype if precision is None else precision.real
 
@@ -306,9 +300,7 @@ class GeneralConvolution:
         return TRANSFORMS.backward(waves, self.cells, self.padded)
 
 
-def convolution(
-    contact_modulus: float, grid: Grid, padding: Padding | Paddings, datum: float
-) -> Convolution:
+def convolution(contact_modulus: float, grid: Grid, padding: Padding | Paddings, datum: float) -> Convolution:
     """Return the operator of two half-spaces in contact.
 
     Along an axis that wraps the convolution is circular. An axis that does not is padded to at least twice its cells,
@@ -339,9 +331,7 @@ def convolution(
     return superposed({BoussinesqCoefficients(datum): 1 / (np.pi * contact_modulus)}, grid, padding)
 
 
-def superposed(
-    response: Mapping[Coefficients, float], grid: Grid, padding: Padding | Paddings
-) -> Convolution:
+def superposed(response: Mapping[Coefficients, float], grid: Grid, padding: Padding | Paddings) -> Convolution:
     """Return the operator whose influence coefficients are a weighted sum.
 
     Parameters
@@ -377,17 +367,12 @@ def superposed(
 
 def _spectrum(coefficients: Coefficients, grid: Grid, paddings: Paddings) -> Array:
     """Return the transform of influence coefficients that are even along both axes: it is real and even."""
-    return even_spectrum(
-        influence_coefficients(grid, paddings, coefficients), padded_cells(grid, paddings)
-    )
+    return even_spectrum(influence_coefficients(grid, paddings, coefficients), padded_cells(grid, paddings))
 
 
 def even_spectrum(half: Array, padded: tuple[int, int]) -> Array:
     """Return the transform on `padded` points of coefficients of known offsets (x, y), even along both axes."""
-    offsets = (
-        _offset_indices(*counts)[: counts[1] // 2 + 1]
-        for counts in zip(half.shape, padded, strict=True)
-    )
+    offsets = (_offset_indices(*counts)[: counts[1] // 2 + 1] for counts in zip(half.shape, padded, strict=True))
     half = even_transform(half[np.ix_(*offsets)], padded)
     return np.concatenate([half, half[(padded[0] - 1) // 2 : 0 : -1]])
 
@@ -421,9 +406,7 @@ def general_convolutions(
     ]
 
 
-def on_padded_grid(
-    terms: Iterable[tuple[Coefficients, float]], grid: Grid, paddings: Paddings
-) -> Array:
+def on_padded_grid(terms: Iterable[tuple[Coefficients, float]], grid: Grid, paddings: Paddings) -> Array:
     """Return a weighted sum of influence coefficients of any parity at every point (px, py) of the padded grid."""
     padded = padded_cells(grid, paddings)
     around: Array = np.zeros(padded)
@@ -441,9 +424,7 @@ def by_symmetry(
     return even, {kind: weight for kind, weight in response.items() if kind not in even}
 
 
-def weighted_sum(
-    operators: Iterable[tuple[float, Convolution]], local_compliance: float = 0.0
-) -> Convolution:
+def weighted_sum(operators: Iterable[tuple[float, Convolution]], local_compliance: float = 0.0) -> Convolution:
     """Return the sum of `operators` on one grid, each times its weight.
 
     `local_compliance` [m/Pa] times the pressure itself is added: a constant in the spectrum, also on coarser grids.
@@ -462,9 +443,7 @@ def padded_cells(grid: Grid, paddings: Paddings) -> tuple[int, int]:
     return px, py
 
 
-def mirrored_by_parity(
-    coefficients: Array, padded: tuple[int, int], parity: tuple[int, int]
-) -> Array:
+def mirrored_by_parity(coefficients: Array, padded: tuple[int, int], parity: tuple[int, int]) -> Array:
     """Return coefficients of known offsets at every point of the padded grid, extended by their parity."""
     around = coefficients[np.ix_(*map(_offset_indices, coefficients.shape, padded))]
     for axis, even in enumerate(parity):

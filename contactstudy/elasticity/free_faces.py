@@ -203,9 +203,7 @@ class EndedConvolution(Convolution):
         if pressure.shape != self.cells:
             raise InvalidInput(f"pressure has the shape {pressure.shape}: give it {self.cells}.")
         pair = transforms()
-        waves = pair.forward(
-            pressure, self.padded, self.work_array(self.padded, self.spectrum.dtype)
-        )
+        waves = pair.forward(pressure, self.padded, self.work_array(self.padded, self.spectrum.dtype))
         px, half = self.padded[0], self.padded[0] // 2 + 1
         for start in range(0, half, ROWS):  # a large new array costs as much as a transform
             rows = np.arange(start, min(start + ROWS, half))
@@ -231,8 +229,7 @@ class EndedConvolution(Convolution):
     def scaled(self, factor: float, precision: Precision) -> "EndedConvolution":
         """Return this operator times `factor`, in `precision`."""
         spectrum, mirrored = (
-            np.multiply(factor, of_loads).astype(precision.real)
-            for of_loads in (self.spectrum, self.mirrored)
+            np.multiply(factor, of_loads).astype(precision.real) for of_loads in (self.spectrum, self.mirrored)
         )
         faces = tuple(faces.scaled(factor, precision) for faces in self.faces)
         return replace(self, spectrum=spectrum, mirrored=mirrored, faces=faces)
@@ -250,9 +247,7 @@ class EndedConvolution(Convolution):
         )
 
 
-def between_faces(
-    response: Mapping[Coefficients, float], grid: Grid, paddings: Paddings
-) -> Convolution:
+def between_faces(response: Mapping[Coefficients, float], grid: Grid, paddings: Paddings) -> Convolution:
     """Return the operator of bodies, some of which end along the length, wherever on `grid` or beyond.
 
     Parameters
@@ -280,9 +275,7 @@ def between_faces(
     return EndedConvolution(spectrum, grid.cells, padded, mirrored, tuple(faces), ends=ends)
 
 
-def _images(
-    body: FreeFaceCoefficients, offset: float, grid: Grid, padded: tuple[int, int]
-) -> Array:
+def _images(body: FreeFaceCoefficients, offset: float, grid: Grid, padded: tuple[int, int]) -> Array:
     """Return the transform of the coefficients of loads of twice the period of `body`, an `offset` [m] further along."""
 
     def spectrum() -> Array:
@@ -293,9 +286,7 @@ def _images(
     return cached_array((body, offset, grid), spectrum)
 
 
-def faces_on(
-    body: FreeFaceCoefficients, grid: Grid, across: int, added: str = "displacement"
-) -> Faces:
+def faces_on(body: FreeFaceCoefficients, grid: Grid, across: int, added: str = "displacement") -> Faces:
     """Return what the faces of `body` add on `grid`, a field of :class:`FaceTable`; transforms have `across` points.
 
     At a distance x across it is the cosine transform of the table over wave numbers, which are summed in equal steps,

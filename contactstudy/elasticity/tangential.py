@@ -64,9 +64,7 @@ class CerrutiCoefficients:
         # the field of the row is constant across, beside what decays: the surface at the datum stays where it is
         return field - 2 * dx * dy / period if self.name == "xx" else field
 
-    def lattice(
-        self, x: Array, y: Array, dx: float, dy: float, width: float, period: float
-    ) -> Array:
+    def lattice(self, x: Array, y: Array, dx: float, dy: float, width: float, period: float) -> Array:
         """Return the field of an infinite lattice of images along both axes; x is a column, y a row."""
         cell = dx, dy, width, period
         if self.name == "yy" or (self.name == "xx" and period > width):
@@ -138,9 +136,7 @@ class ShearableBody(Protocol):
         """Return the compliance under tangential traction, with the `datum` [m] of the response to pressure."""
 
 
-def half_space_shear_compliance(
-    compliance: float, poisson_ratio: float, datum: float
-) -> ShearCompliance:
+def half_space_shear_compliance(compliance: float, poisson_ratio: float, datum: float) -> ShearCompliance:
     """Return the compliance under traction of a half-space, whose compliance under pressure is (1 - nu^2) / E [1/Pa]."""
     isotropic = compliance / np.pi
     by_poisson = isotropic * poisson_ratio / (1 - poisson_ratio)
@@ -155,14 +151,10 @@ def half_space_shear_compliance(
     }
 
 
-def shear_response(
-    bodies: Iterable[ShearableBody], grid: Grid, paddings: Paddings, datum: float
-) -> ShearResponse:
+def shear_response(bodies: Iterable[ShearableBody], grid: Grid, paddings: Paddings, datum: float) -> ShearResponse:
     """Return the displacement of `bodies` together under tangential traction."""
     shears = [body.shear_compliance(datum) for body in bodies]
-    weights = {
-        name: summed_responses(1, *(shear[name] for shear in shears)) for name in ("xx", "yy", "xy")
-    }
+    weights = {name: summed_responses(1, *(shear[name] for shear in shears)) for name in ("xx", "yy", "xy")}
     return ShearResponse(*general_convolutions(weights.values(), grid, paddings))
 
 
@@ -185,9 +177,7 @@ def normal_displacement(
     return general_convolutions(weights.values(), grid, paddings)
 
 
-def summed_responses(
-    sign: int, *responses: Mapping[Coefficients, float]
-) -> Mapping[Coefficients, float]:
+def summed_responses(sign: int, *responses: Mapping[Coefficients, float]) -> Mapping[Coefficients, float]:
     """Return the sum of `responses`, all but the first times `sign`, without what cancels or is zero."""
     summed: dict[Coefficients, float] = {}
     sizes: dict[Coefficients, float] = {}
@@ -196,8 +186,4 @@ def summed_responses(
             signed = sign * weight if number else weight
             summed[coefficients] = summed.get(coefficients, 0.0) + signed
             sizes[coefficients] = sizes.get(coefficients, 0.0) + abs(weight)
-    return {
-        kind: weight
-        for kind, weight in summed.items()
-        if abs(weight) > WEIGHT_ROUNDING * sizes[kind]
-    }
+    return {kind: weight for kind, weight in summed.items() if abs(weight) > WEIGHT_ROUNDING * sizes[kind]}

@@ -149,9 +149,7 @@ class Ducc(Transforms):
         if _c2r_is_slow(rows, padded[1]):
             field = fft.irfft(rows, padded[1], axis=1, overwrite_x=True, workers=threads())
         else:
-            field = self._fft.c2r(
-                rows, axes=(1,), lastsize=padded[1], forward=False, inorm=2, nthreads=count
-            )
+            field = self._fft.c2r(rows, axes=(1,), lastsize=padded[1], forward=False, inorm=2, nthreads=count)
         return np.ascontiguousarray(field[:, : cells[1]])
 
     def cosines(self, field: Array, axes: tuple[int, ...]) -> Array:
@@ -219,9 +217,7 @@ def _plan(kind: str, shape: tuple[int, ...], batch: int, *, by_row: bool) -> Any
     library = cufft()
     waves = (*shape[:-1], shape[-1] // 2 + 1)
     into, out = (shape if numbers in "RD" else waves for numbers in (kind[0], kind[2]))
-    layout = (
-        (into, 1, prod(into), out, 1, prod(out)) if by_row else (shape, batch, 1, shape, batch, 1)
-    )
+    layout = (into, 1, prod(into), out, 1, prod(out)) if by_row else (shape, batch, 1, shape, batch, 1)
     code = getattr(library, f"CUFFT_{kind}")
     return library.PlanNd(shape, *layout, code, batch, "C", len(shape) - 1, None)
 

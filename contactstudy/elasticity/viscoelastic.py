@@ -53,9 +53,7 @@ class Creep:
         return Creep(factor * self.instantaneous, terms, factor * self.fluidity)
 
 
-def creep_from_relaxation(
-    equilibrium_modulus: float, relaxation: tuple[tuple[float, float], ...]
-) -> Creep:
+def creep_from_relaxation(equilibrium_modulus: float, relaxation: tuple[tuple[float, float], ...]) -> Creep:
     """Return the creep of a body whose modulus relaxes as ``E_inf + sum(E_i exp(-t / tau_i))``.
 
     The rates -1 / lambda_i are the zeros of ``E(s) = E_inf + sum(E_i s / (s + 1 / tau_i))``: one between each pair of
@@ -86,9 +84,7 @@ def creep_from_relaxation(
         low, high = rates[:-1], rates[1:]
     else:
         fluidity = 0.0
-        slowest = (
-            rates[:1] * min(0.5, equilibrium_modulus / (2 * moduli.sum())) if rates.size else rates
-        )
+        slowest = rates[:1] * min(0.5, equilibrium_modulus / (2 * moduli.sum())) if rates.size else rates
         low, high = np.concatenate([slowest, rates[:-1]]), rates
     zeros = _zeros(equilibrium_modulus, moduli, rates, low.copy(), high.copy())
     steepness = (moduli * rates / (rates - zeros[:, None]) ** 2).sum(axis=1)
@@ -97,9 +93,7 @@ def creep_from_relaxation(
     return Creep(instantaneous, terms, fluidity)
 
 
-def _zeros(
-    equilibrium_modulus: float, moduli: Array, rates: Array, low: Array, high: Array
-) -> Array:
+def _zeros(equilibrium_modulus: float, moduli: Array, rates: Array, low: Array, high: Array) -> Array:
     """Return where ``E_inf + sum(E_i z / (z - 1 / tau_i))`` falls through zero in each bracket, by bisection.
 
     `rates` are 1 / tau_i; `low` and `high` are the ends of the brackets.
@@ -107,9 +101,7 @@ def _zeros(
     for _ in range(BISECTIONS):
         middle = np.sqrt(low) * np.sqrt(high)
         middle = np.clip(middle, np.nextafter(low, high), np.nextafter(high, low))
-        value = equilibrium_modulus + (moduli * middle[:, None] / (middle[:, None] - rates)).sum(
-            axis=1
-        )
+        value = equilibrium_modulus + (moduli * middle[:, None] / (middle[:, None] - rates)).sum(axis=1)
         low, high = np.where(value > 0, middle, low), np.where(value > 0, high, middle)
     return np.asarray(np.sqrt(low) * np.sqrt(high))
 
@@ -175,18 +167,14 @@ class RetardedCoefficients:
             return self._part(lambda s: self.inner.row(s[:, None], along, *cell), x, dx)
         return self._part(lambda s: self.inner.row(across[:, None], s, *cell).T, y, dy, period).T
 
-    def lattice(
-        self, x: Array, y: Array, dx: float, dy: float, width: float, period: float
-    ) -> Array:
+    def lattice(self, x: Array, y: Array, dx: float, dy: float, width: float, period: float) -> Array:
         """Return the response to an infinite lattice of images along both axes; x is a column, y a row."""
         if self.axis == 1:
             return self.swap_axes().lattice(y.T, x.T, dy, dx, period, width).T
         cell, along = (dx, dy, width, period), np.ravel(y)
         return self._part(lambda s: self.inner.lattice(s[:, None], along, *cell), x, dx, width)
 
-    def _part(
-        self, kernel: Kernel, offsets: Array, step: float, period: float | None = None
-    ) -> Array:
+    def _part(self, kernel: Kernel, offsets: Array, step: float, period: float | None = None) -> Array:
         """Return the even or odd part of V at `offsets` along the axis of motion, where K repeats after a `period`."""
         parity, places = self.inner.parity[self.axis], np.ravel(offsets)
         if period is None:
@@ -196,9 +184,7 @@ class RetardedCoefficients:
         return (trailing + self.sign * leading) / 2
 
 
-def retarded(
-    response: Mapping[Coefficients, float], distance: float
-) -> Mapping[Coefficients, float]:
+def retarded(response: Mapping[Coefficients, float], distance: float) -> Mapping[Coefficients, float]:
     """Return the retarded `response` of a body, the even and the odd parts, under a contact that moves over it.
 
     Parameters
@@ -219,9 +205,7 @@ def retarded(
     return parts
 
 
-def _open_axis(
-    kernel: Kernel, x: Array, step: float, length: float, parity: int
-) -> tuple[Array, Array]:
+def _open_axis(kernel: Kernel, x: Array, step: float, length: float, parity: int) -> tuple[Array, Array]:
     """Return V at `x` and at ``-x``, multiples of `step` at least 0; `kernel` has a parity and is not periodic."""
     index = np.round(x / step).astype(int)
     last = max(int(index.max()), 1)

@@ -350,9 +350,7 @@ class March(Generic[S]):
     def can_go_on(self) -> bool:
         """True if nothing is left to be recorded at the present time, so that a march may go on from here later."""
         is_done = self.number == len(self.points)
-        return self.fine.change < inf and (
-            is_done or self.fine.time < self.points[self.number].time
-        )
+        return self.fine.change < inf and (is_done or self.fine.time < self.points[self.number].time)
 
     def _pair(self, point: Breakpoint) -> list[Record[S]]:
         """Take a pair of steps towards `point`, unless it is rejected, and return what is recorded."""
@@ -381,9 +379,7 @@ class March(Generic[S]):
         statuses += [*after[0].statuses, *after[1].statuses]
         return records + self._go_on(begin, middle, after, statuses)
 
-    def _go_on(
-        self, begin: S, middle: S, after: tuple[S, S | None], statuses: list[Status]
-    ) -> list[Record[S]]:
+    def _go_on(self, begin: S, middle: S, after: tuple[S, S | None], statuses: list[Status]) -> list[Record[S]]:
         """Continue from the states after a pair of steps, or start again where the error of all is too large."""
         self.fine, self.coarse = fine, coarse = after
         self.statuses += statuses

@@ -90,9 +90,7 @@ class TimeSteps:
                 "chosen: leave one of them out."
             )
         if self.times == ():
-            raise InvalidInput(
-                "TimeSteps.times is empty: give one instant [s] or more, or leave it out."
-            )
+            raise InvalidInput("TimeSteps.times is empty: give one instant [s] or more, or leave it out.")
         if self.error is not None and self.step is not None:
             raise InvalidInput("TimeSteps has a step and an error: leave one of them out.")
         for name in ("end", "instants"):

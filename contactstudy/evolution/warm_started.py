@@ -12,9 +12,7 @@ from contactstudy.solvers.solve import SolveOptions, solve_contact
 COUPLED_TOLERANCE_FACTOR = 0.01
 
 
-def solved_or_unloaded(
-    options: SolveOptions, problem: Problem, start: Array | None = None
-) -> Solution:
+def solved_or_unloaded(options: SolveOptions, problem: Problem, start: Array | None = None) -> Solution:
     """Return the solution of `problem`; without load, the undeformed bodies that just touch.
 
     Parameters

@@ -116,8 +116,7 @@ def compare(a: Any, b: Any) -> Comparison:
     y_a, y_b = _one_period(first, second, _edges(first, "y"), _edges(second, "y"))
     x, y = _merged_edges(x_a, x_b), _merged_edges(y_a, y_b)
     p_a, p_b = (
-        _resampled(_net_pressure(one), *edges, x, y)
-        for one, edges in ((first, (x_a, y_a)), (second, (x_b, y_b)))
+        _resampled(_net_pressure(one), *edges, x, y) for one, edges in ((first, (x_a, y_a)), (second, (x_b, y_b)))
     )
     area = np.diff(x)[:, None] * np.diff(y)[None, :]
     for name, pressure in (("a", p_a), ("b", p_b)):
@@ -125,17 +124,13 @@ def compare(a: Any, b: Any) -> Comparison:
             raise InvalidInput(f"compare.{name} has a pressure that is no number: solve it again.")
     total = float((np.abs(p_a) * area).sum())
     if not total:
-        raise InvalidInput(
-            "compare.a has no pressure anywhere: give a contact that carries a load."
-        )
+        raise InvalidInput("compare.a has no pressure anywhere: give a contact that carries a load.")
     change = p_b - p_a
     centres = (x[1:] + x[:-1]) / 2, (y[1:] + y[:-1]) / 2
     index = np.unravel_index(int(np.abs(change).argmax()), change.shape)
     films = "film" in first or "film" in second
     areas = [
-        np.nan
-        if films
-        else float(((_resampled(one["pressure"].values, *edges, x, y) > 0) * area).sum())
+        np.nan if films else float(((_resampled(one["pressure"].values, *edges, x, y) > 0) * area).sum())
         for one, edges in ((first, (x_a, y_a)), (second, (x_b, y_b)))
     ]
     loads = [float((p * area).sum()) for p in (p_a, p_b)]
@@ -158,8 +153,7 @@ def compare(a: Any, b: Any) -> Comparison:
         largest=float(np.abs(change[index])),
         position=(float(centres[0][index[0]]), float(centres[1][index[1]])),
         difference=difference,
-        differing=_differing(_scene(first, "scene_file"), _scene(second, "scene_file"))
-        or _differing(*tables),
+        differing=_differing(_scene(first, "scene_file"), _scene(second, "scene_file")) or _differing(*tables),
         quantities=_quantities(first, second),
         time=time,
     )
@@ -234,8 +228,7 @@ def _differing(first: Mapping[str, object], second: Mapping[str, object]) -> tup
     if not first or not second:
         return ()
     return tuple(
-        f"{key}: {_value_text(first.get(key))} and {_value_text(second.get(key))}"
-        f"{_end_drops(key, first, second)}"
+        f"{key}: {_value_text(first.get(key))} and {_value_text(second.get(key))}{_end_drops(key, first, second)}"
         for key in keys
     )
 
@@ -272,9 +265,7 @@ def _labelled(name: str, contact: Any) -> xr.Dataset:
     return contact
 
 
-def _at_one_instant(
-    first: xr.Dataset, second: xr.Dataset
-) -> tuple[xr.Dataset, xr.Dataset, float | None]:
+def _at_one_instant(first: xr.Dataset, second: xr.Dataset) -> tuple[xr.Dataset, xr.Dataset, float | None]:
     """Return both contacts at the instant [s] of the highest pressure of the first, and it; None without instants.
 
     Of an instant that both have twice, before and after a jump of the load, it is the same one; one that only one has
@@ -339,9 +330,7 @@ def _resampled(pressure: Array, x: Array, y: Array, to_x: Array, to_y: Array) ->
     return np.where(on_grid, pressure[np.ix_(rows, columns)], 0.0)
 
 
-def _sums_over_larger_cells(
-    values: Array, edges: Array, a: Array, b: Array, axis: int = 0
-) -> Array:
+def _sums_over_larger_cells(values: Array, edges: Array, a: Array, b: Array, axis: int = 0) -> Array:
     """Return the sums of `values` on fine cells over the larger cells of the grids with the edges `a` and `b`."""
     coarse = a if np.diff(a).max() >= np.diff(b).max() else b
     rounding = 1e-9 * (edges[-1] - edges[0])

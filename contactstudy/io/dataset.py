@@ -52,9 +52,7 @@ def labelled(
 _plane, _number = partial(labelled, ("x", "y")), partial(labelled, ())
 
 
-def flags(
-    dimensions: Sequence[str], values: object, meanings: Sequence[str], long_name: str
-) -> xr.Variable:
+def flags(dimensions: Sequence[str], values: object, meanings: Sequence[str], long_name: str) -> xr.Variable:
     """Return indices into `meanings` as a variable with the flag attributes of the CF conventions."""
     attributes = {
         "long_name": long_name,
@@ -66,9 +64,7 @@ def flags(
 
 def field_variable(field: Field) -> xr.Variable:
     """Return a field as a variable with its unit, long name and attributes."""
-    return labelled(
-        field.dimensions, field.values, field.units, field.long_name, **field.attributes
-    )
+    return labelled(field.dimensions, field.values, field.units, field.long_name, **field.attributes)
 
 
 def field_variables(fields: Mapping[str, Field]) -> dict[str, xr.Variable]:
@@ -96,9 +92,7 @@ def contact_fields(solution: Solution) -> xr.Dataset:
     return _over_plane(solution.problem.grid, variables, solution)
 
 
-def _over_plane(
-    grid: Grid, variables: Mapping[str, xr.Variable], solved: "Solution | FilmSolution"
-) -> xr.Dataset:
+def _over_plane(grid: Grid, variables: Mapping[str, xr.Variable], solved: "Solution | FilmSolution") -> xr.Dataset:
     """Return `variables` over the cells of a grid, with the numbers that every solver has, and its status."""
     of_solver = {
         "residual": _number(solved.residual, "1", "residual of the solver"),
@@ -255,9 +249,7 @@ def _with_errors(dataset: xr.Dataset, estimate: ErrorEstimate) -> xr.Dataset:
     return dataset
 
 
-def film_dataset(
-    contact: "FilmSolution", error: ErrorEstimate, quantities: Quantities
-) -> xr.Dataset:
+def film_dataset(contact: "FilmSolution", error: ErrorEstimate, quantities: Quantities) -> xr.Dataset:
     """Return a lubricated contact with dimensions (x, y), units and long names; errors along ``cause``."""
     variables, carrier = dict[str, xr.Variable](), "the lubricant"
     if contact.contact_pressure is not None:

@@ -94,16 +94,12 @@ def over_time(times: Array, instants: Sequence[xr.Dataset]) -> xr.Dataset:
 
     A field that an instant lacks is zero there without pressure, and else not a number.
     """
-    everywhere = {
-        name: variable for instant in reversed(instants) for name, variable in instant.items()
-    }
+    everywhere = {name: variable for instant in reversed(instants) for name, variable in instant.items()}
     filled = []
     for instant in instants:
         lacks = np.nan if instant["pressure"].any() else 0.0
         missing = {name: of for name, of in everywhere.items() if name not in instant}
-        filled.append(
-            instant.assign({name: xr.full_like(of, lacks) for name, of in missing.items()})
-        )
+        filled.append(instant.assign({name: xr.full_like(of, lacks) for name, of in missing.items()}))
     dataset = xr.concat(
         filled, xr.Variable("time", times, TIME), data_vars="all", coords="minimal",
         compat="override", join="exact", combine_attrs="override",
@@ -138,8 +134,7 @@ def passes_dataset(rolling: "RepeatedRolling") -> xr.Dataset:
             "z": ("z", volume.depths, Z),
             "x": ("x", volume.grid.x, X),
         },
-        attrs=title_attributes("repeated rolling of a line contact")
-        | scene_attributes(rolling.description),
+        attrs=title_attributes("repeated rolling of a line contact") | scene_attributes(rolling.description),
     )
 
 

@@ -165,9 +165,7 @@ class Linearised:
     equation: "FilmEquation"
     inverse_time_step: float = 0.0
 
-    def with_time_step(
-        self, inverse: float, moved: Array | float = 0.0, stored: Array | float = 0.0
-    ) -> "Linearised":
+    def with_time_step(self, inverse: float, moved: Array | float = 0.0, stored: Array | float = 0.0) -> "Linearised":
         """Return the balance with the squeeze term of an implicit Euler step of length 1 / inverse.
 
         The film that it is squeezed from is lower than that of the linearisation by ``moved`` (x, y). A unit change of
@@ -176,9 +174,7 @@ class Linearised:
         scaled = inverse * self.equation.cell[0] * ~self.equation.fixed
         bands = (
             {**band, (0, 0): band[0, 0] + scaled * slope}
-            for band, slope in zip(
-                (self.pressure, self.thickness, self.void), self.content_slopes, strict=True
-            )
+            for band, slope in zip((self.pressure, self.thickness, self.void), self.content_slopes, strict=True)
         )
         pressure, thickness, void = bands
         residual = self.residual + scaled * self.content_slopes[1] * moved
@@ -265,9 +261,7 @@ class FilmEquation:
 
     def content(self, film: Film) -> Array:
         """Return the content (x, y) of the cells, ``(1 - theta) rho H``."""
-        return np.asarray(
-            self.film_fraction(film) * self.density(film.pressure)[0] * film.thickness
-        )
+        return np.asarray(self.film_fraction(film) * self.density(film.pressure)[0] * film.thickness)
 
     def film_fraction(self, film: Film) -> Array:
         """Return the fraction (x, y) of the gap that lubricant fills."""
@@ -284,9 +278,7 @@ class FilmEquation:
         """Return the flow balance at ``film`` with its derivatives; ``squeeze`` adds a squeeze term."""
         density, density_slope = self.density(film.pressure)
         log_viscosity, log_slope = self.log_viscosity(film.pressure)
-        cells = _FaceSide(
-            film.pressure, -log_viscosity, -log_slope, density, density_slope, film.thickness
-        )
+        cells = _FaceSide(film.pressure, -log_viscosity, -log_slope, density, density_slope, film.thickness)
         film_fraction = self.film_fraction(film)
         content = film_fraction * density * film.thickness
         by_void = -density * film.thickness if self.conserves else np.zeros_like(content)
@@ -297,9 +289,7 @@ class FilmEquation:
         across = _poiseuille_flow(
             cells.rows(slice(None, -1)), cells.rows(slice(1, None)), 1 / (self.speed_parameter * dx)
         )
-        wedge, wedge_by_nearest, wedge_by_further = (
-            self.speed * values for values in _couette_flow(content)
-        )
+        wedge, wedge_by_nearest, wedge_by_further = (self.speed * values for values in _couette_flow(content))
         least = self.speed * (film_fraction * density * self.boundary_film)[:-1]
         on_boundary = wedge < least
         wedge[on_boundary] = least[on_boundary]
@@ -320,9 +310,7 @@ class FilmEquation:
             (-1, 0): -upstream(across.thickness_upstream),
         }
         if content.shape[1] > 1:
-            residual += _balance_along(
-                cells, dx / (self.speed_parameter * dy**2), pressure, thickness
-            )
+            residual += _balance_along(cells, dx / (self.speed_parameter * dy**2), pressure, thickness)
         entrained = {
             (0, 0): downstream(wedge_by_nearest),
             (-1, 0): downstream(wedge_by_further) - upstream(wedge_by_nearest),
@@ -351,8 +339,7 @@ class FilmEquation:
             void[0, 0] = void[0, 0] - dx
         free = ~self.fixed
         pressure, thickness, void = (
-            {offset: band * free for offset, band in bands.items()}
-            for bands in (pressure, thickness, void)
+            {offset: band * free for offset, band in bands.items()} for bands in (pressure, thickness, void)
         )
         return Linearised(residual * free, flux, pressure, thickness, void, slopes, self)
 

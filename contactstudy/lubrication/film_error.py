@@ -105,8 +105,7 @@ def film_error(contact: FilmSolution) -> ErrorEstimate:
         return _unknown(f"The error is unknown: {contact.status}")
     scene = replace(contact.scene, shapes=with_extent_of(contact.scene.shapes, contact.grid))
     films = (
-        solve_on(scene, grid, contact.padding, FilmControls(), contact)
-        for grid in _grids_of_estimate(contact.grid)
+        solve_on(scene, grid, contact.padding, FilmControls(), contact) for grid in _grids_of_estimate(contact.grid)
     )
     return _compared(contact, *films)
 
@@ -122,10 +121,7 @@ def _without_estimate(scene: Scene, grid: Grid, padding: Padding | Paddings) -> 
         return f"The error is unknown: {fault}"
     scales = lubricated_scales(scene)
     cells = grid.cells[0] // 4
-    if (
-        cells >= MIN_CELLS
-        and grid.extent[0] / cells <= scales.relative_half_width * scales.hertz.half_width
-    ):
+    if cells >= MIN_CELLS and grid.extent[0] / cells <= scales.relative_half_width * scales.hertz.half_width:
         return None
     return (
         f"The error is unknown: its estimate needs a quarter of the {grid.cells[0]} cells across, and {cells} do not "
@@ -164,9 +160,7 @@ def _compared(
     reason = ""
     if failed:
         cells = failed[0].grid.cells[0]
-        reason = (
-            f"With {cells} cells across a film of the estimate is no answer: {failed[0].status}"
-        )
+        reason = f"With {cells} cells across a film of the estimate is no answer: {failed[0].status}"
     nested = [contact, coarse, *[coarsest] * (coarsest.status not in UNRESOLVED)]
 
     def parts(cells: float, inlet: float, why: str = "") -> ErrorParts:

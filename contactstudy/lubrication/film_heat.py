@@ -142,9 +142,7 @@ def moving_source(grid: Grid, body: ThermalBody, speed: float, thickness: float 
     return np.asarray(toeplitz(between[nx - 1 :], between[nx - 1 :: -1]))
 
 
-def _of_coating(
-    grid: Grid, body: ThermalBody, coating: ThermalBody, speed: float, thickness: float
-) -> Array:
+def _of_coating(grid: Grid, body: ThermalBody, coating: ThermalBody, speed: float, thickness: float) -> Array:
     """Return what a coating adds to the temperature rise (2 nx - 1,) [K] of a substrate around a unit heat flux.
 
     In each wave along x heat is conducted as ``exp(-m z)``, ``m^2 = w^2 + i w u rho c / k``, through coating and
@@ -195,9 +193,7 @@ def _temperature_influence(influence: list[Array], conductance: Array) -> tuple[
     return surfaces, surfaces.mean(axis=0) + np.diag(1 / (12 * conductance))
 
 
-def _solve_temperature(
-    of_film: Array, line: ShearedFilm, slip: Array, rise: Array
-) -> tuple[Array, float]:
+def _solve_temperature(of_film: Array, line: ShearedFilm, slip: Array, rise: Array) -> tuple[Array, float]:
     """Return the temperature rise (x,) [K] of a film that slips [m/s], consistent with its heat, and the residual.
 
     The residual is relative. Newton's method from no rise converges from below, as the heat is a convex function of it.

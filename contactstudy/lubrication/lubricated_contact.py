@@ -150,9 +150,7 @@ class FilmSolution:
         """
         film, roller = self.film, self.scene.roller_length
         if roller is not None:
-            in_middle = np.abs(self.grid.y) <= max(
-                MIDDLE_OF_ROLLER * roller, self.grid.cell_size[1]
-            )
+            in_middle = np.abs(self.grid.y) <= max(MIDDLE_OF_ROLLER * roller, self.grid.cell_size[1])
             film = film[:, in_middle]
         return float(self.central_weights @ film.mean(axis=1))
 
@@ -419,9 +417,7 @@ class ShearedFilm:
         """
         motion = self.scales.lubrication
         newtonian = viscosity_ratio * self._unit_stress * slip
-        lubricant = self.film_fraction * motion.lubricant.shear.stress(
-            newtonian, self.lubricant_pressure
-        )
+        lubricant = self.film_fraction * motion.lubricant.shear.stress(newtonian, self.lubricant_pressure)
         if self.contact is None or motion.boundary is None:
             return np.asarray(lubricant)
         sticking = np.minimum(1, slip / (STICK * self.sliding))

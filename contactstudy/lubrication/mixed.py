@@ -61,9 +61,7 @@ class MixedTuning:
 TUNING = MixedTuning()
 
 
-def solve_mixed(
-    posed: PosedFilm, controls: FilmControls, warm: tuple[Film, Mask] | None = None
-) -> FilmIteration:
+def solve_mixed(posed: PosedFilm, controls: FilmControls, warm: tuple[Film, Mask] | None = None) -> FilmIteration:
     """Return the film from the first start that converges, else that of the least residual.
 
     The starts are ``warm`` (a film and its cavitated cells), Hertz's pressure on the film of Moes, the dry contact, and
@@ -75,9 +73,7 @@ def solve_mixed(
     iterations: list[FilmIteration] = []
     if warm is not None:
         film, cavitated = warm
-        near_dry = (
-            not in_plane_strain and 2 * film.asperity_pressure.sum() > film.total_pressure.sum()
-        )
+        near_dry = not in_plane_strain and 2 * film.asperity_pressure.sum() > film.total_pressure.sum()
         if near_dry:
             iterations.append(_iterated(posed, film, dry_controls, cavitated))
         if not (iterations and iterations[-1].converged(controls.tolerance)):
@@ -115,9 +111,7 @@ def other_films(posed: PosedFilm, controls: FilmControls) -> Iterator[FilmIterat
             yield _iterated(posed, at_other_speed.film, film_controls)
 
 
-def _controls(
-    posed: PosedFilm, controls: FilmControls
-) -> tuple[FilmControls, FilmControls, FilmControls]:
+def _controls(posed: PosedFilm, controls: FilmControls) -> tuple[FilmControls, FilmControls, FilmControls]:
     """Return the controls of a mixed film, those from a film, and those from the dry contact."""
     in_plane_strain = posed.upstream.cells[1] == 1
     controls = replace(
@@ -156,7 +150,5 @@ def _dry_start(posed: PosedFilm) -> Film:
     return equation.film_of(zeros, zeros, equation.boundary_film - float(below), asperity_pressure)
 
 
-def _iterated(
-    posed: PosedFilm, start: Film, controls: FilmControls, cavitated: Mask | None = None
-) -> FilmIteration:
+def _iterated(posed: PosedFilm, start: Film, controls: FilmControls, cavitated: Mask | None = None) -> FilmIteration:
     return iterate(posed.equation, start, linear_solver(posed), controls, cavitated=cavitated)

@@ -63,9 +63,7 @@ def lubricated_scales(scene: Scene, mean_speed: float | None = None) -> FilmScal
     """
     assert scene.lubrication is not None
     if scene.hertz is None:
-        raise NotDefined(
-            "Scene.shapes have no curvature, so that no inlet draws lubricant in: give a Cylinder."
-        )
+        raise NotDefined("Scene.shapes have no curvature, so that no inlet draws lubricant in: give a Cylinder.")
     hertz = scene.hertz
     if any(map(creeps, scene.solids)):
         bodies = rolling_bodies(scene.solids, scene.lubrication.contact_speeds)
@@ -105,9 +103,7 @@ class Deflection:
     odd: GeneralConvolution | None
 
     @classmethod
-    def on(
-        cls, grid: Grid, paddings: Paddings, response: Mapping[Coefficients, float], factor: float
-    ) -> "Deflection":
+    def on(cls, grid: Grid, paddings: Paddings, response: Mapping[Coefficients, float], factor: float) -> "Deflection":
         """Return the deflection on a grid by the ``response`` of both bodies, times a ``factor``."""
         even, odd = by_symmetry(response)
         return cls(
@@ -156,8 +152,7 @@ class PosedFilm:
         """How far the dry contact reaches upstream [a], at least one."""
         return max(
             1.0,
-            -float(self.problem.grid.x[self.dry_pressure.any(axis=1)][0])
-            / self.scales.hertz.half_width,
+            -float(self.problem.grid.x[self.dry_pressure.any(axis=1)][0]) / self.scales.hertz.half_width,
         )
 
     @property
@@ -256,9 +251,7 @@ def check_film_padding(padding: Padding | Paddings, cells_along: int) -> Padding
     return paddings
 
 
-def pose(
-    scene: Scene, grid: Grid, padding: Padding | Paddings, outlet: float = OUTLET
-) -> PosedFilm:
+def pose(scene: Scene, grid: Grid, padding: Padding | Paddings, outlet: float = OUTLET) -> PosedFilm:
     """Return the film equation of ``scene`` on ``grid``, up to an outlet beyond which there is no pressure.
 
     The outlet begins ``outlet`` half-widths downstream of the dry contact.
@@ -371,9 +364,7 @@ def prolongated(equation: FilmEquation, coarse: FilmIteration) -> tuple[Film, Ma
     cavitated = coarse.cavitated.repeat(blocks[0], axis=0).repeat(blocks[1], axis=1)
     void = coarse.film.void.repeat(blocks[0], axis=0).repeat(blocks[1], axis=1)
     cavitated &= ~equation.fixed
-    pressure = np.where(
-        cavitated | equation.fixed, 0, _prolongated_field(coarse.film.pressure, shape)
-    )
+    pressure = np.where(cavitated | equation.fixed, 0, _prolongated_field(coarse.film.pressure, shape))
     lowest = float(coarse.film.thickness.min()) / 2
     film = with_minimum_film(equation, pressure, void, coarse.film.separation, lowest)
     if equation.conserves:
@@ -410,9 +401,7 @@ def _prolongated_field(values: Array, shape: tuple[int, ...]) -> Array:
     modes: tuple[Literal["edge", "wrap"], ...] = ("edge", "wrap")
     for axis, ends in enumerate(modes):
         ratio = shape[axis] // values.shape[axis]
-        values = (
-            _prolongated_axis(values, axis, ends) if ratio == 2 else values.repeat(ratio, axis=axis)
-        )
+        values = _prolongated_axis(values, axis, ends) if ratio == 2 else values.repeat(ratio, axis=axis)
     return values
 
 

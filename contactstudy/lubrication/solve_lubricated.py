@@ -75,9 +75,7 @@ def film_grid(
     across = min(ROW_MULTIPLE * ceil(2 * inlet / cell / ROW_MULTIPLE), most_cells)
     along = 1
     if shortest_wavelengths[1] < inf:
-        along = ROW_MULTIPLE * ceil(
-            CELLS_PER_WAVE * period / shortest_wavelengths[1] / ROW_MULTIPLE
-        )
+        along = ROW_MULTIPLE * ceil(CELLS_PER_WAVE * period / shortest_wavelengths[1] / ROW_MULTIPLE)
     if scene.roller_length is not None:
         along = max(along, ROW_MULTIPLE * ceil(CELLS_ALONG_ROLLER / ROW_MULTIPLE))
     return Grid((across, along), (2 * inlet * a, period))
@@ -159,9 +157,7 @@ def solve_lubricated(
             return contact
         # on a given extent the error of the inlet remains
         remaining = error if grid is None or inlet > error / 2 else 2 * (error - inlet)
-        if fitting.cells[0] >= most_cells or (
-            grid and (cells <= remaining / 2 or grid.cells[1] > 1)
-        ):
+        if fitting.cells[0] >= most_cells or (grid and (cells <= remaining / 2 or grid.cells[1] > 1)):
             break
         longer *= min(max(1.0, sqrt(2 * inlet / error)), 2.0)
         finer *= min(max(1.0, sqrt(2.5 * cells / remaining)), 2.0)
@@ -186,9 +182,7 @@ def _on_extent(grid: Grid, finer: float, most_cells: int) -> Grid:
     if finer == 1:
         return grid
     # a multiple, so that the cells of the coarser grids are unions of cells
-    return Grid(
-        (max(nx, min(ROW_MULTIPLE * ceil(nx * finer / ROW_MULTIPLE), most_cells)), ny), grid.extent
-    )
+    return Grid((max(nx, min(ROW_MULTIPLE * ceil(nx * finer / ROW_MULTIPLE), most_cells)), ny), grid.extent)
 
 
 def varies_along(shape: object) -> bool:

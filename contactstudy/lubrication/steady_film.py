@@ -129,9 +129,7 @@ def _full_film(
     return continued(posed, controls), True
 
 
-def _mixed_film(
-    posed: PosedFilm, controls: FilmControls, before: FilmSolution | None
-) -> FilmIteration:
+def _mixed_film(posed: PosedFilm, controls: FilmControls, before: FilmSolution | None) -> FilmIteration:
     """Return the film on a boundary film, from one `before`, or from that of the lubricant alone where this is thick."""
     if before is not None:
         return solve_mixed(posed, controls, start_from(posed, before))
@@ -154,9 +152,7 @@ def _mixed_film(
     )
 
 
-def _other_films(
-    posed: PosedFilm, controls: FilmControls, *, is_cold: bool
-) -> Iterator[FilmIteration]:
+def _other_films(posed: PosedFilm, controls: FilmControls, *, is_cold: bool) -> Iterator[FilmIteration]:
     """Iterate over films from other starts: a cold one, lower heights, and of mixed films other speeds."""
     is_mixed = posed.equation.boundary_film > 0
     if not is_cold:
@@ -178,9 +174,7 @@ def _with_other_films(
     is_rough = posed.relative_roughness > TUNING.relative_roughness
     if not (last.converged(controls.tolerance) and is_rough):
         return contact
-    has_second_film = any(
-        other.converged(controls.tolerance) and _differs(posed, last, other) for other in others
-    )
+    has_second_film = any(other.converged(controls.tolerance) and _differs(posed, last, other) for other in others)
     return replace(contact, status=Status.SEVERAL_FILMS) if has_second_film else contact
 
 
@@ -189,9 +183,7 @@ def _with_growing_ridges(posed: PosedFilm, controls: FilmControls) -> FilmIterat
     smooth = posed.x[:, None] ** 2 / 2
     heights, last = posed.equation.gap - smooth, None
     number = ceil(log(posed.relative_roughness / TUNING.relative_roughness) / log(TUNING.growth))
-    for fraction in np.geomspace(
-        TUNING.relative_roughness / posed.relative_roughness, 1, number + 1
-    ):
+    for fraction in np.geomspace(TUNING.relative_roughness / posed.relative_roughness, 1, number + 1):
         lower = replace(posed, equation=replace(posed.equation, gap=smooth + fraction * heights))
         if last is None:
             last = _nested(lower, controls)
@@ -250,9 +242,7 @@ def _after_coarser_grid(controls: FilmControls) -> FilmControls:
     return replace(controls, time_step=TUNING.step_after_prolongation)
 
 
-def _iterated(
-    posed: PosedFilm, film: Film, controls: FilmControls, cavitated: Mask | None = None
-) -> FilmIteration:
+def _iterated(posed: PosedFilm, film: Film, controls: FilmControls, cavitated: Mask | None = None) -> FilmIteration:
     """Return the film from a given one; where it varies along its length, in steps that change the viscosity less."""
     if posed.upstream.cells[1] > 1:
         controls = replace(controls, viscosity_change=TUNING.rough_change)
@@ -282,24 +272,18 @@ def film_solution(
     film_fraction = np.zeros(grid.cells)
     film_fraction[: rows - 1] = equation.film_fraction(last.film)[:-1]
     content = equation.content(last.film)[-2] * scales.film
-    film_fraction[rows - 1 :] = (
-        np.minimum(content / film[rows - 1 :], 1) if equation.conserves else 1
-    )
+    film_fraction[rows - 1 :] = np.minimum(content / film[rows - 1 :], 1) if equation.conserves else 1
     flow = last.linear.flux[2:-1].mean(axis=1)
     if not equation.conserves:  # beyond the last pressure any flow may appear
         flow = flow[: np.flatnonzero((last.film.pressure > 0).any(axis=1))[-1] - 1]
     mean_speed = equation.speed * scales.lubrication.largest_speed
-    sheared = ShearedFilm(
-        posed.instant, mean_speed, grid.cell_size[0], pressure, film, film_fraction, asperities
-    )
+    sheared = ShearedFilm(posed.instant, mean_speed, grid.cell_size[0], pressure, film, film_fraction, asperities)
     if scales.lubrication.thermal is None:
         shear, temperatures = sheared.elastic()[0], None
     else:
         from contactstudy.lubrication.film_heat import thermal_reduction, thermal_shear
 
-        reduction = thermal_reduction(
-            scales, scales.lubrication.thermal, starved=_is_starved(equation, last)
-        )
+        reduction = thermal_reduction(scales, scales.lubrication.thermal, starved=_is_starved(equation, last))
         shear, temperatures = thermal_shear(sheared, scene.solids, grid, reduction)
     if film_rate is not None:
         film_rate = np.pad(film_rate, ((0, grid.cells[0] - rows), (0, 0)))

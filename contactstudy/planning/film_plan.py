@@ -52,9 +52,7 @@ def plan_of_film(
     padding = padding or ExactPeriodicity()
     requirements, scales = grid_requirements(scene, padding), lubricated_scales(scene)
     warnings = (
-        []
-        if grid is None
-        else ["The grid is given, so its error is not predicted: solve, and read answer.error."]
+        [] if grid is None else ["The grid is given, so its error is not predicted: solve, and read answer.error."]
     )
     is_chosen = grid is None
     most_cells = MAX_CELLS if error is None else MAX_REQUESTED_CELLS
@@ -91,17 +89,13 @@ def plan_of_film(
         "falls with the square of the distance",
     ]
     if is_chosen:
-        reasons.append(
-            f"cells of {readable(grid.cell_size[0])} across resolve the pressure's rise in the inlet"
-        )
+        reasons.append(f"cells of {readable(grid.cell_size[0])} across resolve the pressure's rise in the inlet")
     floats = 6 * nx**2
     if ny > 1:
         if is_chosen:
             waves = requirements.shortest_wavelengths[1] < inf
             what = f"{CELLS_PER_WAVE} cells or more for the shortest wavelength"
-            reasons.append(
-                what if waves else f"{ny} cells along the roller, towards whose ends the film falls"
-            )
+            reasons.append(what if waves else f"{ny} cells along the roller, towards whose ends the film falls")
         warnings.append(
             "The error of a film that varies along its length is not predicted: solve, and read answer.error."
         )

@@ -90,9 +90,7 @@ class GridRequirements:
     @property
     def point_spacing(self) -> tuple[float, float] | None:
         """Spacing (across, along) of the points of a measured surface [m]; None without one."""
-        return next(
-            (scales.spacing for scales in self.length_scales if scales.spacing is not None), None
-        )
+        return next((scales.spacing for scales in self.length_scales if scales.spacing is not None), None)
 
     def grid_on_measured_points(self, period: float | None) -> Grid:
         """Return a grid whose cells are the points of a measured surface, as wide as the contact may become."""
@@ -121,9 +119,7 @@ class GridRequirements:
     @property
     def is_smooth(self) -> bool:
         """True for Hertz's contact, with no heights on the cylinder, no end, no coating, no friction."""
-        return not (
-            self.is_rough or self.roller_length or self.height or self.coatings or self.friction
-        )
+        return not (self.is_rough or self.roller_length or self.height or self.coatings or self.friction)
 
     @property
     def roller_length(self) -> float:
@@ -194,9 +190,7 @@ class GridRequirements:
         A random surface without an extent has that of the grid. It is wide enough to be representative, in steps of two,
         so that a somewhat larger load leaves the surface as it is.
         """
-        unit = CONSTANTS.waves_per_period * max(
-            (scales.longest_across for scales in self.length_scales), default=0.0
-        )
+        unit = CONSTANTS.waves_per_period * max((scales.longest_across for scales in self.length_scales), default=0.0)
         if unit:
             least = unit * 2 ** max(0, int(np.ceil(log2(least / unit) - 1e-9)))
         return min(least, self.known_width)
@@ -219,9 +213,7 @@ class GridRequirements:
         if period is not None:
             return float(valid("plan.period", period, Metres))
         if self.roller_length == inf:
-            raise InvalidInput(
-                "Scene.shapes crown a roller without a length: add FiniteLength, or give plan a period."
-            )
+            raise InvalidInput("Scene.shapes crown a roller without a length: add FiniteLength, or give plan a period.")
         if self.roller_length:
             return self.roller_length
         if not self.varies:
@@ -292,9 +284,7 @@ class GridRequirements:
         if self.given_padding is not None:
             padding = f"padding {self.given_padding!r}: the one given."
         elif self.roller_length:
-            padding = (
-                "padding zero along both axes: the roller ends, so there is no pressure beyond."
-            )
+            padding = "padding zero along both axes: the roller ends, so there is no pressure beyond."
         else:
             padding = (
                 "padding exact: all images are summed in closed form, so that none is left out; the "
@@ -323,9 +313,7 @@ class GridRequirements:
     def warnings(self, grid: Grid) -> tuple[str, ...]:
         """Return a sentence for each fault of `grid`."""
         messages = []
-        for axis, (cell, wave) in enumerate(
-            zip(grid.cell_size, self.shortest_wavelengths, strict=True)
-        ):
+        for axis, (cell, wave) in enumerate(zip(grid.cell_size, self.shortest_wavelengths, strict=True)):
             if cell > wave / 2 * (1 + 1e-9):
                 messages.append(
                     f"Grid.cells[{axis}] is {grid.cells[axis]}: its cells of {readable(cell)} do not resolve the "
@@ -361,9 +349,7 @@ def grid_requirements(scene: Scene, padding: Padding | Paddings | None = None) -
     length = scene.roller_length
     if scene.free_length < inf:  # it ends the contact, whatever length a profile is made for
         length_scales = tuple(replace(scales, roller=0.0) for scales in length_scales)
-    if scene.free_length < inf or (
-        length is not None and any(scales.roller for scales in length_scales)
-    ):
+    if scene.free_length < inf or (length is not None and any(scales.roller for scales in length_scales)):
         length_scales += (LengthScales(roller=length or inf),)
     coatings = tuple(solid for solid in scene.solids if isinstance(solid, Layered))
     asked = (scene.solids[output.body] for output in scene.outputs if hasattr(output, "body"))
@@ -417,9 +403,7 @@ def flat_grid(scales: LengthScales, period: float | None) -> Grid:
     assert scales.spacing is not None
     length = period or scales.period or scales.known_width
     along = round(length / scales.spacing[1]) if scales.period else 1
-    return Grid(
-        (round(scales.known_width / scales.spacing[0]), along), (scales.known_width, length)
-    )
+    return Grid((round(scales.known_width / scales.spacing[0]), along), (scales.known_width, length))
 
 
 def grid_of_waves(shapes: Iterable[Shape]) -> Grid | None:
@@ -428,9 +412,7 @@ def grid_of_waves(shapes: Iterable[Shape]) -> Grid | None:
     Raises :class:`~contactstudy.InvalidInput` if the shapes share no period.
     """
     found = list(length_scales_of(shapes))
-    across, along = (
-        {getattr(scales, name) for scales in found} - {0.0} for name in ("period_across", "period")
-    )
+    across, along = ({getattr(scales, name) for scales in found} - {0.0} for name in ("period_across", "period"))
     if not across and not along:
         return None
     width, length = (_common_period(periods) if periods else 0.0 for periods in (across, along))

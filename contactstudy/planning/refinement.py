@@ -202,9 +202,7 @@ class FirstGrids:
         return tuple(reasons)
 
 
-def first_grids(
-    scene: Scene, requirements: GridRequirements, error: float, period: float | None
-) -> FirstGrids:
+def first_grids(scene: Scene, requirements: GridRequirements, error: float, period: float | None) -> FirstGrids:
     """Solve a scene on the first grids of its refinement to a relative L1 error, of some 30 000 cells at most."""
     refinement = GridRefinement(scene, requirements, error, period)
     before, levels = 0, list[BoundedSolution]()
@@ -251,9 +249,7 @@ class GridRefinement:
     most_cells: int = MOST_CELLS
     progress: Callable[[Solution, float], object] | None = None
 
-    def solve_levels(
-        self, most_solved: int = MOST_CELLS, start: Array | None = None
-    ) -> list[BoundedSolution]:
+    def solve_levels(self, most_solved: int = MOST_CELLS, start: Array | None = None) -> list[BoundedSolution]:
         """Return the solutions on all grids with their bounds; the last one meets the error or cannot be refined.
 
         Parameters
@@ -300,20 +296,14 @@ class GridRefinement:
 
     def min_cells(self, extent: tuple[float, float]) -> tuple[int, int]:
         """Return the minimum number of cells (across, along) that resolve the surface."""
-        axes = zip(
-            CONSTANTS.first_cells, extent, self.requirements.shortest_wavelengths, strict=True
-        )
-        across, along = (
-            max(least, CONSTANTS.cells_per_wave * length / wave) for least, length, wave in axes
-        )
+        axes = zip(CONSTANTS.first_cells, extent, self.requirements.shortest_wavelengths, strict=True)
+        across, along = (max(least, CONSTANTS.cells_per_wave * length / wave) for least, length, wave in axes)
         if self.requirements.roller_length:
             along = max(along, extent[1] / self.requirements.hertz.half_width)
         across = max(across, self.requirements.cells_for_stress(extent[0]))
         return ceil(across), ceil(along) if self.requirements.varies else 1
 
-    def grid_of_fast_lengths(
-        self, across: float, along: float, extent: tuple[float, float]
-    ) -> Grid:
+    def grid_of_fast_lengths(self, across: float, along: float, extent: tuple[float, float]) -> Grid:
         """Return a grid of at least these cells, in numbers of which an FFT is fast, unless a roller ends on it."""
         nx = 2 * fft.next_fast_len(ceil(across / 2), real=True)
         if along <= 1:
@@ -344,9 +334,7 @@ class GridRefinement:
     def _with_width(self, grid: Grid, width: float) -> Grid:
         """Return `grid` with another width, and cells no larger."""
         wider = max(width / grid.extent[0], 1.0)
-        return self.grid_of_fast_lengths(
-            grid.cells[0] * wider, grid.cells[1], (width, grid.extent[1])
-        )
+        return self.grid_of_fast_lengths(grid.cells[0] * wider, grid.cells[1], (width, grid.extent[1]))
 
     def next_grid(self, last: BoundedSolution, after: Grid | None = None) -> Grid | None:
         """Return the grid to solve next; None where the error is met or out of reach.

@@ -204,9 +204,7 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
     modulus = contact_modulus(bodies, hertz.half_width if hertz else None)
     half_width = sqrt(4 * hertz.load_per_length * hertz.radius / (pi * modulus)) if hertz else 0.0
     fields = (
-        2
-        * sum(len(body.creep.terms) + bool(body.creep.fluidity) for body in creeping(scene.solids))
-        + CONSTANTS.fields
+        2 * sum(len(body.creep.terms) + bool(body.creep.fluidity) for body in creeping(scene.solids)) + CONSTANTS.fields
     )
     plastic = expected_plastic_zone(scene)
     if scene.rolls:
@@ -216,9 +214,7 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
             for widening in (CONSTANTS.rolling_widening, 1.0)
         )
         fields = CONSTANTS.rolling_fields
-        return TransientRequirements(
-            elastic, width, least_width, bodies, fields, (), plastic=plastic
-        )
+        return TransientRequirements(elastic, width, least_width, bodies, fields, (), plastic=plastic)
     if plastic is not None:
         half_width = max(half_width, plastic.half_extent / GRID.width_factor)
     wear = scene.wear
@@ -262,9 +258,7 @@ def _fretting(friction: Fretting, load: AnyLoad, hertz: HertzLine) -> tuple[floa
         time: load.at(time) if isinstance(load, ChangingLoad) else hertz.load_per_length
         for time in history.compared_with(load)
     }
-    fractions = (
-        abs(history.at(time)) / (limit * pressed) for time, pressed in loads.items() if pressed
-    )
+    fractions = (abs(history.at(time)) / (limit * pressed) for time, pressed in loads.items() if pressed)
     fraction = max(fractions, default=0.0)
     if fraction < 1:
         doubled = np.linspace(1e-3, 40, CONSTANTS.load_samples)

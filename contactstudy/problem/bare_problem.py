@@ -120,9 +120,7 @@ class BareProblem:
         approach = None if self.control.approach is None else 0.0
         return self.operations.gap(*fields, approach)
 
-    def should_stop(
-        self, residual: float, displacement: Array, tolerance: float, largest: float | None = None
-    ) -> bool:
+    def should_stop(self, residual: float, displacement: Array, tolerance: float, largest: float | None = None) -> bool:
         """Return whether the residual is below the `tolerance`, at the rounding of a gap, or not finite.
 
         That rounding follows from the largest absolute value of the `displacement`, which is found unless it is given as

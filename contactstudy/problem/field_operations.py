@@ -124,9 +124,7 @@ class ArrayOperations:
         They count from the approach: the prescribed one, else the mean height over the active set.
         """
 
-        def add(
-            height: Array, undeformed: Array, displacement: Array, pressure: Array
-        ) -> tuple[float, float]:
+        def add(height: Array, undeformed: Array, displacement: Array, pressure: Array) -> tuple[float, float]:
             active = self.constraint.active(pressure)
             height[...] = undeformed + displacement
             return dot(height, active), float(arrays().sum(active))
@@ -164,9 +162,7 @@ class ArrayOperations:
         gap everywhere by the fraction `step_length` of the `extended` gap.
         """
 
-        def add(
-            active: Array, active_gap: Array, pressure: Array, height: Array, extended: Array
-        ) -> bool:
+        def add(active: Array, active_gap: Array, pressure: Array, height: Array, extended: Array) -> bool:
             released = self.constraint.to_release(pressure, height - step_length * extended)
             leaves = bool(arrays().any(released))
             if leaves:
@@ -252,9 +248,7 @@ class ArrayOperations:
         fields = trial, pressure, height
         return sum(in_blocks(lambda after, before, gap: dot(gap, after - before), *fields))
 
-    def curvature(
-        self, trial: Array, pressure: Array, trial_displacement: Array, displacement: Array
-    ) -> float:
+    def curvature(self, trial: Array, pressure: Array, trial_displacement: Array, displacement: Array) -> float:
         """Return the inner product of the step to `trial` with the change of displacement that it makes."""
         fields = trial, pressure, trial_displacement, displacement
         return sum(in_blocks(lambda p1, p0, u1, u0: dot(p1 - p0, u1 - u0), *fields))
@@ -299,9 +293,7 @@ class CompiledOperations(ArrayOperations):
         if prescribed_approach is not None:
             approach = prescribed_approach
         else:
-            heights, cells = (
-                self._loops.active_gap_sums(*fields, limit, results=2).sum(axis=1).tolist()
-            )
+            heights, cells = self._loops.active_gap_sums(*fields, limit, results=2).sum(axis=1).tolist()
             at_limits = self.constraint.approach_without_active_cells
             approach = heights / cells if cells else at_limits(pressure, undeformed + displacement)
         sums = self._loops.gap(*fields, approach, limit, height, results=5)
@@ -326,9 +318,7 @@ class CompiledOperations(ArrayOperations):
 
     def direction_sums(self, active: Array, preconditioned: Array) -> tuple[float, ...]:
         """Return the number of cells in the `active` set, and the sum of the `preconditioned` residual."""
-        return tuple(
-            self._loops.direction_sums(active, preconditioned, results=2).sum(axis=1).tolist()
-        )
+        return tuple(self._loops.direction_sums(active, preconditioned, results=2).sum(axis=1).tolist())
 
     def conjugacy_sums(self, *fields: Array) -> ConjugacySums:
         """Return the sums that make a direction conjugate, as :meth:`ArrayOperations.conjugacy_sums` does."""
@@ -360,16 +350,13 @@ class CompiledOperations(ArrayOperations):
         if (
             self._limit < inf
             or not isinstance(control, PrescribedLoad)
-            or trial_sums.largest
-            > control.total  # rounding of such pressures would exceed the load
+            or trial_sums.largest > control.total  # rounding of such pressures would exceed the load
         ):
             control.project_to_load(trial, active, self.constraint)
             return self.slope(trial, pressure, height)
         return self._projected(trial, trial_sums, control.total, pressure, height)
 
-    def _projected(
-        self, trial: Array, sums: TrialSums, load: float, pressure: Array, height: Array
-    ) -> float:
+    def _projected(self, trial: Array, sums: TrialSums, load: float, pressure: Array, height: Array) -> float:
         """Shift a trial pressure to a `load`, in place, and return the slope of the energy along the step to it."""
 
         def load_above(shift: float) -> tuple[float, float]:
@@ -381,9 +368,7 @@ class CompiledOperations(ArrayOperations):
         fields = trial, shift, factor, pressure, height
         return float(self._loops.project(*fields, results=1).sum())
 
-    def curvature(
-        self, trial: Array, pressure: Array, trial_displacement: Array, displacement: Array
-    ) -> float:
+    def curvature(self, trial: Array, pressure: Array, trial_displacement: Array, displacement: Array) -> float:
         """Return the inner product of the step to `trial` with the change of displacement that it makes."""
         fields = trial, pressure, trial_displacement, displacement
         return float(self._loops.curvature(*fields, results=1).sum())
@@ -426,9 +411,7 @@ class DeviceOperations(CompiledOperations):
         """Return the slope of the complementary energy along the step to `trial`."""
         return float(self._loops.slope(trial, pressure, height, results=1)[0, 0])
 
-    def _projected(
-        self, trial: Array, sums: TrialSums, load: float, pressure: Array, height: Array
-    ) -> float:
+    def _projected(self, trial: Array, sums: TrialSums, load: float, pressure: Array, height: Array) -> float:
         rounding = 16 * float(np.finfo(trial.dtype).eps)
         numbers = load, sums.load, sums.loaded, rounding
         return float(self._loops.project(trial, *numbers, pressure, height, results=1)[0, 0])

@@ -38,9 +38,7 @@ keep_freed_memory()
 
 def solve_bytes(grid: Grid, paddings: Paddings) -> int:
     """Return the largest memory that a solve on `grid` holds at once [bytes]."""
-    return 8 * (
-        SOLVE_FIELDS * prod(grid.cells) + TRANSFORM_PAIR * prod(padded_cells(grid, paddings))
-    )
+    return 8 * (SOLVE_FIELDS * prod(grid.cells) + TRANSFORM_PAIR * prod(padded_cells(grid, paddings)))
 
 
 def refuse_too_large(grid: Grid, paddings: Paddings) -> None:

@@ -51,9 +51,7 @@ ResidualStress = Callable[[Array], Array]
 class DependsOnStrain(Protocol):
     """Derived quantities that also depend on plastic strain below the surface."""
 
-    def with_residual_stress(
-        self, residual: Callable[[int, float], ResidualStress | None]
-    ) -> Derived:
+    def with_residual_stress(self, residual: Callable[[int, float], ResidualStress | None]) -> Derived:
         """Return the quantities with the `residual` stress added, by the body's index and the deepest depth [m].
 
         There is none in a body that does not yield.
@@ -199,7 +197,5 @@ class Problem:
             self.operator.scaled(self.scales.pressure / self.scales.gap, precision),
             self.constraint.scaled(1 / self.scales.pressure),
             self.control.scaled(1 / self.scales.pressure),
-            aspect_ratio=self.grid.cell_size[1] / self.grid.cell_size[0]
-            if self.grid.cells[1] > 1
-            else 1.0,
+            aspect_ratio=self.grid.cell_size[1] / self.grid.cell_size[0] if self.grid.cells[1] > 1 else 1.0,
         )

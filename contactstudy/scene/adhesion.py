@@ -90,11 +90,7 @@ class Adhesion:
                 )
         repeated = scene.rolling is not None and scene.rolling.passes is not None
         if scene.rolls and (repeated or any(map(creeps, scene.solids))):
-            name, value = (
-                ("friction", scene.friction)
-                if scene.rolling is None
-                else ("rolling", scene.rolling)
-            )
+            name, value = ("friction", scene.friction) if scene.rolling is None else ("rolling", scene.rolling)
             raise InvalidInput(
                 f"Scene.{name} is {value!r} together with Adhesion, and not steady rolling of elastic bodies: others "
                 "part behind with more work than they join with ahead, which is not computed, give elastic bodies "
@@ -164,9 +160,7 @@ class Adhesion:
         if self.range is None:
             return contact_modulus(solids, width)
         strength = self.work / self.range
-        return modulus_at_own_width(
-            lambda modulus: zone_length(modulus, self.work, strength), solids
-        )
+        return modulus_at_own_width(lambda modulus: zone_length(modulus, self.work, strength), solids)
 
     def solver_on(
         self, scene: SceneContext, gap: Array, grid: Grid, relaxed: tuple[Body, Body] | None = None
@@ -193,11 +187,7 @@ class Adhesion:
             )
         tabor, radius = None, scene.radius
         if radius is None:
-            radius = min(
-                (shape.radius for shape in scene.shapes if isinstance(shape, Sphere)), default=None
-            )
+            radius = min((shape.radius for shape in scene.shapes if isinstance(shape, Sphere)), default=None)
         if radius is not None:
             tabor = tabor_length(radius, self.work, modulus) * law.strength / self.work
-        return AdhesiveSolver(
-            law, BRANCHES[self.branch], float(cells), tabor, regularised=self.range is None
-        )
+        return AdhesiveSolver(law, BRANCHES[self.branch], float(cells), tabor, regularised=self.range is None)

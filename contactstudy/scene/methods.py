@@ -48,9 +48,7 @@ def method_of(scene: SceneContext) -> Method:
     film, wears = scene.lubrication is not None, scene.wear is not None
     changes = scene.time_dependent_field is not None
     keeps_states = any(creeps(solid) or yields(solid) for solid in scene.solids)
-    wears_evenly = (
-        scene.has_tractive_rolling or getattr(scene.wear, "circumference", None) is not None
-    )
+    wears_evenly = scene.has_tractive_rolling or getattr(scene.wear, "circumference", None) is not None
     rolls_at_speed = scene.rolling_speed is not None
     methods = (
         (film and wears, FILM_WEAR),
@@ -61,8 +59,7 @@ def method_of(scene: SceneContext) -> Method:
         (rolls_at_speed, STEADY_ROLLING),
         (scene.rolling is not None, PASSES),
         (
-            changes
-            and (scene.has_tractive_rolling or (scene.adhesion is not None and not keeps_states)),
+            changes and (scene.has_tractive_rolling or (scene.adhesion is not None and not keeps_states)),
             QUASI_STATIC,
         ),
         (changes, TIME_DEPENDENT),

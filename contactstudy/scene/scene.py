@@ -88,9 +88,7 @@ class Friction(Protocol):
     def check(self, scene: "Scene") -> None:
         """Raise :class:`~contactstudy.InvalidInput` if the law is not defined in this scene."""
 
-    def solver(
-        self, scene: "Scene", gap: Array, grid: Grid, paddings: Paddings, datum: float
-    ) -> FrictionSolver:
+    def solver(self, scene: "Scene", gap: Array, grid: Grid, paddings: Paddings, datum: float) -> FrictionSolver:
         """Return the solver of this scene with friction, on a grid."""
 
     def explanation(self, scene: "Scene") -> str:
@@ -187,9 +185,7 @@ class Scene(InNotebook):
         if self.hardness == inf:
             return
         changing = None
-        if isinstance(self.load, PullOff) or (
-            isinstance(self.load, ChangingLoad) and falls(self.load)
-        ):
+        if isinstance(self.load, PullOff) or (isinstance(self.load, ChangingLoad) and falls(self.load)):
             changing = "Scene.load, which falls"
         elif self.rolls or self.has_tractive_rolling:
             changing = "a contact that rolls"
@@ -360,9 +356,7 @@ class Scene(InNotebook):
         """
         return self.problem_with(grid, padding, None)
 
-    def problem_with(
-        self, grid: Grid, padding: Padding | Paddings, solver: "AdhesiveSolver | None"
-    ) -> Problem:
+    def problem_with(self, grid: Grid, padding: Padding | Paddings, solver: "AdhesiveSolver | None") -> Problem:
         """Return the problem on a grid, with a solver for adhesion that another grid may have chosen."""
         valid("grid", grid, Grid)
         if self.rolls:
@@ -386,9 +380,7 @@ class Scene(InNotebook):
         if paddings[0].wraps:
             check_width(self.shapes, grid.extent[0])
         heights = summed_gap(self.ended_shapes, grid)
-        gap = (
-            heights if heights.shape == grid.cells else np.broadcast_to(heights, grid.cells).copy()
-        )
+        gap = heights if heights.shape == grid.cells else np.broadcast_to(heights, grid.cells).copy()
         if isinstance(self.load, Approach):
             self.load.check_datum(endless_axes=sum(each.window is None for each in paddings))
             if any(each.window is None for each in paddings):
@@ -563,9 +555,7 @@ class Scene(InNotebook):
             return self.free_length <= grid.length * (1 + 1e-9)
         return ends_along(self.shapes, grid)
 
-    def source_with(
-        self, grid: Grid, padding: Padding | Paddings, solver: "AdhesiveSolver | None"
-    ) -> ShapesSource:
+    def source_with(self, grid: Grid, padding: Padding | Paddings, solver: "AdhesiveSolver | None") -> ShapesSource:
         """Return the source from which the problem is made on other grids, with a solver that all its problems share."""
         shapes = with_extent_of(self.shapes, grid)
         # a scene that stays the same is not checked again

@@ -56,17 +56,11 @@ class ShapesSource:
 
     def gap_without_scales(self, grid: Grid) -> Array:
         """Return the summed gap [m] of the shapes without ``length_scales``, as :meth:`gap`."""
-        return summed_gap(
-            [shape for shape in self.shapes if not hasattr(shape, "length_scales")], grid
-        )
+        return summed_gap([shape for shape in self.shapes if not hasattr(shape, "length_scales")], grid)
 
     def covered_fractions(self, grid: Grid) -> Array | None:
         """Return the length of both bodies within each row of `grid`, in cells; None where none ends."""
-        rollers = [
-            shape.covered_fractions(grid)
-            for shape in self.shapes
-            if hasattr(shape, "covered_fractions")
-        ]
+        rollers = [shape.covered_fractions(grid) for shape in self.shapes if hasattr(shape, "covered_fractions")]
         shortest = min(rollers, key=np.sum, default=None)
         return None if shortest is None or not shortest.any() or (shortest == 1).all() else shortest
 
@@ -95,10 +89,7 @@ def check_width(shapes: Iterable[Shape], width: float) -> None:
 
 def standing_heights(shapes: Iterable[Shape]) -> str:
     """Return what it means that heights which vary across do not travel with a body; empty for other `shapes`."""
-    if (
-        min((scales.shortest_wavelengths[0] for scales in length_scales_of(shapes)), default=inf)
-        == inf
-    ):
+    if min((scales.shortest_wavelengths[0] for scales in length_scales_of(shapes)), default=inf) == inf:
         return ""
     return (
         "The heights stand still in the frame of the contact: they slide over what moves through it, where the "
@@ -109,9 +100,7 @@ def standing_heights(shapes: Iterable[Shape]) -> str:
 def shortest_wavelengths(shapes: Iterable[Shape]) -> tuple[float, float]:
     """Return the shortest wavelengths (across, along) and rollers [m] of `shapes`; infinite where none names one."""
     length_scales = length_scales_of(shapes)
-    across, along = zip(
-        (inf, inf), *(scales.shortest_wavelengths for scales in length_scales), strict=True
-    )
+    across, along = zip((inf, inf), *(scales.shortest_wavelengths for scales in length_scales), strict=True)
     return min(across), min(*along, *(scales.roller or inf for scales in length_scales), inf)
 
 
@@ -148,10 +137,7 @@ def _varies_along(shape: Shape, grid: Grid) -> bool:
 
 def with_extent_of(shapes: tuple[Shape, ...], grid: Grid) -> tuple[Shape, ...]:
     """Return `shapes`, where heights that are given cell by cell get the extent of `grid`."""
-    return tuple(
-        shape.with_extent_of(grid) if hasattr(shape, "with_extent_of") else shape
-        for shape in shapes
-    )
+    return tuple(shape.with_extent_of(grid) if hasattr(shape, "with_extent_of") else shape for shape in shapes)
 
 
 def ends_along(shapes: tuple[Shape, ...], grid: Grid) -> bool:

@@ -64,9 +64,7 @@ class SubsurfaceStress:
     def check_together(self) -> None:
         """Check that there is a depth."""
         if not self.depths:
-            raise InvalidInput(
-                'SubsurfaceStress.depths is (): give depths [m], such as [1e-4, 2e-4], or "auto".'
-            )
+            raise InvalidInput('SubsurfaceStress.depths is (): give depths [m], such as [1e-4, 2e-4], or "auto".')
 
     def check(self, solids: tuple[Body, ...]) -> None:
         """Raise :class:`~contactstudy.InvalidInput` for a rigid body, or one that is no half-space."""
@@ -83,9 +81,7 @@ class SubsurfaceStress:
                 f"SubsurfaceStress.body is {self.body}, a rigid body: give {1 - self.body}, the elastic one."
             )
 
-    def of(
-        self, solids: tuple[Body, ...], grid: Grid, paddings: Paddings
-    ) -> "SubsurfaceStressOperator":
+    def of(self, solids: tuple[Body, ...], grid: Grid, paddings: Paddings) -> "SubsurfaceStressOperator":
         """Return the stress of these bodies on `grid`."""
         body = solids[self.body]
         if isinstance(body, HasStressModel):
@@ -162,9 +158,7 @@ class SubsurfaceStressOperator:
         deepest = max(self.depths, default=self.grid.extent[0])
         return replace(self, residual=partial(residual, (1 - self.sign) // 2, deepest))
 
-    def with_shear(
-        self, shear: Array, bulk: tuple[float, float] = (0.0, 0.0)
-    ) -> "SubsurfaceStressOperator":
+    def with_shear(self, shear: Array, bulk: tuple[float, float] = (0.0, 0.0)) -> "SubsurfaceStressOperator":
         """Return this map with `shear` (component, x, y) on the first body, and its reaction on the second.
 
         The stress `bulk` of either body along x has that along y which prevents strain there.
@@ -174,9 +168,7 @@ class SubsurfaceStressOperator:
     def __call__(self, pressure: Array) -> Array:
         """Return stress (component, z, x, y) in the unit of `pressure` (x, y)."""
         if pressure.shape != self.grid.cells:
-            raise InvalidInput(
-                f"pressure has the shape {pressure.shape}: give it {self.grid.cells}."
-            )
+            raise InvalidInput(f"pressure has the shape {pressure.shape}: give it {self.grid.cells}.")
         stress = self._stress_of("pressure", pressure)
         if self.shear is not None:
             for direction, shear in zip(("across", "along"), self.shear, strict=True):
@@ -304,9 +296,7 @@ class SubsurfaceStressOperator:
         return {
             "stress": Field(dimensions, stress, "Pa", "stress, tension positive", named),
             "von_mises": Field(dimensions[1:], von_mises(stress), "Pa", "von Mises stress"),
-            "component": Field(
-                ("component",), names, "1", "x across the contact line, y along it, z into the body"
-            ),
+            "component": Field(("component",), names, "1", "x across the contact line, y along it, z into the body"),
             "z": Field(("z",), np.array(depths), "m", "depth below the surface", Z),
         }
 
@@ -333,9 +323,7 @@ def surface_beyond(
                 padded = np.moveaxis(np.pad(tractions, around), axis, -1)
                 means = padded.reshape(*padded.shape[:-1], count, 3).mean(axis=-1)
                 tractions = np.moveaxis(means, -1, axis)
-        width, length = (
-            3 * size if wider else size for size, wider in zip(grid.extent, widens, strict=True)
-        )
+        width, length = (3 * size if wider else size for size, wider in zip(grid.extent, widens, strict=True))
         grid = Grid(grid.cells, (width, length))
         below = replace(output.of(solids, grid, paddings), depths=(0.0,), shear=tractions[1:])
         yield grid, below(tractions[0])[:, 0]

@@ -132,9 +132,7 @@ class AdhesiveSolver:
         assert solution.adhesion is not None
         return self.continued(solution.adhesion.attraction)
 
-    def solve(
-        self, problem: Problem, options: SolveOptions, start: Array | None, device: Device
-    ) -> Solution:
+    def solve(self, problem: Problem, options: SolveOptions, start: Array | None, device: Device) -> Solution:
         """Return the solution of the contact `problem` with adhesion, from the state that the branch names."""
         return self.solve_coupled(None, problem, options, start, device)[0]
 
@@ -204,9 +202,7 @@ class OuterIteration:
 
         The first contact begins with the pressure `start` (x, y) [Pa].
         """
-        tolerance = min(
-            CONSTANTS.change_in_tolerances * self.options.tolerance, CONSTANTS.max_change
-        )
+        tolerance = min(CONSTANTS.change_in_tolerances * self.options.tolerance, CONSTANTS.max_change)
         loosest = 0.0 if self.solver.depth == 0 or self._is_weak() else CONSTANTS.max_inner_error
         gap_error, mixing = loosest, AndersonMixing(self.solver.depth)
         plain_left = plain_after_rejection = CONSTANTS.plain_iterations
@@ -221,11 +217,7 @@ class OuterIteration:
             self.convolutions += 1
             if last is not None and self._is_negligible(attraction, displacement, last):
                 return self._ended(replace(last, attraction=attraction, change=0.0))
-            state = (
-                self._frozen(attraction, displacement, load, pressure, gap_error)
-                if load > 0
-                else None
-            )
+            state = self._frozen(attraction, displacement, load, pressure, gap_error) if load > 0 else None
             if state is not None and not np.isfinite(state.contact.residual):
                 return self._ended(state)
             if is_mixed and last is not None and (state is None or not last.accepts(state)):
@@ -254,9 +246,7 @@ class OuterIteration:
         """Return whether the largest attraction everywhere is below the tolerance of the load."""
         control = self.problem.control
         largest = self.solver.law.strength * self.problem.undeformed_gap.size
-        return (
-            isinstance(control, PrescribedLoad) and largest < self.options.tolerance * control.total
-        )
+        return isinstance(control, PrescribedLoad) and largest < self.options.tolerance * control.total
 
     def _contact_load(self, attraction: Array) -> float:
         """Return the load of the pressure alone, over the area of a cell [Pa]; infinite under a given approach."""
@@ -319,11 +309,7 @@ class OuterIteration:
         area = problem.grid.cell_area
         remaining_work = area * float(law.remaining_work(contact.gap).sum())
         net = contact.pressure - attraction
-        energy = (
-            area * dot(net, contact.displacement - displacement) / 2
-            - remaining_work
-            + coupled.energy
-        )
+        energy = area * dot(net, contact.displacement - displacement) / 2 - remaining_work + coupled.energy
         if load != inf:
             energy -= area * (load - float(attraction.sum())) * contact.approach
         relative = change / total if total else change

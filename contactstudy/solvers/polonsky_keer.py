@@ -51,17 +51,13 @@ class PolonskyKeer:
             ended = problem.should_stop(residual, displacement, tolerance, gap.largest_displacement)
             if ended or iteration == max_iterations or stall.stalled(residual):
                 convolutions = 2.0 * iteration + 1
-                return Iterate(
-                    pressure, displacement, gap.approach, residual, iteration, convolutions
-                )
+                return Iterate(pressure, displacement, gap.approach, residual, iteration, convolutions)
             iteration += 1
             # 2. the conjugate direction on the active set
             active = constraint.active(pressure)
             contact_gap = gap.height * active
             squared_norm = inner(contact_gap, contact_gap)
-            beta = (
-                delta * squared_norm / previous_squared_norm if previous_squared_norm > 0 else 0.0
-            )
+            beta = delta * squared_norm / previous_squared_norm if previous_squared_norm > 0 else 0.0
             direction = contact_gap + beta * direction * active
             previous_squared_norm = squared_norm
             if inner(contact_gap, direction) <= 0:  # addition: restart

@@ -164,10 +164,7 @@ class ContactPreconditioner:
     @property
     def convolutions(self) -> float:
         """Number of convolutions that cost as much as all preconditioning so far."""
-        return (
-            self._inverse.cells_transformed / self._problem.operator.transform_size
-            + self._convolutions
-        )
+        return self._inverse.cells_transformed / self._problem.operator.transform_size + self._convolutions
 
     def uniform_correction(self, active: Array, height: Array) -> float:
         """Return the uniform pressure on `active` cells that closes the mean of their gap, of this `height`.
@@ -197,9 +194,7 @@ class ContactPreconditioner:
         active = self._extension.active
         extended = self._extension(gap_of_set)
         of_cells = first_cells(extended, active.shape)
-        entered = operations.add_entering(
-            pressure, gap.height, of_cells, step_length, active, gap_of_set
-        )
+        entered = operations.add_entering(pressure, gap.height, of_cells, step_length, active, gap_of_set)
         if entered:
             self._extension = None  # that of the smaller set
             del extended, of_cells
@@ -208,9 +203,7 @@ class ContactPreconditioner:
         return PredictedSet(active, entered, self._extension, extended)
 
 
-def trial_step(
-    state: ContactState, preconditioner: ContactPreconditioner, step_length: float
-) -> Trial:
+def trial_step(state: ContactState, preconditioner: ContactPreconditioner, step_length: float) -> Trial:
     """Return the trial pressure a `step_length` along the conjugate direction, projected to the load.
 
     The direction is against the preconditioned residual. It is zero outside the active set, and such that the load
@@ -224,9 +217,7 @@ def trial_step(
     active, entered = predicted.active, predicted.entered
     preconditioned = predicted.preconditioned_residual()
     del predicted  # free its fields before the next convolution
-    uniform = (
-        None if control.approach is None else preconditioner.uniform_correction(active, height)
-    )
+    uniform = None if control.approach is None else preconditioner.uniform_correction(active, height)
     last = state.take_last_step()
     trial = arrays().empty_like(pressure) if last is None else last.before
     usable = None if last is None or last.cut or entered or last.curvature <= 0 else last
@@ -342,9 +333,7 @@ class PreconditionedCG:
             f"{last.iterations} iterations; Polonsky & Keer's scheme went on from there.",
         )
 
-    def _first_pressure(
-        self, problem: BareProblem, start: Array | None, tolerance: float
-    ) -> tuple[Array, float]:
+    def _first_pressure(self, problem: BareProblem, start: Array | None, tolerance: float) -> tuple[Array, float]:
         """Return the admissible pressure to start from, in a new array, and the convolutions that it takes at most."""
         if start is not None:
             admissible = problem.clip_and_scale(arrays().asarray(start, copy=True))
@@ -385,9 +374,7 @@ class PreconditionedCG:
         residual = state.residual
         tolerance = max(tolerance, reduction * residual)
         while not (
-            problem.should_stop(
-                residual, state.displacement, tolerance, state.gap.largest_displacement
-            )
+            problem.should_stop(residual, state.displacement, tolerance, state.gap.largest_displacement)
             or iteration == max_iterations
             or stall.stalled(residual)
         ):

@@ -39,9 +39,7 @@ class PullOffSearch:
         """Return this search, which begins with the load of its problem in any case."""
         return self
 
-    def solve(
-        self, problem: Problem, options: SolveOptions, start: Array | None, device: Device
-    ) -> Solution:
+    def solve(self, problem: Problem, options: SolveOptions, start: Array | None, device: Device) -> Solution:
         """Return the last stable state; its part `adhesion` has the first unstable load, None if none was found.
 
         Where the solve at some load does not converge, the status is that of this load, which the note says.
@@ -61,9 +59,7 @@ class PullOffSearch:
             # bodies that attract each other do not separate under a load of at least 0
             trial = min(load - pull, 0.0) if first_unstable == -inf else (load + first_unstable) / 2
             lowered = replace(problem, control=PrescribedLoad(trial))
-            state = self.solver.after(last_stable).solve(
-                lowered, options, last_stable.pressure, device
-            )
+            state = self.solver.after(last_stable).solve(lowered, options, last_stable.pressure, device)
             iterations += state.iterations
             convolutions += state.convolutions
             if state.status is Status.DETACHED:
@@ -74,17 +70,13 @@ class PullOffSearch:
                 load, last_stable = trial, state
             else:
                 where = f"{trial * to_load_per_length:.4g} N/m"
-                ended = (
-                    f"The search for the pull-off load ended at {where}, where it did not converge."
-                )
+                ended = f"The search for the pull-off load ended at {where}, where it did not converge."
                 note = f"{note} {ended}".lstrip()
         assert last_stable.adhesion is not None
         part = replace(
             last_stable.adhesion,
             branch=self.solver.branch.value,
-            first_unstable_load=first_unstable * to_load_per_length
-            if first_unstable > -inf
-            else None,
+            first_unstable_load=first_unstable * to_load_per_length if first_unstable > -inf else None,
         )
         return replace(
             last_stable,

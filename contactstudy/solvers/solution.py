@@ -28,10 +28,7 @@ class Status(Enum):
         "converged, but the contact reaches the edge of the width, or the end of a length that is not periodic, and is "
         "cut off there: give Grid.extent a larger width or length"
     )
-    ITERATION_LIMIT = (
-        "max_iterations was reached before the tolerance: "
-        "allow more iterations or a larger tolerance"
-    )
+    ITERATION_LIMIT = "max_iterations was reached before the tolerance: allow more iterations or a larger tolerance"
     PRECISION_LIMIT = (
         "the residual is as small as rounding lets it be, and above the tolerance: "
         "give a tolerance no smaller than the residual reached, or solve in double precision"
@@ -42,8 +39,7 @@ class Status(Enum):
         "for cells a thousand times as long as wide or more"
     )
     NO_ADMISSIBLE_PRESSURE = (
-        "the hardness everywhere would not carry the load: "
-        "give a larger hardness, a smaller load or a larger width"
+        "the hardness everywhere would not carry the load: give a larger hardness, a smaller load or a larger width"
     )
     NOT_CONVERGED = (
         "pressure and the displacement, plastic strain or shear that depends on it did not converge together: "
@@ -58,8 +54,7 @@ class Status(Enum):
         "unresolved, more iterations, or start from the film at a higher speed"
     )
     STARVED_INLET = (
-        "converged, but the inlet is so short that its film is more than 5 % too thin: "
-        "give Grid.extent a larger width"
+        "converged, but the inlet is so short that its film is more than 5 % too thin: give Grid.extent a larger width"
     )
     FILM_BELOW_CELL = (
         "converged, but the film is thinner than the change of the gap over one cell, in the inlet or beside the "
@@ -344,11 +339,7 @@ class Solution:
     def mean_gap(self) -> float:
         """Mean gap [m] over the length that both bodies have in common."""
         lengths = self.problem.covered_fractions
-        return float(
-            self.gap.mean()
-            if lengths is None
-            else np.average(self.gap.mean(axis=0), weights=lengths)
-        )
+        return float(self.gap.mean() if lengths is None else np.average(self.gap.mean(axis=0), weights=lengths))
 
     @property
     def shear(self) -> Array:
@@ -376,9 +367,7 @@ class Solution:
     def _traction(self) -> TangentialTraction:
         """Tangential traction of the solution; raises NotDefined without friction."""
         if self.traction is None:
-            raise NotDefined(
-                "This solution has no shear: give Scene.friction, such as Sliding(coefficient=0.1)."
-            )
+            raise NotDefined("This solution has no shear: give Scene.friction, such as Sliding(coefficient=0.1).")
         return self.traction
 
 

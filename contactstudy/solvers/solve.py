@@ -84,9 +84,7 @@ class SolveOptions:
 
     tolerance: Annotated[Number, ABOVE_ZERO] = 1e-8
     max_iterations: Annotated[int, at_least(0)] = 2000
-    solver: Annotated[Solver, Example("PreconditionedCG()")] = field(
-        default_factory=PreconditionedCG
-    )
+    solver: Annotated[Solver, Example("PreconditionedCG()")] = field(default_factory=PreconditionedCG)
     precision: Literal["single", "double"] = "double"
 
 
@@ -175,9 +173,7 @@ def solve_contact(
 def _refuse_other_device(device: Device, problem: Problem, precision: Precision) -> None:
     """Raise InvalidInput for a problem that a device other than the CPU cannot solve."""
     operator, constraint = problem.operator, problem.constraint
-    if not isinstance(operator, Convolution) or not isinstance(
-        constraint, Compressive | HardnessLimited
-    ):
+    if not isinstance(operator, Convolution) or not isinstance(constraint, Compressive | HardnessLimited):
         raise InvalidInput(
             f"solve.device is {device!r}: an operator or a constraint of your own works on numpy arrays, give Cpu()."
         )
@@ -195,9 +191,7 @@ def _finite_pressure(start: Array, problem: Problem) -> Array:
         raise InvalidInput(f"solve.start has the shape {pressure.shape}: give it {shape}.")
     for refused, what in ((~np.isfinite(pressure), "not finite"), (pressure < 0, "below 0 Pa")):
         if refused.any():
-            raise InvalidInput(
-                f"solve.start is {what} in {np.count_nonzero(refused)} cells: it must be at least 0 Pa."
-            )
+            raise InvalidInput(f"solve.start is {what} in {np.count_nonzero(refused)} cells: it must be at least 0 Pa.")
     return pressure
 
 
@@ -273,9 +267,7 @@ class ReportingSolver:
             **{part.name: getattr(problem, part.name) for part in fields(BareProblem)},
             report=self.report,
         )
-        return self.solver.iterate(
-            reporting, tolerance=tolerance, max_iterations=max_iterations, start=start
-        )
+        return self.solver.iterate(reporting, tolerance=tolerance, max_iterations=max_iterations, start=start)
 
 
 @dataclass(frozen=True, eq=False)

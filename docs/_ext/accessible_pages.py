@@ -31,15 +31,11 @@ def check(app: Sphinx, exception: Exception | None) -> None:
 def check_spelling(app: Sphinx) -> None:
     """Warn where codespell, configured in pyproject.toml, finds a misspelled word; it prints the words."""
     root = Path(app.srcdir).parent
-    if codespell_lib.main(
-        "--toml", str(root / "pyproject.toml"), *(str(root / one) for one in SPELLED)
-    ):
+    if codespell_lib.main("--toml", str(root / "pyproject.toml"), *(str(root / one) for one in SPELLED)):
         logging.getLogger(__name__).warning("codespell found misspelled words, listed above")
 
 
-def give_levels(
-    app: Sphinx, page: str, template: str, context: dict[str, Any], doctree: object
-) -> None:
+def give_levels(app: Sphinx, page: str, template: str, context: dict[str, Any], doctree: object) -> None:
     """Give the headings of the navigation and of contents their level."""
     for part in ("body", "furo_navigation_tree"):
         if part in context:

@@ -31,9 +31,7 @@ def imports() -> set[tuple[str, str]]:
             here = folder_of(module)
             for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
                 names = [node.module] if isinstance(node, ast.ImportFrom) and node.module else []
-                names += (
-                    [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
-                )
+                names += [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
                 for name in names:
                     there = folder_of(name)
                     if here and there and here != there and "/" in here and "/" in there:
@@ -57,9 +55,7 @@ def reduced(pairs: set[tuple[str, str]]) -> set[tuple[str, str]]:
     def reaches(start: str, end: str) -> bool:
         return any(a == start and (b == end or reaches(b, end)) for a, b in pairs)
 
-    return {
-        (a, b) for a, b in pairs if not any(c == a and d != b and reaches(d, b) for c, d in pairs)
-    }
+    return {(a, b) for a, b in pairs if not any(c == a and d != b and reaches(d, b) for c, d in pairs)}
 
 
 def draw() -> None:

@@ -121,9 +121,7 @@ def group_of(name: str) -> str:
 
 MODULES = {
     alias.name: node.module or ""
-    for node in ast.walk(
-        ast.parse(Path(cs.__file__).with_suffix(".pyi").read_text(encoding="utf-8"))
-    )
+    for node in ast.walk(ast.parse(Path(cs.__file__).with_suffix(".pyi").read_text(encoding="utf-8")))
     if isinstance(node, ast.ImportFrom)
     for alias in node.names
 }
@@ -173,11 +171,7 @@ def inner_names() -> list[str]:
     ]
     for name in INNER:
         module, _, last = name.rpartition(".")
-        kind = (
-            "class"
-            if isclass(getattr(import_module(f"contactstudy.{module}"), last))
-            else "function"
-        )
+        kind = "class" if isclass(getattr(import_module(f"contactstudy.{module}"), last)) else "function"
         text += [f".. auto{kind}:: contactstudy.{name}", ""]
     return [*text, "```", ""]
 
@@ -214,17 +208,11 @@ def _table(kind: type) -> list[str]:
             continue
         if field.default is not MISSING:
             default = (
-                f"`{field.default!r}`"
-                if not isinstance(field.default, Enum)
-                else f'`"{field.default.name.lower()}"`'
+                f"`{field.default!r}`" if not isinstance(field.default, Enum) else f'`"{field.default.name.lower()}"`'
             )
         elif field.default_factory is not MISSING:
             made = field.default_factory()
-            default = (
-                f"`{made!r}`"
-                if len(repr(made)) < 40
-                else f"`{type(made).__name__}` with its defaults"
-            )
+            default = f"`{made!r}`" if len(repr(made)) < 40 else f"`{type(made).__name__}` with its defaults"
         else:
             default = "required"
         rows.append(
@@ -258,9 +246,7 @@ def keys() -> str:
             continue
         done.add(kind)
         queue += [one for hint in get_type_hints(kind).values() for one in _plain(hint)]
-        name = next(
-            (n for kinds in KINDS.values() for n, k in kinds.items() if k is kind), kind.__name__
-        )
+        name = next((n for kinds in KINDS.values() for n, k in kinds.items() if k is kind), kind.__name__)
         first = (getdoc(kind) or "").split("\n\n")[0].replace("\n", " ")
         text += [
             "",

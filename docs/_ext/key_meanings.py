@@ -13,12 +13,8 @@ def meanings(kind: type) -> dict[str, str]:
     found: dict[str, str] = {}
     for one in (*(Scene,) * (kind is SceneDocument), *described, *reversed(kind.__mro__)):
         parameters = ((one.__doc__ and getdoc(one)) or "").partition("Parameters\n----------\n")[2]
-        parts = re.split(
-            r"^(\w[\w, ]*)\n(?=    )", re.split(r"\n\w+\n-+\n", parameters)[0], flags=re.M
-        )
+        parts = re.split(r"^(\w[\w, ]*)\n(?=    )", re.split(r"\n\w+\n-+\n", parameters)[0], flags=re.M)
         for listed, text in zip(parts[1::2], parts[2::2], strict=True):
-            plain = re.sub(r":\w+:`~?(?:\w+\.)*(\w+)`", r"`\1`", " ".join(text.split())).replace(
-                "``", "`"
-            )
+            plain = re.sub(r":\w+:`~?(?:\w+\.)*(\w+)`", r"`\1`", " ".join(text.split())).replace("``", "`")
             found |= dict.fromkeys(listed.split(", "), plain.replace("|", "\\|"))
     return found

@@ -23,9 +23,7 @@ ridges = tuple(
 
 def case_at(speed):
     motion = cs.Lubrication(oil, mean_speed=speed, slide_roll_ratio=0.1, boundary=boundary)
-    return cs.Scene(
-        cs.LineLoad(1e5), (steel, steel), (cs.Cylinder(0.01), *ridges), lubrication=motion
-    )
+    return cs.Scene(cs.LineLoad(1e5), (steel, steel), (cs.Cylinder(0.01), *ridges), lubrication=motion)
 
 
 # %%
@@ -46,9 +44,7 @@ left.semilogx(speeds[converged], friction[converged], "o-")
 left.set(xlabel="mean speed [m/s]", ylabel="friction at 10 % sliding", ylim=(0, 0.13))
 right.semilogx(speeds[converged], fraction[converged], "o-", color="#D55E00")
 right.set(xlabel="mean speed [m/s]", ylabel="fraction of the load on asperities")
-print(
-    f"{sum(converged)} of {len(speeds)} speeds, fractions from {fraction.min():.2f} to {fraction.max():.2f}"
-)
+print(f"{sum(converged)} of {len(speeds)} speeds, fractions from {fraction.min():.2f} to {fraction.max():.2f}")
 assert sum(converged) >= 18
 assert fraction[0] == 0
 assert fraction[-1] > 0.99
@@ -76,9 +72,7 @@ cylinder, roughness_grid = cs.Cylinder(0.01), cs.Grid((256, 64), (6.3e-4, 2.1e-4
 boundary_of_additives = cs.Boundary(film=1e-8, coefficient=0.12)
 speeds, contacts, last = np.geomspace(0.5, 1e-3, 20), [], None
 for speed in speeds:
-    motion = cs.Lubrication(
-        oil, mean_speed=speed, slide_roll_ratio=0.1, boundary=boundary_of_additives
-    )
+    motion = cs.Lubrication(oil, mean_speed=speed, slide_roll_ratio=0.1, boundary=boundary_of_additives)
     scene = cs.Scene(cs.LineLoad(1e5), (steel, steel), (cylinder, rough), lubrication=motion)
     last = cs.solve(scene, roughness_grid, start=last)
     contacts.append(last)

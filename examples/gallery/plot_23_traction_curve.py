@@ -20,9 +20,7 @@ supply, peak = 333.15, 1e9  # K, Pa
 
 
 def log_viscosity(temperature, pressure):
-    rise = pressure / (
-        -2.28e7 + 2.26e5 * temperature + (-0.0682 + 2.768e-4 * temperature) * pressure
-    )
+    rise = pressure / (-2.28e7 + 2.26e5 * temperature + (-0.0682 + 2.768e-4 * temperature) * pressure)
     return log(86.86e-6) + 890 / (temperature - 182) + rise
 
 
@@ -75,9 +73,7 @@ def formula(speed, slip, film):
     for _ in range(200):
         steepness = pressure_viscosity(temperature, peak)
         stress = exp(log_viscosity(temperature, mean)) * speed * slip / film
-        friction = min(
-            2 * limit / (steepness * mean) * asinh(stress * steepness / (2 * limit)), limit
-        )
+        friction = min(2 * limit / (steepness * mean) * asinh(stress * steepness / (2 * limit)), limit)
         flux = friction * mean * speed * slip
         flash = 0.53 * flux * sqrt(half_width / (body.conductivity * body.heat_capacity * speed))
         temperature += 0.3 * (supply + flash + flux * film / (8 * heat.conductivity) - temperature)

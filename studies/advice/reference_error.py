@@ -39,8 +39,7 @@ def pressure_error(case: Case, answer: Answer) -> Mapping[str, xr.Variable]:
     if reference is None:
         return {}
     nests = all(
-        fine % cells == 0 or fine >= 3 * cells
-        for fine, cells in zip(reference.grid.cells, grid.cells, strict=True)
+        fine % cells == 0 or fine >= 3 * cells for fine, cells in zip(reference.grid.cells, grid.cells, strict=True)
     )
     if not (nests and np.allclose(grid.extent, reference.grid.extent, 1e-9, 0.0)):
         return {}

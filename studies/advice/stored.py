@@ -46,9 +46,7 @@ def path_in(out: Path) -> Path:
     return out / f"{SETTINGS}.nc"
 
 
-def verdict_of(
-    described: SceneToJudge, error: Request, out: Path, log: Log, measure: str = EVERY_NUMBER
-) -> Verdict:
+def verdict_of(described: SceneToJudge, error: Request, out: Path, log: Log, measure: str = EVERY_NUMBER) -> Verdict:
     """Return the verdict on a scene that a folder has, or measure it and store it there.
 
     One of another error, scene, processor or program is measured again.
@@ -87,9 +85,7 @@ def to_dataset(verdict: Verdict) -> xr.Dataset:
     ]  # fmt: skip
     data = {
         name: ("setting", list(values), {"long_name": about} | ({"units": units} if units else {}))
-        for (name, (units, about)), values in zip(
-            COLUMNS.items(), zip(*rows, strict=True), strict=True
-        )
+        for (name, (units, about)), values in zip(COLUMNS.items(), zip(*rows, strict=True), strict=True)
     }
     attributes: dict[str, Any] = {key: getattr(verdict, name) for key, name in ATTRIBUTES.items()}
     for key in ("notes", "named_errors"):

@@ -110,25 +110,19 @@ class _Trials:
             along = max(along, CENTRED)
         return Setting(label, padding, (across, along), tolerance)
 
-    def other_paddings(
-        self, own: str, given: cs.Padding | cs.Paddings | None
-    ) -> dict[str, cs.Padding | cs.Paddings]:
+    def other_paddings(self, own: str, given: cs.Padding | cs.Paddings | None) -> dict[str, cs.Padding | cs.Paddings]:
         """Return all paddings that the scene may have by their names, and that which its file gives as `own`."""
         if isinstance(self.own, tuple):
             return {}
         others = {
-            padding_label(name, n): make(n)
-            for name, make in PADDINGS.items()
-            for n in IMAGES.get(name, (0,))
+            padding_label(name, n): make(n) for name, make in PADDINGS.items() for n in IMAGES.get(name, (0,))
         } | ({own: given} if given is not None else {})
         if self.unit[1] == 1 and not self.is_line:
             del others["duplicated"]
             self.notes["duplicated"] = COPY_OFF_CENTRE
         return others
 
-    def solve(
-        self, setting: Setting, scene: cs.Scene | None = None, grid: cs.Grid | None = None
-    ) -> Answer:
+    def solve(self, setting: Setting, scene: cs.Scene | None = None, grid: cs.Grid | None = None) -> Answer:
         """Return the answer at a setting, as a scene file with its tables would be solved."""
         return cs.solve(
             scene or self.scene,
@@ -155,9 +149,7 @@ class _Trials:
             return
         name = "per_length" if isinstance(load, cs.LineLoad) else "total"
         if getattr(load, name) > 0:
-            lower = replace(
-                self.scene, load=replace(load, **{name: LOWER_LOAD * getattr(load, name)})
-            )
+            lower = replace(self.scene, load=replace(load, **{name: LOWER_LOAD * getattr(load, name)}))
             hertz = lower.hertz if self.unit[1] == 1 else None
             grids = [grid] if hertz is None else with_edges_moved(grid, hertz.half_width)
             yield from ((lower, moved) for moved in grids)
@@ -181,9 +173,7 @@ class _Trials:
                     seconds = process_time() - start
             if answer.status not in (cs.Status.CONVERGED, cs.Status.PRECISION_LIMIT):
                 self.at_edge |= answer.status is cs.Status.CONTACT_AT_EDGE
-                self.notes[setting.label] = (
-                    f"{setting.label} on {cells_text(setting.cells)}: {answer.status}"
-                )
+                self.notes[setting.label] = f"{setting.label} on {cells_text(setting.cells)}: {answer.status}"
                 return None
             l1 = max(l1, answer.error.l1.total)
             if self.measure != PRESSURE:
@@ -248,9 +238,7 @@ def verdict_on(
         base, own = _label(trials.own), _label(described.file.padding or trials.own)
         paddings = {base: trials.own} | trials.other_paddings(own, described.file.padding)
         on_grids = paddings if trials.is_line else {base: trials.own}
-        found = list(
-            _on_grids(trials, on_grids, base, lambda text: log(f"{described.name}: {text}"))
-        )
+        found = list(_on_grids(trials, on_grids, base, lambda text: log(f"{described.name}: {text}")))
         if described.file.grid is not None or not trials.at_edge or any(map(trials.meets, found)):
             break
     if not found:
@@ -258,16 +246,13 @@ def verdict_on(
     trials.choose_measure(found)
     finest = found[-1].setting
     # of grids on which the pressure meets the error, and no other number ever does, the coarsest
-    coarsest = {
-        one.setting.label: one.setting.cells for one in reversed(found) if trials.meets(one)
-    }
+    coarsest = {one.setting.label: one.setting.cells for one in reversed(found) if trials.meets(one)}
     if coarsest:
         cells, loosest = coarsest.get(base, finest.cells), trials.options.tolerance
         if base in coarsest:
             loosest = _loosest(trials, Setting(base, trials.own, cells, loosest))
         settings = [
-            trials.setting(label, padding, coarsest.get(label, cells), loosest)
-            for label, padding in paddings.items()
+            trials.setting(label, padding, coarsest.get(label, cells), loosest) for label, padding in paddings.items()
         ]
         tried = {one.setting for one in found}
         found += [one for new in settings if new not in tried and (one := trials.measured(new))]
@@ -278,9 +263,7 @@ def verdict_on(
         against, reference = _reference(trials, finest) if coarsest else (NO_REFERENCE, None)
         if reference is not None:
             differences = (relative_l1(trials.pressures[one.setting], reference) for one in found)
-            found = [
-                replace(one, difference=off) for one, off in zip(found, differences, strict=True)
-            ]
+            found = [replace(one, difference=off) for one, off in zip(found, differences, strict=True)]
     log(f"{described.name}: times of {sum(map(trials.meets, found))} settings that meet it")
     answered = {one.setting.label for one in found}
     return Verdict(
@@ -311,9 +294,7 @@ def _on_grids(
                 if label == base:
                     tried.append(one)
         is_enough = any(map(trials.meets, tried))
-        if not trials.is_line and (
-            is_enough or (multiple >= SIXTHS and not trials.is_falling(tried))
-        ):
+        if not trials.is_line and (is_enough or (multiple >= SIXTHS and not trials.is_falling(tried))):
             return
 
 
@@ -340,9 +321,7 @@ def _trials(file: cs.SceneFile, error: Request, measure: str, wider: float) -> _
     own = padding or cs.ExactPeriodicity()
     across, along = (max(1, round(n / SIXTHS)) if n > 1 else 1 for n in grid.cells)
     scene = with_random_extents(file.scene, grid.extent)
-    times = (
-        file.time_steps if scene.method.takes_times and file.time_steps != cs.TimeSteps() else None
-    )
+    times = file.time_steps if scene.method.takes_times and file.time_steps != cs.TimeSteps() else None
     return _Trials(
         scene, grid.extent, own, (max(2, across), along), file.options, times, error, measure,
     )  # fmt: skip
@@ -367,11 +346,7 @@ def _worst(answer: Answer, request: Request) -> tuple[float, str]:
         asked = f", whose {100 * worst.bound:.2g} % of {100 * worst.requested:g} % asked count so"
         return counted, f"in the {worst.label}" + asked * (worst.requested > least)
     measure, parts = answer.judged_error
-    bounds = [
-        (number.bound, f"in the {number.label}")
-        for number in answer.judged.values()
-        if isfinite(number.bound)
-    ]
+    bounds = [(number.bound, f"in the {number.label}") for number in answer.judged.values() if isfinite(number.bound)]
     return max([(parts.total, measure), *bounds])
 
 
@@ -390,11 +365,7 @@ def _reference(trials: _Trials, finest: Setting) -> tuple[str, Array]:
     finer = replace(finest, cells=(across, along))
     answer = trials.solve(finer)
     bound = answer.judged_error[1].total
-    own_error = (
-        f"whose own error is at most {100 * bound:.2g} %"
-        if isfinite(bound)
-        else "which has no bound itself"
-    )
+    own_error = f"whose own error is at most {100 * bound:.2g} %" if isfinite(bound) else "which has no bound itself"
     return f"a solution on {cells_text(finer.cells)}, {own_error}", last_of(answer).pressure
 
 

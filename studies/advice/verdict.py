@@ -134,11 +134,7 @@ def is_tie(one: Measured, fastest: Measured) -> bool:
         fastest.setting.tolerance,
     )
     window = fastest.setting.padding
-    is_same_solve = (
-        one.setting.padding == cs.ExactPeriodicity()
-        and not isinstance(window, tuple)
-        and window.wraps
-    )
+    is_same_solve = one.setting.padding == cs.ExactPeriodicity() and not isinstance(window, tuple) and window.wraps
     return (is_same_grid and is_same_solve) or one.seconds <= TIE * fastest.seconds
 
 

@@ -75,9 +75,7 @@ def report(
         from studies.report.wording import lines
 
         folder = out / scene.stem
-        verdict = verdict_of(
-            scene_in(scene), error, folder, lambda text: click.echo(text, err=True)
-        )
+        verdict = verdict_of(scene_in(scene), error, folder, lambda text: click.echo(text, err=True))
         for line in lines(verdict):
             click.echo(line)
         click.echo(f"report: wrote {write_scene(verdict, folder)}")

@@ -31,26 +31,19 @@ def write_vtk(dataset: "xr.Dataset", file: Path, stem: Path) -> list[Path]:
     """
     frames: list[tuple[float, xr.Dataset]] = [(0.0, dataset)]
     if "case_status" in dataset:
-        frames = [
-            (float(number), fields) for number, (_, fields) in enumerate(fields_of(dataset, file))
-        ]
+        frames = [(float(number), fields) for number, (_, fields) in enumerate(fields_of(dataset, file))]
     elif "time" in dataset.dims:
         times = dataset["time"].values
         frames = [(float(time), dataset.isel(time=number)) for number, time in enumerate(times)]
     if not frames or not {"x", "y"} <= set(frames[0][1].dims):
-        raise InvalidInput(
-            f"--format has vtk, and {str(file)!r} has no fields over (x, y): run a study with --fields."
-        )
+        raise InvalidInput(f"--format has vtk, and {str(file)!r} has no fields over (x, y): run a study with --fields.")
     # a cell alone is as long as the scene's grid, or square where that is not known
     extent = tomllib.loads(str(dataset.attrs.get("scene", ""))).get("grid", {}).get("extent")
     length = None if extent is None else cs.Grid((2, 1), extent).length
     if len(frames) == 1:
         return _write_frame(frames[0][1], stem, "", length)
     numbers = [f"-{number:0{len(str(len(frames)))}d}" for number in range(len(frames))]
-    written = [
-        _write_frame(fields, stem, number, length)
-        for number, (_, fields) in zip(numbers, frames, strict=True)
-    ]
+    written = [_write_frame(fields, stem, number, length) for number, (_, fields) in zip(numbers, frames, strict=True)]
     group, series = import_for("--format vtk", "pyevtk.vtk").VtkGroup, []
     for number, path in enumerate(written[0]):
         series.append(path.with_name(path.name.replace(f"{numbers[0]}.vtr", ".pvd")))
@@ -61,9 +54,7 @@ def write_vtk(dataset: "xr.Dataset", file: Path, stem: Path) -> list[Path]:
     return series
 
 
-def _write_frame(
-    fields: "xr.Dataset", stem: Path, number: str, length: Metres | None
-) -> list[Path]:
+def _write_frame(fields: "xr.Dataset", stem: Path, number: str, length: Metres | None) -> list[Path]:
     """Write the fields at one instant, and return the files: that of the surface, and one for each body's depths."""
     write = import_for("--format vtk", "pyevtk.hl").gridToVTK
     edges = [_edges(fields[axis].values) for axis in ("x", "y")]

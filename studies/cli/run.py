@@ -51,9 +51,7 @@ def sensitivity_of(name: str) -> "Study":
     from studies.scene_study.sensitivity import sensitivity_study
 
     if not name.endswith(".toml"):
-        raise InvalidInput(
-            f"--sensitivity is for a scene in a .toml file, and {name!r} is a study: leave it out."
-        )
+        raise InvalidInput(f"--sensitivity is for a scene in a .toml file, and {name!r} is a study: leave it out.")
     return sensitivity_study(name)
 
 
@@ -81,9 +79,7 @@ def load_varied(name: str, vary: Sequence[str]) -> "Study":
         field, equals, values = text.partition("=")
         field = field.strip()
         if not equals or not field or not values.strip():
-            raise InvalidInput(
-                f"--vary is {text!r}: give a field and its values, such as {EXAMPLE}."
-            )
+            raise InvalidInput(f"--vary is {text!r}: give a field and its values, such as {EXAMPLE}.")
         if field in fields:
             raise InvalidInput(f"--vary names {field} twice: write all its values in one list.")
         fields[field] = values.strip()
@@ -201,9 +197,7 @@ def run(
     if reference is not None:
         chosen = with_reference(chosen, study, reference)
     if chosen.times != "taken" and repeats:
-        refuse(
-            context, f"studies whose cases are timed, which {chosen.name} does not do", "repeats"
-        )
+        refuse(context, f"studies whose cases are timed, which {chosen.name} does not do", "repeats")
     if has_own_figures(study):
         refuse(context, "a scene or a study without figures of its own", "plot")
     if "times" in retry and not repeats:

@@ -85,9 +85,7 @@ def new(kind: str | None, out: Path | None, listed: bool) -> None:  # noqa: FBT0
     except FileExistsError:
         raise cs.InvalidInput(f"{path} exists already: give another file with --out.") from None
     except OSError as error:
-        raise cs.InvalidInput(
-            f"{path} cannot be written ({error.strerror}): give another file with --out."
-        ) from None
+        raise cs.InvalidInput(f"{path} cannot be written ({error.strerror}): give another file with --out.") from None
     verb = "run {0} runs its sweep" if "[vary]" in scenes[kind] else "solve {0} solves it"
     click.echo(f"wrote {path}: contactstudy {verb.format(path)}")
 
@@ -96,9 +94,7 @@ def templates(name: str = "templates") -> dict[str, str]:
     """Return the texts of the scenes in a folder of the package by their kinds, in the order of the alphabet."""
     folder = package_files("studies") / name
     names = sorted(entry.name for entry in folder.iterdir() if entry.name.endswith(".toml"))
-    return {
-        name.removesuffix(".toml"): (folder / name).read_text(encoding="utf-8") for name in names
-    }
+    return {name.removesuffix(".toml"): (folder / name).read_text(encoding="utf-8") for name in names}
 
 
 @click.command()
@@ -144,9 +140,7 @@ def plan(
     is_unknown = isinf(planned.error)
     expected = "the error is known after the solve" if is_unknown else f"error {planned.error:.1g}"
     seconds = "a time not known" if isinf(planned.seconds) else f"{two_digits(planned.seconds)} s"
-    echo(
-        f"  estimated: {expected}, {seconds} on {processor} without files and pictures, {planned.bytes / 1e6:.3g} MB"
-    )
+    echo(f"  estimated: {expected}, {seconds} on {processor} without files and pictures, {planned.bytes / 1e6:.3g} MB")
     for warning in planned.warnings:
         echo(f"  warning: {warning}")
     for note in _rollers(described.scene, planned.grid):
@@ -197,9 +191,7 @@ def solve(
     formats_in(formats, PICTURES)  # refused before anything is solved
     check_kind(out / f"{scene.stem}.nc", "solution")
     with SolveProgress(str(scene)) as show:
-        if isinstance(
-            chosen, cs.Cpu
-        ):  # the solve reports whether another device can solve the scene
+        if isinstance(chosen, cs.Cpu):  # the solve reports whether another device can solve the scene
             _announce(scene, described, chosen)
         begin = perf_counter()
         answer = solve_with_progress(described, scene, out, start, chosen, show)
@@ -268,9 +260,7 @@ def _stored(answer: Answer, path: Path, formats: list[str], scene: str) -> list[
     return [path, *write_figure(answer.plot(dataset), path.with_suffix(""), formats)]
 
 
-def _as_json(
-    scene: Path, answer: Answer, seconds: float, notes: list[str], files: list[Path]
-) -> str:
+def _as_json(scene: Path, answer: Answer, seconds: float, notes: list[str], files: list[Path]) -> str:
     """Return accuracy, quantities, status, time, notes and files as a JSON object."""
     from contactstudy.io.quantities.quantity import as_json as in_si
 

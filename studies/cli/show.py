@@ -44,13 +44,9 @@ FORMATS = (*PICTURES, "vtk", "html", "excel")
     "NAMES or --plot those variables, also fields, or all. --format excel marks it for Excel.",
 )
 @click.option("--unit", help="Unit of the heights of a measured surface, of a file without one.")
-@click.option(
-    "--extent", help="Width and length of a measured surface without sizes, such as '1 mm, 2 mm'."
-)
+@click.option("--extent", help="Width and length of a measured surface without sizes, such as '1 mm, 2 mm'.")
 @click.option("--invalid", type=float, help="Number of points that were not measured in a surface.")
-@click.option(
-    "--decimal", type=click.Choice([",", "."]), help="Decimal sign of the text file of a surface."
-)
+@click.option("--decimal", type=click.Choice([",", "."]), help="Decimal sign of the text file of a surface.")
 @click.option(
     "--sizes",
     type=click.Choice(["checked", "confirmed"]),
@@ -105,9 +101,7 @@ def show(
         raise InvalidInput("--format has excel, which is for a table: give --csv too.")
     if named and "case_status" not in dataset:
         option = "--plot" if plot else "a name"
-        raise InvalidInput(
-            f"{option} is for a study or --csv, and not for the picture of a solution: leave it out."
-        )
+        raise InvalidInput(f"{option} is for a study or --csv, and not for the picture of a solution: leave it out.")
     folder = open_folder(out or file.parent)
     with drawing(str(file), "its variables do not fit a figure; --csv prints them."):
         if "html" in chosen:
@@ -124,9 +118,7 @@ def show(
     _save(drawn, folder, pictures)
 
 
-def _figures(
-    context: click.Context, dataset: "xr.Dataset", file: Path, names: Sequence[str]
-) -> "dict[str, Figure]":
+def _figures(context: click.Context, dataset: "xr.Dataset", file: Path, names: Sequence[str]) -> "dict[str, Figure]":
     """Return the figures of a dataset in a file by the stems of their files."""
     if "case_status" not in dataset:
         return {file.stem: _picture(dataset, file)}
@@ -141,9 +133,7 @@ def _figures(
     return {f"{file.stem}-{item.name}": item.figure for item in figures_of.figure(dataset)}
 
 
-def _tabulate(
-    dataset: "xr.Dataset", file: Path, out: Path | None, names: Sequence[str], mark: str
-) -> None:
+def _tabulate(dataset: "xr.Dataset", file: Path, out: Path | None, names: Sequence[str], mark: str) -> None:
     """Print a table as CSV after a `mark`, or write it to a folder, and say how many columns it leaves out."""
     from studies.cli.table import csv_of
     from studies.store.netcdf import open_folder
@@ -155,9 +145,7 @@ def _tabulate(
     else:
         write_text(mark + table, open_folder(out) / f"{file.stem}.csv")
     if left_out and not names:
-        click.echo(
-            f"{file}: {left_out} further columns, such as iterations: name them, or all", err=True
-        )
+        click.echo(f"{file}: {left_out} further columns, such as iterations: name them, or all", err=True)
 
 
 def surfaces_of(file: Path, extent: str | None, **keys: Any) -> dict[str, MeasuredSurface]:
@@ -165,9 +153,7 @@ def surfaces_of(file: Path, extent: str | None, **keys: Any) -> dict[str, Measur
     if file.suffix == ".toml":
         shapes = enumerate(cs.read_scene(file).scene.shapes)
         found = {
-            f"{file.stem}-shapes-{number}": shape
-            for number, shape in shapes
-            if isinstance(shape, MeasuredSurface)
+            f"{file.stem}-shapes-{number}": shape for number, shape in shapes if isinstance(shape, MeasuredSurface)
         }
         if not found:
             raise InvalidInput(
@@ -203,9 +189,7 @@ def drawn_surfaces(surfaces: dict[str, MeasuredSurface], *, with_raw: bool) -> "
 
 
 # Remedy where a figure fails.
-REMEDY_IN_CODE = (
-    "the stored variables do not fit the figure, or its code is wrong; correct it and run again."
-)
+REMEDY_IN_CODE = "the stored variables do not fit the figure, or its code is wrong; correct it and run again."
 
 
 @contextmanager

@@ -79,10 +79,7 @@ def _main(columns: Sequence[str]) -> list[str]:
     return [
         name
         for name in columns
-        if not has_bounds
-        or name.endswith(("_bound", "status"))
-        or f"{name}_bound" in columns
-        or is_time(name)
+        if not has_bounds or name.endswith(("_bound", "status")) or f"{name}_bound" in columns or is_time(name)
     ]
 
 
@@ -106,9 +103,7 @@ def _text(dataset: "xr.Dataset", table: "pd.DataFrame") -> str:
         bounded = name.removesuffix("_bound")
         values = in_si.get(bounded, in_si[name]).to_numpy()
         if units != "1":
-            factor, unit = (
-                display_unit_of(values, units) if values.dtype.kind in "iuf" else (1.0, units)
-            )
+            factor, unit = display_unit_of(values, units) if values.dtype.kind in "iuf" else (1.0, units)
             heads[name] = f"{name} [{unit}]"
             if factor != 1:
                 table = table.assign(**{name: in_si[name] / factor})

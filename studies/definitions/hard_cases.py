@@ -19,9 +19,7 @@ ENDED = frozenset({cs.Status.CONVERGED})
 AT_EDGE = frozenset({cs.Status.CONVERGED, cs.Status.CONTACT_AT_EDGE})
 EXACT_TO_ROUNDING = frozenset({cs.Status.CONVERGED, cs.Status.PRECISION_LIMIT})
 # Statuses without an answer, which say why.
-UNFINISHED = frozenset(
-    {cs.Status.ITERATION_LIMIT, cs.Status.STALLED, cs.Status.NO_ADMISSIBLE_PRESSURE}
-)
+UNFINISHED = frozenset({cs.Status.ITERATION_LIMIT, cs.Status.STALLED, cs.Status.NO_ADMISSIBLE_PRESSURE})
 # Stated errors above this, or this many tolerances, are worth nothing: a residual times the condition number of some
 # dozen long cells is smaller.
 WORTHLESS, WORTHLESS_TOLERANCES = 1e-4, 100
@@ -61,9 +59,7 @@ class HardCase:
     def expects(self, solution: cs.Contact, padding: object) -> bool:
         """Return whether a solve with a padding may end so; free ends cut off what varies along the length."""
         cut_off = padding == cs.ZeroPadding() and cs.Status.CONVERGED in self.ends
-        return solution.status in (
-            self.ends | {cs.Status.CONTACT_AT_EDGE} if cut_off else self.ends
-        )
+        return solution.status in (self.ends | {cs.Status.CONTACT_AT_EDGE} if cut_off else self.ends)
 
     def is_useful(self, stated: float) -> bool:
         """Return whether a stated error is small enough to be worth stating."""
@@ -151,16 +147,12 @@ CASES: dict[str, HardCase] = {
     "a step": _rough(_step()),
     "a flat punch": _rough(PUNCH, FLAT),
     "white noise": _rough(noise()),
-    "tolerance 1e-14": replace(
-        START, options=cs.SolveOptions(1e-14), ends=EXACT_TO_ROUNDING | AT_EDGE
-    ),
+    "tolerance 1e-14": replace(START, options=cs.SolveOptions(1e-14), ends=EXACT_TO_ROUNDING | AT_EDGE),
     "single precision": replace(
         START,
         options=cs.SolveOptions(1e-10, precision="single"),
         ends=frozenset({cs.Status.PRECISION_LIMIT}),
     ),
-    "one iteration": replace(
-        START, options=cs.SolveOptions(1e-10, 1), ends=frozenset({cs.Status.ITERATION_LIMIT})
-    ),
+    "one iteration": replace(START, options=cs.SolveOptions(1e-10, 1), ends=frozenset({cs.Status.ITERATION_LIMIT})),
     "start at a wrong corner": replace(START, start=_corner),
 }

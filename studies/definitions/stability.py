@@ -57,9 +57,7 @@ class HardCaseRun:
 
 def case_at(point: Point) -> HardCaseRun:
     """Return a case by its name."""
-    return HardCaseRun(
-        one_of("case", point["case"], CASES), one_of("padding", point["padding"], PADDINGS)
-    )
+    return HardCaseRun(one_of("case", point["case"], CASES), one_of("padding", point["padding"], PADDINGS))
 
 
 def measures(case: HardCaseRun, solutions: list[cs.Contact]) -> Mapping[str, xr.Variable]:
@@ -76,12 +74,8 @@ def measures(case: HardCaseRun, solutions: list[cs.Contact]) -> Mapping[str, xr.
         verdict = WITHIN if is_within else NEITHER
     what = "relative L1 {} of the pressure{}, infinite where there is no answer"
     return {
-        "pressure_difference_l1": dimensionless(
-            difference, what.format("difference", " by two solvers")
-        ),
-        "stated_error": dimensionless(
-            stated, what.format("error", " that the program states for both")
-        ),
+        "pressure_difference_l1": dimensionless(difference, what.format("difference", " by two solvers")),
+        "stated_error": dimensionless(stated, what.format("error", " that the program states for both")),
         "verdict": flags((), np.asarray(verdict), VERDICTS, "verdict on the case"),
     }
 

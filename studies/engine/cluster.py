@@ -41,9 +41,7 @@ THREAD = threading.local()
 Done = tuple[Task, Outcome]
 
 
-def perform_batch(
-    run: str, settings: bytes, limit: float | None, tasks: bytes, count: int
-) -> list[Outcome]:
+def perform_batch(run: str, settings: bytes, limit: float | None, tasks: bytes, count: int) -> list[Outcome]:
     """Return the outcomes of the first of `count` pickled tasks, on a thread of a dask worker.
 
     The name of the run is empty where the scheduler is not in the process that started it.
@@ -232,18 +230,12 @@ class _Batches:
                 if threads:
                     self.seen = monotonic()
                 elif monotonic() > self.seen + PATIENCE:
-                    self.log(
-                        f"waiting for workers of {self.address}: start some, or stop the run and go on later"
-                    )
+                    self.log(f"waiting for workers of {self.address}: start some, or stop the run and go on later")
                     self.seen = float("inf")
 
     def _send_batches(self) -> Iterator[Done]:
         """Send batches until each thread has a few in its queue; yield tasks that cannot be sent."""
-        while (
-            self.client.status == "running"
-            and self.queue
-            and len(self.batches) < BATCHES_AHEAD * self.threads
-        ):
+        while self.client.status == "running" and self.queue and len(self.batches) < BATCHES_AHEAD * self.threads:
             share = len(self.queue) // (2 * self.threads) + 1
             size = 1 if self.queue[0].key in self.alone else min(self.size, share)
             tasks = [self.queue.popleft() for _ in range(size)]
@@ -254,9 +246,7 @@ class _Batches:
                 yield from self._alone(tasks, failed(error))
                 continue
             # impure: a task that is requested again is performed again
-            future = self.client.submit(
-                perform_batch, *self.arguments, pickled, len(tasks), pure=False
-            )
+            future = self.client.submit(perform_batch, *self.arguments, pickled, len(tasks), pure=False)
             self.batches[future] = tasks
             future.add_done_callback(self.completed.put)
 

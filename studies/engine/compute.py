@@ -58,9 +58,7 @@ def perform(task: Task, settings: RunSettings) -> Outcome:
     random.seed(seed)
     np.random.seed(seed)  # noqa: NPY002 (for cases that use numpy's own generator)
     try:
-        outcome = contextvars.copy_context().run(
-            _timed if task.is_timed else _computed, task, settings
-        )
+        outcome = contextvars.copy_context().run(_timed if task.is_timed else _computed, task, settings)
         outcome = replace(outcome, seconds=perf_counter() - start)
     except StopRun:
         if os.getpid() == process:

@@ -19,9 +19,7 @@ from studies.store.stop import Stop
 MAX_PLANNED = 16  # cases that are planned at most, evenly spaced
 
 
-def estimate_cost(
-    study: Study, out: Path, *, options: RunOptions, log: Log = print
-) -> float | None:
+def estimate_cost(study: Study, out: Path, *, options: RunOptions, log: Log = print) -> float | None:
     """Report what :func:`run` would do, and return the seconds to compute; None where the plan of a case fails.
 
     No case is computed and nothing is stored: the plans of some cases solve coarse grids. Of a large study some points

@@ -42,9 +42,7 @@ from studies.store.table import PointTable, assemble
 JOURNAL = "cases.jsonl"
 MIN_WRITE_INTERVAL = 60.0  # least seconds between two writes of the file while cases are computed
 WRITE_INTERVAL_FACTOR = 20  # least ratio of the time between two writes to the time of one
-CHECK_SECONDS = (
-    0.25  # seconds after which it is checked that the program in this process is the same
-)
+CHECK_SECONDS = 0.25  # seconds after which it is checked that the program in this process is the same
 MANY_POINTS = 50_000  # points whose cases take more than a moment to make
 Outcomes = Generator[tuple[Task, Outcome], None, None]
 
@@ -169,9 +167,7 @@ class Run:
         """Write the file, with a group for every case that has fields if these are to be kept."""
         start, table = monotonic(), PointTable(self.study.axes, self.request.keys)
         stored = self.journal.outcome
-        dataset = assemble(
-            table, lambda case: stored(self.key(case)), self.samples, self._attributes()
-        )
+        dataset = assemble(table, lambda case: stored(self.key(case)), self.samples, self._attributes())
         write(dataset, self.path, self._groups() if self.options.fields == "kept" else ())
         end = monotonic()
         self.next_write = end + max(MIN_WRITE_INTERVAL, WRITE_INTERVAL_FACTOR * (end - start))
@@ -267,9 +263,7 @@ class Run:
         if self.aside is None:
             return
         before, after = (
-            dataset.drop_vars(
-                [name for name in dataset if is_time(str(name)) or name == "case_key"]
-            )
+            dataset.drop_vars([name for name in dataset if is_time(str(name)) or name == "case_key"])
             for dataset in (read(self.aside), read(self.path))
         )
         if before.equals(after):
@@ -344,11 +338,7 @@ class Run:
                 for task in tasks:
                     with self.stop.interruptible():
                         outcome = perform(task, self.settings)
-                    if (
-                        len(sys.modules) != loaded
-                        or self.study.depends
-                        or monotonic() > checked + CHECK_SECONDS
-                    ):
+                    if len(sys.modules) != loaded or self.study.depends or monotonic() > checked + CHECK_SECONDS:
                         program.check()
                         checked, loaded = monotonic(), len(sys.modules)
                     yield task, outcome
@@ -367,9 +357,7 @@ class Run:
         with Slot(settings) as slot:
             for task in tasks:
                 # far beyond what a busy machine adds, so that only a case that hangs is given up
-                limit = min(
-                    5 + 10 * (task.expected or 0.0), self.options.time_limit or float("inf")
-                )
+                limit = min(5 + 10 * (task.expected or 0.0), self.options.time_limit or float("inf"))
                 try:
                     pickled = cloudpickle.dumps([task])
                 except Exception as error:  # noqa: BLE001 (a study's class may do anything)

@@ -83,9 +83,7 @@ def _serve(connection: Connection, settings: bytes, where: str) -> None:
         connection.send(_refusal(program, where))
 
 
-def _perform(
-    connection: Connection, run: RunSettings, pickled: bytes, first: int, end: int
-) -> None:
+def _perform(connection: Connection, run: RunSettings, pickled: bytes, first: int, end: int) -> None:
     """Perform tasks until the batch has taken its time, and send each outcome."""
     begun = perf_counter()
     try:

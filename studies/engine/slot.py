@@ -68,9 +68,7 @@ class Slot:
     def __exit__(self, *raised: object) -> None:
         self.end()
 
-    def perform(
-        self, tasks: bytes, count: int, limit: float | None, remedy: str = REMEDY
-    ) -> list[Outcome]:
+    def perform(self, tasks: bytes, count: int, limit: float | None, remedy: str = REMEDY) -> list[Outcome]:
         """Return the outcomes of the first of `count` pickled tasks, in order, as many as a batch has time for.
 
         A task takes at most `limit` [s]; the `remedy` is said of one that takes longer. One that its process dies of is
@@ -116,15 +114,11 @@ class Slot:
         atexit.unregister(self.end)
         self._discard()
 
-    def _answer(
-        self, limit: float | None
-    ) -> Outcome | str | tuple[type[Exception], float, int | None]:
+    def _answer(self, limit: float | None) -> Outcome | str | tuple[type[Exception], float, int | None]:
         """Return the next answer; where it is late or does not come, the error, the seconds and the exit code."""
         start, process = perf_counter(), self._process
         kind: type[Exception] = EOFError
-        with suppress(
-            Exception
-        ):  # also where another thread has ended it, or the answer is no answer
+        with suppress(Exception):  # also where another thread has ended it, or the answer is no answer
             ready = wait([self._connection, process.sentinel], limit and min(limit, LONGEST_WAIT))
             # an answer may have come just before the process ended
             if self._connection in ready or self._connection.poll():

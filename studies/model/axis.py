@@ -73,13 +73,9 @@ class Axis:
                 )
         raw: object = self.values
         if isinstance(raw, str) or not isinstance(raw, Iterable):
-            raise InvalidInput(
-                f"Axis {self.name!r} has values {shortened(self.values)}: give a tuple of them."
-            )
+            raise InvalidInput(f"Axis {self.name!r} has values {shortened(self.values)}: give a tuple of them.")
         # numpy's scalars become Python's, and one number with a fraction makes all of them such
-        values = tuple(
-            value.item() if isinstance(value, np.generic) else value for value in self.values
-        )
+        values = tuple(value.item() if isinstance(value, np.generic) else value for value in self.values)
         kinds = {type(value) for value in values}
         if not (kinds == {str} or (kinds and kinds <= {int, float})):
             raise InvalidInput(
@@ -106,9 +102,7 @@ class Axis:
         except OverflowError:
             number = math.inf
         if not math.isfinite(number):
-            raise InvalidInput(
-                f"Axis {self.name!r} has the value {shortened(value)}: give finite numbers."
-            )
+            raise InvalidInput(f"Axis {self.name!r} has the value {shortened(value)}: give finite numbers.")
         return number
 
     @property
@@ -140,11 +134,7 @@ class Axis:
         raw: Iterable[Any] = values
         if isinstance(values, str):
             is_named = self.kind is str
-            raw = (
-                map(str.strip, values.split(","))
-                if is_named
-                else parse_values(self.name, values, self.kind)
-            )
+            raw = map(str.strip, values.split(",")) if is_named else parse_values(self.name, values, self.kind)
         parsed = dict.fromkeys(map(self._convert, raw))
         check_count(self.name, len(parsed), "values")
         if self.kind is not str:  # figures and findings read from the least to the largest

@@ -18,14 +18,10 @@ RESERVED = frozenset(
     | {"CLASS", "NAME", "REFERENCE_LIST", "DIMENSION_LIST", "DIMENSION_LABELS"}
 )
 # Units that xarray reads as a time difference; "since" makes a date.
-TIME_UNITS = frozenset(
-    {"days", "hours", "minutes", "seconds", "milliseconds", "microseconds", "nanoseconds"}
-)
+TIME_UNITS = frozenset({"days", "hours", "minutes", "seconds", "milliseconds", "microseconds", "nanoseconds"})
 # Attributes that are text.
 TEXTS = frozenset({"units", "long_name", "standard_name"})
-MAX_CASE_BYTES = (
-    2**25
-)  # bytes of all variables of a case: a table of a thousand such cases takes 34 GB
+MAX_CASE_BYTES = 2**25  # bytes of all variables of a case: a table of a thousand such cases takes 34 GB
 MAX_WHOLE_NUMBER = 2**53  # beyond it a whole number is changed where another case has no value
 
 
@@ -33,9 +29,7 @@ class MeasuredNaNError(ArithmeticError):
     """Raised for a measured value that is nan."""
 
 
-def measured_variables(
-    measured: object, reserved: Iterable[str], source: str = "measures"
-) -> dict[str, xr.Variable]:
+def measured_variables(measured: object, reserved: Iterable[str], source: str = "measures") -> dict[str, xr.Variable]:
     """Return the mapping that a function of a study returned as variables that netCDF stores unchanged.
 
     No variable and no dimension may have a `reserved` name; messages call the function `source`. Raises
@@ -43,9 +37,7 @@ def measured_variables(
     other than a ``<name>_bound`` or an ``<name>_estimate`` of an error, which may be unknown.
     """
     if not isinstance(measured, Mapping):
-        raise InvalidInput(
-            f"{source} returns {shortened(measured)}: return named values, such as {{'peak': 1.0}}."
-        )
+        raise InvalidInput(f"{source} returns {shortened(measured)}: return named values, such as {{'peak': 1.0}}.")
     reserved = frozenset(reserved)
     variables = {name: _variable(name, value, source, reserved) for name, value in measured.items()}
     sizes: dict[str, int] = {}
@@ -111,17 +103,11 @@ def _variable(name: object, value: object, source: str, reserved: frozenset[str]
     is_error = name.endswith("_bound") or "_estimate" in name
     if values.dtype.kind == "f" and np.isnan(values).any() and not is_error:
         raise MeasuredNaNError(f"{name} is nan")
-    if (
-        values.dtype.kind in "iu"
-        and values.size
-        and max(-int(values.min()), int(values.max())) > MAX_WHOLE_NUMBER
-    ):
+    if values.dtype.kind in "iu" and values.size and max(-int(values.min()), int(values.max())) > MAX_WHOLE_NUMBER:
         raise invalid(values.max(), "give whole numbers up to 2^53, or text")
     plain = values.astype(np.float32) if values.dtype == np.float16 else values
     attributes = {key: _attribute(name, key, entry, source) for key, entry in value.attrs.items()}
-    return xr.Variable(
-        value.dims, plain.astype(plain.dtype.newbyteorder("="), copy=False), attributes
-    )
+    return xr.Variable(value.dims, plain.astype(plain.dtype.newbyteorder("="), copy=False), attributes)
 
 
 def _attribute(variable: str, name: object, value: object, source: str) -> Any:

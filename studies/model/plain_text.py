@@ -83,15 +83,11 @@ def place_of(error: BaseException, *libraries: str) -> str:
     The files `libraries` count as libraries too.
     """
     frames = traceback.extract_tb(error.__traceback__, limit=-50)
-    study = [
-        frame for frame in frames if not frame.filename.startswith((*_libraries(), *libraries))
-    ]
+    study = [frame for frame in frames if not frame.filename.startswith((*_libraries(), *libraries))]
     if not study:
         return ""
     innermost = study[-1]
-    return one_line(
-        f" in {innermost.name} ({Path(innermost.filename).name}, line {innermost.lineno})", 300
-    )
+    return one_line(f" in {innermost.name} ({Path(innermost.filename).name}, line {innermost.lineno})", 300)
 
 
 @cache

@@ -68,9 +68,7 @@ class Study(InNotebook):
         one_of("times", self.times, ("taken", "none"))
         for part in ("case_at", "measures"):
             if not callable(getattr(self, part)):
-                raise InvalidInput(
-                    f"Study.{part} is {shortened(getattr(self, part))}: give a function."
-                )
+                raise InvalidInput(f"Study.{part} is {shortened(getattr(self, part))}: give a function.")
         if not self.axes or not all(isinstance(axis, Axis) for axis in self.axes):
             raise InvalidInput(
                 f"Study.axes is {shortened(self.axes)}: give studies.Axis, such as (Axis('grid', (16, 32), 'cells'),)."
@@ -80,9 +78,7 @@ class Study(InNotebook):
         names = [axis.name for axis in self.axes]
         if len(set(names)) < len(names):
             twice = next(name for name in names if names.count(name) > 1)
-            raise InvalidInput(
-                f"Study {self.name!r} has two axes {twice!r}: give each a name of its own."
-            )
+            raise InvalidInput(f"Study {self.name!r} has two axes {twice!r}: give each a name of its own.")
 
     @property
     def size(self) -> int:

@@ -72,9 +72,7 @@ def _expanded(field: str, part: str, number_type: type) -> list[object]:
     every = min(float(last) - float(first), 1e18) if number_type is int else 0
     check_count(field, int(count or every), "values")
     if len(units) > 1:
-        raise InvalidInput(
-            f"{field} is {part!r}, which has the units {sorted(units)}: write both ends in one unit."
-        )
+        raise InvalidInput(f"{field} is {part!r}, which has the units {sorted(units)}: write both ends in one unit.")
     values = _between(first, last, count, log, kind=number_type)
     if values is None:
         raise InvalidInput(

@@ -63,9 +63,7 @@ def measures(case: Case, solution: cs.Contact) -> Mapping[str, xr.Variable]:
         errors = hertz_errors(hertz, grid, answer.pressure)
         for name in BY_THE_EDGE:
             measured[name] = max(measured[name], errors[name], key=abs)
-    variables = {
-        name: dimensionless(float(measured[name]), label) for name, label in ERRORS.items()
-    }
+    variables = {name: dimensionless(float(measured[name]), label) for name, label in ERRORS.items()}
     for name in BY_THE_EDGE:
         variables[name].attrs["comment"] = EDGE
     assert not isinstance(case.padding, tuple)
@@ -74,9 +72,7 @@ def measures(case: Case, solution: cs.Contact) -> Mapping[str, xr.Variable]:
     return variables | error_estimates(solution.error)
 
 
-def hertz_errors(
-    hertz: "cs.analytic.HertzLine", grid: cs.Grid, pressure: Array
-) -> dict[str, float]:
+def hertz_errors(hertz: "cs.analytic.HertzLine", grid: cs.Grid, pressure: Array) -> dict[str, float]:
     """Return the errors of `ERRORS` of a pressure (x, y) [Pa] on one grid."""
     means = hertz_means(hertz, grid)
     l1 = relative_l1(pressure, means)

@@ -26,15 +26,11 @@ def changes(first: xr.Dataset, second: xr.Dataset) -> Sequence[str]:
     axes = [str(name) for name in first["case_status"].dims]
     second_axes = [str(name) for name in second["case_status"].dims]
     if set(axes) != set(second_axes):
-        raise InvalidInput(
-            f"The studies have the axes {axes} and {second_axes}: compare two runs of one study."
-        )
+        raise InvalidInput(f"The studies have the axes {axes} and {second_axes}: compare two runs of one study.")
     unindexed = {dim for run in (first, second) for dim in run.dims if dim not in run.indexes}
     a, b = xr.align(first, second, join="inner", exclude=unindexed)
     points = prod(a.sizes[axis] for axis in axes)
-    sentences = [
-        f"{counted(points, 'point')} in both, of {first['case_status'].size} and {second['case_status'].size}"
-    ]
+    sentences = [f"{counted(points, 'point')} in both, of {first['case_status'].size} and {second['case_status'].size}"]
     if not points:
         apart = [axis for axis in axes if not np.isin(first[axis], second[axis]).any()]
         return [f"{sentences[0]}: no value of {' or '.join(apart)} is in both"]
@@ -50,9 +46,7 @@ def changes(first: xr.Dataset, second: xr.Dataset) -> Sequence[str]:
     return [*sentences, *_speed(a, b)]
 
 
-def _changes_of(
-    name: str, a: xr.Dataset, b: xr.Dataset, axes: Sequence[str]
-) -> Iterator[tuple[float, str]]:
+def _changes_of(name: str, a: xr.Dataset, b: xr.Dataset, axes: Sequence[str]) -> Iterator[tuple[float, str]]:
     """Yield sentences on a variable of the points of two runs, each with its relative change, infinite without one."""
     runs = [run[name] for run in (a, b) if name in run]
     if not all(set(axes) <= set(run.dims) for run in runs):

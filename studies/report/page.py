@@ -61,9 +61,7 @@ def stored(study: Study, out: Path) -> xr.Dataset:
     axes = [axis.name for axis in study.axes]
     if set(dims) != set(axes):
         kind = f"has the axes {', '.join(map(str, dims))}" if dims else "is not a study file"
-        raise InvalidInput(
-            f"File {str(path)!r} {kind}, and the study has {', '.join(axes)}: run the study again."
-        )
+        raise InvalidInput(f"File {str(path)!r} {kind}, and the study has {', '.join(axes)}: run the study again.")
     return dataset
 
 
@@ -108,9 +106,7 @@ def run_and_write(chapter: Chapter, out: Path, *, options: RunOptions, log: Log)
             for message in messages if failed.any() else ():
                 log(message)
             done = f"{study.size} points"
-        log(
-            f"{chapter.name}: {number} of {len(chapter.parts)}, {part.name}: {done} in {monotonic() - start:.0f} s"
-        )
+        log(f"{chapter.name}: {number} of {len(chapter.parts)}, {part.name}: {done} in {monotonic() - start:.0f} s")
     return draw_and_write(chapter, out)
 
 
@@ -127,9 +123,7 @@ def draw_and_write(chapter: Chapter, out: Path) -> Path:
     for part in chapter.parts:
         if part.name == SETTINGS:
             if not path_in(out).is_file():
-                raise InvalidInput(
-                    f"Comparison {str(path_in(out))!r} does not exist: run contactstudy report first."
-                )
+                raise InvalidInput(f"Comparison {str(path_in(out))!r} does not exist: run contactstudy report first.")
             datasets[SETTINGS] = read(path_in(out))
             sections += settings.sections(from_dataset(datasets[SETTINGS]))[:1]
             continue
@@ -158,10 +152,7 @@ def write_page(
         main_is_there=(out / MAIN.page).is_file(),
         explored={path.name for path in out.glob("*-explore.html")},
         sections=sections,
-        figures={
-            part.name: [embedded(figure, part.data, out) for figure in part.figures]
-            for part in sections
-        },
+        figures={part.name: [embedded(figure, part.data, out) for figure in part.figures] for part in sections},
         made=_made(datasets),
         others=_others(chapter, out) if chapter.parts else (),
     )

@@ -118,14 +118,10 @@ def panel(ax: Axes, part: xr.Dataset, y: str, plot: Plot) -> None:
     span: list[float] = []
     lines = list(_lines(ax, part, y, plot))
     for line, style in lines:
-        x, values = xr.broadcast(
-            line[plot.x] / across_size, abs(line[y]) / size if _is_error(y) else line[y] / size
-        )
+        x, values = xr.broadcast(line[plot.x] / across_size, abs(line[y]) / size if _is_error(y) else line[y] / size)
         joined = "none" if is_named or is_sample(plot.x) else plot.line
         if plot.over:
-            _band(
-                ax, x, values, plot, style if joined == "joined" else style | {"linestyle": "none"}
-            )
+            _band(ax, x, values, plot, style if joined == "joined" else style | {"linestyle": "none"})
         else:
             _points(ax, x.values.ravel(), values.values.ravel(), joined, style)
         span += x.values[np.isfinite(x.values)].tolist()
@@ -145,9 +141,7 @@ def panel(ax: Axes, part: xr.Dataset, y: str, plot: Plot) -> None:
         ax.xaxis.set_minor_locator(NullLocator())
 
 
-def _lines(
-    ax: Axes, part: xr.Dataset, y: str, plot: Plot
-) -> Iterator[tuple[xr.Dataset, dict[str, Any]]]:
+def _lines(ax: Axes, part: xr.Dataset, y: str, plot: Plot) -> Iterator[tuple[xr.Dataset, dict[str, Any]]]:
     """Yield the part of each line with its style; of a padding without an n the first of its lines."""
     axes = [name for name in (plot.hue, plot.dash) if name in part.dims]
     hues = part[plot.hue].values.tolist() if plot.hue in axes else [None]
@@ -157,9 +151,7 @@ def _lines(
         has_dashes = plot.hue != "padding" or plot.dash != "images" or hue in HAS_IMAGES
         shown = axes if has_dashes else axes[:1]
         for dash, pattern in zip(dashes if has_dashes else dashes[:1], cycle(DASHES), strict=False):
-            at = {
-                name: value for name, value in ((plot.hue, hue), (plot.dash, dash)) if name in axes
-            }
+            at = {name: value for name, value in ((plot.hue, hue), (plot.dash, dash)) if name in axes}
             line = part.sel(at)
             if not line[y].notnull().any():
                 continue
@@ -201,9 +193,7 @@ def _points(ax: Axes, x: Array, y: Array, line: str, style: dict[str, Any]) -> N
     ax.plot(x[order], y[order], **style | ({"linestyle": "none"} if line == "none" else {}))
 
 
-def _band(
-    ax: Axes, x: xr.DataArray, values: xr.DataArray, plot: Plot, style: dict[str, Any]
-) -> None:
+def _band(ax: Axes, x: xr.DataArray, values: xr.DataArray, plot: Plot, style: dict[str, Any]) -> None:
     """Draw the median of the samples, and their range."""
     dims = [name for name in plot.over if name in values.dims]
     x = x.isel({name: 0 for name in dims if name in x.dims})
@@ -244,19 +234,11 @@ def doubtful(dataset: xr.Dataset, name: str) -> xr.DataArray:
     return values.where(is_doubtful)
 
 
-def _draw_laws(
-    ax: Axes, part: xr.Dataset, y: str, plot: Plot, sizes: tuple[float, float], span: list[float]
-) -> None:
+def _draw_laws(ax: Axes, part: xr.Dataset, y: str, plot: Plot, sizes: tuple[float, float], span: list[float]) -> None:
     """Draw the laws of a measure: variables at their points, functions for each colour over the span of x."""
-    for law, dash in zip(
-        (one for one in plot.laws if one.y == y), cycle((":", "--", "-.")), strict=False
-    ):
+    for law, dash in zip((one for one in plot.laws if one.y == y), cycle((":", "--", "-.")), strict=False):
         style = LAW_STYLE | {"linestyle": dash}
-        lines = (
-            [part.sel({plot.hue: value}) for value in part[plot.hue].values]
-            if plot.hue in part.dims
-            else [part]
-        )
+        lines = [part.sel({plot.hue: value}) for value in part[plot.hue].values] if plot.hue in part.dims else [part]
         shown: list[Any] = []
         for line in lines:
             x: Array
@@ -278,9 +260,7 @@ def _draw_laws(
 def _set_scales(ax: Axes, plot: Plot, is_named: bool) -> None:  # noqa: FBT001
     """Set the logarithmic axes, where the plot does not name them those of positive values over more than a decade."""
     for name in ("x", "y"):
-        values = np.concatenate(
-            [np.ravel(getattr(line, f"get_{name}data")()) for line in ax.lines] or [np.zeros(0)]
-        )
+        values = np.concatenate([np.ravel(getattr(line, f"get_{name}data")()) for line in ax.lines] or [np.zeros(0)])
         wanted = spans_decade(values) if plot.log is None else name in plot.log
         if wanted and not (name == "x" and is_named):
             getattr(ax, f"set_{name}scale")("log")
@@ -305,11 +285,7 @@ def _is_error(name: str) -> bool:
 def scaled(values: xr.DataArray) -> tuple[float, str]:
     """Return the size of the unit in which the largest value is read best, and the label of an axis with that unit."""
     units = str(values.attrs.get("units", "1"))
-    size, unit = (
-        (1e-2, "%")
-        if _is_error(str(values.name)) and units == "1"
-        else display_unit_of(values, units)
-    )
+    size, unit = (1e-2, "%") if _is_error(str(values.name)) and units == "1" else display_unit_of(values, units)
     if units == "s" and float(abs(values).max()) < 1:
         size, unit = 1e-3, "ms"
     return size, fill(f"{_long_name(values)} [{unit}]" if unit else _long_name(values), 34)

@@ -42,9 +42,7 @@ def bound_text(verdict: Verdict, one: Measured) -> str:
     """Return the bound of a setting with what it is of, and the measured difference."""
     bound = verdict.bound(one)
     where = "in L1" if verdict.measure == PRESSURE else one.worst
-    reached = (
-        f"error at most {percent(bound)} {where}" if isfinite(bound) else "an error without a bound"
-    )
+    reached = f"error at most {percent(bound)} {where}" if isfinite(bound) else "an error without a bound"
     return f"{reached}, measured difference {percent(one.difference)}"
 
 

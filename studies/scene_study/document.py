@@ -66,9 +66,7 @@ class Varied:
 
 def tables(described: SceneFile) -> dict[str, Any]:
     """Return the tables of a scene, whose entries are Python objects."""
-    across, along = (
-        described.padding if isinstance(described.padding, tuple) else (None, described.padding)
-    )
+    across, along = described.padding if isinstance(described.padding, tuple) else (None, described.padding)
     entries = {key.name: getattr(described.scene, key.name, None) for key in fields(SceneDocument)}
     entries |= {"grid": described.grid, "padding": along, "padding_across": across}
     entries |= {"plan": described.plan_settings, "solve": described.options}
@@ -96,9 +94,7 @@ def replaced(raw: Any, path: Sequence[str], value: object) -> Any:
     if is_dataclass(raw):
         if not type(raw).__module__.startswith("contactstudy."):  # which no file can name
             if first not in parameters(raw):
-                raise InvalidInput(
-                    f"{raw!r} has no {first!r}: {suggestion(first, parameters(raw))}."
-                )
+                raise InvalidInput(f"{raw!r} has no {first!r}: {suggestion(first, parameters(raw))}.")
             return replace(raw, **{first: replaced(getattr(raw, first), below, value)})  # type: ignore[type-var]
         raw = _table_of(raw)
     if isinstance(raw, str):  # a kind by its name
@@ -176,9 +172,7 @@ def _path(raw: Table, document: SceneDocument, name: str) -> tuple[str, ...]:
     path = tuple(given.replace("[", ".").replace("]", "").split("."))  # as messages write an entry
     if path[0] in keys:
         return path
-    owners = [
-        k for k, shape in enumerate(document.shapes) if path[0] in parameters(_described(shape))
-    ]
+    owners = [k for k, shape in enumerate(document.shapes) if path[0] in parameters(_described(shape))]
     if len(owners) == 1:
         return "shapes", str(owners[0]), *path
     if owners:
@@ -229,9 +223,7 @@ def _unit(annotation: Any) -> str:
 def _listed(name: str, values: object) -> list[Any]:
     """Return the values of a sequence as a list."""
     if isinstance(values, Mapping) or not isinstance(values, Iterable):
-        raise InvalidInput(
-            f"vary[{name!r}] is {values!r}: give a list of values, or a text with commas."
-        )
+        raise InvalidInput(f"vary[{name!r}] is {values!r}: give a list of values, or a text with commas.")
     raw = [entry.item() if isinstance(entry, np.generic) else entry for entry in values]
     if not raw:
         raise InvalidInput(f"vary[{name!r}] has no values: give one or more.")
@@ -258,9 +250,7 @@ def _tiles(path: tuple[str, ...], given: object) -> Varied:
         raise InvalidInput(f"tiles is {text!r}: give how many across and along, such as 2x6.")
     across, along = map(int, parts)
     values = [cs.Tile((across, along), n) for n in range(across * along)]
-    return Varied(
-        path, values, "tile", f"tile of the surface, {across} across and {along} along it"
-    )
+    return Varied(path, values, "tile", f"tile of the surface, {across} across and {along} along it")
 
 
 def _surfaces(given: object, folder: Path) -> list[Any]:
@@ -280,9 +270,7 @@ def _surfaces(given: object, folder: Path) -> list[Any]:
             lists = (sorted(glob(p)) if has_magic(p) else [p] * Path(p).is_file() for p in paths)  # noqa: PTH207
             matched = next(filter(None, lists), [])
             if not matched:
-                raise InvalidInput(
-                    f"surfaces has {str(item)!r}, which no file matches: give existing files."
-                )
+                raise InvalidInput(f"surfaces has {str(item)!r}, which no file matches: give existing files.")
             surfaces += [str(Path(path).absolute()) for path in matched]
     if not surfaces:
         raise InvalidInput("surfaces has no values: give one or more.")
@@ -308,9 +296,7 @@ class VariedScenes:
     notes: tuple[str, ...] = ()
 
 
-def varied_scenes(
-    raw: Table, groups: Sequence[Mapping[str, object]], folder: Path, source: str
-) -> VariedScenes:
+def varied_scenes(raw: Table, groups: Sequence[Mapping[str, object]], folder: Path, source: str) -> VariedScenes:
     """Return the axes of groups of keys with their values, and the scene at every point.
 
     Parameters
@@ -330,10 +316,7 @@ def varied_scenes(
         For keys that a scene cannot have, and values that these cannot have.
     """
     base = document_from(raw, source)
-    keys = [
-        [varied(raw, base, name, given, folder) for name, given in group.items()]
-        for group in groups
-    ]
+    keys = [[varied(raw, base, name, given, folder) for name, given in group.items()] for group in groups]
     keys.sort(key=lambda group: group[0].path[0] == "load")
     for group in keys:
         counts = [len(key.values) for key in group]
@@ -344,9 +327,7 @@ def varied_scenes(
             )
     counts = [len(group[0].values) for group in keys]
     check_count("vary", prod(counts), "points", MAX_POINTS)
-    documents = {
-        index: _document(raw, keys, index, source) for index in product(*map(range, counts))
-    }
+    documents = {index: _document(raw, keys, index, source) for index in product(*map(range, counts))}
     labels = [_labels(group, k, len(keys), documents) for k, group in enumerate(keys)]
     axes = [_axis(group[0], found, base) for group, found in zip(keys, labels, strict=True)]
     names = [axis.name for axis in axes]
@@ -365,8 +346,7 @@ def varied_scenes(
     notes = [
         f"along {axis.name}: "
         + "; ".join(
-            f"{key.name} = {', '.join(map(str, _own_labels(key, k, len(keys), documents)))}"
-            for key in group[1:]
+            f"{key.name} = {', '.join(map(str, _own_labels(key, k, len(keys), documents)))}" for key in group[1:]
         )
         for k, (axis, group) in enumerate(zip(axes, keys, strict=True))
         if len(group) > 1
@@ -377,15 +357,11 @@ def varied_scenes(
 def _said(keys: Sequence[Sequence[Varied]], index: Sequence[int]) -> str:
     """Return the values of all keys at a point in words."""
     return ", ".join(
-        f"{key.name} = {shortened(key.values[j])}"
-        for group, j in zip(keys, index, strict=True)
-        for key in group
+        f"{key.name} = {shortened(key.values[j])}" for group, j in zip(keys, index, strict=True) for key in group
     )
 
 
-def _document(
-    raw: Table, keys: Sequence[Sequence[Varied]], index: Sequence[int], source: str
-) -> SceneDocument:
+def _document(raw: Table, keys: Sequence[Sequence[Varied]], index: Sequence[int], source: str) -> SceneDocument:
     """Return the document at a point; a part is replaced before its own keys are, a padding before its images."""
     changes = [(key, key.values[j]) for group, j in zip(keys, index, strict=True) for key in group]
     for key, value in sorted(changes, key=lambda change: len(change[0].path)):
@@ -424,11 +400,7 @@ def _own_labels(
         index = tuple(j if k == position else 0 for k in range(count))
         made = at(documents[index], key.path)[0]
         if key.axis == "surface" or isinstance(made, MeasuredSurface):
-            name = (
-                raw
-                if isinstance(raw, str)
-                else getattr(raw, "name", None) or getattr(raw, "file", None)
-            )
+            name = raw if isinstance(raw, str) else getattr(raw, "name", None) or getattr(raw, "file", None)
             label: Value = Path(name).name if name else f"surface {j}"
             label = f"{label} ({j})" if label in labels else label
         elif key.axis == "tile":
@@ -438,11 +410,7 @@ def _own_labels(
         else:
             text = raw if isinstance(raw, str) else repr(made) if is_dataclass(made) else str(raw)
             label = one_line(text)
-        if (
-            isinstance(label, str)
-            and label in labels
-            and digest(raw) != digest(key.values[labels.index(label)])
-        ):
+        if isinstance(label, str) and label in labels and digest(raw) != digest(key.values[labels.index(label)]):
             label = f"{label} ({j})"  # of an array that its representation shortens
         labels.append(label)
     # an infinite value, such as a rigid body's modulus, has no place on a scale: such values are names
@@ -483,9 +451,7 @@ def _axis(key: Varied, labels: Mapping[int, Value], base: SceneDocument) -> Axis
 
 def _long_name(document: SceneDocument, path: Sequence[str]) -> str:
     """Return the long name of a key, such as "rms of Roughness"."""
-    if (
-        len(path) > 2 and path[-1].isdigit() and path[-2] != "shapes"
-    ):  # an entry of a list of numbers
+    if len(path) > 2 and path[-1].isdigit() and path[-2] != "shapes":  # an entry of a list of numbers
         return f"{path[-2].replace('_', ' ')} {path[-1]} of {path[-3]}"
     name = path[-1].replace("_", " ").replace("youngs", "Young's").replace("poisson", "Poisson's")
     if path[0] == "solids" and len(path) == 3:

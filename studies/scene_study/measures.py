@@ -39,11 +39,7 @@ def measures(case: Case, answer: Answer) -> Mapping[str, xr.Variable]:
             continue
         label = f"bound of the error: {label}"
         measured[f"{name}_bound"] = labelled((), known_or_nan(quantity.bound), unit, label)
-    reasons = (
-        f"{name}: {one.reason}"
-        for name, one in recorded.items()
-        if isinf(one.bound) and not one.is_formula
-    )
+    reasons = (f"{name}: {one.reason}" for name, one in recorded.items() if isinf(one.bound) and not one.is_formula)
     about = {"long_name": "numbers without a bound, and why"}
     measured["without_bound"] = xr.Variable((), one_line(" ".join(reasons)), about)
     if answer.met is not None:
@@ -109,10 +105,7 @@ def check_names(study: Study, names: Sequence[str]) -> None:
     # times, and errors against a reference, are not of a case alone
     wanted = {name for name in names if not is_time(name) and not name.endswith("_error_l1")}
     known: set[str] = set()
-    ends = (
-        axis.values if axis.kind is str else axis.values[:: len(axis.values) - 1 or 1]
-        for axis in study.axes
-    )
+    ends = (axis.values if axis.kind is str else axis.values[:: len(axis.values) - 1 or 1] for axis in study.axes)
     for values in product(*ends):
         if wanted <= known:
             return

@@ -109,9 +109,7 @@ def sensitivity_study(scene: Scene | SceneFile | str | PathLike[str]) -> Study:
         raise InvalidInput(f"{source} has no number to raise and lower: give one that is not zero.")
     placed, notes = on_shared_grids([one for one in points.values() if isinstance(one, SceneFile)])
     if left_out:
-        about = "not changed, as they are whole, zero or infinite, or for a reason: " + ", ".join(
-            left_out
-        )
+        about = "not changed, as they are whole, zero or infinite, or for a reason: " + ", ".join(left_out)
         notes = (*notes, about)
     on_grids = iter(placed)
     cases: dict[tuple[Value, ...], Any] = {
@@ -205,9 +203,7 @@ def _leaves(raw: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, .
         entries = [(name, getattr(raw, name)) for name in parameters(raw)]
     elif isinstance(raw, Mapping):
         entries = list(raw.items())
-    elif isinstance(raw, list | tuple) and any(
-        isinstance(one, Mapping) or is_dataclass(one) for one in raw
-    ):
+    elif isinstance(raw, list | tuple) and any(isinstance(one, Mapping) or is_dataclass(one) for one in raw):
         entries = [(str(number), one) for number, one in enumerate(raw)]
     else:
         yield path, raw
@@ -235,9 +231,7 @@ def _has_number(value: object) -> bool:
         return bool(value) and all(map(_has_number, value))
     if isinstance(value, str):
         match = NUMBER.fullmatch(PLUS_MINUS.split(value.strip())[0])
-        return match is not None and not (
-            match[2] and match[2] != "%" and not SYMBOLS.fullmatch(match[2])
-        )
+        return match is not None and not (match[2] and match[2] != "%" and not SYMBOLS.fullmatch(match[2]))
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 

@@ -68,15 +68,12 @@ def on_shared_grids(points: Sequence[SceneFile]) -> tuple[list[Case], tuple[str,
 def _with_random_extents(points: Sequence[SceneFile]) -> tuple[Sequence[SceneFile], list[str]]:
     """Return `points` whose random surfaces have one extent, that of the widest plan, if all can; and a note on it."""
     is_planned = all(
-        point.grid is None and point.scene.lubrication is None and point.scene.hertz is not None
-        for point in points
+        point.grid is None and point.scene.lubrication is None and point.scene.hertz is not None for point in points
     )
     shapes = [shape for point in points for shape in point.scene.shapes]
     if not is_planned or not any(scales.longest_across for scales in length_scales_of(shapes)):
         return points, []
-    extents = [
-        grid_requirements(point.scene).extent(point.plan_settings.period) for point in points
-    ]
+    extents = [grid_requirements(point.scene).extent(point.plan_settings.period) for point in points]
     extent = max(width for width, _ in extents), min(length for _, length in extents)
     if any(abs(length / extent[1] - round(length / extent[1])) > 1e-9 for _, length in extents):
         return points, []
@@ -134,9 +131,7 @@ def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:
         note = "each measured surface is solved on its own points"
         return [_planned_grid(point) for point in points], [note]
     if first.grid is None and any(point.scene.lubrication is not None for point in points):
-        notes = [
-            "each film has its own grid, because inlet length and cell size depend on the film thickness"
-        ]
+        notes = ["each film has its own grid, because inlet length and cell size depend on the film thickness"]
         return [_planned_grid(point) for point in points], notes
     if first.grid is not None:
         note = f"grid {_size_text(first.grid)}, given, for {counted(len(points), 'point')}"
@@ -179,9 +174,7 @@ def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:
     return [grid] * len(points), [shared, *notes]
 
 
-def _planned(
-    points: Sequence[SceneFile], requirements: Sequence[GridRequirements]
-) -> list[cs.Grid]:
+def _planned(points: Sequence[SceneFile], requirements: Sequence[GridRequirements]) -> list[cs.Grid]:
     """Return the planned grids of points, of many points those of some that are spread over the widths."""
     by_width = sorted(range(len(points)), key=lambda number: requirements[number].half_width)
     step = 1 if len(points) <= MAX_PLANNED else len(points) // (MAX_PLANNED - 1)
@@ -273,8 +266,7 @@ def study_of(
     placed, notes = on_shared_grids(files)
     cases = dict(zip(found.points, placed, strict=True))
     digests = {
-        tuple(shape.digest for shape in file.scene.shapes if isinstance(shape, MeasuredSurface))
-        for file in files
+        tuple(shape.digest for shape in file.scene.shapes if isinstance(shape, MeasuredSurface)) for file in files
     }
     surfaces = surface_notes(files[0].scene) if len(digests) == 1 else []
     if name is None:
@@ -326,9 +318,7 @@ def read_tables(
         raw, groups = tables_of(Path(scene))
         return raw, groups, Path(scene).read_text(encoding="utf-8")
     if not isinstance(scene, Scene | SceneFile):
-        raise InvalidInput(
-            f"scene is {scene!r}: give a Scene, a SceneFile or the path of a scene file."
-        )
+        raise InvalidInput(f"scene is {scene!r}: give a Scene, a SceneFile or the path of a scene file.")
     described = SceneFile(scene) if isinstance(scene, Scene) else scene
     try:
         text = scene_text(described.scene)

@@ -164,9 +164,7 @@ class Journal:
             )
         self._synced = monotonic()
 
-    def start(
-        self, study: str, history: str, program: str, digests: Mapping[str, str], first: Line
-    ) -> None:
+    def start(self, study: str, history: str, program: str, digests: Mapping[str, str], first: Line) -> None:
         """Begin a run of a study: write time and command, its first point, and the program where it is new."""
         news = {} if program in self.programs else {"digests": dict(digests)}
         about: dict[str, object] = {
@@ -299,8 +297,7 @@ def decoded_variable(fields: Sequence[Any]) -> xr.Variable:
     if isinstance(value, str):
         value = np.frombuffer(base64.b64decode(value), dtype).reshape(shape).copy()
     attributes = {
-        name: np.array(*entry["array"])[()] if isinstance(entry, dict) else entry
-        for name, entry in attrs.items()
+        name: np.array(*entry["array"])[()] if isinstance(entry, dict) else entry for name, entry in attrs.items()
     }
     return xr.Variable(tuple(dims), np.asarray(value, dtype), attributes)
 

@@ -57,9 +57,7 @@ def write(dataset: xr.Dataset, path: Path, groups: Iterable[tuple[str, xr.Datase
         with Stop(), replacing(path) as partial:
             dataset.to_netcdf(partial, engine="netcdf4", encoding=_encoding(dataset))
             for name, group in groups:
-                group.to_netcdf(
-                    partial, engine="netcdf4", group=name, mode="a", encoding=_encoding(group)
-                )
+                group.to_netcdf(partial, engine="netcdf4", group=name, mode="a", encoding=_encoding(group))
             append_checksum(partial)
     except (OSError, RuntimeError) as error:  # the netCDF library raises RuntimeError
         raise InvalidInput(
@@ -93,9 +91,7 @@ def fields_of(dataset: xr.Dataset, path: Path) -> list[tuple[dict[str, Any], xr.
     return found
 
 
-def check_kind(
-    path: Path, kind: Literal["solution", "study", "comparison"], log: Log = print
-) -> None:
+def check_kind(path: Path, kind: Literal["solution", "study", "comparison"], log: Log = print) -> None:
     """Raise InvalidInput if `path` holds a file of another kind, which would be replaced.
 
     A damaged file is set aside, which is reported to `log`.

@@ -46,9 +46,7 @@ INSTALLED = tuple(
 # statements that import, whose words name modules
 IMPORT = re.compile(r"(?:^|[;:])[ \t]*(?:from|import)\b[^\n(]*(?:\([^)]*\))?", re.MULTILINE)
 # words of a source that may import any module
-AT_RUN_TIME = re.compile(
-    r"\b(?:import_module|__import__|spec_from_file_location|pkgutil|runpy|exec)\b"
-)
+AT_RUN_TIME = re.compile(r"\b(?:import_module|__import__|spec_from_file_location|pkgutil|runpy|exec)\b")
 UNREADABLE, MEASURES = "cannot be read", "the study's measures"
 
 Digests = Mapping[str, str]  # of files and versions, by their names
@@ -132,9 +130,7 @@ class Program:
         now = {**own_digests(), **now}
         own = set(filter(_is_own, self.digests))
         stale = {name for name, path in _own_files().items() if _is_newer(path, LOADED)}
-        differing = sorted(
-            {name for name in own | now.keys() if now.get(name) != self.digests.get(name)} | stale
-        )
+        differing = sorted({name for name in own | now.keys() if now.get(name) != self.digests.get(name)} | stale)
         if differing:
             what = f"{_listed(differing)} changed since the run was started"
             remedy = "start it again"
@@ -167,9 +163,7 @@ def differences(before: Digests, now: Digests) -> str:
     """Return in words in which files and versions two programs differ."""
     names = [name for name in before.keys() | now.keys() if before.get(name) != now.get(name)]
     texts = {
-        name: f"{name} {before[name]} -> {now.get(name, 'none')}"
-        for name in names
-        if "." in before.get(name, "")
+        name: f"{name} {before[name]} -> {now.get(name, 'none')}" for name in names if "." in before.get(name, "")
     }  # versions
     return _listed([texts.get(name, name) for name in sorted(names)])
 
@@ -221,9 +215,7 @@ def _is_users(name: str, module: Mapping[str, Any]) -> bool:
     return not str(file).startswith(INSTALLED) if file else name == "__main__"
 
 
-def _imported(
-    start: Iterable[str], sources: Mapping[str, bytes]
-) -> tuple[dict[str, Path], set[str]]:
+def _imported(start: Iterable[str], sources: Mapping[str, bytes]) -> tuple[dict[str, Path], set[str]]:
     """Return the files of the user's loaded modules that those of some names import, these included; and all words.
 
     A module counts if a source that counts has all parts of its name in its statements that import, the words.
@@ -243,11 +235,7 @@ def _imported(
         if "from ." in statements:
             known |= set(name.split("."))
         is_any = AT_RUN_TIME.search(text)
-        news = {
-            of
-            for of in others
-            if is_any or known.issuperset(of.split(".")) or name.startswith(f"{of}.")
-        }
+        news = {of for of in others if is_any or known.issuperset(of.split(".")) or name.startswith(f"{of}.")}
         queue += news
         others -= news
     return files, words

@@ -55,9 +55,7 @@ def _revision() -> str:
     # without it git would name the repository that the environment happens to lie in
     if (checkout / ".git").exists():
         with suppress(OSError, subprocess.SubprocessError):
-            described = subprocess.run(
-                command, cwd=checkout, capture_output=True, text=True, timeout=10, check=True
-            )
+            described = subprocess.run(command, cwd=checkout, capture_output=True, text=True, timeout=10, check=True)
             return described.stdout.strip()
     return "unknown (not a git checkout)"
 

@@ -8,11 +8,7 @@ from types import FrameType
 from typing import Any, Self
 
 # the signals of this system
-SIGNALS = tuple(
-    getattr(signal, name)
-    for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK")
-    if hasattr(signal, name)
-)
+SIGNALS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK") if hasattr(signal, name))
 MAX_SIGNALS = 3  # signals after which the process ends at once
 
 

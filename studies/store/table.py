@@ -64,17 +64,13 @@ def assemble(
     return xr.Dataset({**times, **data, **about_cases}, coords, dict(attributes) | notes)
 
 
-def _chosen(
-    outcomes: Sequence[Outcome | None], points: int, left_out: list[str]
-) -> Iterator[tuple[str, Variables]]:
+def _chosen(outcomes: Sequence[Outcome | None], points: int, left_out: list[str]) -> Iterator[tuple[str, Variables]]:
     """Yield for each name the variables that most cases have, unless their dimensions contradict those of others."""
     columns: dict[str, dict[int, xr.Variable]] = defaultdict(dict)
     for row, outcome in enumerate(outcomes):
         for name, variable in outcome.variables.items() if outcome is not None else ():
             columns[name][row] = variable
-    kinds = {
-        name: {variable.dims for variable in every.values()} for name, every in columns.items()
-    }
+    kinds = {name: {variable.dims for variable in every.values()} for name, every in columns.items()}
     no_coordinates = {name for name, dims in kinds.items() if dims != {(name,)}}
     sizes: dict[Hashable, int] = {}
     for name, every in columns.items():
@@ -137,9 +133,7 @@ def _about_cases(
     names: tuple[str, ...], index: np.ndarray, outcomes: Mapping[str, Outcome | None]
 ) -> dict[str, xr.Variable]:
     """Return the variables on the status and the failure of each case."""
-    statuses = [
-        outcome.case_status if outcome else CaseStatus.NOT_RUN for outcome in outcomes.values()
-    ]
+    statuses = [outcome.case_status if outcome else CaseStatus.NOT_RUN for outcome in outcomes.values()]
     meanings = [status.name.lower() for status in CaseStatus]
     numbers = np.array(statuses, dtype=np.int8)[index]
     data = {"case_status": flags(names, numbers, meanings, "status of the case")}

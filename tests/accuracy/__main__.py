@@ -58,9 +58,7 @@ def summary(rows: Iterable[Judged]) -> str:
     holds = 100 * float(np.mean([row.bound >= row.error for row in finite])) if finite else np.nan
     ratios = [row.bound / row.error for row in finite if row.error > 0]
     ratio = float(np.median(ratios)) if ratios else np.nan
-    return (
-        f"{holds:5.1f} % hold, {ratio:5.2g} times the error, {len(known) - len(finite):3d} missing"
-    )
+    return f"{holds:5.1f} % hold, {ratio:5.2g} times the error, {len(known) - len(finite):3d} missing"
 
 
 def main() -> None:
@@ -80,9 +78,7 @@ def main() -> None:
                 print(f"{metric:15s} {use:12s} {len(chosen):4d} contacts: {summary(chosen)}")
     for row in rows:
         if row.bound < row.error:
-            print(
-                f"beyond its bound: {row.contact}, {row.metric}: {row.error:.2g} > {row.bound:.2g}"
-            )
+            print(f"beyond its bound: {row.contact}, {row.metric}: {row.error:.2g} > {row.bound:.2g}")
         if row.bound == inf and not row.has_reason:
             print(f"missing without a reason: {row.contact}, {row.metric}")
 

@@ -65,9 +65,7 @@ def spheres() -> Iterator[AccuracyCase]:
         for width in (2.2, 2.6, 3.1):
             length = width * point.contact_radius
             load = cs.LineLoad(30.0 / length)
-            truth = ClosedForm(
-                lambda x, y: point.pressure(np.hypot(x, y)), point.peak_pressure, pi / width**2
-            )
+            truth = ClosedForm(lambda x, y: point.pressure(np.hypot(x, y)), point.peak_pressure, pi / width**2)
             ball = cs.Scene(load, STEEL, (cs.Sphere(0.01),))
             grid = cs.Grid((cells, cells), (length, length))
             yield AccuracyCase("sphere", ball, grid, (FREE, FREE), truth)

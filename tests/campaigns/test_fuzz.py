@@ -109,9 +109,7 @@ def mangled(text: str, rng: random.Random, odd: list[str]) -> str:
 @pytest.mark.whole
 def test_no_scene_file_ends_in_a_traceback() -> None:
     rng = random.Random(12)
-    scenes = [
-        path.read_text(encoding="utf-8") for path in sorted((ROOT / "examples").rglob("*.toml"))
-    ]
+    scenes = [path.read_text(encoding="utf-8") for path in sorted((ROOT / "examples").rglob("*.toml"))]
     for _ in range(case_count(whole=1000, thin=12)):
         text = mangled(rng.choice(scenes), rng, SCENE_ODD)
         Path("scene.toml").write_bytes(text.encode("utf-8", "surrogatepass"))

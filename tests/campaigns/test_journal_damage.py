@@ -31,10 +31,7 @@ def content(path: Path) -> Said:
     return {
         str(key): (
             outcome.case_status,
-            [
-                (name, v.dims, v.dtype.str, v.values.tolist(), dict(v.attrs))
-                for name, v in outcome.variables.items()
-            ],
+            [(name, v.dims, v.dtype.str, v.values.tolist(), dict(v.attrs)) for name, v in outcome.variables.items()],
         )
         for key in journal.cases
         if (outcome := journal.outcome(key)) is not None
@@ -56,9 +53,7 @@ def damages(raw: bytes) -> Iterator[bytes]:
         number = rng.randrange(len(lines))
         zeros = b"\0" * (len(lines[number]) - 1) + b"\n"
         yield b"".join([*lines[:number], zeros, *lines[number + 1 :]])
-        odd = rng.choice(
-            [b"5\n", b"[]\n", b"\n", b'{"case":[]}\n', b'{"run":{}}\n', b"[" * 9999 + b"\n"]
-        )
+        odd = rng.choice([b"5\n", b"[]\n", b"\n", b'{"case":[]}\n', b'{"run":{}}\n', b"[" * 9999 + b"\n"])
         yield b"".join([*lines[:number], odd, *lines[number:]])
         yield b"".join(rng.sample(lines, len(lines)))
 
@@ -76,9 +71,7 @@ def test_no_damage_makes_a_wrong_value(whole: bytes, tmp_path: Path) -> None:
         assert found.items() <= right.items()
 
 
-@pytest.mark.parametrize(
-    "foreign", ["precious without newline", "a\nb\n", "\0" * 100, "{}\n", "[1]\n"]
-)
+@pytest.mark.parametrize("foreign", ["precious without newline", "a\nb\n", "\0" * 100, "{}\n", "[1]\n"])
 def test_a_file_that_is_no_journal_is_left_as_it_is(foreign: str, tmp_path: Path) -> None:
     path = tmp_path / "cases.jsonl"
     path.write_text(foreign)

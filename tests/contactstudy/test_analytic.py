@@ -61,9 +61,7 @@ def test_a_line_contact_first_yields_where_johnson_says(ratio: float, peak: floa
     """Von Mises: 1.79 at 0.3; at 0.5 that of the largest shear, 0.3003 (Johnson 1985, sects. 4.2, 6.1)."""
     first = cs.analytic.first_yield(0.01, 1.15e11, 1e9, ratio)
     assert first.peak_pressure == pytest.approx(peak * 1e9, rel=1e-3)
-    assert first.load_per_length == pytest.approx(
-        np.pi * 0.01 * first.peak_pressure**2 / 1.15e11, rel=1e-12
-    )
+    assert first.load_per_length == pytest.approx(np.pi * 0.01 * first.peak_pressure**2 / 1.15e11, rel=1e-12)
 
 
 def test_hertz_point_surfaces_touch_inside_and_part_outside() -> None:
@@ -144,9 +142,7 @@ def test_image_error_is_one_eighth_of_the_squared_ratio() -> None:
         (1e6, 1e3, "elastic, piezoviscous"),
     ],
 )  # fmt: skip
-def test_the_film_of_moes_is_that_of_its_regime_at_the_ends(
-    load: float, viscosity: float, regime: str
-) -> None:
+def test_the_film_of_moes_is_that_of_its_regime_at_the_ends(load: float, viscosity: float, regime: str) -> None:
     limits = cs.analytic.film_asymptotes(load, viscosity)
     assert cs.analytic.film_regime(load, viscosity) == regime
     assert cs.analytic.moes_film(load, viscosity) == pytest.approx(limits[regime], rel=0.01)

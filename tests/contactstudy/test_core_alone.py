@@ -70,6 +70,4 @@ def test_numpy_and_scipy_are_enough_to_solve_and_the_rest_says_what_it_needs() -
             ("studies.run", "cloudpickle", "cloudpickle"),
         )
     }
-    assert said["command"].startswith(
-        "contactstudy: the command needs click, which is not installed"
-    )
+    assert said["command"].startswith("contactstudy: the command needs click, which is not installed")

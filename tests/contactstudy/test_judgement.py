@@ -29,9 +29,7 @@ def test_the_headline_names_the_worst_number_and_the_cells_that_would_keep_the_e
     worst = max(answer.quantities.values(), key=lambda number: number.relative_bound)
     assert answer.error.l1.total <= 1e-2
     assert not answer.met
-    assert (
-        f"{100 * worst.relative_bound:.2g} % in the {worst.label.split(' (')[0]}" in answer.accuracy
-    )
+    assert f"{100 * worst.relative_bound:.2g} % in the {worst.label.split(' (')[0]}" in answer.accuracy
     cells = int(answer.accuracy.split("about ")[1].split(" x 1")[0])
     finer = cs.solve(line_contact.scene, line_contact.grid((cells, 1), 1.0), EXACT, error="1 %")
     assert finer.met
@@ -69,9 +67,7 @@ def test_a_named_number_without_a_bound_is_not_met(line_contact: LineContact) ->
         ({}, "solve.error is empty"),
     ],
 )
-def test_a_request_that_cannot_be_judged_is_refused(
-    error: object, sentence: str, line_contact: LineContact
-) -> None:
+def test_a_request_that_cannot_be_judged_is_refused(error: object, sentence: str, line_contact: LineContact) -> None:
     with pytest.raises(cs.InvalidInput, match=sentence):
         repr(cs.solve(line_contact.scene, error=error))  # type: ignore[call-overload]
 
@@ -96,12 +92,9 @@ def test_numbers_without_a_law_are_bounded_by_their_changes_from_larger_cells() 
     """The centroid of a rolling contact has no law of its own: a finer grid shows its true error."""
     rubber = cs.ViscoelasticHalfSpace(1e6, 0.49, relaxation=((1.5e6, 1.0),))
     rigid = cs.HalfSpace(inf, 0.3)
-    scene = cs.Scene(
-        cs.LineLoad(500.0), (rubber, rigid), (cs.Cylinder(0.01),), rolling=cs.Rolling(0.1)
-    )
+    scene = cs.Scene(cs.LineLoad(500.0), (rubber, rigid), (cs.Cylinder(0.01),), rolling=cs.Rolling(0.1))
     found, fine = (
-        cs.solve(scene, cs.Grid((cells, 1), (8e-3, 1e-2)), EXACT).quantities["pressure_shift"]
-        for cells in (48, 768)
+        cs.solve(scene, cs.Grid((cells, 1), (8e-3, 1e-2)), EXACT).quantities["pressure_shift"] for cells in (48, 768)
     )
     assert abs(found.value - fine.value) <= found.bound < 0.3 * abs(found.value)
     assert fine.bound < found.bound / 10

@@ -21,9 +21,7 @@ NOTHING: dict[str, cs.Shape] = {
     "dimples": cs.Texture(cs.Dimple(0.0, 1e-5), pitch=(3e-5, 3e-5)),
     "grooves": cs.Texture(cs.Groove(0.0, 1e-5), pitch=(inf, 3e-5)),
     "measured surface": cs.MeasuredSurface(np.zeros((24, 8)), (1e-2, 9e-5)),
-    "trend of a surface": cs.MeasuredSurface(
-        np.zeros((128, 64)), trend="quadratic", seam=cs.Tapered()
-    ),
+    "trend of a surface": cs.MeasuredSurface(np.zeros((128, 64)), trend="quadratic", seam=cs.Tapered()),
     "roughness": cs.Roughness(0.0, hurst=0.8, roll_off=1e-4, cut_off=1e-5),
     "roughness by slope": cs.Roughness(cs.RmsSlope(0.0), hurst=0.8, roll_off=1e-4, cut_off=1e-5),
     "crown": cs.Crown(inf),
@@ -55,9 +53,7 @@ def counted(monkeypatch: pytest.MonkeyPatch) -> Iterator[Counter[str]]:
         yield calls
 
 
-def solved(
-    scene: cs.Scene, contact: LineContact, calls: Counter[str]
-) -> tuple[cs.Solution, Counter[str]]:
+def solved(scene: cs.Scene, contact: LineContact, calls: Counter[str]) -> tuple[cs.Solution, Counter[str]]:
     """A solution on a grid with a period of 9e-5 m, and the transforms it took."""
     calls.clear()
     grid = cs.Grid((128, 64), (2.4 * contact.hertz.half_width, 9e-5))
@@ -71,9 +67,7 @@ def test_an_effect_of_no_size_is_the_scene_without_it(
 ) -> None:
     plain = line_contact.scene
     without, transforms = solved(plain, line_contact, counted)
-    with_it, more = solved(
-        replace(plain, shapes=(*plain.shapes, NOTHING[name])), line_contact, counted
-    )
+    with_it, more = solved(replace(plain, shapes=(*plain.shapes, NOTHING[name])), line_contact, counted)
     assert NOTHING[name].gap(with_it.problem.grid).shape == (128, 1)
     assert transforms["forward"] > 0
     assert more == transforms
@@ -99,9 +93,7 @@ def test_a_hardness_that_nothing_reaches_is_none(
         assert difference < 128 * 1e-8 * 10 * without.problem.scales.pressure
 
 
-def test_stress_that_is_not_asked_for_is_not_found(
-    line_contact: LineContact, counted: Counter[str]
-) -> None:
+def test_stress_that_is_not_asked_for_is_not_found(line_contact: LineContact, counted: Counter[str]) -> None:
     plain = line_contact.scene
     asked = replace(plain, outputs=(cs.SubsurfaceStress(depths=(5e-5,)),))
     without, transforms = solved(plain, line_contact, counted)
@@ -155,8 +147,6 @@ assert "contactstudy.elasticity.eigenstrain.plane_strain_operator" in sys.module
 def test_no_module_is_imported_before_a_scene_names_it() -> None:
     ours = [name for _, names in RUN for name in names.split() if name.startswith("contactstudy")]
     assert all(find_spec(name) for name in ours)
-    code = "\n".join(
-        f"{step}\nprint(set({names.split()!r}) & sys.modules.keys())" for step, names in RUN
-    )
+    code = "\n".join(f"{step}\nprint(set({names.split()!r}) & sys.modules.keys())" for step, names in RUN)
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert done.stdout.split() == ["set()"] * len(RUN), done.stderr

@@ -63,14 +63,11 @@ DEAR = ("film over a body that creeps", "ridges that bear")
 def test_many_cells_along_have_the_answer_of_one(name: str) -> None:
     scene, across, cell, along, fields, within, named = SCENES[name]
     one, many = (
-        cs.solve(scene, cs.Grid((across, n), (across * cell, A)), cs.ExactPeriodicity(), **named)
-        for n in (1, along)
+        cs.solve(scene, cs.Grid((across, n), (across * cell, A)), cs.ExactPeriodicity(), **named) for n in (1, along)
     )
     assert many.status is one.status
     assert not one.status.is_failure
     for field in fields:
         wanted, found = (answer.to_dataset()[field].values for answer in (one, many))
         assert np.abs(wanted).max() > 0
-        np.testing.assert_allclose(
-            found, np.repeat(wanted, along, axis=-1), rtol=0, atol=within * np.abs(wanted).max()
-        )
+        np.testing.assert_allclose(found, np.repeat(wanted, along, axis=-1), rtol=0, atol=within * np.abs(wanted).max())

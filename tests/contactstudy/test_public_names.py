@@ -27,9 +27,7 @@ class Springs:
     def row(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
         return self.cell(x, y, dx, dy)
 
-    def lattice(
-        self, x: Array, y: Array, dx: float, dy: float, width: float, period: float
-    ) -> Array:
+    def lattice(self, x: Array, y: Array, dx: float, dy: float, width: float, period: float) -> Array:
         return self.cell(x, y, dx, dy)
 
 
@@ -60,10 +58,7 @@ def test_a_solid_of_ones_own_gives_the_closed_form_of_its_kernel() -> None:
     exact = stiffness * np.clip(half_width**2 - grid.x**2, 0, None) / (2 * radius)
     # cells' centres instead of their means: the load differs by the square of a cell over the width
     highest = stiffness * half_width**2 / (2 * radius)
-    assert (
-        np.abs(solution.pressure[:, 0] - exact).max()
-        < highest * (grid.cell_size[0] / half_width) ** 2
-    )
+    assert np.abs(solution.pressure[:, 0] - exact).max() < highest * (grid.cell_size[0] / half_width) ** 2
 
 
 @dataclass(frozen=True)
@@ -84,9 +79,7 @@ def test_a_limit_of_ones_own_is_obeyed(line_contact: LineContact) -> None:
     hardness = 0.8 * line_contact.hertz.peak_pressure
     plain = line_contact.scene.problem(grid, cs.ExactPeriodicity())
     own = cs.solve(replace(plain, constraint=CappedBy(cs.HardnessLimited(hardness))))
-    named = cs.solve(
-        replace(line_contact.scene, hardness=hardness).problem(grid, cs.ExactPeriodicity())
-    )
+    named = cs.solve(replace(line_contact.scene, hardness=hardness).problem(grid, cs.ExactPeriodicity()))
     assert own.pressure.max() == hardness
     np.testing.assert_array_equal(own.pressure, named.pressure)
 
@@ -128,9 +121,7 @@ def test_a_solver_of_ones_own_finds_the_same_pressure(line_contact: LineContact)
     # error e of each, and the stiffest wave turns that into a norm
     bare = problem.bare()
     matrix = np.stack([bare.operator(unit[:, None])[:, 0] for unit in np.eye(32)])
-    eigenvalues = np.linalg.eigvalsh(
-        matrix - matrix.mean(0) - matrix.mean(1)[:, None] + matrix.mean()
-    )
+    eigenvalues = np.linalg.eigvalsh(matrix - matrix.mean(0) - matrix.mean(1)[:, None] + matrix.mean())
     difference = (own.pressure - ours.pressure) / problem.scales.pressure
     energy = 2 * 1e-7 * bare.uniform().sum()
     assert np.linalg.norm(difference) <= 2 * np.sqrt(energy / eigenvalues[1])
@@ -172,9 +163,7 @@ def test_a_precision_is_named_by_a_word(line_contact: LineContact) -> None:
     by_word = cs.solve(problem, precision="single", tolerance=1e-4)
     by_value = cs.solve(problem, precision="single", tolerance=1e-4)
     np.testing.assert_array_equal(by_word.pressure, by_value.pressure)
-    with pytest.raises(
-        cs.InvalidInput, match=r"^solve.precision is 'half': choose from single, double"
-    ):
+    with pytest.raises(cs.InvalidInput, match=r"^solve.precision is 'half': choose from single, double"):
         cs.solve(problem, precision="half")
 
 

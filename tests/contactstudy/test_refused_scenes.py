@@ -40,9 +40,7 @@ WORN = replace(SMOOTH, rolling=cs.Rolling(1.0), wear=WEARS)
 
 ENDED = cs.FreeFaces(STEEL, 0.01)
 SOFT = cs.HalfSpace(1e6, 0.5)
-ADHERING = replace(
-    SMOOTH, load=cs.LineLoad(2.0), solids=(SOFT, RIGID), adhesion=cs.Adhesion(work=0.05)
-)
+ADHERING = replace(SMOOTH, load=cs.LineLoad(2.0), solids=(SOFT, RIGID), adhesion=cs.Adhesion(work=0.05))
 RANGED = replace(ADHERING, adhesion=cs.Adhesion(work=0.05, range=2e-6))
 BARE = replace(ADHERING, adhesion=None)
 RUBBERY = cs.ViscoelasticHalfSpace(1e6, 0.5, ((1e6, 1.0),))
@@ -211,9 +209,7 @@ BESIDE: list[tuple[str, cs.Scene, dict[str, Any]]] = [
 
 @pytest.mark.cases(len(BESIDE))
 @pytest.mark.parametrize(("said", "scene", "changes"), BESIDE)
-def test_effects_undefined_with_each_other_are_refused(
-    said: str, scene: cs.Scene, changes: dict[str, Any]
-) -> None:
+def test_effects_undefined_with_each_other_are_refused(said: str, scene: cs.Scene, changes: dict[str, Any]) -> None:
     refused(lambda: replace(scene, **changes), said)
 
 
@@ -362,7 +358,5 @@ SOLVES: list[tuple[str, Callable[[], object]]] = [
 
 @pytest.mark.cases(len(SOLVES))
 @pytest.mark.parametrize(("said", "make"), SOLVES)
-def test_what_a_scene_cannot_be_solved_with_is_refused(
-    said: str, make: Callable[[], object]
-) -> None:
+def test_what_a_scene_cannot_be_solved_with_is_refused(said: str, make: Callable[[], object]) -> None:
     refused(make, said)

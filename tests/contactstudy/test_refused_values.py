@@ -230,8 +230,6 @@ VALUES: list[tuple[str, Callable[[Any], object], list[Any]]] = [
 
 @pytest.mark.cases(len(VALUES))
 @pytest.mark.parametrize(("said", "make", "values"), VALUES)
-def test_a_value_is_refused_in_a_sentence(
-    said: str, make: Callable[[Any], object], values: list[Any]
-) -> None:
+def test_a_value_is_refused_in_a_sentence(said: str, make: Callable[[Any], object], values: list[Any]) -> None:
     for value in values:
         refused(lambda value=value: make(value), said)

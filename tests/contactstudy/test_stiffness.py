@@ -37,9 +37,7 @@ def test_the_stiffness_of_a_rough_contact_is_the_slope_of_its_load() -> None:
 
 @pytest.mark.parametrize("law", ["exponential", "dugdale"])
 @pytest.mark.parametrize("load", [-1.0, 1.0])
-def test_the_stiffness_of_an_adhesive_contact_counts_how_the_attraction_changes(
-    law: str, load: float
-) -> None:
+def test_the_stiffness_of_an_adhesive_contact_counts_how_the_attraction_changes(law: str, load: float) -> None:
     """It is the slope of the load over the approach, which falls as pull-off comes near."""
     solids = cs.HalfSpace(1e6, 0.49), cs.HalfSpace(np.inf, 0.3)
     adhesion = cs.Adhesion(0.05, 1e-5, law, branch="from full contact")
@@ -56,14 +54,10 @@ def test_the_stiffness_of_an_adhesive_contact_counts_how_the_attraction_changes(
     assert normal_stiffness(rigid) > 1.01 * slope
 
 
-def johnson(
-    load: float, half: float, radii: tuple[float, float], depth: float
-) -> tuple[float, float]:
+def johnson(load: float, half: float, radii: tuple[float, float], depth: float) -> tuple[float, float]:
     """Approach of the axes, or of a point below a flat body, and load over its rise (Johnson 1985, sect. 5.6)."""
     of_body = [
-        2 * np.log(4 * radius / half) - 1
-        if np.isfinite(radius)
-        else 2 * np.log(2 * depth / half) - 0.3 / 0.7
+        2 * np.log(4 * radius / half) - 1 if np.isfinite(radius) else 2 * np.log(2 * depth / half) - 0.3 / 0.7
         for radius in radii
     ]
     factor = (1 - 0.3**2) / (np.pi * 210e9)

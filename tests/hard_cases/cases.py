@@ -93,10 +93,7 @@ def _surface() -> dict[str, HardCase]:
         "noise of the grid's wavelength": 0.3 * (np.indices(CELLS).sum(axis=0) % 2),
         "rms 100 times the approach": 100 * noise(),
     }
-    return {
-        name: HardCase(with_heights(heights), grid(heights.shape), AT_EDGE)
-        for name, heights in surfaces.items()
-    }
+    return {name: HardCase(with_heights(heights), grid(heights.shape), AT_EDGE) for name, heights in surfaces.items()}
 
 
 def _interrupted(problem: cs.Problem, solver: cs.Solver) -> Array:

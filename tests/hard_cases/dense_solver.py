@@ -88,9 +88,7 @@ def answer(
     raise ArithmeticError(f"pivoting did not end after {PIVOTS} active sets")
 
 
-def _solve_active_set(
-    matrix: Array, free: np.ndarray, displacement: Array, load: float
-) -> tuple[Array, float]:
+def _solve_active_set(matrix: Array, free: np.ndarray, displacement: Array, load: float) -> tuple[Array, float]:
     """Return pressure and approach for the displacement of the free cells under a load."""
     count = int(free.sum())
     if not count:
@@ -134,9 +132,7 @@ def _coefficients(x: Array, y: Array, grid: cs.Grid, paddings: cs.Paddings, datu
     assert across.window is not None
     if along.window is None:
         shift = 2 * dx * dy / period * np.log(datum)
-        return _images(
-            lambda a: shift + boussinesq_cell_periodic(a, y, dx, dy, period), across, x, width
-        )
+        return _images(lambda a: shift + boussinesq_cell_periodic(a, y, dx, dy, period), across, x, width)
     return _images(
         lambda a: _images(lambda b: boussinesq_cell(a, b, dx, dy), along, y, period),
         across,

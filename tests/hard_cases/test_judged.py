@@ -36,12 +36,8 @@ class Misreporting:
 
     part: float
 
-    def iterate(
-        self, problem: cs.BareProblem, *, tolerance: float, max_iterations: int, start: object
-    ) -> cs.Iterate:
-        right = SOLVER.iterate(
-            problem, tolerance=tolerance, max_iterations=max_iterations, start=None
-        )
+    def iterate(self, problem: cs.BareProblem, *, tolerance: float, max_iterations: int, start: object) -> cs.Iterate:
+        right = SOLVER.iterate(problem, tolerance=tolerance, max_iterations=max_iterations, start=None)
         noise = 1 + self.part * np.random.default_rng(1).standard_normal(right.pressure.shape)
         noisy = np.maximum(right.pressure * noise, 0.0)
         noisy *= right.pressure.sum() / noisy.sum()

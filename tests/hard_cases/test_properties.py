@@ -64,9 +64,7 @@ def test_conditions_of_contact_hold(
         return
     pressure, gap = solution.pressure, solution.gap / solution.problem.scales.gap
     # the gap in metres has lost what is small beside the heights
-    slack = TOLERANCE + 1e-15 * np.abs(solution.problem.undeformed_gap).max() / (
-        solution.problem.scales.gap
-    )
+    slack = TOLERANCE + 1e-15 * np.abs(solution.problem.undeformed_gap).max() / (solution.problem.scales.gap)
     assert pressure.min() >= 0
     assert pressure.max() <= scene.hardness
     assert abs(pressure.sum() * on.cell_area / (scene.load.per_length * on.length) - 1) < 1e-9
@@ -81,10 +79,7 @@ Posed = tuple[cs.Scene, cs.Grid, cs.Padding | cs.Paddings]
 
 def is_as_stated(posed: Posed, other: Posed, back: Callable[[np.ndarray], np.ndarray]) -> bool:
     """Whether the pressure of another contact, taken back, is the first one: both are as far from it as they state."""
-    first, second = (
-        cs.solve(scene.problem(on, padding), tolerance=TOLERANCE)
-        for scene, on, padding in (posed, other)
-    )
+    first, second = (cs.solve(scene.problem(on, padding), tolerance=TOLERANCE) for scene, on, padding in (posed, other))
     scene, on, padding = posed
     dense = answer(scene, on, across_and_along(padding), first)
     stated = sum(residual_errors(solution).l1 for solution in (first, second))
@@ -93,9 +88,7 @@ def is_as_stated(posed: Posed, other: Posed, back: Callable[[np.ndarray], np.nda
 
 @EXAMPLES
 @given(problems(), st.floats(-9, 9), st.floats(-9, 9))
-def test_pressure_scales_with_the_modulus_and_not_with_lengths(
-    posed: Posed, stiffer: float, larger: float
-) -> None:
+def test_pressure_scales_with_the_modulus_and_not_with_lengths(posed: Posed, stiffer: float, larger: float) -> None:
     """Moduli, load and hardness by one power of ten, all lengths by another (and the load with them)."""
     scene, on, padding = posed
     pascal, metre = 10.0**stiffer, 10.0**larger

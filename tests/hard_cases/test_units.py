@@ -98,9 +98,7 @@ def test_heights_that_are_admitted_end_well(field: str, solver: cs.Solver) -> No
 
 @pytest.mark.parametrize("height", [1e300, 1.7e308])
 def test_heights_beyond_all_numbers_end_in_a_status(height: float) -> None:
-    rough = replace(
-        SCENE, shapes=(*SCENE.shapes, cs.MeasuredSurface(np.clip(noise(), -1, 1) * height))
-    )
+    rough = replace(SCENE, shapes=(*SCENE.shapes, cs.MeasuredSurface(np.clip(noise(), -1, 1) * height)))
     for solver in (cs.PreconditionedCG(), cs.PolonskyKeer()):
         solution = cs.solve(rough.problem(grid(), EXACT), solver=solver)
         assert solution.status is cs.Status.NOT_FINITE

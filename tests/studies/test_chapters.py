@@ -62,9 +62,7 @@ def test_a_chapter_is_a_scene_file_that_a_user_copies(name: str, tmp_path: Path)
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_a_chapter_has_a_figure_and_its_claim_is_stated(
-    name: str, stored: Mapping[str, xr.Dataset]
-) -> None:
+def test_a_chapter_has_a_figure_and_its_claim_is_stated(name: str, stored: Mapping[str, xr.Dataset]) -> None:
     drawing = load_drawing(name)
     (figure,) = drawing.figure(stored[name])
     assert all(ax.lines for ax in figure.figure.axes)
@@ -80,9 +78,7 @@ def test_contacts_are_those_of_their_closed_forms(stored: Mapping[str, xr.Datase
     assert stiff / soft == pytest.approx(4, rel=2e-2)
     assert slipping["stick_fraction"].values == pytest.approx(np.sqrt([0.7, 0.1]), abs=5e-3)
     # the highest von Mises stress over p_H, by the closed forms of a sliding cylinder
-    sliding = (
-        stored["sliding"]["largest_von_mises"] / effects.hertz(effects.STEEL / 2).peak_pressure
-    )
+    sliding = stored["sliding"]["largest_von_mises"] / effects.hertz(effects.STEEL / 2).peak_pressure
     assert sliding.values == pytest.approx([0.55751, 0.58999, 0.81584], abs=5e-3)
     held = stored["creep"]
     wanted = effects.held_peak(held["time_steps_end"].values)

@@ -22,9 +22,7 @@ def known(tmp_path_factory: pytest.TempPathFactory) -> dict[str, object]:
 
 @pytest.mark.whole
 @pytest.mark.filterwarnings("default")  # those of other libraries are theirs
-@pytest.mark.parametrize(
-    "library", ["cf_xarray", "pint_xarray", "zarr", "hvplot"], ids=lambda name: name
-)
+@pytest.mark.parametrize("library", ["cf_xarray", "pint_xarray", "zarr", "hvplot"], ids=lambda name: name)
 def test_the_block_of_a_library_prints_what_it_says(
     library: str,
     known: dict[str, object],
@@ -34,9 +32,7 @@ def test_the_block_of_a_library_prints_what_it_says(
     pytest.importorskip(library)
     monkeypatch.chdir(known["folder"])
     (block,) = (
-        text
-        for kind, text in BLOCKS
-        if kind == "py" and re.search(rf"^import {library}\b(?!\.units)", text, re.M)
+        text for kind, text in BLOCKS if kind == "py" and re.search(rf"^import {library}\b(?!\.units)", text, re.M)
     )
     exec(block, dict(known))
     assert capsys.readouterr().out.splitlines() == SAID.findall(block)

@@ -113,7 +113,5 @@ def test_a_study_runs_goes_on_and_labels_its_failures_without_posix(tmp_path: Pa
     assert any("1 line of cases.jsonl is damaged" in line for line in found["said"])
     assert any("3 cases are stored, 1 to compute" in line for line in found["said"])
     assert "it is locked by process" in found["holder"]
-    assert found["refused"].startswith(
-        "RunOptions.time_limit is 1 and workers is 0: a case in this process"
-    )
+    assert found["refused"].startswith("RunOptions.time_limit is 1 and workers is 0: a case in this process")
     assert 0 < found["bytes"] < float("inf")

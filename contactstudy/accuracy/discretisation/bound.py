@@ -145,9 +145,7 @@ def discretisation_bound(
         return replace(changes, load=no_load)
     if follows_law:  # in L1, also at an end
         changes = replace(changes, l1=0.0)
-    elif (
-        has_thin_coating and load_is_fixed
-    ):  # whose rise at the edges falls with the first order at most
+    elif has_thin_coating and load_is_fixed:  # whose rise at the edges falls with the first order at most
         changes = replace(changes, l1=MARGIN * changes.l1)
     hidden_error = CONSTANTS.hidden_error * inside.hidden_load * float(force.sum())
     hidden_area = relative_loss(CONSTANTS.hidden_area * inside.area_loss)
@@ -205,9 +203,7 @@ def shown_errors(solution: Solution) -> tuple[float, tuple[float, float]]:
     pressure, lengths = solution.pressure, solution.problem.covered_fractions
     if lengths is not None:
         pressure = pressure[:, lengths > 0]
-    peak, (across, along) = discretisation_errors(
-        pressure[around_contact(pressure)], _wraps(solution.problem)
-    )
+    peak, (across, along) = discretisation_errors(pressure[around_contact(pressure)], _wraps(solution.problem))
     return peak, (across, along + end_error(solution))
 
 

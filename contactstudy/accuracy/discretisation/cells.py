@@ -79,9 +79,7 @@ def around_contact(pressure: Array) -> slice:
     return slice(int(touching[0]) - 1, int(touching[-1]) + 2)
 
 
-def discretisation_errors(
-    pressure: Array, wraps: tuple[bool, bool]
-) -> tuple[float, tuple[float, float]]:
+def discretisation_errors(pressure: Array, wraps: tuple[bool, bool]) -> tuple[float, tuple[float, float]]:
     """Return the relative errors of the peak pressure and of the pressure in L1 (across, along) due to the cells.
 
     The maximum lies beside a cell's centre, above its pressure by the parabola through three cells, and that pressure
@@ -114,9 +112,7 @@ def discretisation_errors(
         # a plateau ends half-way in its last cell, which has the mean pressure
         plateau = last[second >= level]
         l1[axis] = float(
-            (bends * within).sum() / 12
-            + edge_error(last, second).sum()
-            + np.minimum(plateau, level - plateau).sum()
+            (bends * within).sum() / 12 + edge_error(last, second).sum() + np.minimum(plateau, level - plateau).sum()
         )
         index, line = highest[::-1] if axis else highest
         before, centre, after = padded[index : index + 3, line].tolist()
@@ -222,8 +218,7 @@ def _alike_pairs(places: Array, beside: Array) -> float:
     """
     edges = np.stack([places / ALIKE_PLACE, beside / ALIKE_PRESSURE])
     near, nearer = (
-        int((np.unique(np.round(edges / width), axis=1, return_counts=True)[1] ** 2).sum())
-        for width in (3, 1)
+        int((np.unique(np.round(edges / width), axis=1, return_counts=True)[1] ** 2).sum()) for width in (3, 1)
     )
     return nearer - (near - len(places)) / 9
 

@@ -150,9 +150,7 @@ class HiddenHeights:
         points = CONSTANTS.points if source.has_length_scales else CONSTANTS.points_without_scales
         axes = [axis for axis in (0, 1) if grid.cells[axis] > 1]
         moduli = _moduli(problem)
-        stiffness = [
-            modulus / grid.cell_size[axis] for axis, modulus in zip(axes, moduli, strict=True)
-        ]
+        stiffness = [modulus / grid.cell_size[axis] for axis, modulus in zip(axes, moduli, strict=True)]
         try:
             for axis, modulus, stiff in zip(axes, moduli, stiffness, strict=True):
                 if (on_lines := _on_lines(problem, axis, points)) is None:
@@ -218,12 +216,9 @@ def _on_lines(problem: Problem, axis: int, points: int) -> tuple[list[Array], fl
     assert source is not None
     assert paddings is not None
     cells = list(grid.cells)
-    cells[1 - axis] = min(
-        cells[1 - axis], max(CONSTANTS.lines, cells[1 - axis] // CONSTANTS.sparse)
-    )
+    cells[1 - axis] = min(cells[1 - axis], max(CONSTANTS.lines, cells[1 - axis] // CONSTANTS.sparse))
     grids = [
-        Grid((n * cells[0], cells[1]) if axis == 0 else (cells[0], n * cells[1]), grid.extent)
-        for n in (1, points)
+        Grid((n * cells[0], cells[1]) if axis == 0 else (cells[0], n * cells[1]), grid.extent) for n in (1, points)
     ]
     centres, inside = (axis_first(source.gap(one), axis) for one in grids)
     if len(inside) == len(centres) == 1:
@@ -237,15 +232,9 @@ def _on_lines(problem: Problem, axis: int, points: int) -> tuple[list[Array], fl
     together = max(1, BLOCK_CELLS // len(inside))
     for begin in range(0, width, together):
         lines = slice(begin, begin + together)
-        bends = _slope_changes(
-            inside[:, lines], grid.cell_size[axis] / points, wraps=paddings[axis].wraps
-        )
+        bends = _slope_changes(inside[:, lines], grid.cell_size[axis] / points, wraps=paddings[axis].wraps)
         shown = _shown(centres[:, lines], inside[:, lines], wraps=paddings[axis].wraps)
-        kink = (
-            np.zeros((1, 1))
-            if source.has_length_scales
-            else _kinks(bends, points, wraps=paddings[axis].wraps)
-        )
+        kink = np.zeros((1, 1)) if source.has_length_scales else _kinks(bends, points, wraps=paddings[axis].wraps)
         examined.append((*shown, _corners(bends, points), kink))
     on_lines = [np.concatenate(fields, axis=1) for fields in zip(*examined, strict=True)]
     if points < CONSTANTS.points_at_corners and on_lines[2].any():
@@ -320,15 +309,12 @@ def _kinks(slope_changes: Array, points: int, *, wraps: bool) -> Array:
     pairs = _pairs(slope_changes)
     # the bend within half a cell to either side of each pair
     sums = np.cumsum(with_ends(np.maximum(slope_changes, 0), points // 2, wraps=wraps), axis=0)
-    around = np.concatenate([sums[points - 1 : points], sums[points:] - sums[:-points]])[
-        : len(pairs)
-    ]
+    around = np.concatenate([sums[points - 1 : points], sums[points:] - sums[:-points]])[: len(pairs)]
     # an apex bends more than all about it; where a bend begins, half of the window is straight
     highest = maximum_filter1d(pairs, points + 1, axis=0, mode="nearest")
     apex = in_cells(pairs).argmax(axis=1)[:, None]
     strongest, about, window_peak = (
-        np.take_along_axis(in_cells(field), apex, axis=1)[:, 0]
-        for field in (pairs, around, highest)
+        np.take_along_axis(in_cells(field), apex, axis=1)[:, 0] for field in (pairs, around, highest)
     )
     fraction = np.divide(strongest, about, out=np.ones_like(about), where=about > 0)
     power = np.log(np.maximum(fraction, 1 / points)) / log(2 / points)
@@ -433,9 +419,7 @@ class _ShiftedGrid(Grid):
 
 def _on_grid(field: Array, grid: Grid) -> Array:
     """Return a `field` of some lines (x, y) on all cells, an axis along which it does not vary as it is."""
-    cells = [
-        count if present > 1 else 1 for count, present in zip(grid.cells, field.shape, strict=True)
-    ]
+    cells = [count if present > 1 else 1 for count, present in zip(grid.cells, field.shape, strict=True)]
     return on_cells(field, (cells[0], cells[1]))
 
 

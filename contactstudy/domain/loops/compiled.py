@@ -85,9 +85,7 @@ def _compiled(function: Loop, fastmath: set[str]) -> Loop:
 
 
 @summing
-def active_gap_sums(
-    undeformed: Array, displacement: Array, pressure: Array, limit: float, results: Array
-) -> None:
+def active_gap_sums(undeformed: Array, displacement: Array, pressure: Array, limit: float, results: Array) -> None:
     """Write for each row the sum of the gap over the active set, and its number of cells."""
     for i in range(pressure.shape[0]):
         heights, cells = 0.0, 0.0
@@ -134,9 +132,7 @@ def gap(
 
 
 @exact
-def active_set(
-    pressure: Array, height: Array, limit: float, active: Array, active_gap: Array
-) -> None:
+def active_set(pressure: Array, height: Array, limit: float, active: Array, active_gap: Array) -> None:
     """Write the active set (1, others 0) and its gap."""
     for i in range(pressure.shape[0]):
         for j in range(pressure.shape[1]):
@@ -248,9 +244,7 @@ def load_above(trial: Array, shift: float, results: Array) -> None:
 
 
 @summing
-def project(
-    trial: Array, shift: float, scale: float, pressure: Array, height: Array, results: Array
-) -> None:
+def project(trial: Array, shift: float, scale: float, pressure: Array, height: Array, results: Array) -> None:
     """Subtract a shift from a trial pressure, cut it off at zero and multiply it by a factor, in place.
 
     Each row gets the slope of the energy along the step from `pressure`.
@@ -265,9 +259,7 @@ def project(
 
 
 @summing
-def curvature(
-    trial: Array, pressure: Array, trial_displacement: Array, displacement: Array, results: Array
-) -> None:
+def curvature(trial: Array, pressure: Array, trial_displacement: Array, displacement: Array, results: Array) -> None:
     """Write for each row the inner product of a step with the displacement that it makes."""
     for i in range(trial.shape[0]):
         product = 0.0
@@ -278,9 +270,7 @@ def curvature(
 
 
 @exact
-def outside_limits(
-    trial: Array, pressure: Array, factor: float, limit: float, results: Array
-) -> None:
+def outside_limits(trial: Array, pressure: Array, factor: float, limit: float, results: Array) -> None:
     """Write for each row the number of cells that are beyond a limit after `factor` steps."""
     for i in range(trial.shape[0]):
         count = 0
@@ -372,9 +362,7 @@ def interpolated_outside(
 
 
 @exact
-def interpolated_outside_transposed(
-    pressure: Array, active: Array, blocks: Array, begin: int, end: int
-) -> None:
+def interpolated_outside_transposed(pressure: Array, active: Array, blocks: Array, begin: int, end: int) -> None:
     """Gather the pressure outside the active set to blocks: the transpose of :func:`interpolated_outside`."""
     rows, columns = blocks.shape
     full, most, least = blocks.dtype.type(1), blocks.dtype.type(0.75), blocks.dtype.type(0.25)

@@ -59,9 +59,7 @@ def _module(real: str, preconditioner: str) -> Any:
     """Return the compiled kernels for fields of these C types, see :func:`described`; CuPy keeps them on disk."""
     options = f"-DREAL={real}", f"-DPRE={preconditioner}", "-std=c++17"
     source = SOURCE.read_text(encoding="utf-8")
-    return import_module("cupy").RawModule(
-        code=source, options=options, enable_cooperative_groups=True
-    )
+    return import_module("cupy").RawModule(code=source, options=options, enable_cooperative_groups=True)
 
 
 def described(arguments: tuple[Any, ...]) -> tuple[str, str, int, int]:

@@ -28,9 +28,7 @@ MIN_FREE_BYTES = 2**20
 _fcntl: Any = import_module("fcntl") if find_spec("fcntl") else None
 _msvcrt: Any = None if _fcntl else import_module("msvcrt")
 # binary mode, not inherited by child processes, no symbolic links, no waiting for a pipe; as far as the system has them
-OPEN_FLAGS = sum(
-    getattr(os, name, 0) for name in ("O_BINARY", "O_CLOEXEC", "O_NOFOLLOW", "O_NONBLOCK")
-)
+OPEN_FLAGS = sum(getattr(os, name, 0) for name in ("O_BINARY", "O_CLOEXEC", "O_NOFOLLOW", "O_NONBLOCK"))
 # the byte that is locked on Windows: far beyond the content, which stays readable
 LOCKED_BYTE = 2**30
 POLL_SECONDS = 0.1  # seconds between two tries of a lock on Windows

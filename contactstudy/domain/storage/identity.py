@@ -108,11 +108,7 @@ def _of_dataclass(value: Any, memo: Memo) -> Any:
 def _code(code: CodeType) -> tuple[object, ...]:
     """Return what of the code of a function does not depend on its place in a file."""
     constants = (
-        _code(of)
-        if isinstance(of, CodeType)
-        else sorted(map(repr, of))
-        if isinstance(of, frozenset)
-        else repr(of)
+        _code(of) if isinstance(of, CodeType) else sorted(map(repr, of)) if isinstance(of, frozenset) else repr(of)
         for of in code.co_consts
     )
     return code.co_code, code.co_names, tuple(constants)

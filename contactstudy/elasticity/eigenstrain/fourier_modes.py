@@ -165,9 +165,7 @@ class Aliases:
         total = np.zeros((len(components.value), 5, len(self.x)))
         nu = self.moduli.poisson_ratio
         for direction in self._directions():
-            source, layer = (
-                CellLayer.from_ratio(direction.q * thickness) for thickness in thicknesses
-            )
+            source, layer = (CellLayer.from_ratio(direction.q * thickness) for thickness in thicknesses)
             begin, end = (direction.q * top for top in tops)
             sources = _unit_strains(direction, self.moduli)
             tensor = stress_of_other_layer(sources, (source, layer), (begin, end), nu)
@@ -195,9 +193,7 @@ class Aliases:
                 yield WaveDirection(q * unit, side * c * unit, side * (1 - c) * unit, weight / 2)
 
 
-def own_stress(
-    direction: WaveDirection, layer: CellLayer, top: float, moduli: Moduli, components: Components
-) -> Array:
+def own_stress(direction: WaveDirection, layer: CellLayer, top: float, moduli: Moduli, components: Components) -> Array:
     """Return the stress (components, 5, waves) in a `layer` by each of its own unit strains.
 
     `top` [m] is the depth of its upper side.
@@ -209,9 +205,7 @@ def own_stress(
 
 def _unit_strains(direction: WaveDirection, moduli: Moduli) -> Sources:
     """Return the sources of five unit strains, one after another."""
-    return Sources.from_strain(
-        direction.strain(np.eye(5)[..., None] * np.ones(len(direction.q))), moduli
-    )
+    return Sources.from_strain(direction.strain(np.eye(5)[..., None] * np.ones(len(direction.q))), moduli)
 
 
 def rounded(thicknesses: Array) -> list[float]:

@@ -188,9 +188,7 @@ def stress_under_pressure(top: Array, layer: CellLayer, nu: float) -> Tensor:
     return m1 - m0, -2 * nu * m0, -(m0 + m1), m1, zeros, zeros
 
 
-def stress_under_shear(
-    top: Array, layer: CellLayer, nu: float, direction: tuple[Array, Array]
-) -> Tensor:
+def stress_under_shear(top: Array, layer: CellLayer, nu: float, direction: tuple[Array, Array]) -> Tensor:
     """Return the means of the stress over a `layer` under a wave of unit traction along x (waves,), divided by i.
 
     `top` is q times the depth of its upper side, and `direction` is that of n, (c, s). Source: Johnson (1985), sect.
@@ -204,9 +202,7 @@ def stress_under_shear(
     return c * (2 * m0 - m1), (2 * nu) * c * m0, c * m1, c * (m0 - m1), across, across
 
 
-def _layer_stress(
-    sources: Sources, down: Array, up: Array, layers: Sequence[CellLayer], nu: float
-) -> Tensor:
+def _layer_stress(sources: Sources, down: Array, up: Array, layers: Sequence[CellLayer], nu: float) -> Tensor:
     """Return the means of the stress over each layer, by waves and by the layer's own strain.
 
     The waves have the amplitudes `down` at the upper side of each layer and `up` at its lower side.

@@ -88,9 +88,7 @@ class OuterStrain:
 
         By reciprocity they are also the displacement of that cell by the strain in those, per thickness of a layer.
         """
-        xx, zz, xz = stress_means_under_pressure(
-            np.arange(float(self._count)), self.operator.edges_in_cells
-        )
+        xx, zz, xz = stress_means_under_pressure(np.arange(float(self._count)), self.operator.edges_in_cells)
         # under unit pressure on all of the surface, xx = zz = -1
         uniform = -np.ones((len(xx), 1))
         sums = _even_sums(xx, uniform), _even_sums(zz, uniform), _odd_sums(2**0.5 * xz)

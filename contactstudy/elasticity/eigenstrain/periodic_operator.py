@@ -58,13 +58,7 @@ class AntiplaneOperator:
         edges = np.array(self.volume.edges) / self.volume.grid.cell_size[0]
         blocks = 2 * self.moduli.shear * antiplane_means(across, edges)
         spectrum = np.array(
-            [
-                [
-                    real_spectrum(blocks[i, j], is_odd=(i == ODD_SHEAR, j == ODD_SHEAR))
-                    for j in range(2)
-                ]
-                for i in range(2)
-            ]
+            [[real_spectrum(blocks[i, j], is_odd=(i == ODD_SHEAR, j == ODD_SHEAR)) for j in range(2)] for i in range(2)]
         )
         spectrum = spectrum.transpose(4, 0, 2, 1, 3).reshape(-1, 2 * layers, 2 * layers)
         layer_numbers = np.arange(layers)
@@ -177,9 +171,7 @@ class PeriodicOperator:
         along = np.zeros((nx, ny // 2 + 1), dtype=np.complex128)
         along[:, 0] = ny * mean[:, 0]
         for group, waves in self._grouped(strain):
-            displacement = fft.ifft(
-                group.waves.residual_displacement(waves), axis=0, workers=threads()
-            )
+            displacement = fft.ifft(group.waves.residual_displacement(waves), axis=0, workers=threads())
             along[group.window, group.orders] = displacement[group.around_window]
         return np.asarray(fft.irfft(along, ny, axis=-1))
 

@@ -160,9 +160,7 @@ class PlaneStrainOperator:
             tensor[1] -= self.moduli.youngs_modulus * PLANE_STRAIN_BASIS[1, 1] * out_of_plane
         return tensor
 
-    def _stress_of_traction(
-        self, traction: Array, kind: TractionKernel = stress_means_under_pressure
-    ) -> Array:
+    def _stress_of_traction(self, traction: Array, kind: TractionKernel = stress_means_under_pressure) -> Array:
         """Return the in-plane stress (3, layers, x, 1) [Pa] under a `traction` (x, 1) [Pa], pressure or shear."""
         padded = self._padded_grid
         waves = self._spectrum_of(kind) * fft.rfft(traction[:, 0], padded)
@@ -170,9 +168,7 @@ class PlaneStrainOperator:
 
     def _negative_residual(self, strain: Array) -> Array:
         """Return minus the in-plane residual stress (3, layers, x, 1) [Pa] of plastic `strain`."""
-        return convolved(self._spectrum_and_blocks[0], self.in_plane(strain)[..., 0], ODD)[
-            ..., None
-        ]
+        return convolved(self._spectrum_and_blocks[0], self.in_plane(strain)[..., 0], ODD)[..., None]
 
     @property
     def _padded_grid(self) -> int:

@@ -32,9 +32,7 @@ QUADRATURE_ERROR = 1e-17
 STRIPS, STRIPS_END = 15, 7.2
 
 
-def boussinesq_cell_periodic(
-    x: ArrayLike, y: ArrayLike, dx: ArrayLike, dy: ArrayLike, period: ArrayLike
-) -> Array:
+def boussinesq_cell_periodic(x: ArrayLike, y: ArrayLike, dx: ArrayLike, dy: ArrayLike, period: ArrayLike) -> Array:
     """Return the integral of 1/r over a cell repeated infinitely along y, less its divergent rigid-body motion.
 
     ``S = lim_M [ sum_{|m| <= M} I(x, y + m L) - (2 dx dy / L) ln((2 M + 1) L) ]`` with I that of
@@ -79,9 +77,7 @@ def _row_of_cells(x: Array, y: Array, dx: float, dy: float, period: float) -> Ar
     x, y = np.abs(x), np.fmod(np.abs(y), period)
     y = np.minimum(y, period - y)
     if dy == period:  # nothing varies along y: plane strain
-        return np.asarray(
-            _log_mean(*np.broadcast_arrays(x + 0.0 * y, dx / 2)) * (-2 * dx * dy / period)
-        )
+        return np.asarray(_log_mean(*np.broadcast_arrays(x + 0.0 * y, dx / 2)) * (-2 * dx * dy / period))
     x, y = column_and_row(x, y)
     mean = _mean_over_cell(x, y, np.full((1,) * x.ndim, dx / 2), dy / 2, period)
     mean *= dx * dy / period
@@ -95,9 +91,7 @@ def column_and_row(x: Array, y: Array) -> tuple[Array, Array]:
     """
     shape = np.broadcast_shapes(x.shape, y.shape)
     last_x = max((k + len(shape) - x.ndim for k, n in enumerate(x.shape) if n != 1), default=-1)
-    first_y = min(
-        (k + len(shape) - y.ndim for k, n in enumerate(y.shape) if n != 1), default=len(shape)
-    )
+    first_y = min((k + len(shape) - y.ndim for k, n in enumerate(y.shape) if n != 1), default=len(shape))
     if last_x < first_y:
         return x.reshape(-1, 1), y.reshape(1, -1)
     flat_x, flat_y = (np.broadcast_to(a, shape).ravel() for a in (x, y))
@@ -123,9 +117,7 @@ def _mean_over_cell(x: Array, y: Array, half_x: Array, half_y: float, period: fl
     }
     for form, rows in forms.items():
         if rows.any():
-            result[rows] = form(
-                x[rows], _for_rows(y, rows), _for_rows(half_x, rows), half_y, period
-            )
+            result[rows] = form(x[rows], _for_rows(y, rows), _for_rows(half_x, rows), half_y, period)
     return result
 
 
@@ -153,9 +145,7 @@ def _images(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> 
     terms = int(np.log(QUADRATURE_ERROR) / (2 * np.log(reach / (images + 1)))) + 1
     powers_x = even_powers(x / period, half_x / period, images, terms)
     powers_y = even_powers(y / period, np.array(half_y / period), images, terms).T
-    total += sum_of_products(
-        powers_x, matrix_product(further_images(images, terms), powers_y), total.shape
-    )
+    total += sum_of_products(powers_x, matrix_product(further_images(images, terms), powers_y), total.shape)
     total -= 2 * np.log(2 * period)
     return total
 
@@ -216,9 +206,7 @@ def harmonics_across(x: Array, half_x: Array | float, period: float) -> Array:
     """Return ``4 K0(2 pi j x / L)`` averaged over a segment about each x, shape (x, j = 1, 2 ...)."""
     # fewer harmonics are left farther from the axis
     inner = float(np.fmin.reduce((x - half_x) / period, axis=None, initial=FOURIER_END))
-    wave = (
-        2 * np.pi / period * np.arange(1, int(np.ceil(FOURIER_TERMS * FOURIER_START / inner)) + 1)
-    )
+    wave = 2 * np.pi / period * np.arange(1, int(np.ceil(FOURIER_TERMS * FOURIER_START / inner)) + 1)
     away = float(np.fmin.reduce(x / half_x, axis=None, initial=np.inf))
     nodes, weights = np.array(gauss_points(away)).T
     places = x.reshape(-1, 1) + np.reshape(half_x, (-1, 1)) * nodes

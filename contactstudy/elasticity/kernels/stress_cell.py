@@ -143,9 +143,7 @@ def _xx_point(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
 def _xx_corner(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
     """Return the integral over x and y of 2 pi times the stress xx under a unit force."""
     lateral = (1 - 2 * nu) * second_derivative_log(x, y, z, r)
-    return np.asarray(
-        2 * nu * _angle(x, y, z, r) + _second_derivative_inverse(x, y, z, r) - lateral
-    )
+    return np.asarray(2 * nu * _angle(x, y, z, r) + _second_derivative_inverse(x, y, z, r) - lateral)
 
 
 def _xy_point(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
@@ -249,9 +247,7 @@ def sign(offset: Array, parity: int) -> Array | float:
     return np.sign(offset) if parity < 0 else 1.0
 
 
-def _corners(
-    field: KernelFunction, x: Array, y: Array, z: float, dx: float, dy: float, poisson_ratio: float
-) -> Array:
+def _corners(field: KernelFunction, x: Array, y: Array, z: float, dx: float, dy: float, poisson_ratio: float) -> Array:
     """Return the integral of a field over a cell, as the difference of its `corner` field at the four corners."""
     total = np.zeros(x.shape)
     for side in (1, -1):

@@ -217,9 +217,7 @@ def stress_cell_doubly_periodic(
     last = int(np.ceil(PLANE_STRAIN_PERIODS * period / width)) + 1
     far = [side * m for m in range(last, 1, -1) for side in (1, -1)]
     points = LATTICE_INTERPOLATED, LATTICE_INTERPOLATED
-    total = _smooth(
-        lambda u, v: rows(u, v, far), x, y, (width / 2, period / 2), points, component.parity
-    )
+    total = _smooth(lambda u, v: rows(u, v, far), x, y, (width / 2, period / 2), points, component.parity)
     total += rows(x, y, [1, -1, 0])
     strips = plane_strain(component, _strips(x, z, dx, width), poisson_ratio)
     confined = (1 - 2 * poisson_ratio) / (1 - poisson_ratio) * dx / width

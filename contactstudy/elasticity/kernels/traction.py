@@ -146,6 +146,4 @@ for _name, _parity, _point, _corner, _plane in (
     ("xx", (1, 1), lambda x, y, z, r, nu: x * x / r**3, _moment, lambda s, nu: s.mean_width),
     ("xy", (-1, -1), lambda x, y, z, r, nu: x * y / r**3, lambda x, y, z, r, nu: -r, _zero),
 ):
-    SURFACE[_name] = CellKernel(
-        f"{_name} on the surface", _parity, _point, _corner, _plane, SWAPPED[_name], SURFACE
-    )
+    SURFACE[_name] = CellKernel(f"{_name} on the surface", _parity, _point, _corner, _plane, SWAPPED[_name], SURFACE)

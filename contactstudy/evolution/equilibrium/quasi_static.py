@@ -79,9 +79,7 @@ def follow_load(
         if any(map(creeps, scene.solids)):
             check_slow("Scene.rolling", speed, load, scene.hertz)
         elastic = replace(scene, rolling=None, solids=instantaneous(scene.solids))
-    adhesive_solver = (
-        None if scene.adhesion is None else _under(elastic, first).problem(grid, padding).adhesion
-    )
+    adhesive_solver = None if scene.adhesion is None else _under(elastic, first).problem(grid, padding).adhesion
     assert adhesive_solver is None or isinstance(adhesive_solver, AdhesiveSolver)
     largest = replace(elastic, load=LineLoad(load.largest)).problem(grid, padding)
     frames: list[Frame] = []
@@ -89,9 +87,7 @@ def follow_load(
     last: Solution | None = None
     for point in breakpoints:
         jumps = point.jumps and point is not breakpoints[0]
-        loads = (
-            (point.before, point.after) if jumps else (point.after,) * max(1, point.times_recorded)
-        )
+        loads = (point.before, point.after) if jumps else (point.after,) * max(1, point.times_recorded)
         for number, value in enumerate(loads):
             # a jump that is recorded once is recorded after it
             is_recorded = number >= len(loads) - point.times_recorded
@@ -105,14 +101,10 @@ def follow_load(
                 rolling = solve_rolling(_under(scene, value), grid, padding, options=options)
                 last = rolling.solution
             else:
-                last = _next_solution(
-                    _problem_under(largest, elastic, value, adhesive_solver), last, options
-                )
+                last = _next_solution(_problem_under(largest, elastic, value, adhesive_solver), last, options)
                 if speed is not None:  # elastic bodies, which roll without resistance
                     lagged = LaggedSolution(last, 0.0, 1, last.iterations, last.convolutions)
-                    rolling = SteadyRolling(
-                        lagged, {}, partial(solve_rolling, scene, padding=padding)
-                    )
+                    rolling = SteadyRolling(lagged, {}, partial(solve_rolling, scene, padding=padding))
             since_recorded.append(frame_in_equilibrium(point.time, value, last, rolling))
             if is_recorded:
                 frames.append(_with_work_of(since_recorded))
@@ -131,9 +123,7 @@ def _under(scene: Scene, load: float) -> Scene:
     return replace(scene, load=LineLoad(load), adhesion=adhesion)
 
 
-def _problem_under(
-    problem: Problem, scene: Scene, load: float, solver: AdhesiveSolver | None
-) -> Problem:
+def _problem_under(problem: Problem, scene: Scene, load: float, solver: AdhesiveSolver | None) -> Problem:
     """Return `problem` under a `load` [N/m], with the operator and the adhesive `solver` of all instants."""
     posed = problem.description
     assert isinstance(posed, PosedScene)
@@ -155,9 +145,7 @@ def _next_solution(problem: Problem, last: Solution | None, options: SolveOption
     return solve_contact(problem, options, start)
 
 
-def frame_in_equilibrium(
-    time: float, load: float, solution: Solution, rolling: SteadyRolling | None
-) -> Frame:
+def frame_in_equilibrium(time: float, load: float, solution: Solution, rolling: SteadyRolling | None) -> Frame:
     """Return a solution at a time [s] under a load [N/m] as a recorded instant, with its resistance where it rolls."""
     solves = 1 if rolling is None else rolling.lagged.outer_iterations
     if solution.adhesion is not None:
@@ -177,9 +165,7 @@ def _with_work_of(contacts: Sequence[Frame]) -> Frame:
     )
 
 
-def net_work(
-    frames: Sequence[Frame], approach_errors: Sequence[float], load: AnyLoad
-) -> tuple[float, float, str]:
+def net_work(frames: Sequence[Frame], approach_errors: Sequence[float], load: AnyLoad) -> tuple[float, float, str]:
     """Return the net work of the load in a history [J/m], the bound of its error, and why that is infinite where it is.
 
     It is the integral of the load over the approach: the hysteresis loss where the history ends at the load and on the
@@ -206,9 +192,7 @@ def net_work(
         loads = _loads_between(a, b, load)
         variation, change = sum(abs(y - x) for x, y in pairwise(loads)), abs(b.load - a.load)
         if variation - change > ROUNDING * largest:
-            reason = (
-                reason or "No bound: the load turns between two instants: record where it turns."
-            )
+            reason = reason or "No bound: the load turns between two instants: record where it turns."
         work += (a.load + b.load) / 2 * (b.approach - a.approach)
         error += abs(change * (b.approach - a.approach)) / 2
         error += change / 2 * (approach_errors[number] + approach_errors[number + 1])

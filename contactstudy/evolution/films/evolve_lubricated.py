@@ -202,9 +202,7 @@ class _Films(Method["_FilmStepper"]):
         """Return the film after a step to `end` [s]."""
         return state.advanced(end)
 
-    def accept(
-        self, before: object, middle: object, after: "tuple[_FilmStepper, _FilmStepper | None]"
-    ) -> float:
+    def accept(self, before: object, middle: object, after: "tuple[_FilmStepper, _FilmStepper | None]") -> float:
         """Keep the difference of a pair of steps to one of twice the length."""
         fine, coarse = after
         if coarse is not None:
@@ -304,9 +302,7 @@ class _FilmStepper:
         middle = speed(self.time + length / 2)
         distance = self.distance + length * (speed(self.time) + 4 * middle + speed(end)) / 6
         load = self.scene.load
-        load_before = (
-            load.before(end) if isinstance(load, ChangingLoad) else self.scene.largest_load
-        )
+        load_before = load.before(end) if isinstance(load, ChangingLoad) else self.scene.largest_load
         now = self._posed_at(end, distance, load_before)
         equation, step = now.equation, length / self.time_unit
         expected = self._expected(now, end / self.time_unit)
@@ -326,12 +322,8 @@ class _FilmStepper:
         content = equation.content(last.film)
         instant = _Instant(end / self.time_unit, last.film, content, last, rate)
         from_axis = np.abs(now.x)
-        inside = (from_axis < 1) | (
-            from_axis == from_axis.min()
-        )  # one of the coarsest cells at least
-        change = np.abs(
-            last.film.thickness - self._extrapolated(end / self.time_unit, "thickness")
-        )[inside].mean()
+        inside = (from_axis < 1) | (from_axis == from_axis.min())  # one of the coarsest cells at least
+        change = np.abs(last.film.thickness - self._extrapolated(end / self.time_unit, "thickness"))[inside].mean()
         error = 0.0
         if len(self.past) > 2:
             error = TUNING.step_error * float(change / last.film.thickness[inside].mean())

@@ -88,9 +88,7 @@ class Checkpoint:
         if stored_identity[0] != identity["request"]:
             what = "the integration of another scene, grid or request"
         if stored_identity != list(identity.values()):
-            raise InvalidInput(
-                f"solve.folder is {str(self.folder)!r}, which holds {what}: give another folder."
-            )
+            raise InvalidInput(f"solve.folder is {str(self.folder)!r}, which holds {what}: give another folder.")
 
     @contextmanager
     def _report_damage(self) -> Iterator[None]:

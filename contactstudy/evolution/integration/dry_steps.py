@@ -65,9 +65,7 @@ class Errors:
         Error of the states after the last doubled step, in the unit of their size.
     """
 
-    by_steps: Mapping[str, float] = field(
-        default_factory=lambda: dict.fromkeys(NAMES_OF_ERRORS, 0.0)
-    )
+    by_steps: Mapping[str, float] = field(default_factory=lambda: dict.fromkeys(NAMES_OF_ERRORS, 0.0))
     inside: Mapping[str, float] = field(default_factory=lambda: dict.fromkeys(NAMES_OF_ERRORS, 0.0))
     step: float = 0.0
     largest_by_cells: float = 0.0
@@ -110,9 +108,7 @@ class DrySteps(Method[Instant]):
         """Return the contact after the jump of the load at its time in so many increments."""
         return self.stepper.jump(state, increments)
 
-    def error(
-        self, before: tuple[Instant, Instant], middle: Instant, after: tuple[Instant, Instant]
-    ) -> float:
+    def error(self, before: tuple[Instant, Instant], middle: Instant, after: tuple[Instant, Instant]) -> float:
         """Return by how much a pair of steps raises the time-discretisation error."""
         if after[0].change == inf:
             return inf
@@ -122,9 +118,7 @@ class DrySteps(Method[Instant]):
         total = self._error_over_difference(step) * float(np.abs(change).sum())
         return max(self._relative(total, after[0], before[0]), of_states)
 
-    def accept(
-        self, before: Instant, middle: Instant, after: tuple[Instant, Instant | None]
-    ) -> float:
+    def accept(self, before: Instant, middle: Instant, after: tuple[Instant, Instant | None]) -> float:
         """Keep the errors of a pair of steps or a jump, and return the largest error in L1."""
         (fine, coarse), errors = after, self.errors
         for instant in {id(one): one for one in (middle, fine, coarse) if one}.values():
@@ -195,8 +189,7 @@ class DrySteps(Method[Instant]):
         decay = exp(min(time - fine.time, 0.0) / self.stepper.longest_retardation_time)
         sizes = np.abs(fine.pressure - coarse.pressure) * self._error_over_difference(step)
         total, largest = (
-            max(float(size), decay * error)
-            for size, error in zip((sizes.sum(), sizes.max()), earlier, strict=True)
+            max(float(size), decay * error) for size, error in zip((sizes.sum(), sizes.max()), earlier, strict=True)
         )
         if self.stepper.creep_ends_within(step):
             self.errors.after_stiff_step = fine.time, total, largest

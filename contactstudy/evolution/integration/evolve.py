@@ -67,17 +67,14 @@ def state_variables(scene: Scene, datum: float) -> tuple[StateVariable, ...]:
         Distance [m] at which the displacement of a body is zero, as in its ``response``.
     """
     scene_variables: list[StateVariable] = [
-        CreepState(body.creep.scaled(1 / pi), BoussinesqCoefficients(datum))
-        for body in creeping(scene.solids)
+        CreepState(body.creep.scaled(1 / pi), BoussinesqCoefficients(datum)) for body in creeping(scene.solids)
     ]
     if scene.wear is not None and scene.wear.rate_per_pressure > 0:
         scene_variables.append(WearState(scene.wear.rate_per_pressure, scene.wear.body))
     return tuple(scene_variables)
 
 
-def coupled_state_variable(
-    scene: Scene, problem: Problem, options: SolveOptions
-) -> CoupledStateVariable | None:
+def coupled_state_variable(scene: Scene, problem: Problem, options: SolveOptions) -> CoupledStateVariable | None:
     """Return the state variable of plastic strain of the bodies that yield; None if none yields.
 
     Parameters
@@ -230,9 +227,7 @@ def _frames(march: March[Instant], steps: DrySteps, checkpoint: Checkpoint | Non
                 checkpoint.write(FRAME_FILE.format(len(frames)), frame)
             frames.append(frame)
         if checkpoint is not None and march.can_go_on:
-            fine, coarse = (
-                one and replace(one, kept=(), replaced=()) for one in (march.fine, march.coarse)
-            )
+            fine, coarse = (one and replace(one, kept=(), replaced=()) for one in (march.fine, march.coarse))
             assert fine is not None
             saved = _Saved(
                 fine,

@@ -114,9 +114,7 @@ class Instant:
 
     def after(self, before: "Instant", *replaced: Solution) -> "Instant":
         """Return this instant with the contacts on the way to that `before` too, and with those `replaced`."""
-        return replace(
-            self, kept=before.kept + self.kept, replaced=replaced + before.replaced + self.replaced
-        )
+        return replace(self, kept=before.kept + self.kept, replaced=replaced + before.replaced + self.replaced)
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,8 +159,7 @@ class TimeStepper:
     def is_half_order(self, step: float) -> bool:
         """Return whether the order after a `step` [s] may be 1/2, as where wear begins, by wear, slip or stiff creep."""
         return self.creep_ends_within(step) or any(
-            variable.has_stages or isinstance(variable, IteratedStateVariable)
-            for variable in self.state_variables
+            variable.has_stages or isinstance(variable, IteratedStateVariable) for variable in self.state_variables
         )
 
     def creep_ends_within(self, step: float) -> bool:
@@ -184,9 +181,7 @@ class TimeStepper:
     @property
     def depends_on_path(self) -> bool:
         """True if a state depends on every turn of the load, as plastic strain and the traction of fretting do."""
-        return self.coupled is not None or any(
-            isinstance(one, IteratedStateVariable) for one in self.state_variables
-        )
+        return self.coupled is not None or any(isinstance(one, IteratedStateVariable) for one in self.state_variables)
 
     def iterated(self, *instants: Instant) -> list[tuple[IteratedStateVariable, list[State]]]:
         """Return each iterated state variable with its state at each of `instants`."""
@@ -233,11 +228,7 @@ class TimeStepper:
         """
         after = self._stages(instant, end, load)
         coupled = self.coupled
-        if (
-            not max_halvings
-            or coupled is None
-            or not coupled.has_onset_of_yield(instant.states[-1], after.states[-1])
-        ):
+        if not max_halvings or coupled is None or not coupled.has_onset_of_yield(instant.states[-1], after.states[-1]):
             return after
         time = (instant.time + end) / 2
         half = self.load.at(time) if instant.time < end else (instant.load + load) / 2
@@ -352,9 +343,7 @@ class TimeStepper:
             variable.next_iterate(state, after, self.options.tolerance)
             if isinstance(variable, IteratedStateVariable)
             else state
-            for variable, state, after in zip(
-                self.all_state_variables, instant.states, found, strict=True
-            )
+            for variable, state, after in zip(self.all_state_variables, instant.states, found, strict=True)
         )
         if all(new is previous for new, previous in zip(states, instant.states, strict=True)):
             return instant
@@ -373,9 +362,7 @@ class TimeStepper:
         problem = self._problem_under(weights, local, step.loads[1], self.problem)
         source = self.problem.source
         if isinstance(source, ShapesSource):
-            source = source.with_problem_step(
-                partial(self._problem_under, weights, local, step.loads[1])
-            )
+            source = source.with_problem_step(partial(self._problem_under, weights, local, step.loads[1]))
         adhesion = self.problem.adhesion
         if adhesion is not None and instant.adhesion is not None:
             adhesion = adhesion.continued(instant.adhesion.attraction)

@@ -368,9 +368,7 @@ def _single_yielding_body(scene: Scene) -> YieldingBody:
     """Return the one yielding body of `scene`; refuse a load that changes, wear, creep, and none or two such bodies."""
     if scene.wear is not None or not isinstance(scene.load, ConstantLoad):
         change, remedy = ("wear", "leave it out") if scene.wear else ("load", "give a LineLoad")
-        raise InvalidInput(
-            f"Scene.{change} changes in time together with repeated rolling: {remedy}."
-        )
+        raise InvalidInput(f"Scene.{change} changes in time together with repeated rolling: {remedy}.")
     bodies = YieldingBody.in_scene(scene)
     if len(bodies) != 1 or any(map(creeps, scene.solids)):
         raise InvalidInput(

@@ -120,8 +120,7 @@ class SteadyRolling:
             return 0.0
         change = abs(self.coarse.resistance_coefficient - self.resistance_coefficient)
         return (
-            CHANGE_FACTOR * change / abs(self.resistance_coefficient)
-            + PRESSURE_FACTOR * self._pressure_errors.l1.total
+            CHANGE_FACTOR * change / abs(self.resistance_coefficient) + PRESSURE_FACTOR * self._pressure_errors.l1.total
         )
 
     @cached_property
@@ -137,9 +136,7 @@ class SteadyRolling:
         if status is Status.NOT_CONVERGED:
             change, reason = inf, f"No bound: {status}"
         parts: dict[str, Any] = {
-            name: replace(
-                part, residual=(part.residual or 0.0) + change, reason=part.reason or reason
-            )
+            name: replace(part, residual=(part.residual or 0.0) + change, reason=part.reason or reason)
             for name, part in estimate
         }
         warnings = (*filter(None, (reason,)), *estimate.warnings)
@@ -207,9 +204,7 @@ def solve_rolling(
             operator=superposed(symmetric_weights, problem.grid, padding),
             friction=None
             if friction is None
-            else friction.solver(
-                scene, problem.undeformed_gap, problem.grid, paddings, scene.datum(problem.grid)
-            ),
+            else friction.solver(scene, problem.undeformed_gap, problem.grid, paddings, scene.datum(problem.grid)),
         )
 
     source = problem.source
@@ -236,9 +231,7 @@ def solve_rolling(
         status = worst([last.status, sheared.status])
         lagged = replace(
             lagged,
-            solution=replace(
-                sheared, status=status, residual=largest_of(last.residual, sheared.residual)
-            ),
+            solution=replace(sheared, status=status, residual=largest_of(last.residual, sheared.residual)),
             outer_iterations=lagged.outer_iterations + 1,
             iterations=lagged.iterations + sheared.iterations,
             convolutions=lagged.convolutions + sheared.convolutions,

@@ -62,9 +62,7 @@ class FixedContact:
         """Return None, since the pressure does not change."""
 
 
-def rolling_contact(
-    problem: Problem, options: SolveOptions, kind: RollingPressure
-) -> ContactWithAddedGap:
+def rolling_contact(problem: Problem, options: SolveOptions, kind: RollingPressure) -> ContactWithAddedGap:
     """Return the contact that rolls, with the elastic `problem` as its first solution.
 
     Parameters
@@ -99,9 +97,7 @@ class DepthProfile:
 
     def deeper(self, layers: int) -> "DepthProfile":
         """Return the profile with `layers` layers in all; the added ones have not yielded."""
-        return DepthProfile(
-            with_zero_layers(self.strain, layers), with_zero_layers(self.equivalent, layers)
-        )
+        return DepthProfile(with_zero_layers(self.strain, layers), with_zero_layers(self.equivalent, layers))
 
 
 def with_zero_layers(field: Array, layers: int) -> Array:
@@ -167,12 +163,8 @@ class Track:
         """
         strain, equivalent = np.roll(self.strain, -1, axis=2), np.roll(self.equivalent, -1, axis=1)
         strain[:, :, -1, 0], equivalent[:, -1, 0] = self.front.strain, self.front.equivalent
-        mean_strain_behind = self.mean_strain_behind + weight * (
-            self.left_profile.strain - self.mean_strain_behind
-        )
-        return replace(
-            self, strain=strain, equivalent=equivalent, mean_strain_behind=mean_strain_behind
-        )
+        mean_strain_behind = self.mean_strain_behind + weight * (self.left_profile.strain - self.mean_strain_behind)
+        return replace(self, strain=strain, equivalent=equivalent, mean_strain_behind=mean_strain_behind)
 
     def solve_step(
         self, contact: ContactWithAddedGap, tolerance: float, length: float
@@ -214,9 +206,7 @@ class Track:
             volume = operator.volume
             if not flow[-1].any():
                 break
-            deeper_volume = enlarged(
-                replace(volume, first=0, last=volume.grid.cells[0]), length, flow > 0
-            )
+            deeper_volume = enlarged(replace(volume, first=0, last=volume.grid.cells[0]), length, flow > 0)
             track = track.deeper(deeper_volume)
         (strain,) = bodies.split(step.strain)
         return replace(track, strain=strain, equivalent=track.equivalent + flow), step

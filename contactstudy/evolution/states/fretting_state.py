@@ -218,15 +218,11 @@ class FrettingState:
         if self.creep is None:
             return carried, self.response
         delayed, _ = self.creep.hereditary_terms(state, carried, 0.0)
-        still_delayed, compliance_change = self.creep.hereditary_terms(
-            state, carried, step.duration
-        )
+        still_delayed, compliance_change = self.creep.hereditary_terms(state, carried, step.duration)
         carried = (carried + delayed - still_delayed) / (1 + compliance_change)
         return carried, self.response.scaled(1 + compliance_change)
 
-    def _locked(
-        self, shear: Array, before: Array, after: Array, slope: float
-    ) -> tuple[Array, Array]:
+    def _locked(self, shear: Array, before: Array, after: Array, slope: float) -> tuple[Array, Array]:
         """Return the traction (2, x, y) [Pa] that slip is counted from, with what is locked in, and its error (x, y).
 
         Unless tangential and normal compliances are proportional, the locked-in traction is not proportional to the
@@ -289,9 +285,7 @@ class FrettingState:
         plane = ("x", "y")
         fields = {
             "slip_distance": Field(plane, state["slip_distance"], "m", "distance slipped so far"),
-            "friction_energy": Field(
-                plane, state["energy"], "J m-2", "energy lost to friction so far per area"
-            ),
+            "friction_energy": Field(plane, state["energy"], "J m-2", "energy lost to friction so far per area"),
         }
         if self.wear:
             fields["wear_depth"] = Field(plane, state["wear_depth"], "m", "wear depth")
@@ -327,9 +321,7 @@ class FrettingState:
         return self.wear > 0
 
 
-def _slip_distance(
-    solved: SlipStep, response: ShearResponse, reference: Array, before: Array, after: Array
-) -> Array:
+def _slip_distance(solved: SlipStep, response: ShearResponse, reference: Array, before: Array, after: Array) -> Array:
     """Return the distance (x, y) [m] slipped in a step; where contact is lost, that up to the loss."""
     slip = np.where(solved.stick, 0.0, np.hypot(*solved.slip))
     released = (before > 0) & (after == 0)

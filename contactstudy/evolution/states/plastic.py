@@ -47,9 +47,7 @@ MAX_OUTER_ITERATIONS = 50
 # Statuses of a contact that stopped before its tolerance.
 STOPPED_EARLY = (Status.PRECISION_LIMIT, Status.STALLED, Status.ITERATION_LIMIT)
 # At the edge of the contact the stress has a logarithmic or stronger peak below the size of any cell.
-NEAR_EDGE = {
-    "comment": "at the surface near the edge of the contact it does not converge with finer cells"
-}
+NEAR_EDGE = {"comment": "at the surface near the edge of the contact it does not converge with finer cells"}
 
 
 @dataclass(frozen=True)
@@ -120,9 +118,7 @@ class PlasticState:
         state: dict[str, Array] = {"flow": np.zeros(1)}
         for body, operator in zip(self.bodies, self.operators, strict=True):
             cells = operator.volume.shape
-            state |= _body_state(
-                body, np.zeros((len(operator.basis), *cells)), np.zeros(cells), operator.volume
-            )
+            state |= _body_state(body, np.zeros((len(operator.basis), *cells)), np.zeros(cells), operator.volume)
         return state
 
     def solve_step(
@@ -219,9 +215,7 @@ class PlasticState:
         stresses = [self._stress_of_traction(body, part, solution) for body, part in parts]
         return bodies.concatenated(stresses)
 
-    def _stress_of_traction(
-        self, body: YieldingBody, operator: EigenstrainOperator, solution: Solution
-    ) -> Array:
+    def _stress_of_traction(self, body: YieldingBody, operator: EigenstrainOperator, solution: Solution) -> Array:
         """Return the stress (C, layers, x, y) [Pa] in one body by the tangential traction along x.
 
         The traction of the `solution` is that on the first body; on the second it is reversed.
@@ -305,9 +299,7 @@ class PlasticState:
             depth_suffix = suffix or f"_{body.index}" * bool(self.elastic.problem.outputs)
             wide = self._across_grid(number)
             volume = wide.volume
-            strains, equivalents = zip(
-                *(_embedded_state(state, body, volume) for state in states), strict=True
-            )
+            strains, equivalents = zip(*(_embedded_state(state, body, volume) for state in states), strict=True)
             residual = np.stack([wide.residual_stress_tensor(strain) for strain in strains])
             tensors = np.einsum("ct,ncl...->ntl...", wide.basis, np.stack(strains))
             layer = (f"z{depth_suffix}",)

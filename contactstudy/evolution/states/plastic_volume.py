@@ -40,9 +40,7 @@ def layers(grid: Grid, length: float, depth: float) -> tuple[float, ...]:
     return (*edges, edges[-1] + thickness)
 
 
-def first_volume(
-    grid: Grid, length: float, pressure: Array, yield_ratio: Callable[[Volume], Array]
-) -> Volume:
+def first_volume(grid: Grid, length: float, pressure: Array, yield_ratio: Callable[[Volume], Array]) -> Volume:
     """Return the cells below an elastic contact that may yield.
 
     They reach down to a layer in which the von Mises stress is below `NEAR_YIELD` of the yield stress, or, if it is so

@@ -223,13 +223,9 @@ class CreepState:
     def contribution(self, state: State, pressure: Array, step: Step) -> Contribution:
         """Return the hereditary term of past pressures, and the compliance for the pressure at the end of the step."""
         weighted, compliance = self.hereditary_terms(state, pressure, step.duration)
-        return Contribution(
-            convolved={self.coefficients: weighted}, compliance={self.coefficients: compliance}
-        )
+        return Contribution(convolved={self.coefficients: weighted}, compliance={self.coefficients: compliance})
 
-    def hereditary_terms(
-        self, state: State, pressure: Array, duration: float
-    ) -> tuple[Array, float]:
+    def hereditary_terms(self, state: State, pressure: Array, duration: float) -> tuple[Array, float]:
         """Return the past pressures times their creep compliance after a `duration` [s], and the compliance of the next.
 
         Parameters

@@ -204,11 +204,7 @@ def _film(ax: Axes, contact: xr.Dataset) -> None:
     for number, (name, unit, label, style) in enumerate(scales):
         beside = ax.twinx()
         # in the unit of the film in the contact, which is hundreds of times as thick beside it
-        shown = (
-            inside[name].where(inside["film"] < 8 * inside["film"].min())
-            if name == "film"
-            else inside[name]
-        )
+        shown = inside[name].where(inside["film"] < 8 * inside["film"].min()) if name == "film" else inside[name]
         values, up = in_display_unit(shown, unit, label)
         beside.plot(x, values, label=label, **style)
         beside.set_ylim(bottom=0)

@@ -81,9 +81,7 @@ def film_evolution_picture(evolved: xr.Dataset) -> Figure:
 
 def passes_picture(rolled: xr.Dataset) -> Figure:
     """Draw residual stress and plastic strain against depth after some passes, the first dark, the last bright."""
-    chosen = np.unique(
-        np.linspace(0, rolled.sizes["pass_number"] - 1, PROFILES).round().astype(int)
-    )
+    chosen = np.unique(np.linspace(0, rolled.sizes["pass_number"] - 1, PROFILES).round().astype(int))
     colors: Any = mpl.colormaps["viridis"](np.linspace(0, 0.9, len(chosen)))
     depth, down = in_display_unit(rolled["z"], "m", "depth")
     factor, pressure_unit = display_unit_of(abs(rolled["residual_stress"]), "Pa")
@@ -104,9 +102,7 @@ def passes_picture(rolled: xr.Dataset) -> Figure:
         return finish(figure, rolled)
 
 
-def _lines(
-    ax: Axes, evolved: xr.Dataset, name: str, scale: tuple[float, str] | None = None
-) -> None:
+def _lines(ax: Axes, evolved: xr.Dataset, name: str, scale: tuple[float, str] | None = None) -> None:
     """Draw a variable across the middle of the length at some instants, the first dark, the last bright.
 
     The `scale` is the value of one unit and its name; None chooses it.

@@ -44,9 +44,7 @@ class Picture(Figure):
         return file.getvalue()
 
 
-def panels(
-    count: int, *, columns: int = 3, width: float = 3.4, height: float = 3.2
-) -> tuple[Figure, list[Axes]]:
+def panels(count: int, *, columns: int = 3, width: float = 3.4, height: float = 3.2) -> tuple[Figure, list[Axes]]:
     """Return a figure with `count` panels of `width` by `height` in inches, and the panels."""
     columns = min(columns, count)
     rows = -(-count // columns)
@@ -69,9 +67,7 @@ def name_axes(ax: Axes, across: str, up: str, title: str) -> None:
     ax.set(xlabel=across, ylabel=up, title=title)
 
 
-def draw_map(
-    ax: Axes, x: ArrayLike, y: ArrayLike, values: Any, names: tuple[str, str, str], **look: Any
-) -> None:
+def draw_map(ax: Axes, x: ArrayLike, y: ArrayLike, values: Any, names: tuple[str, str, str], **look: Any) -> None:
     """Draw `values` (y, x) as colours with their bar, and name both axes and the panel."""
     style: dict[str, Any] = {"cmap": "viridis", "shading": "nearest", "rasterized": True}
     mesh = ax.pcolormesh(x, y, values, **(style | look))
@@ -101,11 +97,7 @@ def label_logarithmic(axis: Axis) -> None:
     if isinstance(axis.get_minor_locator(), NullLocator):
         return
     own = axis.get_major_formatter()
-    text = (
-        own
-        if isinstance(own, FuncFormatter)
-        else FuncFormatter(lambda x, _: number_text(x, low, high))
-    )
+    text = own if isinstance(own, FuncFormatter) else FuncFormatter(lambda x, _: number_text(x, low, high))
     axis.set_major_formatter(text)
     if high < 5 * low:
         axis.set_major_locator(MaxNLocator(4, steps=[1, 2, 5, 10]))
@@ -154,6 +146,4 @@ def add_legend(figure: Figure, title: str = "") -> None:
     columns = -(-len(entries) // rows)
     figure.set_figheight(figure.get_figheight() + 0.2 * (rows - 1))
     style = {"title": title or None, "title_fontsize": "small", "alignment": "left"}
-    figure.legend(
-        entries.values(), entries.keys(), loc="outside lower left", ncols=columns, **style
-    )
+    figure.legend(entries.values(), entries.keys(), loc="outside lower left", ncols=columns, **style)

@@ -24,9 +24,7 @@ def surface_picture(surface: MeasuredSurface, *, raw: bool = False) -> Figure:
         _profiles(axes[-1], surface)
         figure.suptitle(fill(surface.description, 75 * len(axes)), fontsize="small")
         lines = "\n".join(parameters_text(surface_parameters(surface)))
-        axes[-1].text(
-            1.03, 1, lines, transform=axes[-1].transAxes, va="top", family="monospace", size="small"
-        )
+        axes[-1].text(1.03, 1, lines, transform=axes[-1].transAxes, va="top", family="monospace", size="small")
     return figure
 
 

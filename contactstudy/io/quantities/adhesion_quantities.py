@@ -47,9 +47,7 @@ def adhesion_quantities(
         quantities["tabor_parameter"] = Quantity(adhesion.tabor, "1", "Tabor parameter", 0.0, "")
     if adhesion.first_unstable_load is not None:
         pull_off = Quantity(-solution.load_per_length * on_length, "N m-1", "pull-off load")
-        quantities = {
-            "pull_off": with_bound(pull_off, estimate.pull_off, estimate.warnings)
-        } | quantities
+        quantities = {"pull_off": with_bound(pull_off, estimate.pull_off, estimate.warnings)} | quantities
     return quantities
 
 

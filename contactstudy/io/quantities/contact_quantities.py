@@ -90,8 +90,7 @@ def contact_quantities(
     area_error = estimate.contact_area
     edges = None if edges_are_steep else resolved_edges(solution.pressure)
     half_width, half_length = (
-        _half_size(solution, axis, along, area_error, fallback_reasons)
-        for axis, along in enumerate((edges, None))
+        _half_size(solution, axis, along, area_error, fallback_reasons) for axis, along in enumerate((edges, None))
     )
     is_point = scene is not None and scene.ellipse is not None
     solved = ErrorParts(residual=solution.residual)
@@ -174,9 +173,7 @@ def _of_rolling(rolling: "SteadyRolling", estimate: ErrorEstimate) -> dict[str, 
     label = f"coefficient of {'hysteretic sliding friction' if slides else 'rolling resistance'}"
     resistance = Quantity(rolling.resistance_coefficient, "1", label)
     return {
-        "rolling_resistance": with_bound(
-            resistance, estimate.rolling_resistance, estimate.warnings
-        ),
+        "rolling_resistance": with_bound(resistance, estimate.rolling_resistance, estimate.warnings),
         "pressure_shift": Quantity(rolling.shift, "m", "pressure centroid ahead of the axis"),
     }
 

@@ -21,9 +21,7 @@ if TYPE_CHECKING:
     from contactstudy.evolution.rolling.repeated_rolling import RepeatedRolling
 
 NO_BOUND_OF_CELLS = "No bound: the errors of this load by cells and range are not estimated; those of a PullOff are."
-NO_BOUND_OF_DEPTH = (
-    "No bound: the error of the peak pressure, which wears the largest depth, has none."
-)
+NO_BOUND_OF_DEPTH = "No bound: the error of the peak pressure, which wears the largest depth, has none."
 
 
 NO_BOUND_OF_PASS = "No bound: on cells of twice the size nothing yields in the last pass."
@@ -103,9 +101,7 @@ def _extremes(
     quantities = {}
     reason, kinks = _beyond_recorded(times, histories)
     for name, extreme, label in EXTREMES:
-        known = [
-            (frame[name], time) for frame, time in zip(frames, times, strict=True) if name in frame
-        ]
+        known = [(frame[name], time) for frame, time in zip(frames, times, strict=True) if name in frame]
         values = [quantity.value for quantity, _ in known]
         if values:
             index = values.index(extreme(values))
@@ -121,9 +117,7 @@ def _extremes(
     return quantities
 
 
-def _beyond_recorded(
-    times: Sequence[float], histories: Sequence[Any]
-) -> tuple[str, frozenset[float]]:
+def _beyond_recorded(times: Sequence[float], histories: Sequence[Any]) -> tuple[str, frozenset[float]]:
     """Return where a history goes beyond its values at the recorded `times`, as a sentence or empty, and its kinks."""
     kinks: set[float] = set()
     if not histories and times[0] > 0:
@@ -212,9 +206,7 @@ def _of_wear(
 def _of_slip(fields: Mapping[str, Field], posed: PosedScene) -> dict[str, Quantity]:
     """Return the energy lost to friction and the largest distance slipped."""
     energy = float(fields["friction_energy"].values.sum() * posed.grid.cell_area)
-    dissipated = per_length(
-        energy, "J", "energy lost to friction", roller_length(posed), posed.grid.length
-    )
+    dissipated = per_length(energy, "J", "energy lost to friction", roller_length(posed), posed.grid.length)
     slid = float(fields["slip_distance"].values.max())
     return {
         "friction_energy": dissipated,
@@ -289,9 +281,7 @@ def passes_quantities(rolled: "RepeatedRolling") -> dict[str, Quantity]:
     from cells of twice the size, since that by a single one may be small by chance.
     """
     found, coarse = _by_pass(rolled), _by_pass(rolled.coarse)
-    status = next(
-        (s for s in (rolled.status, rolled.coarse.status) if s is not Status.CONVERGED), None
-    )
+    status = next((s for s in (rolled.status, rolled.coarse.status) if s is not Status.CONVERGED), None)
     hertz, cell = rolled.description.scene.hertz, rolled.grid.cell_size[0]
     is_coarse = hertz is not None and cell * CELLS_OF_PASS > hertz.half_width * (1 + 1e-9)
     few_cells = NO_BOUND_OF_FEW_CELLS if is_coarse else ""
@@ -301,9 +291,7 @@ def passes_quantities(rolled: "RepeatedRolling") -> dict[str, Quantity]:
         reason = few_cells if status is None else f"No bound: {status}"
         if name.startswith(("last", "forward")) and not coarse[name][0][-1]:
             reason = reason or NO_BOUND_OF_PASS
-        quantities[name] = Quantity(
-            float(values[-1]), unit, label, inf if reason else bound, reason
-        )
+        quantities[name] = Quantity(float(values[-1]), unit, label, inf if reason else bound, reason)
     lowest = int(rolled.residual_stress[-1, 0].argmin())
     depth = {"z": float(rolled.depths[lowest])}
     name = "lowest_residual_stress"

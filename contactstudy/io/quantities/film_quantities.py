@@ -81,9 +81,7 @@ def film_quantities(contact: "FilmSolution", estimate: ErrorEstimate) -> dict[st
             temperatures.reduction, "1", "film with a heated inlet over the isothermal one"
         )
     paddings = across_and_along(contact.padding)
-    quantities |= stress_quantities(
-        contact.scene, contact.derived, contact.grid, estimate, paddings
-    )
+    quantities |= stress_quantities(contact.scene, contact.derived, contact.grid, estimate, paddings)
     errors = dict(estimate) | dict(estimate.numbers)
     if "lambda_ratio" in quantities and quantities["lambda_ratio"].reason != OF_HEATED_INLET:
         errors["lambda_ratio"] = errors["central_film"]
@@ -91,10 +89,7 @@ def film_quantities(contact: "FilmSolution", estimate: ErrorEstimate) -> dict[st
     if "friction_coefficient" in errors:
         slides = scales.lubrication.slide_roll_ratio
         errors["sliding_loss"] = errors["friction_coefficient"] if slides else ErrorParts()
-    return {
-        name: with_bound(quantity, errors.get(name), fallback_reasons)
-        for name, quantity in quantities.items()
-    }
+    return {name: with_bound(quantity, errors.get(name), fallback_reasons) for name, quantity in quantities.items()}
 
 
 def _of_friction(motion: "Lubrication") -> str:

@@ -72,9 +72,7 @@ class Quantity:
 Quantities = Mapping[str, Quantity]
 
 
-def with_bound(
-    quantity: Quantity, parts: ErrorParts | None, fallback_reasons: Sequence[str] = ()
-) -> Quantity:
+def with_bound(quantity: Quantity, parts: ErrorParts | None, fallback_reasons: Sequence[str] = ()) -> Quantity:
     """Return a quantity with the bound of its relative error, and the reason where that is infinite.
 
     Parameters
@@ -106,9 +104,7 @@ def roller_length(posed: PosedScene | None) -> float | None:
     return scene.loaded_length(posed.grid, posed.padding)
 
 
-def per_length(
-    value: float, unit: str, label: str, length: float | None, period: float
-) -> Quantity:
+def per_length(value: float, unit: str, label: str, length: float | None, period: float) -> Quantity:
     """Return a total over the grid: as it is for a roller of a `length` [m], else divided by the `period` [m]."""
     if length is not None:
         return Quantity(value, unit, label)

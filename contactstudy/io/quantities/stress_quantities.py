@@ -122,19 +122,13 @@ def stress_quantities(
         # a range along x has no place on it
         shear, name_of_range = orthogonal_shear(stress[:, inside]), f"{before}orthogonal_shear"
         along = {axis: places for axis, places in axes.items() if axis != "x"}
-        found |= _with_depth(
-            name_of_range, f"orthogonal shear stress {at}", shear, along, given=given
-        )
+        found |= _with_depth(name_of_range, f"orthogonal shear stress {at}", shear, along, given=given)
         amplitude = found[name_of_range]
         label = f"double amplitude of the {amplitude.label}"
         found[f"{name_of_range}_range"] = replace(amplitude, value=2 * amplitude.value, label=label)
         if 0 < (found[name_of_mises].position or {}).get("z", 0.0) < grid.cell_size[0]:
             unresolved = ErrorParts(discretisation=inf, reason=UNRESOLVED_SHEAR)
-            found |= {
-                key: with_bound(of, unresolved)
-                for key, of in found.items()
-                if key.startswith(name_of_range)
-            }
+            found |= {key: with_bound(of, unresolved) for key, of in found.items() if key.startswith(name_of_range)}
         of_range = stress[4, inside][shear.max(axis=(1, 2)).argmax()]
         ends[name_of_range] = [largest_place(sign * of_range, coordinates)[1] for sign in (1, -1)]
     for part, (said, _, top, bottom) in layers.items():
@@ -247,9 +241,7 @@ def _surface_tension(
     moduli = [part[1].youngs_modulus for part in layers.values()]
     elastic = [modulus for modulus in moduli if modulus < inf]
     depth = max((part[2] for part in layers.values()), default=0.0)
-    farthest = (
-        BENDING_LENGTHS * depth * (max(elastic) / min(elastic)) ** (1 / 3) if elastic else 0.0
-    )
+    farthest = BENDING_LENGTHS * depth * (max(elastic) / min(elastic)) ** (1 / 3) if elastic else 0.0
     before = grid
     for around, below in islice(wider, WIDER):
         axes = {"x": around.x, "y": around.y}
@@ -257,9 +249,7 @@ def _surface_tension(
         beyond = principal_stresses(below)[0]
         beyond[np.ix_(*(np.abs(at) < extent / 2 for at, extent in within))] = -inf
         largest, place = largest_place(beyond, axes)
-        added = [
-            more - of for more, of in zip(around.extent, grid.extent, strict=True) if more > of
-        ]
+        added = [more - of for more, of in zip(around.extent, grid.extent, strict=True) if more > of]
         if largest > max(value, ROUNDING * scale):
             value, position = largest, place
             between_cells = _fall(beyond, below[2], scale)  # it is smooth there

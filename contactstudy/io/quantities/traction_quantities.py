@@ -19,9 +19,7 @@ from contactstudy.solvers.solution import Solution, TangentialTraction
 # in 190 smooth contacts against the closed form, and less in 16 rough ones. The largest slip grows as the width of the
 # zone to the power of 3/2: a zone that is wider by SLIP_ZONE_MARGIN cells bounds it, where at most 1.1 were needed.
 ENERGY_ERROR, SLIP_ZONE_MARGIN = 1.0, 1.25
-NO_BOUND_OF_ONE_CELL = (
-    "No bound: the slip zone is at most one cell wide; solve again on cells of half the width."
-)
+NO_BOUND_OF_ONE_CELL = "No bound: the slip zone is at most one cell wide; solve again on cells of half the width."
 
 
 def traction_quantities(

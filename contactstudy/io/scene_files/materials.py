@@ -52,9 +52,7 @@ class Material:
         """Return the fields of a body of this material, by name; `kind` is that of the body in a file."""
         elastic = {"youngs_modulus": self.youngs_modulus, "poisson_ratio": self.poisson_ratio}
         if kind == ElasticPlasticHalfSpace.__name__:
-            return elastic | (
-                {"yield_stress": self.yield_stress} if self.yield_stress < inf else {}
-            )
+            return elastic | ({"yield_stress": self.yield_stress} if self.yield_stress < inf else {})
         return elastic | {"yield_stress": self.yield_stress, "hardness": self.hardness}
 
 
@@ -87,9 +85,7 @@ def _material_named(field: str, name: object) -> Material:
     lower_case = {alias.lower(): m for alias, m in names.items()}
     if not isinstance(name, str) or name.lower() not in lower_case:
         hint = suggestion(str(name), names)
-        raise InvalidInput(
-            f"{field} is {name!r}: {hint}, or give youngs_modulus and poisson_ratio."
-        )
+        raise InvalidInput(f"{field} is {name!r}: {hint}, or give youngs_modulus and poisson_ratio.")
     return lower_case[name.lower()]
 
 
@@ -129,6 +125,4 @@ def with_materials(table: Mapping[str, Any]) -> dict[str, Any]:
     solids = table.get("solids")
     if not isinstance(solids, list):
         return dict(table)
-    return dict(table) | {
-        "solids": [solid(entry, f"solids[{n}]") for n, entry in enumerate(solids)]
-    }
+    return dict(table) | {"solids": [solid(entry, f"solids[{n}]") for n, entry in enumerate(solids)]}

@@ -141,9 +141,7 @@ class MeasuredSurfaceTable(Reading):
         elif (path := folder / self.file).is_file():
             surface = MeasuredSurface.read(path, **reading, **rules)
         else:
-            raise InvalidInput(
-                f"MeasuredSurface.file is {self.file!r}: give the path of an existing file."
-            )
+            raise InvalidInput(f"MeasuredSurface.file is {self.file!r}: give the path of an existing file.")
         surface = surface if self.tile is None else surface.cut(self.tile)
         return surface.turned() if self.turn == "quarter" else surface
 
@@ -199,20 +197,14 @@ class ProfilePointsTable:
         except OSError:
             text = None
         if text is None:
-            raise InvalidInput(
-                f"ProfilePoints.file is {self.file!r}, which is no readable text: {remedy}."
-            )
+            raise InvalidInput(f"ProfilePoints.file is {self.file!r}, which is no readable text: {remedy}.")
         columns = table(self.file, text, None)
         units = [column_unit(name) for name in columns.names]
         if len(units) != 2 or None in units or not np.isfinite(columns.values).all():
-            raise InvalidInput(
-                f"ProfilePoints.file is {self.file!r}, with the columns {columns.names}: {remedy}."
-            )
+            raise InvalidInput(f"ProfilePoints.file is {self.file!r}, with the columns {columns.names}: {remedy}.")
         points = columns.values[np.argsort(columns.values[:, 0])] * np.array(units, dtype=float)
         positions, drops = points.T
-        if re.match(
-            r"\W*(height|z\b)", columns.names[1].lower()
-        ):  # outwards, as instruments have it
+        if re.match(r"\W*(height|z\b)", columns.names[1].lower()):  # outwards, as instruments have it
             drops = drops.max() - drops
         return ProfilePoints(tuple(positions.tolist()), tuple(drops.tolist()), self.axis)
 
@@ -261,9 +253,7 @@ class LundbergProfileTable:
                 "per length that it spreads evenly), or iso_16281_diameter."
             )
         if self.for_load is None and (self.k1, self.k2, self.z_m) != (1.0, 1.0, None):
-            raise InvalidInput(
-                "LundbergProfile.k1, k2 and z_m modify a profile for a load: give for_load."
-            )
+            raise InvalidInput("LundbergProfile.k1, k2 and z_m modify a profile for a load: give for_load.")
         if self.straight and not ways[0]:
             raise InvalidInput(
                 f"LundbergProfile.straight is {self.straight!r}, and a profile by for_load or iso_16281_diameter has a "
@@ -274,16 +264,12 @@ class LundbergProfileTable:
         if self.for_load is not None:
             curvature, solids = context
             if curvature <= 0:
-                raise InvalidInput(
-                    "LundbergProfile.for_load is for a round roller: give a Cylinder."
-                )
+                raise InvalidInput("LundbergProfile.for_load is for a round roller: give a Cylinder.")
             radius = 1 / curvature
             hertz = Scene(LineLoad(self.for_load), solids, (Cylinder(radius),)).hertz
             assert hertz is not None
             modulus = hertz.contact_modulus  # of a coated body that at the half-width
-            even = LundbergProfile.for_load(
-                self.for_load, contact_modulus=modulus, radius=radius, length=self.length
-            )
+            even = LundbergProfile.for_load(self.for_load, contact_modulus=modulus, radius=radius, length=self.length)
             drop = even.end_drop if self.z_m is None else self.z_m
             straight = (1 - self.k2) * self.length
             return LundbergProfile(self.k1 * even.amplitude, drop, self.length, straight)
@@ -415,14 +401,9 @@ KINDS: Mapping[Any, Mapping[str, type]] = {
         EndRelief,
         MovingShape,
     ),
-    Padding: _kinds(
-        ZeroPadding, DuplicatedPadding, Superposition, CircularSuperposition, ExactPeriodicity
-    ),
-    Body: _kinds(HalfSpace, CoatedHalfSpace, ViscoelasticHalfSpace, ElasticPlasticHalfSpace)
-    | {NO_KIND: HalfSpace},
-    ChangingLoad: _kinds(
-        LineLoad, TotalLoad, MeanPressure, LoadHistory, SineLoad, Approach, PullOff
-    )
+    Padding: _kinds(ZeroPadding, DuplicatedPadding, Superposition, CircularSuperposition, ExactPeriodicity),
+    Body: _kinds(HalfSpace, CoatedHalfSpace, ViscoelasticHalfSpace, ElasticPlasticHalfSpace) | {NO_KIND: HalfSpace},
+    ChangingLoad: _kinds(LineLoad, TotalLoad, MeanPressure, LoadHistory, SineLoad, Approach, PullOff)
     | {NO_KIND: LineLoad},
     Friction: _kinds(Sliding, PartialSlip, Fretting, TractiveRolling),
     Output: _kinds(SubsurfaceStress),

@@ -42,9 +42,7 @@ def settings_text(grid: Grid, padding: Padding | Paddings, options: SolveOptions
     return _toml(_tables(grid, padding, {"solve": options}))
 
 
-def _tables(
-    grid: Grid | None, padding: Padding | Paddings | None, settings: Mapping[str, object]
-) -> dict[str, object]:
+def _tables(grid: Grid | None, padding: Padding | Paddings | None, settings: Mapping[str, object]) -> dict[str, object]:
     """Return the tables of what is given of a grid, a padding and `settings`, by their names in a file."""
     across, along = padding if isinstance(padding, tuple) else (None, padding)
     tables = {"grid": grid, "padding": along, "padding_across": across, **settings}
@@ -80,22 +78,15 @@ def _toml_value(value: object, name: str, scene_path: Path | None = None) -> Any
     if isinstance(value, np.generic):
         value = value.item()
     if isinstance(value, tuple | list):
-        return [
-            _toml_value(entry, f"{name}[{number}]", scene_path)
-            for number, entry in enumerate(value)
-        ]
+        return [_toml_value(entry, f"{name}[{number}]", scene_path) for number, entry in enumerate(value)]
     if isinstance(value, Mapping):
         return {key: _toml_value(entry, f"{name}.{key}") for key, entry in value.items()}
     if isinstance(value, bool | int | float | str):
         return value
-    raise InvalidInput(
-        f"{name} is a {type(value).__name__}, which no scene file can hold: write it in Python."
-    )
+    raise InvalidInput(f"{name} is a {type(value).__name__}, which no scene file can hold: write it in Python.")
 
 
-def _measured_surface_table(
-    surface: MeasuredSurface, name: str, scene_path: Path | None
-) -> dict[str, Any]:
+def _measured_surface_table(surface: MeasuredSurface, name: str, scene_path: Path | None) -> dict[str, Any]:
     """Return a measured surface as a table that names its file."""
     table: dict[str, Any] = {"kind": "MeasuredSurface"}
     if surface.file is not None:

@@ -72,9 +72,7 @@ class _Structure:
         """Return a list as a tuple, of any length or of one type for each entry."""
         first, *following = get_args(target)
         if isinstance(value, Mapping):
-            raise InvalidInput(
-                "it is one table: write its name in double brackets, once for each entry."
-            )
+            raise InvalidInput("it is one table: write its name in double brackets, once for each entry.")
         if not isinstance(value, list | tuple):
             raise InvalidInput(f"it is {value!r}: give a list in brackets.")
         if following != [...] and len(value) != 1 + len(following):
@@ -195,9 +193,7 @@ def _kind_of(table: Mapping[str, object], kinds: Mapping[str, type]) -> type:
             foreign = set(parameters(kind)) & set(table) - own_fields
             if default is not None and foreign and own_fields & set(table):
                 keys = ", ".join(sorted(own_fields & set(table) | foreign))
-                raise InvalidInput(
-                    f"it has {keys} together: give the keys of {default.__name__}, or those of {name}."
-                )
+                raise InvalidInput(f"it has {keys} together: give the keys of {default.__name__}, or those of {name}.")
         if default is not None or len(named) == 1:
             return default or next(iter(named.values()))
         raise InvalidInput(f"it has no kind: {suggestion('None', named)}.")
@@ -233,9 +229,7 @@ def _sentence(error: BaseException, target: type | None) -> str:
         unknown = sorted(error.extra_fields)
         meant = {key: SYMBOLS_OF_FIELDS.get(key, "") for key in unknown}
         remedies = {
-            k: suggestion(meant[k] if meant[k] in names else k, names)
-            if names
-            else "it has no keys, leave it out"
+            k: suggestion(meant[k] if meant[k] in names else k, names) if names else "it has no keys, leave it out"
             for k in unknown
         }
         return "; ".join(f"unknown key {key!r}: {remedies[key]}" for key in unknown) + "."

@@ -27,15 +27,9 @@ class DirectSolver:
         first[0] = 1
         downstream, upstream = (equation.deflection(end)[:, 0] for end in (first, first[::-1]))
         index = np.arange(len(downstream))
-        return cls(
-            np.concatenate((upstream[:-1], downstream))[
-                len(downstream) - 1 + index[:, None] - index
-            ]
-        )
+        return cls(np.concatenate((upstream[:-1], downstream))[len(downstream) - 1 + index[:, None] - index])
 
-    def step(
-        self, linear: Linearised, film: Film, active: ActiveSets, load_residual: float
-    ) -> FilmCorrection:
+    def step(self, linear: Linearised, film: Film, active: ActiveSets, load_residual: float) -> FilmCorrection:
         """Return the step for given ``active`` sets.
 
         The unknowns are the pressure or the void fraction of each cell, the asperity pressure of each touching cell, and
@@ -73,11 +67,7 @@ class DirectSolver:
             system[n:-1, n:-1] = self.influence[np.ix_(touching_cells, touching_cells)]
             system[n:-1, -1] = 1
             system[-1, n:-1] = width
-            distance = (
-                equation.boundary_film
-                - film.thickness[:, 0]
-                - self.influence @ (pressure + asperity_pressure)
-            )
+            distance = equation.boundary_film - film.thickness[:, 0] - self.influence @ (pressure + asperity_pressure)
             rhs[n:-1] = distance[touching_cells]
         system[:n][fixed] = np.eye(n, size)[fixed]
         scale = np.abs(system).max(axis=1)
@@ -117,9 +107,7 @@ class DenseCoefficients:
         for (offset, _), coefficient in self.linear.thickness.items():
             first, end = max(0, -offset), min(n, n - offset)
             # a diagonal times the influence is the influence with its rows shifted
-            matrix[first:end] += (
-                coefficient[first:end] * self.influence[first + offset : end + offset]
-            )
+            matrix[first:end] += coefficient[first:end] * self.influence[first + offset : end + offset]
         return matrix
 
     @cached_property

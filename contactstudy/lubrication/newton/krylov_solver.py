@@ -71,9 +71,7 @@ class KrylovSolver:
     last: "tuple[StepSystem, Array] | None" = None
     inverse: ApproximateInverse | None = None
 
-    def step(
-        self, linear: Linearised, film: Film, active: ActiveSets, load_residual: float
-    ) -> FilmCorrection:
+    def step(self, linear: Linearised, film: Film, active: ActiveSets, load_residual: float) -> FilmCorrection:
         """Return the step for given ``active`` sets.
 
         GMRES starts from the solution for the last sets, if the linearised balance is the same. The change of thickness
@@ -103,9 +101,7 @@ class KrylovSolver:
         remaining_load = load_residual - system.mean * total.sum()
         change = linear.change_with(pressure, void, np.where(touching, to_boundary, deflection))
         balance = -(linear.residual + change)
-        right = system.stacked(
-            balance, (to_boundary - deflection) * touching, system.flow * remaining_load
-        )
+        right = system.stacked(balance, (to_boundary - deflection) * touching, system.flow * remaining_load)
         norm = float(np.linalg.norm(right))
         if norm == 0:
             return FilmCorrection(*fixed, staged)
@@ -129,22 +125,16 @@ class KrylovSolver:
         void = void + change_of_void
         return FilmCorrection(pressure, asperity_pressure, void, separation, solver, solved, count)
 
-    def _with_fourier_stage(
-        self, linear: Linearised, cavitated: Mask, touching: Mask
-    ) -> "KrylovSolver":
+    def _with_fourier_stage(self, linear: Linearised, cavitated: Mask, touching: Mask) -> "KrylovSolver":
         """Return the solver with a new Fourier stage where the time step has changed, or iterations grew."""
         time_step = (
-            min(1 / linear.inverse_time_step, TUNING.longest_step)
-            if linear.inverse_time_step
-            else TUNING.longest_step
+            min(1 / linear.inverse_time_step, TUNING.longest_step) if linear.inverse_time_step else TUNING.longest_step
         )
         ratio = time_step / self.built_for if self.built_for else 0.0
         if self.fourier is not None and 1 / TUNING.step_ratio < ratio < TUNING.step_ratio:
             return self
         full_film = ~(cavitated | linear.equation.fixed)
-        fourier = FourierStage.of(
-            linear, full_film, touching, influence_by_harmonic(self.deflection)
-        )
+        fourier = FourierStage.of(linear, full_film, touching, influence_by_harmonic(self.deflection))
         return replace(self, fourier=fourier, built_for=time_step, iterations_at_build=None)
 
 
@@ -262,9 +252,7 @@ class FourierStage:
     scale: Array
 
     @classmethod
-    def of(
-        cls, linear: Linearised, full_film: Mask, touching: Mask, influence: Array
-    ) -> "FourierStage":
+    def of(cls, linear: Linearised, full_film: Mask, touching: Mask, influence: Array) -> "FourierStage":
         """Average the coefficients over the length, and invert; ``influence`` (harmonic, x, x) in single precision.
 
         The row of a touching cell is that of its thickness.
@@ -281,11 +269,7 @@ class FourierStage:
         turn = np.cos(2 * np.pi * np.arange(number) / ny)
         for bands, elastic in ((linear.pressure, False), (linear.thickness, True)):
             for (across, along), coefficient in bands.items():
-                counted = (
-                    full_film & neighbour(film_can_change, (across, along))
-                    if elastic
-                    else full_film
-                )
+                counted = full_film & neighbour(film_can_change, (across, along)) if elastic else full_film
                 average = (coefficient * counted).mean(axis=1).astype(np.float32)
                 rows = index[max(0, -across) : nx - max(0, across)]
                 weight = turn if along else np.ones(number)

@@ -54,8 +54,7 @@ def _by_lines(coefficient: Callable[[int, int], Array], shape: tuple[int, ...]) 
     """Return the stage by lines across, with the factors of every second line as those of one banded matrix."""
     rows, columns = shape
     downstream, diagonal, upstream, second, previous, following = (
-        np.ascontiguousarray(coefficient(*offset).T)
-        for offset in ((1, 0), (0, 0), (-1, 0), (-2, 0), (0, -1), (0, 1))
+        np.ascontiguousarray(coefficient(*offset).T) for offset in ((1, 0), (0, 0), (-1, 0), (-2, 0), (0, -1), (0, 1))
     )
     halves = []
     for start in (0, 1):

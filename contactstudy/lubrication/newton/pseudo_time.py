@@ -83,13 +83,9 @@ class PseudoTimeTuning:
     contact_tolerance: float = 1e-9
     max_rounding: float = 1e-3
 
-    def next_time_step(
-        self, time_step: float, before: float, residual: float, damping: float
-    ) -> float:
+    def next_time_step(self, time_step: float, before: float, residual: float, damping: float) -> float:
         """Return the next step in pseudo-time, after one with a damping factor that led ``before`` to ``residual``."""
-        factor = (
-            float(np.clip(before / residual, self.shrink, self.grow)) if residual else self.grow
-        )
+        factor = float(np.clip(before / residual, self.shrink, self.grow)) if residual else self.grow
         if damping < 1:
             factor = min(factor, self.after_damping)
         elif residual < self.allowed_rise * before:
@@ -131,9 +127,7 @@ class FilmCorrection(NamedTuple):
 class LinearSolver(Protocol):
     """Solver of the linear system of a step."""
 
-    def step(
-        self, linear: Linearised, film: Film, active: ActiveSets, load_residual: float
-    ) -> FilmCorrection:
+    def step(self, linear: Linearised, film: Film, active: ActiveSets, load_residual: float) -> FilmCorrection:
         """Return the step for given active sets: without pressure in cavitated cells, at H_b in touching ones."""
         ...
 
@@ -236,9 +230,7 @@ def iterate(
             linear, active = equation.linearise(film, squeeze), step.next
             residual = _residual(linear, film)
             rejected = (
-                equation.boundary_film > 0
-                and not step.converged
-                and residual > TUNING.unconverged_rise * last.residual
+                equation.boundary_film > 0 and not step.converged and residual > TUNING.unconverged_rise * last.residual
             )
         if rejected:
             time_step *= TUNING.rejected
@@ -326,9 +318,7 @@ def _step_of_active_sets(
     return _ActiveSetStep(change, active, next_active, converged, iterations)
 
 
-def _within_total_pressure(
-    film: Film, active: ActiveSets, change: FilmCorrection
-) -> FilmCorrection:
+def _within_total_pressure(film: Film, active: ActiveSets, change: FilmCorrection) -> FilmCorrection:
     """Return the change with a lubricant pressure between zero and the total pressure in touching cells.
 
     The boundary film determines their total pressure. Its split between lubricant and asperities is nearly
@@ -366,14 +356,10 @@ def _artificial_storage(last: FilmIteration) -> Array | float:
     return TUNING.artificial_compressibility * boundary * near
 
 
-def _corrected_active_sets(
-    last: FilmIteration, active: ActiveSets, change: FilmCorrection
-) -> ActiveSets:
+def _corrected_active_sets(last: FilmIteration, active: ActiveSets, change: FilmCorrection) -> ActiveSets:
     """Return the active sets after an undamped step."""
     film, equation = last.film, last.linear.equation
-    cavitated = np.where(
-        active.cavitated, film.void + change.void >= 0, film.pressure + change.pressure < 0
-    )
+    cavitated = np.where(active.cavitated, film.void + change.void >= 0, film.pressure + change.pressure < 0)
     cavitated &= ~equation.fixed
     if not equation.boundary_film:
         return ActiveSets(cavitated, active.touching)
@@ -415,9 +401,7 @@ def _damping_factor(last: FilmIteration, step: _ActiveSetStep, controls: FilmCon
     return 1.0 if largest <= 1 else 1 / largest
 
 
-def _updated_film(
-    last: FilmIteration, step: _ActiveSetStep, damping: float, controls: FilmControls
-) -> Film:
+def _updated_film(last: FilmIteration, step: _ActiveSetStep, damping: float, controls: FilmControls) -> Film:
     """Return the film after a damped step, with pressures and void fractions clipped to their ranges."""
     film, equation, change = last.film, last.linear.equation, step.change
     pressure_change = damping * change.pressure

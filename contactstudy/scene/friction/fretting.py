@@ -119,9 +119,7 @@ class Fretting:
                 )
             check_ascending("Fretting.times", self.times)
         elif self.displacements is not None:
-            raise InvalidInput(
-                "Fretting.times is None together with displacements: give times [s]."
-            )
+            raise InvalidInput("Fretting.times is None together with displacements: give times [s].")
         if self.bulk_stresses is not None:
             self._check_bulk()
         if self.period is not None and self.times is None:
@@ -221,9 +219,7 @@ class Fretting:
                     f"{readable(limit, 'N m-1')}: the contact would slide fully, give smaller forces, or displacements."
                 )
 
-    def solver(
-        self, scene: SceneContext, gap: Array, grid: Grid, paddings: Paddings, datum: float
-    ) -> FrettingShear:
+    def solver(self, scene: SceneContext, gap: Array, grid: Grid, paddings: Paddings, datum: float) -> FrettingShear:
         """Return the solver of this scene on a grid."""
         assert self.forces is not None
         forces = tuple(mean_over_grid(force, scene, grid, paddings) for force in self.forces)
@@ -235,9 +231,7 @@ class Fretting:
         return FrettingShear(self.coefficient, forces, response, bulk, self.bulk_stresses or ())
 
     @staticmethod
-    def response(
-        scene: SceneContext, grid: Grid, paddings: Paddings, datum: float
-    ) -> ShearResponse:
+    def response(scene: SceneContext, grid: Grid, paddings: Paddings, datum: float) -> ShearResponse:
         """Return the displacement of both bodies of `scene` under tangential traction."""
         return shear_response(shearable(scene.solids), grid, paddings, datum)
 

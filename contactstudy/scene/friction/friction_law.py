@@ -32,9 +32,7 @@ FrictionCoefficient = Annotated[Number, BELOW_ONE]
 SAMPLES = 201
 
 
-def has_proportional_compliances(
-    solids: tuple[Body, ...], *, varies: bool, paddings: Paddings
-) -> bool:
+def has_proportional_compliances(solids: tuple[Body, ...], *, varies: bool, paddings: Paddings) -> bool:
     """Return whether the tangential compliance is in proportion to the normal one.
 
     Tangential traction along x then displaces the surface along x as pressure does along z. That is so of bodies
@@ -170,20 +168,14 @@ def transmitted_force(scene: SceneContext, coefficient: float, load: float) -> f
     return inf if follows else coefficient * load
 
 
-def bulk_compliance(
-    scene: SceneContext, body: int, field: str, paddings: Paddings | None = None
-) -> float:
+def bulk_compliance(scene: SceneContext, body: int, field: str, paddings: Paddings | None = None) -> float:
     """Return strain along x over a bulk stress [1/Pa] of the body with this index, whose strain along y is prevented.
 
     Raises :class:`~contactstudy.InvalidInput`, which names the `field`, for a body that is no elastic half-space, and
     for `paddings` with which it repeats across.
     """
     solid = scene.solids[body]
-    if (
-        type(solid) is not HalfSpace
-        or getattr(solid, "free_faces", inf) < inf
-        or not solid.compliance
-    ):
+    if type(solid) is not HalfSpace or getattr(solid, "free_faces", inf) < inf or not solid.compliance:
         raise InvalidInput(
             f"{field} acts on Scene.solids[{body}], a {type(solid).__name__}: give the index of an elastic HalfSpace "
             "without free_faces."

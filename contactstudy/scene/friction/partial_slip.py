@@ -74,16 +74,12 @@ class PartialSlip:
         if self.bulk_stress:
             bulk_compliance(scene, self.bulk_body, "PartialSlip.bulk_stress")
 
-    def solver(
-        self, scene: SceneContext, gap: Array, grid: Grid, paddings: Paddings, datum: float
-    ) -> PartialSlipShear:
+    def solver(self, scene: SceneContext, gap: Array, grid: Grid, paddings: Paddings, datum: float) -> PartialSlipShear:
         """Return the solver of this scene on a grid: that of fretting with one force."""
         force = force_per_length(self, scene)
         assert force is not None
         stresses = (self.bulk_stress,) if self.bulk_stress else None
-        fretting = Fretting(
-            self.coefficient, (force,), bulk_stresses=stresses, bulk_body=self.bulk_body
-        )
+        fretting = Fretting(self.coefficient, (force,), bulk_stresses=stresses, bulk_body=self.bulk_body)
         return PartialSlipShear(fretting.solver(scene, gap, grid, paddings, datum))
 
     def explanation(self, scene: SceneContext) -> str:

@@ -66,9 +66,7 @@ class Sliding:
                 "one material, or TractiveRolling."
             )
 
-    def solver(
-        self, scene: SceneContext, gap: Array, grid: Grid, paddings: Paddings, datum: float
-    ) -> FullSliding:
+    def solver(self, scene: SceneContext, gap: Array, grid: Grid, paddings: Paddings, datum: float) -> FullSliding:
         """Return the solver of this scene on a grid, with the coupling of traction and normal displacement."""
         if self.coefficient == 0:
             return FullSliding(self.coefficient, None)

@@ -114,9 +114,7 @@ class TractiveRolling:
         self._refuse_endless(_rollers(scene))
         check_force(scene, self, _least(scene), "less, or a longitudinal creepage")
 
-    def solver(
-        self, scene: SceneContext, gap: Array, grid: Grid, paddings: Paddings, datum: float
-    ) -> TractiveShear:
+    def solver(self, scene: SceneContext, gap: Array, grid: Grid, paddings: Paddings, datum: float) -> TractiveShear:
         """Return the solver of this scene on a grid.
 
         Raises
@@ -156,9 +154,7 @@ class TractiveRolling:
     @staticmethod
     def _has_moving_roughness(scene: SceneContext) -> bool:
         """Return whether a shape has waves across, which would travel with a real surface."""
-        return any(
-            not isinf(scales.shortest_wavelengths[0]) for scales in length_scales_of(scene.shapes)
-        )
+        return any(not isinf(scales.shortest_wavelengths[0]) for scales in length_scales_of(scene.shapes))
 
     def explanation(self, scene: SceneContext) -> str:
         """Return a sentence on the solves of the traction."""

@@ -59,9 +59,7 @@ class ChangingLoad(History, Protocol):
 def loads_between(load: ChangingLoad, start: float, end: float) -> list[float]:
     """Return the loads [N/m] between which `load` only rises or falls, from after `start` to just before `end` [s]."""
     turns = (time for time in load.turning_points(end) if start < time < end)
-    return [value for time in turns for value in (load.before(time), load.at(time))] + [
-        load.before(end)
-    ]
+    return [value for time in turns for value in (load.before(time), load.at(time))] + [load.before(end)]
 
 
 def falls(load: ChangingLoad) -> bool:
@@ -170,9 +168,7 @@ class LoadHistory(PiecewiseLinear):
             )
         if max(loads) <= 0:
             throughout = "0" if max(loads) == min(loads) == 0 else "not above 0"
-            raise InvalidInput(
-                f"LoadHistory.per_length is {throughout} throughout: give a load above 0 N/m."
-            )
+            raise InvalidInput(f"LoadHistory.per_length is {throughout} throughout: give a load above 0 N/m.")
 
     @property
     def values(self) -> tuple[float, ...]:

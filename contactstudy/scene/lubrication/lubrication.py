@@ -95,9 +95,7 @@ class SpeedHistory:
         if sorted(set(times)) != list(times):
             raise InvalidInput(f"SpeedHistory.times is {self.times!r}: give ascending times.")
         if speeds[0] == 0:
-            raise InvalidInput(
-                "SpeedHistory.mean_speed[0] is 0 m/s, where no film is steady: give a speed above it."
-            )
+            raise InvalidInput("SpeedHistory.mean_speed[0] is 0 m/s, where no film is steady: give a speed above it.")
 
     @property
     def largest(self) -> float:
@@ -223,16 +221,13 @@ class Lubrication:
                 for number, solid in enumerate(scene.solids)
             ),
             (
-                any(map(creeps, scene.solids))
-                and scene.time_dependent_field not in (None, "Scene.wear"),
+                any(map(creeps, scene.solids)) and scene.time_dependent_field not in (None, "Scene.wear"),
                 scene.time_dependent_field,
                 "a body creeps below a steady film only: give that body elastic, or the field constant",
             ),
         ):
             if present:
-                raise InvalidInput(
-                    f"{field} is not supported together with Scene.lubrication, since {reason}."
-                )
+                raise InvalidInput(f"{field} is not supported together with Scene.lubrication, since {reason}.")
         if self.thermal is not None:
             self.thermal.check(scene.solids)
         for name in ("boundary", "thermal"):

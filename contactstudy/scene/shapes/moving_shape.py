@@ -50,9 +50,7 @@ class MovingShape:
 
     def check_together(self) -> None:
         """Check that the shape is heights alone."""
-        if curvature_of(self.shape) or any(
-            scales.roller for scales in length_scales_of([self.shape])
-        ):
+        if curvature_of(self.shape) or any(scales.roller for scales in length_scales_of([self.shape])):
             raise InvalidInput(
                 f"MovingShape.shape is {self.shape!r}: give heights that shape no roller, such as Roughness."
             )
@@ -86,7 +84,5 @@ class MovingShape:
         """Return the contribution to the gap [m] after the body has moved by ``shift`` [m]."""
         if hasattr(self.shape, "seam"):  # sampled heights, shifted by spline interpolation
             heights = np.broadcast_to(self.shape.gap(grid), grid.cells)
-            return np.asarray(
-                ndimage.shift(heights, (shift / grid.cell_size[0], 0), order=3, mode="grid-wrap")
-            )
+            return np.asarray(ndimage.shift(heights, (shift / grid.cell_size[0], 0), order=3, mode="grid-wrap"))
         return self.shape.gap(ShiftedGrid(grid.cells, grid.extent, shift))

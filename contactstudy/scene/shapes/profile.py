@@ -52,9 +52,7 @@ class ProfilePoints:
                 "least two."
             )
         if min(np.diff(positions)) <= 0:
-            raise InvalidInput(
-                f"ProfilePoints.positions is {positions!r}: give positions that increase."
-            )
+            raise InvalidInput(f"ProfilePoints.positions is {positions!r}: give positions that increase.")
 
     @property
     def length(self) -> float:
@@ -116,9 +114,7 @@ class EndRelief:
     def check_together(self) -> None:
         """Check that the ends have a length, and that their arcs reach over it."""
         if self.middle >= self.length:
-            raise InvalidInput(
-                f"EndRelief.middle is {self.middle!r} of a roller of {self.length!r} m: give less."
-            )
+            raise InvalidInput(f"EndRelief.middle is {self.middle!r} of a roller of {self.length!r} m: give less.")
         if (self.length - self.middle) / 2 > self.end_radius * (1 + 1e-9):
             raise InvalidInput(
                 f"EndRelief.end_radius is {self.end_radius!r}, less than the length of an end, "

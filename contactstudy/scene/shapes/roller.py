@@ -215,9 +215,7 @@ class LundbergProfile:
             )
 
     @classmethod
-    def for_load(
-        cls, load_per_length: float, *, contact_modulus: float, radius: float, length: float
-    ) -> Self:
+    def for_load(cls, load_per_length: float, *, contact_modulus: float, radius: float, length: float) -> Self:
         """Return the profile under which a load is spread evenly along the roller.
 
         Hertz's pressure, ending at ``|y| = L / 2``, lowers the axis by ``A ln(1 / (1 - (2 y / L)^2))`` less than the
@@ -327,11 +325,7 @@ class FiniteLength:
                 f"{cell!r} m long."
             )
         beyond = np.abs(grid.y) > self.length / 2
-        return (
-            np.where(beyond, self.length, 0.0)[None, :]
-            if beyond.any()
-            else np.zeros((grid.cells[0], 1))
-        )
+        return np.where(beyond, self.length, 0.0)[None, :] if beyond.any() else np.zeros((grid.cells[0], 1))
 
     def covered_fractions(self, grid: Grid) -> Array:
         """Return the length of the roller that each row of cells represents, over that of a cell, of shape (ny,).

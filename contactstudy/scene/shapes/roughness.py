@@ -111,9 +111,7 @@ class Roughness:
     def check_together(self) -> None:
         """Check that the spectrum begins at a longer wave than it ends."""
         if self.roll_off < self.cut_off:
-            raise InvalidInput(
-                f"Roughness.roll_off is {self.roll_off!r}: give a wavelength no shorter than cut_off."
-            )
+            raise InvalidInput(f"Roughness.roll_off is {self.roll_off!r}: give a wavelength no shorter than cut_off.")
 
     @property
     def length_scales(self) -> LengthScales:
@@ -199,9 +197,7 @@ class Roughness:
 
             # the points are no fraction of the surface's width
             turn = 2j * np.pi / self.extent[0]
-            rows = czt(
-                waves, nx, np.exp(turn * grid.cell_size[0]), np.exp(-turn * grid.x[0]), axis=0
-            )
+            rows = czt(waves, nx, np.exp(turn * grid.cell_size[0]), np.exp(-turn * grid.x[0]), axis=0)
             rows *= np.exp(2j * np.pi * kx[0] * grid.x)[:, None]
         else:
             # with the phase of every wave at the first cell's centre

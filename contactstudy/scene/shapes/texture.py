@@ -161,9 +161,7 @@ class Texture:
         period = along if along < inf else 0.0
         # a depth over half the size, on the textured fraction of the surface
         slope = 2 * self.feature.depth / size * self.area_density**0.5
-        return LengthScales(
-            finest, period, period_across=across if across < inf else 0.0, slope=slope
-        )
+        return LengthScales(finest, period, period_across=across if across < inf else 0.0, slope=slope)
 
     def gap(self, grid: Grid) -> Array:
         """Return depths [m] at the cell centres, of shape (x, y), or (nx, 1) for grooves along the length."""

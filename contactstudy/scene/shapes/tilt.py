@@ -13,9 +13,7 @@ from contactstudy.scene.shapes.shape import LengthScales
 
 # Angle [rad] of a roller beyond which its ends leave the half-space.
 MAX_ANGLE = 0.1
-Angle = Annotated[
-    Radians, Limits(f"between -{MAX_ANGLE:g} and {MAX_ANGLE:g} rad", lambda x: abs(x) <= MAX_ANGLE)
-]
+Angle = Annotated[Radians, Limits(f"between -{MAX_ANGLE:g} and {MAX_ANGLE:g} rad", lambda x: abs(x) <= MAX_ANGLE)]
 
 
 @validated

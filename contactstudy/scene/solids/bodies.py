@@ -292,15 +292,11 @@ def contact_modulus(solids: tuple[Body, ...], half_width: float | None = None) -
     Raises :class:`~contactstudy.InvalidInput` if all bodies are rigid.
     """
     total = sum(
-        solid.compliance_at(half_width)
-        if half_width is not None and is_layered(solid)
-        else solid.compliance
+        solid.compliance_at(half_width) if half_width is not None and is_layered(solid) else solid.compliance
         for solid in solids
     )
     if total == 0:
-        raise InvalidInput(
-            "Scene.solids are all rigid: give at least one body a finite Young's modulus."
-        )
+        raise InvalidInput("Scene.solids are all rigid: give at least one body a finite Young's modulus.")
     return 1 / total
 
 

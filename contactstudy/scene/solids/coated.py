@@ -74,9 +74,7 @@ class CoatedHalfSpace:
                     f"{field} is rigid: give it a finite Young's modulus, or a rigid HalfSpace as the body."
                 )
         softest = math.inf
-        for name, shear in list(
-            zip(("coating", *names, "substrate"), map(_shear_modulus, solids), strict=True)
-        )[::-1]:
+        for name, shear in list(zip(("coating", *names, "substrate"), map(_shear_modulus, solids), strict=True))[::-1]:
             softest = min(softest, shear)
             if (ratio := shear / softest) > LARGEST_RATIO and name != "substrate":
                 raise InvalidInput(
@@ -134,9 +132,7 @@ class CoatedHalfSpace:
             name: {
                 **of_coating,
                 **{
-                    CoatingCoefficients(response, depth, name, datum): (
-                        normal if name in ("x", "y") else along
-                    )
+                    CoatingCoefficients(response, depth, name, datum): (normal if name in ("x", "y") else along)
                     for response, depth in self.interfaces
                 },
             }

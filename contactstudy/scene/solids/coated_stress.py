@@ -40,9 +40,7 @@ class CoatedStress:
         """Depths [m] on either side of each interface, where stress jumps."""
         return tuple(face for depth in self.depths for face in (depth, depth * BELOW))
 
-    def coefficients(
-        self, traction: str, component: str, depth: float
-    ) -> tuple[tuple[Coefficients, float], ...]:
+    def coefficients(self, traction: str, component: str, depth: float) -> tuple[tuple[Coefficients, float], ...]:
         """Return coefficients with their weights of a stress `component` at a `depth` [m] under a surface `traction`."""
         # the interface above the depth, whose lower material that is; the first one for a depth in the outer layer
         above = max(sum(face < depth for face in self.depths) - 1, 0)
@@ -63,9 +61,7 @@ class CoatedStress:
                 image = thickness * stress.decay_rate
                 for sign, below in ((1, stress.materials), (-1, stress.materials.above)):
                     shear_ratio, here, ratio_below = stress.ratios(below)
-                    for name, weight in _strained(
-                        component, shear_ratio, here, ratio_below
-                    ).items():
+                    for name, weight in _strained(component, shear_ratio, here, ratio_below).items():
                         half_space(name, image, ratio_below, sign * weight)
         return tuple(item for item in found.items() if abs(item[1]) > LEAST_WEIGHT)
 

@@ -48,9 +48,7 @@ class HardnessProfile:
 
     def check_together(self) -> None:
         """Check that there is one description, and that a table has one value for each depth."""
-        case = [
-            name for name in ("surface", "core", "case_depth") if getattr(self, name) is not None
-        ]
+        case = [name for name in ("surface", "core", "case_depth") if getattr(self, name) is not None]
         tables = [name for name in ("hardness", "yield_stresses") if getattr(self, name)]
         if (len(case), len(tables), bool(self.depths)) not in ((3, 0, False), (0, 1, True)):
             raise InvalidInput(

@@ -19,9 +19,7 @@ class StressModel(Protocol):
     def faces(self) -> tuple[float, ...]:
         """Depths [m] on either side of an interface."""
 
-    def coefficients(
-        self, traction: str, component: str, depth: float
-    ) -> tuple[tuple[Coefficients, float], ...]:
+    def coefficients(self, traction: str, component: str, depth: float) -> tuple[tuple[Coefficients, float], ...]:
         """Return coefficients with their weights of a stress `component` at a `depth` [m].
 
         The `traction` is "pressure", or tangential traction "across" or "along".
@@ -44,9 +42,7 @@ class HalfSpaceStress:
     poisson_ratio: float
     faces: ClassVar[tuple[float, ...]] = ()
 
-    def coefficients(
-        self, traction: str, component: str, depth: float
-    ) -> tuple[tuple[Coefficients, float], ...]:
+    def coefficients(self, traction: str, component: str, depth: float) -> tuple[tuple[Coefficients, float], ...]:
         """Return the coefficients of Boussinesq and Cerruti, with the weight 1."""
         family = COMPONENTS
         if traction != "pressure":
@@ -93,9 +89,7 @@ class StressCoefficients:
         cell = self.depth, dx, dy
         return stress_cell_periodic(self.component, x, y, *cell, period, self.poisson_ratio)
 
-    def lattice(
-        self, x: Array, y: Array, dx: float, dy: float, width: float, period: float
-    ) -> Array:
+    def lattice(self, x: Array, y: Array, dx: float, dy: float, width: float, period: float) -> Array:
         """Return the stress over the traction on a cell and an infinite lattice of its images."""
         periods = width, period
         arguments = x, y, self.depth, dx, dy, *periods, self.poisson_ratio

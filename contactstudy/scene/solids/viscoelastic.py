@@ -54,9 +54,7 @@ class ViscoelasticHalfSpace:
     @cached_property
     def creep(self) -> Creep:
         """Creep function ``(1 - nu^2) J(t)`` [1/Pa], where J is the strain under a unit stress held from t = 0 on."""
-        return creep_from_relaxation(self.equilibrium_modulus, self.relaxation).scaled(
-            1 - self.poisson_ratio**2
-        )
+        return creep_from_relaxation(self.equilibrium_modulus, self.relaxation).scaled(1 - self.poisson_ratio**2)
 
     @property
     def compliance(self) -> float:
@@ -118,9 +116,7 @@ class RollingHalfSpace:
         """Return coefficients of the normal displacement under pressure, even and odd along x, with weights [1/Pa]."""
         total = Counter(self.body.response(datum))
         for size, time in self.body.creep.terms:
-            total.update(
-                retarded({BoussinesqCoefficients(datum): size / math.pi}, self.speed * time)
-            )
+            total.update(retarded({BoussinesqCoefficients(datum): size / math.pi}, self.speed * time))
         return total
 
     def shear_compliance(self, datum: float) -> "ShearCompliance":
@@ -143,10 +139,7 @@ def creeping(solids: Iterable[Body]) -> list["ViscoelasticHalfSpace"]:
 
 def relaxed(solids: tuple[Body, Body], duration: float) -> tuple[Body, Body]:
     """Return both bodies, each that creeps with its equilibrium modulus, as a fluid after a `duration` [s] of load."""
-    first, second = (
-        body.relaxed(duration) if isinstance(body, ViscoelasticHalfSpace) else body
-        for body in solids
-    )
+    first, second = (body.relaxed(duration) if isinstance(body, ViscoelasticHalfSpace) else body for body in solids)
     return first, second
 
 

@@ -87,9 +87,7 @@ class MeasuredSurface:
     file: str | None = field(default=None, compare=False, repr=False)
     is_turned: bool = field(default=False, compare=False, repr=False)
     tile: Tile | None = field(default=None, compare=False, repr=False)
-    seam_across: Annotated[PeriodicExtension, Example("Mirrored()")] = field(
-        default_factory=AsMeasured
-    )
+    seam_across: Annotated[PeriodicExtension, Example("Mirrored()")] = field(default_factory=AsMeasured)
     filter: GaussianFilter | None = None
     reading: Reading = field(default_factory=Reading, compare=False, repr=False)
     notes: tuple[str, ...] = field(default=(), compare=False, repr=False)
@@ -177,9 +175,7 @@ class MeasuredSurface:
             size = f"over {readable(self.extent[0])} x {readable(self.extent[1])}"
         parts = [f"{across} x {along} points (across x along) {size}", *self.notes]
         if missing := int(np.isnan(self.heights).sum()):
-            parts.append(
-                f"{missing} missing points ({missing / self.heights.size:.2%}) {self.missing.description}"
-            )
+            parts.append(f"{missing} missing points ({missing / self.heights.size:.2%}) {self.missing.description}")
         parts.append(trend_text(self.trend, self.missing.fill(self.heights), self.extent))
         if self.filter is not None:
             parts.append(self.filter.description)
@@ -200,10 +196,7 @@ class MeasuredSurface:
         points = tile.of(self.heights)
         extent = self.extent
         if extent is not None:
-            sides = [
-                side * n / m
-                for side, n, m in zip(extent, points.shape, self.heights.shape, strict=True)
-            ]
+            sides = [side * n / m for side, n, m in zip(extent, points.shape, self.heights.shape, strict=True)]
             extent = sides[0], sides[1]
         # a file cannot express a tile of a tile, or of a turned surface
         file = None if self.tile or self.is_turned else self.file
@@ -214,9 +207,7 @@ class MeasuredSurface:
         extent = None if self.extent is None else (self.extent[1], self.extent[0])
         turned = not self.is_turned  # two quarters are a half turn, which a file cannot express
         file = self.file if turned else None
-        return replace(
-            self, heights=np.rot90(self.heights), extent=extent, file=file, is_turned=turned
-        )
+        return replace(self, heights=np.rot90(self.heights), extent=extent, file=file, is_turned=turned)
 
     def with_extent_of(self, grid: Grid) -> Self:
         """Return this surface with the extent that it has on `grid`, so that it can be put on others."""
@@ -231,9 +222,7 @@ class MeasuredSurface:
         heights = _completed(self)
         extent = self.extent or heights.shape
         steps = extent[0] / self.heights.shape[0], extent[1] / self.heights.shape[1]
-        with np.errstate(
-            over="ignore", invalid="ignore"
-        ):  # the solve reports heights that overflow
+        with np.errstate(over="ignore", invalid="ignore"):  # the solve reports heights that overflow
             across, along = (
                 np.diff(heights, axis=axis) / step if heights.shape[axis] > 1 else np.zeros(1)
                 for axis, step in enumerate(steps)
@@ -271,9 +260,7 @@ class MeasuredSurface:
                 f"MeasuredSurface.extent is {self.extent!r}: give a grid no wider than that, which is "
                 f"{grid.extent[0]!r} m wide, or a wider surface."
             )
-        return -cell_means(
-            heights, 0, extent=width, cells=grid.cells[0], width=grid.extent[0], ends="not-a-knot"
-        )
+        return -cell_means(heights, 0, extent=width, cells=grid.cells[0], width=grid.extent[0], ends="not-a-knot")
 
     def _periodic(self, heights: Array, axis: int, seam: PeriodicExtension, grid: Grid) -> Array:
         """Return means over the cells along an axis of one period, or of its middle where the grid's is shorter."""
@@ -283,9 +270,7 @@ class MeasuredSurface:
         if piece < length * (1 - 1e-9):
             # a spacing no larger than measured, independent of the grid's cells
             points = ceil(count * piece / length - 1e-9)
-            heights = cell_means(
-                heights, axis, extent=length, cells=points, width=piece, ends="not-a-knot"
-            )
+            heights = cell_means(heights, axis, extent=length, cells=points, width=piece, ends="not-a-knot")
             length = piece
         period = seam.lengths * length
         whole_quotient("MeasuredSurface period", period, grid.extent[axis])

@@ -49,9 +49,7 @@ def measurement(heights: Any) -> Measurement:
     return _plane(heights), None
 
 
-def read(
-    path: str | PathLike[str], reading: Reading
-) -> tuple[Array, tuple[float, float] | None, tuple[str, ...]]:
+def read(path: str | PathLike[str], reading: Reading) -> tuple[Array, tuple[float, float] | None, tuple[str, ...]]:
     """Return points (x, y) [m] and sizes [m] of a file, and notes on what was done to them.
 
     The content decides on the format, not the name. Raises :class:`~contactstudy.InvalidInput` for a file that cannot
@@ -96,15 +94,11 @@ def read(
         turned = sizes[0] / points.shape[1], sizes[1] / points.shape[0]
         if not np.isclose(*steps, rtol=0.05) and np.isclose(*turned, rtol=0.01):
             square = f"{readable(turned[0])} apart both ways with transpose = true"
-            notes.append(
-                f"points {readable(steps[0])} apart across and {readable(steps[1])} along, but {square}"
-            )
+            notes.append(f"points {readable(steps[0])} apart across and {readable(steps[1])} along, but {square}")
     return _plane(points), sizes, tuple(notes)
 
 
-def agreed_extent(
-    sizes: tuple[float, float] | None, extent: tuple[float, float] | None
-) -> tuple[float, float] | None:
+def agreed_extent(sizes: tuple[float, float] | None, extent: tuple[float, float] | None) -> tuple[float, float] | None:
     """Return the sizes (width, length) [m] of heights: those that they come with, or else the given `extent`.
 
     Raises :class:`~contactstudy.InvalidInput` for an extent that differs from the sizes.
@@ -159,9 +153,7 @@ def _of_library(name: str, reading: Reading) -> FileContent:
             f"path is {name!r}, a profile: export it as text, in columns x and z, or give a file of a surface."
         )
     if channel.unit is not None and side is None:
-        raise InvalidInput(
-            f"path is {name!r}, with heights in {channel.unit!r}: give a file of heights."
-        )
+        raise InvalidInput(f"path is {name!r}, with heights in {channel.unit!r}: give a file of heights.")
     unit = unit_of_heights(name, reading, None if channel.unit is None else side)
     return FileContent(values, unit, None if "physical_sizes" in lacking else (sizes[0], sizes[1]))
 

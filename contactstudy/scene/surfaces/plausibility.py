@@ -31,18 +31,12 @@ def measured_points(name: str, content: FileContent, reading: Reading) -> tuple[
             break
         gaps = np.diff(heights)
         spread = heights[-2] - heights[0], heights[-1] - heights[1]
-        lone = [
-            place
-            for place, gap, rest in ((-1, gaps[-1], spread[0]), (0, gaps[0], spread[1]))
-            if gap > rest
-        ]
+        lone = [place for place, gap, rest in ((-1, gaps[-1], spread[0]), (0, gaps[0], spread[1])) if gap > rest]
         second, most = (int(place) for place in np.argsort(counts)[-2:])
         marks = [place for place in lone if abs(heights[place]) in MARKS]
         if marks:
             values[values == heights[marks[0]]] = np.nan
-            notes.append(
-                f"{counts[marks[0]]} points of {heights[marks[0]]:g} in the file count as not measured"
-            )
+            notes.append(f"{counts[marks[0]]} points of {heights[marks[0]]:g} in the file count as not measured")
             continue
         repeated = [place for place in lone if counts[place] > 1]
         if counts[most] >= max(8, 10 * counts[second]) and 0 < most < len(heights) - 1:
@@ -57,9 +51,7 @@ def measured_points(name: str, content: FileContent, reading: Reading) -> tuple[
     return values, notes
 
 
-def check_plausible(
-    name: str, points: Array, sizes: tuple[float, float] | None, unit: float
-) -> None:
+def check_plausible(name: str, points: Array, sizes: tuple[float, float] | None, unit: float) -> None:
     """Raise :class:`~contactstudy.InvalidInput` if no rough surface has these sizes, with the unit that is likely."""
     level = _levelled(points)
     if not (fault := _fault(level, sizes)):
@@ -74,9 +66,7 @@ def check_plausible(
         likely, trials = f" ({steps}: spikes, or points that were not measured)", []
     for up, side in trials:
         if not _fault(level * up, sizes and (sizes[0] * side, sizes[1] * side)):
-            what = (
-                "heights" if side == 1 else "sizes across and along" if up == 1 else "all numbers"
-            )
+            what = "heights" if side == 1 else "sizes across and along" if up == 1 else "all numbers"
             likely = f" (likely {what} {side:g} times these)"
             if side == 1 or side == up:
                 likely = f" (likely {what} in {unit_name(unit * up)}, not {unit_name(unit)})"

@@ -56,9 +56,7 @@ class Tile:
                 "needs 2 x 2."
             )
         first, second = divmod(self.number, self.tiles[1])
-        return points[
-            first * sides[0] : (first + 1) * sides[0], second * sides[1] : (second + 1) * sides[1]
-        ]
+        return points[first * sides[0] : (first + 1) * sides[0], second * sides[1] : (second + 1) * sides[1]]
 
 
 @runtime_checkable
@@ -216,15 +214,10 @@ def _cylinder(heights: Array, extent: tuple[float, float] | None) -> tuple[Array
     sides = zip(extent, heights.shape, strict=True)
     half = np.array([size / 2 * (1 - 1 / count) or size / 2 for size, count in sides])
     largest = half.max()
-    x, y = (
-        _from_middle(count) * side / largest
-        for count, side in zip(heights.shape, half, strict=True)
-    )
+    x, y = (_from_middle(count) * side / largest for count, side in zip(heights.shape, half, strict=True))
     # curvatures of the quadratic give the start: the axis lies along the smaller
     form = polynomial(heights, 2)[1]
-    second = np.array(
-        [[2 * form.get((2, 0), 0.0), form.get((1, 1), 0.0)], [0.0, 2 * form.get((0, 2), 0.0)]]
-    )
+    second = np.array([[2 * form.get((2, 0), 0.0), form.get((1, 1), 0.0)], [0.0, 2 * form.get((0, 2), 0.0)]])
     curvatures, axes = np.linalg.eigh((second + second.T) / 2 / np.outer(half, half))
     across = axes[:, np.argmax(np.abs(curvatures))]
     tilt = np.array([form.get((1, 0), 0.0), form.get((0, 1), 0.0)]) / half
@@ -283,9 +276,7 @@ class GaussianFilter:
     def check_together(self) -> None:
         """Check that waves pass the filter."""
         if self.lambda_c <= self.lambda_s:
-            raise InvalidInput(
-                f"GaussianFilter.lambda_c is {self.lambda_c!r}: give a cut-off above lambda_s."
-            )
+            raise InvalidInput(f"GaussianFilter.lambda_c is {self.lambda_c!r}: give a cut-off above lambda_s.")
 
     @property
     def description(self) -> str:
@@ -393,9 +384,7 @@ class Tapered:
 Ends = Literal["periodic", "not-a-knot"]
 
 
-def cell_means(
-    heights: Array, axis: int, *, extent: float, cells: int, width: float, ends: Ends
-) -> Array:
+def cell_means(heights: Array, axis: int, *, extent: float, cells: int, width: float, ends: Ends) -> Array:
     """Return means over equal cells of a smooth surface that has the means `heights`.
 
     This is conservative resampling: a cubic spline interpolates the cumulative integral, and its differences between

@@ -81,9 +81,7 @@ class FileContent(NamedTuple):
     assumed: str = ""
 
 
-def unit_of_heights(
-    name: str, reading: Reading, own: float | None = None, unknown: str | None = None
-) -> float:
+def unit_of_heights(name: str, reading: Reading, own: float | None = None, unknown: str | None = None) -> float:
     """Return the unit [m] of heights: that of the file, which a given one must not contradict, or the given one."""
     given = reading.metre
     if own is None and given is None:
@@ -104,6 +102,4 @@ def unit_of_heights(
 
 def unit_name(unit: float) -> str:
     """Return the name of a unit [m]."""
-    return next(
-        (name for name, size in UNITS.items() if np.isclose(size, unit, atol=0)), readable(unit)
-    )
+    return next((name for name, size in UNITS.items() if np.isclose(size, unit, atol=0)), readable(unit))

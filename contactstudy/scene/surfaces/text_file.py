@@ -136,9 +136,7 @@ class Header:
                 unit or next(filter(None, bracketed), None),
                 shape,
             )
-        key, _, word = re.sub(
-            r"[\[(:=,;\t]+|\bin\b", ":", line[end:].strip(" #%\t;,:=")
-        ).rpartition(":")
+        key, _, word = re.sub(r"[\[(:=,;\t]+|\bin\b", ":", line[end:].strip(" #%\t;,:=")).rpartition(":")
         words, unit = _words(key), length_unit(word)
         if not words & WORDS_OF["other"] and (unit or words & WORDS_OF["unit"]):
             for axis in _axes(words | {"unit"}) or ["z"]:
@@ -147,9 +145,7 @@ class Header:
                 elif word.strip():
                     self.unknown[axis] = word.strip()
 
-    def _take(
-        self, words: frozenset[str], value: float, unit: float | None, shape: tuple[int, ...]
-    ) -> None:
+    def _take(self, words: frozenset[str], value: float, unit: float | None, shape: tuple[int, ...]) -> None:
         """Take up one number under the words of a key, in metres if it has a unit."""
         axes = _axes(words)
         if words & WORDS_OF["invalid"] or {"no", "data"} <= words or {"no", "value"} <= words:
@@ -162,9 +158,7 @@ class Header:
             return
         lateral = [axis for axis in axes if axis != "z"] or (["x", "y"] if "z" not in axes else [])
         is_whole = unit is None and value == int(value)
-        is_count = is_whole and (
-            value in (*shape, shape[0] * shape[-1]) or words & WORDS_OF["count"]
-        )
+        is_count = is_whole and (value in (*shape, shape[0] * shape[-1]) or words & WORDS_OF["count"])
         if is_count and not {"pixel", "size"} <= words:
             self.counts |= {axis: int(value) for axis in lateral if axes}
         elif words & WORDS_OF["other"] - {"range"} or {"sampling", "length"} <= words or value <= 0:
@@ -183,9 +177,7 @@ def _keyed(lines: list[str]) -> list[str]:
     keyed: list[str] = []
     keys: list[str] = []
     for line in lines:
-        cells = [
-            cell.strip() for cell in re.split(r"[;\t]" if re.search(r"[;\t]", line) else ",", line)
-        ]
+        cells = [cell.strip() for cell in re.split(r"[;\t]" if re.search(r"[;\t]", line) else ",", line)]
         if 1 < len(cells) == len(keys) and NUMERAL.fullmatch(cells[0]):
             keyed[-1:] = [f"{key}: {value}" for key, value in zip(keys, cells, strict=True)]
         elif 1 < len(cells) == len(keys) and all(map(length_unit, cells)):
@@ -214,9 +206,7 @@ def _words(key: str) -> frozenset[str]:
 def _axes(words: frozenset[str]) -> list[str]:
     """Return the axes that the words of a key name: a "height unit" is one of z, the "height" of a picture one of y."""
     heights = words & frozenset(("height", "höhe", "hauteur", "altura", "altezza", "vertical"))
-    if words & WORDS_OF["z"] or (
-        heights and words & (WORDS_OF["factor"] | {"unit", "units", "range", "resolution"})
-    ):
+    if words & WORDS_OF["z"] or (heights and words & (WORDS_OF["factor"] | {"unit", "units", "range", "resolution"})):
         return ["z"]
     if "line" in words and words & {"per", "length"}:
         return ["x"]
@@ -287,9 +277,7 @@ def table(name: str, text: str, decimal: str | None) -> TextTable:
     values = [_values(row, decimal) for row in rows]
     whole = [None not in row for row in values]
     lengths = Counter(
-        len(row)
-        for row, fits, line in zip(rows, whole, lines, strict=True)
-        if fits and re.search(r"\d", line)
+        len(row) for row, fits, line in zip(rows, whole, lines, strict=True) if fits and re.search(r"\d", line)
     )
     if not lengths:
         raise InvalidInput(
@@ -345,10 +333,7 @@ def table(name: str, text: str, decimal: str | None) -> TextTable:
 def _cells(line: str, separator: str | None) -> list[str]:
     """Return the cells of a line; a separator within quotes is none."""
     if separator and '"' in line:
-        return [
-            cell.strip()
-            for cell in next(csv.reader([line], delimiter=separator[0], skipinitialspace=True))
-        ]
+        return [cell.strip() for cell in next(csv.reader([line], delimiter=separator[0], skipinitialspace=True))]
     return [cell.strip() for cell in line.strip(" ").split(separator)]
 
 
@@ -410,11 +395,7 @@ def _marks(name: str, lines: list[str], decimal: str | None) -> tuple[str | None
             len({mark in cell for cell in column if cell.strip("+-").isdigit() or mark in cell}) > 1
             for column in zip_longest(*rows, fillvalue="")
         )
-        if (
-            is_mixed
-            and (mark == "." or sign == ",")
-            and not any({",": ".", ".": ","}[mark] in cell for cell in cells)
-        ):
+        if is_mixed and (mark == "." or sign == ",") and not any({",": ".", ".": ","}[mark] in cell for cell in cells):
             raise InvalidInput(
                 f"path is {name!r}, in which {marked[0]!r} has a decimal {what} or one between thousands: {remedy}."
             )

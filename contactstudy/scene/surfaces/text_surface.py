@@ -56,19 +56,13 @@ def surface_of_text(name: str, text: TextTable, reading: Reading) -> FileContent
                     f"path is {name!r}, whose column {text.names[place]!r} is no length: give positions in mm "
                     "or the like."
                 )
-        places = [
-            (text.values[:, columns[axis][0]], own.get(axis, unit))
-            for axis in "xy"
-            if axis in columns
-        ]
+        places = [(text.values[:, columns[axis][0]], own.get(axis, unit)) for axis in "xy" if axis in columns]
         content = _gridded(name, places, text.values[:, columns["z"][0]])
     notes = list(content.notes)
     if header.factor != 1:
         notes.append(f"numbers times the factor {header.factor:g} of the header")
     if header.unused:
-        notes.append(
-            f"these lines of the header were not used: {', '.join(map(repr, header.unused))}"
-        )
+        notes.append(f"these lines of the header were not used: {', '.join(map(repr, header.unused))}")
     return content._replace(unit=unit * header.factor, invalid=header.invalid, notes=tuple(notes))
 
 
@@ -98,9 +92,7 @@ def _columns(name: str, text: TextTable) -> dict[str, tuple[int, float | None]]:
     named: dict[str, tuple[int, float | None]] = {}
     for place, label in enumerate(text.names):
         words = re.split(r"[\s/\[\](),_]+", label.lower())
-        kind = next(
-            (word for word in words if word in COLUMNS), words[0].strip("-:#").removesuffix("pos")
-        )
+        kind = next((word for word in words if word in COLUMNS), words[0].strip("-:#").removesuffix("pos"))
         for axis, starts in COLUMNS.items():
             if kind in starts and axis not in named:
                 named[axis] = place, column_unit(label)
@@ -108,9 +100,7 @@ def _columns(name: str, text: TextTable) -> dict[str, tuple[int, float | None]]:
         return named
     units = [column_unit(label) for label in text.names]
     if count in (2, 3) and rows >= MIN_POINTS - 4 * (count == 3):
-        return {
-            axis: (place, units[place]) for place, axis in enumerate("xz" if count == 2 else "xyz")
-        }
+        return {axis: (place, units[place]) for place, axis in enumerate("xz" if count == 2 else "xyz")}
     if rows < MIN_POINTS or 1 < count < MIN_POINTS:
         raise InvalidInput(
             f"path is {name!r}, of {rows} rows of {count} numbers: give a surface of at least {MIN_POINTS} x "
@@ -135,9 +125,7 @@ def _matrix(text: TextTable, header: Header, unit: float) -> FileContent:
         values = values.reshape(pair)  # lines that are broken, or one number a line
     rows, columns = values.shape
     counts, notes = {"x": columns, "y": rows}, []
-    assumed = f"sizes of the header, which have no unit, count in {unit_name(unit)}" * bool(
-        header.is_bare
-    )
+    assumed = f"sizes of the header, which have no unit, count in {unit_name(unit)}" * bool(header.is_bare)
     found: dict[str, float] = {}
     for axis, count in counts.items():
         bare = unit if axis in header.is_bare else 1.0
@@ -153,17 +141,11 @@ def _matrix(text: TextTable, header: Header, unit: float) -> FileContent:
         found = {"y": size, "x": size / rows}
     if len(found) == 2 and found["x"] == found["y"] and rows != columns and not header.steps:
         notes.append("the one size of the header counts both ways")
-    ratio = (
-        [found["x"] / found["y"] * rows / columns] if len(found) == 2 and not header.steps else []
-    )
+    ratio = [found["x"] / found["y"] * rows / columns] if len(found) == 2 and not header.steps else []
     if ratio and abs(ratio[0] - 1) > 0.05 and abs(ratio[0] * (columns / rows) ** 2 - 1) < 0.01:
         found = {"x": found["y"], "y": found["x"]}  # points are square for x from row to row
     if len(found) == 1:  # a lone width or length may be that of the part
-        steps = [
-            found[axis] / counts[axis]
-            for axis in found
-            if axis in header.steps or any(places[axis])
-        ]
+        steps = [found[axis] / counts[axis] for axis in found if axis in header.steps or any(places[axis])]
         found = {axis: step * count for step in steps for axis, count in counts.items()}
         assumed = SQUARE * len(steps)
     sizes = (found["y"], found["x"]) if found else None
@@ -180,9 +162,7 @@ def _without_margins(values: Array, above: Array) -> tuple[Array, dict[str, Arra
         top = above[-count:]
     elif min(values.shape) > 2 and _is_even(values[0]) and not _is_even(values[1]):
         top, left, values = values[0], left[1:], values[1:]
-    falling = [
-        axis for axis, places in ((0, left), (1, top)) if len(places) and places[0] > places[-1]
-    ]
+    falling = [axis for axis, places in ((0, left), (1, top)) if len(places) and places[0] > places[-1]]
     return np.flip(values, tuple(falling)), {"x": top, "y": left}
 
 
@@ -212,9 +192,7 @@ def _gridded(name: str, places: list[tuple[Array, float]], z: Array) -> FileCont
         sizes.append(sizes[0] / (indices[0].max() + 1))
     heights = np.full((indices[0].max() + 1, indices[1].max() + 1), np.nan)
     if heights.size > 2 * len(z):
-        raise InvalidInput(
-            f"path is {name!r}, whose points fill less than half of a grid: {remedy}."
-        )
+        raise InvalidInput(f"path is {name!r}, whose points fill less than half of a grid: {remedy}.")
     heights[indices[0], indices[1]] = z[keep]
     if not np.array_equal(heights[indices[0], indices[1]], z[keep], equal_nan=True):
         raise InvalidInput(f"path is {name!r}, which has two heights at one place: {remedy}.")

@@ -62,9 +62,7 @@ class NewtonConstants:
 CONSTANTS = NewtonConstants()
 
 
-def shear_status(
-    residual: float, applications: int, tolerance: float, max_applications: int
-) -> Status:
+def shear_status(residual: float, applications: int, tolerance: float, max_applications: int) -> Status:
     """Return the status of a tangential traction with this `residual`, after so many `applications` of its response."""
     if residual <= tolerance:
         return Status.CONVERGED
@@ -216,9 +214,7 @@ class CoulombNewton:
         inverse = self._operator.approximate_inverse(self.field(projected))
         return values - projected + projection(self.gathered(inverse) / self._rho)
 
-    def _extragradient(
-        self, free: Array, shear: Array, slip: Array, length: float
-    ) -> tuple[Array, Array, float]:
+    def _extragradient(self, free: Array, shear: Array, slip: Array, length: float) -> tuple[Array, Array, float]:
         """Return traction and slip after two projections, and their step length, which is shortened as needed."""
         while True:
             half = self.project(shear - length * slip)
@@ -247,9 +243,7 @@ def norm(values: Array) -> float:
     return sqrt(float(np.einsum("cn,cn->", values, values)))
 
 
-def gmres(
-    apply: Callable[[Array], Array], rhs: Array, tolerance: float, max_vectors: int
-) -> list[float]:
+def gmres(apply: Callable[[Array], Array], rhs: Array, tolerance: float, max_vectors: int) -> list[float]:
     """Return the weights of the Krylov vectors that minimise the residual of ``apply(x) = rhs``: GMRES.
 
     Vector i is the i-th argument of `apply`. The residual is at most `tolerance` times the norm of `rhs`, unless

@@ -50,16 +50,12 @@ class FrettingShear:
     bulk: BulkStress = BulkStress()  # noqa: RUF009 (frozen)
     bulk_stresses: tuple[float, ...] = ()
 
-    def solve(
-        self, problem: Problem, options: SolveOptions, start: Array | None, device: Device
-    ) -> Solution:
+    def solve(self, problem: Problem, options: SolveOptions, start: Array | None, device: Device) -> Solution:
         """Return the normal contact with the tangential traction after the last force, and the history of slip."""
         normal = solve_contact(problem, options, start, device)
         limit = self.coefficient * normal.pressure
         shear, stick = np.zeros((2, *limit.shape)), normal.pressure > 0
-        statuses = [
-            transmission_status(force, limit, problem.grid) for force in self.forces_per_length
-        ]
+        statuses = [transmission_status(force, limit, problem.grid) for force in self.forces_per_length]
         applications, residual = 0, 0.0
         sliding: list[Array] = []
         displacements = [0.0]
@@ -96,9 +92,7 @@ class FrettingShear:
             cycle=cycle,
             bulk=self.bulk.of_bodies(stresses[-1]),
         )
-        return with_traction(
-            normal, worst(statuses), residual, applications, 2.0 * applications, traction
-        )
+        return with_traction(normal, worst(statuses), residual, applications, 2.0 * applications, traction)
 
     def loop(self, solution: Solution) -> tuple[Array, Array, Array]:
         """Return forces along x [N], rigid displacements [m] and slip [m] along the last whole cycle, or the history.
@@ -135,9 +129,7 @@ class PartialSlipShear:
 
     fretting: FrettingShear
 
-    def solve(
-        self, problem: Problem, options: SolveOptions, start: Array | None, device: Device
-    ) -> Solution:
+    def solve(self, problem: Problem, options: SolveOptions, start: Array | None, device: Device) -> Solution:
         """Return the normal contact with the tangential traction after the last force."""
         solution = self.fretting.solve(problem, options, start, device)
         found = solution.traction

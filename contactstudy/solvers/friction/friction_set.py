@@ -125,9 +125,7 @@ class Projection:
         if self.total is None:
             return of_cells
         prescribed = ~np.isnan(self.total)
-        rigid = np.stack(
-            [of_cells(np.repeat(axis[:, None], cut.size, axis=1)) for axis in np.eye(2)[prescribed]]
-        )
+        rigid = np.stack([of_cells(np.repeat(axis[:, None], cut.size, axis=1)) for axis in np.eye(2)[prescribed]])
         inverse = np.linalg.pinv(rigid.sum(axis=2)[:, prescribed], rcond=1e-12)
 
         def balanced(change: Array) -> Array:

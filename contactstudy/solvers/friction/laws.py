@@ -28,9 +28,7 @@ class FullSliding:
     coefficient: float
     coupling: GeneralConvolution | None
 
-    def solve(
-        self, problem: Problem, options: SolveOptions, start: Array | None, device: Device
-    ) -> Solution:
+    def solve(self, problem: Problem, options: SolveOptions, start: Array | None, device: Device) -> Solution:
         """Return the solution under tangential traction.
 
         With a coupling, pressure and traction are solved in turn, until the traction changes the gap by less than the
@@ -48,9 +46,7 @@ class FullSliding:
             applications += 1
             return self.coefficient * coupling(pressure)
 
-        solution = solve_by_fixed_point_iteration(
-            problem, gap_change, options, start, device, MAX_SLIDING_ITERATIONS
-        )
+        solution = solve_by_fixed_point_iteration(problem, gap_change, options, start, device, MAX_SLIDING_ITERATIONS)
         return replace(
             solution,
             convolutions=solution.convolutions + applications,

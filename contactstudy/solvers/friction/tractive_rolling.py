@@ -112,9 +112,7 @@ class TractiveShear:
     coupling: ShearPressureCoupling | None
     note: str = ""
 
-    def solve(
-        self, problem: Problem, options: SolveOptions, start: Array | None, device: Device
-    ) -> Solution:
+    def solve(self, problem: Problem, options: SolveOptions, start: Array | None, device: Device) -> Solution:
         """Return the normal contact with its traction; for dissimilar bodies, iterated until neither changes."""
         state: SteadyShear | None = None
         applications, convolutions = 0, 0.0
@@ -131,9 +129,7 @@ class TractiveShear:
             return self.coupling.gap(state.shear)
 
         if self.coupling is not None:
-            normal = solve_by_fixed_point_iteration(
-                problem, gap_change, options, start, device, MAX_COUPLED_ITERATIONS
-            )
+            normal = solve_by_fixed_point_iteration(problem, gap_change, options, start, device, MAX_COUPLED_ITERATIONS)
         else:
             normal = solve_contact(problem, options, start, device)
             if normal.pressure.any():
@@ -144,9 +140,7 @@ class TractiveShear:
             traction = TangentialTraction(zeros, stick, "tractive rolling", 0)
             acts = transmission_status(self.force_per_length or 0.0, normal.pressure, problem.grid)
             return with_traction(normal, acts, 0.0, 0, 0.0, traction)
-        status = shear_status(
-            state.residual, state.applications, options.tolerance, options.max_iterations
-        )
+        status = shear_status(state.residual, state.applications, options.tolerance, options.max_iterations)
         normal = replace(normal, note=f"{normal.note} {self.note}".strip())
         rolling = self._traction(problem.grid, normal.pressure, state)
         return with_traction(normal, status, state.residual, applications, convolutions, rolling)
@@ -215,9 +209,7 @@ class TractiveShear:
         if last is not None:
             return replace(steady, convolutions=work, errors=last.errors)
         touching = np.pad(limit > 0, ((1, 0), (0, 0)))
-        contact_length = np.count_nonzero(touching) / np.count_nonzero(
-            touching[1:] & ~touching[:-1]
-        )
+        contact_length = np.count_nonzero(touching) / np.count_nonzero(touching[1:] & ~touching[:-1])
         cells = np.array([level.cells for level in coarser_grids(grid)])
         finer = (cells[1:] / cells[:-1]).max(axis=1)
         errors = self._errors(np.array(levels), finer, contact_length)
@@ -282,9 +274,7 @@ def _steady(
     projection as a resultant, whose multiplier corrects the creepage.
     """
     first = newton.gathered(shear)
-    values, _, creepage_correction, residual = newton.solve(
-        free_slip, first, tolerance, max_applications
-    )
+    values, _, creepage_correction, residual = newton.solve(free_slip, first, tolerance, max_applications)
     values = newton.project(values)
     slip = free_slip - creepage_correction[:, None, None] + newton.slip_field(values)
     creepage = replace(creepage, longitudinal=creepage.longitudinal + float(creepage_correction[0]))
@@ -295,9 +285,7 @@ def _steady(
 def coarser_grids(grid: Grid) -> list[Grid]:
     """Return `grid` and those with half the cells along each axis that allows it, coarsest first."""
     grids = [grid]
-    while (cells := tuple(max(n // 2, min(n, COARSEST)) for n in grids[-1].cells)) != grids[
-        -1
-    ].cells:
+    while (cells := tuple(max(n // 2, min(n, COARSEST)) for n in grids[-1].cells)) != grids[-1].cells:
         grids.append(Grid((cells[0], cells[1]), grid.extent))
     return grids[::-1]
 

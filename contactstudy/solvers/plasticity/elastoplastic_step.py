@@ -188,14 +188,8 @@ def _mapped_state(
     residual = strain - mapped.strain
     residual_norm = float((np.abs(residual) / bodies.yield_strain).max(initial=0.0))
     potential = bodies.law.incremental_potential(mapped.strain, strain_n, equivalent_n)
-    incremental_energy = bodies.inner(strain, reduction) / 2 + float(
-        (potential * bodies.volumes).sum()
-    )
-    energy = (
-        incremental_energy
-        - bodies.inner(strain, outer_stress)
-        - _contact_energy(solution, bodies.cell_area)
-    )
+    incremental_energy = bodies.inner(strain, reduction) / 2 + float((potential * bodies.volumes).sum())
+    energy = incremental_energy - bodies.inner(strain, outer_stress) - _contact_energy(solution, bodies.cell_area)
     energy += bodies.inner(stress + bodies.law.twice_shear_modulus / 2 * residual, residual)
     return _State(strain, solution, mapped, residual, residual_norm, energy, incremental_energy)
 
@@ -245,14 +239,10 @@ def _newton_step(bodies: YieldingBodies, tangent: Tangent | None, state: _State)
         return stress
 
     forcing = max(min(CONSTANTS.max_forcing, state.residual_norm**0.5), CONSTANTS.min_forcing)
-    return step + conjugate_gradients(
-        product, precondition, bodies.inner, rhs, forcing, CONSTANTS.maxiter
-    )
+    return step + conjugate_gradients(product, precondition, bodies.inner, rhs, forcing, CONSTANTS.maxiter)
 
 
-def _negative_stress_change(
-    bodies: YieldingBodies, tangent: Tangent | None, strain: Array
-) -> Array:
+def _negative_stress_change(bodies: YieldingBodies, tangent: Tangent | None, strain: Array) -> Array:
     """Return minus the change of stress (C, cells) [Pa] by `strain`, with that of the pressure: ``(B + S Pi S^T) e``."""
     if tangent is None:
         return bodies.negative_residual_stress(strain)

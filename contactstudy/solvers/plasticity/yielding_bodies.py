@@ -32,29 +32,19 @@ class VonMisesPlasticity:
         """Hardening of the deviatoric stress along the flow, ``d|s| / d|e| = 2/3 (H_i + H_k)`` (cells,) [Pa]."""
         return np.asarray(2 / 3 * (self.isotropic + self.kinematic))
 
-    def return_mapping(
-        self, stress: Array, strain: Array, strain_n: Array, equivalent_n: Array
-    ) -> "ReturnMapping":
+    def return_mapping(self, stress: Array, strain: Array, strain_n: Array, equivalent_n: Array) -> "ReturnMapping":
         """Return the plastic strain that puts the trial `stress` at `strain` back onto the yield surface.
 
         `strain_n` (C, cells) and `equivalent_n` (cells,) are the plastic strain and its equivalent at the start of the
         step. Radial return (Simo & Hughes 1998, box 3.1): the proximal step 1 / 2G of the energy.
         """
-        trial = (
-            stress
-            + self.twice_shear_modulus * (strain - strain_n)
-            - (2 / 3) * self.kinematic * strain_n
-        )
+        trial = stress + self.twice_shear_modulus * (strain - strain_n) - (2 / 3) * self.kinematic * strain_n
         norm = np.sqrt(np.einsum("ck,ck->k", trial, trial))
         limit = SQRT_TWO_THIRDS * (self.yield_stress + self.isotropic * equivalent_n)
-        multiplier = np.maximum(norm - limit, 0.0) / (
-            self.twice_shear_modulus + self.deviatoric_hardening
-        )
+        multiplier = np.maximum(norm - limit, 0.0) / (self.twice_shear_modulus + self.deviatoric_hardening)
         flows = multiplier > 0
         direction = np.divide(trial, norm, out=np.zeros_like(trial), where=flows)
-        return ReturnMapping(
-            self, strain_n + multiplier * direction, direction, norm, multiplier, flows
-        )
+        return ReturnMapping(self, strain_n + multiplier * direction, direction, norm, multiplier, flows)
 
     def incremental_potential(self, strain: Array, strain_n: Array, equivalent_n: Array) -> Array:
         """Return the potential of the step from `strain_n` to `strain`, per volume (cells,) [Pa].
@@ -93,10 +83,7 @@ class ReturnMapping:
         """Return the inverse derivative of the return mapping times `strain` (C, cells) [Pa]; 0 where nothing flows."""
         law, transverse = self.law, self._transverse
         along = np.einsum("ck,ck->k", self.direction, strain) * self.direction
-        return np.asarray(
-            along * (law.twice_shear_modulus + law.deviatoric_hardening)
-            + transverse * (strain - along)
-        )
+        return np.asarray(along * (law.twice_shear_modulus + law.deviatoric_hardening) + transverse * (strain - along))
 
     @property
     def consistent_plastic_moduli(self) -> Array:
@@ -149,16 +136,12 @@ class YieldingBodies:
     @cached_property
     def volumes(self) -> Array:
         """Volume of each cell (cells,) [m^3]."""
-        return self.concatenated(
-            [np.broadcast_to(o.volume.cell_volumes, o.volume.shape) for o in self.operators]
-        )
+        return self.concatenated([np.broadcast_to(o.volume.cell_volumes, o.volume.shape) for o in self.operators])
 
     def diagonal_blocks(self, cells: NDArray[np.bool_]) -> Array:
         """Return minus the residual stress of each chosen cell by its own unit strain (chosen cells, C, C) [Pa]."""
         shapes = [operator.volume.shape for operator in self.operators]
-        layers = np.repeat(
-            range(sum(n for n, _, _ in shapes)), [nx * ny for n, nx, ny in shapes for _ in range(n)]
-        )
+        layers = np.repeat(range(sum(n for n, _, _ in shapes)), [nx * ny for n, nx, ny in shapes for _ in range(n)])
         blocks = np.concatenate([operator.diagonal_blocks for operator in self.operators])
         return np.asarray(blocks[layers[cells]])
 
@@ -188,9 +171,7 @@ class YieldingBodies:
     def negative_residual_stress(self, strain: Array) -> Array:
         """Return B e, minus the deviatoric residual stress (C, cells) [Pa] of plastic `strain` e."""
         parts = zip(self.operators, self.split(strain), strict=True)
-        return self.concatenated(
-            [operator.negative_residual_stress(part) for operator, part in parts]
-        )
+        return self.concatenated([operator.negative_residual_stress(part) for operator, part in parts])
 
     def residual_displacement(self, strain: Array) -> Array:
         """Return the surface displacement ``S^T e`` (x, y) [m] by plastic `strain`, of all bodies together."""

@@ -29,9 +29,7 @@ from studies.report.wording import (
 def sections(verdict: Verdict) -> Sequence[Section]:
     """Return the price of accuracy, and what each padding does."""
     answer = Finding(claim(verdict), " ".join(explanation(verdict)), "Which padding, at what cost?")
-    price = Section(
-        SETTINGS, "The price of accuracy", [answer], [_front(verdict)], [_fastest(verdict)]
-    )
+    price = Section(SETTINGS, "The price of accuracy", [answer], [_front(verdict)], [_fastest(verdict)])
     return [
         price,
         Section("paddings", "What each padding does", [], [], [_paddings(verdict)], file=SETTINGS),
@@ -61,9 +59,7 @@ def _front(verdict: Verdict) -> CaptionedFigure:
     best = verdict.best()
     for label, line in _lines(verdict).items():
         name = label.partition(",")[0]
-        style: dict[str, Any] = padding_style(name) | {
-            "ls": styles[seen.get(name, 0) % len(styles)]
-        }
+        style: dict[str, Any] = padding_style(name) | {"ls": styles[seen.get(name, 0) % len(styles)]}
         seen[name] = seen.get(name, 0) + 1
         width = {"lw": 1.0, "ms": 4}
         if label == verdict.own:

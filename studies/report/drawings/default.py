@@ -60,9 +60,7 @@ def figures(dataset: xr.Dataset, plot: Sequence[str] = ()) -> Sequence[Captioned
     measures = _measures(dataset)
     names = chosen(dataset, plot)
     if not names:
-        raise InvalidInput(
-            "The study has no measure to draw: let measures give a number that is not nan."
-        )
+        raise InvalidInput("The study has no measure to draw: let measures give a number that is not nan.")
     if "changes" in dataset.attrs:
         return sensitivity.figures(dataset, names)
     shown, further = axes[:2], axes[2:]
@@ -100,9 +98,7 @@ def _curves(
     first, *families = shown
     samples = tuple(axis for axis in families if is_sample(axis) and dataset.sizes[axis] > 1)
     hue = next((axis for axis in families if axis not in samples), "")
-    figure = draw(
-        dataset, Plot(name, tuple(names), first, hue, over=samples, laws=LAWS, caption=caption)
-    )
+    figure = draw(dataset, Plot(name, tuple(names), first, hue, over=samples, laws=LAWS, caption=caption))
     assert figure is not None
     return figure
 
@@ -132,9 +128,7 @@ def _numbers(dataset: xr.Dataset) -> list[str]:
 def _measures(dataset: xr.Dataset) -> list[str]:
     """Return the names of the measures that change, or all where none does; times only where there is nothing else."""
     present = [
-        name
-        for name in _numbers(dataset)
-        if "_bound" not in name and "_estimate" not in name and name not in RECORDED
+        name for name in _numbers(dataset) if "_bound" not in name and "_estimate" not in name and name not in RECORDED
     ]
     times = [name for name in present if is_time(name)]
     measures = [name for name in present if name not in times]

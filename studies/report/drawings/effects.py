@@ -66,9 +66,7 @@ friction = drawing(
             "How much of a contact slips below the limit of friction?",
             "The stick zone is Cattaneo's, within {off} of the contact.",
             numbers={
-                "off": lambda d: abs(
-                    d["stick_fraction"] - np.sqrt(1 - d["friction_tangential"] / FRICTION_LIMIT)
-                ).max()
+                "off": lambda d: abs(d["stick_fraction"] - np.sqrt(1 - d["friction_tangential"] / FRICTION_LIMIT)).max()
             },
         )
     ],
@@ -129,9 +127,7 @@ def worn_width(time: Array) -> Array:
     return 2 * np.cbrt(cubes)
 
 
-CUBES = Law(
-    "cubes added: a³ = a_H³ + 3/2 R k P s", "final_contact_area", lambda time, _: worn_width(time)
-)
+CUBES = Law("cubes added: a³ = a_H³ + 3/2 R k P s", "final_contact_area", lambda time, _: worn_width(time))
 WEAR = Plot(
     "wear", ("final_contact_area", "final_peak_pressure"), "time_steps_end", log="xy",
     laws=(

@@ -55,9 +55,7 @@ def table(sweep: xr.Dataset, names: Sequence[str]) -> Table:
             note = "within the bound" if np.nanmax(np.abs(found)) <= bound else ""
             note = "no bound" if bound == inf else note
             texts = [f"{value / size:.3g}" for value in (*found, bound)]
-            rows.append(
-                (name, *(str(at[key].values) for key in ("number", "change")), *texts, unit, note)
-            )
+            rows.append((name, *(str(at[key].values) for key in ("number", "change")), *texts, unit, note))
     head = ("quantity", "number", "as given", LOWERED, RAISED, "bound", "unit", "note")
     return Table("Changes as each number is lowered and raised alone.", head, tuple(rows))
 
@@ -72,17 +70,11 @@ def _scale(changes: xr.Dataset, name: str) -> tuple[float, str, np.ndarray]:
     """Return size and name of the unit of a change, per cent of a quantity but zero, and the order of the numbers."""
     change, given = changes[f"{name}_change"], abs(float(changes[name]))
     order = abs(change).max("side").fillna(0).values.argsort(kind="stable")[::-1]
-    return (
-        (given / 100, "%", order)
-        if given
-        else (*display_unit_of(change, change.attrs["units"]), order)
-    )
+    return (given / 100, "%", order) if given else (*display_unit_of(change, change.attrs["units"]), order)
 
 
 def _headline(changes: xr.Dataset, name: str) -> str:
     """Return label, value and bound of a quantity of the scene as given."""
     given, bound, about = float(changes[name]), float(changes[f"{name}_bound"]), changes[name].attrs
     known = "no bound" if bound == inf else f"± {percent(bound / given)}" if given else ""
-    return f"{fill(about.get('long_name', name), 44)}\n{readable(given, about['units'])}, {known}".rstrip(
-        ", "
-    )
+    return f"{fill(about.get('long_name', name), 44)}\n{readable(given, about['units'])}, {known}".rstrip(", ")

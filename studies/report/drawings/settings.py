@@ -80,11 +80,7 @@ def needed_images(dataset: xr.Dataset) -> Table | None:
         part = errors.sel(period=period)
         cells = float(part.sel(padding="exact").min())
         window = part.sel(padding="circular").values
-        single = [
-            part.sel(padding=name).isel(images=0)
-            for name in paddings(dataset)
-            if name not in HAS_IMAGES
-        ]
+        single = [part.sel(padding=name).isel(images=0) for name in paddings(dataset) if name not in HAS_IMAGES]
         least = [from_then_on(window <= cells + target, images) for target in TARGETS]
         rows.append((f"{period:g} a", *map(percent, single), *least))
     return Table(
@@ -133,9 +129,7 @@ WHICH_GRID = Claim(
         "last": lambda d: _exact(d)[-1],
         "coarse": lambda d: int(d["grid"].min()),
         "fine": lambda d: int(d["grid"].max()),
-        "largest": lambda d: (
-            d["pressure_error_max"].sel(padding="exact").isel(images=-1, period=-1, grid=-1)
-        ),
+        "largest": lambda d: d["pressure_error_max"].sel(padding="exact").isel(images=-1, period=-1, grid=-1),
     },
     {"padding": ("exact",)},
 )
@@ -145,9 +139,7 @@ def _of_square(measure: str, along: str) -> Callable[[xr.Dataset], float]:
     """Return a function for a measure of exact periodicity with square cells, or with one cell along."""
 
     def of(dataset: xr.Dataset) -> float:
-        part = dataset.assign(total_time=total_time(dataset))[measure].sel(
-            padding="exact", along=along
-        )
+        part = dataset.assign(total_time=total_time(dataset))[measure].sel(padding="exact", along=along)
         return float(part.isel(dict.fromkeys(part.dims, -1)))
 
     return of
@@ -172,9 +164,7 @@ ONE_CELL_ALONG = Claim(
 
 
 def _on_axis(padding: str, end: int) -> Callable[[xr.Dataset], xr.DataArray]:
-    return lambda d: (
-        finest(d)["axis_pressure_error"].sel(padding=padding, images=6).sortby("period")[end]
-    )
+    return lambda d: finest(d)["axis_pressure_error"].sel(padding=padding, images=6).sortby("period")[end]
 
 
 LENGTH_CLAIM = Claim(
@@ -207,16 +197,11 @@ def pressures(dataset: xr.Dataset) -> CaptionedFigure:
     for name in paddings(part):
         line = part.sel(padding=name)
         style = padding_style(name) | {"label": setting_label(line), "markevery": 8}
-        off = {
-            key: 100 * (line[key] - line["pressure_true"])
-            for key in ("pressure", "pressure_min", "pressure_max")
-        }
+        off = {key: 100 * (line[key] - line["pressure_true"]) for key in ("pressure", "pressure_min", "pressure_max")}
         full.plot(x, line["pressure"], **style)
         error.plot(x, off["pressure"], **style)
         if name != "zero":  # its ends would fill the picture
-            error.fill_between(
-                x, off["pressure_min"], off["pressure_max"], color=style["color"], alpha=0.18, lw=0
-            )
+            error.fill_between(x, off["pressure_min"], off["pressure_max"], color=style["color"], alpha=0.18, lw=0)
     full.plot(x, line["pressure_true"], label="Hertz", **LAW_STYLE)
     full.set(xlabel=across, ylabel="pressure over Hertz's peak pressure", ylim=(0, 1.2))
     error.set(xlabel=across, ylabel="error [% of Hertz's peak pressure]", ylim=(-100, 100))

@@ -13,9 +13,7 @@ EXACT = cs.ExactPeriodicity()
 DEPTHS = tuple(np.geomspace(1e-6, 2e-4, 30))
 
 
-@pytest.mark.parametrize(
-    ("wave", "slip"), [(None, 0.0), (None, 0.6), ((3e-8, 20.0), 0.0), ((1e-7, 40.0), 0.0)]
-)
+@pytest.mark.parametrize(("wave", "slip"), [(None, 0.0), (None, 0.6), ((3e-8, 20.0), 0.0), ((1e-7, 40.0), 0.0)])
 def test_bounds_of_approach_and_stress_hold_on_smooth_wavy_and_tractive_contacts(
     wave: tuple[float, float] | None, slip: float, line_contact: LineContact
 ) -> None:
@@ -116,9 +114,7 @@ def test_the_shear_beside_asperities_of_few_cells_has_no_bound() -> None:
 
 
 def test_the_approach_has_no_bound_where_images_are_left_out(line_contact: LineContact) -> None:
-    problem = line_contact.scene.problem(
-        line_contact.grid((48, 4), 1.2), cs.CircularSuperposition(2)
-    )
+    problem = line_contact.scene.problem(line_contact.grid((48, 4), 1.2), cs.CircularSuperposition(2))
     solution = cs.solve(problem)
     found = approach_error(solution, error_estimate(solution), None)
     assert found.total == inf
@@ -197,9 +193,7 @@ def test_stresses_have_no_bound_below_a_sharp_end_that_carries_pressure() -> Non
 def test_the_state_at_pull_off_is_known_to_the_root_of_the_error_of_its_load() -> None:
     solids, adhesion = (cs.HalfSpace(1e6, 0.49), RIGID), cs.Adhesion(0.05, range=5e-6)
     scene = cs.Scene(cs.PullOff(1.0), solids, (cs.Cylinder(0.01),), adhesion=adhesion)
-    coarse, fine = (
-        cs.solve(scene, cs.Grid((cells, 1), (2e-3, 1e-3)), EXACT).quantities for cells in (96, 512)
-    )
+    coarse, fine = (cs.solve(scene, cs.Grid((cells, 1), (2e-3, 1e-3)), EXACT).quantities for cells in (96, 512))
     for name in ("peak_pressure", "peak_repulsive_pressure", "approach"):
         assert abs(coarse[name].value - fine[name].value) <= coarse[name].bound
         # the load is stationary there: it hardly changes between the grids

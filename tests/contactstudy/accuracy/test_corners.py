@@ -24,9 +24,7 @@ def test_a_corner_raises_pressure_by_its_slope_at_each_halving(line_contact: Lin
 
     def corner_rise(place: float) -> float:
         """Under two flanks of a slope of 1e-3 that meet at a `place` [m]."""
-        kink: Any = SimpleNamespace(
-            gap=lambda grid: 1e-3 * np.abs(grid.x - place)[:, None], has_length_scales=True
-        )
+        kink: Any = SimpleNamespace(gap=lambda grid: 1e-3 * np.abs(grid.x - place)[:, None], has_length_scales=True)
         posed = replace(problem, source=kink)
         return HiddenHeights.from_problem(posed).effect_under(posed, pressure).corner_rise
 

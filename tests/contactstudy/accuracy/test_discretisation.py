@@ -56,15 +56,11 @@ def test_heights_of_a_problem_are_averaged_over_larger_cells(line_contact: LineC
 
 
 @pytest.mark.parametrize("cells", [48, 33])
-def test_a_problem_keeps_its_own_limits_and_load_on_larger_cells(
-    cells: int, line_contact: LineContact
-) -> None:
+def test_a_problem_keeps_its_own_limits_and_load_on_larger_cells(cells: int, line_contact: LineContact) -> None:
     scene, grid = line_contact.scene, line_contact.grid((cells, 1), 1.0, width=6.0)
     hardness = line_contact.hertz.peak_pressure
     plain = scene.problem(grid, EXACT)
-    changed = replace(
-        plain, control=plain.control.scaled(3), constraint=cs.HardnessLimited(hardness)
-    )
+    changed = replace(plain, control=plain.control.scaled(3), constraint=cs.HardnessLimited(hardness))
     named = replace(scene, load=cs.LineLoad(3e5), hardness=hardness).problem(grid, EXACT)
     ours, theirs = (coarse_solution(problem) for problem in (changed, named))
     np.testing.assert_allclose(ours.pressure, theirs.pressure, rtol=1e-9)

@@ -239,14 +239,11 @@ def test_a_contact_that_yields_in_all_its_cells_has_a_bound(line_contact: LineCo
 
 @pytest.mark.parametrize(("fraction", "phase"), [(0.29, 0.13), (0.49, 0.0), (0.53, 0.13)])
 @pytest.mark.parametrize("cells", [24, 48])
-def test_the_mean_gap_of_a_wave_on_few_cells_is_within_its_bound(
-    cells: int, fraction: float, phase: float
-) -> None:
+def test_the_mean_gap_of_a_wave_on_few_cells_is_within_its_bound(cells: int, fraction: float, phase: float) -> None:
     load = cs.LineLoad(fraction * math.pi * MODULUS * 1e-6)
     scene = cs.Scene(load, (STEEL, STEEL), (cs.Waviness(1e-6, across=1e-3, phase=phase),))
     coarse, fine = (
-        cs.solve(scene.problem(cs.Grid((count, 1), (1e-3, 1e-3)), (EXACT, EXACT)))
-        for count in (cells, 32 * cells)
+        cs.solve(scene.problem(cs.Grid((count, 1), (1e-3, 1e-3)), (EXACT, EXACT))) for count in (cells, 32 * cells)
     )
     assert abs(fine.mean_gap / coarse.mean_gap - 1) <= error_estimate(coarse).mean_gap.total
 
@@ -282,14 +279,10 @@ def test_the_bound_holds_under_soft_and_stiff_coatings(ratio: float, wide: float
     assert np.abs(coarse.pressure[:, 0] - true).sum() <= estimate.l1.total * true.sum()
 
 
-def jkr_line(
-    load: float, work: float, modulus: float, radius: float, edges: Array
-) -> tuple[float, Array]:
+def jkr_line(load: float, work: float, modulus: float, radius: float, edges: Array) -> tuple[float, Array]:
     """Return half-width and forces between `edges` of a cylinder with adhesion (Barquins 1988)."""
     half = brentq(
-        lambda a: (
-            pi * modulus * a**2 / (4 * radius) - math.sqrt(2 * pi * modulus * a * work) - load
-        ),
+        lambda a: pi * modulus * a**2 / (4 * radius) - math.sqrt(2 * pi * modulus * a * work) - load,
         1e-5,
         1e-2,
     )
@@ -334,9 +327,7 @@ def test_in_the_limit_of_short_ranges_net_traction_area_and_approach_are_bounded
     assert abs(approach.value - true) <= approach.bound < 0.25 * true
 
 
-def test_beside_a_given_range_the_pressure_is_bounded_where_two_coarse_grids_agree_by_chance() -> (
-    None
-):
+def test_beside_a_given_range_the_pressure_is_bounded_where_two_coarse_grids_agree_by_chance() -> None:
     """Without the law of edges the bound is 1.3 % for 22 %."""
     bodies, adhesion = (cs.HalfSpace(5e6, 0.49), cs.HalfSpace(inf, 0.3)), cs.Adhesion(0.05, 4.6e-6)
     scene = cs.Scene(cs.LineLoad(9.5), bodies, (cs.Cylinder(1e-3),), adhesion=adhesion)
@@ -363,9 +354,7 @@ def test_a_mean_gap_as_small_as_the_residual_has_no_bound(load: cs.LineLoad | cs
     """The bodies touch everywhere."""
     wave = cs.Waviness(1e-9, across=1e-3)
     scene = cs.Scene(load, (cs.HalfSpace(1e9, 0.3), STEEL), (wave,))
-    solution = cs.solve(
-        scene.problem(cs.Grid((64, 1), (1e-3, 1e-3)), (cs.CircularSuperposition(1), FREE))
-    )
+    solution = cs.solve(scene.problem(cs.Grid((64, 1), (1e-3, 1e-3)), (cs.CircularSuperposition(1), FREE)))
     assert solution.pressure.all()
     assert error_estimate(solution).mean_gap.discretisation == inf
 
@@ -394,9 +383,7 @@ def test_a_pull_off_whose_attraction_is_cut_off_has_no_bound_with_that_reason() 
 
 
 @pytest.mark.parametrize("max_iterations", [1, 2000], ids=["stopped early", "converged"])
-def test_a_contact_cut_off_at_the_edge_has_no_bound(
-    line_contact: LineContact, max_iterations: int
-) -> None:
+def test_a_contact_cut_off_at_the_edge_has_no_bound(line_contact: LineContact, max_iterations: int) -> None:
     problem = line_contact.scene.problem(line_contact.grid((64, 1), 1.0, 1.5), cs.ZeroPadding())
     estimate = error_estimate(cs.solve(problem, max_iterations=max_iterations))
     assert estimate.l1.total == inf
@@ -453,9 +440,7 @@ def test_a_hardness_caps_what_an_adhesive_contact_transmits_and_its_peak_pressur
     hardness: float,
 ) -> None:
     steel = cs.HalfSpace(210e9, 0.3, hardness=hardness)
-    scene = cs.Scene(
-        cs.LineLoad(1e5), (steel, steel), (cs.Cylinder(0.01),), adhesion=cs.Adhesion(2000.0, 1e-6)
-    )
+    scene = cs.Scene(cs.LineLoad(1e5), (steel, steel), (cs.Cylinder(0.01),), adhesion=cs.Adhesion(2000.0, 1e-6))
     grid = cs.Grid((192, 1), (1.2e-3, 1e-3))
     capped = cs.solve(replace(scene, hardness=5e8), grid, EXACT).quantities
     assert capped["peak_pressure"].value == pytest.approx(5e8, rel=1e-6)

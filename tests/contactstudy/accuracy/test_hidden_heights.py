@@ -36,9 +36,7 @@ def estimate_of(scene: cs.Scene, grid: cs.Grid) -> cs.ErrorEstimate:
 
 
 @pytest.mark.parametrize(("cells", "land"), [(96, 0.03), (96, 0.07), (160, 0.01), (77, 0.015)])
-def test_lands_narrower_than_a_cell_leave_no_bound(
-    cells: int, land: float, line_contact: LineContact
-) -> None:
+def test_lands_narrower_than_a_cell_leave_no_bound(cells: int, land: float, line_contact: LineContact) -> None:
     pitch = line_contact.hertz.half_width / 4
     groove = cs.Groove(2e-6, (1 - land) * pitch, "flat")
     scene = line_contact.with_shapes(cs.Texture(groove, (pitch, inf)))
@@ -74,10 +72,7 @@ def test_measured_heights_that_move_have_the_bound_of_those_at_rest(
 ) -> None:
     grid = line_contact.grid((96, 1), 1.0, width=3.0)
     measured = cs.MeasuredSurface(1e-9 * np.cos(grid.x / 4 / grid.cell_size[0])[:, None])
-    of_both = [
-        estimate_of(line_contact.with_shapes(shape), grid)
-        for shape in (measured, cs.MovingShape(measured))
-    ]
+    of_both = [estimate_of(line_contact.with_shapes(shape), grid) for shape in (measured, cs.MovingShape(measured))]
     assert of_both[0].l1.total == of_both[1].l1.total < inf
 
 
@@ -89,9 +84,7 @@ def test_a_smooth_unknown_shape_keeps_its_bound(line_contact: LineContact) -> No
 
 
 @pytest.mark.parametrize("along", [60, 120])
-def test_the_peak_pressure_at_a_sharp_end_has_no_bound(
-    along: int, line_contact: LineContact
-) -> None:
+def test_the_peak_pressure_at_a_sharp_end_has_no_bound(along: int, line_contact: LineContact) -> None:
     """Lundberg's profile has a finite drop: pressure there grows without limit on finer cells."""
     length = 4 * line_contact.hertz.half_width
     profile = cs.LundbergProfile.for_load(
@@ -119,9 +112,7 @@ def bumps(height: float, width: float, place: Pair, cell: Pair) -> Own:
 
 
 @pytest.mark.parametrize("cells", [(48, 40), (160, 130)])
-@pytest.mark.parametrize(
-    ("width", "place"), [(0.15, (0.0, 0.0)), (0.3, (0.31, -0.22)), (1.0, (0.05, 0.0))]
-)
+@pytest.mark.parametrize(("width", "place"), [(0.15, (0.0, 0.0)), (0.3, (0.31, -0.22)), (1.0, (0.05, 0.0))])
 def test_bumps_between_the_lines_of_an_unknown_shape_leave_no_bound(
     cells: tuple[int, int], width: float, place: tuple[float, float], line_contact: LineContact
 ) -> None:
@@ -247,8 +238,7 @@ def test_the_peak_at_an_apex_is_bounded_by_all_rises_to_come(
     apex = Own(lambda grid: height * np.abs(grid.x / a - 0.13)[:, None] ** 1.4)
     scene = line_contact.with_shapes(apex)
     coarse, fine, finest = (
-        cs.solve(scene, line_contact.grid((n * cells, 1), 1.0, width=3.0), cs.ExactPeriodicity())
-        for n in (1, 7, 49)
+        cs.solve(scene, line_contact.grid((n * cells, 1), 1.0, width=3.0), cs.ExactPeriodicity()) for n in (1, 7, 49)
     )
     peak, *peaks = (one.pressure.max() for one in (coarse, fine, finest))
     limit = peaks[1] + (peaks[1] - peaks[0]) / (7**0.4 - 1)
@@ -256,9 +246,7 @@ def test_the_peak_at_an_apex_is_bounded_by_all_rises_to_come(
 
 
 @pytest.mark.parametrize(("cells", "width"), [(221, 0.5), (120, 0.3), (60, 0.6)])
-def test_slits_between_the_centres_count_in_the_mean_gap(
-    cells: int, width: float, line_contact: LineContact
-) -> None:
+def test_slits_between_the_centres_count_in_the_mean_gap(cells: int, width: float, line_contact: LineContact) -> None:
     grid = line_contact.grid((cells, 1), 1.0, width=3.2)
     place, wide = float(grid.x[cells // 2]) + grid.cell_size[0] / 2, width * grid.cell_size[0]
     slit = Own(lambda grid: np.where(np.abs(grid.x - place) < wide / 2, 1e-5, 0.0)[:, None])

@@ -11,9 +11,7 @@ from tests.conftest import STEEL, LineContact
 FREE, EXACT = cs.ZeroPadding(), cs.ExactPeriodicity()
 
 
-def solved(
-    line_contact: LineContact, cells: tuple[int, int], period: float, padding: cs.Padding
-) -> cs.Solution:
+def solved(line_contact: LineContact, cells: tuple[int, int], period: float, padding: cs.Padding) -> cs.Solution:
     return cs.solve(line_contact.scene.problem(line_contact.grid(cells, period), padding))
 
 
@@ -96,9 +94,7 @@ def test_every_number_of_a_contact_that_lacks_images_is_within_its_bound(
 
 
 @pytest.mark.parametrize("padding", [cs.CircularSuperposition(2), cs.Superposition(2)], ids=str)
-@pytest.mark.parametrize(
-    "friction", [cs.Sliding(0.9), cs.TractiveRolling(0.3, longitudinal=5e-3)], ids=str
-)
+@pytest.mark.parametrize("friction", [cs.Sliding(0.9), cs.TractiveRolling(0.3, longitudinal=5e-3)], ids=str)
 def test_images_of_a_traction_on_dissimilar_bodies_shift_the_contact_within_its_bound(
     friction: cs.Sliding | cs.TractiveRolling, padding: cs.Padding
 ) -> None:

@@ -109,9 +109,7 @@ def test_the_load_of_first_yield_counts_what_lies_below_a_coat() -> None:
     polymer, aluminium = cs.HalfSpace(2e9, 0.35), cs.HalfSpace(70e9, 0.33, yield_stress=2e7)
     coated = cs.CoatedHalfSpace(cs.HalfSpace(400e9, 0.25), 1e-8, polymer)
     said = [of_solids(aluminium, body) for body in (polymer, coated)]
-    bare, thinly_coated = (
-        float(text.split("smooth line contact at ")[1].split()[0]) for text in said
-    )
+    bare, thinly_coated = (float(text.split("smooth line contact at ")[1].split()[0]) for text in said)
     assert thinly_coated == pytest.approx(bare, rel=0.05)
 
 
@@ -145,9 +143,7 @@ def test_of_a_contact_that_its_grid_cuts_off_nothing_is_said_but_that(
     line_contact: LineContact,
 ) -> None:
     """Its pressure is an artefact, beyond any strength, and every number but the load has that one reason."""
-    bodies = tuple(
-        replace(body, hardness=1e6, yield_stress=1e6) for body in line_contact.scene.solids
-    )  # type: ignore[type-var]
+    bodies = tuple(replace(body, hardness=1e6, yield_stress=1e6) for body in line_contact.scene.solids)  # type: ignore[type-var]
     scene = replace(line_contact.scene, solids=bodies, outputs=(cs.SubsurfaceStress(),))
     cut = cs.solve(scene, line_contact.grid((32, 1), 1.0, width=0.5), EXACT)
     assert cut.status is cs.Status.CONTACT_AT_EDGE

@@ -66,12 +66,8 @@ class PlanNd:
         waves = (*self.shape[:-1], self.shape[-1] // 2 + 1)
         axes = tuple(range(1, len(self.shape) + 1))
         to_waves, to_field = self.kind[0] in "RD", self.kind[2] in "RD"
-        source = self._batches(
-            field, self.into, self.stride_in, self.distance_in, waves if to_field else self.shape
-        )
-        target = self._batches(
-            out, self.out, self.stride_out, self.distance_out, waves if to_waves else self.shape
-        )
+        source = self._batches(field, self.into, self.stride_in, self.distance_in, waves if to_field else self.shape)
+        target = self._batches(out, self.out, self.stride_out, self.distance_out, waves if to_waves else self.shape)
         if to_waves:
             target[...] = np.fft.rfftn(source, axes=axes)
         elif to_field:

@@ -92,9 +92,7 @@ def test_processes_that_compile_for_two_precisions_at_once_leave_each_its_code(
     script.write_text(SUM, encoding="utf-8")
     for seconds, printed in (("1", "2.0 0\n"), ("0", "2.0 1\n")):
         running = [
-            subprocess.Popen(
-                [sys.executable, script, precision, seconds], stdout=subprocess.PIPE, text=True
-            )
+            subprocess.Popen([sys.executable, script, precision, seconds], stdout=subprocess.PIPE, text=True)
             for precision in ("float32", "float64")
         ]
         assert [one.communicate()[0] for one in running] == [printed] * 2

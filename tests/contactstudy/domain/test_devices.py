@@ -156,14 +156,10 @@ def test_a_warm_start_needs_its_pressure_alone(device: Device, line_contact: Lin
 
 @on_every_device
 @pytest.mark.parametrize("solver", [cs.PolonskyKeer(), cs.PreconditionedCG()], ids=str)
-def test_a_given_approach_is_the_same(
-    solver: cs.Solver, device: Device, line_contact: LineContact
-) -> None:
+def test_a_given_approach_is_the_same(solver: cs.Solver, device: Device, line_contact: LineContact) -> None:
     scene = replace(line_contact.scene, load=cs.Approach(2e-6))
     posed = scene.problem(line_contact.grid(32, 1.2), cs.ExactPeriodicity())
-    ours, other = (
-        cs.solve(posed, tolerance=1e-9, solver=solver, device=each) for each in (cs.Cpu(), device)
-    )
+    ours, other = (cs.solve(posed, tolerance=1e-9, solver=solver, device=each) for each in (cs.Cpu(), device))
     agree(ours, other, 1e-9)
 
 
@@ -181,9 +177,7 @@ def test_a_contact_with_friction_is_the_same(device: Device, line_contact: LineC
 def test_a_report_gets_numpy_arrays(device: Device, line_contact: LineContact) -> None:
     posed = problem(line_contact, 32, "smooth")
     seen: list[Array] = []
-    found = cs.solve(
-        posed, device=device, solver=ReportingSolver(lambda _, p: seen.append(p.copy()))
-    )
+    found = cs.solve(posed, device=device, solver=ReportingSolver(lambda _, p: seen.append(p.copy())))
     assert {type(one) for one in seen} == {np.ndarray}
     np.testing.assert_array_equal(seen[-1] * posed.scales.pressure, found.pressure)
 
@@ -233,15 +227,11 @@ class Spring:
 
 def test_an_operator_of_one_s_own_is_refused(line_contact: LineContact) -> None:
     posed = replace(problem(line_contact, 8, "smooth"), operator=Spring())  # type: ignore[arg-type]
-    with pytest.raises(
-        cs.InvalidInput, match=r"^solve\.device is .* of your own .*, give Cpu\(\)\.$"
-    ):
+    with pytest.raises(cs.InvalidInput, match=r"^solve\.device is .* of your own .*, give Cpu\(\)\.$"):
         cs.solve(posed, device=STRICT)
 
 
-def test_what_the_device_has_no_room_for_is_refused(
-    line_contact: LineContact, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_the_device_has_no_room_for_is_refused(line_contact: LineContact, monkeypatch: pytest.MonkeyPatch) -> None:
     posed = problem(line_contact, (8, 4), "smooth", BOTH)
     # 14 fields of 32 cells, and as many as 4 of the transforms, of 8 bytes each
     monkeypatch.setattr(Library, "available_bytes", 18 * 32 * 8)
@@ -266,9 +256,7 @@ def test_a_gpu_says_its_memory_and_without_one_or_cupy_one_sentence_is_raised(
     monkeypatch.setitem(sys.modules, "array_api_compat.cupy", STRICT.arrays)  # type: ignore[arg-type]
     runtime = SimpleNamespace(CUDARuntimeError=NoDriverError, memGetInfo=lambda: (1000, 10**6))
     pool = SimpleNamespace(free_bytes=lambda: 24)
-    cupy: Any = SimpleNamespace(
-        cuda=SimpleNamespace(runtime=runtime), get_default_memory_pool=lambda: pool
-    )
+    cupy: Any = SimpleNamespace(cuda=SimpleNamespace(runtime=runtime), get_default_memory_pool=lambda: pool)
     monkeypatch.setitem(sys.modules, "cupy", cupy)
     runtime.getDeviceCount = lambda: 1
     # what is free, and what CuPy keeps

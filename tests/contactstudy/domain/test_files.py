@@ -57,9 +57,7 @@ def test_only_partial_files_of_processes_that_ended_are_removed(tmp_path: Path) 
     assert (is_alive(alive), is_alive(NEVER), is_alive(10**30)) == (True, False, False)
 
 
-def test_why_a_file_was_not_written_is_said_in_words(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_why_a_file_was_not_written_is_said_in_words(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "file"
     denied = PermissionError(errno.EACCES, "denied")
     assert reason(denied) == "denied"
@@ -133,9 +131,7 @@ def test_without_locks_on_a_file_system_what_the_file_says_counts(
 def test_a_lock_that_cannot_be_taken_says_why(tmp_path: Path) -> None:
     path = tmp_path / "lock"
     path.mkdir()
-    with pytest.raises(
-        InvalidInput, match=r"cannot be taken .*: remove it, or give another folder"
-    ):
+    with pytest.raises(InvalidInput, match=r"cannot be taken .*: remove it, or give another folder"):
         locked(path, "it").__enter__()
 
 

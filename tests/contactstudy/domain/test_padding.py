@@ -38,9 +38,7 @@ def dense(grid: cs.Grid, along: Images, across: Images = NONE) -> np.ndarray:
     width, period = grid.extent
     x, y = across.offset(x, width), along.offset(y, period)
     return sum(
-        boussinesq_cell(x + k * width, y + m * period, *grid.cell_size)
-        for k in across.window
-        for m in along.window
+        boussinesq_cell(x + k * width, y + m * period, *grid.cell_size) for k in across.window for m in along.window
     )
 
 

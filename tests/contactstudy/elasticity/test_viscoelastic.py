@@ -53,24 +53,19 @@ def test_terms_of_equal_times_are_one_term() -> None:
     [(name, BoussinesqCoefficients(1.0)) for name in ("cell", "row", "lattice")]
     + [("row", CerrutiCoefficients("xy", 1.0))],
 )
-def test_trailing_coefficients_are_their_integral(
-    name: str, inner: Coefficients, length: float
-) -> None:
+def test_trailing_coefficients_are_their_integral(name: str, inner: Coefficients, length: float) -> None:
     """By differences: ``V - length dV/dx = K`` for what trails, at distances where K is smooth."""
     dx, dy, period, width = 0.01, 0.3, 0.9, 1.0
     x, y = np.arange(41) * dx, np.array([0.0, 0.3])
     more = {"cell": (), "row": (period,), "lattice": (width, period)}[name]
     even, odd = (
-        getattr(RetardedCoefficients(inner, length, sign), name)(x[:, None], y, dx, dy, *more)
-        for sign in (1, -1)
+        getattr(RetardedCoefficients(inner, length, sign), name)(x[:, None], y, dx, dy, *more) for sign in (1, -1)
     )
     exact = getattr(inner, name)(x[:, None], y, dx, dy, *more)
 
     def slope(values: np.ndarray) -> np.ndarray:
         """Of sixth order, in the middle of the points."""
-        one, two, three = (
-            values[3 + n : -3 + n or None] - values[3 - n : -3 - n] for n in (1, 2, 3)
-        )
+        one, two, three = (values[3 + n : -3 + n or None] - values[3 - n : -3 - n] for n in (1, 2, 3))
         return (45 * one - 9 * two + three) / (60 * dx)
 
     for total, sign in ((even + odd, 1), (even - odd, -1)):

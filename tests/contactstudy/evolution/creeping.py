@@ -16,9 +16,7 @@ LOAD, RADIUS = 0.01 * pi / 4, 1.0  # a = 0.1 and p0 = 0.05 for E* = 1
 SOLID = cs.ViscoelasticHalfSpace(0.4, 0.0, ((0.6, 0.4),))
 
 
-def rolling_cylinder(
-    body: cs.ViscoelasticHalfSpace, load: object = None, **named: object
-) -> cs.Scene:
+def rolling_cylinder(body: cs.ViscoelasticHalfSpace, load: object = None, **named: object) -> cs.Scene:
     """A rigid cylinder of radius 1 on ``body``."""
     return cs.Scene(
         load or cs.LineLoad(LOAD),  # type: ignore[arg-type]
@@ -54,9 +52,7 @@ def held(body: cs.ViscoelasticHalfSpace) -> cs.analytic.LeeRadok:
     """The closed form for ``body`` under LOAD."""
     plane = 1 - body.poisson_ratio**2
     relaxation = tuple((modulus / plane, time) for modulus, time in body.relaxation)
-    return cs.analytic.LeeRadok(
-        LOAD, RADIUS, body.equilibrium_modulus / plane, relaxation, body.creep
-    )
+    return cs.analytic.LeeRadok(LOAD, RADIUS, body.equilibrium_modulus / plane, relaxation, body.creep)
 
 
 def half_width(body: cs.ViscoelasticHalfSpace, time: float) -> float:

@@ -49,8 +49,7 @@ def test_a_vanishing_work_of_adhesion_leaves_the_contact_that_yields() -> None:
     """What the attraction changes is proportional to it."""
     plain = solved(scene(BODY, 0.0), TIMES).pressure[-1]
     changes = [
-        np.abs(solved(scene(BODY, work), TIMES).pressure[-1] - plain).max() / plain.max()
-        for work in (1e-3, 1e-4)
+        np.abs(solved(scene(BODY, work), TIMES).pressure[-1] - plain).max() / plain.max() for work in (1e-3, 1e-4)
     ]
     assert changes[1] < 2e-3
     assert changes[0] / changes[1] == pytest.approx(10, rel=0.1)
@@ -83,9 +82,7 @@ def test_pressure_and_attraction_are_in_equilibrium_and_keep_to_the_yield_surfac
 def test_a_body_that_has_yielded_holds_on_to_a_pull_that_takes_an_elastic_one_off() -> None:
     pulls = (1.0, 1.4, 1.6, 1.7, 1.74, 1.76, 1.8, 1.84, 1.88, 1.92, 2.0)
     times = (*TIMES, *pulls[1:])
-    yielding, elastic = (
-        solved(scene(solid, last=-2.0), times) for solid in (BODY, cs.HalfSpace(YOUNG, NU))
-    )
+    yielding, elastic = (solved(scene(solid, last=-2.0), times) for solid in (BODY, cs.HalfSpace(YOUNG, NU)))
     forces = [found.quantities["pull_off"].value / UNIT for found in (yielding, elastic)]
     assert forces[0] > 1.05 * forces[1] > 1
     dent = yielding.quantities["dent_depth"]

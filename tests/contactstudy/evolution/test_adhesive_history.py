@@ -81,9 +81,7 @@ def test_the_net_work_has_no_bound_where_the_load_turns_between_two_instants() -
 
 
 def test_the_work_of_instants_that_are_not_recorded_counts_for_the_next_that_is() -> None:
-    all_recorded, one_missing = (
-        follow_load(SCENE, GRID, LINE, times=times) for times in ((0.0, 1.0, 2.0), (0.0, 2.0))
-    )
+    all_recorded, one_missing = (follow_load(SCENE, GRID, LINE, times=times) for times in ((0.0, 1.0, 2.0), (0.0, 2.0)))
     for name in ("solves", "iterations", "convolutions"):
         total, _ = all_recorded.counts[name]
         assert one_missing.counts[name][0] == total > getattr(all_recorded.frames[-1], name)
@@ -136,14 +134,12 @@ def test_creep_under_a_constant_load_ends_in_the_relaxed_contact_however_many_it
     """The contact grows from that of the instantaneous modulus, and the error of the steps holds all the way."""
     scene = replace(SCENE, load=cs.LineLoad(pi))
     sudden, relaxed = (
-        cs.solve(replace(scene, solids=(cs.HalfSpace(modulus, 0.0), RIGID)), GRID, LINE)
-        for modulus in (4.0, 1.0)
+        cs.solve(replace(scene, solids=(cs.HalfSpace(modulus, 0.0), RIGID)), GRID, LINE) for modulus in (4.0, 1.0)
     )
     # the deformation is delayed by 4 s
     creeping = replace(scene, solids=(cs.ViscoelasticHalfSpace(1.0, 0.0, ((3.0, 1.0),)), RIGID))
     few, many = (
-        cs.solve(creeping, GRID, LINE, times=(*np.linspace(0, 8, steps + 1), 40, 80, 120)).frames
-        for steps in (8, 32)
+        cs.solve(creeping, GRID, LINE, times=(*np.linspace(0, 8, steps + 1), 40, 80, 120)).frames for steps in (8, 32)
     )
     for frames in (few, many):
         widths = [frame.quantities["half_width"].value for frame in frames]
@@ -163,9 +159,7 @@ def test_cells_hold_the_cohesive_zone_of_bodies_that_have_crept() -> None:
     body = cs.ViscoelasticHalfSpace(1.0, 0.0, ((15.0, 1.0),))
     scene = replace(SCENE, load=cs.LineLoad(pi), solids=(body, RIGID))
     # at last 1.7 cells of pi E* rho^2 / (4 w), and 27 at first
-    with pytest.raises(
-        cs.InvalidInput, match=r"is 1\.7 cells .* once the bodies have crept; give a"
-    ):
+    with pytest.raises(cs.InvalidInput, match=r"is 1\.7 cells .* once the bodies have crept; give a"):
         cs.solve(replace(scene, adhesion=cs.Adhesion(pi, 0.8)), GRID, LINE, times=(0.0, 1.0))
     limit = replace(scene, adhesion=cs.Adhesion(pi))
     last = cs.solve(limit, GRID, LINE, times=(0.0, 16.0, 300.0)).frames[-1]
@@ -181,8 +175,7 @@ def test_delayed_deformation_holds_a_contact_that_an_elastic_one_loses() -> None
     load = cs.LoadHistory((0.0, 50.0, 50.01, 50.02), (pi, pi, -1.3 * pi, -1.3 * pi))
     scene, grid = replace(SCENE, load=load), cs.Grid((192, 1), (30.0, 1.0))
     elastic, creeping = (
-        cs.solve(replace(scene, solids=(one, RIGID)), grid, LINE, times=(0.0, 50.0, 50.01))
-        for one in (SOFT, body)
+        cs.solve(replace(scene, solids=(one, RIGID)), grid, LINE, times=(0.0, 50.0, 50.01)) for one in (SOFT, body)
     )
     assert elastic.frames[-1].status is cs.Status.DETACHED
     assert creeping.frames[-1].pressure.any()

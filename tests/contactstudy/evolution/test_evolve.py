@@ -71,9 +71,7 @@ def test_steps_keep_to_the_error_asked_for(error: float) -> None:
 
 
 @pytest.mark.parametrize("wear", [cs.Wear(1.0, 1.0), None], ids=["restarts", "one rejected pair"])
-def test_steps_that_are_given_up_count_as_work_alone(
-    wear: cs.Wear | None, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_steps_that_are_given_up_count_as_work_alone(wear: cs.Wear | None, monkeypatch: pytest.MonkeyPatch) -> None:
     """The steps of the first pair do not converge, and it is rejected; each replaces one that did not converge."""
     advance, rejects = TimeStepper.advance, March._rejects
     made: list[Solution] = []
@@ -175,9 +173,7 @@ def test_a_folder_is_of_one_integration_one_version_and_one_process(
     seen: list[str] = []
 
     def second(time: float, end: float) -> None:
-        with pytest.raises(
-            cs.InvalidInput, match=r"is locked by process .*: run again when that has"
-        ):
+        with pytest.raises(cs.InvalidInput, match=r"is locked by process .*: run again when that has"):
             evolve(scene, GRID, EXACT, times=[0.0, 1.0], folder=tmp_path)
         seen.append("second")
 
@@ -193,9 +189,7 @@ def test_a_folder_is_of_one_integration_one_version_and_one_process(
 
 @pytest.mark.parametrize("name", ["request.json", "frame_00001.npz", "state.npz"])
 @pytest.mark.parametrize("other", [None, "frame_00000.npz"], ids=["flipped bit", "another file"])
-def test_a_damaged_folder_is_refused_by_its_name(
-    tmp_path: Path, name: str, other: str | None
-) -> None:
+def test_a_damaged_folder_is_refused_by_its_name(tmp_path: Path, name: str, other: str | None) -> None:
     scene, times = rolling_cylinder(SOLID, wear=cs.Wear(0.1, 1.0)), [0.0, 0.5, 1.0]
     evolve(scene, GRID, EXACT, times=times, folder=tmp_path)
     raw = bytearray((tmp_path / (other or name)).read_bytes())
@@ -206,9 +200,7 @@ def test_a_damaged_folder_is_refused_by_its_name(
 
 
 def test_a_dataset_names_all_that_was_found() -> None:
-    scene = rolling_cylinder(
-        SOLID, wear=cs.Wear(0.1, 1.0), outputs=(cs.SubsurfaceStress(depths=(0.05, 0.1)),)
-    )
+    scene = rolling_cylinder(SOLID, wear=cs.Wear(0.1, 1.0), outputs=(cs.SubsurfaceStress(depths=(0.05, 0.1)),))
     grid = cs.Grid((32, 4), (0.6, 0.2))
     found = evolve(scene, grid, cs.ZeroPadding(), times=[0.0, 0.5, 1.0])
     dataset = evolution_answer(found).to_dataset()
@@ -218,9 +210,7 @@ def test_a_dataset_names_all_that_was_found() -> None:
     np.testing.assert_allclose(load, LOAD, rtol=1e-7)
     answers = evolution_answer(found)
     np.testing.assert_array_equal(dataset["contact_area"], answers.over_time("contact_area"))
-    alone = cs.solve(
-        replace(scene, solids=ELASTIC.solids, wear=None).problem(grid, cs.ZeroPadding())
-    )
+    alone = cs.solve(replace(scene, solids=ELASTIC.solids, wear=None).problem(grid, cs.ZeroPadding()))
     stress = alone.to_dataset()["stress"]
     np.testing.assert_allclose(dataset["stress"][0], stress, atol=1e-5 * float(abs(stress).max()))
 
@@ -247,9 +237,7 @@ def test_every_padding_is_integrated(padding: cs.Padding | cs.Paddings) -> None:
     assert abs(found.frames[0].peak_pressure - peak) <= (error["images"] + 1e-6) * peak
 
 
-@pytest.mark.parametrize(
-    "named", [{"error_estimator": one} for one in ("step_doubling", "none")] + [{"error": 1e-2}]
-)
+@pytest.mark.parametrize("named", [{"error_estimator": one} for one in ("step_doubling", "none")] + [{"error": 1e-2}])
 def test_a_march_stops_without_a_bound_where_no_pressure_carries_the_load(
     named: dict[str, Any],
 ) -> None:
@@ -309,9 +297,7 @@ def test_contacts_that_stop_early_count_in_the_errors_of_later_instants(
     options: cs.SolveOptions, status: cs.Status
 ) -> None:
     scene, times = rolling_cylinder(SOLID), np.linspace(0, 1, 9)
-    exact, found = (
-        evolve(scene, GRID, EXACT, times=times, options=one) for one in (cs.SolveOptions(), options)
-    )
+    exact, found = (evolve(scene, GRID, EXACT, times=times, options=one) for one in (cs.SolveOptions(), options))
     assert found.status is status
     for frame, true in zip(found.frames, exact.frames, strict=True):
         assert 1e-9 < relative(frame.pressure, true.pressure) <= frame.grid_error_parts.residual

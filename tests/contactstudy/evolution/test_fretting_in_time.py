@@ -120,9 +120,7 @@ def test_slip_wears_in_proportion_to_the_energy_and_nowhere_else() -> None:
     assert worn == pytest.approx(2 * wear * 0.02043, rel=0.1)
 
 
-def test_a_shear_that_meets_the_iteration_limit_has_its_status_though_the_pressure_converged() -> (
-    None
-):
+def test_a_shear_that_meets_the_iteration_limit_has_its_status_though_the_pressure_converged() -> None:
     friction, limits = replace(LINE, friction=CYCLE), {"tolerance": 1e-6, "max_iterations": 12}
     found = cs.solve(friction, STRIP, EXACT, times=[0.0, 3.0], **limits)
     pressed, sheared = (frame.status for frame in found.frames)
@@ -132,9 +130,7 @@ def test_a_shear_that_meets_the_iteration_limit_has_its_status_though_the_pressu
 def test_pressure_and_slip_that_do_not_converge_together_have_that_status_and_no_bound(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(
-        "contactstudy.evolution.integration.time_stepper.MAX_FIXED_POINT_ITERATIONS", 1
-    )
+    monkeypatch.setattr("contactstudy.evolution.integration.time_stepper.MAX_FIXED_POINT_ITERATIONS", 1)
     found = fretted(CYCLE, [0.0, 3.0], wear=cs.Wear(1.0 / 32, 0.0))
     assert found.status is cs.Status.NOT_CONVERGED
     assert np.isinf(found.error.l1.total)
@@ -210,9 +206,7 @@ def test_a_large_displacement_slides_all_of_the_contact() -> None:
     assert cycle == pytest.approx(4 * MU * far - elastic, rel=1e-4)
 
 
-def test_a_traction_that_vanishes_at_the_end_of_a_doubled_step_is_bounded_as_closely_before() -> (
-    None
-):
+def test_a_traction_that_vanishes_at_the_end_of_a_doubled_step_is_bounded_as_closely_before() -> None:
     friction = cs.Fretting(0.9, displacements=(0.0, 2e-3, 0.0), times=(0.0, 1.0, 2.0))
     found = fretted(friction, [0.0, 1.0, 1.5, 2.0], grid=cs.Grid((60, 1), (2.2, 1.0)))
     before, vanished = (frame.error.l1.by_cause["steps"] for frame in found.frames[2:])
@@ -231,8 +225,7 @@ def test_a_force_above_that_of_friction_under_a_total_load_is_refused() -> None:
 def test_the_mirrored_force_has_the_mirrored_shear_and_a_small_coefficient_takes_none() -> None:
     grid = cs.Grid((60, 1), (2.2, 1.0))
     one, other = (
-        fretted(replace(CYCLE, forces=tuple(sign * f for f in CYCLE.forces)), [0.0, 2.0], grid=grid)
-        for sign in (1, -1)
+        fretted(replace(CYCLE, forces=tuple(sign * f for f in CYCLE.forces)), [0.0, 2.0], grid=grid) for sign in (1, -1)
     )
     np.testing.assert_allclose(one.frames[-1].shear, -other.frames[-1].shear, atol=1e-9)
     back = fretted(cs.Fretting(MU, (0.0, -FORCE), times=(0.0, 1.0)), [0.0, 1.0], grid=grid)
@@ -259,9 +252,7 @@ def creeping(equilibrium: float, relaxing: float, time: float) -> cs.Scene:
     return replace(LINE, solids=(body, body))
 
 
-@pytest.mark.parametrize(
-    "solid", [BODY, cs.ViscoelasticHalfSpace(BODY.youngs_modulus, NU, ((1.0, 0.5),))]
-)
+@pytest.mark.parametrize("solid", [BODY, cs.ViscoelasticHalfSpace(BODY.youngs_modulus, NU, ((1.0, 0.5),))])
 def test_load_and_force_in_proportion_slip_nowhere(solid: object) -> None:
     """Mindlin & Deresiewicz (1953): the shear is that proportion of the pressure."""
     load = cs.LoadHistory((0.0, 2.0), (0.0, 0.5))

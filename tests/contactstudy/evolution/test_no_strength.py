@@ -14,9 +14,7 @@ from tests.contactstudy.evolution.test_plastic import NU, RIGID, YIELD, YOUNG, g
 from tests.contactstudy.scene.test_fretting import LINE, MU
 
 RISING = rolling_cylinder(cs.HalfSpace(1.0, 0.0), cs.LoadHistory((0.0, 3.0), (LOAD / 2, LOAD)))
-FRETTING = replace(
-    LINE, friction=cs.Fretting(MU, (0.0, 0.12, -0.12, 0.12), times=(0.0, 1.0, 2.0, 3.0))
-)
+FRETTING = replace(LINE, friction=cs.Fretting(MU, (0.0, 0.12, -0.12, 0.12), times=(0.0, 1.0, 2.0, 3.0)))
 PULLED = replace(ADHESIVE, load=cs.LoadHistory((0.0, 1.0, 3.0), (pi, pi, -2 * pi)))
 PRESSED = replace(pressed(3), solids=(cs.HalfSpace(YOUNG, NU), RIGID))
 ADHERING = yielding.scene(cs.HalfSpace(yielding.YOUNG, yielding.NU), last=-0.9)
@@ -99,8 +97,7 @@ CASES = {
 def test_an_effect_of_no_strength_leaves_the_contact_as_it_is_without_it(name: str) -> None:
     without, with_it, grid, times, off = CASES[name]
     wanted, found = (
-        cs.solve(scene, grid, cs.ExactPeriodicity(), times=times, tolerance=1e-8).frames
-        for scene in (without, with_it)
+        cs.solve(scene, grid, cs.ExactPeriodicity(), times=times, tolerance=1e-8).frames for scene in (without, with_it)
     )
     is_quick = name.startswith("quick")  # what creeps at the first instants is over at later ones
     for one, other in list(zip(wanted, found, strict=True))[is_quick:]:

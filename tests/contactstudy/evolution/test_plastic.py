@@ -187,13 +187,8 @@ def test_two_equal_bodies_that_yield_share_the_gap_evenly() -> None:
     single = replace(one, shapes=(cs.Cylinder(2 * RADIUS),))
     grid, times = grid_of(3 * 2**-0.5, 0.15, 4.0), (0.0, 0.5, 1.0, 2.0)
     first, second = (evolve(scene, grid, EXACT, times=times) for scene in (both, single))
-    assert (
-        float(evolution_answer(first).to_dataset()["equivalent_plastic_strain_0"].max())
-        > 0.1 * YIELD / YOUNG
-    )
-    np.testing.assert_allclose(
-        pressures(first), pressures(second), atol=1e-6 * pressures(second).max()
-    )
+    assert float(evolution_answer(first).to_dataset()["equivalent_plastic_strain_0"].max()) > 0.1 * YIELD / YOUNG
+    np.testing.assert_allclose(pressures(first), pressures(second), atol=1e-6 * pressures(second).max())
     labelled, alone = evolution_answer(first).to_dataset(), evolution_answer(second).to_dataset()
     for name in ("plastic_strain", "residual_stress", "residual_displacement"):
         np.testing.assert_array_equal(labelled[f"{name}_0"], labelled[f"{name}_1"])
@@ -222,9 +217,7 @@ def test_the_volume_grows_to_what_yields_and_an_integration_goes_on_in_it(
     tight = integrated()
     first, *_, last = (frame.coupled_state["strain0"].shape for frame in tight.frames)
     assert first < last
-    np.testing.assert_allclose(
-        pressures(tight), pressures(generous), atol=1e-5 * pressures(generous).max()
-    )
+    np.testing.assert_allclose(pressures(tight), pressures(generous), atol=1e-5 * pressures(generous).max())
     assert evolution_answer(tight).to_dataset()["plastic_strain"].shape[0] == 3
     with pytest.raises(KeyboardInterrupt):
         integrated(folder=tmp_path, progress=kill)
@@ -325,9 +318,7 @@ def test_plastic_strain_moves_with_the_surface_that_wears() -> None:
     assert worn[0].max() > hardened[0].max() == 0
 
 
-def with_stress(
-    scene: cs.Scene, depths: tuple[float, ...] | str, solid: int = 0, cell: float = 0.2
-) -> cs.Evolution:
+def with_stress(scene: cs.Scene, depths: tuple[float, ...] | str, solid: int = 0, cell: float = 0.2) -> cs.Evolution:
     scene = replace(scene, outputs=(cs.SubsurfaceStress(depths, solid),))
     found = cs.solve(scene, grid_of(3, cell, 4.8), EXACT, times=(0.0, 0.5, 1.0, 2.0))
     assert isinstance(found, cs.Evolution)
@@ -393,15 +384,11 @@ BODY = cs.ElasticPlasticHalfSpace(YOUNG, NU, YIELD)
 def test_a_step_has_the_worse_status_of_contact_and_plastic_strain(
     width: float, contact: cs.Status, step_residual: float, expected: cs.Status
 ) -> None:
-    scene = replace(
-        pressed(1.0), load=cs.LineLoad(load(1.0)), solids=(cs.HalfSpace(YOUNG, NU), RIGID)
-    )
+    scene = replace(pressed(1.0), load=cs.LineLoad(load(1.0)), solids=(cs.HalfSpace(YOUNG, NU), RIGID))
     problem = scene.problem(grid_of(1.0, 0.05, width), cs.ZeroPadding())
     last = replace(cs.solve(problem), status=contact)
     nothing = np.zeros((3, 1))
-    step = elastoplastic_step.ElastoplasticStep(
-        last, nothing, nothing[0], step_residual, 1, (last,), 0.0
-    )
+    step = elastoplastic_step.ElastoplasticStep(last, nothing, nothing[0], step_residual, 1, (last,), 0.0)
     assert step_solution(step, 1e-6).status is expected
 
 

@@ -58,9 +58,7 @@ def test_a_pass_over_a_distance_says_whether_what_it_leaves_is_steady(
 ) -> None:
     """The strain is taken at the edge 2.4 half-widths behind the contact; it is steady to 2e-2 of Y / E."""
     elastic = "elastic"
-    found = roll(
-        scene(4.4 * K), COARSE, EXACT, passes=1, distance=distance, pressure=elastic, steady=2e-2
-    )
+    found = roll(scene(4.4 * K), COARSE, EXACT, passes=1, distance=distance, pressure=elastic, steady=2e-2)
     assert found.status is status
     left = found.plastic_strain_increment[0] / rolled(4.4 * K, 3).plastic_strain_increment[0]
     assert left == pytest.approx(part, abs=2e-2)
@@ -155,18 +153,12 @@ def test_a_first_pass_over_a_finite_distance_is_that_of_finite_elements() -> Non
     np.testing.assert_allclose(ours, known, atol=0.13 * 1.48)
 
 
-def test_a_settled_contact_lowers_its_pressure_and_is_elastic_for_an_infinite_yield_stress() -> (
-    None
-):
+def test_a_settled_contact_lowers_its_pressure_and_is_elastic_for_an_infinite_yield_stress() -> None:
     narrow = cs.Grid((20, 1), (4.0, 1.0))
     found = roll(scene(2.4 * Y, 0.2 * E), narrow, EXACT, passes=1, distance=0.6)
-    elastic = cs.solve(
-        replace(scene(2.4 * Y), solids=(cs.HalfSpace(E, NU), RIGID)).problem(narrow, EXACT)
-    )
+    elastic = cs.solve(replace(scene(2.4 * Y), solids=(cs.HalfSpace(E, NU), RIGID)).problem(narrow, EXACT))
     assert found.passes[0].solution.status is cs.Status.CONVERGED
     assert found.peak_pressure[0] < 0.98 * elastic.pressure.max()
     high = replace(scene(2.4 * Y), solids=(cs.ElasticPlasticHalfSpace(E, NU, 100 * Y), RIGID))
     kept = roll(high, narrow, EXACT, passes=1, distance=0.6)
-    np.testing.assert_allclose(
-        kept.passes[0].solution.pressure, elastic.pressure, atol=1e-6 * elastic.pressure.max()
-    )
+    np.testing.assert_allclose(kept.passes[0].solution.pressure, elastic.pressure, atol=1e-6 * elastic.pressure.max())

@@ -46,9 +46,7 @@ def test_at_no_speed_and_at_an_infinite_one_bodies_are_elastic(speed: float, pea
     modulus = 1.0 if speed else 0.4
     scene = replace(rolling_cylinder(SOLID), solids=(cs.HalfSpace(modulus, 0.0), RIGID))
     elastic = cs.solve(scene.problem(grid, EXACT))
-    np.testing.assert_allclose(
-        found.solution.pressure, elastic.pressure, atol=1e-6 * elastic.pressure.max()
-    )
+    np.testing.assert_allclose(found.solution.pressure, elastic.pressure, atol=1e-6 * elastic.pressure.max())
     assert found.solution.pressure.max() / P == pytest.approx(peak, rel=1e-3)
     assert abs(found.shift) < 1e-6 * A
 

@@ -21,9 +21,7 @@ def test_instants_are_as_many_as_asked_and_peaks_of_the_load_are_among_them() ->
     assert sorted(default) == default
     sine = cs.SineLoad(2.0, 1.0, 1.0, phase=pi / 7)
     instants = TimeSteps().instants_of(sine) or []
-    assert [time for time in instants if sine.at(time) in (1.0, 3.0)] == pytest.approx(
-        [5 / 28, 19 / 28]
-    )
+    assert [time for time in instants if sine.at(time) in (1.0, 3.0)] == pytest.approx([5 / 28, 19 / 28])
 
 
 def test_instants_are_even_from_the_start_of_the_load_to_the_end() -> None:
@@ -38,9 +36,7 @@ def test_instants_are_even_from_the_start_of_the_load_to_the_end() -> None:
     assert TimeSteps(error=1e-3, end=7.0, instants=2).instants_of(load) == [1, 7]
 
 
-@pytest.mark.parametrize(
-    "times", [(0.0, 0.25, 0.5), (0.25, 0.25, 0.5), (0.5, 0.75, 0.75), (0.0, 0.0), (4.0,)]
-)
+@pytest.mark.parametrize("times", [(0.0, 0.25, 0.5), (0.25, 0.25, 0.5), (0.5, 0.75, 0.75), (0.0, 0.0), (4.0,)])
 def test_times_are_recorded_as_they_are_given(times: tuple[float, ...]) -> None:
     found = schedule(LOAD, times)
     assert [point.time for point in found for _ in range(point.times_recorded)] == list(times)

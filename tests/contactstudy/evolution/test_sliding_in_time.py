@@ -16,9 +16,7 @@ GRID = cs.Grid((64, 1), (6e-4, 1e-3))
 RUBBER = cs.ViscoelasticHalfSpace(1e11, 0.5, ((1e11, 0.5),))
 
 
-def solved(
-    scene: cs.Scene, grid: cs.Grid = GRID, times: tuple[float, ...] = (0.0, 0.5, 1.0)
-) -> cs.Evolution:
+def solved(scene: cs.Scene, grid: cs.Grid = GRID, times: tuple[float, ...] = (0.0, 0.5, 1.0)) -> cs.Evolution:
     found = cs.solve(scene, grid, EXACT, times=times)
     assert isinstance(found, cs.Evolution)
     return found
@@ -66,9 +64,7 @@ def yielding(
     half_width = 2 * peak * RADIUS / modulus
     solids: list[cs.HalfSpace | cs.ElasticPlasticHalfSpace] = [STEEL, STEEL]
     solids[index] = cs.ElasticPlasticHalfSpace(210e9, 0.3, stress, 1e10)
-    load = cs.LoadHistory(
-        (0.0, 1.0), (0.8 * pi * half_width * peak / 2, pi * half_width * peak / 2)
-    )
+    load = cs.LoadHistory((0.0, 1.0), (0.8 * pi * half_width * peak / 2, pi * half_width * peak / 2))
     scene = replace(SCENE, load=load, solids=(solids[0], solids[1]), friction=friction)
     grid = cs.Grid((cells, 1), (3 * half_width, half_width))
     steps = cs.TimeSteps((0.0, 1.0), error_estimator="none")
@@ -105,9 +101,7 @@ def test_sliding_bodies_yield_first_where_the_closed_form_says(
 def test_friction_beyond_yield_in_shear_needs_a_body_that_hardens(hardening: float) -> None:
     """The stress xz at the surface is the friction; of a perfectly plastic body it is at most Y over the root of 3."""
     solid = cs.ElasticPlasticHalfSpace(210e9, 0.3, 5e8, hardening)
-    peaks = (
-        np.array([0.95, 1.1]) * 5e8 / 3**0.5 / 0.5
-    )  # Hertz's, whose friction is so many times that limit
+    peaks = np.array([0.95, 1.1]) * 5e8 / 3**0.5 / 0.5  # Hertz's, whose friction is so many times that limit
     modulus = 210e9 / (1 - 0.3**2) / 2
     loads = pi * RADIUS * peaks**2 / modulus
     scene = replace(

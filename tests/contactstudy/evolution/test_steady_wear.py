@@ -32,9 +32,7 @@ def test_a_wave_of_full_contact_decays_as_the_closed_form_over_the_circumference
     scene = replace(ROLLER, load=cs.LineLoad(5e4), shapes=(wave,))
     q, modulus = 2 * pi / LENGTH, scene.contact_modulus
     rate = 1e-15 * 0.1 * width / AROUND * modulus * q / 2
-    answer = cs.solve(
-        scene, cs.Grid((4, 32), (width, LENGTH)), (EXACT, EXACT), times=(0.0, 1 / rate, 2 / rate)
-    )
+    answer = cs.solve(scene, cs.Grid((4, 32), (width, LENGTH)), (EXACT, EXACT), times=(0.0, 1 / rate, 2 / rate))
     sizes = np.ptp(answer.pressure[:, 0], axis=1)
     # waves of a grid of 32 cells: the mean over a cell
     assert sizes[1:] / sizes[0] == pytest.approx(np.exp([-1.0, -2.0]), rel=5e-3)
@@ -54,9 +52,7 @@ def test_a_roller_wears_until_its_pressure_is_even_along_the_length() -> None:
 def test_a_drive_that_slides_fully_wears_like_a_roller_that_slides_as_fast() -> None:
     """Frictional power over the coefficient of friction is pressure times slip: the creepage where all slides."""
     drive = cs.TractiveRolling(0.3, longitudinal=0.05, speed=2.0)
-    driven = replace(
-        ROLLER, rolling=None, friction=drive, wear=cs.Wear(1e-15, 0.0, circumference=AROUND)
-    )
+    driven = replace(ROLLER, rolling=None, friction=drive, wear=cs.Wear(1e-15, 0.0, circumference=AROUND))
     grid, times = cs.Grid((16, 4), GRID.extent), (0.0, 300.0, 3000.0)
     known, found = (cs.solve(scene, grid, ACROSS_FREE, times=times) for scene in (ROLLER, driven))
     assert worn(found) == pytest.approx(worn(known), rel=0.01)
@@ -97,10 +93,7 @@ def test_a_roller_that_creeps_wears_evenly_too() -> None:
 
 def test_errors_by_steps_cover_the_change_by_shorter_ones() -> None:
     grid, times = cs.Grid((24, 8), GRID.extent), (0.0, 5e3)
-    rough, fine = (
-        cs.solve(ROLLER, grid, EXACT, times=cs.TimeSteps(times, error=error))
-        for error in (0.1, 1e-3)
-    )
+    rough, fine = (cs.solve(ROLLER, grid, EXACT, times=cs.TimeSteps(times, error=error)) for error in (0.1, 1e-3))
     change = np.abs(rough.pressure[-1] - fine.pressure[-1])
     bounds = {name: parts.steps for name, parts in rough.frames[-1].error}
     assert change.sum() / fine.pressure[-1].sum() < bounds["l1"] < 0.1

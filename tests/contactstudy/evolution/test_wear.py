@@ -22,9 +22,7 @@ WAVY = cs.Scene(
     (cs.Waviness(1e-3, across=1.0, along=1e9),),
     wear=cs.Wear(2.0, 0.5),
 )
-CYLINDER = cs.Scene(
-    cs.LineLoad(LOAD), (ELASTIC, RIGID), (cs.Cylinder(1.0),), wear=cs.Wear(1.0, 1.0)
-)
+CYLINDER = cs.Scene(cs.LineLoad(LOAD), (ELASTIC, RIGID), (cs.Cylinder(1.0),), wear=cs.Wear(1.0, 1.0))
 
 
 def wave(evolution: Trajectory) -> Array:
@@ -44,14 +42,10 @@ def eigenvalue(grid: cs.Grid) -> float:
     ("step", "cells", "scheme"),
     [(0.1, 64, "implicit"), (100.0, 64, "implicit"), (0.05, 8, "explicit"), (0.1, 64, "two_stage")],
 )
-def test_a_wave_decays_by_the_recursion_of_the_scheme_to_rounding(
-    step: float, cells: int, scheme: Scheme
-) -> None:
+def test_a_wave_decays_by_the_recursion_of_the_scheme_to_rounding(step: float, cells: int, scheme: Scheme) -> None:
     """By ``k ds / lambda = z`` of eigenvalue lambda a step: ``1 / (1 + z)``, ``1 - z``, or that of Alexander (1977)."""
     grid, number = cs.Grid((cells, 1), (1.0, 1.0)), np.arange(6.0)
-    found = evolved(
-        WAVY, grid, step * number, padding=(EXACT, EXACT), tolerance=1e-12, scheme=scheme
-    )
+    found = evolved(WAVY, grid, step * number, padding=(EXACT, EXACT), tolerance=1e-12, scheme=scheme)
     ratio, gamma = step / eigenvalue(grid), SDIRK_GAMMA
     factor = {
         "implicit": 1 / (1 + ratio),
@@ -87,9 +81,7 @@ def test_the_pressure_of_a_punch_evens_out_at_the_known_rate(tilt: float, rate: 
     ],
     ids=["constant", "a ramp, a jump and back to zero", "sine"],
 )
-def test_the_wear_volume_is_that_of_archard_to_rounding(
-    load: cs.LoadHistory | cs.SineLoad, scheme: Scheme
-) -> None:
+def test_the_wear_volume_is_that_of_archard_to_rounding(load: cs.LoadHistory | cs.SineLoad, scheme: Scheme) -> None:
     """``k v int P dt``, whatever the steps: the pressures of each step carry its load to rounding."""
     grid = cs.Grid((96, 1), (0.6, 1.0))
     scene = replace(CYLINDER, load=load, wear=cs.Wear(1e-3, 1.0))
@@ -145,9 +137,7 @@ def test_a_contact_whose_coating_is_worn_through_ends_with_the_time(
 
 
 @pytest.mark.parametrize(("body", "circumference"), [(0, None), (1, 0.1)])
-def test_a_block_wears_in_place_and_the_ring_below_it_along_its_track(
-    body: int, circumference: float | None
-) -> None:
+def test_a_block_wears_in_place_and_the_ring_below_it_along_its_track(body: int, circumference: float | None) -> None:
     """``k P s`` of either; the depth of the ring is that over its circumference, and leaves the pressure as it is."""
     steel = cs.HalfSpace(210e9, 0.3)
     scene = cs.Scene(

@@ -10,9 +10,7 @@ from contactstudy.accuracy.estimate import error_estimate
 from tests.conftest import LineContact
 
 
-def contact(
-    pressure: Any, width: float = 1.0, period: float = 1.0, approach: float = 0.0
-) -> xr.Dataset:
+def contact(pressure: Any, width: float = 1.0, period: float = 1.0, approach: float = 0.0) -> xr.Dataset:
     values = np.asarray(pressure, dtype=float)
     grid = cs.Grid(values.shape, (width, period))  # type: ignore[arg-type]
     return xr.Dataset(
@@ -107,10 +105,7 @@ def test_what_cannot_be_compared_is_refused(a: xr.Dataset, b: xr.Dataset, words:
 
 def test_grids_of_one_scene_differ_by_no_more_than_the_estimate_says(line_contact: Any) -> None:
     scene = line_contact.scene
-    coarse, fine = (
-        cs.solve(scene.problem(line_contact.grid((n, 1), 1.2), cs.ExactPeriodicity()))
-        for n in (64, 512)
-    )
+    coarse, fine = (cs.solve(scene.problem(line_contact.grid((n, 1), 1.2), cs.ExactPeriodicity())) for n in (64, 512))
     found = cs.compare(fine, coarse)
     # the coarse one's estimate, against cell means, and what the means of its cells leave out: below half a
     # cell of 2.4/64 half-widths of the steepest pressure, 2 / (pi a) of the load per length
@@ -123,12 +118,9 @@ def test_grids_of_one_scene_differ_by_no_more_than_the_estimate_says(line_contac
 def test_contacts_of_two_kinds_are_refused(line_contact: LineContact) -> None:
     grid = line_contact.grid((16, 4), 1.4)
     endless, ended = (
-        cs.solve(line_contact.scene, grid, padding)
-        for padding in (cs.ExactPeriodicity(), cs.ZeroPadding())
+        cs.solve(line_contact.scene, grid, padding) for padding in (cs.ExactPeriodicity(), cs.ZeroPadding())
     )
-    with pytest.raises(
-        cs.InvalidInput, match=r"of different kinds: b ends at both ends of its grid"
-    ):
+    with pytest.raises(cs.InvalidInput, match=r"of different kinds: b ends at both ends of its grid"):
         cs.compare(endless, ended)
     assert cs.compare(ended, ended).l1 == 0
 

@@ -78,9 +78,7 @@ def test_an_answer_is_shown_with_its_accuracy_first_and_a_picture(
     contact = cs.solve(line_contact.scene, grid, cs.ExactPeriodicity(), error="2 %")
     assert contact.accuracy in repr(contact).splitlines()[0]
     assert "data:image/png;base64," in contact._repr_html_()
-    assert (
-        contact.plot()._repr_png_().startswith(b"\x89PNG")
-    )  # shown once, as pyplot does not know it
+    assert contact.plot()._repr_png_().startswith(b"\x89PNG")  # shown once, as pyplot does not know it
     plan = cs.plan(line_contact.scene, grid=grid)
     for value, said in (
         (contact, "CONVERGED, 32 x 16 cells"),
@@ -97,9 +95,7 @@ def test_an_answer_is_shown_with_its_accuracy_first_and_a_picture(
 def test_a_lubricated_contact_is_labelled_with_its_errors_and_drawn() -> None:
     contact = solve_lubricated(by_moes(20, 5), film_cells(100, 5.43), cs.ExactPeriodicity())
     parts = ErrorParts(discretisation=0.1, inlet=0.2, residual=inf)
-    estimate = cs.ErrorEstimate(
-        parts, central_film=parts, minimum_film=parts, warnings=("a spike",)
-    )
+    estimate = cs.ErrorEstimate(parts, central_film=parts, minimum_film=parts, warnings=("a spike",))
     contact = film_answer(replace(contact, estimate=estimate))
     dataset = contact.to_dataset()
     np.testing.assert_array_equal(dataset["film"].values, contact.film)

@@ -30,9 +30,7 @@ PRESSURE = np.array([[0.0, 0.0], [1e6, 0.0], [2e6, 5e6], [0.0, 0.0]])
         (0.0, "m", "0 nm"), (0.125, "1", "0.125"), (3.0, "kg", "3 kg"),
     ],
 )  # fmt: skip
-def test_a_value_is_shown_in_the_unit_that_is_read_most_easily(
-    value: float, units: str, text: str
-) -> None:
+def test_a_value_is_shown_in_the_unit_that_is_read_most_easily(value: float, units: str, text: str) -> None:
     assert readable(value, units) == text
 
 
@@ -129,9 +127,9 @@ def test_the_largest_in_time_has_no_bound_where_the_load_is_higher_between_insta
 ) -> None:
     history = cs.LoadHistory((0.0, 1.0, 2.0, 2.0), (0.0, 1e5, 9e4, 5e4))
     scene = cs.Scene(history, (STEEL, STEEL), (cs.Cylinder(0.01),))
-    peak = cs.solve(
-        scene, cs.Grid((32, 1), (4e-4, 1e-3)), cs.ExactPeriodicity(), times=times
-    ).quantities["peak_pressure"]
+    peak = cs.solve(scene, cs.Grid((32, 1), (4e-4, 1e-3)), cs.ExactPeriodicity(), times=times).quantities[
+        "peak_pressure"
+    ]
     assert (peak.bound == inf) == bool(said)
     assert said in peak.reason
 
@@ -198,18 +196,14 @@ def test_a_film_stands_beside_its_formulas_and_the_roughness() -> None:
     speed = 0.04 * 1.0 / (elastic * 0.01)
     dowson = 2.65 * speed**0.7 * (2e-8 * elastic) ** 0.54 * (1e5 / (elastic * 0.01)) ** -0.13 * 0.01
     assert numbers["dowson_higginson_film"].value == pytest.approx(dowson, rel=1e-9)
-    limits = [
-        numbers[f"{name}_film"].value for name in ("elastic_piezoviscous", "rigid_isoviscous")
-    ]
+    limits = [numbers[f"{name}_film"].value for name in ("elastic_piezoviscous", "rigid_isoviscous")]
     assert max(limits) == pytest.approx(moes, rel=0.1)
     assert numbers["sliding_loss"].value == 0  # pure rolling
     assert numbers["power_loss"].value > 0
 
 
 def test_wear_and_dent_are_what_is_left_at_the_last_instant() -> None:
-    worn = cs.Scene(
-        cs.LineLoad(1e5), (STEEL, STEEL), (cs.Cylinder(0.01),), wear=cs.Wear(1e-15, 1.0)
-    )
+    worn = cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL), (cs.Cylinder(0.01),), wear=cs.Wear(1e-15, 1.0))
     grid = cs.Grid((32, 1), (4e-4, 1e-3))
     evolution = cs.solve(worn, grid, cs.ExactPeriodicity(), times=[0, 1, 2])
     # Archard: the worn area is the coefficient times the load times the distance
@@ -236,9 +230,7 @@ def test_the_residual_stress_at_the_end_is_the_extreme_across_or_along() -> None
     stress[0, 2, 0, 0] = 9e8  # in depth
     dimensions = ("time", "component", "z_1", "x", "y")
     strained = {"residual_stress_1": Field(dimensions, stress, "Pa", "")}
-    posed = PosedScene(
-        cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL)), cs.Grid((4, 1), (1.0, 1.0)), cs.ZeroPadding()
-    )
+    posed = PosedScene(cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL)), cs.Grid((4, 1), (1.0, 1.0)), cs.ZeroPadding())
     numbers = evolution_quantities([{}], [1.0], {}, strained, posed, ErrorParts())
     assert numbers["highest_residual_stress_1"].value == 3e8
     assert numbers["lowest_residual_stress_1"].value == -4e8

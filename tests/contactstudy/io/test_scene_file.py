@@ -182,9 +182,7 @@ def test_a_file_without_settings_has_those_of_the_functions(tmp_path: Path) -> N
         (WAVY, "[grid]", "[[shapes]]\nkind = 'Cylinder'\nradius = 1\n[grid]", "a shape is curved: give per_length"),
     ],
 )  # fmt: skip
-def test_what_is_wrong_is_named_by_its_key(
-    text: str, good: str, bad: str, said: str, tmp_path: Path
-) -> None:
+def test_what_is_wrong_is_named_by_its_key(text: str, good: str, bad: str, said: str, tmp_path: Path) -> None:
     assert good in text
     with pytest.raises(cs.InvalidInput) as raised:
         read(text.replace(good, bad), tmp_path)
@@ -225,9 +223,7 @@ def test_either_axis_has_its_padding(tmp_path: Path) -> None:
         ('"10 mm"', "0.01", ""),
     ],
 )
-def test_a_number_in_an_unlikely_unit_is_asked_about(
-    good: str, bare: str, said: str, tmp_path: Path
-) -> None:
+def test_a_number_in_an_unlikely_unit_is_asked_about(good: str, bare: str, said: str, tmp_path: Path) -> None:
     doubts = read(GOOD.replace(good, bare, 1), tmp_path).doubts
     assert said in " ".join(doubts) if said else not doubts
 
@@ -362,9 +358,7 @@ def test_varied_fields_are_kept_in_groups(tmp_path: Path) -> None:
     table = read(f'{ROLLER}{shape}[vary]\nload.total = "1:4:4 kN"\nplan.error = [0.1]\n', tmp_path)
     assert table.vary == ({"load.total": "1:4:4 kN"}, {"plan.error": [0.1]})
     groups = '[[vary]]\nload.total = "1,2 kN"\nplan.error = [0.1, 0.2]\n'
-    assert read(ROLLER + shape + groups, tmp_path).vary == (
-        {"load.total": "1,2 kN", "plan.error": [0.1, 0.2]},
-    )
+    assert read(ROLLER + shape + groups, tmp_path).vary == ({"load.total": "1,2 kN", "plan.error": [0.1, 0.2]},)
     with pytest.raises(cs.InvalidInput, match="vary is 3: give a table"):
         read(f"vary = 3\n{ROLLER}{shape}", tmp_path)
 
@@ -412,9 +406,7 @@ def test_a_file_requests_the_errors_of_some_numbers(tmp_path: Path) -> None:
     assert cs.read_scene(tmp_path / "again.toml") == described
     as_text = tmp_path / "text.toml"
     written = "{peak_pressure = '2 %', half_width = 0.05}"
-    as_text.write_text(
-        path.read_text().replace(written, "'peak_pressure = 2 %, half_width = 0.05'")
-    )
+    as_text.write_text(path.read_text().replace(written, "'peak_pressure = 2 %, half_width = 0.05'"))
     assert cs.read_scene(as_text) == described
     answer = described.solve()
     assert answer.met

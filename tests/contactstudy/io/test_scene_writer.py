@@ -80,9 +80,7 @@ RUBBER = cs.ViscoelasticHalfSpace(1e6, 0.4, ((1.5e6, 1.0), (5e5, 0.1)))
 
 
 ADHESION = cs.Adhesion(0.05, 2e-8, "dugdale", "from full contact")
-OIL = cs.Lubricant(
-    0.04, 2e-8, viscosity_law=cs.Barus(), density=cs.ConstantDensity(), shear=cs.Eyring(5e6)
-)
+OIL = cs.Lubricant(0.04, 2e-8, viscosity_law=cs.Barus(), density=cs.ConstantDensity(), shear=cs.Eyring(5e6))
 EFFECTS: tuple[dict[str, object], ...] = (
     {"solids": (cs.CoatedHalfSpace(cs.HalfSpace(250e9, 0.22), 2e-6, STEEL), STEEL)},
     {"solids": (cs.ElasticPlasticHalfSpace(210e9, 0.3, 1e9, 2e9, 1e9), STEEL)}, {"friction": cs.Sliding(0.12)},

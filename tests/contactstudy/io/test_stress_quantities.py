@@ -30,9 +30,7 @@ def ball(cells: int, coefficient: float) -> tuple[Quantities, float, float]:
     """The same of a ball on a flat, at rest or sliding."""
     friction = cs.Sliding(coefficient) if coefficient else None
     output = AT_SURFACE if coefficient else ALL_DEPTHS
-    scene = cs.Scene(
-        cs.TotalLoad(50.0), (STEEL, STEEL), (cs.Sphere(0.01),), outputs=(output,), friction=friction
-    )
+    scene = cs.Scene(cs.TotalLoad(50.0), (STEEL, STEEL), (cs.Sphere(0.01),), outputs=(output,), friction=friction)
     half = scene.ellipse.semi_axes[0]
     grid = cs.Grid((cells, cells), (3 * half, 3 * half))
     found = cs.solve(scene, grid, cs.ZeroPadding()).quantities
@@ -56,9 +54,7 @@ def test_principal_stresses_are_the_eigenvalues_of_the_stress() -> None:
 @pytest.mark.parametrize("cells", [45, 64])
 def test_shear_stresses_below_a_line_contact_are_those_of_johnson(cells: int) -> None:
     found, peak, half = line(cells)
-    assert_within_bounds(
-        found, {"largest_shear_stress": 0.30028 * peak, "orthogonal_shear": peak / 4}, 0.03
-    )
+    assert_within_bounds(found, {"largest_shear_stress": 0.30028 * peak, "orthogonal_shear": peak / 4}, 0.03)
     assert_within_bounds(found, {"orthogonal_shear_range": peak / 2}, 0.03)
     depths = {"largest_shear_stress_depth": 0.7861 * half, "orthogonal_shear_depth": half / 2}
     assert_within_bounds(found, depths, 0.1)
@@ -145,12 +141,8 @@ def test_a_largest_stress_at_the_end_of_the_grid_has_no_bound() -> None:
     assert np.isfinite(found["largest_von_mises"].bound)
 
 
-def test_depths_meet_a_request_of_one_per_cent_and_one_at_the_surface_is_known_to_the_next() -> (
-    None
-):
-    smooth = cs.solve(
-        cs.Scene(LOAD, (STEEL, STEEL), (CYLINDER,), outputs=(ALL_DEPTHS,)), error=0.01
-    )
+def test_depths_meet_a_request_of_one_per_cent_and_one_at_the_surface_is_known_to_the_next() -> None:
+    smooth = cs.solve(cs.Scene(LOAD, (STEEL, STEEL), (CYLINDER,), outputs=(ALL_DEPTHS,)), error=0.01)
     assert smooth.met
     found, _, half = line(64, friction=cs.Sliding(0.5))
     depth = found["largest_von_mises_depth"]

@@ -18,9 +18,7 @@ def test_a_sine_has_the_parameters_of_the_books() -> None:
         "Rq": 1e-6 / sqrt(2), "Ra": 2e-6 / pi, "Rt": 2e-6, "Rsk": 0.0, "Rku": 1.5, "Rdq": sqrt(2) * pi / 50,
     }  # fmt: skip
     found = surface_parameters(cs.MeasuredSurface(wave, (4e-4, 1e-6)))
-    assert {name: value for name, (value, *_) in found.items()} == pytest.approx(
-        expected, rel=3e-3, abs=1e-12
-    )
+    assert {name: value for name, (value, *_) in found.items()} == pytest.approx(expected, rel=3e-3, abs=1e-12)
 
 
 def test_the_autocorrelation_length_is_that_of_a_gaussian_one() -> None:

@@ -13,9 +13,7 @@ STEEL = cs.HalfSpace(210e9, 0.3)
 DRY = cs.Scene(cs.LineLoad(LOAD), (STEEL, STEEL), (cs.Cylinder(RADIUS),))
 
 
-def by_moes(
-    load_parameter: float, viscosity_parameter: float, *shapes: cs.Shape, **laws: object
-) -> cs.Scene:
+def by_moes(load_parameter: float, viscosity_parameter: float, *shapes: cs.Shape, **laws: object) -> cs.Scene:
     """Steel cylinders with a Barus lubricant of constant density, unless ``laws`` name others."""
     hertz = DRY.hertz
     resistance = 3 * pi**2 / (8 * load_parameter**2)
@@ -23,9 +21,7 @@ def by_moes(
     coefficient = viscosity_parameter * sqrt(load_parameter / (2 * pi)) / hertz.peak_pressure
     named = {"viscosity_law": cs.Barus(), "density": cs.ConstantDensity()} | laws
     oil = cs.Lubricant(VISCOSITY, coefficient, **named)  # type: ignore[arg-type]
-    return cs.Scene(
-        DRY.load, DRY.solids, (*DRY.shapes, *shapes), lubrication=cs.Lubrication(oil, speed, 0.1)
-    )
+    return cs.Scene(DRY.load, DRY.solids, (*DRY.shapes, *shapes), lubrication=cs.Lubrication(oil, speed, 0.1))
 
 
 def with_motion(scene: cs.Scene, **changed: Any) -> cs.Scene:

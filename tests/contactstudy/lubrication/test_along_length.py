@@ -46,9 +46,7 @@ def test_a_film_that_varies_along_the_length_converges_carries_its_load_and_lose
     shapes: dict[str, cs.Shape] = {
         "waves": crossed(height),
         "texture": cs.Texture(cs.Dimple(height, 0.3 * A), pitch=(A, A)),
-        "measured": cs.MeasuredSurface(
-            0.2 * height / smooth.std() * smooth, (8 * A, A), seam=cs.AsMeasured()
-        ),
+        "measured": cs.MeasuredSurface(0.2 * height / smooth.std() * smooth, (8 * A, A), seam=cs.AsMeasured()),
         "coat": cs.Roughness(0.3 * height, hurst=0.8, roll_off=A, cut_off=A / 2, seed=1),
     }
     scene = by_moes(load, viscosity, shapes[kind])
@@ -88,8 +86,7 @@ def test_the_balance_of_the_film_changes_by_its_derivatives() -> None:
         field = getattr(film, name)
         change = field * chance.uniform(0.5, 1, field.shape)
         before, after = (
-            equation.linearise(replace(film, **{name: field + sign * step * change})).residual
-            for sign in (-1, 1)
+            equation.linearise(replace(film, **{name: field + sign * step * change})).residual for sign in (-1, 1)
         )
         wanted = sum(band * neighbour(change, offset) for offset, band in bands.items())
         # of a sum that cancels, and the rounding of the difference

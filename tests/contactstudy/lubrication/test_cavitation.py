@@ -28,16 +28,10 @@ def test_both_agree_where_the_film_forms_once() -> None:
         assert (full.film_fraction == 1).all()
 
 
-@pytest.mark.parametrize(
-    ("cells", "along"), [((400, 1), np.inf), pytest.param((96, 16), A, marks=pytest.mark.whole)]
-)
-def test_plain_cavitation_makes_lubricant_where_the_film_forms_again(
-    cells: tuple[int, int], along: float
-) -> None:
+@pytest.mark.parametrize(("cells", "along"), [((400, 1), np.inf), pytest.param((96, 16), A, marks=pytest.mark.whole)])
+def test_plain_cavitation_makes_lubricant_where_the_film_forms_again(cells: tuple[int, int], along: float) -> None:
     scene, where = wavy(3.0, along), grid(cells[0], 4.0, cells[1])
-    conserving, full = (
-        solve_lubricated(one, where, tolerance=1e-7) for one in (scene, plain(scene))
-    )
+    conserving, full = (solve_lubricated(one, where, tolerance=1e-7) for one in (scene, plain(scene)))
     bearing = np.flatnonzero((conserving.pressure > 0).any(axis=1))
     assert (conserving.pressure[bearing[0] : bearing[-1]] == 0).any()
     assert conserving.flux_spread < 1e-6

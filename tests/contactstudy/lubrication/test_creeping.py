@@ -23,9 +23,7 @@ def between(first: object, second: object, **motion: object) -> cs.Scene:
 
 
 @pytest.mark.parametrize(("widths", "modulus"), [(1e-9, 105e9), (1e9, 210e9)])
-def test_bodies_that_creep_fast_or_slowly_have_the_film_of_elastic_ones(
-    widths: float, modulus: float
-) -> None:
+def test_bodies_that_creep_fast_or_slowly_have_the_film_of_elastic_ones(widths: float, modulus: float) -> None:
     body, elastic = creeping(widths * A / SPEED), cs.HalfSpace(modulus, 0.3)
     found, known = (solve_lubricated(between(b, b), grid(240, 6.0)) for b in (body, elastic))
     assert found.status is cs.Status.CONVERGED

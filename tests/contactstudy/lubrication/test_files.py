@@ -44,9 +44,7 @@ def test_stress_below_the_surface_takes_pressure_and_friction() -> None:
     stress = cs.SubsurfaceStress(depths=(2e-5,))
     scene = replace(by_moes(20, 5, shear=cs.LimitingShear(0.1)), outputs=(stress,))
     still = with_motion(scene, slide_roll_ratio=0.0)
-    dragged, plain = (
-        film_answer(solve_lubricated(one, grid(100, 4.5))).to_dataset() for one in (scene, still)
-    )
+    dragged, plain = (film_answer(solve_lubricated(one, grid(100, 4.5))).to_dataset() for one in (scene, still))
     assert dragged["von_mises"].dims == ("z", "x", "y")
     change = float((dragged["stress"] - plain["stress"]).sel(component="xz").sum())
     # shear that enters at the surface passes through every depth of a wide strip; z points into the body, and the stress

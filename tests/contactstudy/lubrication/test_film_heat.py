@@ -30,9 +30,7 @@ def test_a_fast_even_source_heats_as_blok_and_jaeger_have_it(peclet: float) -> N
     assert rise.max() == pytest.approx(largest, rel=1.5 / peclet)
     # far downstream all heat has passed: the rise of a line source, 1 / sqrt(x)
     far = cells.x[-1]
-    assert rise[-1] == pytest.approx(
-        2e-4 / sqrt(pi * body.conductivity * body.heat_capacity * speed * far), rel=0.02
-    )
+    assert rise[-1] == pytest.approx(2e-4 / sqrt(pi * body.conductivity * body.heat_capacity * speed * far), rel=0.02)
 
 
 def test_a_surface_that_runs_backwards_is_heated_on_the_other_side() -> None:
@@ -57,10 +55,7 @@ def test_the_friction_is_isothermal_where_heat_has_no_effect(heat: cs.FilmHeat) 
 
 def test_traction_rises_with_sliding_and_falls_again_as_the_film_heats_up() -> None:
     law = {"viscosity_law": cs.Roelands(0.6, reference_pressure=2.63e8)}
-    hot = [
-        solve_lubricated(_at(heated(slide, **law), 40.0), grid(160, 8))
-        for slide in (0.02, 0.2, 1.9)
-    ]
+    hot = [solve_lubricated(_at(heated(slide, **law), 40.0), grid(160, 8)) for slide in (0.02, 0.2, 1.9)]
     cold = solve_lubricated(_at(heated(1.9, heat=None, **law), 40.0), grid(160, 8))
     small, middle, large = (one.friction for one in hot)
     assert small < middle
@@ -70,9 +65,7 @@ def test_traction_rises_with_sliding_and_falls_again_as_the_film_heats_up() -> N
 
 @pytest.mark.parametrize("pressure", [1e5, 5e8, 1e9])
 @pytest.mark.parametrize("rise", [1.0, 20.0, 50.0])
-def test_viscosity_falls_with_temperature_as_measured_in_a_mineral_oil(
-    pressure: float, rise: float
-) -> None:
+def test_viscosity_falls_with_temperature_as_measured_in_a_mineral_oil(pressure: float, rise: float) -> None:
     """M100, viscosimeter of Mann, fitted by Arana, Larranaga & Ulacia (2019), eq. 30 and table 3; supply at 60 C."""
 
     def log_viscosity(temperature: float, pressure: float) -> float:

@@ -79,8 +79,7 @@ def test_a_start_from_rest_and_a_load_that_grows_end_in_the_steady_film() -> Non
         for one in (from_rest(scene, 5 * passage), replace(scene, load=load))
     )
     light, heavy = (
-        solve_lubricated(replace(scene, load=cs.LineLoad(one)), grid(160, 4.0)).central_film
-        for one in (1e5, 2e5)
+        solve_lubricated(replace(scene, load=cs.LineLoad(one)), grid(160, 4.0)).central_film for one in (1e5, 2e5)
     )
     assert started[0] < 0.02 * light
     assert (np.diff(started[:4]) > 0).all()
@@ -116,9 +115,7 @@ class Passing:
 def test_a_shape_of_a_users_own_class_moves_with_its_body() -> None:
     moving = cs.MovingShape(cs.Waviness(1e-8, across=A, along=np.inf))
     own, same = (
-        evolve_lubricated(
-            by_moes(20, 5, shape), grid(64, 4.0), times=[0, 2e-5], step=1e-5
-        ).contacts[-1]
+        evolve_lubricated(by_moes(20, 5, shape), grid(64, 4.0), times=[0, 2e-5], step=1e-5).contacts[-1]
         for shape in (Passing(moving), moving)
     )
     np.testing.assert_array_equal(own.film, same.film)
@@ -181,9 +178,7 @@ def test_the_verb_marches_a_film_that_changes_and_bounds_its_steps() -> None:
 def test_friction_is_that_of_the_instant() -> None:
     scene = by_moes(20, 0)
     passage = A / speed_of(scene)
-    evolution = evolve_lubricated(
-        from_rest(scene, 2 * passage), grid(100, 4.0), times=[0, 2 * passage]
-    )
+    evolution = evolve_lubricated(from_rest(scene, 2 * passage), grid(100, 4.0), times=[0, 2 * passage])
     first = evolution.contacts[0]
     assert first.mean_speed == pytest.approx(1e-3 * speed_of(scene))
     rate = first.sliding_speed * first.film_fraction / first.film
@@ -216,9 +211,7 @@ def test_the_error_by_the_steps_holds_for_a_wave_that_passes() -> None:
     scene = rolling(20, 5, cs.MovingShape(cs.Waviness(height, across=A, along=np.inf)))
     period = A / speed_of(scene)
     coarse, fine = (
-        evolve_lubricated(
-            scene, grid(96, 3.0), times=np.linspace(0, 2 * period, 9), step=period / steps
-        )
+        evolve_lubricated(scene, grid(96, 3.0), times=np.linspace(0, 2 * period, 9), step=period / steps)
         for steps in (12, 48)
     )
     error = np.abs(central_films(coarse) - central_films(fine)) / central_films(fine)

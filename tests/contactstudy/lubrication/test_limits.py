@@ -51,9 +51,7 @@ def test_the_heaviest_isoviscous_film_of_the_range_meets_an_error_of_3_percent()
 
 def test_a_grid_narrower_than_the_contact_is_refused_with_the_width_to_give() -> None:
     heavy = at(2e6, 0.01)
-    with pytest.raises(
-        cs.InvalidInput, match=r"Grid\.extent\[0\] is .* too narrow .* take contactstudy\.plan"
-    ):
+    with pytest.raises(cs.InvalidInput, match=r"Grid\.extent\[0\] is .* too narrow .* take contactstudy\.plan"):
         solve_lubricated(heavy, cs.Grid((400, 1), (1.5 * heavy.hertz.half_width, 1e-3)))
     contact = solve_lubricated(heavy, cs.Grid((400, 1), (3 * heavy.hertz.half_width, 1e-3)))
     assert contact.status is not cs.Status.FILM_NOT_CONVERGED
@@ -127,13 +125,9 @@ def test_a_total_load_is_spread_over_the_length_of_the_roller_at_any_period() ->
     ],
     ids=["another width", "other cells along"],
 )
-def test_a_film_starts_from_one_on_another_grid(
-    scene: cs.Scene, first: cs.Grid, second: cs.Grid
-) -> None:
+def test_a_film_starts_from_one_on_another_grid(scene: cs.Scene, first: cs.Grid, second: cs.Grid) -> None:
     coarse = solve_lubricated(scene, first, tolerance=1e-10)
-    cold, warm = (
-        solve_lubricated(scene, second, start=start, tolerance=1e-10) for start in (None, coarse)
-    )
+    cold, warm = (solve_lubricated(scene, second, start=start, tolerance=1e-10) for start in (None, coarse))
     assert warm.film == pytest.approx(cold.film, rel=1e-6)
 
 
@@ -150,10 +144,7 @@ def test_a_longer_inlet_starts_full_of_lubricant() -> None:
     """A film of few iterations from a shorter one; from an inlet that fills slowly it took hundreds of times as many."""
     scene = by_moes(90, 10, cs.Waviness(1e-8, across=A / 2, along=A / 2))
     short = solve_lubricated(scene, grid(48, 2.0, 8), tolerance=1e-6)
-    cold, warm = (
-        solve_lubricated(scene, grid(96, 4.0, 8), start=start, tolerance=1e-6)
-        for start in (None, short)
-    )
+    cold, warm = (solve_lubricated(scene, grid(96, 4.0, 8), start=start, tolerance=1e-6) for start in (None, short))
     assert warm.status is cold.status
     assert warm.linear_iterations <= 3 * cold.linear_iterations
 
@@ -190,16 +181,12 @@ def test_friction_that_hangs_on_a_spike_has_no_error_unless_its_stress_is_limite
     assert np.isfinite(total(eyring.friction_coefficient))
 
 
-@pytest.mark.parametrize(
-    ("load", "viscosity"), 10 ** np.random.default_rng(7).uniform((0.3, 0.0), (2.0, 1.0), (5, 2))
-)
+@pytest.mark.parametrize(("load", "viscosity"), 10 ** np.random.default_rng(7).uniform((0.3, 0.0), (2.0, 1.0), (5, 2)))
 def test_errors_are_no_larger_than_their_estimates(load: float, viscosity: float) -> None:
     contact = solve_lubricated(by_moes(load, viscosity), error=2e-2)
     cells, (width, period) = contact.grid.cells, contact.grid.extent
     # cells of half the width, twice the inlet
-    fine = solve_lubricated(
-        by_moes(load, viscosity), cs.Grid((4 * cells[0], 1), (2 * width, period)), start=contact
-    )
+    fine = solve_lubricated(by_moes(load, viscosity), cs.Grid((4 * cells[0], 1), (2 * width, period)), start=contact)
     assert fine.status is cs.Status.CONVERGED
     error = contact.estimate
     assert total(error.central_film) + total(error.minimum_film) < 4e-2

@@ -37,15 +37,11 @@ class Own:
 
 def test_the_outlet_follows_the_dry_contact_and_not_the_declared_curvature() -> None:
     films = [
-        solve_lubricated(
-            replace(by_moes(20, 2), shapes=(Own(curvature),)), cs.Grid((400, 1), (2e-3, 1e-3))
-        )
+        solve_lubricated(replace(by_moes(20, 2), shapes=(Own(curvature),)), cs.Grid((400, 1), (2e-3, 1e-3)))
         for curvature in (100.0, 20.0)
     ]
     assert films[0].minimum_film == pytest.approx(films[1].minimum_film, rel=0.02)
-    reaches = [
-        film_grid(replace(by_moes(20, 2), shapes=(Own(c),))).extent[0] for c in (100.0, 20.0)
-    ]
+    reaches = [film_grid(replace(by_moes(20, 2), shapes=(Own(c),))).extent[0] for c in (100.0, 20.0)]
     wide = np.abs(films[0].grid.x[films[0].pressure[:, 0] > 1e-3 * films[0].peak_pressure]).max()
     assert min(reaches) > 2 * wide
 
@@ -54,18 +50,14 @@ def test_the_outlet_follows_the_dry_contact_and_not_the_declared_curvature() -> 
 def test_a_contact_beside_the_axis_has_the_film_of_one_on_it(side: int) -> None:
     """A wave fifty times as long as the contact moves it by 0.9 half-widths, and changes its curvature by a tenth."""
     wave = cs.Waviness(7e-6, across=5e-3, phase=side * np.pi / 2)
-    central, shifted = (
-        solve_lubricated(by_moes(20, 5, *shapes), grid(320, 6.0)) for shapes in ((), (wave,))
-    )
+    central, shifted = (solve_lubricated(by_moes(20, 5, *shapes), grid(320, 6.0)) for shapes in ((), (wave,)))
     assert shifted.status is cs.Status.CONVERGED
     assert abs(shifted.grid.x @ shifted.pressure[:, 0]) > 0.5 * A * shifted.pressure.sum()
     assert shifted.minimum_film == pytest.approx(central.minimum_film, rel=0.02)
     assert shifted.central_film == pytest.approx(central.central_film, rel=0.02)
 
 
-def test_an_outlet_that_cuts_the_pressure_off_is_no_answer_and_moves_to_the_end_of_the_grid() -> (
-    None
-):
+def test_an_outlet_that_cuts_the_pressure_off_is_no_answer_and_moves_to_the_end_of_the_grid() -> None:
     scene, cells, controls = by_moes(5, 2), grid(96, 4.0), FilmControls()
     posed = pose(scene, cells, cs.ExactPeriodicity(), outlet=-0.3)
     last = continued(posed, controls)
@@ -76,9 +68,7 @@ def test_an_outlet_that_cuts_the_pressure_off_is_no_answer_and_moves_to_the_end_
     assert moved.film == pytest.approx(solve_lubricated(scene, cells).film, rel=1e-6)
 
 
-def test_the_central_film_is_a_mean_over_the_middle_where_heights_vary_and_on_the_axis_if_smooth() -> (
-    None
-):
+def test_the_central_film_is_a_mean_over_the_middle_where_heights_vary_and_on_the_axis_if_smooth() -> None:
     cells = grid(240, 4.0)
     waves, smooth = (
         pose(by_moes(20, 5, cs.Waviness(height, across=0.4 * A)), cells, cs.ExactPeriodicity())
@@ -113,9 +103,7 @@ def test_at_a_halt_the_formulas_give_no_film() -> None:
     scene = by_moes(20, 0)
     speed = scene.lubrication.largest_speed
     stop = cs.SpeedHistory((0.0, 2 * A / speed), (speed, 0.0))
-    halted = cs.solve(
-        with_motion(scene, mean_speed=stop), grid(64, 4.0), times=[0, 2 * A / speed]
-    ).frames[-1]
+    halted = cs.solve(with_motion(scene, mean_speed=stop), grid(64, 4.0), times=[0, 2 * A / speed]).frames[-1]
     assert halted.central_film > 0
     assert halted.quantities["load_parameter"].value == np.inf
     for name in ("moes_film", "dowson_higginson_film", "elastic_isoviscous_film"):
@@ -150,9 +138,7 @@ def test_a_body_that_creeps_loses_its_own_power_as_when_it_rolls_dry(slide: floa
     """A thin film over a body that creeps at its own speed; in pure rolling it is the moment of the pressure."""
     body, rigid = cs.ViscoelasticHalfSpace(5e8, 0.4, ((1.5e9, 3e-4),)), STEEL
     oil = cs.Lubricant(1e-3, 1e-8)
-    film = cs.Scene(
-        cs.LineLoad(1e4), (body, rigid), DRY.shapes, lubrication=cs.Lubrication(oil, 1.0, slide)
-    )
+    film = cs.Scene(cs.LineLoad(1e4), (body, rigid), DRY.shapes, lubrication=cs.Lubrication(oil, 1.0, slide))
     cells = cs.Grid((160, 1), (3e-3, 1e-3))
     found = solve_lubricated(film, cells)
     dry = cs.solve(
@@ -179,10 +165,7 @@ def test_a_body_that_creeps_loses_its_own_power_as_when_it_rolls_dry(slide: floa
 
 def test_the_rolling_loss_has_the_factor_of_the_heated_inlet() -> None:
     scene = with_motion(by_moes(20, 5), slide_roll_ratio=0.0, mean_speed=5.0)
-    cold, hot = (
-        solve_lubricated(with_motion(scene, thermal=heat), grid(160, 8.0))
-        for heat in (None, cs.FilmHeat())
-    )
+    cold, hot = (solve_lubricated(with_motion(scene, thermal=heat), grid(160, 8.0)) for heat in (None, cs.FilmHeat()))
     assert hot.temperatures.reduction < 0.99
     assert hot.power_loss == pytest.approx(hot.temperatures.reduction * cold.power_loss, rel=1e-9)
 
@@ -201,9 +184,7 @@ def test_friction_of_small_slip_is_that_of_bodies_that_stick(sign: int) -> None:
         assert contact.sliding_loss > 0
 
 
-@pytest.mark.parametrize(
-    "shear", [cs.Newtonian(), cs.Eyring(5e6), cs.Carreau(), cs.LimitingShear(0.07)], ids=repr
-)
+@pytest.mark.parametrize("shear", [cs.Newtonian(), cs.Eyring(5e6), cs.Carreau(), cs.LimitingShear(0.07)], ids=repr)
 def test_traction_of_a_thick_oil_is_limited_by_the_bodies(shear: object) -> None:
     oil = cs.Lubricant(0.1, 2e-8, shear=shear)  # type: ignore[arg-type]
     heavy = replace(DRY, load=cs.LineLoad(1e6))

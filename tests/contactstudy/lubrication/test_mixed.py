@@ -15,15 +15,10 @@ UNIT = A**2 / DRY.hertz.radius
 def ridges(height: float) -> tuple[cs.Waviness, ...]:
     """Three transverse waves of a ``height`` over a^2 / R."""
     waves = ((0.5, 0.5, 0.3), (0.3, 0.31, 1.1), (0.2, 0.17, 2.0))
-    return tuple(
-        cs.Waviness(height * fraction * UNIT, across=wave * A, phase=phase)
-        for fraction, wave, phase in waves
-    )
+    return tuple(cs.Waviness(height * fraction * UNIT, across=wave * A, phase=phase) for fraction, wave, phase in waves)
 
 
-def mixed(
-    height: float, speed: float, boundary: float | None = 0.004, viscosity: float = 5
-) -> cs.Scene:
+def mixed(height: float, speed: float, boundary: float | None = 0.004, viscosity: float = 5) -> cs.Scene:
     """Ridges at M = 20, L = ``viscosity`` and a fraction of that ``speed``, on a ``boundary`` film over a^2 / R."""
     scene = by_moes(20, viscosity, *ridges(height), shear=cs.Eyring(5e6))
     layer = None if boundary is None else cs.Boundary(boundary * UNIT, 0.12)
@@ -100,9 +95,7 @@ def test_a_film_that_the_first_start_does_not_lead_to_is_that_of_the_second() ->
 
 
 def test_without_contact_the_film_is_that_without_a_boundary_film() -> None:
-    both, film = (
-        solve_lubricated(mixed(0.06, 0.2, boundary), grid(400)) for boundary in (0.004, None)
-    )
+    both, film = (solve_lubricated(mixed(0.06, 0.2, boundary), grid(400)) for boundary in (0.004, None))
     assert both.contact_load_fraction == 0
     assert film.contact_pressure is None
     assert np.abs(both.pressure - film.pressure).max() <= 1e-10 * film.peak_pressure
@@ -125,9 +118,7 @@ def test_asperities_that_do_not_touch_have_a_bound_where_the_film_is_clear_of_th
 def test_ridges_as_high_as_the_film_converge_on_fine_cells() -> None:
     """Three waves whose rms height is that of the film, at M = 28, L = 9."""
     waves = ((0.0601, 0.309, 4.53), (0.0468, 0.216, 0.58), (0.0371, 0.139, 3.53))
-    shapes = (
-        cs.Waviness(height * UNIT, across=wave * A, phase=phase) for height, wave, phase in waves
-    )
+    shapes = (cs.Waviness(height * UNIT, across=wave * A, phase=phase) for height, wave, phase in waves)
     scene = by_moes(28.31, 9.14, *shapes, shear=cs.Eyring(5e6))
     scene = with_motion(scene, boundary=cs.Boundary(0.00953 * UNIT))
     contact = solve_lubricated(scene, cs.Grid((656, 1), (4.518 * A, A)))

@@ -69,18 +69,14 @@ def test_steel_in_mineral_oil_has_the_film_and_friction_of_the_reference(
     load: float, speed: float, central: float, smallest: float, friction: float
 ) -> None:
     oil = cs.Lubricant(0.04, 2e-8, cs.Roelands(0.6), shear=cs.Eyring(5e6))
-    scene = replace(
-        DRY, load=cs.LineLoad(load), lubrication=cs.Lubrication(oil, speed, slide_roll_ratio=0.1)
-    )
+    scene = replace(DRY, load=cs.LineLoad(load), lubrication=cs.Lubrication(oil, speed, slide_roll_ratio=0.1))
     contact = solve_lubricated(scene, error=1e-2)
     assert contact.status is cs.Status.CONVERGED
     # the reference has the shorter inlet of its own, so twice that of ours, and its last digit
     error = contact.estimate
     assert contact.central_film == pytest.approx(central, rel=2 * total(error.central_film) + 2e-4)
     assert contact.minimum_film == pytest.approx(smallest, rel=2 * total(error.minimum_film) + 2e-4)
-    assert contact.friction == pytest.approx(
-        friction, rel=2 * total(error.friction_coefficient), abs=5e-5
-    )
+    assert contact.friction == pytest.approx(friction, rel=2 * total(error.friction_coefficient), abs=5e-5)
 
 
 def test_laws_and_coatings_without_their_effect_are_the_simpler_ones() -> None:
@@ -88,8 +84,7 @@ def test_laws_and_coatings_without_their_effect_are_the_simpler_ones() -> None:
     laws = {"viscosity_law": cs.Roelands(exponent=1.0), "density": cs.DowsonHigginson(0.0)}
     coated = replace(simple, solids=(cs.CoatedHalfSpace(STEEL, 1e-5, STEEL), STEEL))
     plain, by_laws, same = (
-        solve_lubricated(scene, grid(100, 4.5))
-        for scene in (simple, by_moes(20, 5, **laws), coated)
+        solve_lubricated(scene, grid(100, 4.5)) for scene in (simple, by_moes(20, 5, **laws), coated)
     )
     assert by_laws.film == pytest.approx(plain.film, rel=1e-12)
     assert by_laws.pressure == pytest.approx(plain.pressure, rel=1e-9, abs=1.0)
@@ -139,9 +134,7 @@ def test_power_is_lost_in_pure_rolling_too() -> None:
     assert sliding.power_loss == pytest.approx(still.power_loss + slid, rel=1e-6)
 
 
-@pytest.mark.parametrize(
-    ("load", "viscosity"), [(4.5, 25.0), (7.1, 14.1), (44.7, 7.9), (70.7, 14.1)]
-)
+@pytest.mark.parametrize(("load", "viscosity"), [(4.5, 25.0), (7.1, 14.1), (44.7, 7.9), (70.7, 14.1)])
 def test_rolling_resistance_is_that_of_biboulet_and_houpert(load: float, viscosity: float) -> None:
     """Theirs of a surface, Part 1 (2010), eqs. 40 to 42: between rigid and elastic cylinders."""
     scene = by_moes(load, viscosity, viscosity_law=cs.Roelands(0.6))

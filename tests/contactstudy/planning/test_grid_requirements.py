@@ -36,9 +36,7 @@ def test_what_yields_needs_room_for_the_load(line_contact: LineContact) -> None:
 HERTZ = HertzLine(100 * pi, 10.0, 1000.0)
 
 
-def requirements(
-    *length_scales: LengthScales, hardness: float = inf, **more: Any
-) -> GridRequirements:
+def requirements(*length_scales: LengthScales, hardness: float = inf, **more: Any) -> GridRequirements:
     return GridRequirements(HERTZ, length_scales, hardness, **more)
 
 

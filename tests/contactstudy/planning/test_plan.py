@@ -18,9 +18,7 @@ from tests.contactstudy.lubrication import scenes as films
 def l1(contact: LineContact, solution: cs.Solution) -> float:
     """Relative L1 error against Hertz."""
     exact = contact.hertz.pressure(solution.problem.grid.x)[:, None]
-    return float(
-        np.abs(solution.pressure - exact).sum() / (exact.sum() * solution.pressure.shape[1])
-    )
+    return float(np.abs(solution.pressure - exact).sum() / (exact.sum() * solution.pressure.shape[1]))
 
 
 def rough(contact: LineContact, fraction: float, cut_off: float = 0.3) -> cs.Scene:
@@ -87,9 +85,7 @@ def test_a_plan_runs_as_it_stands_for_every_kind_of_shape(line_contact: LineCont
 def test_shapes_that_repeat_share_a_period(line_contact: LineContact) -> None:
     a = line_contact.hertz.half_width
     waves = (cs.Waviness(1e-8, along=0.5 * a), cs.Waviness(1e-8, along=0.75 * a))
-    assert cs.plan(line_contact.with_shapes(*waves), error=0.1).grid.length == pytest.approx(
-        1.5 * a
-    )
+    assert cs.plan(line_contact.with_shapes(*waves), error=0.1).grid.length == pytest.approx(1.5 * a)
     stranger = cs.Waviness(1e-8, along=0.5 * np.pi * a)
     with pytest.raises(cs.InvalidInput, match="share no period"):
         cs.plan(line_contact.with_shapes(*waves, stranger))
@@ -305,9 +301,7 @@ def test_the_seconds_of_a_plan_grow_with_the_depths_at_which_stress_is_asked_for
 
 @pytest.mark.cases(3)
 @pytest.mark.parametrize("kind", ["rough", "creeping", "rolling", "rolling elastically"])
-def test_a_plan_is_the_grid_of_the_solve_and_wider_than_the_contact(
-    kind: str, line_contact: LineContact
-) -> None:
+def test_a_plan_is_the_grid_of_the_solve_and_wider_than_the_contact(kind: str, line_contact: LineContact) -> None:
     creeping = cs.ViscoelasticHalfSpace(1e6, 0.49, ((1e6, 1.0),)), cs.HalfSpace(inf, 0.3)
     soft = cs.Scene(cs.LineLoad(300.0), creeping, (cs.Cylinder(0.01),))
     scene, named = {
@@ -320,17 +314,13 @@ def test_a_plan_is_the_grid_of_the_solve_and_wider_than_the_contact(
     planned, answer = cs.plan(scene, **named), cs.solve(scene, **named)
     assert planned.grid.cells == answer.grid.cells
     assert planned.grid.extent[0] == pytest.approx(answer.grid.extent[0])
-    touching = np.abs(
-        answer.grid.x[(answer.pressure.reshape(-1, *answer.grid.cells).any(axis=(0, 2)))]
-    )
+    touching = np.abs(answer.grid.x[(answer.pressure.reshape(-1, *answer.grid.cells).any(axis=(0, 2)))])
     assert 2 * touching.max() < planned.grid.extent[0]
 
 
 def test_a_plan_speaks_of_the_grid_on_which_its_solve_ends() -> None:
     steel = cs.ElasticPlasticHalfSpace(2.1e11, 0.3, yield_stress=8e8, hardening_modulus=5e9)
-    scene = cs.Scene(
-        cs.LoadHistory((0.0, 1.0, 2.0), (0.0, 6e5, 0.0)), (steel, steel), (cs.Cylinder(0.01),)
-    )
+    scene = cs.Scene(cs.LoadHistory((0.0, 1.0, 2.0), (0.0, 6e5, 0.0)), (steel, steel), (cs.Cylinder(0.01),))
     plan = cs.plan(scene, error=0.1)
     [begins] = [reason for reason in plan.reasons if "begins on" in reason]
     assert f"{plan.grid.cells[0]} x 1 cells" not in begins
@@ -355,9 +345,7 @@ def test_the_table_of_a_material_is_made_once_and_not_counted() -> None:
     assert loaded() > before
 
 
-def test_seconds_count_nothing_that_is_compiled(
-    monkeypatch: pytest.MonkeyPatch, line_contact: LineContact
-) -> None:
+def test_seconds_count_nothing_that_is_compiled(monkeypatch: pytest.MonkeyPatch, line_contact: LineContact) -> None:
     exact = pytest.importorskip("contactstudy.domain.loops.compiled").exact
     scene, grid = line_contact.scene, line_contact.grid((64, 64), 1.4)
     spent = []

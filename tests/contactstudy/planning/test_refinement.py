@@ -101,9 +101,7 @@ def test_a_number_that_takes_too_many_cells_at_first_sight_is_met_all_the_same()
 def test_a_random_surface_stays_where_the_grid_is_as_narrow_as_the_contact() -> None:
     rough = cs.Roughness(rms=1e-7, hurst=0.8, roll_off=1e-4, cut_off=5e-5, seed=1)
     scene = cs.Scene(cs.LineLoad(1e4), (STEEL, STEEL), (cs.Cylinder(0.01), rough))
-    light, heavier = (
-        cs.solve(replace(scene, load=cs.LineLoad(load)), error=0.3) for load in (1e4, 5e4)
-    )
+    light, heavier = (cs.solve(replace(scene, load=cs.LineLoad(load)), error=0.3) for load in (1e4, 5e4))
     assert light.grid.extent[0] < heavier.grid.extent[0] <= 4e-4
     for answer in (light, heavier):
         surface = answer.scene.shapes[1]

@@ -139,9 +139,7 @@ def test_a_rough_contact_under_a_growing_load_fits_on_its_grid(line_contact: Lin
     rough = cs.Roughness(0.1 * a**2 / (2 * radius), hurst=0.8, roll_off=a, cut_off=a / 4, seed=3)
     largest = line_contact.with_shapes(rough)
     load = largest.largest_load
-    history = replace(
-        largest, load=cs.LoadHistory((0.0, 1.0), (load / 2, load)), wear=cs.Wear(1e-20, 1.0)
-    )
+    history = replace(largest, load=cs.LoadHistory((0.0, 1.0), (load / 2, load)), wear=cs.Wear(1e-20, 1.0))
     planned = plan_grid(history, error=0.2)
     at_rest = replace(planned.scene, load=largest.load, wear=None)
     assert cs.solve(at_rest, planned.grid, planned.padding).status is cs.Status.CONVERGED

@@ -62,18 +62,13 @@ FRACTIONS = [10.0, 1.5, 0.9, 0.6, 0.4, 0.34, 0.328]  # the mean over the width i
 
 @pytest.mark.parametrize("fraction", FRACTIONS)
 @pytest.mark.parametrize("heights", ROUGH)
-def test_both_solvers_agree_under_a_hardness(
-    heights: str, fraction: float, line_contact: LineContact
-) -> None:
+def test_both_solvers_agree_under_a_hardness(heights: str, fraction: float, line_contact: LineContact) -> None:
     hardness = fraction * line_contact.hertz.peak_pressure
     free = problem(line_contact, 64, heights)
     posed = replace(free, constraint=HardnessLimited(hardness))
     loaded = posed.control
     assert isinstance(loaded, PrescribedLoad)
-    solutions = [
-        cs.solve(posed, tolerance=1e-10, solver=solver)
-        for solver in (PreconditionedCG(), PolonskyKeer())
-    ]
+    solutions = [cs.solve(posed, tolerance=1e-10, solver=solver) for solver in (PreconditionedCG(), PolonskyKeer())]
     for solution in solutions:
         assert solution.residual <= 1e-10
         assert solution.note == ""
@@ -112,16 +107,12 @@ def test_a_hardness_below_the_mean_pressure_has_a_status(line_contact: LineConta
 
 
 @pytest.mark.parametrize("precision", ["single", "double"])
-def test_cells_that_yield_are_at_the_hardness_to_the_last_bit(
-    precision: str, line_contact: LineContact
-) -> None:
+def test_cells_that_yield_are_at_the_hardness_to_the_last_bit(precision: str, line_contact: LineContact) -> None:
     """Whatever the hardness: a pressure's unit is a power of two."""
     grid = line_contact.grid((16, 2), 1.2)
     for fraction in np.random.default_rng(1).uniform(0.7, 0.95, 20):
         hardness = fraction * line_contact.hertz.peak_pressure
-        problem = replace(line_contact.scene, hardness=hardness).problem(
-            grid, cs.ExactPeriodicity()
-        )
+        problem = replace(line_contact.scene, hardness=hardness).problem(grid, cs.ExactPeriodicity())
         solution = cs.solve(problem, tolerance=1e-4, precision=precision)
         assert solution.pressure.max() <= hardness
         if precision == "double":

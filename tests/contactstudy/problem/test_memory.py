@@ -27,9 +27,7 @@ def test_a_solve_is_refused_where_half_of_what_it_takes_is_left(
 
 
 @pytest.mark.parametrize("padding", [cs.ExactPeriodicity(), cs.ZeroPadding()])
-def test_the_memory_named_before_a_solve_is_what_it_takes(
-    padding: cs.Padding, line_contact: LineContact
-) -> None:
+def test_the_memory_named_before_a_solve_is_what_it_takes(padding: cs.Padding, line_contact: LineContact) -> None:
     grid = line_contact.grid((128, 64), 1.0)
     cs.solve(line_contact.scene, grid, padding)
     tracemalloc.start()

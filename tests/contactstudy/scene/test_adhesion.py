@@ -12,9 +12,7 @@ from contactstudy.accuracy.range_errors import reduction_below_jkr
 from contactstudy.domain.units import readable
 
 SOFT, RIGID = cs.HalfSpace(1e6, 0.5), cs.HalfSpace(inf, 0.3)
-SCENE = cs.Scene(
-    cs.LineLoad(2.0), (SOFT, RIGID), (cs.Cylinder(0.01),), adhesion=cs.Adhesion(work=0.05)
-)
+SCENE = cs.Scene(cs.LineLoad(2.0), (SOFT, RIGID), (cs.Cylinder(0.01),), adhesion=cs.Adhesion(work=0.05))
 GRID = cs.Grid((256, 1), (1.5e-3, 1.0))
 LINE = cs.ExactPeriodicity()
 # R = E* = 1 and w = pi: loads over pi have the unit of Johnson, Kendall & Roberts
@@ -42,13 +40,9 @@ def test_elastic_bodies_that_roll_adhere_as_at_rest_and_lose_nothing(
     assert (resistance.value, resistance.bound) == (0.0, 0.0)
 
 
-@pytest.mark.parametrize(
-    "load", [cs.LineLoad(0.0), cs.LineLoad(-1.0), cs.LoadHistory((0.0, 1.0), (-1.0, 1.0))]
-)
+@pytest.mark.parametrize("load", [cs.LineLoad(0.0), cs.LineLoad(-1.0), cs.LoadHistory((0.0, 1.0), (-1.0, 1.0))])
 def test_bodies_from_afar_need_a_load_that_brings_them_together(load: Any) -> None:
-    with pytest.raises(
-        cs.InvalidInput, match=r"^Scene\.load begins with .* together with Adhesion"
-    ):
+    with pytest.raises(cs.InvalidInput, match=r"^Scene\.load begins with .* together with Adhesion"):
         replace(SCENE, load=load)
     replace(SCENE, load=load, adhesion=cs.Adhesion(0.05, branch="from full contact"))
 
@@ -108,9 +102,7 @@ def test_a_coating_thinner_than_the_cells_leaves_the_pull_off_to_its_substrate(
         (cs.Adhesion(0.05), cs.PreconditionedCG()),
     ],
 )
-def test_the_approach_of_a_loaded_contact_gives_back_its_load(
-    adhesion: cs.Adhesion | None, solver: cs.Solver
-) -> None:
+def test_the_approach_of_a_loaded_contact_gives_back_its_load(adhesion: cs.Adhesion | None, solver: cs.Solver) -> None:
     near = replace(SCENE, adhesion=adhesion, load=cs.Approach(4e-5))
     held = cs.solve(near, GRID, LINE, tolerance=1e-10, solver=solver)
     assert held.approach == 4e-5
@@ -130,9 +122,7 @@ def test_an_approach_presses_a_cylinder_as_hertz_says() -> None:
     load = float(solution.pressure.sum()) * 1.5e-3 / 2048
     hertz = cs.analytic.HertzLine(load, 0.01, SCENE.contact_modulus)
     # of first order in the cell
-    assert float(hertz.displacement(0.0, datum)) == pytest.approx(
-        4e-5, rel=1.5e-3 / 2048 / hertz.half_width
-    )
+    assert float(hertz.displacement(0.0, datum)) == pytest.approx(4e-5, rel=1.5e-3 / 2048 / hertz.half_width)
 
 
 @pytest.mark.parametrize(
@@ -182,9 +172,7 @@ def test_friction_is_limited_by_the_pressure_that_the_attraction_adds_to(frictio
         assert force == pytest.approx(0.61)
         transmitted = 0.3 * found.pressure.sum() * GRID.cell_size[0]
         with pytest.raises(cs.InvalidInput, match=r"Scene\.friction .* transmits less than .* N/m"):
-            cs.solve(
-                replace(WITH_RANGE, friction=cs.PartialSlip(0.3, 1.001 * transmitted)), GRID, LINE
-            )
+            cs.solve(replace(WITH_RANGE, friction=cs.PartialSlip(0.3, 1.001 * transmitted)), GRID, LINE)
     coefficient = found.quantities["traction_coefficient"].value
     assert coefficient == pytest.approx(found.shear[0].sum() * GRID.cell_size[0] / 2)
     if isinstance(friction, cs.Sliding):
@@ -199,13 +187,8 @@ def test_friction_is_limited_by_the_pressure_that_the_attraction_adds_to(frictio
 
 @pytest.mark.parametrize("friction", FRICTIONS[1:])
 def test_shear_of_bodies_that_hardly_adhere_is_that_without_adhesion(friction: Any) -> None:
-    faint = replace(
-        WITH_RANGE, load=cs.LineLoad(3.0), adhesion=cs.Adhesion(1e-9, 2e-6), friction=friction
-    )
-    one, other = (
-        cs.solve(each, GRID, LINE, tolerance=1e-9).shear
-        for each in (faint, replace(faint, adhesion=None))
-    )
+    faint = replace(WITH_RANGE, load=cs.LineLoad(3.0), adhesion=cs.Adhesion(1e-9, 2e-6), friction=friction)
+    one, other = (cs.solve(each, GRID, LINE, tolerance=1e-9).shear for each in (faint, replace(faint, adhesion=None)))
     np.testing.assert_allclose(one, other, atol=2e-3 * other.max())
 
 
@@ -216,9 +199,7 @@ def test_a_hardness_limits_the_pressure_that_is_left_beside_the_attraction(fract
     limit = fraction * net.max()
     found = cs.solve(replace(WITH_RANGE, hardness=limit), GRID, LINE)
     assert found.status is cs.Status.CONVERGED
-    assert (found.pressure - found.adhesion.attraction).max() == pytest.approx(
-        min(limit, net.max()), rel=1e-6
-    )
+    assert (found.pressure - found.adhesion.attraction).max() == pytest.approx(min(limit, net.max()), rel=1e-6)
     assert found.load_per_length == pytest.approx(2.0)
     if fraction > 1:
         np.testing.assert_allclose(found.pressure, alone.pressure, atol=1e-5 * alone.pressure.max())
@@ -236,9 +217,7 @@ def test_a_contact_names_what_adhesion_adds() -> None:
     assert numbers["energy"].value < 0
     dataset = contact.to_dataset()
     assert dataset["branch"].attrs["flag_meanings"].split()[int(dataset["branch"])] == "from_afar"
-    assert float((dataset["pressure"] - dataset["attraction"]).sum()) * 24 / 256 == pytest.approx(
-        pi
-    )
+    assert float((dataset["pressure"] - dataset["attraction"]).sum()) * 24 / 256 == pytest.approx(pi)
 
 
 @pytest.mark.parametrize(
@@ -256,9 +235,7 @@ def test_the_bound_of_a_pull_off_holds_the_load(
 
 def test_numbers_at_a_given_approach_are_within_their_bounds_of_those_of_a_fine_grid() -> None:
     near = replace(UNITS, load=cs.Approach(1.0, datum=24.0))
-    coarse, fine = (
-        cs.solve(near, cs.Grid((cells, 1), WIDE.extent), LINE).quantities for cells in (192, 1024)
-    )
+    coarse, fine = (cs.solve(near, cs.Grid((cells, 1), WIDE.extent), LINE).quantities for cells in (192, 1024))
     for name in ("load_per_length", "contact_area", "mean_pressure", "mean_gap", "peak_pressure"):
         error = abs(coarse[name].value - fine[name].value)
         # each edge of the mean, at the largest attraction, is known to a cell
@@ -290,9 +267,7 @@ def test_a_coating_adheres_and_no_work_leaves_the_coated_contact() -> None:
     np.testing.assert_array_equal(faint.pressure, bare.pressure)
 
 
-def test_the_shortfall_of_a_cylinder_is_that_of_fine_grids_between_and_at_known_parameters() -> (
-    None
-):
+def test_the_shortfall_of_a_cylinder_is_that_of_fine_grids_between_and_at_known_parameters() -> None:
     assert reduction_below_jkr(1.073) == pytest.approx(1 - 0.95807, abs=1e-4)
     assert 0.008 < reduction_below_jkr(1.5) < 0.0419
     assert reduction_below_jkr(0.01) <= 1

@@ -61,16 +61,13 @@ def test_a_large_bulk_stress_slips_in_both_directions_under_the_same_force() -> 
 def test_the_bulk_stress_adds_to_the_stress_of_its_body_alone() -> None:
     deep = cs.SubsurfaceStress((2e-5,)), cs.SubsurfaceStress((2e-5,), 1)
     both = [
-        solved(cs.Fretting(FRICTION, (0.0,), bulk_stresses=stresses), 32, outputs=deep)
-        for stresses in (None, (1e6,))
+        solved(cs.Fretting(FRICTION, (0.0,), bulk_stresses=stresses), 32, outputs=deep) for stresses in (None, (1e6,))
     ]
     # the stresses by the traction of the one body and its reaction on the other cancel
     sums = [found.derived["stress"].values + found.derived["stress_1"].values for found in both]
     added = np.array([1e6, 0.3e6, 0.0, 0.0, 0.0, 0.0])[:, None, None, None]
     np.testing.assert_allclose(sums[1] - sums[0], added * np.ones_like(sums[0]), atol=10.0)
-    assert (
-        np.abs(both[1].derived["stress_1"].values - both[0].derived["stress_1"].values).max() > 1e5
-    )
+    assert np.abs(both[1].derived["stress_1"].values - both[0].derived["stress_1"].values).max() > 1e5
 
 
 @pytest.mark.parametrize("amplitude", [FORCE, 0.0])
@@ -84,9 +81,4 @@ def test_a_cycle_of_bulk_stress_in_phase_or_alone_is_a_whole_one(amplitude: floa
     )
     energy = one.quantities["energy_per_cycle"].value
     assert energy == pytest.approx(solved(longer).quantities["energy_per_cycle"].value, rel=1e-6)
-    assert (
-        energy
-        > solved(cs.Fretting.cycle(FRICTION, amplitude, bulk_stress=5e7))
-        .quantities["energy_per_cycle"]
-        .value
-    )
+    assert energy > solved(cs.Fretting.cycle(FRICTION, amplitude, bulk_stress=5e7)).quantities["energy_per_cycle"].value

@@ -23,23 +23,16 @@ PADDINGS = {
 }
 
 
-def coefficients(
-    body: cs.Body, grid: cs.Grid, paddings: cs.Paddings, datum: float = 1e-4
-) -> np.ndarray:
+def coefficients(body: cs.Body, grid: cs.Grid, paddings: cs.Paddings, datum: float = 1e-4) -> np.ndarray:
     """Displacement under unit pressure on one cell, at all offsets."""
     return np.asarray(
-        sum(
-            weight * influence_coefficients(grid, paddings, one)
-            for one, weight in body.response(datum).items()
-        )
+        sum(weight * influence_coefficients(grid, paddings, one) for one, weight in body.response(datum).items())
     )
 
 
 @pytest.mark.parametrize("padding", PADDINGS)
 @pytest.mark.parametrize("cells", [(24, 16), (6, 40)])
-def test_a_thin_coat_is_its_substrate_and_a_thick_one_its_own_material(
-    padding: str, cells: tuple[int, int]
-) -> None:
+def test_a_thin_coat_is_its_substrate_and_a_thick_one_its_own_material(padding: str, cells: tuple[int, int]) -> None:
     grid = cs.Grid(cells, (1.1e-3, 0.8e-3))
     for coating, substrate in (
         (DLC, STEEL),
@@ -64,10 +57,7 @@ def test_a_coated_surface_stays_where_it_is_at_the_datum(thickness: float) -> No
         0.02,
     )
     near, far = (
-        sum(
-            w * one.row(np.array([[x]]), np.zeros(1), 1e-4, 1e-4, 1e-4)
-            for one, w in body.response(datum).items()
-        )
+        sum(w * one.row(np.array([[x]]), np.zeros(1), 1e-4, 1e-4, 1e-4) for one, w in body.response(datum).items())
         for x in (0.0, datum)
     )
     assert abs(far) <= 1e-6 * near
@@ -134,9 +124,7 @@ SPHERES = (
 
 
 @pytest.mark.parametrize(("ratio", "wide", "load", "approach", "middle"), SPHERES)
-def test_a_rigid_sphere_on_a_coating(
-    ratio: float, wide: float, load: float, approach: float, middle: float
-) -> None:
+def test_a_rigid_sphere_on_a_coating(ratio: float, wide: float, load: float, approach: float, middle: float) -> None:
     """On the stiff coating that is thin the pressure is highest beside the middle, so the middle is compared."""
     a, modulus, n = 1e-4, 2e9, 97
     coating = cs.HalfSpace(modulus * (1 - 0.3**2), 0.3)
@@ -152,12 +140,8 @@ def test_a_rigid_sphere_on_a_coating(
     assert solution.pressure[n // 2, n // 2] / (modulus * a) == pytest.approx(middle, rel=0.024**2)
 
 
-@pytest.mark.parametrize(
-    ("coating", "substrate"), [*product((DLC, cs.HalfSpace(3e9, 0.4)), (STEEL, RIGID))]
-)
-def test_coats_are_positive_definite_but_for_a_shift(
-    coating: cs.HalfSpace, substrate: cs.HalfSpace
-) -> None:
+@pytest.mark.parametrize(("coating", "substrate"), [*product((DLC, cs.HalfSpace(3e9, 0.4)), (STEEL, RIGID))])
+def test_coats_are_positive_definite_but_for_a_shift(coating: cs.HalfSpace, substrate: cs.HalfSpace) -> None:
     grid = cs.Grid((32, 32), (1e-4, 1e-4))
     for thickness in (1e-8, 1e-6, 1e-5, 1e-3):
         body = cs.CoatedHalfSpace(coating, thickness, substrate)
@@ -167,9 +151,7 @@ def test_coats_are_positive_definite_but_for_a_shift(
 
 @pytest.mark.parametrize("thickness", [1e-5, 1e-3, 5e-3])
 @pytest.mark.parametrize("substrate", [STEEL, RIGID], ids=["steel", "rigid"])
-def test_the_modulus_of_its_hertz_contact_is_that_at_the_half_width(
-    thickness: float, substrate: cs.HalfSpace
-) -> None:
+def test_the_modulus_of_its_hertz_contact_is_that_at_the_half_width(thickness: float, substrate: cs.HalfSpace) -> None:
     """Of an incompressible cover too, whose modulus falls as the cube of the half-width."""
     solids = cs.CoatedHalfSpace(cs.HalfSpace(1e7, 0.5), thickness, substrate), RIGID
     for load in (cs.LineLoad(1e4), cs.Approach(1e-4)):
@@ -183,18 +165,14 @@ def test_the_modulus_of_its_hertz_contact_is_that_at_the_half_width(
 
 @pytest.mark.parametrize("wave", [(1, 0), (0, 1), (2, 3)], ids=str)
 @pytest.mark.parametrize("coating", [DLC, cs.HalfSpace(20e9, 0.4)], ids=["stiff", "soft"])
-def test_a_wave_of_pressure_moves_a_coat_as_its_response_says(
-    coating: cs.HalfSpace, wave: tuple[int, int]
-) -> None:
+def test_a_wave_of_pressure_moves_a_coat_as_its_response_says(coating: cs.HalfSpace, wave: tuple[int, int]) -> None:
     """Doubly periodic: beside a bare body's 2 / (k E*), what the substrate adds, on cells of a mean pressure."""
     grid, thickness = cs.Grid((24, 20), (1.1e-3, 0.8e-3)), 0.25e-3
     body = cs.CoatedHalfSpace(coating, thickness, STEEL)
     kx, ky = (2 * np.pi * n / side for n, side in zip(wave, grid.extent, strict=True))
     k = np.hypot(kx, ky)
     pressure = np.cos(kx * grid.x[:, None] + ky * grid.y)
-    coated, bare = (
-        superposed(one.response(1e-4), grid, PADDINGS["lattice"]) for one in (body, coating)
-    )
+    coated, bare = (superposed(one.response(1e-4), grid, PADDINGS["lattice"]) for one in (body, coating))
     (layer, _), *_ = body.interfaces
     rest = float(layer.remainders(np.array([k * thickness]))[0, 0])
     below = layer.contrast * np.exp(-2 * k * thickness) + rest
@@ -207,9 +185,7 @@ def test_a_wave_of_pressure_moves_a_coat_as_its_response_says(
 
 @pytest.mark.parametrize("fraction", [0.25, 0.5, 1.0, 2.0])
 @pytest.mark.parametrize(("ratio", "within"), [(1 / 3, 0.1), (3.0, 0.1), (8.0, 0.25)])
-def test_a_contact_is_about_as_wide_as_its_compliance_says(
-    ratio: float, within: float, fraction: float
-) -> None:
+def test_a_contact_is_about_as_wide_as_its_compliance_says(ratio: float, within: float, fraction: float) -> None:
     """On coatings from a quarter of a half-width to two of them, which is where it is between the limits."""
     half_width, radius = 1e-4, 0.01
     coating = cs.HalfSpace(STEEL.youngs_modulus * ratio, 0.25)
@@ -244,10 +220,7 @@ def test_layers_that_are_nearly_alike_are_one_of_their_sum(padding: str) -> None
         ),
         (
             1e-8,
-            [
-                shear_response([body], grid, PADDINGS[padding], 1.0).xx.spectrum
-                for body in (stack, one)
-            ],
+            [shear_response([body], grid, PADDINGS[padding], 1.0).xx.spectrum for body in (stack, one)],
         ),
     ):
         np.testing.assert_allclose(found, wanted, rtol=0, atol=left * np.abs(wanted).max())

@@ -85,9 +85,7 @@ LAWS = [
 ]
 
 
-def shear(
-    law: object, first: object, second: object, shapes: object, paddings: object
-) -> cs.Contact:
+def shear(law: object, first: object, second: object, shapes: object, paddings: object) -> cs.Contact:
     scene = cs.Scene(cs.LineLoad(1e5), (first, second), shapes, friction=law)
     return cs.solve(scene, cs.Grid((32, 16), (3.2e-4, 3.2e-4)), paddings, tolerance=1e-7)
 

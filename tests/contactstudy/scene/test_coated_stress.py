@@ -117,9 +117,7 @@ def test_traction_is_continuous_at_the_bond_and_the_surface_bears_what_presses_i
     stress = (below.with_shear(shear) if shear.any() else below)(pressure)
     rows = [NAMES.index(name) for name in ("zz", "yz", "xz")]
     np.testing.assert_allclose(stress[rows, 1], stress[rows, 2], rtol=0, atol=3e-12)
-    np.testing.assert_allclose(
-        stress[rows, 0], [-pressure, -shear[1], -shear[0]], rtol=0, atol=1e-12
-    )
+    np.testing.assert_allclose(stress[rows, 0], [-pressure, -shear[1], -shear[0]], rtol=0, atol=1e-12)
     # strain in the plane is continuous too: for xy it is that over the shear modulus
     row = NAMES.index("xy")
     np.testing.assert_allclose(stress[row, 1], 5.0 * stress[row, 2], rtol=0, atol=1e-11)
@@ -140,9 +138,7 @@ def test_what_is_alike_along_the_length_is_plane_strain() -> None:
 
 
 @pytest.mark.parametrize(("ratio", "thickness"), [(3.0, 2.0), (1e3, 0.5)])
-def test_stress_below_a_body_that_ends_is_the_same_on_a_wider_grid(
-    ratio: float, thickness: float
-) -> None:
+def test_stress_below_a_body_that_ends_is_the_same_on_a_wider_grid(ratio: float, thickness: float) -> None:
     medium = CoatedStress((LayerResponse((ratio,), (0.25, 0.35)),), (thickness,))
     random, stresses = np.random.default_rng(3).random((3, 6, 6)), []
     for cells in (6, 48):
@@ -198,14 +194,10 @@ def test_numbers_of_a_coating_are_its_von_mises_stress_and_the_shear_at_its_bond
     quantities = cs.solve(scene, grid, cs.ExactPeriodicity()).quantities
     in_coating, interface = quantities["coating_von_mises"], quantities["interface_shear"]
     peak = plain.hertz.peak_pressure
-    assert in_coating.value / peak == pytest.approx(
-        0.5575162, rel=1e-2 if fractions is None else 1e-3
-    )
+    assert in_coating.value / peak == pytest.approx(0.5575162, rel=1e-2 if fractions is None else 1e-3)
     assert in_coating.position["z"] == pytest.approx(0.70429 * thickness, rel=0.15)
     assert interface.value / peak == pytest.approx(0.21796353, rel=1e-3)
-    assert abs(interface.position["x"]) == pytest.approx(
-        0.950175 * thickness, abs=2 * grid.cell_size[0]
-    )
+    assert abs(interface.position["x"]) == pytest.approx(0.950175 * thickness, abs=2 * grid.cell_size[0])
 
 
 @pytest.mark.parametrize("number", [0, 1])
@@ -238,9 +230,7 @@ def test_the_shear_at_the_interface_of_a_thin_coat_is_resolved_where_it_is_asked
 
 
 def test_the_stresses_of_both_coated_bodies_are_given_under_their_names() -> None:
-    hard, soft = (
-        cs.CoatedHalfSpace(cs.HalfSpace(modulus, 0.25), 1e-5, STEEL) for modulus in (400e9, 100e9)
-    )
+    hard, soft = (cs.CoatedHalfSpace(cs.HalfSpace(modulus, 0.25), 1e-5, STEEL) for modulus in (400e9, 100e9))
     scene = cs.Scene(cs.LineLoad(1e5), (hard, soft), (cs.Cylinder(0.01),))
     outputs = cs.SubsurfaceStress(), cs.SubsurfaceStress(body=1)
     grid = cs.Grid((48, 1), (2.6e-4, 1e-3))

@@ -98,9 +98,7 @@ def test_a_scene_file_names_free_faces_beside_a_material(tmp_path: Path) -> None
     assert scene.solids[0] == cs.FreeFaces(cs.material("steel"), 0.01)
     cs.write_scene(scene, tmp_path / "written.toml")
     assert cs.read_scene(tmp_path / "written.toml").scene == scene
-    coated = (
-        'kind = "CoatedHalfSpace"\nthickness = "1 um"\ncoating.material = "DLC"\nsubstrate.material'
-    )
+    coated = 'kind = "CoatedHalfSpace"\nthickness = "1 um"\ncoating.material = "DLC"\nsubstrate.material'
     file.write_text(text.replace("material", coated, 1))
     with pytest.raises(cs.InvalidInput, match=r"solids\[0\].free_faces is given to a Coated"):
         cs.read_scene(file)
@@ -123,10 +121,7 @@ def test_stress_below_leaves_the_faces_free_and_is_the_pressure_at_the_surface(b
         assert np.abs(at_surface[:, 2:-2]).max() < 0.01 * HERTZ.peak_pressure
     # normal and shear traction on the face, by a parabola through the three cells beside it
     beside, weights = slice(0, 3), (1.875, -1.25, 0.375)
-    on_face = {
-        name: np.abs(field[[1, 3, 5], 1:][..., beside] @ weights).max()
-        for name, field in fields.items()
-    }
+    on_face = {name: np.abs(field[[1, 3, 5], 1:][..., beside] @ weights).max() for name, field in fields.items()}
     assert on_face["faces"] < 0.02 * HERTZ.peak_pressure
     assert on_face["without"] > 0.05 * HERTZ.peak_pressure
     middle = fields["faces"][[2, 4], :, 16, 80] - fields["without"][[2, 4], :, 16, 80]
@@ -140,10 +135,7 @@ def test_without_faces_the_first_warning_says_how_much_they_lower_the_end() -> N
     ended = replace(WITHOUT, shapes=(CYLINDER, cs.FiniteLength(LENGTH)))
     first = cs.solve(ended, cs.Grid((16, 80), GRID.extent), free).error.warnings[0]
     lower = float(first.split("it is ")[1].split("%")[0]) / 100
-    ends = [
-        cs.solve(scene, cs.Grid((16, 80), GRID.extent), free).pressure[:, 0].max()
-        for scene in (ROLLER, ended)
-    ]
+    ends = [cs.solve(scene, cs.Grid((16, 80), GRID.extent), free).pressure[:, 0].max() for scene in (ROLLER, ended)]
     assert f'free_faces = "{LENGTH * 1e3:.4g} mm" of Scene.solids[0]' in first
     assert lower == pytest.approx(1 - ends[0] / ends[1], abs=0.01)
 
@@ -157,11 +149,7 @@ def test_ends_that_a_profile_does_not_relieve_are_told_a_drop_that_does(drop: fl
         scene = cs.Scene(load, (steel, steel), (cs.Cylinder(5e-3), profile, cs.FiniteLength(10e-3)))
         return cs.solve(scene, grid, cs.ZeroPadding())
 
-    (said,) = (
-        text
-        for text in solved(cs.Crown.of_drop(drop, 10e-3)).error.warnings
-        if "suggested drop" in text
-    )
+    (said,) = (text for text in solved(cs.Crown.of_drop(drop, 10e-3)).error.warnings if "suggested drop" in text)
     numbers = dict(re.findall(r"(amplitude|end_drop|length)=([-+.e\d]+)", said))
     relieved = solved(cs.LundbergProfile(**{name: float(text) for name, text in numbers.items()}))
     along = relieved.pressure.max(axis=0)

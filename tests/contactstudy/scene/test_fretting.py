@@ -20,9 +20,7 @@ ROUGH = cs.Roughness(2e-7, hurst=0.8, roll_off=1e-4, cut_off=4e-5, seed=1)
 def fretted(
     friction: cs.Fretting, grid: cs.Grid = STRIP, tolerance: float = 1e-7, scene: cs.Scene = LINE
 ) -> cs.Solution:
-    return cs.solve(
-        replace(scene, friction=friction), grid, cs.ExactPeriodicity(), tolerance=tolerance
-    )
+    return cs.solve(replace(scene, friction=friction), grid, cs.ExactPeriodicity(), tolerance=tolerance)
 
 
 def energy_per_cycle(fraction: float) -> float:

@@ -68,13 +68,9 @@ def test_unlike_bodies_slide_as_in_closed_form(product: float, sign: int) -> Non
     assert np.abs(pressure - exact).sum() <= (dx / half) ** 1.5 * exact.sum()
 
 
-@pytest.mark.parametrize(
-    ("fraction", "tolerance"), [(0.1, 1e-10), (0.5, 1e-10), (0.9, 1e-10), (1e-4, 1e-4)]
-)
+@pytest.mark.parametrize(("fraction", "tolerance"), [(0.1, 1e-10), (0.5, 1e-10), (0.9, 1e-10), (1e-4, 1e-4)])
 @pytest.mark.parametrize("sign", [1, -1])
-def test_partial_slip_of_a_cylinder_is_cattaneos(
-    fraction: float, tolerance: float, sign: int
-) -> None:
+def test_partial_slip_of_a_cylinder_is_cattaneos(fraction: float, tolerance: float, sign: int) -> None:
     """Stick for ``|x| < a sqrt(1 - Q / mu P)``, shear in the middle ``mu p0 (1 - sqrt(1 - Q / mu P))``."""
     mu = 0.3
     one = scene(cs.PartialSlip(mu, sign * fraction * mu * 1e5))
@@ -104,9 +100,7 @@ def test_disks_meet_every_condition_of_coulombs_law() -> None:
     shear, size = solution.shear, np.hypot(*solution.shear)
     radius = mu * solution.pressure
     assert (size <= radius * (1 + 1e-12)).all()
-    assert shear.sum(axis=(1, 2)) * grid.cell_area / grid.length == pytest.approx(
-        [-1.4e4, 0], abs=1e-5
-    )
+    assert shear.sum(axis=(1, 2)) * grid.cell_area / grid.length == pytest.approx([-1.4e4, 0], abs=1e-5)
     assert np.abs(shear[1]).max() > 0.03 * size.max()
     moved = problem.friction.fretting.response(shear)
     stick = solution.stick
@@ -131,9 +125,7 @@ def test_bodies_at_an_approach_slip_as_under_its_load(
     loaded = replace(at_approach, load=cs.LineLoad(load))
     wanted = cs.solve(loaded.problem(grid, cs.ExactPeriodicity()), tolerance=1e-10)
     np.testing.assert_allclose(found.shear, wanted.shear, atol=1e-6 * np.abs(wanted.shear).max())
-    too_much = replace(
-        friction, **{"tangential": 1e6} if hasattr(friction, "tangential") else {"forces": (1e6,)}
-    )
+    too_much = replace(friction, **{"tangential": 1e6} if hasattr(friction, "tangential") else {"forces": (1e6,)})
     with pytest.raises(cs.InvalidInput, match="transmits less than"):
         cs.solve(replace(at_approach, friction=too_much).problem(grid, cs.ExactPeriodicity()))
 
@@ -169,8 +161,7 @@ def test_a_body_of_the_users_own_slides_as_the_half_space_of_its_moduli() -> Non
         compliance, response = STEEL.compliance, STEEL.response
 
     found, expected = (
-        solved(scene(cs.Sliding(0.3), solids=(solid, RIGID)), (64, 1)).pressure
-        for solid in (Own(), STEEL)
+        solved(scene(cs.Sliding(0.3), solids=(solid, RIGID)), (64, 1)).pressure for solid in (Own(), STEEL)
     )
     np.testing.assert_array_equal(found, expected)
 
@@ -203,12 +194,8 @@ def test_the_second_body_feels_the_reaction() -> None:
     stresses = []
     for solid in (0, 1):
         below = cs.SubsurfaceStress((2e-5,), body=solid)
-        stresses.append(
-            solved(scene(cs.Sliding(0.3), outputs=(below,)), (64, 1)).to_dataset().stress
-        )
-    np.testing.assert_allclose(
-        stresses[0].sel(component="xx").values, stresses[1].sel(component="xx").values[:, ::-1]
-    )
+        stresses.append(solved(scene(cs.Sliding(0.3), outputs=(below,)), (64, 1)).to_dataset().stress)
+    np.testing.assert_allclose(stresses[0].sel(component="xx").values, stresses[1].sel(component="xx").values[:, ::-1])
 
 
 def test_a_solution_without_friction_has_no_shear() -> None:
@@ -240,9 +227,7 @@ def test_equal_coated_bodies_slide_alike_with_a_hardness_and_roughness() -> None
 def test_a_body_that_neither_creeps_nor_yields_sticks_as_an_elastic_one(body: object) -> None:
     """Both stop at a residual of 1e-9, whose error is no more than its root."""
     one = scene(cs.TractiveRolling(0.3, longitudinal=1e-3))
-    found, elastic = (
-        solved(replace(one, solids=(first, STEEL)), tolerance=1e-9).shear for first in (body, STEEL)
-    )
+    found, elastic = (solved(replace(one, solids=(first, STEEL)), tolerance=1e-9).shear for first in (body, STEEL))
     np.testing.assert_allclose(found, elastic, rtol=0, atol=3e-5 * elastic.max())
 
 
@@ -259,9 +244,7 @@ def test_dundurs_constant_of_bodies_that_differ_in_both_moduli() -> None:
 
 @pytest.mark.parametrize("friction", [cs.PartialSlip, cs.Fretting.cycle])
 @pytest.mark.parametrize(("cells", "part"), [(24, 0.1), (47, 0.05)])
-def test_where_no_cell_slips_a_zone_of_slip_may_hide_at_the_edges(
-    friction: type, cells: int, part: float
-) -> None:
+def test_where_no_cell_slips_a_zone_of_slip_may_hide_at_the_edges(friction: type, cells: int, part: float) -> None:
     """The half-width that sticks is ``sqrt(1 - Q / mu P)`` of the contact's (Johnson 1985, eq. 7.28)."""
     one = scene(friction(0.3, 0.3 * part * LOAD.per_length))
     grid = cs.Grid((cells, 1), (2.4 * one.hertz.half_width, 3e-4))

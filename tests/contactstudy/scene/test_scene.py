@@ -130,9 +130,7 @@ def test_forces_of_a_roller_are_counted_on_its_length(
     )  # fmt: skip
     for numbers in (long.quantities, short.quantities):
         assert {name: numbers[name].value for name in expected} == pytest.approx(expected, rel=1e-6)
-    for name in {"total_load", "energy_per_cycle", "friction_energy", "frictional_power"} & set(
-        numbers
-    ):
+    for name in {"total_load", "energy_per_cycle", "friction_energy", "frictional_power"} & set(numbers):
         assert long.quantities[name].value == pytest.approx(numbers[name].value, rel=1e-2)
         assert "m-1" not in numbers[name].unit
 
@@ -179,9 +177,7 @@ def test_a_body_gives_way_by_its_plane_modulus(body: cs.Body, modulus: float) ->
         assert weights == {}
     else:
         assert list(weights) == [BoussinesqCoefficients(0.5)]
-        assert weights[BoussinesqCoefficients(0.5)] == pytest.approx(
-            1 / (math.pi * modulus), rel=1e-15
-        )
+        assert weights[BoussinesqCoefficients(0.5)] == pytest.approx(1 / (math.pi * modulus), rel=1e-15)
 
 
 def test_of_a_sudden_load_bodies_are_elastic() -> None:

@@ -20,9 +20,7 @@ NU = 0.3
 NAMES = list(COMPONENTS)
 
 
-def below(
-    cells: tuple[int, int], padding: cs.Padding | cs.Paddings, *depths: float
-) -> SubsurfaceStressOperator:
+def below(cells: tuple[int, int], padding: cs.Padding | cs.Paddings, *depths: float) -> SubsurfaceStressOperator:
     grid = cs.Grid(cells=cells, extent=(1.0, 0.7))
     return SubsurfaceStressOperator(grid, across_and_along(padding), HalfSpaceStress(NU), depths)
 
@@ -41,9 +39,7 @@ def seen(one: cs.Padding, count: int) -> list[tuple[int, int, int, float]]:
 
 @pytest.mark.parametrize("padding", PADDINGS, ids=str)
 @pytest.mark.parametrize("cells", [(8, 5), (3, 4)], ids=str)
-def test_stress_is_the_sum_over_all_pairs(
-    cells: tuple[int, int], padding: cs.Padding | cs.Paddings
-) -> None:
+def test_stress_is_the_sum_over_all_pairs(cells: tuple[int, int], padding: cs.Padding | cs.Paddings) -> None:
     """Images at the end of a window, as far on one side as on the other, count half on each."""
     operator = below(cells, padding, 0.15)
     pressure = np.random.default_rng(1).random(cells)
@@ -71,9 +67,7 @@ def test_stress_is_the_sum_over_all_pairs(
         expected = np.einsum("ikd,jle,de,kl->ij", left, right, table, pressure, optimize=True)
         if all(one.window is None or len(one.window) > 1 for one in operator.paddings):
             # mean lateral strain is prevented, whatever the images (Johnson 1985, sect. 3.4)
-            uniform = {"xx": -NU / (1 - NU), "yy": -NU / (1 - NU), "zz": -1.0}.get(
-                NAMES[number], 0.0
-            )
+            uniform = {"xx": -NU / (1 - NU), "yy": -NU / (1 - NU), "zz": -1.0}.get(NAMES[number], 0.0)
             expected += uniform * pressure.mean() - expected.mean()
         assert_allclose(found[number], expected, rtol=0, atol=2e-14)
 
@@ -116,9 +110,7 @@ def test_point_contact_has_hubers_stress_on_the_axis() -> None:
     for count in (25, 49, 97):
         grid = cs.Grid(cells=(count, count), extent=(2.2 * a, 2.2 * a))
         free = cs.ZeroPadding()
-        operator = SubsurfaceStressOperator(
-            grid, (free, free), HalfSpaceStress(NU), tuple(d * a for d in depths)
-        )
+        operator = SubsurfaceStressOperator(grid, (free, free), HalfSpaceStress(NU), tuple(d * a for d in depths))
         pressure = hertz.pressure(np.hypot(grid.x[:, None], grid.y))
         stress = operator(pressure)[:, :, count // 2, count // 2]
         assert_allclose(stress[0], stress[1], rtol=0, atol=1e-13 * hertz.peak_pressure)
@@ -151,9 +143,7 @@ def test_stress_takes_the_ratio_of_the_body_it_is_in(line_contact: LineContact) 
 
 
 @pytest.mark.cases(1)
-@pytest.mark.parametrize(
-    "cells", [(40, 1), (150, 1), pytest.param((32, 2), marks=pytest.mark.whole)]
-)
+@pytest.mark.parametrize("cells", [(40, 1), (150, 1), pytest.param((32, 2), marks=pytest.mark.whole)])
 def test_chosen_depths_show_the_largest_stress_to_one_per_cent(
     cells: tuple[int, int], line_contact: LineContact
 ) -> None:

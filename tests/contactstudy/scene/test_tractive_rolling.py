@@ -50,8 +50,7 @@ def test_shear_of_a_cylinder_is_carters(cells: int, part: float) -> None:
     assert stick_width == pytest.approx(A * (1 - part), abs=dx)
     x, half = solution.problem.grid.x, A * (1 - part)
     whole, stuck = (
-        np.sqrt(np.maximum(1 - ((x - middle) / width) ** 2, 0))
-        for middle, width in ((0.0, A), (A - half, half))
+        np.sqrt(np.maximum(1 - ((x - middle) / width) ** 2, 0)) for middle, width in ((0.0, A), (A - half, half))
     )
     carter = MU * P0 * (whole - half / A * stuck)
     assert np.abs(solution.shear[0, :, 0] - carter).mean() < 4 * MU * P0 / cells
@@ -80,9 +79,7 @@ def test_small_creepages_act_by_kalkers_coefficients(
         ({"lateral": 1e-14}, 1, c22 * area),
         ({"spin": 1e-14}, 1, c23 * area**1.5),
     ):
-        scene = cs.Scene(
-            cs.LineLoad(1.0), (body, body), (cs.Sphere(1.0),), friction=rolling(**creepage)
-        )
+        scene = cs.Scene(cs.LineLoad(1.0), (body, body), (cs.Sphere(1.0),), friction=rolling(**creepage))
         law = scene.problem(grid, free).friction
         state = law.steady(grid, pressure, cs.SolveOptions(1e-6))
         force = state.shear[axis].sum() * grid.cell_area
@@ -110,9 +107,7 @@ def test_a_sphere_with_creepage_and_spin(
     state = law.steady(grid, pressure, cs.SolveOptions(1e-7))
     assert state.shear.sum(axis=(1, 2)) / (MU * pressure.sum()) == pytest.approx(force, abs=1e-5)
     size = np.hypot(*state.shear)
-    assert (size < MU * pressure * (1 - 1e-6)).sum() / (pressure > 0).sum() == pytest.approx(
-        stick, abs=1e-3
-    )
+    assert (size < MU * pressure * (1 - 1e-6)).sum() / (pressure > 0).sum() == pytest.approx(stick, abs=1e-3)
 
 
 def test_shear_that_reaches_the_limit_of_applications_says_so() -> None:
@@ -122,22 +117,16 @@ def test_shear_that_reaches_the_limit_of_applications_says_so() -> None:
         (None, cs.Status.CONVERGED),
         (rolling(longitudinal=3e-4, spin=3.0), cs.Status.ITERATION_LIMIT),
     ):
-        limited = cs.solve(
-            replace(scene, friction=friction), grid, cs.ExactPeriodicity(), max_iterations=15
-        )
+        limited = cs.solve(replace(scene, friction=friction), grid, cs.ExactPeriodicity(), max_iterations=15)
         assert limited.status is status
 
 
 def test_power_is_that_of_the_creepages() -> None:
     """``V (Qx xi + Qy eta + M phi)``; nowhere below 0 by more than the direction of slip turns in a cell."""
-    friction = rolling(
-        longitudinal=0.4 * SATURATION, lateral=-0.1 * SATURATION, spin=3.0, speed=2.0
-    )
+    friction = rolling(longitudinal=0.4 * SATURATION, lateral=-0.1 * SATURATION, spin=3.0, speed=2.0)
     solution = solved(friction, (64, 64), 1e-9, shapes=(*ROUGH, CROWN))
     grid, (qx, qy) = solution.problem.grid, solution.shear
-    work = qx * (friction.longitudinal - 3.0 * grid.y) + qy * (
-        friction.lateral + 3.0 * grid.x[:, None]
-    )
+    work = qx * (friction.longitudinal - 3.0 * grid.y) + qy * (friction.lateral + 3.0 * grid.x[:, None])
     power = solution.traction.power
     # spin acts half a cell off in the mean of two steps
     assert power.sum() == pytest.approx(2.0 * work.sum(), rel=1e-3)
@@ -167,9 +156,7 @@ def mirrored_waves(sign: float) -> Own:
 
     def heights(grid: cs.Grid) -> np.ndarray:
         x, y = sign * grid.x[:, None], grid.y
-        return (
-            1e-7 * np.sin(2 * pi * (x / 1e-4 + 0.1)) * np.cos(2 * pi * y / grid.length + x / 2e-5)
-        )
+        return 1e-7 * np.sin(2 * pi * (x / 1e-4 + 0.1)) * np.cos(2 * pi * y / grid.length + x / 2e-5)
 
     return Own(heights)
 
@@ -196,9 +183,7 @@ def test_rolling_back_is_rolling_in_a_mirror() -> None:
 
 @pytest.mark.parametrize("cells", [28, 41, 54, 84])
 @pytest.mark.parametrize("part", [0.01, 0.91, 0.97])
-def test_force_and_creepage_of_a_narrow_zone_of_slip_or_stick_are_within_their_bounds(
-    part: float, cells: int
-) -> None:
+def test_force_and_creepage_of_a_narrow_zone_of_slip_or_stick_are_within_their_bounds(part: float, cells: int) -> None:
     """A zone of few cells; Carter's force and creepage."""
     driven = solved(rolling(longitudinal=part * SATURATION), (cells, 1)).quantities
     force = MU * (1 - (1 - part) ** 2)
@@ -215,9 +200,7 @@ UNLIKE = (ELASTIC, RIGID)
 WIDE = replace(SMOOTH, solids=UNLIKE).hertz.half_width
 
 
-def solved_unlike(
-    friction: cs.TractiveRolling, pair: tuple[cs.HalfSpace, cs.HalfSpace] = UNLIKE
-) -> cs.Solution:
+def solved_unlike(friction: cs.TractiveRolling, pair: tuple[cs.HalfSpace, cs.HalfSpace] = UNLIKE) -> cs.Solution:
     scene = replace(SMOOTH, solids=pair, friction=friction)
     grid = cs.Grid((256, 1), (2.4 * WIDE, 1e-3))
     solution = cs.solve(scene.problem(grid, cs.ExactPeriodicity()), tolerance=1e-6)
@@ -246,9 +229,7 @@ def test_unlike_bodies_are_coupled_along_both_axes_alike() -> None:
     free = cs.ZeroPadding(), cs.ZeroPadding()
     one, other = (
         cs.solve(
-            replace(scene, friction=rolling(longitudinal=2e-4, lateral=sign * 5e-4)).problem(
-                grid, free
-            ),
+            replace(scene, friction=rolling(longitudinal=2e-4, lateral=sign * 5e-4)).problem(grid, free),
             tolerance=1e-7,
         )
         for sign in (1, -1)
@@ -257,9 +238,7 @@ def test_unlike_bodies_are_coupled_along_both_axes_alike() -> None:
     assert one.shear.any()
     mirrored = other.shear[:, :, ::-1] * np.array([1, -1])[:, None, None]
     np.testing.assert_allclose(mirrored, one.shear, atol=1e-4 * one.shear.max())
-    np.testing.assert_allclose(
-        other.pressure[:, ::-1], one.pressure, atol=1e-5 * one.pressure.max()
-    )
+    np.testing.assert_allclose(other.pressure[:, ::-1], one.pressure, atol=1e-5 * one.pressure.max())
 
 
 def test_the_answer_lists_traction_stick_creepage_and_power_with_their_bounds() -> None:
@@ -278,9 +257,7 @@ def test_a_traction_has_the_sign_of_the_force_on_the_first_body() -> None:
     eta = 0.2 * SATURATION
     for changes in ({}, {"solids": UNLIKE}):
         for sign in (1, -1):
-            found = solved(
-                rolling(longitudinal=-eta, lateral=sign * eta, speed=sign), (32, 1), **changes
-            )
+            found = solved(rolling(longitudinal=-eta, lateral=sign * eta, speed=sign), (32, 1), **changes)
             forces = found.shear.sum(axis=(1, 2)) / found.pressure.sum()
             names = "traction_coefficient", "lateral_traction_coefficient"
             assert [found.quantities[name].value for name in names] == pytest.approx(forces)
@@ -330,9 +307,7 @@ def test_what_sticks_does_not_slip_and_what_slips_is_sheared_against_its_slip(
     assert np.hypot(*slip)[solution.stick].max() < 1e-4 * largest
     slips = (limit > 0) & ~solution.stick
     lost = -np.einsum("cxy,cxy->xy", solution.shear, slip)
-    np.testing.assert_allclose(
-        lost[slips], (limit * np.hypot(*slip))[slips], atol=1e-4 * limit.max() * largest
-    )
+    np.testing.assert_allclose(lost[slips], (limit * np.hypot(*slip))[slips], atol=1e-4 * limit.max() * largest)
 
 
 @pytest.mark.parametrize("tangential", [None, 1e4])
@@ -340,23 +315,17 @@ def test_rolling_under_a_load_that_changes_slowly_is_steady_at_each_instant(
     tangential: float | None,
 ) -> None:
     friction = cs.TractiveRolling(MU, 5e-4 if tangential is None else None, tangential)
-    loads = cs.LoadHistory(
-        (0.0, 1.0, 3.0, 4.0), (1e5, 5e4, 0.8e5, 0.0 if tangential is None else 0.8e5)
-    )
+    loads = cs.LoadHistory((0.0, 1.0, 3.0, 4.0), (1e5, 5e4, 0.8e5, 0.0 if tangential is None else 0.8e5))
     scene = replace(SMOOTH, friction=friction, load=loads)
     grid = cs.Grid((96, 1), (2.4 * A, 1e-3))
     found = cs.solve(scene, grid, cs.ExactPeriodicity(), times=[0, 1, 2, 3, 4], tolerance=1e-8)
     assert found.status is cs.Status.CONVERGED
     assert found.to_dataset()["shear_x"][4].any() == (tangential is not None)
     for frame, load in zip(found.frames, (1e5, 5e4, 6.5e4, 8e4), strict=False):
-        alone = cs.solve(
-            replace(scene, load=cs.LineLoad(load)), grid, cs.ExactPeriodicity(), tolerance=1e-8
-        )
+        alone = cs.solve(replace(scene, load=cs.LineLoad(load)), grid, cs.ExactPeriodicity(), tolerance=1e-8)
         np.testing.assert_allclose(frame.shear, alone.shear, atol=1e-6 * MU * P0)
         for name in ("traction_coefficient", "creepage", "frictional_power"):
-            assert frame.quantities[name].value == pytest.approx(
-                alone.quantities[name].value, rel=1e-5
-            )
+            assert frame.quantities[name].value == pytest.approx(alone.quantities[name].value, rel=1e-5)
 
 
 def creeping(time: float) -> cs.ViscoelasticHalfSpace:
@@ -381,17 +350,13 @@ def driven(
     return cs.solve(scene, cs.Grid(cells, (3.2 * A, 3.2e-4)), ACROSS_FREE)
 
 
-@pytest.mark.parametrize(
-    "other", [None, pytest.param(cs.HalfSpace(inf, 0.3), marks=pytest.mark.whole)]
-)
+@pytest.mark.parametrize("other", [None, pytest.param(cs.HalfSpace(inf, 0.3), marks=pytest.mark.whole)])
 @pytest.mark.parametrize(("time", "modulus"), [(1e-13, 105e9), (1e4, 210e9)])
 def test_bodies_that_creep_fast_or_slowly_drive_like_elastic_ones(
     time: float, modulus: float, other: cs.HalfSpace | None
 ) -> None:
     """Relaxed where they roll by far less than a cell in their time constant, sudden where by far more than a width."""
-    found, elastic = (
-        driven((body, other or body)) for body in (creeping(time), cs.HalfSpace(modulus, 0.3))
-    )
+    found, elastic = (driven((body, other or body)) for body in (creeping(time), cs.HalfSpace(modulus, 0.3)))
     assert found.status is cs.Status.CONVERGED
     largest = elastic.pressure.max()
     assert np.abs(found.pressure - elastic.pressure).max() < 1e-5 * largest
@@ -408,9 +373,7 @@ def test_creeping_bodies_that_roll_back_are_those_in_a_mirror() -> None:
     assert np.abs(forth.pressure - back.pressure[::-1]).max() < 1e-8 * largest
     mirrored = forth.traction.shear[:, ::-1] * np.array([-1.0, 1.0])[:, None, None]
     assert np.abs(mirrored - back.traction.shear).max() < 1e-7 * largest
-    assert back.rolling.resistance_coefficient == pytest.approx(
-        forth.rolling.resistance_coefficient, rel=1e-9
-    )
+    assert back.rolling.resistance_coefficient == pytest.approx(forth.rolling.resistance_coefficient, rel=1e-9)
 
 
 def test_power_of_the_creepage_is_lost_by_slip_and_in_bodies_that_creep() -> None:
@@ -438,13 +401,9 @@ def test_the_force_on_a_stiff_coating_of_few_cells_is_within_its_bound() -> None
     substrate = cs.HalfSpace(1.1e9, 0.5)
     coat = cs.CoatedHalfSpace(cs.HalfSpace(7e9, 0.5), 1.44e-7, substrate)
     rolling = cs.TractiveRolling(0.138, longitudinal=5.05e-5)
-    scene = cs.Scene(
-        cs.LineLoad(0.627), (coat, substrate), (cs.Cylinder(3.125e-4),), friction=rolling
-    )
+    scene = cs.Scene(cs.LineLoad(0.627), (coat, substrate), (cs.Cylinder(3.125e-4),), friction=rolling)
     force, reference = (
-        cs.solve(scene, cs.Grid((cells, 1), (1.7335e-6, 5e-7)), EXACT).quantities[
-            "traction_coefficient"
-        ]
+        cs.solve(scene, cs.Grid((cells, 1), (1.7335e-6, 5e-7)), EXACT).quantities["traction_coefficient"]
         for cells in (39, 624)
     )
     error = abs(force.value - reference.value)

@@ -132,9 +132,7 @@ def test_a_wave_separates_as_johnson_says_of_short_ranges(zone: int, fraction: f
     assert -force(found) / closing / 0.095944 - 1 == pytest.approx(fraction, abs=1.5e-3)
 
 
-def test_a_sphere_separates_between_the_limits_of_bradley_and_of_johnson_kendall_and_roberts() -> (
-    None
-):
+def test_a_sphere_separates_between_the_limits_of_bradley_and_of_johnson_kendall_and_roberts() -> None:
     width = 9.5
     scene = cs.Scene(
         cs.TotalLoad(0.5, length=width),

@@ -25,9 +25,7 @@ def test_mixing_ends_where_the_lagged_displacement_is_that_of_its_own_pressure(
 
     found = solve_with_mixing(problem, lagged, cs.SolveOptions(1e-10), change=1e-8)
     pressure = found.solution.pressure
-    again = cs.solve(
-        replace(problem, undeformed_gap=problem.undeformed_gap + lagged(pressure)), tolerance=1e-10
-    )
+    again = cs.solve(replace(problem, undeformed_gap=problem.undeformed_gap + lagged(pressure)), tolerance=1e-10)
     np.testing.assert_allclose(again.pressure, pressure, atol=1e-6 * pressure.max())
     assert found.solution.status is cs.Status.CONVERGED
     assert found.change <= 1e-8

@@ -9,9 +9,7 @@ FREE = cs.ZeroPadding(), cs.ZeroPadding()
 
 @pytest.mark.parametrize("elongation", [1.6, 20.0, 62.0])
 @pytest.mark.parametrize("poisson_ratio", [0.0, 0.3, 0.49])
-def test_a_finite_roller_takes_no_more_applications_than_promised(
-    elongation: float, poisson_ratio: float
-) -> None:
+def test_a_finite_roller_takes_no_more_applications_than_promised(elongation: float, poisson_ratio: float) -> None:
     body = cs.HalfSpace(210e9, poisson_ratio)
     length = 0.01
     shapes = (cs.Cylinder(0.01), cs.LundbergProfile(2e-6, 2e-5, length))
@@ -21,9 +19,7 @@ def test_a_finite_roller_takes_no_more_applications_than_promised(
     cells = 48, min(round(1.05 * length / (elongation * width / 48)), 400)
     grid = cs.Grid(cells, (width, 1.05 * length))
     problem = scene.problem(grid, FREE)
-    pressure = cs.solve(
-        cs.Scene(scene.load, scene.solids, shapes).problem(grid, FREE), tolerance=1e-6
-    ).pressure
+    pressure = cs.solve(cs.Scene(scene.load, scene.solids, shapes).problem(grid, FREE), tolerance=1e-6).pressure
     state = problem.friction.steady(grid, pressure, cs.SolveOptions(1e-6))
     assert state.residual <= 1e-6
     assert state.convolutions / 2 <= 75

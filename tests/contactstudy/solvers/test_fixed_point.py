@@ -32,9 +32,7 @@ def test_outer_iterations_over_the_shear_of_dissimilar_bodies_end_in_equilibrium
 
 
 @pytest.mark.parametrize("width", [4e-4, 1e-4], ids=["whole contact", "cut off at the edge"])
-def test_outer_iterations_that_do_not_converge_have_a_status(
-    monkeypatch: pytest.MonkeyPatch, width: float
-) -> None:
+def test_outer_iterations_that_do_not_converge_have_a_status(monkeypatch: pytest.MonkeyPatch, width: float) -> None:
     monkeypatch.setattr(laws, "MAX_SLIDING_ITERATIONS", 2)
     posed = UNLIKE.problem(cs.Grid((96, 1), (width, 1e-3)), cs.ZeroPadding())
     found = cs.solve(posed, tolerance=1e-9)
@@ -60,9 +58,7 @@ def test_a_spring_in_series_lowers_the_load_at_a_given_approach() -> None:
 def test_a_displacement_or_a_traction_of_nan_is_a_failure() -> None:
     posed = replace(UNLIKE, friction=None).problem(cs.Grid((24, 1), (4e-4, 1e-3)), cs.ZeroPadding())
     options = cs.SolveOptions()
-    lost = solve_by_fixed_point_iteration(
-        posed, lambda pressure: np.nan * pressure, options, None, Cpu(), 9
-    )
+    lost = solve_by_fixed_point_iteration(posed, lambda pressure: np.nan * pressure, options, None, Cpu(), 9)
     assert lost.status is cs.Status.NOT_FINITE
     assert np.isnan(lost.residual)
     normal = cs.solve(posed)

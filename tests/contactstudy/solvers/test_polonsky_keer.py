@@ -21,9 +21,7 @@ def bare(line_contact: LineContact) -> BareProblem:
     return bare_problem(line_contact.scene, line_contact.grid((24, 2), 0.3))
 
 
-def published(
-    operator: np.ndarray, separation: np.ndarray, start: np.ndarray, iterations: int
-) -> np.ndarray:
+def published(operator: np.ndarray, separation: np.ndarray, start: np.ndarray, iterations: int) -> np.ndarray:
     """Their section 3, word for word: the pressure after so many iterations."""
     pressure, load = start.copy(), start.sum()
     direction, old, conjugate = np.zeros(len(separation)), 1.0, 0.0
@@ -47,9 +45,7 @@ def published(
 
 @pytest.mark.parametrize("iterations", [0, 1, 2, 3, 4, 5, 6, 8, 10])
 @pytest.mark.parametrize("bearing", [slice(None), slice(10, 15), slice(4, 9)])
-def test_the_iterates_are_those_of_polonsky_and_keer(
-    bare: BareProblem, bearing: slice, iterations: int
-) -> None:
+def test_the_iterates_are_those_of_polonsky_and_keer(bare: BareProblem, bearing: slice, iterations: int) -> None:
     """From all cells it loses some, from a few in the middle it gains some, from a few aside it does both."""
     cells = bare.undeformed_gap.shape
     each = np.eye(cells[0] * cells[1]).reshape(-1, *cells)
@@ -64,9 +60,7 @@ def test_the_iterates_are_those_of_polonsky_and_keer(
 
 
 @pytest.mark.parametrize("rough", range(6))
-def test_no_iteration_raises_the_energy_where_a_hardness_cuts_the_step(
-    line_contact: LineContact, rough: int
-) -> None:
+def test_no_iteration_raises_the_energy_where_a_hardness_cuts_the_step(line_contact: LineContact, rough: int) -> None:
     """``p (K p / 2 + gap)`` over all cells is convex: a step uphill on its slope would raise it."""
     hard = replace(line_contact.scene, hardness=0.8 * line_contact.hertz.peak_pressure)
     bare = bare_problem(hard, line_contact.grid((24, 2), 0.3))

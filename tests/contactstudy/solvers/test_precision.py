@@ -35,9 +35,7 @@ def test_single_precision_ends_at_its_rounding_with_a_status(
 
 
 @pytest.mark.parametrize("heights", ROUGH)
-def test_single_precision_solves_to_a_tolerance_it_can_reach(
-    heights: str, line_contact: LineContact
-) -> None:
+def test_single_precision_solves_to_a_tolerance_it_can_reach(heights: str, line_contact: LineContact) -> None:
     posed = problem(line_contact, 64, heights)
     single = cs.solve(posed, tolerance=1e-5, precision=SINGLE)
     assert single.residual <= 1e-5

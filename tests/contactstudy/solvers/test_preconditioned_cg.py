@@ -56,9 +56,7 @@ def test_iterations_do_not_grow_with_detail_down_to_the_cell(fraction: float, hu
     assert iterations[-1] <= iterations[0] + 2
 
 
-@pytest.mark.parametrize(
-    ("shape", "most"), [(cs.Sphere(1.0), 12), (cs.Roughness(0.05, 0.8, 0.25, 0.05, seed=1), 16)]
-)
+@pytest.mark.parametrize(("shape", "most"), [(cs.Sphere(1.0), 12), (cs.Roughness(0.05, 0.8, 0.25, 0.05, seed=1), 16)])
 def test_contacts_at_free_ends_take_as_few_iterations_as_within(shape: cs.Shape, most: int) -> None:
     body, rigid = cs.HalfSpace(1.0, 0.0), cs.HalfSpace(np.inf, 0.0)
     scene = cs.Scene(cs.TotalLoad(1.0, length=1.0), (body, rigid), (shape,))
@@ -88,9 +86,7 @@ def test_a_strip_of_cells_a_thousand_times_as_wide_as_long_does_not_stall() -> N
 
 
 @pytest.mark.parametrize("cells", [(4099, 1), (1021, 1), (127, 131)])
-def test_grids_that_do_not_halve_take_few_iterations(
-    cells: tuple[int, int], line_contact: LineContact
-) -> None:
+def test_grids_that_do_not_halve_take_few_iterations(cells: tuple[int, int], line_contact: LineContact) -> None:
     for heights in ("smooth", "30 %"):
         assert cs.solve(problem(line_contact, cells, heights)).iterations <= 30
 
@@ -131,9 +127,7 @@ def test_a_stalled_solve_goes_on_by_polonsky_and_keer_with_a_note(
 
 
 @pytest.mark.parametrize("solver", [PreconditionedCG(), PolonskyKeer(patience=60)], ids=str)
-def test_a_tolerance_below_rounding_has_a_status(
-    solver: cs.Solver, line_contact: LineContact
-) -> None:
+def test_a_tolerance_below_rounding_has_a_status(solver: cs.Solver, line_contact: LineContact) -> None:
     solution = cs.solve(problem(line_contact, 64, "80 %"), tolerance=1e-17, solver=solver)
     assert solution.status is cs.Status.PRECISION_LIMIT
     assert solution.residual < 1e-12

@@ -135,10 +135,7 @@ def test_threads_give_the_same_answer(
     scene = line_contact.with_shapes(rough)
     posed = scene.problem(line_contact.grid((64, 48), 2.4, 4.8), cs.ExactPeriodicity())
     tolerance = 1e-10 if precision == "double" else 1e-5
-    one, two = (
-        cs.solve(posed, tolerance=tolerance, precision=precision, device=cs.Cpu(threads))
-        for threads in (1, 2)
-    )
+    one, two = (cs.solve(posed, tolerance=tolerance, precision=precision, device=cs.Cpu(threads)) for threads in (1, 2))
     assert two.residual <= tolerance
     # another rounding of the transforms, times the operator's condition, up to 64 waves across
     difference = np.abs(one.pressure - two.pressure).max() / posed.scales.pressure

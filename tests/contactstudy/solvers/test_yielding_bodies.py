@@ -25,9 +25,7 @@ def stressed(law: VonMisesPlasticity, deviators: list[float]) -> tuple[float, fl
 
 
 def law(isotropic: float, kinematic: float) -> VonMisesPlasticity:
-    return VonMisesPlasticity(
-        *(np.array([one]) for one in (TWICE_SHEAR, YIELD, isotropic, kinematic))
-    )
+    return VonMisesPlasticity(*(np.array([one]) for one in (TWICE_SHEAR, YIELD, isotropic, kinematic)))
 
 
 @pytest.mark.parametrize("fraction", [0.0, 0.5, 1.0])

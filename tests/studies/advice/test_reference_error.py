@@ -5,9 +5,7 @@ from studies.advice.reference_error import against
 from studies.scene_study.study_of import study_of
 
 STEEL = cs.HalfSpace(210e9, 0.3)
-WAVY = cs.Scene(
-    cs.LineLoad(1e5), (STEEL, STEEL), (cs.Cylinder(0.01), cs.Waviness(1e-7, along=1e-4))
-)
+WAVY = cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL), (cs.Cylinder(0.01), cs.Waviness(1e-7, along=1e-4)))
 EXTENT = (4e-4, 1e-4)
 
 
@@ -16,8 +14,7 @@ def test_it_is_the_l1_norm_of_the_difference_to_cell_means_where_cells_nest() ->
     swept = study_of(file, {"grid.cells": [[16, 16], [32, 32], [24, 24]]})
     (axis,) = swept.axes
     coarse, unnested, reference = (
-        next(value for value in axis.values if str(value).startswith(f"[{cells}"))
-        for cells in (16, 24, 32)
+        next(value for value in axis.values if str(value).startswith(f"[{cells}")) for cells in (16, 24, 32)
     )
     study = against(swept, axis.name, reference)
     pressures, errors, bounds = {}, {}, {}

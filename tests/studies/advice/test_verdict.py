@@ -36,9 +36,7 @@ def pasted(scene: str, verdict: Verdict, folder: Path) -> cs.SceneFile:
     assert best is not None
     names = ("grid", "padding", "padding_across", "solve", "plan")
     kept = [table for table in f"\n{scene}".split("\n[") if table.partition("]")[0] not in names]
-    (folder / "chosen.toml").write_text(
-        "\n[".join(kept) + "\n" + verdict.toml(best), encoding="utf-8"
-    )
+    (folder / "chosen.toml").write_text("\n[".join(kept) + "\n" + verdict.toml(best), encoding="utf-8")
     return cs.read_scene(folder / "chosen.toml")
 
 
@@ -63,9 +61,7 @@ def cylinder() -> Verdict:
         pytest.param("rough", 0.2, marks=pytest.mark.whole),
     ],
 )
-def test_the_tables_of_a_verdict_solve_the_scene_to_met(
-    name: str, error: float, tmp_path: Path
-) -> None:
+def test_the_tables_of_a_verdict_solve_the_scene_to_met(name: str, error: float, tmp_path: Path) -> None:
     text = (EXAMPLES / f"{name}.toml").read_text(encoding="utf-8")
     verdict = verdict_on(scene_in(EXAMPLES / f"{name}.toml"), error)
     answer = pasted(text, verdict, tmp_path).solve()
@@ -193,9 +189,7 @@ def test_without_a_bound_the_nearest_setting_is_named_and_nothing_claimed() -> N
     assert "an error without a bound" in " ".join(lines(verdict))
 
 
-def test_a_verdict_is_read_again_for_its_scene_and_error_alone(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_verdict_is_read_again_for_its_scene_and_error_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     made: list[float] = []
 
     def by_hand(described: SceneToJudge, error: float, *_: object) -> Verdict:
@@ -218,9 +212,7 @@ def test_a_verdict_is_read_again_for_its_scene_and_error_alone(
         stored.verdict_of(scene, 0.1, tmp_path, quiet)
 
 
-@pytest.mark.parametrize(
-    "padding", [EXACT, cs.Superposition(4), (cs.ZeroPadding(), cs.ZeroPadding())]
-)
+@pytest.mark.parametrize("padding", [EXACT, cs.Superposition(4), (cs.ZeroPadding(), cs.ZeroPadding())])
 def test_a_padding_survives_in_a_file(padding: cs.Padding | cs.Paddings) -> None:
     measured = replace(one(), setting=replace(one().setting, padding=padding))
     assert stored.from_dataset(stored.to_dataset(of(measured))) == of(measured)

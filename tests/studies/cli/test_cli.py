@@ -29,9 +29,7 @@ Call = Callable[..., subprocess.CompletedProcess[str]]
 
 
 @pytest.fixture
-def call(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
-) -> Call:
+def call(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> Call:
     """The command, run in this process in an empty folder."""
     monkeypatch.chdir(tmp_path)
 
@@ -48,9 +46,7 @@ def call(
     return called
 
 
-def test_a_run_leaves_its_dataset_and_the_figures_that_need_no_times(
-    call: Call, tmp_path: Path
-) -> None:
+def test_a_run_leaves_its_dataset_and_the_figures_that_need_no_times(call: Call, tmp_path: Path) -> None:
     few = (
         "--repeats",
         "0",
@@ -116,9 +112,7 @@ def test_bad_input_is_one_sentence_and_leaves_nothing(
         (["run", "x.toml", "--ot", "y"], "'--out'"),
     ],
 )  # fmt: skip
-def test_a_wrong_word_is_an_error_with_its_remedy(
-    arguments: list[str], remedy: str, call: Call
-) -> None:
+def test_a_wrong_word_is_an_error_with_its_remedy(arguments: list[str], remedy: str, call: Call) -> None:
     done = call(*arguments)
     assert done.returncode == 2
     assert "Error: " in done.stderr
@@ -130,9 +124,7 @@ OWN = GOOD.replace("result): return {}", 'result): return {"peak": result.MAX}')
 RIGHT = OWN.replace("MAX", "real")
 
 
-def test_a_study_of_ones_own_runs_under_any_name_and_fails_in_a_sentence(
-    call: Call, tmp_path: Path
-) -> None:
+def test_a_study_of_ones_own_runs_under_any_name_and_fails_in_a_sentence(call: Call, tmp_path: Path) -> None:
     path = tmp_path / "json.py"
     path.write_text(RIGHT, encoding="utf-8")
     done = call("run", "json.py", "--workers", "1", "--repeats", "0")
@@ -152,9 +144,7 @@ def test_a_study_of_ones_own_runs_under_any_name_and_fails_in_a_sentence(
 @POSIX
 @pytest.mark.whole
 @pytest.mark.parametrize("written", ["status", "time"], ids=["solving", "timing"])
-def test_an_interrupt_ends_in_one_sentence_and_leaves_nothing_half_written(
-    written: str, tmp_path: Path
-) -> None:
+def test_an_interrupt_ends_in_one_sentence_and_leaves_nothing_half_written(written: str, tmp_path: Path) -> None:
     journal = tmp_path / "here" / "cases.jsonl"
     axes = ["--vary", "padding=exact", "--vary", "grid=64,512"]
     running = subprocess.Popen(
@@ -193,9 +183,7 @@ def test_options_of_a_run_do_what_they_say(tmp_path: Path) -> None:
     dry = said(*here, "--vary", "grid=16,24", "--dry-run")
     assert "1 stored, 1 to compute" in dry
     assert "s to compute" in dry
-    grown = said(
-        *here, "--vary", "grid=16,24", "--repeats", "3", "--retry", "times", "--retry", "failed"
-    )
+    grown = said(*here, "--vary", "grid=16,24", "--repeats", "3", "--retry", "times", "--retry", "failed")
     assert "1 case is stored, 1 to compute" in grown
     assert xr.load_dataset(tmp_path / "period.nc").sizes["repeat"] == 3
 
@@ -314,9 +302,7 @@ def test_a_scene_to_begin_with_solves(kind: str, tmp_path: Path) -> None:
     said("solve", tmp_path / "scene.toml", "--out", tmp_path)
 
 
-def test_a_scene_is_begun_by_a_known_name_and_replaces_no_file(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_scene_is_begun_by_a_known_name_and_replaces_no_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     said("new", "rough")
     for words, remedy in (

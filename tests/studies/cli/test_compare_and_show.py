@@ -70,9 +70,7 @@ def test_a_comparison_names_the_key_that_was_changed_in_the_file(tmp_path: Path)
         crown = f'[[shapes]]\nkind = "Crown"\nend_drop = "{drop} um"\nlength = "1 mm"\n'
         grid = '[grid]\ncells = [24, 16]\nextent = ["0.6 mm", "1 mm"]\n'
         scene = tmp_path / f"crown-{drop}.toml"
-        scene.write_text(
-            "# a crowned roller\n\n" + SMOOTH + crown + grid + '[padding]\nkind = "ZeroPadding"\n'
-        )
+        scene.write_text("# a crowned roller\n\n" + SMOOTH + crown + grid + '[padding]\nkind = "ZeroPadding"\n')
         said("solve", scene, "--out", tmp_path)
     first, second = (tmp_path / f"crown-{drop}.nc" for drop in (10, 12))
     text = said("compare", first, second)
@@ -103,9 +101,7 @@ def test_two_runs_of_a_study_are_compared(folder: Path) -> None:
 @pytest.mark.parametrize("name", ["smooth", "rough"])
 def test_a_solution_is_drawn_in_every_format(folder: Path, tmp_path: Path, name: str) -> None:
     said("show", folder / "out" / f"{name}.nc", "--out", tmp_path, "--format", "png,pdf,svg,vtk")
-    assert {path.name for path in tmp_path.iterdir()} == {
-        f"{name}.{suffix}" for suffix in ("png", "pdf", "svg", "vtr")
-    }
+    assert {path.name for path in tmp_path.iterdir()} == {f"{name}.{suffix}" for suffix in ("png", "pdf", "svg", "vtr")}
     text = (tmp_path / f"{name}.vtr").read_bytes()
     assert b"RectilinearGrid" in text
     assert b"pressure" in text
@@ -211,9 +207,7 @@ def test_what_cannot_be_done_is_answered_in_a_sentence(
 
 
 def test_a_plan_says_where_a_surface_is_that_of_its_grid(folder: Path) -> None:
-    assert "shapes[1] has no extent, and gets that of this plan" in said(
-        "plan", folder / "rough.toml"
-    )
+    assert "shapes[1] has no extent, and gets that of this plan" in said("plan", folder / "rough.toml")
     assert "extent" not in said("plan", folder / "smooth.toml")
 
 
@@ -222,9 +216,7 @@ def test_a_solve_that_is_stopped_leaves_its_pressure_and_goes_on_from_it(
 ) -> None:
     whole = xr.load_dataset(folder / "out" / "rough.nc")
     cells = [whole.sizes["x"], whole.sizes["y"]]
-    extent = [
-        n * float(whole[axis][1] - whole[axis][0]) for n, axis in zip(cells, "xy", strict=True)
-    ]
+    extent = [n * float(whole[axis][1] - whole[axis][0]) for n, axis in zip(cells, "xy", strict=True)]
     given = folder / "given.toml"
     text = (folder / "rough.toml").read_text(encoding="utf-8")
     given.write_text(f"{text}\n[grid]\ncells = {cells}\nextent = {extent}\n", encoding="utf-8")
@@ -300,22 +292,16 @@ def test_a_table_has_the_quantities_or_what_is_named(folder: Path) -> None:
     assert marked.startswith("\ufeffshapes_0_radius [mm],")
 
 
-def test_fields_of_the_cases_of_a_sweep_are_a_table_and_a_series_for_paraview(
-    folder: Path, tmp_path: Path
-) -> None:
+def test_fields_of_the_cases_of_a_sweep_are_a_table_and_a_series_for_paraview(folder: Path, tmp_path: Path) -> None:
     scene = tmp_path / "deep.toml"
     scene.write_text(
-        SMOOTH
-        + given(16, "0.4 mm")
-        + '[[outputs]]\nkind = "SubsurfaceStress"\ndepths = ["50 um", "90 um"]\n'
+        SMOOTH + given(16, "0.4 mm") + '[[outputs]]\nkind = "SubsurfaceStress"\ndepths = ["50 um", "90 um"]\n'
     )
     vary = ["--vary", "load.per_length=80 N/mm,90 N/mm", "--workers", "0", "--repeats", "0"]
     said("run", scene, *vary, "--fields", "--out", tmp_path)
     sweep = tmp_path / "deep-sweep.nc"
     rows = table(sweep, "von_mises")
-    cells = xr.open_dataset(
-        sweep, group=f"fields/case_{xr.load_dataset(sweep)['case_key'].values[1]}"
-    )
+    cells = xr.open_dataset(sweep, group=f"fields/case_{xr.load_dataset(sweep)['case_key'].values[1]}")
     assert len(rows) == 2 * cells["von_mises"].size
     of_last = [row for row in rows if row["load_per_length [N/mm]"] == "90"]
     assert float(of_last[0]["von_mises [MPa]"]) * 1e6 == pytest.approx(

@@ -60,9 +60,7 @@ def shown(page: str, folder: Path, script: str = "") -> str:
     command = [BROWSER, "--headless", "--no-sandbox", "--disable-gpu", "--window-size=1200,800"]
     offline = ["--host-resolver-rules=MAP * ~NOTFOUND", f"--user-data-dir={folder / 'profile'}"]
     patience = ["--virtual-time-budget=20000", "--dump-dom", path.as_uri()]
-    done = subprocess.run(
-        [*command, *offline, *patience], capture_output=True, text=True, timeout=120
-    )
+    done = subprocess.run([*command, *offline, *patience], capture_output=True, text=True, timeout=120)
     # less the scripts, whose text is no part of what is shown
     return re.sub(r"<script.*?</script>", "", done.stdout, flags=re.DOTALL)
 
@@ -90,9 +88,7 @@ def test_numbers_are_in_the_units_that_are_usual(study: xr.Dataset, evolution: x
 
 
 def test_an_evolution_begins_at_the_instant_of_its_largest_pressure(evolution: xr.Dataset) -> None:
-    unloaded = evolution.assign(
-        pressure=evolution["pressure"] * xr.DataArray([1, 1, 2, 0], dims="time")
-    )
+    unloaded = evolution.assign(pressure=evolution["pressure"] * xr.DataArray([1, 1, 2, 0], dims="time"))
     assert contents(unloaded, "evolution")["instant"] == 2
 
 
@@ -118,9 +114,7 @@ def test_nothing_in_a_hostile_file_is_executed(study: xr.Dataset, tmp_path: Path
 def test_a_fine_contact_is_shown_by_means_of_blocks() -> None:
     ones = np.ones((800, 501))
     axes = {"x": ("x", np.linspace(-1, 1, 800)), "y": ("y", np.linspace(-1, 1, 501))}
-    fine = xr.Dataset(
-        {"pressure": (("x", "y"), ones), "gap": (("x", "y"), ones), "load": ("x", ones[:, 0])}, axes
-    )
+    fine = xr.Dataset({"pressure": (("x", "y"), ones), "gap": (("x", "y"), ones), "load": ("x", ones[:, 0])}, axes)
     shows = contents(fine, "fine")
     pressure = shows["variables"]["pressure"]
     assert MAX_VALUES / 8 < len(values(pressure)) <= MAX_VALUES
@@ -134,9 +128,7 @@ def test_a_fine_contact_is_shown_by_means_of_blocks() -> None:
 def test_the_command_writes_a_page_beside_the_file(study: xr.Dataset, tmp_path: Path) -> None:
     study.to_netcdf(tmp_path / "study.nc")
     said("show", tmp_path / "study.nc", "--format", "html")
-    assert "<title>study: two modes</title>" in (tmp_path / "study-explore.html").read_text(
-        encoding="utf-8"
-    )
+    assert "<title>study: two modes</title>" in (tmp_path / "study-explore.html").read_text(encoding="utf-8")
 
 
 def test_a_file_without_numbers_is_refused() -> None:

@@ -33,9 +33,7 @@ def test_a_scheduler_without_workers_and_then_lost_is_said(
         address = here.scheduler_address
         with pytest.raises(InvalidInput, match=rf"^Scheduler '{address}' is lost: start it again"):
             compute([Trouble(1.0)], address=address, log=log)
-    assert said == [
-        f"waiting for workers of {address}: start some, or stop the run and go on later"
-    ]
+    assert said == [f"waiting for workers of {address}: start some, or stop the run and go on later"]
     assert not [one for one in caplog.records if one.levelno > logging.INFO]
 
 

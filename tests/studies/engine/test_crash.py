@@ -82,9 +82,7 @@ def wait_until(reached: Callable[[], bool], running: Process) -> None:
 
 @pytest.mark.cases(1)
 @pytest.mark.parametrize("workers", [0, 2])
-def test_a_kill_loses_nothing_but_what_is_being_computed(
-    workers: int, start: Start, tmp_path: Path
-) -> None:
+def test_a_kill_loses_nothing_but_what_is_being_computed(workers: int, start: Start, tmp_path: Path) -> None:
     first = start(tmp_path / "log", workers, 30, 12)
     wait_until(lambda: journalled(tmp_path) == 12, first)
     first.kill()
@@ -109,9 +107,7 @@ def test_growing_reruns_nothing_and_keeps_every_bit(tmp_path: Path) -> None:
     more = [0.1, 0.3, 1 / 7, 1e10, 5.0]
     after = run(trouble.study(more, str(log)), tmp_path, options=ALONE, log=quiet)
     assert set(lines(log)[count:]) == {"10000000000.0", "5.0"}
-    xr.testing.assert_identical(
-        before.drop_attrs(), after.isel(number=slice(3)).drop_attrs().reset_coords(drop=True)
-    )
+    xr.testing.assert_identical(before.drop_attrs(), after.isel(number=slice(3)).drop_attrs().reset_coords(drop=True))
 
 
 def test_failures_are_kept_until_those_of_their_kind_are_to_be_tried_again(tmp_path: Path) -> None:
@@ -142,9 +138,7 @@ def test_a_full_disk_is_said_and_what_was_stored_stays(tmp_path: Path) -> None:
     deaf = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
     try:
         resource.setrlimit(resource.RLIMIT_FSIZE, (len(whole) + 100, limits[1]))
-        with pytest.raises(
-            InvalidInput, match=r"^Journal .* cannot be written .*what was stored is kept"
-        ):
+        with pytest.raises(InvalidInput, match=r"^Journal .* cannot be written .*what was stored is kept"):
             run(trouble.study(range(20, 60)), tmp_path, options=ALONE, log=quiet)
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, limits)

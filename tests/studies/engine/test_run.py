@@ -114,9 +114,7 @@ def test_the_reason_why_a_scene_has_no_plan_on_the_padding_of_a_case_is_said(
     said: list[str] = []
     study = load("grid").override({"padding": "duplicated", "grid": "16"})
     assert estimate_cost(study, tmp_path, options=RunOptions(), log=said.append) is None
-    assert said[-1].endswith(
-        "failed (InvalidInput: plan.padding is DuplicatedPadding(): give another.)"
-    )
+    assert said[-1].endswith("failed (InvalidInput: plan.padding is DuplicatedPadding(): give another.)")
 
 
 def test_the_time_of_what_is_missing_is_estimated_from_its_own_plans(tmp_path: Path) -> None:

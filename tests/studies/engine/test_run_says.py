@@ -42,31 +42,23 @@ def test_a_dry_run_counts_the_timed_runs_that_are_missing(tmp_path: Path) -> Non
     said([1, 2, RAISES], tmp_path, replace(ONE, repeats=1))
     lines: list[str] = []
     options = RunOptions(workers=0, repeats=3)
-    estimate_cost(
-        trouble.study([1, 2, RAISES, 4, 5, 6]), tmp_path, options=options, log=lines.append
-    )
+    estimate_cost(trouble.study([1, 2, RAISES, 4, 5, 6]), tmp_path, options=options, log=lines.append)
     assert "6 distinct cases, 3 stored, 3 to compute, 13 timed runs to take" in "\n".join(lines)
     lines.clear()
     estimate_cost(trouble.study([1, 2]), tmp_path, options=ONE, log=lines.append)
     assert "2 stored, 0 to compute, 0 timed runs to take" in "\n".join(lines)
 
 
-def test_a_dry_run_of_many_points_judges_by_some_of_them(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_dry_run_of_many_points_judges_by_some_of_them(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "MANY_POINTS", 10)
     lines: list[str] = []
-    estimate_cost(
-        trouble.study([10.0 + n for n in range(40)]), tmp_path, options=ONE, log=lines.append
-    )
+    estimate_cost(trouble.study([10.0 + n for n in range(40)]), tmp_path, options=ONE, log=lines.append)
     said_all = "\n".join(lines)
     assert "40 points, estimated from 10 of them in proportion" in said_all
     assert "40 distinct cases, 0 stored, 40 to compute, 0 timed runs to take" in said_all
 
 
-def test_what_is_solved_says_how_long_its_times_will_take(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_is_solved_says_how_long_its_times_will_take(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A hundred runs of each of three cases that take 0.01 s."""
     monkeypatch.setattr("studies.engine.progress.LINE_INTERVAL", 0.0)
     options, lines = RunOptions(workers=0, repeats=100), []

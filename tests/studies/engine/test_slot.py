@@ -46,9 +46,7 @@ class Ending(Square):
                     if os.fork() == 0:
                         time.sleep(1000)
                     os._exit(0)
-                subprocess.Popen(
-                    [sys.executable, "-c", "input()"], start_new_session=True, stdin=-1
-                )
+                subprocess.Popen([sys.executable, "-c", "input()"], start_new_session=True, stdin=-1)
                 os.kill(os.getpid(), signal.SIGKILL)
         return 0.0
 
@@ -65,10 +63,7 @@ def performed(slot: Slot, *cases: Square, limit: float | None = None) -> list[Ou
 
 
 def squares(outcomes: list[Outcome]) -> list[float | CaseStatus]:
-    return [
-        float(one.variables["square"]) if one.case_status is OK else one.case_status
-        for one in outcomes
-    ]
+    return [float(one.variables["square"]) if one.case_status is OK else one.case_status for one in outcomes]
 
 
 @POSIX

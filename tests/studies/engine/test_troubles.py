@@ -30,10 +30,7 @@ Workers = list[subprocess.Popen[bytes]]
 
 
 def examine(dataset: xr.Dataset) -> None:
-    status = {
-        int(n): CaseStatus(int(s))
-        for n, s in zip(dataset["number"], dataset["case_status"], strict=True)
-    }
+    status = {int(n): CaseStatus(int(s)) for n, s in zip(dataset["number"], dataset["case_status"], strict=True)}
     assert status == {n: TROUBLES.get(n, CaseStatus.OK) for n in range(20)}
     good = dataset.sel(number=[n for n in range(20) if n not in TROUBLES])
     np.testing.assert_array_equal(good["square"], good["number"] ** 2)

@@ -102,14 +102,10 @@ def study_of(
     times: str = "taken",
 ) -> Study:
     axis = Axis("number", tuple(map(float, numbers)), "what is squared")
-    return Study(
-        "trouble", "Cases.", (axis,), lambda point: case(float(point["number"])), measures, times
-    )
+    return Study("trouble", "Cases.", (axis,), lambda point: case(float(point["number"])), measures, times)
 
 
-def compute(
-    cases: Sequence[Square], time_limit: float | None = None, **options: Any
-) -> list[Outcome]:
+def compute(cases: Sequence[Square], time_limit: float | None = None, **options: Any) -> list[Outcome]:
     """By dask: here, or at an address."""
     tasks = [Task(f"{place:08x}", case) for place, case in enumerate(cases)]
     with Stop() as stop:

@@ -22,9 +22,7 @@ def test_a_text_is_one_line_of_at_most_so_many_characters() -> None:
     assert one_line(Silent()) == "(no text: its __str__ raises ValueError)"
 
 
-@pytest.mark.parametrize(
-    ("text", "storable"), [("a\tb\n", True), ("a\x00", False), ("\x7f", False), ("é", True)]
-)
+@pytest.mark.parametrize(("text", "storable"), [("a\tb\n", True), ("a\x00", False), ("\x7f", False), ("é", True)])
 def test_control_characters_are_not_stored(text: str, storable: bool) -> None:  # noqa: FBT001
     assert is_storable(text) == storable
 

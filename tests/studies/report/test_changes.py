@@ -112,9 +112,6 @@ def test_times_are_compared_by_their_ratio_on_one_processor_alone() -> None:
     one = changes(stored().isel(grid=[1], padding=[0]), slower.isel(grid=[1], padding=[0]))
     assert one[-1] == "solve_time: median ratio of second to first 2 over 1 point (2 to 2)"
     elsewhere = slower.assign_attrs(cpu_count=4)
-    assert (
-        changes(stored(), elsewhere)[-1]
-        == "times were taken on different processors and are not compared"
-    )
+    assert changes(stored(), elsewhere)[-1] == "times were taken on different processors and are not compared"
     untimed = slower.drop_vars("solve_time")
     assert changes(stored(), untimed) == ["6 points in both, of 6 and 6", "no measure differs"]

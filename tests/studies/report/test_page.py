@@ -127,9 +127,7 @@ def test_chapters_are_named_and_any_study_is_one(names: tuple[str, ...], pages: 
 
 
 def test_a_chapter_that_is_not_there_is_refused_with_a_remedy() -> None:
-    with pytest.raises(
-        InvalidInput, match=r"^Chapter 'efects' is not known: did you mean 'effects'"
-    ):
+    with pytest.raises(InvalidInput, match=r"^Chapter 'efects' is not known: did you mean 'effects'"):
         chapters(("efects",))
 
 
@@ -196,9 +194,7 @@ def stored(out: Path, tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, 
 
 @pytest.mark.whole
 @pytest.mark.parametrize("name", BUILT_IN)
-def test_a_study_of_one_point_and_axes_of_one_value_are_drawn(
-    name: str, stored: Mapping[str, xr.Dataset]
-) -> None:
+def test_a_study_of_one_point_and_axes_of_one_value_are_drawn(name: str, stored: Mapping[str, xr.Dataset]) -> None:
     dataset, drawing = stored[name], load_drawing(name)
     # the last padding is the reference of the others
     axes = dataset["case_status"].dims
@@ -209,9 +205,7 @@ def test_a_study_of_one_point_and_axes_of_one_value_are_drawn(
 
 @pytest.mark.whole
 @pytest.mark.parametrize("name", [name for name in CHAPTERS if name != MAIN.name])
-def test_every_chapter_is_drawn_from_what_is_stored(
-    name: str, out: Path, stored: Mapping[str, xr.Dataset]
-) -> None:
+def test_every_chapter_is_drawn_from_what_is_stored(name: str, out: Path, stored: Mapping[str, xr.Dataset]) -> None:
     for part in CHAPTERS[name].parts:
         dataset = stored[part.name]
         assert (dataset["case_status"] == CaseStatus.OK).all(), [*summary_messages(dataset)]

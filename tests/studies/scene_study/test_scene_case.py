@@ -22,9 +22,7 @@ def solved(path: Path, out: Path, loads: str = LOADS) -> xr.Dataset:
 
 
 def test_a_scene_in_time_is_swept_with_the_steps_of_its_solve(smooth: Path, tmp_path: Path) -> None:
-    wears = (
-        '[wear]\ncoefficient = 1e-16\nspeed = "20 mm/s"\n[time_steps]\nend = 1000\ninstants = 2\n'
-    )
+    wears = '[wear]\ncoefficient = 1e-16\nspeed = "20 mm/s"\n[time_steps]\nend = 1000\ninstants = 2\n'
     smooth.write_text(SMOOTH.replace("1e-2", "5e-2") + wears, encoding="utf-8")
     swept = solved(smooth, tmp_path, "100 N/mm")
     single = cs.read_scene(smooth).solve().quantities["final_peak_pressure"]
@@ -42,9 +40,7 @@ def test_separated_bodies_are_a_result_of_a_sweep_and_no_failure(tmp_path: Path)
     assert apart == 0 < pressed
 
 
-def test_a_sweep_keeps_the_errors_of_the_numbers_that_are_named(
-    smooth: Path, tmp_path: Path
-) -> None:
+def test_a_sweep_keeps_the_errors_of_the_numbers_that_are_named(smooth: Path, tmp_path: Path) -> None:
     named = "{ peak_pressure = '0.2 %', contact_area = '50 %' }"
     smooth.write_text(SMOOTH.replace("1e-2", named), encoding="utf-8")
     swept = solved(smooth, tmp_path, "80,100 N/mm")
@@ -103,9 +99,7 @@ def _width(dataset: xr.Dataset) -> float:
 
 
 @pytest.mark.parametrize("load", [cs.LineLoad(1.5e5), cs.TotalLoad(1.2e3)])
-def test_a_sweep_of_rollers_holds_what_a_solve_of_each_says(
-    load: cs.LineLoad | cs.TotalLoad, tmp_path: Path
-) -> None:
+def test_a_sweep_of_rollers_holds_what_a_solve_of_each_says(load: cs.LineLoad | cs.TotalLoad, tmp_path: Path) -> None:
     """The load per length is that of the roller, and each has a grid of its own."""
     lengths = np.array([8e-3, 12e-3])
     steel = cs.HalfSpace(210e9, 0.3)
@@ -114,8 +108,7 @@ def test_a_sweep_of_rollers_holds_what_a_solve_of_each_says(
     study = studies.study_of(described, {"shapes.1.length": list(lengths)})
     found = run(study, tmp_path, workers=0, log=quiet)
     alone = [
-        cs.solve(replace(first, shapes=(first.shapes[0], cs.FiniteLength(length))), error=0.2)
-        for length in lengths
+        cs.solve(replace(first, shapes=(first.shapes[0], cs.FiniteLength(length))), error=0.2) for length in lengths
     ]
     expected = load.total / lengths if isinstance(load, cs.TotalLoad) else load.per_length
     np.testing.assert_allclose(found["load"], np.broadcast_to(expected, 2), rtol=1e-9)

@@ -45,9 +45,7 @@ def test_each_number_changes_the_peak_pressure_as_hertz_has_it(changes: xr.Datas
         "shapes.0.radius": (1 + 0.005 * factors) ** -0.5 - 1,
     }
     for number, found in expected.items():
-        assert change.sel(number=number).values == pytest.approx(
-            found, abs=float(bound.sel(number=number).max())
-        )
+        assert change.sel(number=number).values == pytest.approx(found, abs=float(bound.sel(number=number).max()))
     assert float(abs(change.sel(number="solids.1.youngs_modulus")).min()) > 0.1
 
 
@@ -95,11 +93,7 @@ def test_the_command_prints_and_draws_the_changes_and_goes_on_where_it_stopped(s
     said(*command)
     again = said(*command, "--plot", "peak_pressure")
     assert "cases are stored, 0 to compute" in again
-    within = {
-        row.split()[1]: "within the bound" in row
-        for row in again.splitlines()
-        if "peak_pressure" in row
-    }
+    within = {row.split()[1]: "within the bound" in row for row in again.splitlines() if "peak_pressure" in row}
     # a hundredth of the stiffness of steel is nothing beside a soft body
     assert within["solids.0.youngs_modulus"]
     assert not within["load.per_length"]

@@ -40,9 +40,7 @@ def scenes(study: studies.Study) -> list[Case]:
         ("padding", "ExactPeriodicity,DuplicatedPadding", ["ExactPeriodicity", "DuplicatedPadding"]),
     ],
 )  # fmt: skip
-def test_every_field_is_an_axis_in_si_units(
-    smooth: Path, field: str, values: object, expected: list[object]
-) -> None:
+def test_every_field_is_an_axis_in_si_units(smooth: Path, field: str, values: object, expected: list[object]) -> None:
     study = studies.study_of(smooth, {field: values})
     assert list(study.axes[0].values) == expected
     assert len(set(study.cases())) == len(expected)
@@ -66,17 +64,13 @@ def test_values_reach_the_case_that_is_solved(smooth: Path) -> None:
 def test_a_grid_that_is_given_is_kept_and_its_fields_vary(smooth: Path) -> None:
     smooth.write_text(SMOOTH + given(32, "0.4 mm", "0.2 mm"), encoding="utf-8")
     varied = {"grid.cells": "[32, 1],[64, 1]", "period": "0.2 mm,0.4 mm"}
-    found = {
-        (case.grid.cells[0], case.grid.length) for case in scenes(studies.study_of(smooth, varied))
-    }
+    found = {(case.grid.cells[0], case.grid.length) for case in scenes(studies.study_of(smooth, varied))}
     assert found == {(32, 2e-4), (64, 2e-4), (32, 4e-4), (64, 4e-4)}
 
 
 def test_scenes_of_python_are_varied_like_files(smooth: Path) -> None:
     scene = replace(cs.read_scene(smooth).scene, hardness=3e9)
-    study = studies.study_of(
-        scene, {"shapes.0": [cs.Cylinder(0.01), cs.Cylinder(0.02)]}, name="two"
-    )
+    study = studies.study_of(scene, {"shapes.0": [cs.Cylinder(0.01), cs.Cylinder(0.02)]}, name="two")
     assert [case.scene.shapes[0].radius for case in scenes(study)] == [0.01, 0.02]  # type: ignore[attr-defined]
     assert all(case.scene.hardness == 3e9 for case in scenes(study))
 
@@ -87,9 +81,7 @@ def test_arrays_of_python_are_values(smooth: Path) -> None:
     history = cs.LoadHistory((0.0, 1.0), (0.0, 1e5))
     scene = replace(cs.read_scene(smooth).scene, shapes=(cs.Cylinder(0.01), rough[0]), load=history)
     given = cs.SceneFile(scene, grid=cs.Grid((8, 3), (4e-4, 2e-4)))
-    study = studies.study_of(
-        given, {"shapes.1": rough, "load.per_length": np.array([[0, 1e5], [0, 2e5]])}
-    )
+    study = studies.study_of(given, {"shapes.1": rough, "load.per_length": np.array([[0, 1e5], [0, 2e5]])})
     assert study.axes[0].values == ("surface 0", "surface 1")
     assert {case.scene.load.per_length[1] for case in scenes(study)} == {1e5, 2e5}  # type: ignore[attr-defined]
     with pytest.raises(InvalidInput, match="unknown key 'heights'"):
@@ -98,9 +90,7 @@ def test_arrays_of_python_are_values(smooth: Path) -> None:
 
 @pytest.mark.whole
 def test_one_rough_surface_and_one_grid_for_all_loads(rough: Path) -> None:
-    study = studies.study_of(
-        rough, {"load.per_length": "20:100:3 N/mm", "shapes.1.rms": "0.1 um,0.2 um"}
-    )
+    study = studies.study_of(rough, {"load.per_length": "20:100:3 N/mm", "shapes.1.rms": "0.1 um,0.2 um"})
     cases = scenes(study)
     assert len({case.grid for case in cases}) == 1
     ((across, along),) = {case.scene.shapes[1].extent for case in cases}  # type: ignore[attr-defined]
@@ -157,9 +147,7 @@ def test_a_surface_is_as_measured_cut_or_turned_whatever_the_scene_has(smooth: P
     upper = cs.Tile((2, 1), 1)
     scene = cs.read_scene(smooth).scene
     for present in (measured, measured.turned()):
-        file = cs.SceneFile(
-            replace(scene, shapes=(*scene.shapes, present)), grid=cs.Grid((8, 8), (1e-4, 1e-4))
-        )
+        file = cs.SceneFile(replace(scene, shapes=(*scene.shapes, present)), grid=cs.Grid((8, 8), (1e-4, 1e-4)))
         cut = measured.cut(upper)
         for key, value, wanted in (
             ("turn", "none", measured),
@@ -204,8 +192,7 @@ def test_surfaces_are_an_axis_of_names(smooth: Path, tmp_path: Path) -> None:
         heights = np.random.default_rng(ord(name)).standard_normal((40, 20)) * 1e-8
         cs.MeasuredSurface(heights, extent=(1e-3, 5e-4)).write(folder / f"{name}.nc")
     smooth.write_text(
-        SMOOTH
-        + '[[shapes]]\nkind = "MeasuredSurface"\nfile = "measured/a.nc"\nseam_across = "Mirrored"\n',
+        SMOOTH + '[[shapes]]\nkind = "MeasuredSurface"\nfile = "measured/a.nc"\nseam_across = "Mirrored"\n',
         encoding="utf-8",
     )
     study = studies.study_of(smooth, {"surfaces": "measured/*.nc"})
@@ -270,9 +257,7 @@ def test_a_common_grid_fits_the_machine(rough: Path, monkeypatch: pytest.MonkeyP
 
 
 def test_a_random_surface_keeps_an_extent_of_its_own(rough: Path) -> None:
-    rough.write_text(
-        ROUGH.replace("seed = 3", 'seed = 3\nextent = ["0.3 mm", "0.24 mm"]'), encoding="utf-8"
-    )
+    rough.write_text(ROUGH.replace("seed = 3", 'seed = 3\nextent = ["0.3 mm", "0.24 mm"]'), encoding="utf-8")
     study = studies.study_of(rough, {"load.per_length": "20,100 N/mm"})
     assert {case.scene.shapes[1].extent for case in scenes(study)} == {(3e-4, 2.4e-4)}  # type: ignore[attr-defined]
     assert "random surfaces" not in " ".join(study.notes)
@@ -385,9 +370,7 @@ substrate.material = "steel"
     ],
     ids=["drop of a crown", "material", "instants", "left out", "of a part left out"],
 )  # fmt: skip
-def test_a_key_is_varied_that_only_a_file_has(
-    text: str, vary: dict[str, object], found: Any, tmp_path: Path
-) -> None:
+def test_a_key_is_varied_that_only_a_file_has(text: str, vary: dict[str, object], found: Any, tmp_path: Path) -> None:
     (tmp_path / "scene.toml").write_text(text)
     first, second = map(found, scenes(studies.study_of(tmp_path / "scene.toml", vary)))
     assert first != second

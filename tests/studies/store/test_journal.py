@@ -116,9 +116,7 @@ def test_a_line_that_cannot_be_read_counts_as_not_stored_and_is_said_until_a_run
         file.write(ODD[kind])
     for _ in range(2):
         with opened(tmp_path) as journal:
-            assert "1 line of cases.jsonl is damaged or of another version" in " ".join(
-                journal.notes()
-            )
+            assert "1 line of cases.jsonl is damaged or of another version" in " ".join(journal.notes())
             assert set(journal.cases) - {("c", "p")} == {("a", "p")}
             add(journal, "c", value=4.0)
     with opened(tmp_path) as journal:

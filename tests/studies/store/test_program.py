@@ -116,9 +116,7 @@ def test_an_edit_of_anything_that_computes_is_named_and_nothing_stale_is_used(wo
 
 @pytest.mark.cases(1)
 @pytest.mark.parametrize("workers", [1, 0])
-def test_a_module_that_a_case_imports_first_is_refused_with_the_remedy(
-    work: Work, workers: int
-) -> None:
+def test_a_module_that_a_case_imports_first_is_refused_with_the_remedy(work: Work, workers: int) -> None:
     work.edit("helper.py", "import far\n", "")
     work.edit("numbers_here.py", "return helper.", "import far; helper.far = far; return helper.")
     text = work.run(workers)
@@ -128,9 +126,7 @@ def test_a_module_that_a_case_imports_first_is_refused_with_the_remedy(
 
 @pytest.mark.cases(1)
 @pytest.mark.parametrize("workers", [1, 0])
-def test_a_file_that_changes_while_cases_are_computed_ends_the_run(
-    work: Work, workers: int
-) -> None:
+def test_a_file_that_changes_while_cases_are_computed_ends_the_run(work: Work, workers: int) -> None:
     work.edit("helper.py", "():", "():\n    open(__file__, 'a').write('# more')\n   ")
     text = work.run(workers)
     assert "helper changed since the run was started: what was computed with it is not" in text
@@ -139,9 +135,7 @@ def test_a_file_that_changes_while_cases_are_computed_ends_the_run(
 
 @pytest.mark.cases(1)
 @pytest.mark.parametrize(("file", "changed"), [("far.py", "far"), ("table.toml", "table.toml")])
-def test_a_file_that_has_changed_since_it_was_loaded_is_refused(
-    work: Work, file: str, changed: str
-) -> None:
+def test_a_file_that_has_changed_since_it_was_loaded_is_refused(work: Work, file: str, changed: str) -> None:
     text = work.run(then=f"open({file!r}, 'a').write('# more')")
     assert f"{changed} changed since this program loaded it: start the program" in text
 

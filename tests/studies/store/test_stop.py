@@ -43,9 +43,7 @@ with Stop():
 """
 
 
-@pytest.mark.parametrize(
-    ("times", "code", "said"), [(2, 128 + signal.SIGTERM, "alive\n"), (3, -signal.SIGTERM, "")]
-)
+@pytest.mark.parametrize(("times", "code", "said"), [(2, 128 + signal.SIGTERM, "alive\n"), (3, -signal.SIGTERM, "")])
 def test_who_asks_a_third_time_is_obeyed_anywhere(times: int, code: int, said: str) -> None:
     done = python(PATIENT, times)
     assert (done.returncode, done.stdout) == (code, said), done.stderr

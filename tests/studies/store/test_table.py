@@ -69,9 +69,7 @@ def test_a_variable_named_like_its_dimension_is_its_coordinate() -> None:
         (variable([1.0, 2.0], "first"), "second, since another variable has another first"),
     ],
 )
-def test_dimensions_that_contradict_another_variable_s_are_left_out(
-    second: xr.Variable, left_out: str
-) -> None:
+def test_dimensions_that_contradict_another_variable_s_are_left_out(second: xr.Variable, left_out: str) -> None:
     """Another length of one dimension; a dimension called like a variable that is no coordinate."""
     first = variable([1.0, 2.0], "k")
     dataset = assembled((SIZE,), "a a", a={"first": first, "second": second})

@@ -80,9 +80,7 @@ class PointField:
         scaled = 2 * s / self.waves.decay_rate
         # frexp: scaled in [2^(e-1), 2^e)
         piece = np.maximum(np.frexp(scaled)[1], 0)
-        local = np.where(piece == 0, 2 * scaled, scaled / np.exp2(piece - 2.0)) - np.where(
-            piece == 0, 1, 3
-        )
+        local = np.where(piece == 0, 2 * scaled, scaled / np.exp2(piece - 2.0)) - np.where(piece == 0, 1, 3)
         chosen = [at for at, (field, _) in enumerate(self._parts) if field == name]
         radial = np.empty((len(chosen), *s.shape))
         for number in np.unique(piece).tolist():
@@ -119,9 +117,7 @@ class PointField:
         known, unknown = np.split(self._series, [LONG_TERMS], axis=1)
         rest = self._spectra(1j * tau) - polynomial.polyval(1j * tau, known.T)
         short = tau < SERIES_END * self._around
-        rest[:, short] = (
-            polynomial.polyval(1j * tau[short], unknown.T) * (1j * tau[short]) ** LONG_TERMS
-        )
+        rest[:, short] = polynomial.polyval(1j * tau[short], unknown.T) * (1j * tau[short]) ** LONG_TERMS
         powers = np.arange(LONG_TERMS)
         for m, bessel in enumerate(_bessel_k(turns.max(), np.multiply.outer(tau, s))):
             # int k^p J_m(k s) dk
@@ -192,9 +188,7 @@ def cell_alone(waves: WaveResponse, name: str, x: Array, y: Array, dx: float, dy
     return np.asarray(response[at_x, at_y])
 
 
-def _integrals(
-    waves: WaveResponse, offsets: Array, size: float, parity: int
-) -> tuple[Array, Array]:
+def _integrals(waves: WaveResponse, offsets: Array, size: float, parity: int) -> tuple[Array, Array]:
     """Return offsets above 0 (nodes,), and weights (offsets, nodes) of values there: integrals over cells of a `size`.
 
     Values are those of a field that is even or odd, by its `parity`.

@@ -150,9 +150,7 @@ class LayerResponse:
                     traction = traction @ inverse
         return found if depth else compliance, traction
 
-    def antiplane(
-        self, k: RealOrComplex, depth: float = 0.0
-    ) -> tuple[RealOrComplex, RealOrComplex]:
+    def antiplane(self, k: RealOrComplex, depth: float = 0.0) -> tuple[RealOrComplex, RealOrComplex]:
         """Return compliance and traction at a depth along the crests of the wave, as `k`: G k W over the shear."""
         compliance = through = found = np.ones_like(k)
         for _, factor, top, bottom in self._slabs(depth):
@@ -217,16 +215,12 @@ def _inverse(matrix: RealOrComplex) -> RealOrComplex:
 
 def _transfer(t: RealOrComplex, nu: float) -> RealOrComplex:
     """Return the exponential of t times the derivative of the state of :class:`LayerResponse` (t, 4, 4)."""
-    rate = np.array(
-        [[0, 1, 0, 2], [-nu, 0, 1 - 2 * nu, 0], [0, 0, 0, -1], [1, 0, nu, 0]], dtype=float
-    )
+    rate = np.array([[0, 1, 0, 2], [-nu, 0, 1 - 2 * nu, 0], [0, 0, 0, -1], [1, 0, nu, 0]], dtype=float)
     rate[[1, 3]] /= 1 - nu
     cosh, sinh = np.cosh(t), np.sinh(t)
     terms = cosh - t * sinh / 2, (3 * sinh - t * cosh) / 2, t * sinh / 2, (t * cosh - sinh) / 2
     powers = [np.linalg.matrix_power(rate, n) for n in range(4)]
-    return np.asarray(
-        sum(np.multiply.outer(term, power) for term, power in zip(terms, powers, strict=True))
-    )
+    return np.asarray(sum(np.multiply.outer(term, power) for term, power in zip(terms, powers, strict=True)))
 
 
 def spline(function: Callable[[Array], RealOrComplex], first: float, last: float) -> PPoly:
@@ -237,9 +231,7 @@ def spline(function: Callable[[Array], RealOrComplex], first: float, last: float
     ends = [0.0, first]
     while ends[-1] < last:
         ends.append(ends[-1] + min(ends[-1], max(LONG_PIECE, SPLINE_PIECE * ends[-1])))
-    k = np.concatenate(
-        [np.arange(SPLINE_POINTS) / SPLINE_POINTS * (end - at) + at for at, end in pairwise(ends)]
-    )
+    k = np.concatenate([np.arange(SPLINE_POINTS) / SPLINE_POINTS * (end - at) + at for at, end in pairwise(ends)])
     k = np.append(k, ends[-1])
     fitted = make_interp_spline(k, function(k).reshape(-1, k.size).T, SPLINE_DEGREE)
     knots = fitted.t[SPLINE_DEGREE:-SPLINE_DEGREE]

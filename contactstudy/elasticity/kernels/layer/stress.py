@@ -97,9 +97,7 @@ class LayerStress:
         ratio = (1.0, *below.shear_ratios)[-1] / here
         return ratio, self.poisson_ratio, below.poisson_ratios[-1]
 
-    def _strained(
-        self, below: LayerResponse, normal: RealOrComplex, across: RealOrComplex
-    ) -> RealOrComplex:
+    def _strained(self, below: LayerResponse, normal: RealOrComplex, across: RealOrComplex) -> RealOrComplex:
         """Return s_xx here under the strain of a half-space `below`, whose s_zz and s_xx are `normal` and `across`."""
         ratio, nu1, nu2 = self.ratios(below)
         strain = ratio * ((1 - nu2) * across - nu2 * normal)
@@ -129,9 +127,7 @@ def _plane(materials: LayerResponse, depth: float, k: RealOrComplex) -> RealOrCo
     return np.stack([normal, shear, (along + nu * normal) / (1 - nu)], axis=1)
 
 
-def _antiplane(
-    materials: LayerResponse, depth: float, k: RealOrComplex
-) -> tuple[RealOrComplex, RealOrComplex]:
+def _antiplane(materials: LayerResponse, depth: float, k: RealOrComplex) -> tuple[RealOrComplex, RealOrComplex]:
     """Return the shear along the crests over that at the surface, and G times the slope of the displacement."""
     compliance, traction = materials.antiplane(k, depth)
     return traction, compliance * traction

@@ -59,8 +59,7 @@ class StressWaves:
         if self.load == "along":
             return {
                 COMPONENTS[name].swapped: {
-                    m: -part if m == 3 or (m == 2 and name != "yz") else part
-                    for m, part in parts.items()
+                    m: -part if m == 3 or (m == 2 and name != "yz") else part for m, part in parts.items()
                 }
                 for name, parts in StressWaves(self.stress, "across").harmonics(k).items()
             }

@@ -91,17 +91,13 @@ class WaveCoefficients:
         widths = [fft.next_fast_len(int(np.ceil(length / dx)) + 1) for length in lengths]
         # what is summed on small lattices has fallen off there
         least = min(widths[0], rows + int(NEAR_CELLS * max(1, dy / dx)))
-        bands = tuple(
-            (first, max(width, least)) for first, width in zip(first_waves, widths, strict=True)
-        )
+        bands = tuple((first, max(width, least)) for first, width in zip(first_waves, widths, strict=True))
         field = _lattice(self.waves, self.thickness, dx, dy, bands, along, rows)[self.name]
         chosen = field[_indices(np.abs(x.ravel()), dx, rows)]
         chosen = np.where(x < 0, self.parity[0], 1) * (chosen - chosen.mean(axis=1, keepdims=True))
         return np.asarray(chosen[:, _indices(y.ravel(), dy, along)])
 
-    def lattice(
-        self, x: Array, y: Array, dx: float, dy: float, width: float, period: float
-    ) -> Array:
+    def lattice(self, x: Array, y: Array, dx: float, dy: float, width: float, period: float) -> Array:
         """Return the response to an infinite lattice of images along both axes; x is a column, y a row."""
         cells = round(width / dx), round(period / dy)
         bands = ((0, cells[0]),)
@@ -114,9 +110,7 @@ class WaveCoefficients:
         lower, upper = ((x + side * dx / 2) / self.thickness for side in (-1, 1))
         if self.parity[0] < 0:
             return self._between(np.abs(lower), upper)  # what lies on both sides cancels
-        return self._between(np.maximum(lower, 0), upper) + self._between(
-            np.zeros(x.size), np.maximum(-lower, 0)
-        )
+        return self._between(np.maximum(lower, 0), upper) + self._between(np.zeros(x.size), np.maximum(-lower, 0))
 
     def _between(self, start: Array, end: Array) -> Array:
         """Return the response to strips from `start` to `end`, at least 0; all in thicknesses."""
@@ -159,9 +153,7 @@ class WaveCoefficients:
             self.waves.materials.pole_distance_from_real_axis,
             ROUNDING_EXPONENT / float(start.min()),
         )
-        first = 1e-3 * min(
-            self.waves.materials.pole_distance_from_zero, last, 1 / float(width.max())
-        )
+        first = 1e-3 * min(self.waves.materials.pole_distance_from_zero, last, 1 / float(width.max()))
         count = int(np.ceil(np.log2(last / first)))
         ends = 0.0, *np.geomspace(first, last, count + 1).tolist()
         tau, fields = _plane_waves(self.waves, ends, 1j)
@@ -272,9 +264,7 @@ def _summed(
         found = amplitudes(waves, kx[chosen, None] * thickness, ky[:columns] * thickness)
         where = np.arange(start, start + weight.shape[0]) % cells[0]
         for name, amplitude in found.items():
-            folded = np.zeros(
-                (where.size, -(-(first + columns) // points) * points), amplitude.dtype
-            )
+            folded = np.zeros((where.size, -(-(first + columns) // points) * points), amplitude.dtype)
             np.multiply(amplitude, weight, out=folded[:, first : first + columns])
             total = summed.setdefault(name, np.zeros((cells[0], points), amplitude.dtype))
             total[where] += folded.reshape(where.size, -1, points).sum(axis=1)

@@ -17,9 +17,7 @@ def volume(cells: int, first: int, last: int) -> Volume:
     return Volume(cs.Grid((cells, 1), (cells * DX, 1.0)), first, last, EDGES)
 
 
-def test_strain_that_is_the_same_everywhere_leaves_stress_in_its_own_layer_and_a_flat_surface() -> (
-    None
-):
+def test_strain_that_is_the_same_everywhere_leaves_stress_in_its_own_layer_and_a_flat_surface() -> None:
     """xx = -E' (e_xx + nu e_yy), zz = xz = 0: exact, so to rounding."""
     operator = PlaneStrainOperator(volume(14, 0, 14), MODULI)
     strain = np.random.default_rng(0).normal(size=(3, 4))

@@ -54,9 +54,7 @@ def test_the_lift_is_the_transpose_of_the_stress_of_pressure() -> None:
     strain, grid = noise(operator), operator.volume.grid
     pressure = np.random.default_rng(1).normal(size=grid.cells)
     work = (operator.volume.cell_volumes * strain * operator.stress_of_pressure(pressure)).sum()
-    assert (
-        operator.residual_displacement(strain) * pressure
-    ).sum() * grid.cell_area == pytest.approx(work, rel=1e-12)
+    assert (operator.residual_displacement(strain) * pressure).sum() * grid.cell_area == pytest.approx(work, rel=1e-12)
 
 
 def test_what_does_not_vary_along_the_length_is_plane_strain() -> None:
@@ -113,9 +111,7 @@ def test_waves_add_up_to_the_closed_forms_of_an_infinite_axis() -> None:
     x, z = volume.grid.x[:, None], volume.depths[:, None, None]
     shape = np.exp(-((x / 3) ** 2) - ((z - 2) / 1.5) ** 2)
     strain = np.array([0.3, -0.5, 0.8, 0.6, -0.4])[:, None, None, None] * shape
-    found = -np.fft.ifft(
-        waves.stress(np.fft.fft(strain, period, axis=2), Components.DEVIATOR), axis=2
-    )
+    found = -np.fft.ifft(waves.stress(np.fft.fft(strain, period, axis=2), Components.DEVIATOR), axis=2)
     found = found[:, :, :cells].real
     plane = PlaneStrainOperator(volume, STEEL).negative_residual_stress(strain[:3])
     shear = AntiplaneOperator(volume, STEEL)(strain[3:, ..., 0])
@@ -123,9 +119,7 @@ def test_waves_add_up_to_the_closed_forms_of_an_infinite_axis() -> None:
     assert np.abs(found[:3] - plane).max() < 2e-3
     assert np.abs(found[3:, ..., 0] - shear).max() < 2e-3
     blocks = waves.diagonal_blocks(np.array([1 / period]))
-    assert (
-        np.abs(blocks[:, :3, :3] - PlaneStrainOperator(volume, STEEL).diagonal_blocks).max() < 1e-3
-    )
+    assert np.abs(blocks[:, :3, :3] - PlaneStrainOperator(volume, STEEL).diagonal_blocks).max() < 1e-3
     assert np.abs(blocks[:, 3:, 3:] - AntiplaneOperator(volume, STEEL).diagonal_blocks).max() < 1e-3
 
 

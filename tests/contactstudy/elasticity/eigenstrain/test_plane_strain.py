@@ -22,9 +22,7 @@ def _energy(operator: PlaneStrainOperator) -> np.ndarray:
     shape = 3, *operator.volume.shape
     count = int(np.prod(shape))
     weights = np.broadcast_to(operator.volume.cell_volumes, shape).reshape(-1, 1)
-    columns = [
-        operator.negative_residual_stress(one.reshape(shape)).ravel() for one in np.eye(count)
-    ]
+    columns = [operator.negative_residual_stress(one.reshape(shape)).ravel() for one in np.eye(count)]
     return np.sqrt(weights) * np.array(columns).T / np.sqrt(weights.T)
 
 
@@ -53,9 +51,7 @@ def test_the_lift_of_the_surface_does_the_work_that_pressure_does_on_plastic_str
     pressure = random.random(operator.volume.grid.cells)
     strain = random.standard_normal((3, *operator.volume.shape))
     work = (operator.volume.cell_volumes * strain * operator.stress_of_pressure(pressure)).sum()
-    lifted = (
-        operator.residual_displacement(strain) * pressure
-    ).sum() * operator.volume.grid.cell_area
+    lifted = (operator.residual_displacement(strain) * pressure).sum() * operator.volume.grid.cell_area
     assert lifted == pytest.approx(work, rel=1e-12)
 
 
@@ -107,8 +103,7 @@ def test_half_lines_of_strain_are_the_limit_of_finite_strips() -> None:
     """What is left of the cells beyond falls as one over their distance."""
     moduli, beyond, edges = Moduli(2.0, 0.3), 2000, LAYERS["graded"]
     near, wide = (
-        PlaneStrainOperator(Volume(Grid((n, 1), (0.4 * n, 3.0)), 0, n, edges), moduli)
-        for n in (20, 20 + 2 * beyond)
+        PlaneStrainOperator(Volume(Grid((n, 1), (0.4 * n, 3.0)), 0, n, edges), moduli) for n in (20, 20 + 2 * beyond)
     )
     left, right = np.random.default_rng(3).standard_normal((2, 3, 5))
     strain = np.zeros((3, *wide.volume.shape))

@@ -19,9 +19,7 @@ def test_shear_below_a_pressed_cell_is_the_stress_of_cerruti() -> None:
     fine = cs.Grid((5 * 32, 1), (5 * 32e-6, 1.0))
     shear = np.repeat(np.r_[np.zeros(10), np.linspace(1, 2, 8), np.zeros(14)], 5)[:, None]
     edges = (0.0, 5e-6, 15e-6)
-    operator = PlaneStrainOperator(
-        Volume(cs.Grid((32, 1), fine.extent), 0, 32, edges), Moduli(2e11, 0.3)
-    )
+    operator = PlaneStrainOperator(Volume(cs.Grid((32, 1), fine.extent), 0, 32, edges), Moduli(2e11, 0.3))
     depths = np.r_[(np.arange(6) + 0.5) * 5e-6 / 6, 5e-6 + (np.arange(6) + 0.5) * 10e-6 / 6]
     below = cs.SubsurfaceStress(tuple(depths)).of((STEEL, STEEL), fine, (cs.ZeroPadding(), EXACT))
     points = below.with_shear(np.stack([shear, 0 * shear]))(0 * shear)

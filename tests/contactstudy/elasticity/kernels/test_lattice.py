@@ -12,9 +12,7 @@ row = judged_lattice.__wrapped__  # its places are in fifty digits, and none is 
 
 
 @stored
-def judged_double_lattice(
-    x: float, y: float, dx: float, dy: float, width: float, period: float
-) -> mp.mpf:
+def judged_double_lattice(x: float, y: float, dx: float, dy: float, width: float, period: float) -> mp.mpf:
     """Rows one by one, and the logarithms of all others as an integral of Gamma functions."""
     rows = int(np.ceil(7 * period / width)) + 1  # exp(-14 pi) is left
     with mp.workdps(TOLERANCE_DIGITS):
@@ -35,9 +33,7 @@ def test_lattice_is_exact(width: float, period: float, nx: int, ny: int) -> None
     dx, dy = width / nx, period / ny
     x, y = np.array([0, 0.5, 0.21, 0.5]) * width, np.array([0, 0.1, 0.37, 0.5]) * period
     found = boussinesq_cell_doubly_periodic(x, y, dx, dy, width, period)
-    expected = [
-        judged_double_lattice(u, v, dx, dy, width, period) for u, v in zip(x, y, strict=True)
-    ]
+    expected = [judged_double_lattice(u, v, dx, dy, width, period) for u, v in zip(x, y, strict=True)]
     error = np.array([abs(float(f - e)) for f, e in zip(found, expected, strict=True)])
     fraction = dx * dy / min(width, period)
     assert (error < EXACT * np.maximum(np.abs(np.array(expected, float)), fraction)).all()

@@ -42,15 +42,11 @@ def test_layers_respond_as_the_boundary_value_problem_of_all_says(name: str, k: 
             """s_zz, s_xz, s_xx, and 2 G1 k times the displacements, for each function of a material."""
             ratio, nu = mpf(ratios[number]), mpf(layers.poisson_ratios[number])
             found = []
-            for sign, power in ((-1, 0), (-1, 1), (1, 0), (1, 1))[
-                : 2 if number == len(ends) - 1 else 4
-            ]:
+            for sign, power in ((-1, 0), (-1, 1), (1, 0), (1, 1))[: 2 if number == len(ends) - 1 else 4]:
                 e = mp_exp(sign * z)
                 f = [mpf(sign) ** n * e * (z**power + (n * sign if power else 0)) for n in range(4)]
                 along = ratio * ((1 - nu) * f[2] + nu * f[0])
-                found.append(
-                    [-f[0], f[1], f[2], along, ratio * ((1 - nu) * f[3] - (2 - nu) * f[1])]
-                )
+                found.append([-f[0], f[1], f[2], along, ratio * ((1 - nu) * f[3] - (2 - nu) * f[1])])
             return found
 
         size = 4 * len(layers.interfaces) + 2
@@ -86,9 +82,7 @@ def test_layers_respond_as_the_boundary_value_problem_of_all_says(name: str, k: 
 def test_long_waves_press_thin_layers_on_a_rigid_base_like_springs_in_a_row() -> None:
     layers, k = LAYERS["two on a rigid base"], np.array([1e-5])
     moduli = [2 * (1 - nu) / (1 - 2 * nu) for nu in layers.poisson_ratios[:-1]]
-    each = zip(
-        np.diff([0.0, *layers.interfaces]), (1.0, *layers.shear_ratios), moduli, strict=False
-    )
+    each = zip(np.diff([0.0, *layers.interfaces]), (1.0, *layers.shear_ratios), moduli, strict=False)
     springs = sum(thickness * ratio / modulus for thickness, ratio, modulus in each)
     found = (1 - layers.poisson_ratios[0]) / k * layers.compliances(k)[0]
     assert found == pytest.approx([springs], rel=1e-4)

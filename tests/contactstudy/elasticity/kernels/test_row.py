@@ -19,9 +19,7 @@ from tests.fifty_digits import over_decades, stored
 
 TAIL_IMAGES, TAIL_TERMS = 9, 12  # the judge's own: what it leaves out is below 1e-18
 with mp.workdps(TOLERANCE_DIGITS):
-    MIDPOINT_WEIGHTS = [
-        (n, mp.bernpoly(n, mp.mpf(1) / 2) / (n * (n - 1))) for n in range(2, 2 * TAIL_TERMS + 1, 2)
-    ]
+    MIDPOINT_WEIGHTS = [(n, mp.bernpoly(n, mp.mpf(1) / 2) / (n * (n - 1))) for n in range(2, 2 * TAIL_TERMS + 1, 2)]
 
 
 def love_summed(x: mp.mpf, y: mp.mpf) -> mp.mpf:
@@ -65,9 +63,7 @@ def judged_lattice(*arguments: float) -> mp.mpf:
         return period * (total - 2 * dx * dy * mp.log(period))
 
 
-def lattice_error(
-    x: ArrayLike, y: ArrayLike, dx: ArrayLike, dy: ArrayLike, period: ArrayLike
-) -> float:
+def lattice_error(x: ArrayLike, y: ArrayLike, dx: ArrayLike, dy: ArrayLike, period: ArrayLike) -> float:
     """Largest error of ``boussinesq_cell_periodic`` in units of max(|S|, dx dy / period)."""
     points = list(np.broadcast(x, y, dx, dy, period))
     found = boussinesq_cell_periodic(x, y, dx, dy, period).ravel()
@@ -91,9 +87,7 @@ CELLS = [
     ],
     ids=["near", "handover", "far", "wide", "very wide", "one per period"],
 )  # fmt: skip
-def test_lattice_is_exact(
-    across: tuple[int, int], width: tuple[int, int], length: tuple[int, int]
-) -> None:
+def test_lattice_is_exact(across: tuple[int, int], width: tuple[int, int], length: tuple[int, int]) -> None:
     rng = np.random.default_rng(4)
     x, dx, dy = (over_decades(rng, *ends, 20) for ends in (across, width, length))
     y, period = rng.random(20) - 0.5, over_decades(rng, -3, 3, 20)
@@ -107,12 +101,8 @@ def test_lattice_is_exact_on_edges_and_corners(dx: float, dy: float) -> None:
     assert lattice_error(x, y, dx, dy, 1.0) < EXACT
 
 
-@pytest.mark.parametrize(
-    ("width", "length"), [((-6, 0), (-6, 0)), ((-6, 0), (0, 0)), ((0, 3), (-6, 0))]
-)
-def test_lattice_is_exact_beside_edges_and_corners(
-    width: tuple[int, int], length: tuple[int, int]
-) -> None:
+@pytest.mark.parametrize(("width", "length"), [((-6, 0), (-6, 0)), ((-6, 0), (0, 0)), ((0, 3), (-6, 0))])
+def test_lattice_is_exact_beside_edges_and_corners(width: tuple[int, int], length: tuple[int, int]) -> None:
     """Off the grid and of no special period: to round a place there costs a thin cell up to 1e-9."""
     rng = np.random.default_rng(7)
     period, dx, dy = (over_decades(rng, *ends, 15) for ends in ((-3, 3), width, length))

@@ -40,14 +40,10 @@ def to_the_limit(sums: list[np.ndarray], steps: np.ndarray) -> np.ndarray:
     return table[0]
 
 
-def summed_images(
-    component: CellKernel, x: float, z: float, dx: float, dy: float, period: float
-) -> np.ndarray:
+def summed_images(component: CellKernel, x: float, z: float, dx: float, dy: float, period: float) -> np.ndarray:
     """Single cells by the hundred, extrapolated to infinitely many."""
     m = np.arange(1, IMAGES[-1] + 1)
-    images = sum(
-        stress_cell(component, x, Y[:, None] + s * m * period, z, dx, dy, NU) for s in (1, -1)
-    )
+    images = sum(stress_cell(component, x, Y[:, None] + s * m * period, z, dx, dy, NU) for s in (1, -1))
     running = np.cumsum(images, axis=-1)
     own = stress_cell(component, x, Y, z, dx, dy, NU)
     return own + to_the_limit([running[..., n - 1] for n in IMAGES], 1 / (IMAGES + 0.5))
@@ -73,9 +69,7 @@ def judged_stress(component: float, *arguments: float) -> mp.mpf:
     with mp.workdps(50):
         x, y, z, dx, dy = (mp.mpf(a) for a in arguments)
         signed = (
-            a * b * corner(NAMES[int(component)], x + a * dx / 2, y + b * dy / 2, z)
-            for a in (1, -1)
-            for b in (1, -1)
+            a * b * corner(NAMES[int(component)], x + a * dx / 2, y + b * dy / 2, z) for a in (1, -1) for b in (1, -1)
         )
         return mp.fsum(signed) / (2 * mp.pi)
 
@@ -86,9 +80,7 @@ def test_coefficient_is_exact_at_any_distance_depth_and_aspect() -> None:
         x, y, z = over_decades(rng, -2, 6, 3) * (1.0, 1.0, over_decades(rng, -6, 0))
         dy = over_decades(rng, -2, 2)
         expected = [float(judged_stress(n, x, y, z, 1.0, dy)) for n in range(len(NAMES))]
-        assert_allclose(
-            six(x, y, z, 1.0, dy), expected, rtol=0, atol=EXACT * np.abs(expected).max()
-        )
+        assert_allclose(six(x, y, z, 1.0, dy), expected, rtol=0, atol=EXACT * np.abs(expected).max())
 
 
 @pytest.mark.parametrize("start", [start for start, _ in GAUSS_ZONES])
@@ -97,9 +89,7 @@ def test_zones_join(start: float, aspect: float) -> None:
     rng = np.random.default_rng(1)
     for direction in rng.standard_normal((20, 3)):
         x, y, z = np.abs(direction) / np.linalg.norm(direction) * start * max(1.0, aspect)
-        before, after = (
-            six(*(np.array((x, y, z)) * (1 + side)), 1.0, aspect) for side in (-1e-15, 1e-15)
-        )
+        before, after = (six(*(np.array((x, y, z)) * (1 + side)), 1.0, aspect) for side in (-1e-15, 1e-15))
         allowed = EXACT * max(1, aspect / 10, 0.1 / aspect) * np.abs(after).max()
         assert_allclose(after, before, rtol=0, atol=allowed)
 
@@ -159,9 +149,7 @@ def test_row_is_the_sum_of_its_images(row: tuple[float, float, float, float], fa
 @pytest.mark.parametrize("z", [0.02, 0.1])
 def test_row_turns_into_plane_strain(z: float, family: str) -> None:
     x = np.sqrt((PLANE_STRAIN_PERIODS * 1.3) ** 2 - z**2) + 0.05 + np.array([-1e-13, 1e-13])
-    rows = (
-        stress_cell_periodic(one, x, Y, z, 0.1, 0.1, 1.3, NU) for one in FAMILIES[family].values()
-    )
+    rows = (stress_cell_periodic(one, x, Y, z, 0.1, 0.1, 1.3, NU) for one in FAMILIES[family].values())
     before, after = np.stack(list(rows), axis=1)
     largest = max(np.abs(after).max(), np.abs(six(x[0], 0.0, z, 0.1, 0.1)).max())
     assert_allclose(before, after, rtol=0, atol=EXACT * largest)
@@ -203,10 +191,7 @@ def test_uniform_pressure_compresses_without_spreading(width: float, period: flo
     """Uniaxial strain: ``xx = yy = -nu / (1 - nu)``."""
     x, y = np.arange(2) * width / 2, np.arange(2) * period / 2
     cell = 0.2, width / 2, period / 2
-    means = [
-        stress_cell_doubly_periodic(c, x, y, *cell, width, period, NU).sum()
-        for c in COMPONENTS.values()
-    ]
+    means = [stress_cell_doubly_periodic(c, x, y, *cell, width, period, NU).sum() for c in COMPONENTS.values()]
     lateral = -NU / (1 - NU)
     assert_allclose(means, [lateral, lateral, -1, 0, 0, 0], rtol=0, atol=1e-12)
 
@@ -219,10 +204,7 @@ def test_lattice_is_the_sum_of_rows_but_for_its_mean(name: str) -> None:
     strips, rows = np.array([20, 40, 80, 160, 320]), np.arange(1, 321)
     images = np.stack(
         [
-            sum(
-                stress_cell_periodic(COMPONENTS[name], x + s * m * width, y, *cell, period, NU)
-                for s in (1, -1)
-            )
+            sum(stress_cell_periodic(COMPONENTS[name], x + s * m * width, y, *cell, period, NU) for s in (1, -1))
             for m in rows.tolist()
         ]
     )
@@ -238,12 +220,7 @@ def test_lattice_is_the_sum_of_rows_but_for_its_mean(name: str) -> None:
 def test_deep_down_nothing_is_left_of_the_lattice_but_its_mean(z: float) -> None:
     """By the slowest harmonics, ``(1 + k z) exp(-k z)``, two of which go twice into the sum."""
     width, period = 2.0, 1.3
-    found = stress_cell_doubly_periodic(
-        COMPONENTS["zz"], np.array([0.0, 0.6]), Y, z, 0.2, 0.2, width, period, NU
-    )
+    found = stress_cell_doubly_periodic(COMPONENTS["zz"], np.array([0.0, 0.6]), Y, z, 0.2, 0.2, width, period, NU)
     fraction = 0.2 * 0.2 / (width * period)
     k = 2 * np.pi / width
-    assert (
-        np.abs(found + fraction).max()
-        <= 4 * fraction * (1 + k * z) * np.exp(-k * z) + 1e-12 * fraction
-    )
+    assert np.abs(found + fraction).max() <= 4 * fraction * (1 + k * z) * np.exp(-k * z) + 1e-12 * fraction

@@ -16,9 +16,7 @@ def by_quadrature(one: CellKernel, x: float, y: float, z: float, dx: float, dy: 
     nodes, weights = leggauss(60)
     u, v = x + dx / 2 * nodes[:, None], y + dy / 2 * nodes
     r = np.sqrt(u * u + v * v + z * z)
-    return float(
-        (weights[:, None] * weights * one.point(u, v, z, r, NU)).sum() * dx * dy / (8 * np.pi)
-    )
+    return float((weights[:, None] * weights * one.point(u, v, z, r, NU)).sum() * dx * dy / (8 * np.pi))
 
 
 @pytest.mark.parametrize("name", STRESSES)
@@ -48,11 +46,7 @@ def test_a_lattice_is_in_equilibrium_and_turns_with_its_axes(
             one.swap_axes(), y.reshape(-1, 1), x.reshape(1, -1), DEPTH, dy, dx, *extent[::-1], NU
         )
         np.testing.assert_allclose(lattice, turned.T, atol=1e-12)
-        carried = (
-            -1.0
-            if name == {"x": "xz", "y": "yz"}["x" if family is CERRUTI_ACROSS else "y"]
-            else 0.0
-        )
+        carried = -1.0 if name == {"x": "xz", "y": "yz"}["x" if family is CERRUTI_ACROSS else "y"] else 0.0
         assert lattice.sum() == pytest.approx(carried, abs=1e-11)
 
 
@@ -61,12 +55,7 @@ def test_fields_on_the_surface_are_integrals_of_point_loads(name: str) -> None:
     one, nodes, weights = SURFACE[name], *leggauss(60)
     for x, y in ((0.9, 0.2), (0.1, 1.7), (3.0, -2.0)):
         u, v = x + DX / 2 * nodes[:, None], y + DY / 2 * nodes
-        wanted = (
-            (weights[:, None] * weights * one.point(u, v, 0.0, np.hypot(u, v), NU)).sum()
-            * DX
-            * DY
-            / 4
-        )
+        wanted = (weights[:, None] * weights * one.point(u, v, 0.0, np.hypot(u, v), NU)).sum() * DX * DY / 4
         found = CerrutiCoefficients(name, 1.0).cell(np.array(x), np.array(y), DX, DY)
         assert float(found) == pytest.approx(wanted, rel=1e-12)
 

@@ -19,9 +19,7 @@ from tests.contactstudy.elasticity.kernels.layer_materials import LAYERS
         (DisplacementWaves(LAYERS["two on a rigid base"], Subtracted.NONE, "pressure"), "z"),
     ],
 )
-def test_a_long_cell_on_a_thin_layer_is_the_sum_of_its_parts(
-    waves: WaveResponse, name: str
-) -> None:
+def test_a_long_cell_on_a_thin_layer_is_the_sum_of_its_parts(waves: WaveResponse, name: str) -> None:
     coefficients, (nx, ny), (width, period) = WaveCoefficients(waves, 0.1, name), (30, 6), (30, 18)
     parts = 5, 15
 
@@ -43,9 +41,7 @@ def test_a_long_cell_on_a_thin_layer_is_the_sum_of_its_parts(
     ("thickness", "period", "images"),
     [(0.06, 1.0, 2000), (0.4, 1.0, 2000), (1.7, 1.0, 2000), (0.4, 60.0, 400)],
 )
-def test_a_row_is_the_sum_of_its_images(
-    name: str, thickness: float, period: float, images: int
-) -> None:
+def test_a_row_is_the_sum_of_its_images(name: str, thickness: float, period: float, images: int) -> None:
     """Those far away are felt as lines: what is left of them falls as the square of their number, but for a constant."""
     coating = CoatingCoefficients(LAYERS[name], thickness, "z", 1.0)
     dx, dy = 0.3, 0.25
@@ -57,9 +53,7 @@ def test_a_row_is_the_sum_of_its_images(
     # half a step beyond the last image
     ratio = ((images + 0.5) / (half + 0.5)) ** 2
     summed, row = (ratio * many - few) / (ratio - 1), coating.row(x, y, dx, dy, period)
-    np.testing.assert_allclose(
-        row - row[0, 0], summed - summed[0, 0], atol=1e-11 * np.abs(cells).max() * images**0.5
-    )
+    np.testing.assert_allclose(row - row[0, 0], summed - summed[0, 0], atol=1e-11 * np.abs(cells).max() * images**0.5)
 
 
 @pytest.mark.parametrize("name", LAYERS)

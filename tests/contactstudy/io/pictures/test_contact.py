@@ -64,9 +64,7 @@ def test_stress_is_drawn_over_depth_or_across_at_a_single_depth() -> None:
     # the third row of four along the length
     assert (filled.zmin, filled.zmax) == pytest.approx((3, 23))
     assert not deep.lines
-    bonded = contact_picture(stressed.isel(z=[0, 0, 1])).axes[
-        4
-    ]  # both sides of a bond at the same depth
+    bonded = contact_picture(stressed.isel(z=[0, 0, 1])).axes[4]  # both sides of a bond at the same depth
     [bond] = bonded.lines
     assert list(bond.get_ydata()) == pytest.approx([10, 10])
     single = contact_picture(stressed.isel(z=[1])).axes[4]
@@ -103,19 +101,12 @@ def test_pressure_film_and_temperature_are_drawn_in_one() -> None:
         "pressure": ("Pa", 1e9 * np.clip(1 - (x / 1e-4) ** 2, 0, None)),
     }
     film = xr.Dataset(
-        {
-            name: (("x", "y"), values[:, None], {"units": unit})
-            for name, (unit, values) in fields.items()
-        }
+        {name: (("x", "y"), values[:, None], {"units": unit}) for name, (unit, values) in fields.items()}
         | {"hertz_half_width": 1e-4, "hertz_peak_pressure": 1e9},
         {"x": x, "y": [0.0]},
     )
     axes = film_picture(film).axes
-    drawn = {
-        ax.get_ylabel(): ax.get_lines()[0].get_ydata()
-        for ax in axes
-        if ax.get_xlim() == axes[0].get_xlim()
-    }
+    drawn = {ax.get_ylabel(): ax.get_lines()[0].get_ydata() for ax in axes if ax.get_xlim() == axes[0].get_xlim()}
     assert np.nanmax(drawn["pressure [GPa]"]) == pytest.approx(1)
     assert np.nanmin(drawn["film [nm]"]) == pytest.approx(100)
     assert np.nanmax(drawn["temperature rise [K]"]) == pytest.approx(20)

@@ -20,9 +20,7 @@ def labelled(**more: object) -> xr.Dataset:
             "load": named([1.0, 2.0, 4.0, 4.0], "load", "N/m"),
             "peak_pressure": named([6e6, 12e6, 18e6, 24e6], "peak pressure", "Pa"),
             "contact_area": named([0.0, 0.0, 0.0, 0.0], "contact area", "m2"),
-            "time_discretisation_error": named(
-                [0.0, 1e-3, np.inf, 1e-2], "time-discretisation error", "1"
-            ),
+            "time_discretisation_error": named([0.0, 1e-3, np.inf, 1e-2], "time-discretisation error", "1"),
             "grid_error": named([np.inf] * 4, "grid error", "1"),
             **more,
         },

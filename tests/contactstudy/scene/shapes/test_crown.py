@@ -66,9 +66,7 @@ def test_an_amplitude_without_bound_is_a_parabola(amplitude: float) -> None:
 
 
 @pytest.mark.parametrize("fraction", [0.5, 1.0])
-def test_profile_is_what_an_even_pressure_of_finite_length_lifts(
-    fraction: float, line_contact: LineContact
-) -> None:
+def test_profile_is_what_an_even_pressure_of_finite_length_lifts(fraction: float, line_contact: LineContact) -> None:
     """Displacement of the axis under Hertz's pressure on ``|y| < l``, by quadrature of Boussinesq's.
 
     Lundberg's profile leaves out, and so does the drop at the ends, what falls as the square of half-width
@@ -118,9 +116,7 @@ def test_a_lundberg_profile_removes_the_peak_at_the_ends(line_contact: LineConta
 
 
 @pytest.mark.parametrize(("length", "factor"), [(12e-3, 3.5e-4), (40e-3, 5e-4)])
-def test_the_profile_of_iso_16281_is_the_formula_of_the_standard(
-    length: float, factor: float
-) -> None:
+def test_the_profile_of_iso_16281_is_the_formula_of_the_standard(length: float, factor: float) -> None:
     """A roller longer than 2.5 diameters is straight in the middle."""
     diameter, profiled = 10e-3, min(length, 25e-3)
     grid = cs.Grid((2, 80), (1e-3, length))

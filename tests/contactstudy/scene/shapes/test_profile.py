@@ -64,12 +64,8 @@ def read(profile: str, folder: Path) -> cs.Scene:
     return cs.read_scene(path).scene
 
 
-@pytest.mark.parametrize(
-    ("header", "sign"), [("y [mm], drop [um]", 1.0), ("position (mm);height (µm)", -1.0)]
-)
-def test_a_file_of_two_columns_with_units_is_a_roller_of_its_length(
-    header: str, sign: float, tmp_path: Path
-) -> None:
+@pytest.mark.parametrize(("header", "sign"), [("y [mm], drop [um]", 1.0), ("position (mm);height (µm)", -1.0)])
+def test_a_file_of_two_columns_with_units_is_a_roller_of_its_length(header: str, sign: float, tmp_path: Path) -> None:
     mark = ";" if ";" in header else ","
     rows = (f"{y}{mark}{sign * d}" for y, d in ((-5, 6.5), (-4, 2.5), (0, 0.5), (4, 2.5), (5, 6.5)))
     (tmp_path / "p.csv").write_text("\n".join((header, *rows)), encoding="utf-8")

@@ -14,9 +14,7 @@ def grid(nx: int, ny: int) -> cs.Grid:
     return cs.Grid(cells=(nx, ny), extent=(2e-4, 1e-4))
 
 
-def plane(
-    surface: Roughness, extent: tuple[float, float]
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def plane(surface: Roughness, extent: tuple[float, float]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return all waves of an extent, and the part of the mean square height that each has by its formula."""
     counts = [int(side / surface.cut_off + 1e-9) for side in extent]
     m, n = np.meshgrid(*(np.arange(-count, count + 1) for count in counts), indexing="ij")
@@ -47,18 +45,13 @@ def test_a_roll_off_beyond_the_extent_leaves_the_slopes_as_they_are(roll_off: fl
     surface = replace(ROUGH, roll_off=roll_off, cut_off=4e-6)
     extent = (2e-4, 2e-4)
     heights = surface.gap(cs.Grid((128, 128), extent))
-    ratio = (
-        heights.std()
-        / replace(surface, roll_off=2 * roll_off).gap(cs.Grid((128, 128), extent)).std()
-    )
+    ratio = heights.std() / replace(surface, roll_off=2 * roll_off).gap(cs.Grid((128, 128), extent)).std()
     assert ratio == pytest.approx(2**0.8, rel=0.01)
     kx, ky, fractions = plane(surface, extent)
     slope = 2 * np.pi * 2e-7 * np.sqrt((fractions * (kx**2 + ky**2)).sum())
     waves = np.fft.fft2(heights, norm="forward")
     k = 2 * np.pi * np.fft.fftfreq(128, extent[0] / 128)
-    assert np.sqrt((np.abs(waves * np.hypot(k[:, None], k)) ** 2).sum()) == pytest.approx(
-        slope, rel=0.05
-    )
+    assert np.sqrt((np.abs(waves * np.hypot(k[:, None], k)) ** 2).sum()) == pytest.approx(slope, rel=0.05)
 
 
 def test_an_answer_says_what_part_of_the_height_its_extent_holds() -> None:

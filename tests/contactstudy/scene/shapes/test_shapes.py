@@ -70,9 +70,7 @@ def test_a_texture_is_as_fine_as_its_features_and_lands(
 
 @pytest.mark.parametrize("peklenik", [0.5, 1.0, 2.0])
 def test_a_rough_surface_has_its_waves_by_its_lay_and_its_slope(peklenik: float) -> None:
-    shape = cs.Roughness(
-        0.01, hurst=0.7, roll_off=0.5, cut_off=0.05, seed=3, peklenik=peklenik, extent=(2.0, 3.0)
-    )
+    shape = cs.Roughness(0.01, hurst=0.7, roll_off=0.5, cut_off=0.05, seed=3, peklenik=peklenik, extent=(2.0, 3.0))
     scales = shape.length_scales
     wide, long = max(peklenik, 1), max(1 / peklenik, 1)
     assert scales.shortest_wavelengths == pytest.approx((0.05 * wide, 0.05 * long))
@@ -88,10 +86,7 @@ def test_a_rough_surface_has_its_waves_by_its_lay_and_its_slope(peklenik: float)
     ).length_scales
     assert by_slope.height == pytest.approx(0.04)
     assert by_slope.period == 0
-    assert (
-        cs.Roughness(0.0, hurst=0.7, roll_off=0.5, cut_off=0.05, seed=3).length_scales
-        == LengthScales()
-    )
+    assert cs.Roughness(0.0, hurst=0.7, roll_off=0.5, cut_off=0.05, seed=3).length_scales == LengthScales()
 
 
 def test_a_measured_surface_is_as_fine_as_two_points_and_as_wide_as_it_is() -> None:
@@ -168,9 +163,7 @@ def test_a_roller_ends_within_a_grid_as_at_the_end_of_one(line_contact: LineCont
     assert longer.status is cs.Status.CONVERGED
     assert not longer.pressure[:, :16].any()
     assert not longer.pressure[:, -16:].any()
-    np.testing.assert_allclose(
-        longer.pressure[:, 16:-16], own.pressure, rtol=0, atol=3e-5 * own.pressure.max()
-    )
+    np.testing.assert_allclose(longer.pressure[:, 16:-16], own.pressure, rtol=0, atol=3e-5 * own.pressure.max())
 
 
 def test_the_mean_gap_is_that_of_the_roller_and_not_of_the_grid_beyond_its_ends(
@@ -179,9 +172,7 @@ def test_the_mean_gap_is_that_of_the_roller_and_not_of_the_grid_beyond_its_ends(
     """Also where the ends lie inside cells: the grid of 12 half-widths has cells of 0.125 and 0.1263 half-widths."""
     length = 8 * line_contact.hertz.half_width
     own = solved(line_contact, 64, 8.0).mean_gap
-    assert solved(line_contact, 96, 12.0, cs.FiniteLength(length)).mean_gap == pytest.approx(
-        own, rel=1e-4
-    )
+    assert solved(line_contact, 96, 12.0, cs.FiniteLength(length)).mean_gap == pytest.approx(own, rel=1e-4)
     divided = solved(line_contact, 95, 12.0, cs.FiniteLength(length))
     assert divided.problem.covered_fractions.sum() * 12 / 95 == pytest.approx(8)
     # the pressure ends at the border of a cell, up to half a cell from the end

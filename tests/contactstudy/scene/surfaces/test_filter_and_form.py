@@ -41,9 +41,7 @@ def test_a_cylinder_is_taken_off_with_its_radius_and_its_axis(angle: float, radi
     extent = 8e-4 * 50 / 49, 1e-3 * 60 / 59
     surface = cs.MeasuredSurface(form + rough, extent, trend="cylinder")
     np.testing.assert_allclose(surface.prepared, rough, atol=2e-9)
-    found = re.search(
-        r"a cylinder of radius (\S+) mm, its axis at (\S+) degrees", surface.description
-    )
+    found = re.search(r"a cylinder of radius (\S+) mm, its axis at (\S+) degrees", surface.description)
     assert found is not None, surface.description
     assert float(found[1]) == pytest.approx(1e3 * radius, rel=1e-3)
     assert abs(float(found[2])) == pytest.approx(angle, abs=0.1)

@@ -14,9 +14,7 @@ MAP = np.round(np.random.default_rng(3).normal(0, 0.3, (12, 9)), 4)
 EXTENT = (24e-6, 36e-6)
 
 
-def matrix(
-    separator: str = "\t", scale: float = 1.0, heights: Any = MAP, number: str = "%.4f"
-) -> str:
+def matrix(separator: str = "\t", scale: float = 1.0, heights: Any = MAP, number: str = "%.4f") -> str:
     return "\n".join(separator.join(number % (scale * z) for z in row) for row in heights)
 
 
@@ -24,8 +22,7 @@ def columns(separator: str = ",", across: float = 2.0, jitter: float = 0.0) -> s
     shifts = jitter * np.random.default_rng(0).uniform(-1, 1, (2, *MAP.shape))
     return "\n".join(
         separator.join(
-            f"{value:.5f}"
-            for value in (across * (i + shifts[0, i, j]), 4 * (j + shifts[1, i, j]), MAP[i, j])
+            f"{value:.5f}" for value in (across * (i + shifts[0, i, j]), 4 * (j + shifts[1, i, j]), MAP[i, j])
         )
         for j in range(9)
         for i in range(12)
@@ -43,9 +40,7 @@ THOUSANDS = matrix(heights=MAP, scale=1e4, number="%.0f")
 THOUSANDS = re.sub(r"(?<=\d)(?=\d{3}\b)", ".", THOUSANDS)
 
 
-def surface(
-    folder: Path, text: str | bytes, name: str = "map.txt", **keys: Any
-) -> cs.MeasuredSurface:
+def surface(folder: Path, text: str | bytes, name: str = "map.txt", **keys: Any) -> cs.MeasuredSurface:
     data = text if isinstance(text, bytes) else text.encode()
     (folder / name).write_bytes(data)
     return cs.MeasuredSurface.read(folder / name, trend="none", **keys)
@@ -89,9 +84,7 @@ MARGINS = "\n".join(
         ("Sampling length 0.8 mm\nScale factor: 0.001\ndx = 4 um\ndy = 2 um\n" + matrix(scale=1e3), "um"),
     ],
 )  # fmt: skip
-def test_one_map_is_one_surface_by_its_content(
-    tmp_path: Path, name: str, text: str, unit: str | None
-) -> None:
+def test_one_map_is_one_surface_by_its_content(tmp_path: Path, name: str, text: str, unit: str | None) -> None:
     if unit == "skip":  # heights are in nm there
         found = surface(tmp_path, text, name)
         np.testing.assert_allclose(found.heights, MAP * 1e-9, atol=1e-18)
@@ -104,15 +97,9 @@ def test_one_map_is_one_surface_by_its_content(
 
 
 @pytest.mark.cases(100)
-@pytest.mark.parametrize(
-    "encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "latin-1"]
-)
-def test_a_heading_with_the_micro_sign_is_read_in_any_encoding(
-    tmp_path: Path, encoding: str
-) -> None:
-    text = "Höhe [µm]\r\n" + matrix(";").replace(".", ",").replace(
-        "-", "\u2212" if "utf" in encoding else "-"
-    )
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "latin-1"])
+def test_a_heading_with_the_micro_sign_is_read_in_any_encoding(tmp_path: Path, encoding: str) -> None:
+    text = "Höhe [µm]\r\n" + matrix(";").replace(".", ",").replace("-", "\u2212" if "utf" in encoding else "-")
     found = surface(tmp_path, text.encode(encoding), extent=EXTENT)
     np.testing.assert_allclose(found.heights, MAP * 1e-6, atol=1e-14)
 
@@ -139,9 +126,7 @@ def test_points_that_were_not_measured_are_missing(
 
 
 @pytest.mark.parametrize(("height", "cells"), [(-77.0, 2), (0.0, 30)])
-def test_repeated_heights_are_refused_until_a_key_says_what_they_are(
-    tmp_path: Path, height: float, cells: int
-) -> None:
+def test_repeated_heights_are_refused_until_a_key_says_what_they_are(tmp_path: Path, height: float, cells: int) -> None:
     heights = MAP.copy()
     heights.flat[:cells] = height
     with pytest.raises(cs.InvalidInput, match=rf"{cells} points .* give invalid = {height:g}, or"):
@@ -231,9 +216,7 @@ def test_points_near_a_grid_are_put_onto_it_and_others_refused(tmp_path: Path) -
 def test_the_length_of_a_part_is_no_size_of_the_map(tmp_path: Path) -> None:
     text = "Roller, diameter 10 mm, length 12 mm\n" + matrix()
     assert surface(tmp_path, text, unit="um").extent is None
-    assert surface(tmp_path, "Pixel size: 2 µm\n" + text, unit="um").extent == pytest.approx(
-        (24e-6, 18e-6)
-    )
+    assert surface(tmp_path, "Pixel size: 2 µm\n" + text, unit="um").extent == pytest.approx((24e-6, 18e-6))
 
 
 def test_a_file_shorter_than_its_header_says_is_refused(tmp_path: Path) -> None:
@@ -250,9 +233,7 @@ def test_a_column_that_counts_the_rows_is_no_height_and_said(tmp_path: Path) -> 
 
 
 def test_a_stylus_trace_runs_across_and_transposed_along(tmp_path: Path) -> None:
-    text = "Lateral um,Raw Micrometer\n" + "\n".join(
-        f"{50.0 * n},{z}" for n, z in enumerate(MAP[:, 0])
-    )
+    text = "Lateral um,Raw Micrometer\n" + "\n".join(f"{50.0 * n},{z}" for n, z in enumerate(MAP[:, 0]))
     trace = surface(tmp_path, text)
     np.testing.assert_allclose(trace.heights, MAP[:, :1] * 1e-6, atol=1e-14)
     assert trace.extent is not None
@@ -261,9 +242,7 @@ def test_a_stylus_trace_runs_across_and_transposed_along(tmp_path: Path) -> None
 
 
 def test_a_surface_is_transposed_and_flipped_as_it_is_read_and_written_so(tmp_path: Path) -> None:
-    found = surface(
-        tmp_path, GWYDDION + matrix(scale=1e-6, number="%.4e"), transpose=True, flip="across"
-    )
+    found = surface(tmp_path, GWYDDION + matrix(scale=1e-6, number="%.4e"), transpose=True, flip="across")
     np.testing.assert_allclose(found.heights, MAP.T[::-1] * 1e-6, atol=1e-14)
     assert found.extent == pytest.approx(EXTENT[::-1])
     assert "exchanged (transpose); reversed (flip across)" in found.description

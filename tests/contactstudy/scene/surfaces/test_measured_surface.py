@@ -44,17 +44,13 @@ def test_finer_points_show_a_smooth_surface_at_third_order() -> None:
 def test_a_wider_grid_shows_the_same_surface() -> None:
     surface = cs.MeasuredSurface(HEIGHTS, GRID.extent, trend="quadratic")
     narrow = cs.Grid(cells=(12, 16), extent=(1e-4, 1e-4))
-    np.testing.assert_allclose(
-        surface.gap(narrow), surface.gap(GRID)[6:18], rtol=0, atol=1e-13 * 1e-7 * 24
-    )
+    np.testing.assert_allclose(surface.gap(narrow), surface.gap(GRID)[6:18], rtol=0, atol=1e-13 * 1e-7 * 24)
 
 
 def test_a_mirrored_surface_fills_twice_the_period() -> None:
     surface = cs.MeasuredSurface(HEIGHTS, GRID.extent, seam=cs.Mirrored())
     twice = cs.Grid(cells=(24, 32), extent=(2e-4, 2e-4))
-    np.testing.assert_array_equal(
-        surface.gap(twice), np.concatenate([-HEIGHTS, -HEIGHTS[:, ::-1]], axis=1)
-    )
+    np.testing.assert_array_equal(surface.gap(twice), np.concatenate([-HEIGHTS, -HEIGHTS[:, ::-1]], axis=1))
     with pytest.raises(cs.InvalidInput, match=r"^MeasuredSurface period is 0\.0002: give a length"):
         surface.gap(replace(GRID, extent=(2e-4, 3e-4)))
 
@@ -86,9 +82,7 @@ def test_turned_grooves_run_across() -> None:
     across = turned.gap(cs.Grid(cells=(16, 24), extent=(1e-4, 2e-4)))
     np.testing.assert_array_equal(across, np.rot90(-groove))
     rough = cs.MeasuredSurface(HEIGHTS, GRID.extent).turned()
-    np.testing.assert_array_equal(
-        rough.gap(cs.Grid(cells=(16, 24), extent=(1e-4, 2e-4))), np.rot90(-HEIGHTS)
-    )
+    np.testing.assert_array_equal(rough.gap(cs.Grid(cells=(16, 24), extent=(1e-4, 2e-4))), np.rot90(-HEIGHTS))
     back = turned.turned().turned().turned()
     assert back == surface
     np.testing.assert_array_equal(back.heights, surface.heights)
@@ -161,9 +155,7 @@ def test_trend_takes_off_its_own_form_and_no_more(trend: str) -> None:
     left = less(trend, rough)
     np.testing.assert_allclose(less(trend, rough + FORMS[trend]), left, rtol=0, atol=1e-12)
     np.testing.assert_allclose(less(trend, left), left, rtol=0, atol=1e-13)
-    for form in list(FORMS.values())[
-        1 : list(FORMS).index(trend) + 1
-    ]:  # least squares: nothing of it is left
+    for form in list(FORMS.values())[1 : list(FORMS).index(trend) + 1]:  # least squares: nothing of it is left
         assert abs((left * form).sum()) < 1e-11
 
 

@@ -15,9 +15,7 @@ from contactstudy.scene.surfaces.reading import Reading
 HEIGHTS = np.random.default_rng(0).standard_normal((6, 4)) * 1e-7
 
 
-def read(
-    path: Path, extent: tuple[float, float] | None = None, unit: str | None = None, **keys: Any
-) -> Measurement:
+def read(path: Path, extent: tuple[float, float] | None = None, unit: str | None = None, **keys: Any) -> Measurement:
     """Points and sizes of a file."""
     return reader.read(path, Reading(extent=extent, unit=unit, **keys))[:2]
 
@@ -95,9 +93,7 @@ def test_missing_points_of_a_file_are_missing(tmp_path: Path, written: Path) -> 
 def test_a_file_that_is_none_is_refused(tmp_path: Path, written: Path) -> None:
     nothing = tmp_path / "nothing.x3p"
     nothing.write_bytes(b"\0nothing")
-    with pytest.raises(
-        cs.InvalidInput, match=r"^path is '.*nothing\.x3p', in which .* no surface .*: give a file"
-    ):
+    with pytest.raises(cs.InvalidInput, match=r"^path is '.*nothing\.x3p', in which .* no surface .*: give a file"):
         read(nothing)
     with pytest.raises(FileNotFoundError):
         read(tmp_path / "absent.x3p")
@@ -107,9 +103,7 @@ def test_a_file_that_is_none_is_refused(tmp_path: Path, written: Path) -> None:
 def test_a_file_without_sizes_is_refused(tmp_path: Path, written: Path) -> None:
     heights = tmp_path / "matrix.txt"
     np.savetxt(heights, LARGE)
-    with pytest.raises(
-        cs.InvalidInput, match=r"matrix\.txt' is None: give the unit of its numbers"
-    ):
+    with pytest.raises(cs.InvalidInput, match=r"matrix\.txt' is None: give the unit of its numbers"):
         read(heights)
 
 
@@ -133,9 +127,7 @@ def test_a_file_without_sizes_has_the_given_extent(tmp_path: Path) -> None:
 
 @pytest.mark.whole
 @pytest.mark.parametrize("name", ["surface.nc", "surface.xyz", "surface.x3p"])
-def test_an_extent_or_a_unit_other_than_the_file_has_is_refused(
-    name: str, tmp_path: Path, written: Path
-) -> None:
+def test_an_extent_or_a_unit_other_than_the_file_has_is_refused(name: str, tmp_path: Path, written: Path) -> None:
     cs.MeasuredSurface(HEIGHTS, (6e-6, 8e-6)).write(tmp_path / "surface.nc")
     (tmp_path / "surface.xyz").write_text("0 0 1\n3 0 2\n0 4 3\n3 4 4\n")
     unit = "um" if name == "surface.xyz" else "m"
@@ -189,12 +181,7 @@ def test_an_array_in_a_file_is_read_in_its_unit(tmp_path: Path) -> None:
 
 
 def test_points_in_columns_make_a_grid_with_sizes(tmp_path: Path) -> None:
-    lines = [
-        f"{0.5 * i - 3} {0.25 * j + 7} {TABLE[i, j]}"
-        for j in range(3)
-        for i in range(2)
-        if (i, j) != (1, 1)
-    ]
+    lines = [f"{0.5 * i - 3} {0.25 * j + 7} {TABLE[i, j]}" for j in range(3) for i in range(2) if (i, j) != (1, 1)]
     (tmp_path / "points.xyz").write_text("\n".join(lines))
     points, extent = read(tmp_path / "points.xyz", None, "mm", sizes="confirmed")
     expected = TABLE * 1e-3
@@ -240,9 +227,7 @@ def test_a_surface_says_what_was_subtracted_from_it(tmp_path: Path) -> None:
     tilted = np.linspace(0, 2, 8)[:, None] + np.linspace(0, 3, 10)
     np.savetxt(tmp_path / "tilted.csv", tilted, delimiter=",")
     freed, kept = (
-        cs.MeasuredSurface.read(
-            tmp_path / "tilted.csv", extent=(4e-3, 5e-3), unit="um", trend=trend
-        )
+        cs.MeasuredSurface.read(tmp_path / "tilted.csv", extent=(4e-3, 5e-3), unit="um", trend=trend)
         for trend in ("plane", "none")
     )
     assert "a plane that rises 2 um across and 3 um along was subtracted" in freed.description

@@ -29,8 +29,6 @@ def test_missing_points_are_refused_with_their_count() -> None:
     heights = np.where(HOLES, np.nan, HARMONIC)
     with pytest.raises(cs.InvalidInput, match="has 10 missing points of 108: fill them, or give"):
         cs.MeasuredSurface(heights)
-    with pytest.raises(
-        cs.InvalidInput, match=r"has 10 missing points of 108, a fraction of 0\.093: give"
-    ):
+    with pytest.raises(cs.InvalidInput, match=r"has 10 missing points of 108, a fraction of 0\.093: give"):
         cs.MeasuredSurface(heights, missing=cs.HarmonicFill(up_to=0.05))
     assert cs.MeasuredSurface(heights, missing=cs.HarmonicFill())

@@ -21,7 +21,5 @@ def test_a_seam_across_closes_the_width_as_a_seam_along_closes_the_length() -> N
     for width, length in ((6e-3, 4e-2), (6e-3, 2e-2)):
         grids = cs.Grid((6, 40), (width, length)), cs.Grid((40, 6), (length, width))
         np.testing.assert_allclose(along.gap(grids[0]), across.gap(grids[1]).T, rtol=1e-9)
-    cell_by_cell = cs.MeasuredSurface(HEIGHTS.T, seam_across=cs.Mirrored()).gap(
-        cs.Grid((80, 6), (1.0, 1.0))
-    )
+    cell_by_cell = cs.MeasuredSurface(HEIGHTS.T, seam_across=cs.Mirrored()).gap(cs.Grid((80, 6), (1.0, 1.0)))
     np.testing.assert_array_equal(cell_by_cell, cell_by_cell[::-1])

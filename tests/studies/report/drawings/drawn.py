@@ -45,6 +45,4 @@ def findings(name: str, dataset: xr.Dataset) -> list[str]:
 
 
 def rows(name: str, dataset: xr.Dataset, table: int = 0) -> list[Row]:
-    return [
-        tuple(words(cell) for cell in row) for row in load_drawing(name).tables(dataset)[table].rows
-    ]
+    return [tuple(words(cell) for cell in row) for row in load_drawing(name).tables(dataset)[table].rows]

@@ -58,9 +58,7 @@ def test_what_is_said_of_n_and_of_the_period_is_of_the_finest_grid() -> None:
     # 1.05 % and 0.2 %
     assert "with n = 6 the largest error of a circular window is 1.2 %" in n
     # half of 2.2 %, of 1.25 and 0.27 %, of 0.2 %
-    assert (
-        "duplicated 1.1 % and 1.1 %; superposed, n = 6, 0.62 % and 0.13 %; exact 0.10 %" in period
-    )
+    assert "duplicated 1.1 % and 1.1 %; superposed, n = 6, 0.62 % and 0.13 %; exact 0.10 %" in period
     unknown = axes_text()
     unknown["pressure_error_l1"][4] = np.nan
     assert not any("Exact periodicity needs" in text for text in findings("images", unknown))

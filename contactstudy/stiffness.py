@@ -12,6 +12,7 @@ from contactstudy.accuracy.discretisation.cells import contact_perimeter
 from contactstudy.answers.contact import Contact
 from contactstudy.domain.checks import InvalidInput, NotDefined
 from contactstudy.domain.fields import Array, inner
+from contactstudy.domain.grid import is_free
 from contactstudy.domain.units import Metres, readable
 from contactstudy.domain.validation import CURVED, valid
 from contactstudy.io.quantities.contact_quantities import approach_datum
@@ -203,11 +204,9 @@ def distant_approach(
     given = valid("radii", radii, tuple[curved, curved])
     datum = approach_datum(contact)
     paddings = contact.problem.paddings
-    windows = None if paddings is None else [padding.window for padding in paddings]
-    is_free = windows is not None and windows[0] is not None and len(windows[0]) == 1
-    if scene is None or scene.ellipse is not None or not is_free or windows is None:
+    if scene is None or scene.ellipse is not None or paddings is None or not is_free(paddings[0]):
         raise NotDefined("The approach of axes is not defined: the contact is no line contact that is free across.")
-    if not datum and (windows[1] is None or len(windows[1]) > 1):
+    if not datum and not is_free(paddings[1]):
         raise NotDefined(
             "The approach of axes is not defined: images are left out, give ExactPeriodicity along the length."
         )

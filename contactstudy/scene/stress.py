@@ -218,7 +218,7 @@ class SubsurfaceStressOperator:
     @property
     def _repeats(self) -> bool:
         """True where the domain repeats along both axes."""
-        return all(one.window is None or len(one.window) > 1 for one in self.paddings)
+        return not any(map(is_free, self.paddings))
 
     @property
     def _lacks_mean(self) -> bool:

@@ -111,3 +111,11 @@ def test_radii_of_another_scene_and_a_flat_body_without_a_depth_are_refused() ->
         cs.distant_approach(contact, (0.01, 0.02))
     with pytest.raises(cs.InvalidInput, match="depth of a point"):
         cs.distant_approach(contact, (0.01, np.inf))
+
+
+@pytest.mark.parametrize("across", [cs.ExactPeriodicity(), cs.Superposition(1), cs.CircularSuperposition(0)], ids=str)
+def test_an_axis_across_that_repeats_has_no_distant_points(across: cs.Padding) -> None:
+    scene = cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL), (cs.Cylinder(0.01),))
+    contact = cs.solve(scene.problem(cs.Grid((32, 1), (4e-4, 4e-4)), (across, EXACT)))
+    with pytest.raises(cs.NotDefined, match="free across"):
+        cs.distant_approach(contact, (0.01, np.inf), depth=0.01)

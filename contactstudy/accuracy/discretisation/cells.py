@@ -12,7 +12,7 @@ from contactstudy.accuracy.discretisation.contact_edge import (
     resolved_edges,
 )
 from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid, Paddings, axis_first
+from contactstudy.domain.grid import Grid, Paddings, axis_first, is_free
 
 
 @dataclass(frozen=True)
@@ -65,8 +65,7 @@ def contact_perimeter(touching: NDArray[np.bool_], grid: Grid, paddings: Padding
     for axis in (0, 1):
         edge = grid.cell_size[1 - axis]
         total += edge * np.count_nonzero(np.diff(touching, axis=axis))
-        window = (0,) if paddings is None else paddings[axis].window
-        if window is None or len(window) > 1:
+        if paddings is not None and not is_free(paddings[axis]):
             total += edge * np.count_nonzero(touching.take(0, axis) != touching.take(-1, axis))
     return float(total)
 

@@ -5,7 +5,7 @@ from math import inf
 from typing import Annotated, Literal, Protocol
 
 from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.grid import Grid, Paddings
+from contactstudy.domain.grid import Grid, Paddings, is_free
 from contactstudy.domain.units import Number, readable
 from contactstudy.domain.validation import BELOW_ONE
 from contactstudy.elasticity.convolution import GeneralConvolution
@@ -180,8 +180,7 @@ def bulk_compliance(scene: SceneContext, body: int, field: str, paddings: Paddin
             f"{field} acts on Scene.solids[{body}], a {type(solid).__name__}: give the index of an elastic HalfSpace "
             "without free_faces."
         )
-    window = None if paddings is None else paddings[0].window
-    if paddings is not None and (window is None or len(window) > 1):
+    if paddings is not None and not is_free(paddings[0]):
         raise InvalidInput(
             "Scene.friction has a bulk stress with images across, between which no stretch is periodic: leave "
             "padding_across out."

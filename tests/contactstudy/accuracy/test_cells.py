@@ -14,7 +14,7 @@ EXACT, FREE = cs.ExactPeriodicity(), cs.ZeroPadding()
     ("paddings", "round_the_ends"),
     [
         (None, 0), ((FREE, FREE), 0), ((EXACT, FREE), 3), ((FREE, EXACT), 4), ((EXACT, EXACT), 7),
-        ((FREE, cs.DuplicatedPadding()), 4),
+        ((FREE, cs.DuplicatedPadding()), 4), ((FREE, cs.CircularSuperposition(0)), 4),
     ],
 )  # fmt: skip
 def test_a_perimeter_counts_the_edges_of_cells_round_the_ends_that_repeat(

@@ -10,6 +10,7 @@ ALONG = [
 BOTH = [
     (cs.ExactPeriodicity(), cs.ZeroPadding()), (cs.ExactPeriodicity(), cs.ExactPeriodicity()),
     (cs.CircularSuperposition(1), cs.Superposition(2)), (cs.DuplicatedPadding(), cs.ExactPeriodicity()),
+    (cs.CircularSuperposition(0), cs.CircularSuperposition(0)),
 ]  # fmt: skip
 PADDINGS: list[cs.Padding | cs.Paddings] = [*ALONG, *BOTH]
 CELLS = [(8, 6), (7, 5), (16, 1), (3, 13)]

@@ -104,13 +104,15 @@ def load_range_error(solution: Solution) -> float | None:
     """Return the relative error of the load at a given approach due to a range that was chosen for the grid, or None.
 
     In the JKR limit the bodies do not attract each other across a gap, so that without contact the error is all of the
-    load. It is None for a range that is given.
+    load. It is None for a range that is given, and infinite without a scene.
     """
     adhesion = solution.adhesion
     if adhesion is None or not adhesion.regularised:
         return None
-    if not solution.pressure.any() or (errors := range_errors(solution)) is None:
+    if not solution.pressure.any():
         return 1.0
+    if (errors := range_errors(solution)) is None:
+        return inf
     load = abs(float(solution.net_pressure.sum()))
     norm = float(np.abs(solution.net_pressure).sum())
     return LOAD_BY_RANGE * errors[1] * norm / load if load else inf

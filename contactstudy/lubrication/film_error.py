@@ -40,12 +40,12 @@ NUMBERS = (
 OF_HEAT = "flash_temperature", "film_temperature", "thermal_reduction"
 FURTHER = "power_loss", "rolling_resistance", "meniscus", "thermal_reduction"
 ATTRIBUTES = {"friction_coefficient": "friction", "thermal_reduction": "temperatures.reduction"}
-# A number that changes by more than this from half the cells, and by no less than from a quarter to half, may grow with
-# the cells, as does the friction of a Newtonian stress under a spike.
+# A number that changes by more than this from half the cells, and by more than from a quarter to half, may grow with the
+# cells, as does the friction of a Newtonian stress under a spike. Without a film on a quarter of the cells none is known to.
 NOTICEABLE = 0.02
 GROWS = (
-    "No bound: from half the cells it changes by {:.2g} %, no less than before, so that it may grow with them, as below "
-    "a spike of the pressure. Give more cells, or a shear law that thins, such as Eyring()."
+    "No bound: from half the cells it changes by {:.2g} %, more than from a quarter to half, so that it may grow with them, "
+    "as below a spike of the pressure. Give more cells, or a shear law that thins, such as Eyring()."
 )
 # Outcomes without a film to compare with.
 UNRESOLVED = (
@@ -244,6 +244,6 @@ def _falls_within_a_cell(pressure: Array) -> bool:
     return bool((pressure[:-1] - pressure[1:]).max() > STEEP_FALL * pressure.max())
 
 
-def _l1(pressure: Array, reference: Array) -> float:
-    """Return the relative difference of a pressure (x, y) to a reference in L1."""
-    return float(np.abs(pressure - reference).sum() / np.abs(pressure).sum())
+def _l1(pressure: Array, other: Array) -> float:
+    """Return the L1 norm of the difference of two pressures (x, y) over that of the first."""
+    return float(np.abs(pressure - other).sum() / np.abs(pressure).sum())

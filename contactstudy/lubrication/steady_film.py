@@ -108,7 +108,7 @@ def _solved(
     if start is not None and start.status is not Status.FILM_NOT_CONVERGED:
         before = start
     if posed.equation.boundary_film:
-        last, is_cold = _mixed_film(posed, controls, before), start is None
+        last, is_cold = _mixed_film(posed, controls, before), before is None
     else:
         last, is_cold = _full_film(posed, grid, controls, before)
     contact = film_solution(scene, grid, padding, posed, last, controls.tolerance)

@@ -36,7 +36,7 @@ def plan_of_film(
         The lubricated scene.
     error
         Relative error of the central and the minimum film thickness, friction, temperatures and the fraction of
-        the load that asperities carry; 1 % if None, on fewer cells at most.
+        the load that asperities carry. None is DEFAULT_ERROR, on MAX_CELLS across at most, not MAX_REQUESTED_CELLS.
     period
         Length of the grid [m]; chosen if None.
     grid
@@ -51,13 +51,12 @@ def plan_of_film(
     """
     padding = padding or ExactPeriodicity()
     requirements, scales = grid_requirements(scene, padding), lubricated_scales(scene)
-    warnings = (
-        [] if grid is None else ["The grid is given, so its error is not predicted: solve, and read answer.error."]
-    )
-    is_chosen = grid is None
+    is_chosen, warnings = grid is None, []
     most_cells = MAX_CELLS if error is None else MAX_REQUESTED_CELLS
     error = error or DEFAULT_ERROR
-    if grid is None:
+    if grid is not None:
+        warnings.append("The grid is given, so its error is not predicted: solve, and read answer.error.")
+    else:
         if not requirements.varies and period is None:
             period = PERIOD
         inlet_width = film_grid(scene, error, requirements.extent(period)[1]).extent[0]
@@ -100,11 +99,12 @@ def plan_of_film(
             "The error of a film that varies along its length is not predicted: solve, and read answer.error."
         )
         floats = FLOATS_PER_CELL * prod(grid.cells) + FOURIER_MATRICES * nx**2
+    is_predicted = not warnings  # each of them says why the film may not have the error requested
     return Plan(
         scene=scene,
         grid=grid,
         padding=padding,
-        error=inf if warnings else error,
+        error=error if is_predicted else inf,
         bytes=8 * floats,
         period_check=requirements.period_check(grid.length),
         reasons=tuple(reasons),

@@ -89,7 +89,7 @@ class SubsurfaceStress:
         else:
             assert isinstance(body, Homogeneous)
             medium = HalfSpaceStress(body.poisson_ratio)
-        depths = () if isinstance(self.depths, str) else self.depths
+        depths = None if isinstance(self.depths, str) else self.depths
         below = SubsurfaceStressOperator(
             grid,
             paddings,
@@ -125,7 +125,7 @@ class SubsurfaceStressOperator:
     medium
         The body.
     depths
-        Depths [m]; if there are none, those that show the largest von Mises stress.
+        Depths [m]; None for those that show the largest von Mises stress, which :meth:`fields` chooses.
     sign
         1 for the first body, -1 for the second.
     shear
@@ -143,7 +143,7 @@ class SubsurfaceStressOperator:
     grid: Grid
     paddings: Paddings
     medium: StressModel
-    depths: tuple[float, ...]
+    depths: tuple[float, ...] | None
     sign: int = 1
     shear: Array | None = None
     bulk: float = 0.0
@@ -155,7 +155,7 @@ class SubsurfaceStressOperator:
         self, residual: Callable[[int, float], ResidualStress | None]
     ) -> "SubsurfaceStressOperator":
         """Return this map with the `residual` stress of the body added, if it yields."""
-        deepest = max(self.depths, default=self.grid.extent[0])
+        deepest = self.grid.extent[0] if self.depths is None else max(self.depths)
         return replace(self, residual=partial(residual, (1 - self.sign) // 2, deepest))
 
     def with_shear(self, shear: Array, bulk: tuple[float, float] = (0.0, 0.0)) -> "SubsurfaceStressOperator":
@@ -166,7 +166,9 @@ class SubsurfaceStressOperator:
         return replace(self, shear=self.sign * shear, bulk=bulk[(1 - self.sign) // 2])
 
     def __call__(self, pressure: Array) -> Array:
-        """Return stress (component, z, x, y) in the unit of `pressure` (x, y)."""
+        """Return stress (component, z, x, y) at the given depths in the unit of `pressure` (x, y)."""
+        if self.depths is None:
+            raise InvalidInput("depths are chosen by the pressure: call at_chosen_depths, or give depths [m].")
         if pressure.shape != self.grid.cells:
             raise InvalidInput(f"pressure has the shape {pressure.shape}: give it {self.grid.cells}.")
         stress = self._stress_of("pressure", pressure)
@@ -184,6 +186,7 @@ class SubsurfaceStressOperator:
 
     def _stress_of(self, traction: str, values: Array) -> Array:
         """Return the stress due to the `values` (x, y) of one component of the surface `traction`."""
+        assert self.depths is not None
         if self.ended is not None:
             # imported only for bodies with faces
             from contactstudy.elasticity.face_stress import StressByFaces
@@ -285,11 +288,11 @@ class SubsurfaceStressOperator:
 
     def fields(self, pressure: Array) -> Mapping[str, Field]:
         """Return ``stress``, ``von_mises`` and their coordinates ``component`` and ``z``."""
-        if self.depths:
-            depths, stress = self.depths, self(pressure)
-        else:
+        if self.depths is None:
             chosen = self.at_chosen_depths(pressure)
             depths, stress = tuple(chosen), np.stack(list(chosen.values()), axis=1)
+        else:
+            depths, stress = self.depths, self(pressure)
         dimensions = ("component", "z", "x", "y")
         names = np.array(list(COMPONENTS))
         named = {"comment": "mean lateral strain is prevented"} if self._repeats else {}

@@ -156,7 +156,7 @@ class Lubrication:
     thermal: FilmHeat | None = None
 
     def check_together(self) -> None:
-        """Check that cavitation and temperatures have a meaning."""
+        """Check fields against each other."""
         if isinstance(self.mean_speed, ChangingLoad):  # which has all of a speed
             raise InvalidInput(
                 f"Lubrication.mean_speed is {self.mean_speed!r}, a load: give a speed above 0 m/s, or a SpeedHistory."

@@ -41,11 +41,11 @@ OF_HEAT = "flash_temperature", "film_temperature", "thermal_reduction"
 FURTHER = "power_loss", "rolling_resistance", "meniscus", "thermal_reduction"
 ATTRIBUTES = {"friction_coefficient": "friction", "thermal_reduction": "temperatures.reduction"}
 # A number that changes by more than this from half the cells, and by more than from a quarter to half, may grow with the
-# cells, as does the friction of a Newtonian stress under a spike. Without a film on a quarter of the cells none is known to.
+# cells, as does the friction of a Newtonian stress under a spike. It takes a film on a quarter of the cells to tell.
 NOTICEABLE = 0.02
 GROWS = (
-    "No bound: from half the cells it changes by {:.2g} %, more than from a quarter to half, so that it may grow with them, "
-    "as below a spike of the pressure. Give more cells, or a shear law that thins, such as Eyring()."
+    "No bound: from half the cells it changes by {:.2g} %, more than from a quarter to half, so that it may grow with "
+    "them, as below a spike of the pressure. Give more cells, or a shear law that thins, such as Eyring()."
 )
 # Outcomes without a film to compare with.
 UNRESOLVED = (

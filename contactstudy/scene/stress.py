@@ -361,9 +361,12 @@ def largest_shear(stress: Array) -> Array:
 
 
 def orthogonal_shear(stress: Array) -> Array:
-    """Return the amplitude of the shear stress xz, half its range along x at one depth, at all x (..., x, y).
+    """Return the amplitude of the shear stress xz, half its range along x at one depth, as fields (..., x, y).
 
-    A point of a body that rolls along x sees the whole range (Lundberg & Palmgren 1947).
+    A point of a body that rolls along x sees the whole range (Lundberg & Palmgren 1947). The amplitude is the largest
+    value of a field along x: at each place half the distance of the shear stress from its farther end of the range, so
+    that a field has a maximum for each place at which the shear stress does.
     """
-    amplitude = np.ptp(stress[4], axis=-2, keepdims=True) / 2
-    return np.broadcast_to(amplitude, stress[4].shape)
+    shear = stress[4]
+    lowest, highest = shear.min(axis=-2, keepdims=True), shear.max(axis=-2, keepdims=True)
+    return np.asarray(np.maximum(shear - lowest, highest - shear) / 2)

@@ -119,7 +119,7 @@ def stress_quantities(
         shear, of_shear = largest_shear(stress[:, inside]), f"largest shear stress {at}"
         name_of_shear = f"{before}largest_shear_stress"
         found |= _with_depth(name_of_shear, of_shear, shear, axes, given=given)
-        # a range along x has no place on it
+        # a range along x has no place on it, and its ends have depths of their own at which it is largest
         shear, name_of_range = orthogonal_shear(stress[:, inside]), f"{before}orthogonal_shear"
         along = {axis: places for axis, places in axes.items() if axis != "x"}
         found |= _with_depth(name_of_range, f"orthogonal shear stress {at}", shear, along, given=given)
@@ -190,7 +190,10 @@ def _with_depth(
             level = np.where(maxima, values[number], -inf)
             cells = 1 if depths[number] else AT_SURFACE
             reach = float(level.max()) + fall_beside(level, values[number], cells)
-            rivals.append((reach, position["z"] if number == at else float(depths[number])))
+            # another maximum lies up to half-way to the depths beside it
+            around = depths[max(number - 1, 0) : number + 2]
+            places = [position["z"]] if number == at else ((depths[number] + around) / 2).tolist()
+            rivals += [(reach, place) for place in places]
     if position["z"] == depths[at]:  # no parabola says where between the depths
         near = slice(max(at - 1, 0), at + 2)
         rivals += zip(peaks[near].tolist(), depths[near].tolist(), strict=True)

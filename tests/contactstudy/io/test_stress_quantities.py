@@ -148,3 +148,14 @@ def test_depths_meet_a_request_of_one_per_cent_and_one_at_the_surface_is_known_t
     depth = found["largest_von_mises_depth"]
     assert depth.value == 0.0
     assert 0 < depth.bound < 0.05 * half
+
+
+def test_depths_of_two_maxima_of_nearly_one_height_are_known_to_their_distance() -> None:
+    # the orthogonal shear stress is largest at x = 22 um and 3.1 um deep, or within 0.05 % at 39 um and 2.8 um
+    solids = cs.HalfSpace(369.5e9, 0.3828), cs.HalfSpace(270.2e9, 0.2766)
+    shapes = cs.Cylinder(0.00811), cs.Waviness(1.361e-8, across=1.7727e-5)
+    scene = cs.Scene(cs.LineLoad(3.44e4), solids, shapes, outputs=(ALL_DEPTHS,))
+    coarse, fine = (cs.solve(scene, cs.Grid((cells, 1), (9.3112e-5, 1e-4))).quantities for cells in (192, 1536))
+    assert abs(coarse["orthogonal_shear_depth"].value - fine["orthogonal_shear_depth"].value) > 2e-7
+    for name in (name for name in coarse if name.endswith("depth")):
+        assert abs(coarse[name].value - fine[name].value) <= coarse[name].bound

@@ -1,7 +1,7 @@
-"""March through time by pairs of steps, beside steps of twice the length, whose difference tells the error of all.
+"""March through time by pairs of steps, beside steps of twice the length: their difference tells the error.
 
-A pair of steps that has too large an error is rejected, and the next one is as long as its error allows. Where no error
-is asked for, steps go from one point in time to the next, two of them beside one.
+A pair of steps that has too large an error is rejected. The next pair is as long as the error of the last one allows.
+Where no error is asked for, steps go from one point in time to the next, and pairs of them are compared with one step.
 Source: Hairer, Norsett & Wanner (1993), sect. II.4, eqs. 4.4 and 4.13, there with the error of one pair alone.
 """
 
@@ -19,18 +19,20 @@ from contactstudy.domain.checks import InvalidInput
 from contactstudy.scene.loads.load_history import ChangingLoad, PiecewiseLinear, check_ascending
 from contactstudy.solvers.solution import Status
 
-# Smallest and largest factor on the length of a pair, and the fraction of the allowed length that is aimed at.
+# Smallest and largest factor on the length of the next pair, and the fraction of the allowed length that is aimed at.
 MIN_FACTOR, MAX_FACTOR, SAFETY = 0.2, 2.0, 0.9
-# Largest factor on the length of a pair that was rejected, and on those of a march that starts again.
-MAX_REJECTED_FACTOR, MAX_RESTART_FACTOR = 0.5, 0.7
-# A pair shorter than this, over the whole time, is never rejected: where its error is too large, or it has no solution.
+# Largest factor on the length of a pair after one that was rejected.
+MAX_REJECTED_FACTOR = 0.5
+# Largest factor on the allowed error of all steps in a march that starts again.
+MAX_RESTART_FACTOR = 0.7
+# Pairs shorter than this fraction of the whole time are never rejected: for too large an error, and without a solution.
 SHORTEST, SHORTEST_WITHOUT_SOLUTION = 1e-12, 1e-6
-# Pairs as long as the time to a point but for this fraction of it are as long as that.
+# Relative difference of two times, or lengths of time, that is rounding.
 ROUNDING = 1e-9
-# Steps make no pair where their lengths differ by a larger factor: an error of first order is 1.08 times the difference
-# to one step of both lengths at this factor, once that at equal lengths, and 5 times at 10.
+# Steps make no pair where their lengths differ by a larger factor. The error of a method of first order is the
+# difference to one step of both lengths times 1 for equal lengths, 1.08 at this factor, and 5 at a factor of 10.
 MAX_RATIO_OF_PAIR = 1.5
-# Most increments of a jump in doubled steps.
+# Largest number of increments of a jump in doubled steps, after which its error is taken as it is.
 MAX_INCREMENTS = 2**11
 
 
@@ -100,15 +102,11 @@ def schedule(
         raise InvalidInput("solve.times is None, and Scene.load has no end: give times [s].")
     counts = Counter(recorded or ())
     further = (*kinks, *(history.times if history is not None else ()))
-    breaks = {
-        load.start,
-        *load.breaks(end),
-        *(time for time in further if load.start <= time <= end),
-    }
-    places = sorted(breaks | set(counts) | {end})
-    instants = places[:1]
-    for first, last in pairwise(places):
-        parts = ceil((last - first) / longest * (1 - 1e-9))  # rounding makes no further part
+    breaks = {load.start, *load.breaks(end), *(time for time in further if load.start <= time <= end)}
+    given = sorted(breaks | set(counts) | {end})
+    instants = given[:1]
+    for first, last in pairwise(given):
+        parts = ceil((last - first) / longest * (1 - ROUNDING))
         instants += [first + (last - first) * part / parts for part in range(1, parts)] + [last]
     return tuple(
         Breakpoint(
@@ -126,14 +124,11 @@ def schedule(
 def all_recorded(breakpoints: tuple[Breakpoint, ...]) -> tuple[Breakpoint, ...]:
     """Return `breakpoints`, all recorded: before and after a jump, but the first only after it."""
     first, *others = breakpoints
-    return (
-        replace(first, times_recorded=1),
-        *(replace(point, times_recorded=1 + point.jumps) for point in others),
-    )
+    return replace(first, times_recorded=1), *(replace(point, times_recorded=1 + point.jumps) for point in others)
 
 
 def _checked(times: ArrayLike, load: ChangingLoad) -> list[float]:
-    """Return `times` [s] as a list; raise InvalidInput if they decrease, begin before the load or stand three times."""
+    """Return `times` [s] as a list; raise InvalidInput if they decrease, start before the load or repeat one twice."""
     instants: list[float] = np.ravel(times).tolist()
     check_ascending("solve.times", instants)
     if instants[0] < load.start:
@@ -144,7 +139,7 @@ def _checked(times: ArrayLike, load: ChangingLoad) -> list[float]:
 
 
 def ascending(times: ArrayLike, least: int = 1) -> list[float]:
-    """Return `times` [s] as a list; raise InvalidInput unless they ascend and are at least so many."""
+    """Return `times` [s] as a list; raise InvalidInput unless each is later than the last, and `least` are given."""
     instants: list[float] = np.ravel(times).tolist()
     if len(instants) < least or sorted(set(instants)) != instants:
         count = "two or more" if least > 1 else "them"
@@ -165,7 +160,7 @@ class State(Protocol):
 
     @property
     def change(self) -> float:
-        """Error of that step as its method estimates it, 0 if it does not; infinite where it has no solution."""
+        """Error of that step as its method estimates it; 0 if it does not, infinite where it has no solution."""
 
     @property
     def work(self) -> Counter[str]:
@@ -183,7 +178,8 @@ class Method(Generic[S]):
     order
         Power of its length with which the error of a pair of steps grows.
     increments
-        Increments of a jump in doubled steps at first, twice as many in short ones; 0 where its path does not matter.
+        First number of increments of a jump in doubled steps, twice as many in short ones; 0 where its path does not
+        matter.
     """
 
     order: ClassVar[int] = 2
@@ -202,7 +198,10 @@ class Method(Generic[S]):
         raise NotImplementedError
 
     def error(self, before: tuple[S, S], middle: S, after: tuple[S, S]) -> float:
-        """Return the error of a pair of steps, from the (short, doubled) states before and after it: that of a step."""
+        """Return the error of a pair of steps, from the (short, doubled) states before and after it.
+
+        Here it is the largest :attr:`~State.change` of its steps.
+        """
         doubled: float = after[1].change / 2**self.order
         return max(middle.change, after[0].change, doubled)
 
@@ -244,7 +243,10 @@ class Control:
         return min(max(longer, MIN_FACTOR), MAX_FACTOR)
 
     def stricter(self, excessive: float) -> "Control":
-        """Return the control of the next march, after one in which the error of all steps is above the allowed one."""
+        """Return the control of the next march, after one whose error of all steps is `excessive`.
+
+        The error of a pair grows as its length to the power of the order, and that of all pairs with one power less.
+        """
         shorter = min(SAFETY * self.allowed / excessive, MAX_RESTART_FACTOR)
         return replace(self, limit=self.limit * shorter ** (self.order / (self.order - 1)))
 
@@ -324,9 +326,7 @@ class March(Generic[S]):
             yield [self._record(self.fine, None)]
         while self.number < len(self.points) and self.fine.change < inf:
             if self.fine.time < self.points[self.number].time:
-                restarts = self.total["restarts"]
-                records = self._pair(self.points[self.number])
-                yield records if self.total["restarts"] == restarts else None
+                yield self._pair(self.points[self.number])
             point = self.points[self.number]
             if self.fine.change == inf or self.fine.time < point.time:
                 continue
@@ -352,8 +352,11 @@ class March(Generic[S]):
         is_done = self.number == len(self.points)
         return self.fine.change < inf and (is_done or self.fine.time < self.points[self.number].time)
 
-    def _pair(self, point: Breakpoint) -> list[Record[S]]:
-        """Take a pair of steps towards `point`, unless it is rejected, and return what is recorded."""
+    def _pair(self, point: Breakpoint) -> list[Record[S]] | None:
+        """Take a pair of steps towards `point`, unless it is rejected, and return what is recorded.
+
+        None says that the march starts again.
+        """
         begin, doubled, records = self.fine, self.coarse, list[Record[S]]()
         half, end = self._ends(point)
         middle = self._step(self.fine, half)
@@ -377,10 +380,14 @@ class March(Generic[S]):
             longer = max(longer, self.length if end == point.time else 0.0)
             self.length = min(longer, self.control.longest)
         statuses += [*after[0].statuses, *after[1].statuses]
-        return records + self._go_on(begin, middle, after, statuses)
+        further = self._go_on(begin, middle, after, statuses)
+        return None if further is None else records + further
 
-    def _go_on(self, begin: S, middle: S, after: tuple[S, S | None], statuses: list[Status]) -> list[Record[S]]:
-        """Continue from the states after a pair of steps, or start again where the error of all is too large."""
+    def _go_on(self, begin: S, middle: S, after: tuple[S, S | None], statuses: list[Status]) -> list[Record[S]] | None:
+        """Continue from the states after a pair of steps, or start again where the error of all is too large.
+
+        Return what is recorded; None says that the march starts again.
+        """
         self.fine, self.coarse = fine, coarse = after
         self.statuses += statuses
         if fine.change == inf:
@@ -391,7 +398,7 @@ class March(Generic[S]):
             self.control = self.control.stricter(error)
             self._count(Counter(restarts=1))
             self._begin()
-            return []
+            return None
         if self.progress is not None:
             for state in (fine,) if fine is middle else (middle, fine):
                 self.progress(state.time - self.start.time, self.duration)
@@ -404,7 +411,7 @@ class March(Generic[S]):
         if self.control is None:
             if self.coarse is None:
                 return point.time, point.time
-            if not self._ends_pair(point):
+            if self._begins_pair(point):
                 return point.time, self.points[self.number + 1].time
             return (now + point.time) / 2, point.time
         if self.length >= remaining * (1 - ROUNDING):
@@ -412,14 +419,14 @@ class March(Generic[S]):
         pair = min(self.length, remaining / 2)
         return now + pair / 2, now + pair
 
-    def _ends_pair(self, point: Breakpoint) -> bool:
-        """Return whether a step to `point` makes no pair with the one after it, so that two steps lead there."""
+    def _begins_pair(self, point: Breakpoint) -> bool:
+        """Return whether a step to `point` makes a pair with the one after it; if not, two steps lead to it."""
         if point is self.points[-1] or point.is_discontinuity or point.times_recorded == 2:
-            return True
+            return False
         after = self.points[self.number + 1]
         ratio = (after.time - point.time) / (point.time - self.fine.time)
         # without load both integrations have the same pressure
-        return after.before == 0 or max(ratio, 1 / ratio) > MAX_RATIO_OF_PAIR
+        return after.before != 0 and max(ratio, 1 / ratio) <= MAX_RATIO_OF_PAIR
 
     def _step(self, state: S, end: float) -> S:
         """Return the state after a step to `end` [s], whose work counts whether it is accepted or not."""

@@ -23,9 +23,10 @@ def solve_by_fixed_point_iteration(
 ) -> Solution:
     """Return the solution of a problem with a displacement that follows from its own pressure, by fixed-point iteration.
 
-    It converges where the map is a contraction, as that of friction below 1 is between elastic bodies. Each outer
-    iteration adds the displacement of the one before to the gap, until that changes the gap in the contact by less than
-    the tolerance, in units of ``problem.scales.gap``; where it does not, the status of a contact that converged is
+    It converges where the map is a contraction. The displacement by friction between elastic bodies is one for a
+    coefficient of friction below 1. Each outer iteration adds the displacement under the last pressure to the gap, and
+    solves the contact again, until the displacement changes the gap in the contact by at most the tolerance, in units
+    of ``problem.scales.gap``. If it still changes by more after the last one, the status is
     :attr:`~contactstudy.Status.NOT_CONVERGED`.
 
     Parameters
@@ -50,8 +51,8 @@ def solve_by_fixed_point_iteration(
         if change <= options.tolerance or outer == max_outer or not np.isfinite(change):
             break
         added = displacement
-        lowered = replace(problem, undeformed_gap=problem.undeformed_gap + added)
-        solution = solve_contact(lowered, options, solution.pressure, device)
+        displaced = replace(problem, undeformed_gap=problem.undeformed_gap + added)
+        solution = solve_contact(displaced, options, solution.pressure, device)
         iterations += solution.iterations
         convolutions += solution.convolutions
         outer += 1
@@ -71,7 +72,7 @@ def solve_by_fixed_point_iteration(
 
 
 def _change_in_contact(change: Array, solution: Solution) -> float:
-    """Return the effect of a `change` of the gap: its largest value in the contact, under a given load less the mean."""
+    """Return the largest `change` of the gap in the contact; under a given load, of what differs from its mean."""
     within = change[solution.pressure > 0]
     if not within.size:
         return 0.0

@@ -12,39 +12,22 @@ from contactstudy.problem.operator import Extension
 from contactstudy.solvers.iterate import Iterate, Stall
 from contactstudy.solvers.polonsky_keer import PolonskyKeer
 
-
-@dataclass(frozen=True)
-class DescentConstants:
-    """Constants of the iteration, chosen for few iterations on rough contacts with 9 % to 100 % of the area of Hertz.
-
-    Attributes
-    ----------
-    least_fraction
-        A step that a limit cut off is taken in whole where the complementary energy is least beyond this fraction of it:
-        the whole step then lowers that energy too.
-    longest, shortest
-        Limits of the trial step length. The preconditioner is stiffer than the contact, not softer, so that steps
-        beyond 1 overshoot; the lower limit keeps rounding from shortening all further steps.
-    coarse_reduction
-        Fraction of its first residual at which a coarse grid ends. Interpolation to a rough surface has about a third of
-        that residual, so that a smaller fraction gains nothing; 0.1 costs an iteration on rough contacts of 96 x 96 and
-        512 x 512 cells.
-    max_direct_cells
-        Number of cells up to which no coarser grids are used: iterations there cost nearly as much. With 1024 a line of
-        4096 cells takes 20 convolutions in place of 33, and contacts that vary along both axes take no fewer.
-    max_direct_gpu_cells
-        The same on a GPU, where small grids cost as much as one of 512 x 512 cells.
-    """
-
-    least_fraction: float = 0.5
-    longest: float = 1.0
-    shortest: float = 0.1
-    coarse_reduction: float = 0.02
-    max_direct_cells: int = 4096
-    max_direct_gpu_cells: int = 2**18
-
-
-CONSTANTS = DescentConstants()
+# Constants of the iteration, chosen for few iterations on rough contacts with 9 % to 100 % of the area of Hertz.
+# A step that a limit cut off is taken in whole where the complementary energy is least beyond this fraction of it: the
+# whole step then lowers that energy too, which is quadratic along it.
+LEAST_FRACTION = 0.5
+# Limits of the trial step length. The preconditioner is stiffer than the contact, not softer, so that steps beyond 1
+# overshoot; the lower limit keeps rounding from shortening all further steps.
+SHORTEST, LONGEST = 0.1, 1.0
+# Fraction of its first residual at which a coarse grid ends. Interpolation to a rough surface has about a third of that
+# residual, so that a smaller fraction gains nothing; 0.1 costs an iteration on rough contacts of 96 x 96 and 512 x 512
+# cells.
+COARSE_REDUCTION = 0.02
+# Number of cells up to which no coarser grids are used: iterations there cost nearly as much. With 1024 a line of 4096
+# cells takes 20 convolutions in place of 33, and contacts that vary along both axes take no fewer.
+MAX_DIRECT_CELLS = 4096
+# The same on a GPU, where small grids cost as much as one of 512 x 512 cells.
+MAX_DIRECT_GPU_CELLS = 2**18
 
 
 @dataclass(frozen=True)
@@ -101,8 +84,8 @@ class ContactState:
     def advance(self, trial: Trial) -> float:
         """Step towards the `trial` and return the fraction of the step at which the complementary energy is least.
 
-        The energy is quadratic along the step: one convolution gives its minimum. The step ends there, or at the `trial`
-        where limits of the pressure are in the way.
+        The energy is quadratic along the step: one convolution gives its minimum. The step ends there, or at the
+        `trial` where limits of the pressure are in the way.
         """
         operations = self.problem.operations
         displacement = self.problem.operator(trial.pressure)
@@ -122,7 +105,7 @@ class ContactState:
         """Return the fraction of a step to take: `best`, of least complementary energy, unless limits are in the way."""
         if trial.cut:
             # cut cells are at a limit of their pressure, and would be beyond it after more than the whole step
-            return 1.0 if best > CONSTANTS.least_fraction else best
+            return 1.0 if best > LEAST_FRACTION else best
         # not up to the first limit beyond it: rounding would decide which of many cells reaches it
         operations = self.problem.operations
         crosses = best > 1 and operations.crosses_a_limit(trial.pressure, self.pressure, best)
@@ -133,8 +116,8 @@ class ContactState:
 class PredictedSet:
     """Active set predicted for a step: `active` (x, y) is 1 in its cells and 0 elsewhere.
 
-    `entered` says whether any cell entered it. `extension` and `extended` are the extension from the set, and that of
-    its gap.
+    `entered` says whether any cell entered it. `extension` is the map from a displacement of the set to that of all
+    cells, and `extended` what it gives for the gap of the set.
     """
 
     active: Array
@@ -224,7 +207,7 @@ def trial_step(state: ContactState, preconditioner: ContactPreconditioner, step_
     shift, beta = _shift_and_beta(problem, height, preconditioned, active, usable, uniform)
     direction = Direction(preconditioned, active, shift, beta)
     sums = operations.trial(pressure, height, direction, step_length, trial)
-    slope, rounding = sums.slope, 16 * float(arrays().finfo(pressure.dtype).eps)
+    slope, rounding = sums.slope, 16 * float(arrays().finfo(pressure.dtype).eps)  # of a sum
     if sums.cut or control.error(sums.load) > rounding:
         slope = operations.project_to_load(trial, sums, active, control, pressure, height)
     return Trial(trial, slope, sums.cut)
@@ -295,8 +278,8 @@ class PreconditionedCG:
     Parameters
     ----------
     coarse_tolerance
-        Residual at which coarser grids, which give the start, end; they also end at a 50th of their first residual, and
-        after `patience` iterations.
+        Residual at which iterations on coarser grids end, which give the start. They also end at `COARSE_REDUCTION`
+        times their first residual, and after `patience` iterations.
     patience
         Iterations without a halving of the residual after which Polonsky & Keer's scheme goes on from there, and the
         solution's note says so.
@@ -334,7 +317,7 @@ class PreconditionedCG:
         )
 
     def _first_pressure(self, problem: BareProblem, start: Array | None, tolerance: float) -> tuple[Array, float]:
-        """Return the admissible pressure to start from, in a new array, and the convolutions that it takes at most."""
+        """Return the admissible pressure to start from, in a new array, and at most how many convolutions it takes."""
         if start is not None:
             admissible = problem.clip_and_scale(arrays().asarray(start, copy=True))
             if problem.control.approach is None or arrays().any(admissible > 0):
@@ -342,19 +325,16 @@ class PreconditionedCG:
             return problem.winkler_start(), 1.0
         shape = problem.undeformed_gap.shape
         on_gpu = device_loops() is not None
-        direct = CONSTANTS.max_direct_gpu_cells if on_gpu else CONSTANTS.max_direct_cells
+        direct = MAX_DIRECT_GPU_CELLS if on_gpu else MAX_DIRECT_CELLS
         coarse = problem.coarsened() if prod(shape) > direct else None
         if coarse is None:
             return problem.winkler_start(), 1.0
         enough = max(tolerance, self.coarse_tolerance)
-        last = self._descend(coarse, None, enough, self.patience, CONSTANTS.coarse_reduction)
+        last = self._descend(coarse, None, enough, self.patience, COARSE_REDUCTION)
         blocks = [n // m for n, m in zip(shape, last.pressure.shape, strict=True)]
         xp = arrays()
         fine = xp.repeat(xp.repeat(last.pressure, blocks[1], axis=1), blocks[0], axis=0)
-        return (
-            fine,
-            last.convolutions * coarse.operator.transform_size / problem.operator.transform_size,
-        )
+        return fine, last.convolutions * coarse.operator.transform_size / problem.operator.transform_size
 
     def _descend(
         self,
@@ -384,10 +364,10 @@ class PreconditionedCG:
             else:  # no contact to precondition: it begins in the cells that penetrate
                 trial = projected_gradient_step(state, arrays().empty_like(state.pressure))
             if trial.slope >= 0:  # not a descent direction after projection
-                step_length = max(step_length / 4, CONSTANTS.shortest)
+                step_length = max(step_length / 4, SHORTEST)
                 trial = projected_gradient_step(state, trial.pressure)
             step_length *= state.advance(trial)
-            step_length = min(max(step_length, CONSTANTS.shortest), CONSTANTS.longest)
+            step_length = min(max(step_length, SHORTEST), LONGEST)
             residual = state.residual
         return Iterate(
             state.pressure,

@@ -15,12 +15,12 @@ from studies.model.study import Point, Study
 from studies.reference.line_contact import HERTZ, SCENE, WIDTH, measures
 from studies.reference.paddings import PADDINGS, padding_at
 
-# Cells along the length of a contact that does not vary along it; None for square ones. Every padding has both.
+# Cells along the length of a contact that does not vary along it; None for square cells.
 ALONG = {"square": None, "one": 1}
 HALF_WIDTHS = "position across the contact over Hertz half-width"
 # Tolerance of the solver where a study does not vary it.
 TOLERANCE = 1e-8
-# Cells across of the default grids; the study of cost leaves out the first two.
+# Cells across the grids, two to an octave; the study of cost leaves out the first two.
 GRIDS = (12, 18, 24, 36, 48, 72, 96, 144)
 PAPER_CELLS = 128
 TITLES = {
@@ -32,17 +32,16 @@ TITLES = {
     "paper": "The paper's comparison: pressure across the contact with every padding",
 }
 # Numbers of images by preset.
-IMAGES = {
-    "padding": (1, 6, 20), "images": (0, 1, 2, 3, 4, 6, 8, 10, 20), "pareto": (1, 6), "paper": (1, 6)
-}  # fmt: skip
+IMAGES = {"padding": (1, 6, 20), "images": (0, 1, 2, 3, 4, 6, 8, 10, 20), "pareto": (1, 6), "paper": (1, 6)}
+# Period of the paper's point contacts over Hertz half-width, the only one that it names.
+PERIOD_OF_PAPER = 3.0
 # Periods by preset, over Hertz half-width.
-LENGTH_OF_PAPER = 3.0  # of its point contacts, the only one that it names
 PERIODS = {
     "padding": (0.6, 2.4),
     "period": (0.15, 0.3, 0.6, 1.2, 2.4, 4.8, 9.6),
-    "images": (0.6, LENGTH_OF_PAPER, 9.6),
+    "images": (0.6, PERIOD_OF_PAPER, 9.6),
     "pareto": (0.6, 2.4),
-    "paper": (LENGTH_OF_PAPER,),
+    "paper": (PERIOD_OF_PAPER,),
 }
 
 
@@ -108,10 +107,7 @@ def profile_measures(case: Case, contact: cs.Contact) -> Mapping[str, xr.Variabl
     }
     half_cell = (x.values[1] - x.values[0]) / 2
     borders = np.stack([x.values - half_cell, x.values + half_cell], axis=1)
-    label = {
-        "long_name": f"borders of the cells: {x.attrs['long_name']}",
-        "units": x.attrs["units"],
-    }
+    label = {"long_name": f"borders of the cells: {x.attrs['long_name']}", "units": x.attrs["units"]}
     x.attrs["bounds"] = "x_bounds"
     bounds = xr.Variable(("x", "border"), borders, label)
     return {**measures(case, contact), "x": x, "x_bounds": bounds, **profiles}

@@ -33,6 +33,10 @@ from studies.scene_study.measures import measures
 
 # Number of points that are all planned. Of more, every n-th by width is, and the widest: up to 13 in all.
 MAX_PLANNED = 8
+DIFFERENT_SURFACES = (
+    "random surfaces differ between grids, because the shortest of their periods does not divide all: give "
+    "Roughness an extent whose length divides all periods for one surface"
+)
 
 
 def on_shared_grids(points: Sequence[SceneFile]) -> tuple[list[Case], tuple[str, ...]]:
@@ -57,10 +61,10 @@ def on_shared_grids(points: Sequence[SceneFile]) -> tuple[list[Case], tuple[str,
         chosen, about = _shared([points[number] for number in numbers])
         grids.update(zip(numbers, chosen, strict=True))
         notes += about
-    extent, about = _extent(list(grids.values()))
+    extent = _common_extent([grid.extent for grid in grids.values()])
     shapes = [shape for point in points for shape in point.scene.shapes]
     if any(isinstance(shape, Roughness) and shape.extent is None for shape in shapes):
-        notes += about
+        notes.append(DIFFERENT_SURFACES if extent is None else _extent_note(extent))
     placed = [_case_on(point, grids[number], extent) for number, point in enumerate(points)]
     return placed, tuple(dict.fromkeys(notes))
 
@@ -73,9 +77,8 @@ def _with_random_extents(points: Sequence[SceneFile]) -> tuple[Sequence[SceneFil
     shapes = [shape for point in points for shape in point.scene.shapes]
     if not is_planned or not any(scales.longest_across for scales in length_scales_of(shapes)):
         return points, []
-    extents = [grid_requirements(point.scene).extent(point.plan_settings.period) for point in points]
-    extent = max(width for width, _ in extents), min(length for _, length in extents)
-    if any(abs(length / extent[1] - round(length / extent[1])) > 1e-9 for _, length in extents):
+    extent = _common_extent([grid_requirements(point.scene).extent(point.plan_settings.period) for point in points])
+    if extent is None:
         return points, []
     placed = [replace(point, scene=with_random_extents(point.scene, extent)) for point in points]
     return placed, [_extent_note(extent)]
@@ -125,17 +128,19 @@ def _own_length(point: SceneFile) -> float | None:
 
 
 def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:
-    """Return one grid for all points, or one for each if no period suits all, and notes on them."""
+    """Return the grid of each point, and notes on them: one grid for all where one suits all.
+
+    The points have the same grid and plan settings in their file.
+    """
     first = points[0]
-    if first.grid is None and any(point.scene.hertz is None for point in points):
-        note = "each measured surface is solved on its own points"
-        return [_planned_grid(point) for point in points], [note]
-    if first.grid is None and any(point.scene.lubrication is not None for point in points):
-        notes = ["each film has its own grid, because inlet length and cell size depend on the film thickness"]
-        return [_planned_grid(point) for point in points], notes
     if first.grid is not None:
         note = f"grid {_size_text(first.grid)}, given, for {counted(len(points), 'point')}"
         return [first.grid] * len(points), [note]
+    if any(point.scene.hertz is None for point in points):
+        return [_planned_grid(point) for point in points], ["each measured surface is solved on its own points"]
+    if any(point.scene.lubrication is not None for point in points):
+        note = "each film has its own grid, because inlet length and cell size depend on the film thickness"
+        return [_planned_grid(point) for point in points], [note]
     requirements = [grid_requirements(point.scene) for point in points]
     planned = _planned(points, requirements)
     width = max(grid.extent[0] for grid in planned)
@@ -199,15 +204,11 @@ def _fitting(grid: cs.Grid, point: SceneFile) -> cs.Grid:
     return within_memory(grid, padding, MEMORY_FRACTION * available_bytes())
 
 
-def _extent(grids: Sequence[cs.Grid]) -> tuple[tuple[float, float] | None, list[str]]:
-    """Return the extent of random surfaces without one, and a note; None unless the shortest period divides all."""
-    width, period = max(grid.extent[0] for grid in grids), min(grid.length for grid in grids)
-    if any(abs(grid.length / period - round(grid.length / period)) > 1e-9 for grid in grids):
-        return None, [
-            "random surfaces differ between grids, because the shortest of their periods does not divide all: give "
-            "Roughness an extent whose length divides all periods for one surface"
-        ]
-    return (width, period), [_extent_note((width, period))]
+def _common_extent(extents: Sequence[tuple[float, float]]) -> tuple[float, float] | None:
+    """Return the largest width and the shortest period [m] of some extents; None unless that period divides all."""
+    width, period = max(width for width, _ in extents), min(length for _, length in extents)
+    divides = all(abs(length / period - round(length / period)) <= 1e-9 for _, length in extents)
+    return (width, period) if divides else None
 
 
 def _extent_note(extent: tuple[float, float]) -> str:
@@ -243,7 +244,7 @@ def study_of(
     name
         Name of the study; if None, that of the file with "-sweep", or "scene" for one that is in no file.
     folder
-        Folder at which files of surfaces start.
+        Folder that relative paths of surface files start from; if None, that of the scene file.
 
     Raises
     ------
@@ -281,14 +282,14 @@ def study_of(
         times="none",
         notes=(*notes, *surfaces, *found.notes),
         attributes={
-            "scene": f"# Along the axes vary {', '.join(path for group in groups for path in group)}, which are "
-            f"here as in the scene that is varied.\n{text}"
+            "scene": f"# {', '.join(path for group in groups for path in group)} vary along the axes; here they have "
+            f"the values of the scene that is varied.\n{text}"
         },
     )
 
 
 def axes_of(path: Path) -> tuple[Axis, ...]:
-    """Return the axes of the study of a scene file, of which nothing is planned."""
+    """Return the axes of the study of a scene file, without planning any grid."""
     raw, groups, _ = read_tables(path)
     return varied_scenes(raw, groups, path.parent, str(path)).axes
 
@@ -313,7 +314,10 @@ class SceneAt:
 def read_tables(
     scene: Scene | SceneFile | str | PathLike[str],
 ) -> tuple[Table, Sequence[Mapping[str, object]], str]:
-    """Return the tables of a scene, what it varies itself, and its text, which of Python objects may be their names."""
+    """Return the tables of a scene, the fields and values that it varies, and its text.
+
+    The text of a scene with a shape or a body from outside the core is its ``repr``, as a comment.
+    """
     if isinstance(scene, str | PathLike):
         raw, groups = tables_of(Path(scene))
         return raw, groups, Path(scene).read_text(encoding="utf-8")

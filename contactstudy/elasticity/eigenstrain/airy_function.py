@@ -20,9 +20,10 @@ DERIVATIVE_ORDERS = tuple((m, n) for m in range(3) for n in range(3))
 def airy_means(count: int, edges: Array, layer: int) -> Mapping[tuple[int, int], Array]:
     """Return means of derivatives of Airy's stress function G over a cell of one `layer`, by sources in all layers.
 
-    For each (m, n) of `DERIVATIVE_ORDERS` it is ``d_z^m d_z'^n d_x^(4-m-n) G``; G is that of a half-space free of
-    traction. The arrays (layers, x) are at `count` offsets 0, 1, 2 ... across; offsets and the `edges` of the layers
-    are in cells. Errors from cancellation grow like the offset squared, to some 3e-9 of the largest mean at 1000 cells.
+    For each (m, n) of `DERIVATIVE_ORDERS` it is ``d_z^m d_z'^n d_x^(4-m-n) G`` with depths z of the stress and z' of
+    the source; G is that of a half-space free of traction. The arrays (layers, x) are at `count` offsets 0, 1, 2 ...
+    across; offsets and the `edges` of the layers are in cells. Errors from cancellation grow like the offset squared,
+    to some 3e-9 of the largest mean at 1000 cells.
     """
     x = np.arange(-1.0, count + 1)
     below, above = (_integrals(x, edges[layer + side], edges) for side in (1, 0))
@@ -62,6 +63,7 @@ def _powers(x: Array, z: Array) -> tuple[Array, ...]:
     """
     squared = x * x + z * z
     log = log_distance(squared)
+    # angles from the z axis and from the x axis, of the same sign as x z
     by_z = np.sign(z) * np.arctan2(x, np.abs(z))
     by_x = np.sign(x) * np.arctan2(z, np.abs(x))
     return (

@@ -25,10 +25,10 @@ from contactstudy.solvers.solution import Status, TangentialTraction
 # in twelve contacts that wear, and 1.5 in three that creep, whose errors are of first order in the step or of less.
 ERROR_OVER_DIFFERENCE = 4.0
 # Error of the traction locked in by cells that enter contact, relative to it, over the relative deviation of the
-# locked-in traction from `slope` times the pressure increment in neighbouring cells: at most 2.4 in 30 contacts, smooth,
-# rough and finite, in 1 to 16 steps.
+# locked-in traction from `slope` times the pressure increment in neighbouring cells: at most 2.4 in 30 contacts,
+# smooth, rough and finite, in 1 to 16 steps.
 ERROR_OVER_DEVIATION = 3.0
-# Limit of the traction that is never reached, over the increment of a step.
+# Limit of the traction over its largest increment in a step, which it never reaches.
 UNLIMITED = 1e3
 # Components of the tangential traction.
 SHEARS = "shear_x", "shear_y"
@@ -100,9 +100,11 @@ class FrettingState:
 
     def start(self, shape: tuple[int, int]) -> State:
         """Return a state without traction, slip or wear on `shape` cells (x, y)."""
-        names = ["shear_x", "shear_y", "stick", "slip_distance", "energy", "shear_error"]
-        names += ["wear_depth", "slip_iterate"] * (self.wear > 0)
-        numbers = ["residual", "applications", "limit", *["slip_change"] * (self.wear > 0)]
+        names = [*SHEARS, "stick", "slip_distance", "energy", "shear_error"]
+        numbers = ["residual", "applications", "limit"]
+        if self.wear:
+            names += ["wear_depth", "slip_iterate"]
+            numbers += ["slip_change"]
         state = {name: np.zeros(shape) for name in names} | {name: np.zeros(1) for name in numbers}
         return state if self.creep is None else {**state, **self.creep.start((3, *shape))}
 
@@ -148,7 +150,7 @@ class FrettingState:
         if total is not None:
             force = float(total[0]) * self.grid.cell_area / self.grid.length
             transmission_status(force, self.coefficient * after, self.grid)
-        shear = np.stack([state["shear_x"], state["shear_y"]])
+        shear = np.stack([state[name] for name in SHEARS])
         carried, response = self._crept(state, np.stack([*shear, before]), step)
         reference, locking_error = self._locked(carried[:2], carried[2], after, slope)
         solved = slip_step(
@@ -164,7 +166,7 @@ class FrettingState:
         distance = half_cycles * _slip_distance(solved, response, reference, before, after)
         explicit = self._fraction_at_start(self.wear * distance)
         pressure_times_slip = (explicit * before + (1 - explicit) * after) * distance
-        begins = (state["stick"] > 0) | (before == 0)
+        may_begin_to_slip = (state["stick"] > 0) | (before == 0)
         end = dict(state) | {
             "shear_x": solved.shear[0],
             "shear_y": solved.shear[1],
@@ -172,15 +174,15 @@ class FrettingState:
             "slip_distance": state["slip_distance"] + distance,
             "energy": state["energy"] + self.coefficient * pressure_times_slip,
             "shear_error": np.where(
-                solved.stick, state["shear_error"] + locking_error, begins * np.abs(solved.shear[1])
+                solved.stick, state["shear_error"] + locking_error, may_begin_to_slip * np.abs(solved.shear[1])
             ),
             "residual": np.array([solved.residual]),
             "applications": np.array([float(solved.applications)]),
             "limit": np.array([self.coefficient * float(after.sum())]),
         }
         if self.creep is not None:
-            loads = np.stack([*shear, before]), np.stack([*solved.shear, after])
-            end |= self.creep.update(state, *loads, step)
+            tractions = np.stack([*shear, before]), np.stack([*solved.shear, after])
+            end |= self.creep.update(state, *tractions, step)
         if self.wear:
             iterate = half_cycles * state["slip_iterate"]
             error = self.wear * float((after * np.abs(distance - iterate)).max())
@@ -193,9 +195,9 @@ class FrettingState:
         """Return what drives a step: the rise of force over that of load, and the total traction or the displacement.
 
         The ratio is 0 where the load does not rise, or jumps. The total (2,) [Pa] is the sum of the traction of all
-        cells at the end of the step, the displacement (2,) [m] that of the second body in the step; one of them is None.
-        Force and displacement jump, as the load does, in a step without duration. A first load that jumps is applied
-        before the traction; one that ramps up locks traction in.
+        cells at the end of the step, the displacement (2,) [m] that of the second body in the step; one of them is
+        None. Force and displacement jump, as the load does, in a step without duration. A first load that jumps is
+        applied before the traction; one that ramps up locks traction in.
         """
         history = self._history
         first = 0.0

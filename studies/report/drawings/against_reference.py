@@ -1,4 +1,4 @@
-"""Errors of a sweep against one value of a varied field, and their front over the times where these were taken."""
+"""Errors of a sweep against one value of a varied field, and these errors over the times, where times were taken."""
 
 from collections.abc import Sequence
 
@@ -19,7 +19,7 @@ def figures(dataset: xr.Dataset, names: Sequence[str]) -> Sequence[CaptionedFigu
     """Draw the relative errors of some measures against the sweep's reference, and over the times of its cases.
 
     The attribute ``reference`` of the dataset names an axis and the value on it, such as ``load_per_length=10000.0``;
-    without it, or where the axis lacks such a name, nothing is drawn. Of the other axes the largest error counts, and
+    without it, or where the axis lacks that value, nothing is drawn. Of the other axes the largest error counts, and
     the median time.
     """
     axis, _, value = str(dataset.attrs.get("reference", "")).partition("=")
@@ -31,11 +31,11 @@ def figures(dataset: xr.Dataset, names: Sequence[str]) -> Sequence[CaptionedFigu
     is_number = coordinate.dtype.kind in "iuf"
     if not is_number and value not in coordinate:
         return ()
-    place = int((-abs(coordinate - float(value)) if is_number else coordinate == value).argmax())
+    place = int(abs(coordinate - float(value)).argmin() if is_number else (coordinate == value).argmax())
     true = good.isel({axis: place})
     compared = good.isel({axis: [k for k in range(coordinate.size) if k != place]})
     other_axes = [name for name in dataset["case_status"].dims if name != axis]
-    # the datum of an approach, for one, may differ between paddings
+    # a quantity without a bound may not be comparable: the datum of an approach differs between paddings
     bounded = [name for name in names if np.isfinite(true.get(f"{name}_bound", np.inf)).all()]
     errors = {
         name.replace("_", " "): abs(compared[name] / true[name] - 1).max(other_axes)
@@ -52,13 +52,13 @@ def figures(dataset: xr.Dataset, names: Sequence[str]) -> Sequence[CaptionedFigu
     of_all = xr.concat(list(errors.values()), "quantity").assign_coords(quantity=list(errors))
     label = {"long_name": "relative error"}
     first = next(iter(errors))
-    # an error of nothing has no place on a logarithmic axis
+    # an error of 0 has no place on a logarithmic axis
     drawn = xr.Dataset({"relative_error": of_all.where(of_all > 0).assign_attrs(label)})
     drawn["error"] = errors[first].assign_attrs(long_name=f"relative error of the {first}")
     times = ("setup_time_cpu", "solve_time_cpu")
     drawn.update({name: compared[name].median(other_axes) for name in times if name in compared})
     drawn[axis].attrs |= dataset[axis].attrs
-    about = _known(true, list(errors)) + NOT_NESTED * (not has_l1)
+    about = _bounds_of_reference(true, list(errors)) + ("" if has_l1 else NOT_NESTED)
     plots = (
         Plot(
             "errors", ("relative_error",), axis, hue="quantity", line="none", log="y",
@@ -75,8 +75,8 @@ def figures(dataset: xr.Dataset, names: Sequence[str]) -> Sequence[CaptionedFigu
     return tuple(one for one in made if one is not None)
 
 
-def _known(true: xr.Dataset, names: Sequence[str]) -> str:
-    """Return a sentence with the bounds of the reference itself, below which errors are not resolved."""
+def _bounds_of_reference(true: xr.Dataset, names: Sequence[str]) -> str:
+    """Return a sentence with the error bounds of the reference itself, below which errors are not resolved."""
     keys = {name: name.replace(" ", "_") for name in names}
     bounds = {
         name: float((true[f"{key}_bound"] / abs(true[key])).max(skipna=False))

@@ -1,6 +1,7 @@
 """Figures and claims of the chapters of effects, as data, with closed forms as named laws.
 
-The scenes are in ``studies/chapters``. A law has the numbers of its scene; a copy that is changed is another study.
+The scenes are in ``studies/chapters``. The laws repeat the numbers of these scenes, and hold for no changed copy of
+one.
 """
 
 from collections.abc import Callable
@@ -15,7 +16,7 @@ from studies.report.claims import Claim, drawing, off
 from studies.report.drawings.default import LAWS
 from studies.report.plots import Law, Plot
 
-LOAD, RADIUS = 1e5, 0.01
+LOAD, RADIUS = 1e5, 0.01  # [N/m], [m]
 STEEL = 210e9 / (1 - 0.3**2)  # E* of a rigid cylinder on steel [Pa]
 
 
@@ -46,7 +47,7 @@ COATING = Plot(
 )  # fmt: skip
 coating = drawing(
     COATING,
-    claims=[Claim("What does a coating do?", "It acts by its thickness over the half-width.")],
+    claims=[Claim("What does a coating do?", "Its effect depends on its thickness over the half-width.")],
 )
 
 
@@ -216,7 +217,7 @@ ROUGH_PADDINGS = Plot(
 
 
 def _error(padding: str, place: int, kind: str) -> Callable[[xr.Dataset], float]:
-    """Return a function for the median of the errors of a padding at a place among the rms heights, or their range."""
+    """Return a function for an error of a `padding` at one rms height, by its `place`: of `kind` median, min or max."""
 
     def of(dataset: xr.Dataset) -> float:
         errors = dataset["pressure_error_l1"].sel(padding=padding).isel(shapes_1_rms=place)
@@ -234,7 +235,7 @@ rough_paddings = drawing(
     ROUGH_PADDINGS,
     claims=[
         Claim(
-            "Does roughness change it?",
+            "Does roughness change the error of a padding?",
             "Hardly: duplicated padding errs by {duplicated_smooth} on the smooth cylinder and by {duplicated_low} to "
             "{duplicated_high} at an rms height of {rms}.",
             "With n = 6 the error goes from {superposed_smooth} to {superposed_low} to {superposed_high} (superposed), "

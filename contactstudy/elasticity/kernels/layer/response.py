@@ -17,16 +17,24 @@ from contactstudy.elasticity.kernels.displacement_cell import mean_gauss_rule
 
 RealOrComplex = NDArray[np.inexact[Any]]
 
-# Largest wave number times thickness of one step through a layer, and that beyond which a layer is a half-space.
-LONGEST_STEP, DEEP = 4.0, 20.0
-# Spline through a remainder: largest length of a piece, over the wave number and for long waves, points on each, degree.
-SPLINE_PIECE, LONG_PIECE, SPLINE_POINTS, SPLINE_DEGREE = 1 / 64, 0.25, 48, 7
-# Wave number over the distance of the nearest pole up to which a remainder is its Taylor series: it leaves SERIES_END^7.
+# Largest wave number times thickness of one step through a layer: in a longer one exponentials cancel.
+LONGEST_STEP = 4.0
+# Wave number times thickness beyond which a layer is a half-space: exp(-2 * 20) is below rounding.
+DEEP = 20.0
+# Spline through a remainder. Largest length of a piece: over its wave number, and that of long waves.
+SPLINE_PIECE, LONG_PIECE = 1 / 64, 0.25
+# Points on each piece, and degree.
+SPLINE_POINTS, SPLINE_DEGREE = 48, 7
+# Wave number over the distance of the nearest pole up to which a remainder is its Taylor series to k^6. The error is of
+# the order of SERIES_END^7.
 SERIES_END = 0.02
 # Values of a remainder beyond which a spline is made for all of them.
 MAX_DIRECT = 4096
-# Waves of 17 along both axes are the shortest that are asked for: remainders are below 2e-14 of the largest beyond 20.
+# Last wave number of that spline. The shortest wave that is asked for has 17 along both axes, 24 in all. Beyond 20
+# remainders are below 2e-14 of the largest.
 LAST_SPLINE_WAVE = 25.0
+# Gauss points on each piece of k, at most two oscillations long.
+GAUSS_POINTS = 18
 
 
 @dataclass(frozen=True)
@@ -39,8 +47,8 @@ class LayerResponse:
     that cancel. Normal displacement under pressure, over that of a half-space of the top layer, changes by
     ``d0 exp(-2 k) + R(k)``; d0 is the first of `contrasts`, and R is the first of `remainders`, zero at k = 0.
 
-    Source: plane strain of bonded layers (Burmister 1945; Johnson 1985, sect. 5.8), antiplane strain across the wave. It
-    holds for every direction of the wave.
+    Source: plane strain of bonded layers (Burmister 1945; Johnson 1985, sect. 5.8), antiplane strain across the wave.
+    It holds for every direction of the wave.
 
     Parameters
     ----------
@@ -62,13 +70,19 @@ class LayerResponse:
         return LayerResponse(self.shear_ratios[:-1], self.poisson_ratios[:-1], self.interfaces[:-1])
 
     @property
-    def contrasts(self) -> tuple[float, float, float, float]:
-        """Changes of long waves: displacement by pressure and by shear along the wave, its coupling, and across.
+    def all_shear_ratios(self) -> tuple[float, ...]:
+        """Shear modulus of the top layer over that of each material, itself the first."""
+        return (1.0, *self.shear_ratios)
 
+    @property
+    def contrasts(self) -> tuple[float, float, float, float]:
+        """Factors of ``exp(-2 k)`` in what the half-space adds, in the order of :meth:`compliances`.
+
+        They are of displacement by pressure, by shear along the wave, of their coupling, and by shear across the wave.
         The first two are over ``(1 - nu^2) / E`` of the top layer, the coupling of the displacements is over 1 / (2 G)
         and that across the wave over 1 / G.
         """
-        before, ratio = (1.0, *self.shear_ratios)[-2:]
+        before, ratio = self.all_shear_ratios[-2:]
         nu1, nu2 = self.poisson_ratios[-2:]
         normal = (ratio * (1 - nu2) - before * (1 - nu1)) / (1 - self.poisson_ratios[0])
         coupling = ratio * (1 - 2 * nu2) - before * (1 - 2 * nu1)
@@ -81,8 +95,11 @@ class LayerResponse:
 
     @property
     def _stiffness_ratio(self) -> float:
-        """Largest over smallest shear modulus, at least that of the top layer, without a rigid half-space."""
-        elastic = [ratio for ratio in (1.0, *self.shear_ratios) if ratio]
+        """Largest over smallest shear modulus, of one layer that of the layer over the half-space, at least 1.
+
+        A rigid half-space does not count.
+        """
+        elastic = [ratio for ratio in self.all_shear_ratios if ratio]
         ratio = max(elastic) / min(elastic)
         return max(self.shear_ratios[0], 1.0) if len(self.interfaces) == 1 else ratio
 
@@ -99,9 +116,9 @@ class LayerResponse:
     def pole_distance_from_real_axis(self) -> float:
         """Lower bound of the distance of poles of the remainders in the right half-plane from the real axis.
 
-        A plate on a soft half-space has one at the cube root of the ratio of moduli; a soft layer between stiff ones, in
-        which they shift, at its square root. On the imaginary axis itself an incompressible layer on a rigid half-space
-        has one at 0.74, where what is integrated along that axis has decayed.
+        A plate on a soft half-space has one at the cube root of the ratio of moduli; a soft layer between stiff ones,
+        in which they shift, at its square root. On the imaginary axis itself an incompressible layer on a rigid
+        half-space has one at 0.74, where what is integrated along that axis has decayed.
         """
         power = 1 / 3 if len(self.interfaces) == 1 else 1 / 2
         return float(0.85 * self._stiffness_ratio**-power)
@@ -113,17 +130,12 @@ class LayerResponse:
     def _slabs(self, depth: float) -> Iterator[tuple[int, float, float, float]]:
         """Yield (material, factor, top, bottom) of each layer from below, cut at a depth.
 
-        The factor changes what is over the shear modulus of the material below to what is over that of this one.
+        The factor takes a compliance times the shear modulus of the material below to one times that of this layer.
         """
-        ratios, below = (1.0, *self.shear_ratios), len(self.interfaces)
+        ratios, below = self.all_shear_ratios, len(self.interfaces)
         for top, bottom in reversed(list(pairwise(sorted({0.0, *self.interfaces, depth})))):
             material = self.index(bottom)
-            yield (
-                material,
-                ratios[below] / ratios[material] if material < below else 1.0,
-                top,
-                bottom,
-            )
+            yield material, ratios[below] / ratios[material] if material < below else 1.0, top, bottom
             below = material
 
     def plane(self, k: RealOrComplex, depth: float = 0.0) -> tuple[RealOrComplex, RealOrComplex]:
@@ -151,16 +163,20 @@ class LayerResponse:
         return found if depth else compliance, traction
 
     def antiplane(self, k: RealOrComplex, depth: float = 0.0) -> tuple[RealOrComplex, RealOrComplex]:
-        """Return compliance and traction at a depth along the crests of the wave, as `k`: G k W over the shear."""
+        """Return compliance and traction at a depth along the crests of the wave, each of the shape of `k`.
+
+        The compliance is G k W over the shear, with displacement W along the crests; the traction is the shear over
+        that at the surface.
+        """
         compliance = through = found = np.ones_like(k)
         for _, factor, top, bottom in self._slabs(depth):
             compliance, t = compliance * factor, k * (bottom - top)
             if bottom == depth:
                 found = compliance
-            turn = np.tanh(t)
             if bottom <= depth:
                 through = through / (np.cosh(t) + compliance * np.sinh(t))
-            compliance = (compliance + turn) / (1 + compliance * turn)
+            tanh = np.tanh(t)
+            compliance = (compliance + tanh) / (1 + compliance * tanh)
         return found if depth else compliance, through
 
     def compliances(self, k: RealOrComplex) -> RealOrComplex:
@@ -169,22 +185,18 @@ class LayerResponse:
         They are over those of a half-space of the top layer, but for the coupling, which is over 1 / (2 G).
         """
         plane, stiff = self.plane(k)[0], 2 * (1 - self.poisson_ratios[0])
-        normal, along, across = (
-            -plane[:, 1, 0] / stiff,
-            -plane[:, 0, 1] / stiff,
-            self.antiplane(k)[0],
-        )
-        return np.stack([normal, along, plane[:, 0, 0], across])
+        return np.stack([-plane[:, 1, 0] / stiff, -plane[:, 0, 1] / stiff, plane[:, 0, 0], self.antiplane(k)[0]])
 
     def remainders(self, k: RealOrComplex, which: slice = slice(None)) -> RealOrComplex:
-        """Return what `compliances` add to those without the half-space, less ``contrasts exp(-2 k)`` (4, ...).
+        """Return `compliances` less those of :attr:`above`, less ``contrasts exp(-2 k)``, of shape (4, ...).
 
-        `which` of them are returned. Many real values are those of a spline.
+        `which` selects some of the four. Many real values are read off a spline.
         """
         if k.size > MAX_DIRECT and not np.iscomplexobj(k):
             fitted = _spline(self)
             return np.asarray(np.moveaxis(PPoly(fitted.c[..., which], fitted.x)(k), -1, 0))
-        change, flat = self._change(k.ravel()), k.ravel()
+        flat = k.ravel()
+        change = self._change(flat)
         long = np.abs(flat) < SERIES_END * self.pole_distance_from_zero
         if long.any():
             change[:, long] = polynomial.polyval(flat[long], np.array(self._series).T)
@@ -192,7 +204,7 @@ class LayerResponse:
         return np.asarray(change.reshape(len(change), *k.shape))
 
     def _change(self, k: RealOrComplex) -> RealOrComplex:
-        """Return `remainders`, which lose the digits that long waves have in common."""
+        """Return :meth:`remainders` at `k` (k,) as differences, which lose digits to cancellation for long waves."""
         change = self.compliances(k) - self.above.compliances(k)
         change -= np.multiply.outer(np.array(self.contrasts), np.exp(-2 * k))
         return np.asarray(change)
@@ -200,10 +212,10 @@ class LayerResponse:
     @cached_property
     def _series(self) -> list[list[float]]:
         """Taylor coefficients up to k^6 of all `remainders`, of which the first is zero."""
-        around = 0.5 * self.pole_distance_from_zero
-        turn = np.exp(2j * np.pi * np.arange(64) / 64)
-        terms = np.real(np.fft.fft(self._change(around * turn)))[:, :7] / 64
-        return [[0.0, *row[1:]] for row in (terms / around ** np.arange(7.0)).tolist()]
+        radius = 0.5 * self.pole_distance_from_zero  # of a circle around zero: Cauchy's integrals on it
+        unit_circle = np.exp(2j * np.pi * np.arange(64) / 64)
+        terms = np.real(np.fft.fft(self._change(radius * unit_circle)))[:, :7] / 64
+        return [[0.0, *row[1:]] for row in (terms / radius ** np.arange(7.0)).tolist()]
 
 
 def _inverse(matrix: RealOrComplex) -> RealOrComplex:
@@ -248,10 +260,6 @@ def _spline(response: LayerResponse) -> PPoly:
         return np.concatenate([response.remainders(block) for block in blocks], axis=1)
 
     return spline(remainders, response.pole_distance_from_zero / 2, LAST_SPLINE_WAVE)
-
-
-# Gauss points on each piece of k, at most two oscillations long.
-GAUSS_POINTS = 18
 
 
 def composite(ends: Array) -> tuple[Array, Array]:

@@ -13,11 +13,11 @@ from scipy.interpolate import PPoly
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.kernels.layer.response import LayerResponse, RealOrComplex, spline
 
-# Last wave number of the spline through the remainder, times the rate at which it decays: that of a wave with 34, where
-# it is below rounding, along either axis.
+# Last wave number of the spline through the remainder, times the rate at which that decays. A wave with 34 along each
+# axis, where the remainder is below rounding, has 48 in all.
 LAST_STRESS_WAVE = 49.0
-# Values beyond which that spline is made: more than the integral over the waves of a strip takes. On a lattice it is
-# always made, since many sums read it.
+# Wave numbers beyond which that spline is made: more than the integral over the waves of a strip takes. On a lattice it
+# is always made, since many sums read it.
 MAX_DIRECT = 2**13
 
 
@@ -29,10 +29,10 @@ def half_space(t: RealOrComplex) -> tuple[tuple[RealOrComplex, RealOrComplex, Re
 
 @dataclass(frozen=True)
 class LayerStress:
-    """Stress under a wave at one depth, and what the half-space adds to it.
+    """Stress under a wave at one depth, and its change by the layers.
 
-    In the layers that is a change from a half-space of the deepest layer's material. Below them it is a change from the
-    stress in the half-space without layers.
+    In the layers it is the change from the same layers on a half-space of the deepest layer's material, below them that
+    from the half-space without layers.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ class LayerStress:
 
     @property
     def decay_rate(self) -> float:
-        """Rate, per wave number times depth of the interface, at which a remainder decays: exp(-k `decay_rate`)."""
+        """Rate at which a remainder decays as exp(-k `decay_rate`), with `k` as in :meth:`plane`."""
         return 2 - self.depth if self.in_layer else self.depth
 
     def plane(self, k: RealOrComplex) -> RealOrComplex:
@@ -70,10 +70,11 @@ class LayerStress:
     def remainder(self, k: RealOrComplex) -> RealOrComplex:
         """Return the change of :meth:`plane` less what is known in closed form.
 
-        It is zero at k = 0, and decays as exp(-k `decay_rate`). In a layer the closed form is a change of s_xx at the
-        depth of the point mirrored in the deepest interface, between the stresses of this layer under the strains of two
-        half-spaces. Many real `k`, up to LAST_STRESS_WAVE over the decay rate, are those of a spline, as are those of a
-        lattice (across, along).
+        It is zero at k = 0, and decays as exp(-k `decay_rate`). In a layer the closed form is a change of s_xx alone,
+        taken at the depth of the point's mirror image in the deepest interface: the stress of this layer under the
+        strain of the half-space there, less that under the strain of one of the deepest layer's material. Values at
+        many real `k`, up to LAST_STRESS_WAVE over the decay rate, and at those of a lattice (across, along) are read
+        off a spline.
         """
         if (k.ndim > 1 or k.size > MAX_DIRECT) and not np.iscomplexobj(k):
             values = np.asarray(np.moveaxis(_spline(self)(k), -1, 0))
@@ -93,8 +94,8 @@ class LayerStress:
 
     def ratios(self, below: LayerResponse) -> tuple[float, float, float]:
         """Return the shear modulus here over that of a half-space `below`, and Poisson's ratios here and there."""
-        here = (1.0, *self.materials.shear_ratios)[self.materials.index(self.depth)]
-        ratio = (1.0, *below.shear_ratios)[-1] / here
+        here = self.materials.all_shear_ratios[self.materials.index(self.depth)]
+        ratio = below.all_shear_ratios[-1] / here
         return ratio, self.poisson_ratio, below.poisson_ratios[-1]
 
     def _strained(self, below: LayerResponse, normal: RealOrComplex, across: RealOrComplex) -> RealOrComplex:
@@ -104,7 +105,7 @@ class LayerStress:
         return np.asarray((strain + nu1 * normal) / (1 - nu1))
 
     def antiplane(self, k: RealOrComplex) -> tuple[RealOrComplex, RealOrComplex]:
-        """Return what :meth:`remainder` is of the shear stresses along the crests, by a unit shear along them.
+        """Return the remainder, as :meth:`remainder`, of the shear stresses along the crests under a unit shear there.
 
         With the stress proportional to exp(i k x) and y along the crests, they are s_yz and the imaginary part of s_xy.
         """
@@ -118,13 +119,16 @@ class LayerStress:
 
 
 def _plane(materials: LayerResponse, depth: float, k: RealOrComplex) -> RealOrComplex:
-    """Return (s_zz, s_xz, s_xx) under a unit pressure and a unit shear (load, component, k)."""
+    """Return (s_zz, s_xz, s_xx) under a unit pressure and a unit shear (load, component, k).
+
+    s_xx follows from s_zz and the strain along x: ``(1 - nu) s_xx = 2 G du/dx + nu s_zz``.
+    """
     compliance, traction = materials.plane(k, depth)
     nu = materials.poisson_ratios[materials.index(depth)]
     # the stress at the surface is -P and -Q
     normal, shear = -np.moveaxis(traction, 0, -1)
-    along = -np.moveaxis(compliance @ traction, 0, -1)[0]
-    return np.stack([normal, shear, (along + nu * normal) / (1 - nu)], axis=1)
+    strain = -np.moveaxis(compliance @ traction, 0, -1)[0]  # 2 G du/dx
+    return np.stack([normal, shear, (strain + nu * normal) / (1 - nu)], axis=1)
 
 
 def _antiplane(materials: LayerResponse, depth: float, k: RealOrComplex) -> tuple[RealOrComplex, RealOrComplex]:

@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
+from contactstudy.domain.units import readable
+from contactstudy.io.quantities.quantity import Quantity
 from contactstudy.stiffness import normal_stiffness, stiffness_error
 
 STEEL = cs.HalfSpace(210e9, 0.3)
@@ -12,18 +14,18 @@ EXACT = cs.ExactPeriodicity()
 
 @pytest.mark.parametrize("cells", [46, 73, 256])
 def test_the_stiffness_of_a_cylinder_is_hertz_s_within_its_bound(cells: int) -> None:
-    """Johnson (1985), eq. 4.45 counted from the datum: both bodies move by the logarithm of the distance."""
+    """Johnson (1985), sect. 5.6, counted from a point 2 R away: the approach has the logarithm of that distance."""
     scene = cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL), (cs.Cylinder(0.01),))
     contact = cs.solve(scene, cs.Grid((cells, 1), (4e-4, 4e-4)), EXACT)
     hertz, found = scene.hertz, normal_stiffness(contact)
     assert hertz is not None
-    turns = np.log(2 * 2 * hertz.radius / hertz.half_width)
-    error = abs(found * 2 * turns / (np.pi * hertz.contact_modulus) - 1)
+    compliance = 2 * np.log(2 * 2 * hertz.radius / hertz.half_width) / (np.pi * hertz.contact_modulus)
+    error = abs(found * compliance - 1)
     assert error <= stiffness_error(contact, found) < 0.1
 
 
 def test_the_stiffness_of_a_rough_contact_is_the_slope_of_its_load() -> None:
-    # no cell changes sides between loads this near, but for a few: differences of 1e-3 in the load
+    # loads that differ by 1e-3, between which few cells come into contact
     rough = cs.Roughness(1e-7, 0.8, roll_off=1.2e-4, cut_off=6e-5, seed=3, extent=(4.8e-4, 4.8e-4))
     scene = cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL), (cs.Cylinder(0.01), rough))
     before, here, after = (
@@ -31,7 +33,7 @@ def test_the_stiffness_of_a_rough_contact_is_the_slope_of_its_load() -> None:
         for at in (9.99e4, 1e5, 1.001e5)
     )  # fmt: skip
     slope = 2e2 / (after.approach - before.approach)
-    # it jumps with each cell that comes in, some 1 in 100 of those there are
+    # it jumps with each cell that comes in, up to some 1 in 100 of those in contact
     assert normal_stiffness(here) == pytest.approx(slope, rel=3e-2)
 
 
@@ -50,8 +52,8 @@ def test_the_stiffness_of_an_adhesive_contact_counts_how_the_attraction_changes(
     slope = 2 * step / (after.approach - before.approach)
     # differences are first order in the cells that come in
     assert normal_stiffness(here) == pytest.approx(slope, rel=5e-3)
-    rigid = replace(here, adhesion=None)
-    assert normal_stiffness(rigid) > 1.01 * slope
+    repulsive_alone = replace(here, adhesion=None)
+    assert normal_stiffness(repulsive_alone) > 1.01 * slope
 
 
 def johnson(load: float, half: float, radii: tuple[float, float], depth: float) -> tuple[float, float]:
@@ -77,19 +79,27 @@ def test_axes_of_cylinders_approach_as_johnson_has_it(radii: tuple[float, float]
     assert "the axis" in found.approach.detail
     near = cs.contact_stiffness(contact)
     assert near.value < found.stiffness.value  # a point 2 R away moves more than the axis
-    assert "20 mm away" in near.detail or radii[1] == 0.02
+    assert f"{readable(2 * scene.radius)} away" in near.detail
 
 
 def test_a_coating_counts_in_the_approach_of_axes_as_far_as_it_is_thick() -> None:
-    found = []
-    for coating, thickness in ((cs.HalfSpace(70e9, 0.2), 1e-6), (cs.HalfSpace(70e9, 0.2), 1e-2)):
-        coated = cs.CoatedHalfSpace(coating, thickness, STEEL)
-        scene = cs.Scene(cs.LineLoad(1e5), (coated, STEEL), (cs.Cylinder(0.01),))
+    coating, radius, depth = cs.HalfSpace(70e9, 0.2), 0.01, 0.05
+    thin, thick = 1e-6, 1.0
+
+    def approach(body: cs.HalfSpace | cs.CoatedHalfSpace) -> Quantity:
+        scene = cs.Scene(cs.LineLoad(1e5), (body, STEEL), (cs.Cylinder(radius),))
         contact = cs.solve(scene, cs.Grid((64, 1), (4e-4, 4e-4)), EXACT)
-        found.append(cs.distant_approach(contact, (0.01, np.inf), depth="50 mm").approach)
-    thin, thick = found
-    assert thin.bound < 1e-3 * thin.value
-    assert 0.02 * thick.value < thick.bound < 0.1 * thick.value
+        return cs.distant_approach(contact, (radius, np.inf), depth=depth).approach
+
+    uncoated, of_coating = approach(STEEL), approach(coating)
+    on_thin, between, on_thick = (approach(cs.CoatedHalfSpace(coating, size, STEEL)) for size in (thin, radius, thick))
+    # a thin one adds its own compression, of a fraction of its thickness over the half-width
+    half = cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL), (cs.Cylinder(radius),)).hertz.half_width
+    assert on_thin.value == pytest.approx(uncoated.value, rel=thin / half)
+    assert on_thin.bound < 1e-3 * on_thin.value
+    # the substrate of a thick one is felt by the square of the distance over the thickness
+    assert on_thick.value == pytest.approx(of_coating.value, rel=(depth / thick) ** 2)
+    assert uncoated.value + uncoated.bound < between.value < of_coating.value - between.bound
 
 
 def test_axes_of_a_long_roller_that_ends_approach_as_those_of_an_endless_one() -> None:

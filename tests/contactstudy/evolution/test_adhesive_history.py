@@ -28,21 +28,23 @@ def loop() -> cs.Evolution:
     return evolution
 
 
-def test_a_history_pulls_until_contact_is_lost(loop: cs.Evolution) -> None:
-    loads = [frame.load_per_length / pi for frame in loop.frames]
-    assert loads[:8] == pytest.approx([0.1, 0.55, 1.0, 0.55, 0.1, -0.35, -0.8, -1.1], abs=1e-9)
-    assert [frame.status for frame in loop.frames][-2:] == [cs.Status.DETACHED] * 2
-    pull_off = loop.quantities["pull_off"]
-    # lost between the instants 2.4 s and 2.5 s, at 1.14064
-    assert pull_off.value / pi == pytest.approx(1.1)
-    assert readable(1.25 * pi, "N m-1") in pull_off.detail
+def test_a_history_pulls_until_contact_is_lost_at_the_pull_off_load() -> None:
+    pulled = cs.solve(replace(SCENE, load=cs.PullOff(pi)), GRID, LINE)
+    # by more than the error that a PullOff may have
+    loads = np.array([0.99, 1.01]) * pulled.load_per_length
+    lost = cs.solve(SCENE, GRID, LINE, times=(0.0, 1.0, *(1 + (pi - loads) / (1.5 * pi)), 3.0))
+    held = [frame.status is not cs.Status.DETACHED for frame in lost.frames]
+    assert held == [True, True, True, False, False]
+    pull_off = lost.quantities["pull_off"]
+    assert pull_off.value == pytest.approx(-loads[0])
+    assert readable(-loads[1], "N m-1") in pull_off.detail
     assert pull_off.bound == inf  # by cells and range
 
 
 def test_a_state_follows_from_the_one_before_however_many_lie_between(loop: cs.Evolution) -> None:
     direct = cs.solve(SCENE, GRID, LINE, times=(0.0, 1.0, 2.4))
     last, other = direct.frames[-1], loop.frames[7]
-    # the passes leave 1e-5 of the attraction
+    # the passes leave 1e-5 of the attraction, which the contact multiplies as pull-off comes near
     np.testing.assert_allclose(last.pressure, other.pressure, atol=1e-3 * other.pressure.max())
 
 
@@ -80,7 +82,7 @@ def test_the_net_work_has_no_bound_where_the_load_turns_between_two_instants() -
     assert 0 < abs(few.value - many.value) <= few.bound < inf
 
 
-def test_the_work_of_instants_that_are_not_recorded_counts_for_the_next_that_is() -> None:
+def test_solves_and_iterations_of_instants_that_are_not_recorded_count_for_the_next_that_is() -> None:
     all_recorded, one_missing = (follow_load(SCENE, GRID, LINE, times=times) for times in ((0.0, 1.0, 2.0), (0.0, 2.0)))
     for name in ("solves", "iterations", "convolutions"):
         total, _ = all_recorded.counts[name]
@@ -91,28 +93,28 @@ def test_the_work_of_instants_that_are_not_recorded_counts_for_the_next_that_is(
 
 
 def test_a_limit_that_stops_a_contact_between_two_instants_is_said_of_the_next() -> None:
+    grid = cs.Grid((96, 1), (14.0, 1.0))
     found, lost = (
         cs.solve(
-            replace(SCENE, load=cs.LoadHistory((0.0, 1.0, 2.0), (pi, 20 * pi, last))),
-            cs.Grid((96, 1), (14.0, 1.0)),
-            LINE,
-            times=(0.0, 2.0),
+            replace(SCENE, load=cs.LoadHistory((0.0, 1.0, 2.0), (pi, 20 * pi, last))), grid, LINE, times=(0.0, 2.0)
         )
         for last in (pi, -20 * pi)
     )
+    at_turn = cs.solve(replace(SCENE, load=cs.LineLoad(20 * pi)), grid, LINE).status
+    assert at_turn is not cs.Status.CONVERGED
+    assert [frame.status for frame in found.frames] == [cs.Status.CONVERGED, at_turn]
+    # the gravest is said
     assert lost.frames[1].status is lost.status is cs.Status.DETACHED
-    alone = cs.solve(replace(SCENE, load=cs.LineLoad(20 * pi)), cs.Grid((96, 1), (14.0, 1.0)), LINE)
-    assert found.frames[0].status is cs.Status.CONVERGED
-    assert found.frames[1].status is alone.status is not cs.Status.CONVERGED
 
 
-def test_contact_that_is_made_again_has_a_load_at_which_it_jumps_in() -> None:
+def test_contact_that_is_made_again_jumps_in_as_soon_as_the_load_presses() -> None:
     history = cs.LoadHistory((0.0, 1.0, 2.0, 3.0), (1.0, 1.0, -8.0, 1.0))
-    again = cs.solve(replace(SCENE, load=history), GRID, LINE, times=(0.0, 2.0, 2.5, 3.0))
+    zero = 2 + 8 / 9
+    again = cs.solve(replace(SCENE, load=history), GRID, LINE, times=(0.0, 2.0, zero - 1e-3, zero + 1e-3))
     assert isinstance(again, cs.Evolution)
     made = again.quantities["jump_in"]
-    assert made.value == pytest.approx(1.0)
-    assert readable(history.at(2.5), "N m-1") in made.detail
+    assert made.value == pytest.approx(9e-3)
+    assert readable(-9e-3, "N m-1") in made.detail
 
 
 def test_bodies_that_creep_are_held_at_a_load_near_zero_as_at_zero() -> None:
@@ -159,27 +161,33 @@ def test_cells_hold_the_cohesive_zone_of_bodies_that_have_crept() -> None:
     body = cs.ViscoelasticHalfSpace(1.0, 0.0, ((15.0, 1.0),))
     scene = replace(SCENE, load=cs.LineLoad(pi), solids=(body, RIGID))
     # at last 1.7 cells of pi E* rho^2 / (4 w), and 27 at first
-    with pytest.raises(cs.InvalidInput, match=r"is 1\.7 cells .* once the bodies have crept; give a"):
+    with pytest.raises(cs.InvalidInput, match=r"is 1\.7 cells .* crept"):
         cs.solve(replace(scene, adhesion=cs.Adhesion(pi, 0.8)), GRID, LINE, times=(0.0, 1.0))
     limit = replace(scene, adhesion=cs.Adhesion(pi))
     last = cs.solve(limit, GRID, LINE, times=(0.0, 16.0, 300.0)).frames[-1]
     relaxed = cs.solve(replace(limit, solids=(SOFT, RIGID)), GRID, LINE)
     assert last.adhesion.range == pytest.approx(relaxed.adhesion.range)
-    assert last.adhesion.cells_in_zone == pytest.approx(6.0)
+    assert last.adhesion.cells_in_zone == pytest.approx(relaxed.adhesion.cells_in_zone)
     assert relaxed.error.l1.range <= last.error.l1.range < inf
     assert last.quantities["peak_pressure"].bound == inf
 
 
+DELAYED, WIDER = cs.ViscoelasticHalfSpace(1.0, 0.0, ((4.0, 1.0),)), cs.Grid((192, 1), (30.0, 1.0))
+
+
 def test_delayed_deformation_holds_a_contact_that_an_elastic_one_loses() -> None:
-    body = cs.ViscoelasticHalfSpace(1.0, 0.0, ((4.0, 1.0),))
     load = cs.LoadHistory((0.0, 50.0, 50.01, 50.02), (pi, pi, -1.3 * pi, -1.3 * pi))
-    scene, grid = replace(SCENE, load=load), cs.Grid((192, 1), (30.0, 1.0))
     elastic, creeping = (
-        cs.solve(replace(scene, solids=(one, RIGID)), grid, LINE, times=(0.0, 50.0, 50.01)) for one in (SOFT, body)
+        cs.solve(replace(SCENE, load=load, solids=(one, RIGID)), WIDER, LINE, times=(0.0, 50.0, 50.01))
+        for one in (SOFT, DELAYED)
     )
     assert elastic.frames[-1].status is cs.Status.DETACHED
     assert creeping.frames[-1].pressure.any()
-    again = replace(scene, load=cs.LoadHistory((0.0, 1.0, 2.0), (pi, -20 * pi, pi)))
-    remade = cs.solve(replace(again, solids=(body, RIGID)), grid, LINE, times=(0.0, 2.0)).frames[-1]
+
+
+def test_bodies_that_creep_make_contact_again_that_was_lost_between_two_instants() -> None:
+    load = cs.LoadHistory((0.0, 1.0, 2.0), (pi, -20 * pi, pi))
+    scene = replace(SCENE, load=load, solids=(DELAYED, RIGID))
+    remade = cs.solve(scene, WIDER, LINE, times=(0.0, 2.0)).frames[-1]
     assert remade.status is cs.Status.CONVERGED
     assert remade.pressure.any()

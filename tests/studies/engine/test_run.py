@@ -1,6 +1,7 @@
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -31,7 +32,7 @@ def dataset(small_run: Path) -> xr.Dataset:
     return read(small_run / "padding.nc")
 
 
-def test_a_mode_without_n_is_computed_once_and_broadcast(dataset: xr.Dataset) -> None:
+def test_a_padding_without_images_is_computed_once_and_broadcast(dataset: xr.Dataset) -> None:
     for name in NUMBERS:  # times too: were the case run twice, they would differ
         exact = dataset[name].sel(padding="exact")
         assert (exact == exact.isel(images=0)).all()
@@ -99,7 +100,6 @@ def test_computations_without_a_plan_are_said_to_be_unknown(tmp_path: Path) -> N
     said: list[str] = []
     found = estimate_cost(trouble.study([1, 2]), tmp_path, options=RunOptions(), log=said.append)
     assert found is None
-    assert said[0].endswith("2 to compute, 4 timed runs to take")
     assert "the time is not known" in said[-1]
     assert not any(tmp_path.iterdir())
 
@@ -117,7 +117,7 @@ def test_the_reason_why_a_scene_has_no_plan_on_the_padding_of_a_case_is_said(
     assert said[-1].endswith("failed (InvalidInput: plan.padding is DuplicatedPadding(): give another.)")
 
 
-def test_the_time_of_what_is_missing_is_estimated_from_its_own_plans(tmp_path: Path) -> None:
+def test_the_time_of_what_is_missing_is_that_of_its_own_plans(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A grid that is computed already, and instants of an evolution."""
     wear = '[wear]\ncoefficient = 1e-16\nspeed = "1 m/s"\n'
     steps = "[time_steps]\nend = 1\ninstants = 3\n"
@@ -129,8 +129,21 @@ def test_the_time_of_what_is_missing_is_estimated_from_its_own_plans(tmp_path: P
     run(study, tmp_path, options=options, workers=0, log=quiet)
     assert estimate_cost(study, tmp_path, options=options, log=quiet) == 0
     worn = study_of(tmp_path / "worn.toml", {"load.per_length": "50,100 N/mm"})
-    for more in (study.override({"grid": "16,24"}), worn):
-        assert 0 < estimate_cost(more, tmp_path, options=options, log=quiet) < np.inf
+    planned: list[tuple[int, float]] = []
+    plan = cs.plan
+
+    def recorded(scene: cs.Scene, *, grid: cs.Grid, **others: Any) -> Any:
+        found = plan(scene, grid=grid, **others)
+        planned.append((grid.cells[0], found.seconds))
+        return found
+
+    monkeypatch.setattr("contactstudy.plan", recorded)
+    for more, cells in ((study.override({"grid": "16,24"}), [24]), (worn, [24, 24])):
+        planned.clear()
+        estimated = estimate_cost(more, tmp_path, options=options, log=quiet)
+        assert [of_case for of_case, _ in planned] == cells
+        assert estimated == pytest.approx(sum(seconds for _, seconds in planned))
+        assert 0 < estimated < np.inf
 
 
 def test_workers_and_repeats_stand_above_the_options_and_options_are_checked(

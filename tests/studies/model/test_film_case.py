@@ -16,8 +16,8 @@ def test_a_sweep_over_speed_has_a_grid_for_each_film() -> None:
     study = study_of(OIL, {"lubrication.mean_speed": "0.1:10:3:log m/s"})
     cases = [study.case_at({"lubrication_mean_speed": speed}) for speed in (0.1, 1.0, 10.0)]
     assert all(isinstance(case, Case) for case in cases)
-    widths = [case.grid.extent[0] for case in cases]  # type: ignore[attr-defined]
-    assert widths == sorted(widths)
+    slow, medium, fast = (case.grid.extent[0] for case in cases)  # type: ignore[attr-defined]
+    assert slow < medium < fast  # a thicker film needs a longer inlet
 
 
 def test_what_is_recorded_of_a_film_is_that_of_its_contact() -> None:
@@ -43,7 +43,7 @@ def test_a_film_that_changes_in_time_is_marched_at_every_point() -> None:
     case = study.case_at({"load_per_length": 1e5})
     evolution = case.run(case.prepare())
     measured = study.measures(case, evolution)
-    assert float(measured["final_central_film"]) == evolution.frames[-1].central_film
+    assert float(measured["final_central_film"]) == evolution.frames[-1].central_film > evolution.frames[0].central_film
     lowest = min(frame.minimum_film for frame in evolution.frames)
     assert float(measured["minimum_film"]) == lowest
     assert int(case.record(evolution)["steps"]) == evolution.films.steps

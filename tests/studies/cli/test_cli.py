@@ -72,7 +72,7 @@ def test_a_run_leaves_its_dataset_and_the_figures_that_need_no_times(call: Call,
         (["run", "paddin"], "Study 'paddin' is not known: did you mean 'padding', or give a .py file."),
         (
             ["run", "padding", "--vary", "period=nan"],
-            "period is 'nan': give numbers such as 0.6,2.4, or n values of a range such as 0.6:2.4:4 or 1:100:3:log.",
+            "period is nan: give numbers such as 0.6,2.4, or n values of a range such as 0.6:2.4:4 or 1:100:3:log.",
         ),
         (
             ["run", "padding", "--vary", "grid=16", "--vary", "grid=24"],

@@ -140,3 +140,15 @@ class Trajectory:
     def time_discretisation_error(self) -> float:
         """The largest time-discretisation error of all frames, see :class:`Frame`."""
         return max(frame.time_discretisation_error for frame in self.frames)
+
+
+def error_of_peak(pressure: Array, errors: Array) -> float:
+    """Return the error of the peak of a `pressure` (x, y) [Pa] whose cells have these `errors` [Pa].
+
+    That is as far as the peak moves where each cell has its error: those at the edge of a contact that wears are large,
+    and far below the peak. It is at least the mean error, relative, since that of a cell may vanish by chance.
+    """
+    peak, total = float(pressure.max()), float(pressure.sum())
+    moved = max(float((pressure + errors).max()) - peak, peak - float((pressure - errors).max()))
+    mean = float(errors.sum()) / total * peak if total else 0.0
+    return max(moved, min(mean, float(errors.max())))

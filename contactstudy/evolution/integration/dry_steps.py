@@ -16,7 +16,7 @@ from contactstudy.domain.errors import ErrorParts
 from contactstudy.evolution.integration.time_stepper import Instant, TimeStepper
 from contactstudy.evolution.march import Method, Record
 from contactstudy.evolution.time_steps import ErrorEstimator
-from contactstudy.evolution.trajectory import UNKNOWN, Frame, frame_of
+from contactstudy.evolution.trajectory import UNKNOWN, Frame, error_of_peak, frame_of
 from contactstudy.solvers.solution import Solution, Status, unloaded, worst_until
 
 # Halving the steps leaves 0.5 to 0.6 of errors of first order: the error is up to 1.5 times the difference.
@@ -181,16 +181,15 @@ class DrySteps(Method[Instant]):
     def _by_steps(self, fine: Instant, coarse: Instant, step: float) -> dict[str, float]:
         """Return errors of `fine` by steps, in L1 of the pressure and of the states, and of the peak pressure.
 
-        That of the peak is the largest of any cell. Those of bodies which are apart in `fine` alone are relative to the
+        Those of bodies which are apart in `fine` alone are relative to the
         pressure of `coarse`. The last `step` of `fine` has that duration [s].
         """
         instant = fine if fine.pressure.any() else coarse
         time, *earlier = self.errors.after_stiff_step
         decay = exp(min(time - fine.time, 0.0) / self.stepper.longest_retardation_time)
         sizes = np.abs(fine.pressure - coarse.pressure) * self._error_over_difference(step)
-        total, largest = (
-            max(float(size), decay * error) for size, error in zip((sizes.sum(), sizes.max()), earlier, strict=True)
-        )
+        of_both = float(sizes.sum()), error_of_peak(fine.pressure, sizes)
+        total, largest = (max(size, decay * error) for size, error in zip(of_both, earlier, strict=True))
         if self.stepper.creep_ends_within(step):
             self.errors.after_stiff_step = fine.time, total, largest
         peak, size = float(instant.pressure.max()), self._size_of_states(fine)

@@ -97,8 +97,9 @@ def test_errors_by_steps_cover_the_change_by_shorter_ones() -> None:
     change = np.abs(rough.pressure[-1] - fine.pressure[-1])
     bounds = {name: parts.steps for name, parts in rough.frames[-1].error}
     assert change.sum() / fine.pressure[-1].sum() < bounds["l1"] < 0.1
-    # the peak may be where the pressure changes most, and elastic bodies roll without resistance
-    assert max(change.max() / PEAK, bounds["l1"]) < bounds["peak_pressure"] < 0.1
+    # elastic bodies roll without resistance
+    moved = abs(rough.pressure[-1].max() / fine.pressure[-1].max() - 1)
+    assert max(moved, bounds["l1"]) <= bounds["peak_pressure"] < 0.1
     assert bounds["rolling_resistance"] == 0
     edges = (rough.pressure[-1] > 0) ^ (fine.pressure[-1] > 0)
     assert edges.sum() / (fine.pressure[-1] > 0).sum() <= bounds["contact_area"] < 0.1

@@ -153,3 +153,16 @@ def test_a_block_wears_in_place_and_the_ring_below_it_along_its_track(body: int,
     if circumference:
         assert depth == pytest.approx(1e-15 * 1e5 * 5 / circumference)
     assert (last == pytest.approx(first, rel=1e-6)) == (circumference is not None)
+
+
+def test_the_peak_of_a_worn_contact_is_known_as_well_on_fine_cells_as_on_coarse_ones() -> None:
+    # the pressure at the edge, far below the peak, depends on the steps the more the finer the cells
+    steel = cs.HalfSpace(210e9, 0.3)
+    scene = cs.Scene(cs.LineLoad(1e5), (steel, steel), (cs.Cylinder(0.01),), wear=cs.Wear(1e-15, 0.1))
+    times = cs.TimeSteps((0.0, 100.0), error=0.02)
+    coarse, fine = (
+        cs.solve(scene, cs.Grid((cells, 1), (6e-4, 2e-4)), times=times).quantities["final_peak_pressure"]
+        for cells in (60, 240)
+    )
+    assert abs(coarse.value - fine.value) < coarse.bound + fine.bound
+    assert fine.bound < 0.02 * fine.value < coarse.bound

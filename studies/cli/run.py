@@ -70,7 +70,7 @@ def write_sensitivity(study: "Study", plot: Sequence[str], out: Path) -> str:
 
 
 def load_varied(name: str, vary: Sequence[str]) -> "Study":
-    """Return the study of a name, or of the scene in a file, over the values `vary`, or over its own.
+    """Return the study of a name, or of the scene in a file, over the values `vary` and its own of other fields.
 
     Raises :class:`~contactstudy.InvalidInput` for what cannot be varied.
     """
@@ -85,15 +85,16 @@ def load_varied(name: str, vary: Sequence[str]) -> "Study":
         fields[field] = values.strip()
     if not name.endswith(".toml"):
         return load(name).override(fields)
-    from contactstudy import read_scene
-    from studies.scene_study.study_of import study_of
+    from studies.scene_study.document import with_other_values
+    from studies.scene_study.study_of import read_tables, study_of
 
-    if not fields and not read_scene(name).vary:
+    raw, own, _ = read_tables(name)
+    if not fields and not own:
         raise InvalidInput(
             f"{name} is run without anything to vary: give {EXAMPLE} or a table [vary] in the file, or use "
             f"contactstudy solve {name}."
         )
-    return study_of(Path(name), fields or None)
+    return study_of(Path(name), with_other_values(raw, own, fields, name))
 
 
 def with_reference(study: "Study", name: str, reference: str) -> "Study":

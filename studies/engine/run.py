@@ -251,6 +251,11 @@ class Run:
             names = (f"{self.study.name}.before{number or ''}.nc" for number in itertools.count())
             self.aside = next(of for of in map(self.path.with_name, names) if not of.exists())
             self.path.replace(self.aside)
+        elif self.path.is_file():
+            held = set(read(self.path)["case_key"].values.astype(str).ravel())
+            if left := len(held - {"", *request.cases}):
+                stay = counted(left, "other case, which stays", "other cases, which stay")
+                self.log(f"{self.path.name} held {stay} in {journal.path.name}")
         journal.start(
             self.study.name, self.provenance["history"], self.program.key,
             self.program.digests, request.first(),

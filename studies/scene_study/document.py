@@ -143,9 +143,9 @@ def varied(raw: Table, document: SceneDocument, name: str, given: object, folder
     InvalidInput
         For a key that a scene cannot have, and for a text that gives no values.
     """
+    path = _path(raw, document, name)
     if name == "tiles":
-        return _tiles(_surface_path(document, name), given)
-    path = _surface_path(document, name) if name == "surfaces" else _path(raw, document, name)
+        return _tiles(path, given)
     if path[-1] == "file":
         return Varied(path, _surfaces(given, folder), "surface", "measured surface")
     _, annotation = at(document, path)
@@ -167,6 +167,8 @@ def varied(raw: Table, document: SceneDocument, name: str, given: object, folder
 
 def _path(raw: Table, document: SceneDocument, name: str) -> tuple[str, ...]:
     """Return the path of a name; raise InvalidInput for one that begins with no key."""
+    if name in ("surfaces", "tiles"):
+        return _surface_path(document, name)
     keys = [key.name for key in fields(SceneDocument)]
     given = "grid.extent.1" if name == "period" and "grid" in raw else SHORT_NAMES.get(name, name)
     path = tuple(given.replace("[", ".").replace("]", "").split("."))  # as messages write an entry
@@ -352,6 +354,18 @@ def varied_scenes(raw: Table, groups: Sequence[Mapping[str, object]], folder: Pa
         if len(group) > 1
     ]
     return VariedScenes(tuple(axes), points, tuple(notes))
+
+
+def with_other_values(
+    raw: Table, groups: Sequence[Mapping[str, object]], values: Mapping[str, object], source: str
+) -> list[dict[str, object]]:
+    """Return groups of keys with other `values` of some, whichever way these are named, and those of further keys."""
+    base = document_from(raw, source)
+    names = {_path(raw, base, name): name for name in values}
+    kept = [[names.get(_path(raw, base, name), name) for name in group] for group in groups]
+    further = [[name] for name in values if not any(name in group for group in kept)]
+    every = {name: given for group in groups for name, given in group.items()} | dict(values)
+    return [{name: every[name] for name in group} for group in (*kept, *further)]
 
 
 def _said(keys: Sequence[Sequence[Varied]], index: Sequence[int]) -> str:

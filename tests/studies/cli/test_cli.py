@@ -102,6 +102,17 @@ def test_bad_input_is_one_sentence_and_leaves_nothing(
     assert list(tmp_path.iterdir()) == []
 
 
+def test_fields_that_are_not_named_are_varied_as_the_file_says(call: Call, tmp_path: Path) -> None:
+    own = 'load.per_length = "50,100 N/mm"\nshapes.0.radius = "8,10,12 mm"\n'
+    (tmp_path / "own.toml").write_text(f"{SMOOTH}[vary]\n{own}", encoding="utf-8")
+    once = "run", "own.toml", "--workers", "0"
+    assert "6 points" in call(*once).stdout
+    done = call(*once, "--vary", "load.per_length=70 N/mm", "--vary", "radius=8,10 mm")
+    assert done.returncode == 0, done.stderr
+    assert "2 points" in done.stdout
+    assert "own-sweep.nc held 6 other cases, which stay in cases.jsonl" in done.stdout
+
+
 @pytest.mark.cases(9)
 @pytest.mark.parametrize(
     ("arguments", "remedy"),

@@ -158,7 +158,7 @@ class Answer(InNotebook):
             return "; ".join(filter(None, (head, unknown or (self._why if parts.total == inf else ""))))
         else:
             if self.met:
-                verdict = "met by every number" + " with a bound" * bool(unknown)
+                verdict = "met by every number with a bound" if unknown else "met by every number"
             elif self._l1_ratio > 1:
                 verdict = "not met"
             else:

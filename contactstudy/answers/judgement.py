@@ -123,11 +123,8 @@ def _judged(name: str, quantities: Quantities, requested: float) -> Judged:
     whole = quantities.get(WHOLE.get(name, name), quantity)
     scale = 1.0 if quantity.is_fraction else max(abs(quantity.value), abs(whole.value))
     bound = quantity.bound / scale if scale else inf
-    label, reason = (
-        quantity.label.split(" (")[0] + " (absolute)" * quantity.is_fraction,
-        quantity.reason,
-    )
-    return Judged(label, bound, requested, reason, not name.endswith(NOT_BY_CELLS))
+    label = quantity.label.split(" (")[0] + (" (absolute)" if quantity.is_fraction else "")
+    return Judged(label, bound, requested, quantity.reason, not name.endswith(NOT_BY_CELLS))
 
 
 def without_bound(numbers: Iterable[Judged]) -> str:
@@ -136,7 +133,7 @@ def without_bound(numbers: Iterable[Judged]) -> str:
     if not unknown:
         return ""
     first, others = unknown[0], len(unknown) - 1
-    beside = f" and {others} other{'s' * (others > 1)}" * bool(others)
+    beside = f" and {others} other{'s' if others > 1 else ''}" if others else ""
     why = sub(r"^No bound[^:]*: ", "", first.reason).rstrip(".")
     return f"no bound for the {first.label}{beside}: {why}"
 

@@ -78,7 +78,7 @@ class LubricatedContact(Answer, FilmSolution):
 
     def summary(self) -> str:
         """Return accuracy, warnings, quantities with their bounds, status, work and a note as text."""
-        return super().summary() + f"\n  note: {self.note}" * bool(self.note)
+        return super().summary() + (f"\n  note: {self.note}" if self.note else "")
 
     def to_dataset(self) -> "xr.Dataset":
         """Return fields (x, y) and quantities with units, long names, bounds, errors by cause and the scene."""

@@ -27,7 +27,7 @@ from contactstudy.scene.scene import Scene
 from contactstudy.scene.shapes_source import shortest_wavelengths, unresolved, with_extent_of
 from contactstudy.solvers.solution import Status
 
-# Numbers of every film, and of what heats it; those that are no fields of ErrorEstimate; and attributes of other names.
+# Numbers of every film.
 NUMBERS = (
     "peak_pressure",
     "central_film",
@@ -37,8 +37,11 @@ NUMBERS = (
     "rolling_resistance",
     "meniscus",
 )
+# Numbers of a film with temperatures.
 OF_HEAT = "flash_temperature", "film_temperature", "thermal_reduction"
+# Numbers that are no fields of ErrorEstimate.
 FURTHER = "power_loss", "rolling_resistance", "meniscus", "thermal_reduction"
+# Attributes of a film for numbers of other names.
 ATTRIBUTES = {"friction_coefficient": "friction", "thermal_reduction": "temperatures.reduction"}
 # A number that changes by more than this from half the cells, and by more than from a quarter to half, may grow with the
 # cells, as does the friction of a Newtonian stress under a spike. It takes a film on a quarter of the cells to tell.
@@ -48,7 +51,7 @@ GROWS = (
     "them, as below a spike of the pressure. Give more cells, or a shear law that thins, such as Eyring()."
 )
 # Outcomes without a film to compare with.
-UNRESOLVED = (
+NO_FILM = (
     Status.FILM_NOT_CONVERGED,
     Status.FILM_BELOW_CELL,
     Status.SEVERAL_FILMS,
@@ -154,14 +157,14 @@ def _compared(
     longer: FilmSolution,
 ) -> ErrorEstimate:
     """Return the errors of a contact from those on the grids of the estimate."""
-    failed = [film for film in (contact, coarse, longer) if film.status in UNRESOLVED]
+    failed = [film for film in (contact, coarse, longer) if film.status in NO_FILM]
     is_too_coarse = any(film.status is Status.FILM_BELOW_CELL for film in failed)
     is_other = any(film.status is not Status.FILM_BELOW_CELL for film in failed)
     reason = ""
     if failed:
         cells = failed[0].grid.cells[0]
         reason = f"With {cells} cells across a film of the estimate is no answer: {failed[0].status}"
-    nested = [contact, coarse, *[coarsest] * (coarsest.status not in UNRESOLVED)]
+    nested = [contact, coarse] if coarsest.status in NO_FILM else [contact, coarse, coarsest]
 
     def parts(cells: float, inlet: float, why: str = "") -> ErrorParts:
         """Return the error by changes to fewer cells and to a longer inlet; infinite where there is a reason `why`."""
@@ -186,7 +189,7 @@ def _compared(
         if not why and changes[0] > max(NOTICEABLE, changes[-1]):
             why = GROWS.format(100 * changes[0])
         inlet = abs(values[1] - float(value(longer))) / scale
-        floor = FLOOR * of_pressure * bool(values[0])
+        floor = FLOOR * of_pressure if values[0] else 0.0
         return parts(max(largest_change(changes), floor, least), inlet, why)
 
     reasons = _reasons(contact)
@@ -209,9 +212,9 @@ def _reasons(contact: FilmSolution) -> dict[str, str]:
     of_friction = of_heat or contact.friction_reason
     of_spike = has_spike(contact.pressure) or _falls_within_a_cell(contact.pressure)
     return {
-        "peak_pressure": OF_SPIKE * of_spike,
+        "peak_pressure": OF_SPIKE if of_spike else "",
         "friction_coefficient": of_friction,
-        "power_loss": of_friction * bool(contact.scales.lubrication.slide_roll_ratio),
+        "power_loss": of_friction if contact.scales.lubrication.slide_roll_ratio else "",
         "flash_temperature": of_heat,
         "film_temperature": of_heat,
     }

@@ -260,12 +260,14 @@ def film_solution(
 ) -> FilmSolution:
     """Return the contact of an iteration on the whole grid, in SI units; ``film_rate`` (x, y) [m/s] is that upstream."""
     equation, scales, rows = posed.equation, posed.scales, posed.upstream.cells[0]
-    pressure = np.zeros(grid.cells)
-    pressure[:rows] = last.film.total_pressure * scales.hertz.peak_pressure
+
+    def on_whole_grid(values: Array) -> Array:
+        return np.pad(values, ((0, grid.cells[0] - rows), (0, 0)))
+
+    pressure = on_whole_grid(last.film.total_pressure * scales.hertz.peak_pressure)
     asperities = None
     if equation.boundary_film:
-        asperities = np.zeros(grid.cells)
-        asperities[:rows] = last.film.asperity_pressure * scales.hertz.peak_pressure
+        asperities = on_whole_grid(last.film.asperity_pressure * scales.hertz.peak_pressure)
     separation = last.film.separation * scales.film
     film = separation + posed.problem.undeformed_gap + posed.displacement(pressure)
     # downstream of the last cell with a balance, streamers carry the content that leaves it
@@ -281,12 +283,13 @@ def film_solution(
     if scales.lubrication.thermal is None:
         shear, temperatures = sheared.elastic()[0], None
     else:
+        # imported only for films with temperatures
         from contactstudy.lubrication.film_heat import thermal_reduction, thermal_shear
 
         reduction = thermal_reduction(scales, scales.lubrication.thermal, starved=_is_starved(equation, last))
         shear, temperatures = thermal_shear(sheared, scene.solids, grid, reduction)
     if film_rate is not None:
-        film_rate = np.pad(film_rate, ((0, grid.cells[0] - rows), (0, 0)))
+        film_rate = on_whole_grid(film_rate)
     creep_loss = 0.0
     if posed.creep is not None:
         slope = np.gradient(posed.creep(pressure), grid.cell_size[0], axis=0)

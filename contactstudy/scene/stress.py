@@ -95,7 +95,7 @@ class SubsurfaceStress:
             paddings,
             medium,
             depths,
-            1 - 2 * self.body,
+            self.body,
             profile=getattr(body, "hardness_profile", None),
         )
         if (length := getattr(body, "free_faces", inf)) == inf:
@@ -126,14 +126,14 @@ class SubsurfaceStressOperator:
         The body.
     depths
         Depths [m]; None for those that show the largest von Mises stress, which :meth:`fields` chooses.
-    sign
-        1 for the first body, -1 for the second.
+    body
+        0 for the first body, 1 for the second, on which a tangential traction acts the other way.
     shear
         Tangential traction (component, x, y) on the body, or None.
     bulk
         Stress of the whole body along x [Pa].
     residual
-        Returns the residual stress of the body, None if it does not yield; or None.
+        Function that returns the residual stress of the body, or None if there is none; None without such a function.
     ended
         Coefficients of the body if it has free faces, else None.
     profile
@@ -144,7 +144,7 @@ class SubsurfaceStressOperator:
     paddings: Paddings
     medium: StressModel
     depths: tuple[float, ...] | None
-    sign: int = 1
+    body: int = 0
     shear: Array | None = None
     bulk: float = 0.0
     residual: Callable[[], ResidualStress | None] | None = None
@@ -156,14 +156,14 @@ class SubsurfaceStressOperator:
     ) -> "SubsurfaceStressOperator":
         """Return this map with the `residual` stress of the body added, if it yields."""
         deepest = self.grid.extent[0] if self.depths is None else max(self.depths)
-        return replace(self, residual=partial(residual, (1 - self.sign) // 2, deepest))
+        return replace(self, residual=partial(residual, self.body, deepest))
 
     def with_shear(self, shear: Array, bulk: tuple[float, float] = (0.0, 0.0)) -> "SubsurfaceStressOperator":
         """Return this map with `shear` (component, x, y) on the first body, and its reaction on the second.
 
         The stress `bulk` of either body along x has that along y which prevents strain there.
         """
-        return replace(self, shear=self.sign * shear, bulk=bulk[(1 - self.sign) // 2])
+        return replace(self, shear=-shear if self.body else shear, bulk=bulk[self.body])
 
     def __call__(self, pressure: Array) -> Array:
         """Return stress (component, z, x, y) at the given depths in the unit of `pressure` (x, y)."""

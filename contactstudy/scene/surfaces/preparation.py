@@ -173,7 +173,7 @@ def trend_text(trend: Trend, heights: Array, extent: tuple[float, float] | None)
     across, along = (f"{1e6 * rise:.3g} um" for rise in rises)
     text = f"a plane that rises {across} across and {along} along"
     if trend in ("none", "mean"):
-        return text + " is left" + ", and the mean was subtracted" * (trend == "mean")
+        return f"{text} is left{', and the mean was subtracted' if trend == 'mean' else ''}"
     if trend == "plane":
         return f"{text} was subtracted"
     if trend == "cylinder":
@@ -281,8 +281,9 @@ class GaussianFilter:
     @property
     def description(self) -> str:
         """Sentence on what the filter removes."""
-        removed = [f"below lambda_s = {readable(self.lambda_s)}"] * (self.lambda_s > 0)
-        removed += [f"above lambda_c = {readable(self.lambda_c)}"] * (self.lambda_c < inf)
+        below = f"below lambda_s = {readable(self.lambda_s)}" if self.lambda_s > 0 else ""
+        above = f"above lambda_c = {readable(self.lambda_c)}" if self.lambda_c < inf else ""
+        removed = filter(None, (below, above))
         return f"waves {' and '.join(removed) or 'of no length'} were removed by Gaussian filters"
 
     def filtered(self, heights: Array, extent: tuple[float, float] | None) -> Array:

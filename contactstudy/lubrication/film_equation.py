@@ -65,8 +65,9 @@ class FilmScales:
     @property
     def load_parameter(self) -> float:
         """Load parameter, ``M = W / (E' R) (eta0 u_s / (E' R))^(-1/2)`` with E' = 2 E*, u_s = 2 u_m (Moes 1992)."""
-        resistance = self.speed_parameter
-        return sqrt(3 * pi**2 / (8 * resistance)) if resistance else inf
+        # by Hertz: a^2 = 8 W R / (pi E'), p_H = 2 W / (pi a)
+        speed = self.speed_parameter
+        return sqrt(3 * pi**2 / (8 * speed)) if speed else inf
 
     @property
     def viscosity_parameter(self) -> float:
@@ -75,6 +76,7 @@ class FilmScales:
         It is not Hamrock's viscosity parameter.
         """
         alpha = self.lubrication.lubricant.pressure_viscosity
+        # L / (alpha E') = root(W / (E' R) / M), and p_H / E' = root(W / (2 pi E' R)) by Hertz
         return alpha * self.hertz.peak_pressure * sqrt(2 * pi / self.load_parameter)
 
     @property
@@ -95,7 +97,8 @@ class FilmScales:
 class Film:
     """State of a film: pressure of the lubricant, void fraction and thickness (x, y), and the separation H0.
 
-    The thickness is the separation, the gap and the deflection together. ``asperity_pressure`` (x, y) is carried by
+    Under Reynolds' cavitation ``void`` is the source of lubricant per area in place of a void fraction. The
+    thickness is the separation, the gap and the deflection together. ``asperity_pressure`` (x, y) is carried by
     asperities; zero without a boundary film.
     """
 
@@ -200,10 +203,8 @@ class Linearised:
             (self.thickness, thickness),
             (self.void, void),
         ):
-            for (rows, columns), coefficient in bands.items():
-                shifted = np.roll(values, -columns, axis=1) if columns else values
-                first, end = max(0, -rows), len(values) - max(0, rows)
-                changed[first:end] += coefficient[first:end] * shifted[first + rows : end + rows]
+            for offset, coefficient in bands.items():
+                changed += coefficient * neighbour(values, offset)
         return changed
 
 
@@ -213,10 +214,10 @@ class FilmEquation:
 
     ``gap`` (x, y) is undeformed, ``deflection`` maps a pressure (x, y) to a displacement, ``cell`` is the size of a
     cell (across, along), ``speed_parameter`` lambda = 12 eta0 u_m R^2 / (a^3 p_H), ``load`` the mean over y of the sum
-    of P dX. ``speed`` is the mean speed over that in lambda. ``log_viscosity`` returns ln(eta / eta0) and its derivative
-    by pressure, ``density`` the same for the ratio to the density at zero pressure. The first two cells across and the
-    last have no pressure; the inlet is flooded, or holds no more than a layer ``supplied_film``. ``boundary_film`` is
-    the thickness of the boundary film, zero without one.
+    of P dX. ``speed`` is the present mean speed over the one in ``speed_parameter``. ``log_viscosity`` returns
+    ln(eta / eta0) and its derivative by pressure, ``density`` the same for the ratio to the density at zero pressure. The
+    first two cells across and the last have no pressure; the inlet is flooded, or holds no more than a layer
+    ``supplied_film``. ``boundary_film`` is the thickness of the boundary film, zero without one.
     """
 
     gap: Array
@@ -299,16 +300,14 @@ class FilmEquation:
         residual = np.zeros_like(content)
         residual[1:-1] = flux[1:] - flux[:-1]
         downstream, upstream = _downstream_face, _upstream_face
-        pressure = {
-            (0, 0): downstream(across.pressure_upstream) - upstream(across.pressure_downstream),
-            (1, 0): downstream(across.pressure_downstream),
-            (-1, 0): -upstream(across.pressure_upstream),
-        }
-        thickness = {
-            (0, 0): downstream(across.thickness_upstream) - upstream(across.thickness_downstream),
-            (1, 0): downstream(across.thickness_downstream),
-            (-1, 0): -upstream(across.thickness_upstream),
-        }
+        pressure, thickness = (
+            {
+                (0, 0): downstream(by_upstream) - upstream(by_downstream),
+                (1, 0): downstream(by_downstream),
+                (-1, 0): -upstream(by_upstream),
+            }
+            for by_upstream, by_downstream in (across[1:3], across[3:5])
+        )
         if content.shape[1] > 1:
             residual += _balance_along(cells, dx / (self.speed_parameter * dy**2), pressure, thickness)
         entrained = {
@@ -320,20 +319,19 @@ class FilmEquation:
             residual += dx * (squeeze.rate * content + squeeze.history)
             entrained[0, 0] = entrained[0, 0] + dx * squeeze.rate
         void: dict[tuple[int, int], Array] = {}
-        for offset, coefficient in entrained.items():
-            for bands, slope in zip((pressure, thickness, void), slopes, strict=True):
-                term = coefficient * neighbour(slope, offset)
-                bands[offset] = bands[offset] + term if offset in bands else term
+        moved = [(entrained, zip((pressure, thickness, void), slopes, strict=True))]
         if on_boundary.any():
-            boundary_faces: Array = self.speed * on_boundary.astype(float)
-            entrained = {(0, 0): downstream(boundary_faces), (-1, 0): -upstream(boundary_faces)}
-            boundary_slopes = (
+            faces = self.speed * on_boundary.astype(float)
+            by_film: tuple[Array, Array] = (
                 film_fraction * density_slope * self.boundary_film,
                 -density * self.boundary_film,
             )
-            for offset, coefficient in entrained.items():
-                for bands, boundary_slope in zip((pressure, void), boundary_slopes, strict=True):
-                    bands[offset] = bands[offset] + coefficient * neighbour(boundary_slope, offset)
+            dragged = {(0, 0): downstream(faces), (-1, 0): -upstream(faces)}
+            moved.append((dragged, zip((pressure, void), by_film, strict=True)))
+        for coefficients, of_bands in moved:
+            for bands, slope in of_bands:
+                for offset, coefficient in coefficients.items():
+                    bands[offset] = bands.get(offset, 0.0) + coefficient * neighbour(slope, offset)
         if not self.conserves:
             residual -= dx * film.void
             void[0, 0] = void[0, 0] - dx
@@ -368,21 +366,21 @@ def _upstream_face(faces: Array) -> Array:
     return np.concatenate((np.zeros_like(faces[:1]), faces))
 
 
-def _poiseuille_flow(before: _FaceSide, behind: _FaceSide, factor: float) -> _FaceFlow:
-    """Return the Poiseuille flow through faces, from the cells ``before`` them to those ``behind``."""
-    half = (behind.log_fluidity - before.log_fluidity) / 2
+def _poiseuille_flow(upstream: _FaceSide, downstream: _FaceSide, factor: float) -> _FaceFlow:
+    """Return the Poiseuille flow through faces, from the cells ``upstream`` of them to those ``downstream``."""
+    half = (downstream.log_fluidity - upstream.log_fluidity) / 2
     small = np.abs(half) < SERIES
     safe = np.where(small, 1.0, half)
     # sinh(u) / u exp(-|u|), which does not overflow, and the derivative of ln(sinh(u) / u)
     size = 2 * np.abs(safe)
     ratio = np.where(small, (1 + half**2 / 6) * np.exp(-np.abs(half)), -np.expm1(-size) / size)
     tilt = np.where(small, half / 3, 1 / np.tanh(safe) - 1 / safe)
-    fluidity = np.exp(np.maximum(before.log_fluidity, behind.log_fluidity)) * ratio
-    both = before.thickness + behind.thickness
-    conductance = factor * 2 * (before.thickness * behind.thickness) ** 2 / both * fluidity
-    density = (before.density + behind.density) / 2
+    fluidity = np.exp(np.maximum(upstream.log_fluidity, downstream.log_fluidity)) * ratio
+    both = upstream.thickness + downstream.thickness
+    conductance = factor * 2 * (upstream.thickness * downstream.thickness) ** 2 / both * fluidity
+    density = (upstream.density + downstream.density) / 2
     total = density * conductance
-    fall = before.pressure - behind.pressure
+    fall = upstream.pressure - downstream.pressure
 
     def by_pressure(side: _FaceSide, weight: Array) -> Array:
         slope = total * weight * side.log_fluidity_slope + conductance * side.density_slope / 2
@@ -390,10 +388,10 @@ def _poiseuille_flow(before: _FaceSide, behind: _FaceSide, factor: float) -> _Fa
 
     return _FaceFlow(
         total * fall,
-        by_pressure(before, (1 - tilt) / 2) + total,
-        by_pressure(behind, (1 + tilt) / 2) - total,
-        total * (2 / before.thickness - 1 / both) * fall,
-        total * (2 / behind.thickness - 1 / both) * fall,
+        by_pressure(upstream, (1 - tilt) / 2) + total,
+        by_pressure(downstream, (1 + tilt) / 2) - total,
+        total * (2 / upstream.thickness - 1 / both) * fall,
+        total * (2 / downstream.thickness - 1 / both) * fall,
     )
 
 
@@ -406,12 +404,12 @@ def _balance_along(
     """Return the balance of the flow along the length, and add its derivatives to the bands."""
     along = _poiseuille_flow(cells, cells.next_along(), factor)
     last = _FaceFlow(*(np.roll(values, 1, axis=1) for values in along))
-    for bands, by_behind, by_before, last_by_behind, last_by_before in (
+    for bands, by_downstream, by_upstream, last_by_downstream, last_by_upstream in (
         (pressure, along.pressure_downstream, along.pressure_upstream, *last[1:3]),
         (thickness, along.thickness_downstream, along.thickness_upstream, *last[3:5]),
     ):
-        bands[0, 0] = bands[0, 0] + by_before - last_by_before
-        bands[0, 1], bands[0, -1] = by_behind, -last_by_behind
+        bands[0, 0] = bands[0, 0] + by_upstream - last_by_upstream
+        bands[0, 1], bands[0, -1] = by_downstream, -last_by_downstream
     return np.asarray(along.flux - last.flux)
 
 

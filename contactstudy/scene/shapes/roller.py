@@ -166,7 +166,7 @@ class Crown:
 
     @property
     def length_scales(self) -> LengthScales:
-        """Length scales of the roller; none without a crown and a length."""
+        """Length scales of the roller; none without either a crown or a length."""
         return LengthScales(roller=self.length if min(self.radius, self.length) < inf else 0.0)
 
     def gap(self, grid: Grid) -> Array:
@@ -319,12 +319,12 @@ class FiniteLength:
 
         Raises :class:`~contactstudy.InvalidInput` for cells longer than the roller.
         """
-        if (cell := grid.cell_size[1]) > self.length * (1 + 1e-9):
+        beyond = np.abs(grid.y) > self.length / 2
+        if (cell := grid.cell_size[1]) > self.length * (1 + 1e-9) or beyond.all():
             raise InvalidInput(
                 f"FiniteLength.length is {self.length!r}: give cells along the length no longer than that, these are "
                 f"{cell!r} m long."
             )
-        beyond = np.abs(grid.y) > self.length / 2
         return np.where(beyond, self.length, 0.0)[None, :] if beyond.any() else np.zeros((grid.cells[0], 1))
 
     def covered_fractions(self, grid: Grid) -> Array:
@@ -333,9 +333,6 @@ class FiniteLength:
         A row whose centre lies beyond the end represents nothing; its part on the roller is added to the row beside it.
         """
         within = np.clip((self.length / 2 - np.abs(grid.y)) / grid.cell_size[1] + 0.5, 0.0, 1.0)
-        beyond = np.abs(grid.y) > self.length / 2
-        lengths = np.where(beyond, 0.0, within)
-        left_over = np.where(beyond, within, 0.0)
-        lengths[:-1] += np.where(grid.y[1:] > 0, left_over[1:], 0.0)
-        lengths[1:] += np.where(grid.y[:-1] < 0, left_over[:-1], 0.0)
-        return lengths
+        rows = np.arange(len(grid.y))
+        on_roller = rows[np.abs(grid.y) <= self.length / 2]
+        return np.asarray(np.bincount(np.clip(rows, on_roller[0], on_roller[-1]), within, len(rows)), dtype=np.float64)

@@ -215,8 +215,8 @@ class FilmEquation:
     ``gap`` (x, y) is undeformed, ``deflection`` maps a pressure (x, y) to a displacement, ``cell`` is the size of a
     cell (across, along), ``speed_parameter`` lambda = 12 eta0 u_m R^2 / (a^3 p_H), ``load`` the mean over y of the sum
     of P dX. ``speed`` is the present mean speed over the one in ``speed_parameter``. ``log_viscosity`` returns
-    ln(eta / eta0) and its derivative by pressure, ``density`` the same for the ratio to the density at zero pressure. The
-    first two cells across and the last have no pressure; the inlet is flooded, or holds no more than a layer
+    ln(eta / eta0) and its derivative by pressure, ``density`` the same for the ratio to the density at zero pressure.
+    The first two cells across and the last have no pressure; the inlet is flooded, or holds no more than a layer
     ``supplied_film``. ``boundary_film`` is the thickness of the boundary film, zero without one.
     """
 
@@ -321,13 +321,10 @@ class FilmEquation:
         void: dict[tuple[int, int], Array] = {}
         moved = [(entrained, zip((pressure, thickness, void), slopes, strict=True))]
         if on_boundary.any():
-            faces = self.speed * on_boundary.astype(float)
-            by_film: tuple[Array, Array] = (
-                film_fraction * density_slope * self.boundary_film,
-                -density * self.boundary_film,
-            )
+            faces, least_film = self.speed * on_boundary.astype(float), np.full_like(density, self.boundary_film)
             dragged = {(0, 0): downstream(faces), (-1, 0): -upstream(faces)}
-            moved.append((dragged, zip((pressure, void), by_film, strict=True)))
+            by_boundary = film_fraction * density_slope * least_film, -density * least_film
+            moved.append((dragged, zip((pressure, void), by_boundary, strict=True)))
         for coefficients, of_bands in moved:
             for bands, slope in of_bands:
                 for offset, coefficient in coefficients.items():

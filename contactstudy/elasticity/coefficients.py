@@ -77,8 +77,8 @@ class BoussinesqCoefficients:
         return boussinesq_cell_doubly_periodic(x, y, dx, dy, width, period)
 
 
-# Distance from the axis over the length of a body with free faces at which the row of its mirrored loads does not move
-# it: the loads beyond the two neighbouring ones then count nothing in the middle.
+# Distance from the axis at which the row of mirrored loads does not displace a body with free faces, over its length.
+# The loads beyond the two neighbouring ones then do not displace the middle.
 DATUM_OVER_LENGTH = 3.0
 
 
@@ -130,9 +130,9 @@ def without_shift(coefficients: Coefficients, grid: Grid, paddings: Paddings) ->
     """
     if not hasattr(coefficients, "rigid_shift"):
         return coefficients, 0.0
-    rows = [axis.window for axis in paddings if axis.window is not None]
-    # with infinitely many images along one axis, each image across has its own shift
-    images = len(rows[0]) if len(rows) == 1 else 0
+    windows = [axis.window for axis in paddings if axis.window is not None]
+    # with infinitely many images along one axis alone, each image across it is a row with its own shift
+    images = len(windows[0]) if len(windows) == 1 else 0
     period = grid.extent[0 if paddings[0].window is None else 1]
     unshifted: Coefficients = replace(coefficients, datum=1.0)  # type: ignore[type-var]
     line = grid.cell_area / period

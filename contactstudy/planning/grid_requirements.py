@@ -11,13 +11,7 @@ import numpy as np
 from contactstudy.accuracy.discretisation.bound import CONSTANTS as ONE_GRID
 from contactstudy.analytic import HertzLine
 from contactstudy.domain.checks import InvalidInput, NotDefined
-from contactstudy.domain.grid import (
-    ExactPeriodicity,
-    Grid,
-    Padding,
-    Paddings,
-    ZeroPadding,
-)
+from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings, ZeroPadding
 from contactstudy.domain.units import Metres, readable
 from contactstudy.domain.validation import valid
 from contactstudy.scene.scene import Scene
@@ -40,7 +34,7 @@ class GridConstants:
     min_cells
         Minimum number of cells along an axis. With half or twice as many, plans change by 2 % of the cells at most.
     cell_fraction
-        Fraction of the requested error for the cells; the remainder is for the time steps.
+        Fraction of the requested error for the cells; the rest is for the time steps.
     max_cells_for_stress
         Maximum number of cells across for the stress in a thin coating.
     """
@@ -157,6 +151,7 @@ class GridRequirements:
         scale = hertz.half_width**2 / (2 * hertz.radius)
         relative_half_width = 1.0
         if self.height > 0:
+            # the gap at t half-widths is at least scale (t - 1)^2
             bracket = 2 + sqrt(2 * self.height / scale)
 
             def residual_gap(t: float) -> float:
@@ -187,8 +182,8 @@ class GridRequirements:
     def width(self, least: float) -> float:
         """Return the width of the grid [m]: at least `least`, unless the shapes are known over less.
 
-        A random surface without an extent has that of the grid. It is wide enough to be representative, in steps of two,
-        so that a somewhat larger load leaves the surface as it is.
+        A random surface without an extent has that of the grid. That is wide enough to be representative, and grows by
+        factors of two, so that a somewhat larger load leaves the surface as it is.
         """
         unit = CONSTANTS.waves_per_period * max((scales.longest_across for scales in self.length_scales), default=0.0)
         if unit:
@@ -271,16 +266,14 @@ class GridRequirements:
             steps = zip(self.shortest_wavelengths, grid.cell_size, strict=True)
             cell += f", {min(wave / step for wave, step in steps):.3g} in the shortest wavelength"
         cell += "."
-        varies = "the gap varies along the length", "nothing varies along the length"
-        dimension = {
-            (True, False): f"plane strain as requested: one cell along, though {varies[0]}.",
-            (True, True): f"three-dimensional: {varies[0]}.",
-            (False, False): f"plane strain: {varies[1]}, so one cell along suffices.",
-            (
-                False,
-                True,
-            ): f"three-dimensional as requested: {varies[1]}; one cell along would suffice.",
-        }[self.varies, ny > 1]
+        if self.varies and ny == 1:
+            dimension = "plane strain as requested: one cell along, though the gap varies along the length."
+        elif self.varies:
+            dimension = "three-dimensional: the gap varies along the length."
+        elif ny == 1:
+            dimension = "plane strain: nothing varies along the length, so one cell along suffices."
+        else:
+            dimension = "three-dimensional as requested: nothing varies along the length; one cell along would suffice."
         if self.given_padding is not None:
             padding = f"padding {self.given_padding!r}: the one given."
         elif self.roller_length:
@@ -306,8 +299,8 @@ class GridRequirements:
             f"coating {readable(coating.thickness)}: {coating.thickness / self.hertz.half_width:.3g} half-widths and "
             f"{coating.thickness / grid.cell_size[0]:.3g} cells across thick{further}. Its coefficients are exact at "
             f"any thickness; the effective modulus of a smooth contact is about {readable(modulus, 'Pa', 3)}, between "
-            f"{readable(coating_modulus, 'Pa', 3)} "
-            f"of the coating and {substrate}. Width and error are those of solutions on coarse grids with the coating."
+            f"{readable(coating_modulus, 'Pa', 3)} of the coating and {substrate}. Width and error are those of "
+            "solutions on coarse grids with the coating."
         )
 
     def warnings(self, grid: Grid) -> tuple[str, ...]:
@@ -435,7 +428,7 @@ def period_fault(period: float, length_scales: Iterable[LengthScales]) -> str:
 
 
 def _whole_parts(total: float, part: float) -> int | None:
-    """Return how often `part` goes into `total`, if that is a whole number; else None."""
+    """Return how many times `part` goes into `total`, None if that is no whole number but for rounding."""
     count = round(total / part)
     return count if count and abs(total / part - count) <= 1e-9 * count else None
 
@@ -455,7 +448,7 @@ def _common_period(lengths: set[float]) -> float:
 
 
 def halvable_count(count: float) -> int:
-    """Return a number of cells, at least `count` and some, that can be halved repeatedly down to a coarse grid."""
+    """Return `count` rounded up so that halving leads to `min_cells` to twice as many cells; at least `min_cells`."""
     count = max(count, CONSTANTS.min_cells)
     step = 2 ** int(log2(count / CONSTANTS.min_cells))
     return int(np.ceil(count / step * (1 - 1e-12)) * step)

@@ -15,13 +15,7 @@ from contactstudy.domain.units import Number, readable
 from contactstudy.domain.validation import ABOVE_ZERO, Example, at_least, validated
 from contactstudy.elasticity.convolution import Convolution
 from contactstudy.problem.bare_problem import BareProblem
-from contactstudy.problem.constraint import (
-    Compressive,
-    Gap,
-    HardnessLimited,
-    scaled_in_double,
-    yielded,
-)
+from contactstudy.problem.constraint import Compressive, Gap, HardnessLimited, scaled_in_double, yielded
 from contactstudy.problem.memory import refuse_on, refuse_solve
 from contactstudy.problem.problem import Problem
 from contactstudy.solvers.iterate import Iterate
@@ -154,7 +148,7 @@ def solve_contact(
         gap = device.to_device(problem.undeformed_gap) + displacement
         gap -= approach
     gap = device.to_numpy(gap)
-    if not isinstance(problem.constraint, Compressive):  # what yields conforms
+    if not isinstance(problem.constraint, Compressive):  # yielded cells are in contact: their gap is not negative
         np.maximum(gap, 0.0, out=gap, where=yielded(problem.constraint, pressure))
     return Solution(
         problem=problem,
@@ -196,10 +190,10 @@ def _finite_pressure(start: Array, problem: Problem) -> Array:
 
 
 def _admissible_start(pressure: Array, problem: Problem, precision: Precision) -> Array:
-    """Return a `pressure` [Pa] made admissible, dimensionless."""
+    """Return a `pressure` [Pa] over ``problem.scales.pressure``, clipped to its limits and scaled to the load."""
     with np.errstate(over="ignore", under="ignore"):
-        bare = np.asarray(pressure / problem.scales.pressure)
-        carried = bare.sum()
+        relative = np.asarray(pressure / problem.scales.pressure)
+        carried = relative.sum()
     if problem.control.approach is None and not np.finfo(np.float64).tiny <= carried < inf:
         raise InvalidInput(
             f"solve.start is at most {readable(pressure.max(), 'Pa')}: give a pressure that carries some load, of "
@@ -207,7 +201,7 @@ def _admissible_start(pressure: Array, problem: Problem, precision: Precision) -
         )
     # scaled to the load in double precision: single precision may have no number for the factor
     unit = 1 / problem.scales.pressure
-    admissible = problem.control.scaled(unit).clip_and_scale(bare, problem.constraint.scaled(unit))
+    admissible = problem.control.scaled(unit).clip_and_scale(relative, problem.constraint.scaled(unit))
     return admissible.astype(precision.real, copy=False)
 
 
@@ -229,12 +223,11 @@ def _status(bare: BareProblem, last: Iterate, options: SolveOptions, problem: Pr
     if last.residual > options.tolerance:
         if bare.should_stop(last.residual, last.displacement, options.tolerance):
             return Status.PRECISION_LIMIT
-        limited = last.iterations >= options.max_iterations
-        return Status.ITERATION_LIMIT if limited else Status.STALLED
+        return Status.ITERATION_LIMIT if last.iterations >= options.max_iterations else Status.STALLED
     return Status.CONTACT_AT_EDGE if problem.is_cut_off(last.pressure) else Status.CONVERGED
 
 
-# Takes the residual and the pressure (x, y), both dimensionless; the array is the solver's own and changes later.
+# Takes the residual and the pressure (x, y), both dimensionless.
 Report = Callable[[float, Array], object]
 
 

@@ -18,7 +18,7 @@ from studies.cli.show import compare, show
 from studies.model.plain_text import one_line
 from studies.registry import BUILT_IN, outline
 
-# What runs is imported by the commands that run, and what draws by those that draw: help comes at once.
+# Commands import what runs and what draws when they need it, so that help comes at once.
 
 MAX_LISTED = 60  # characters of the values of an axis
 
@@ -58,8 +58,8 @@ def report(
 ) -> None:
     """Run the studies of each CHAPTER and write its page.
 
-    Without a chapter, the page is report.html. CHAPTER is effects, the name of any study, or
-    all. What is stored is not computed again.
+    Without a chapter, the page is report.html. CHAPTER is effects, the name of any study, or all. What is stored is not
+    computed again.
     With --scene, the page is about that contact, in a folder of its name.
     """
     if scene is not None:
@@ -120,10 +120,10 @@ def main() -> None:
         sys.exit(error.exit_code)
     except (KeyboardInterrupt, click.Abort):
         click.echo("contactstudy: stopped; files that are complete are kept.", err=True)
-        sys.exit(130)
+        sys.exit(130)  # 128 and the number of SIGINT
     except BrokenPipeError:  # the output pipe is closed
         sys.stdout = None
-        sys.exit(141)
+        sys.exit(141)  # 128 and the number of SIGPIPE
     except ModuleNotFoundError as missing:
         _fail(str(missing_package("this command", missing)))
     except OSError as error:
@@ -133,7 +133,7 @@ def main() -> None:
 
 
 def _fail(text: str) -> NoReturn:
-    """Print a message in one line, if it can be printed, and exit with code 1."""
+    """Print a message in one line, if standard error is open, and exit with code 1."""
     with suppress(OSError):
         click.echo(f"contactstudy: {one_line(text)}", err=True)
     sys.exit(1)

@@ -98,9 +98,9 @@ def load_varied(name: str, vary: Sequence[str]) -> "Study":
 
 
 def with_reference(study: "Study", name: str, reference: str) -> "Study":
-    """Return the study of a scene file with the value of a varied field against which errors are drawn.
+    """Return the `study` of the scene file `name`, whose errors are drawn against the `reference`, "field=value".
 
-    Raises :class:`~contactstudy.InvalidInput` for a value that the study does not vary.
+    Raises :class:`~contactstudy.InvalidInput` for a value that the study does not have.
     """
     from studies.advice.reference_error import against
     from studies.scene_study.study_of import study_of
@@ -155,11 +155,7 @@ def with_reference(study: "Study", name: str, reference: str) -> "Study":
 @SENSITIVITY
 @REFERENCE
 @PLOT
-@click.option(
-    "--dry-run",
-    is_flag=True,
-    help="Print the number of cases and their estimated cost; compute nothing.",
-)
+@click.option("--dry-run", is_flag=True, help="Print the number of cases and their estimated cost; compute nothing.")
 @click.pass_context
 def run(
     context: click.Context,
@@ -185,12 +181,7 @@ def run(
     from studies.model.outcome import CaseStatus
 
     if vary_every:
-        refuse(
-            context,
-            "a sweep, and not for --sensitivity, which varies each number alone",
-            "vary",
-            "reference",
-        )
+        refuse(context, "a sweep, and not for --sensitivity, which varies each number alone", "vary", "reference")
     chosen = sensitivity_of(study) if vary_every else load_varied(study, vary)
     is_timed = (is_given(context, "repeats") and repeats) or "times" in retry
     if is_timed and study.endswith(".toml"):

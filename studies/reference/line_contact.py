@@ -16,7 +16,7 @@ STEEL = cs.HalfSpace(youngs_modulus=210e9, poisson_ratio=0.3)
 SCENE = cs.Scene(load=cs.LineLoad(1e5), solids=(STEEL, STEEL), shapes=(cs.Cylinder(radius=0.01),))
 HERTZ = cs.analytic.HertzLine(SCENE.largest_load, 0.01, SCENE.contact_modulus)
 A, P_H = HERTZ.half_width, HERTZ.peak_pressure
-# [m], height of the cylinder at the edge of the contact, a^2 / (2 R) = p_H a / E*
+# Height of the cylinder at the edge of the contact [m], a^2 / (2 R) = p_H a / E*.
 HERTZ_HEIGHT = A**2 / (2 * HERTZ.radius)
 WIDTH = 2.4  # of the domain, in half-widths: the paper's choice
 
@@ -24,7 +24,7 @@ WIDTH = 2.4  # of the domain, in half-widths: the paper's choice
 # largest at 0.32, where the next cell begins to bear, and that of a single cell at 0.5, the centre of a cell.
 EDGE_PLACES = (0.0, 0.32, 0.5, 0.75)
 EDGE = "The largest over places of the contact edge in its cell."
-# Errors of a smooth contact, and those of them that depend on where its edge lies.
+# Errors of a smooth contact by name, with their labels.
 ERRORS = {
     "axis_pressure_error": "relative error of the mean pressure in the cells beside the axis",
     "peak_pressure_error": "relative error of the highest pressure anywhere, as means over cells",
@@ -33,20 +33,21 @@ ERRORS = {
     "half_width_error": "relative error of the contact half-width",
     "length_variation": "pressure variation along the length over Hertz peak pressure",
 }
+# Those that depend on the place of the contact edge in its cell.
 BY_THE_EDGE = tuple(name for name in ERRORS if name != "length_variation")
 
 
 def with_edges_moved(grid: cs.Grid, half_width: float) -> tuple[cs.Grid, ...]:
-    """Return a grid, and grids of the same cells that have the edge of a contact at other places in a cell.
+    """Return a grid, and grids of as many cells, with the edge of a contact at the `EDGE_PLACES` in a cell.
 
-    The error of the pressure in L1 depends on this place by a factor of five, and a slightly different load has another
-    place. The widths differ by at most half a cell per half-width [m]; one that does not hold the contact is left out.
+    The L1 error of the pressure changes by a factor of five with this place, which a slightly different load changes.
+    The number of cells in the `half_width` [m] changes by at most a half; grids too narrow for the contact are left out.
     """
     (width, length), count = grid.extent, grid.cells[0]
     cells = half_width / grid.cell_size[0]  # per half-width
     shifts = ((place - cells - count / 2 + 0.5) % 1 - 0.5 for place in EDGE_PLACES)
     moved = (cells + shift for shift in shifts if 0.5 <= cells + shift < count / 2)
-    return grid, *(replace(grid, extent=(width * cells / one, length)) for one in moved)
+    return grid, *(replace(grid, extent=(width * cells / other, length)) for other in moved)
 
 
 def measures(case: Case, solution: cs.Contact) -> Mapping[str, xr.Variable]:
@@ -72,7 +73,7 @@ def measures(case: Case, solution: cs.Contact) -> Mapping[str, xr.Variable]:
     return variables | error_estimates(solution.error)
 
 
-def hertz_errors(hertz: "cs.analytic.HertzLine", grid: cs.Grid, pressure: Array) -> dict[str, float]:
+def hertz_errors(hertz: cs.analytic.HertzLine, grid: cs.Grid, pressure: Array) -> dict[str, float]:
     """Return the errors of `ERRORS` of a pressure (x, y) [Pa] on one grid."""
     means = hertz_means(hertz, grid)
     l1 = relative_l1(pressure, means)
@@ -89,7 +90,7 @@ def hertz_errors(hertz: "cs.analytic.HertzLine", grid: cs.Grid, pressure: Array)
     }
 
 
-def hertz_means(hertz: "cs.analytic.HertzLine", grid: cs.Grid) -> Array:
+def hertz_means(hertz: cs.analytic.HertzLine, grid: cs.Grid) -> Array:
     """Return the means of Hertz's pressure over the cells of a grid (x, y) [Pa]."""
     borders = np.linspace(-0.5, 0.5, grid.cells[0] + 1) * grid.extent[0] / hertz.half_width
     borders = np.clip(borders, -1, 1)

@@ -11,16 +11,16 @@ from studies.model.outcome import is_time
 from studies.model.plain_text import counted
 
 STATUSES = ("case_status", "solver_status")
-ABOUT_CASES = ("case_key", "error")  # texts of the store
-# Numbers of the solver, and ends of names of others, that change within its tolerance.
-OF_SOLVER = ("residual", "iterations", "linear_iterations", "outer_iterations", "convolutions")
+# Variables that are not compared: texts of the store, and numbers of the solver that change within its tolerance.
+LEFT_OUT = ("case_key", "error", "residual", "iterations", "linear_iterations", "outer_iterations", "convolutions")
+# Ends of the names of further numbers that change within the tolerance of the solver.
 LEFT_OUT_ENDS = ("_estimate_residual", "_bound")
 
 
 def changes(first: xr.Dataset, second: xr.Dataset) -> Sequence[str]:
     """Return sentences on statuses and flags that differ, measures that changed (the largest change first), and times.
 
-    Points are compared that both have, and measures of further dimensions value by value.
+    The points that both have are compared, and measures of further dimensions value by value.
     Raises :class:`~contactstudy.InvalidInput` for studies of other axes.
     """
     axes = [str(name) for name in first["case_status"].dims]
@@ -34,16 +34,14 @@ def changes(first: xr.Dataset, second: xr.Dataset) -> Sequence[str]:
     if not points:
         apart = [axis for axis in axes if not np.isin(first[axis], second[axis]).any()]
         return [f"{sentences[0]}: no value of {' or '.join(apart)} is in both"]
-    of_solver = (*OF_SOLVER, *ABOUT_CASES)
     found = [
         change
         for name in sorted({str(n) for run in (a, b) for n in run.data_vars})
-        if name not in of_solver and not is_time(name) and not name.endswith(LEFT_OUT_ENDS)
+        if name not in LEFT_OUT and not is_time(name) and not name.endswith(LEFT_OUT_ENDS)
         for change in _changes_of(name, a, b, axes)
     ]
-    sentences += [sentence for _, sentence in sorted(found, key=lambda change: -change[0])]
-    sentences += ["no measure differs"] * (not found)
-    return [*sentences, *_speed(a, b)]
+    differences = [sentence for _, sentence in sorted(found, key=lambda change: -change[0])] or ["no measure differs"]
+    return [*sentences, *differences, *_speed(a, b)]
 
 
 def _changes_of(name: str, a: xr.Dataset, b: xr.Dataset, axes: Sequence[str]) -> Iterator[tuple[float, str]]:
@@ -56,12 +54,12 @@ def _changes_of(name: str, a: xr.Dataset, b: xr.Dataset, axes: Sequence[str]) ->
         return
     dims = [*axes, *(str(dim) for dim in runs[0].dims if dim not in axes)]
     if dict(runs[0].sizes) != dict(runs[1].sizes) or not runs[0].size:
-        yield inf, f"{name} is not compared: its values along {dims[-1]} are others"
+        yield inf, f"{name} is not compared: its values along {dims[-1]} do not correspond"
         return
     before, after = (run.transpose(*dims).values for run in runs)
     is_text = any(run.dtype.kind not in "biuf" for run in runs)
     if is_text or name in STATUSES or "flag_meanings" in runs[0].attrs:
-        # nan is no difference to nan
+        # two values that are both nan do not differ
         differ = np.count_nonzero((before != after) & ((before == before) | (after == after)))
         if differ:
             points = counted(prod(a.sizes[axis] for axis in axes), "point")
@@ -71,7 +69,7 @@ def _changes_of(name: str, a: xr.Dataset, b: xr.Dataset, axes: Sequence[str]) ->
     is_missing = runs[0].isnull() != runs[1].isnull()
     if missing := int((is_missing & (a["case_status"] == b["case_status"])).sum()):
         yield inf, f"{name} is nan at {counted(missing, 'point')} of one run alone"
-    with np.errstate(invalid="ignore"):  # two infinite bounds are equal
+    with np.errstate(invalid="ignore"):  # the difference of two infinite values is nan, and counts as none
         change = np.abs(after - before)
     if not np.nan_to_num(change).any():
         return
@@ -80,14 +78,11 @@ def _changes_of(name: str, a: xr.Dataset, b: xr.Dataset, axes: Sequence[str]) ->
     where = ", ".join(f"{dim} {a[dim].values[k]}" for dim, k in zip(dims, index, strict=True))
     x, y = float(before[index]), float(after[index])
     relative = abs(y - x) / scale if scale else inf
-    yield (
-        relative,
-        f"{name}: from {x:.6g} to {y:.6g} at {where}, {relative:.2g} of the largest value",
-    )
+    yield relative, f"{name}: from {x:.6g} to {y:.6g} at {where}, {relative:.2g} of the largest value"
 
 
 def _speed(first: xr.Dataset, second: xr.Dataset) -> Sequence[str]:
-    """Compare the times of the cases, where one model of processor with one number of cores timed both."""
+    """Return sentences on the ratio of the times of the cases, if both ran on the same model of processor and cores."""
     sentences = []
     for name in ("solve_time", "solve_time_cpu"):
         if name not in first or name not in second:

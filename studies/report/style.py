@@ -15,27 +15,26 @@ from studies.reference.paddings import padding_label, padding_text
 __all__ = ["LAW_STYLE", "add_legend", "panels"]
 
 # Okabe & Ito (2008), safe for colour-blind readers.
-COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
+BLUE, RED, GREEN, PURPLE, ORANGE, SKY = COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 
 WIDTH = 9.2  # of a figure on a page [in]
 
 mpl.use("Agg")
 mpl.style.use(SETTINGS)
 
-
 PADDING_STYLES = {
     "zero": {"color": "#595959", "marker": "x"},
-    "duplicated": {"color": "#D55E00", "marker": "s"},
-    "superposed": {"color": "#009E73", "marker": "^"},
-    "circular": {"color": "#CC79A7", "marker": "v"},
-    "exact": {"color": "#0072B2", "marker": "o"},
+    "duplicated": {"color": RED, "marker": "s"},
+    "superposed": {"color": GREEN, "marker": "^"},
+    "circular": {"color": PURPLE, "marker": "v"},
+    "exact": {"color": BLUE, "marker": "o"},
 }
 
 
 def padding_style(padding: str) -> dict[str, Any]:
-    """Return colour and marker as keywords for matplotlib; a padding without a style is ochre."""
+    """Return colour and marker as keywords for matplotlib; a padding without a style is orange."""
     name = padding_text(padding).partition(",")[0]
-    return dict(PADDING_STYLES.get(name, {"color": "#E69F00", "marker": "D"}))
+    return dict(PADDING_STYLES.get(name, {"color": ORANGE, "marker": "D"}))
 
 
 def setting_label(dataset: xr.Dataset | xr.DataArray) -> str:
@@ -50,7 +49,7 @@ def captioned(name: str, figure: Figure, caption: str) -> CaptionedFigure:
 
 
 def percent(value: SupportsFloat) -> str:
-    """Return the size of a fraction in per cent, with two digits or more; the space before the sign does not break."""
+    """Return the size of a fraction in per cent, with two digits or more and a space that does not break."""
     fraction = 100 * abs(float(value))
     if not np.isfinite(fraction):
         return "not known"

@@ -3,7 +3,7 @@
 A wave ``exp(i q n.x)`` has the wave number q and the direction ``n = (c, s, 0)``, where c and s are the cosine and the
 sine of its angle to x; ``t = (-s, c, 0)`` lies along its crests and z points into the body. Fields depend on n and z
 alone, so that plane strain in (n, z) and antiplane shear along t do not couple. Tensors are given by nn, tt, zz,
-nz / i, nt, tz / i: by these, all coefficients between strain, traction and stress are real.
+nz / i, nt, tz / i, with the imaginary unit i: all coefficients between strain, traction and stress are then real.
 
 Plane strain has Airy's stress function ``phi``, of the components ``nn = d2 phi / dz2``, ``zz = -q^2 phi``,
 ``nz / i = -q d phi / dz`` and ``tt = nu (nn + zz)``. Where the modes of :class:`Sources` stand for ``q^2 phi`` and -nt,
@@ -20,7 +20,7 @@ from scipy.special import gammainc
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.eigenstrain.volume import Moduli
 
-# q times a depth at which a mode has decayed: exp(-700) is 1e-304, just above the least number in double precision.
+# q times a depth at which a mode has decayed: exp(-700) is 1e-304, just above the smallest normal double.
 MAX_DECAY = 700.0
 # The six fields nn, tt, zz, nz / i, nt, tz / i of a symmetric tensor.
 Tensor = tuple[Array, Array, Array, Array, Array, Array]
@@ -175,15 +175,20 @@ def _attenuated(amplitudes: Array, ratio: Array) -> Array:
     return after
 
 
+def _means_below(top: Array, layer: CellLayer) -> tuple[Array, Array]:
+    """Return the means of ``exp(-s)`` and ``s exp(-s)`` over a `layer` whose upper side is at s = `top`."""
+    decay = np.exp(-np.minimum(top, MAX_DECAY))
+    m0 = decay * layer.means[0]
+    return m0, decay * layer.means[1] + top * m0
+
+
 def stress_under_pressure(top: Array, layer: CellLayer, nu: float) -> Tensor:
     """Return the means of the stress over a `layer` under a wave of unit pressure (waves,).
 
     `top` is q times the depth of its upper side. Source: Johnson (1985), sect. 2.2, the stress under a line load,
     summed to a wave.
     """
-    decay = np.exp(-np.minimum(top, MAX_DECAY))
-    m0 = decay * layer.means[0]
-    m1 = decay * layer.means[1] + top * m0
+    m0, m1 = _means_below(top, layer)
     zeros = np.zeros_like(m0)
     return m1 - m0, -2 * nu * m0, -(m0 + m1), m1, zeros, zeros
 
@@ -194,9 +199,7 @@ def stress_under_shear(top: Array, layer: CellLayer, nu: float, direction: tuple
     `top` is q times the depth of its upper side, and `direction` is that of n, (c, s). Source: Johnson (1985), sect.
     2.3, the stress under a tangential line load, summed to a wave, and antiplane shear along t.
     """
-    decay = np.exp(-np.minimum(top, MAX_DECAY))
-    m0 = decay * layer.means[0]
-    m1 = decay * layer.means[1] + top * m0
+    m0, m1 = _means_below(top, layer)
     c, s = direction
     across = -s * m0
     return c * (2 * m0 - m1), (2 * nu) * c * m0, c * m1, c * (m0 - m1), across, across

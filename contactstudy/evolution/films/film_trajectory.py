@@ -15,11 +15,11 @@ from contactstudy.solvers.solution import Counts, Status
 
 # Time-discretisation error over the largest difference to an evolution with steps twice as long.
 ERROR_OVER_DIFFERENCE = 1.5
-# Numbers of a film whose time-discretisation errors are estimated, beside those of its pressure: the largest of any
-# cell, and in L1.
+# Numbers of a film whose time-discretisation errors are estimated.
 NUMBERS = ("central_film", "minimum_film", "friction")
+# Names of the errors of its pressure: the largest of any cell, and in L1.
 OF_PRESSURE = ("peak_pressure", "pressure")
-# Outcomes of a film that no error is estimated for.
+# Statuses of a film whose errors are infinite.
 FAILED = (Status.FILM_NOT_CONVERGED, Status.NOT_CONVERGED)
 
 
@@ -110,16 +110,14 @@ def time_discretisation_errors(
     differences = np.array([film.differences for film in compared])
     relative = differences / _not_zero([film.values for film in compared])
     absolute = np.maximum.accumulate(differences)[until]
-    errors = np.minimum(
-        absolute / _not_zero([_values(film) for film in films]),
-        np.maximum.accumulate(relative)[until],
-    )
+    absolute /= _not_zero([_values(film) for film in films])
+    errors = np.minimum(absolute, np.maximum.accumulate(relative)[until])
     errors[[film.status in FAILED for film in films]] = inf
     return dict(zip(names, ERROR_OVER_DIFFERENCE * errors.T, strict=True))
 
 
 def _not_zero(values: Sequence[Array]) -> Array:
-    """Return the sizes of `values` that differences are relative to; 1 in place of 0."""
+    """Return the absolute `values`, by which differences are divided; 1 in place of 0."""
     sizes = np.abs(values)
     return np.where(sizes == 0, 1, sizes)
 
@@ -127,7 +125,7 @@ def _not_zero(values: Sequence[Array]) -> Array:
 def film_trajectory(
     records: Sequence[Record[Any]], films: Sequence[FilmSolution], compared: Sequence[Difference]
 ) -> FilmTrajectory:
-    """Return the films that a march recorded, with the errors that differences to longer steps tell."""
+    """Return the films that a march recorded, with errors estimated from differences to films after longer steps."""
     work = sum((record.work for record in records), Counter())
     times = tuple(record.state.time for record in records)
     return FilmTrajectory(

@@ -33,7 +33,7 @@ class Material:
     source
         Publications that give the constants and the strength.
     synonyms
-        Further names by which the table is searched.
+        Further names that scene files may use.
     yield_stress
         Tensile stress at which it yields [Pa], infinite for brittle materials.
     hardness
@@ -80,7 +80,7 @@ def material(name: str) -> HalfSpace:
 
 
 def _material_named(field: str, name: object) -> Material:
-    """Return the material of that name, or of another name for it, in any case."""
+    """Return the material of this name or synonym, in upper or lower case; errors speak of `field`."""
     names = {alias: m for m in materials().values() for alias in (m.name, *m.synonyms)}
     lower_case = {alias.lower(): m for alias, m in names.items()}
     if not isinstance(name, str) or name.lower() not in lower_case:

@@ -20,13 +20,7 @@ from contactstudy.domain.grid import (
     ZeroPadding,
 )
 from contactstudy.domain.units import Hardness, Metres, NewtonsPerMetre, Number, Pascals
-from contactstudy.domain.validation import (
-    AT_LEAST_ZERO,
-    FINITE,
-    OR_INFINITE,
-    UP_TO_ONE,
-    BodyIndex,
-)
+from contactstudy.domain.validation import AT_LEAST_ZERO, FINITE, OR_INFINITE, UP_TO_ONE, BodyIndex
 from contactstudy.evolution.time_steps import TimeSteps
 from contactstudy.io.scene_files.structuring import NO_KIND
 from contactstudy.scene.adhesion import Adhesion
@@ -55,20 +49,10 @@ from contactstudy.scene.rolling import Rolling
 from contactstudy.scene.scene import Friction, Output, Scene
 from contactstudy.scene.shapes.moving_shape import MovingShape
 from contactstudy.scene.shapes.profile import Axis, EndRelief, ProfilePoints
-from contactstudy.scene.shapes.roller import (
-    Crown,
-    Cylinder,
-    Ellipsoid,
-    FiniteLength,
-    LundbergProfile,
-    Sphere,
-)
+from contactstudy.scene.shapes.roller import Crown, Cylinder, Ellipsoid, FiniteLength, LundbergProfile, Sphere
 from contactstudy.scene.shapes.roughness import Roughness
 from contactstudy.scene.shapes.shape import Shape, curvatures_of
-from contactstudy.scene.shapes.texture import (
-    Texture,
-    Waviness,
-)
+from contactstudy.scene.shapes.texture import Texture, Waviness
 from contactstudy.scene.shapes.tilt import Tilt
 from contactstudy.scene.solids.bodies import Body, HalfSpace
 from contactstudy.scene.solids.coated import CoatedHalfSpace
@@ -142,7 +126,8 @@ class MeasuredSurfaceTable(Reading):
             surface = MeasuredSurface.read(path, **reading, **rules)
         else:
             raise InvalidInput(f"MeasuredSurface.file is {self.file!r}: give the path of an existing file.")
-        surface = surface if self.tile is None else surface.cut(self.tile)
+        if self.tile is not None:
+            surface = surface.cut(self.tile)
         return surface.turned() if self.turn == "quarter" else surface
 
 
@@ -224,7 +209,7 @@ class LundbergProfileTable:
     k1
         Factor K1 on the amplitude of the profile for a load.
     k2
-        Part K2 of the length that is profiled, above 0 and up to 1; the rest is straight.
+        Fraction K2 of the length that is profiled, above 0 and up to 1; the rest is straight.
     z_m
         Drop z_m [m] at the ends of the profile for a load; None for that which spreads it evenly.
     """
@@ -242,11 +227,7 @@ class LundbergProfileTable:
     def shape(self, _folder: Path, context: ProfileContext) -> LundbergProfile:
         """Return the profile; one for a load needs the curvature and the bodies of the scene."""
         drops = self.amplitude, self.end_drop
-        ways = [
-            drops != (None, None),
-            self.for_load is not None,
-            self.iso_16281_diameter is not None,
-        ]
+        ways = [drops != (None, None), self.for_load is not None, self.iso_16281_diameter is not None]
         if sum(ways) != 1 or (ways[0] and None in drops):
             raise InvalidInput(
                 "LundbergProfile must be described in exactly one way: give amplitude and end_drop, for_load (the load "
@@ -268,7 +249,7 @@ class LundbergProfileTable:
             radius = 1 / curvature
             hertz = Scene(LineLoad(self.for_load), solids, (Cylinder(radius),)).hertz
             assert hertz is not None
-            modulus = hertz.contact_modulus  # of a coated body that at the half-width
+            modulus = hertz.contact_modulus  # that of a coated body depends on the half-width
             even = LundbergProfile.for_load(self.for_load, contact_modulus=modulus, radius=radius, length=self.length)
             drop = even.end_drop if self.z_m is None else self.z_m
             straight = (1 - self.k2) * self.length
@@ -308,7 +289,7 @@ class MeanPressure:
 
 @dataclass(frozen=True)
 class MovingShapeTable:
-    """Shape that a body carries, which may be given by a file."""
+    """Shape that moves with a `body`, itself described as any shape in a file."""
 
     shape: Shape
     body: BodyIndex = 0

@@ -89,7 +89,7 @@ def test_counts_and_flags_that_differ_are_said_and_a_missing_status_is_none() ->
     [
         ([1.0, 2.0], [1.0, 2.5], "profile: from 2 to 2.5 at padding exact, grid 16, x 1, 0.25 of the largest value"),
         ([1.0, 2.0], [1.0, np.nan], "profile is nan at 6 points of one run alone"),
-        ([1.0, 2.0], [1.0], "profile is not compared: its values along x are others"),
+        ([1.0, 2.0], [1.0], "profile is not compared: its values along x do not correspond"),
         ([1.0, 2.0], None, "profile is in the first run alone"),
     ],
 )  # fmt: skip

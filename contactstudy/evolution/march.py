@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from contactstudy.domain.checks import InvalidInput
-from contactstudy.scene.loads.load_history import ChangingLoad, PiecewiseLinear, check_ascending
+from contactstudy.scene.loads.load_history import ChangingLoad, PiecewiseLinear, check_not_decreasing
 from contactstudy.solvers.solution import Status
 
 # Smallest and largest factor on the length of the next pair, and the fraction of the allowed length that is aimed at.
@@ -130,7 +130,7 @@ def all_recorded(breakpoints: tuple[Breakpoint, ...]) -> tuple[Breakpoint, ...]:
 def _checked(times: ArrayLike, load: ChangingLoad) -> list[float]:
     """Return `times` [s] as a list; raise InvalidInput if they decrease, start before the load or repeat one twice."""
     instants: list[float] = np.ravel(times).tolist()
-    check_ascending("solve.times", instants)
+    check_not_decreasing("solve.times", instants)
     if instants[0] < load.start:
         raise InvalidInput(
             f"solve.times[0] is {instants[0]!r}: give times from {load.start!r} s on, when the load begins."

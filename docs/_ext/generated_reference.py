@@ -73,7 +73,6 @@ INNER = (
     "problem.constraint.Gap",
     "problem.constraint.PrescribedApproach",
     "problem.operator.Operator",
-    "scene.lubrication.lubrication.ChangingSpeed",
     "scene.scene.Output",
     "scene.surfaces.reading.Reading",
     "accuracy.discretisation.coarser.coarse_solution",

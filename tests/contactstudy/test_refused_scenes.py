@@ -193,7 +193,7 @@ BESIDE: list[tuple[str, cs.Scene, dict[str, Any]]] = [
     ("Scene.friction is not supported", FILM, {"friction": cs.Sliding(0.1)}),
     ("Scene.hardness is not supported", FILM, {"hardness": 2e9}),
     ("*give a Lubrication, or None", FILM, {"lubrication": OIL}),
-    ("Scene.load * a body creeps below a steady film", FILM, {"solids": (CREEPING, STEEL), "load": HISTORY}),
+    ("Scene.load * creep is supported under a steady film only", FILM, {"solids": (CREEPING, STEEL), "load": HISTORY}),
     *((f"*steady film only, and *{said} changes in time", FILM, oiled(**effect, **motion) | changes)
       for effect in ({"boundary": cs.Boundary(5e-9)}, {"thermal": cs.FilmHeat()})
       for said, motion, changes in (

@@ -180,7 +180,7 @@ VALUES: list[tuple[str, Callable[[Any], object], list[Any]]] = [
         lambda one: film(lubricant=cs.Lubricant(0.04, 2e-8, cs.Roelands(one)), thermal=cs.FilmHeat()), [0.4],
     ),
     (
-        "Lubrication.mean_speed is *give a speed above 0 m/s, or a SpeedHistory",
+        "Lubrication.mean_speed is *give a speed above 0, *or a SpeedHistory",
         lambda one: film(mean_speed=one), [cs.LoadHistory((0, 1), (1e3, 1e4))],
     ),
     (

@@ -44,7 +44,7 @@ from contactstudy.scene.lubrication.lubricant import (
     ShearLaw,
     ViscosityLaw,
 )
-from contactstudy.scene.lubrication.lubrication import ChangingSpeed, Lubrication, SpeedHistory
+from contactstudy.scene.lubrication.lubrication import Lubrication
 from contactstudy.scene.rolling import Rolling
 from contactstudy.scene.scene import Friction, Output, Scene
 from contactstudy.scene.shapes.moving_shape import MovingShape
@@ -394,5 +394,4 @@ KINDS: Mapping[Any, Mapping[str, type]] = {
     ViscosityLaw: _kinds(Roelands, Barus),
     DensityLaw: _kinds(DowsonHigginson, ConstantDensity),
     ShearLaw: _kinds(Newtonian, Eyring, Carreau, LimitingShear),
-    ChangingSpeed: _kinds(SpeedHistory),
 }

@@ -26,7 +26,7 @@ from contactstudy.scene.loads.load_history import (
     ChangingLoad,
     PiecewiseLinear,
     Times,
-    check_ascending,
+    check_not_decreasing,
 )
 from contactstudy.scene.solids.bodies import SceneContext
 from contactstudy.solvers.friction.bulk_stress import BulkStress
@@ -117,7 +117,7 @@ class Fretting:
                     f"Fretting.times has {len(self.times)} instants and Fretting.{name} {len(values)}: give one time "
                     "for each."
                 )
-            check_ascending("Fretting.times", self.times)
+            check_not_decreasing("Fretting.times", self.times)
         elif self.displacements is not None:
             raise InvalidInput("Fretting.times is None together with displacements: give times [s].")
         if self.bulk_stresses is not None:

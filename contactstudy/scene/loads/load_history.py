@@ -17,12 +17,16 @@ LOADS = tuple[Annotated[NewtonsPerMetre, AT_LEAST_ZERO], ...]
 ZERO_LOAD = 1e-13
 
 
-class History(Protocol):
-    """A quantity as a function of time [s]."""
+@runtime_checkable
+class ChangingLoad(Protocol):
+    """Load per length [N/m] as a function of time [s]; it is zero before its start.
+
+    A load that repeats also has an attribute ``period`` [s], of which no step in time takes more than a quarter.
+    """
 
     @property
     def largest(self) -> float:
-        """Largest value, above zero."""
+        """Largest load [N/m], above zero."""
 
     @property
     def start(self) -> float:
@@ -33,15 +37,7 @@ class History(Protocol):
         """Last time [s] that the history describes."""
 
     def at(self, time: float) -> float:
-        """Return the value from `time` [s] on, after any jump there."""
-
-
-@runtime_checkable
-class ChangingLoad(History, Protocol):
-    """Load per length [N/m] as a function of time [s]; it is zero before its start.
-
-    A load that repeats names its ``period`` [s], of which no step in time takes more than a quarter.
-    """
+        """Return the load [N/m] from `time` [s] on, after any jump there."""
 
     def breaks(self, end: float) -> tuple[float, ...]:
         """Return the times [s] up to `end` at which the load or its rate jumps."""
@@ -126,7 +122,7 @@ class PiecewiseLinear:
 Times = tuple[Annotated[Seconds, FINITE], ...]
 
 
-def check_ascending(name: str, times: Sequence[float]) -> None:
+def check_not_decreasing(name: str, times: Sequence[float]) -> None:
     """Raise :class:`~contactstudy.InvalidInput` for `times` [s], of this `name`, that decrease, or stand three times."""
     for number, (before, after) in enumerate(pairwise(times), start=1):
         if after < before or times[max(number - 2, 0) : number + 1].count(after) > 2:
@@ -159,12 +155,12 @@ class LoadHistory(PiecewiseLinear):
 
     def check_together(self) -> None:
         """Check that times do not decrease, with a load for each, one of them above 0."""
-        check_ascending("LoadHistory.times", self.times)
+        check_not_decreasing("LoadHistory.times", self.times)
         loads = self.per_length
         if len(self.times) != len(loads) or not loads:
             raise InvalidInput(
-                f"LoadHistory.per_length has {len(loads)} loads for {len(self.times)} times: give one for each of at "
-                "least one."
+                f"LoadHistory.per_length has {len(loads)} loads for {len(self.times)} times: give at least one time, "
+                "and one load for each."
             )
         if max(loads) <= 0:
             throughout = "0" if max(loads) == min(loads) == 0 else "not above 0"

@@ -1,20 +1,20 @@
 """Lubrication of a contact: cavitation, boundary film, and the motion that entrains the lubricant."""
 
 from math import inf
-from typing import Annotated, Protocol, runtime_checkable
+from typing import Annotated
 
 import numpy as np
 
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.units import Metres, MetresPerSecond, Number
 from contactstudy.domain.validation import AT_LEAST_ZERO, FINITE, validated
-from contactstudy.scene.loads.load_history import ChangingLoad, History, Times
+from contactstudy.scene.loads.load_history import Times
 from contactstudy.scene.lubrication.film_heat import LEAST_VISCOSITY, FilmHeat
 from contactstudy.scene.lubrication.lubricant import Lubricant, Roelands
 from contactstudy.scene.solids.bodies import SceneContext, creeps, yields
 
-# Relative difference up to which a given exponent of Roelands counts as that of alpha.
-CONTRADICTION = 0.02
+# Relative difference up to which a given exponent of Roelands counts as that of alpha, which may have been rounded.
+EXPONENT_TOLERANCE = 0.02
 
 
 @validated
@@ -45,7 +45,7 @@ class Boundary:
     Parameters
     ----------
     film
-        Thickness [m] below which the surfaces cannot come closer, above 0, such as 5e-9.
+        Smallest distance of the surfaces [m], above 0, such as 5e-9.
     coefficient
         Coefficient of friction of the asperities, at least 0.
 
@@ -57,11 +57,6 @@ class Boundary:
 
     film: Metres
     coefficient: Annotated[Number, AT_LEAST_ZERO] = 0.12
-
-
-@runtime_checkable
-class ChangingSpeed(History, Protocol):
-    """Mean speed [m/s] as a function of time [s]."""
 
 
 @validated
@@ -89,8 +84,8 @@ class SpeedHistory:
         times, speeds = self.times, self.mean_speed
         if len(times) != len(speeds) or len(times) < 2:
             raise InvalidInput(
-                f"SpeedHistory.mean_speed has {len(speeds)} speeds for {len(times)} times: give one for each of two or "
-                "more."
+                f"SpeedHistory.mean_speed has {len(speeds)} speeds for {len(times)} times: give two times or more, "
+                "and one speed for each."
             )
         if sorted(set(times)) != list(times):
             raise InvalidInput(f"SpeedHistory.times is {self.times!r}: give ascending times.")
@@ -148,7 +143,7 @@ class Lubrication:
     """
 
     lubricant: Lubricant
-    mean_speed: MetresPerSecond | ChangingSpeed
+    mean_speed: MetresPerSecond | SpeedHistory
     slide_roll_ratio: Annotated[Number, FINITE] = 0.0
     cavitation: Cavitation = ElrodAdams()
     boundary: Boundary | None = None
@@ -157,10 +152,6 @@ class Lubrication:
 
     def check_together(self) -> None:
         """Check fields against each other."""
-        if isinstance(self.mean_speed, ChangingLoad):  # which has all of a speed
-            raise InvalidInput(
-                f"Lubrication.mean_speed is {self.mean_speed!r}, a load: give a speed above 0 m/s, or a SpeedHistory."
-            )
         if self.thermal is not None:
             self._check_thermal()
         for name in ("supply", "boundary"):
@@ -175,13 +166,13 @@ class Lubrication:
         if self.lubricant.viscosity <= LEAST_VISCOSITY:
             raise InvalidInput(
                 f"Lubricant.viscosity is {self.lubricant.viscosity:g} Pa s, where Roelands' law has no temperature: "
-                "give one above 6.32e-5, or leave Lubrication.thermal out."
+                f"give one above {LEAST_VISCOSITY:.4g}, or leave Lubrication.thermal out."
             )
         law = self.lubricant.viscosity_law
         if isinstance(law, Roelands) and law.exponent is not None:
             oil = self.lubricant
             consistent = law.consistent_exponent(oil.viscosity, oil.pressure_viscosity)
-            if abs(law.exponent - consistent) > CONTRADICTION * law.exponent:
+            if abs(law.exponent - consistent) > EXPONENT_TOLERANCE * law.exponent:
                 raise InvalidInput(
                     f"Roelands.exponent is {law.exponent:g}, and heat and pressure act on one viscosity with "
                     f"alpha p0 / (ln(eta0) + 9.67) = {consistent:.3g} alone: give that, or None, or leave "
@@ -223,7 +214,7 @@ class Lubrication:
             (
                 any(map(creeps, scene.solids)) and scene.time_dependent_field not in (None, "Scene.wear"),
                 scene.time_dependent_field,
-                "a body creeps below a steady film only: give that body elastic, or the field constant",
+                "creep is supported under a steady film only: give elastic bodies, or keep this field constant",
             ),
         ):
             if present:
@@ -239,7 +230,7 @@ class Lubrication:
 
     def _changing_field(self, scene: SceneContext) -> str | None:
         """Return the name of a field by which the film is not steady at each instant, or None."""
-        if isinstance(self.mean_speed, ChangingSpeed):
+        if isinstance(self.mean_speed, SpeedHistory):
             return "Lubrication.mean_speed"
         return None if scene.wear is not None else scene.time_dependent_field
 
@@ -253,9 +244,9 @@ class Lubrication:
     def largest_speed(self) -> float:
         """Largest mean speed [m/s]."""
         speed = self.mean_speed
-        return speed.largest if isinstance(speed, ChangingSpeed) else speed
+        return speed.largest if isinstance(speed, SpeedHistory) else speed
 
     def speed_at(self, time: float) -> float:
         """Return the mean speed [m/s] at ``time`` [s]."""
         speed = self.mean_speed
-        return speed.at(time) if isinstance(speed, ChangingSpeed) else speed
+        return speed.at(time) if isinstance(speed, SpeedHistory) else speed

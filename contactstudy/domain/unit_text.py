@@ -31,6 +31,8 @@ KNOWN: dict[str, Scale] = {"": ONE, "1": ONE} | {
 NUMBER = re.compile(r"\s*([-+]?(?:inf|(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?))\s*(.*?)\s*")
 # What stands between a number and its tolerance.
 PLUS_MINUS = re.compile(r"\s*(?:\+/?-|±)\s*")
+# A number with its tolerance, whose unit stands behind brackets.
+IN_BRACKETS = re.compile(r"^\(([^()]*)\)(.*)")
 # Units: names, powers, products, quotients also of 1 and by products in brackets, and no other expressions.
 REPLACED = (
     (r"²", "^2"), (r"³", "^3"), (r"([mM])([23])(?![\d])", r"\1^\2"), (r"\b(m?)Pas\b", r"\1Pa*s"), (r"\bNm\b", "N*m"),
@@ -102,14 +104,15 @@ def parted(field: str, text: str) -> tuple[str, str, float | None]:
     """Return number and unit of a text, and in this unit the tolerance behind it; None of a text without one.
 
     A tolerance has the unit of its number, another one of the same quantity, or is in per cent of the number, such as
-    ``10 mm +- 0.05 mm``, ``10 mm +- 50 um`` or ``10 mm ± 1 %``.
+    ``10 mm +- 0.05 mm``, ``10 mm +- 50 um`` or ``10 mm ± 1 %``. A unit at the end alone is that of both: ``10 +- 0.05
+    mm``, ``(10 ± 0.05) mm``.
 
     Raises
     ------
     InvalidInput
         For a text without a number, and for a tolerance that is not a number of at least 0.
     """
-    first, *others = PLUS_MINUS.split(text.strip())
+    first, *others = PLUS_MINUS.split(IN_BRACKETS.sub(r"\1 \2", text.strip()))
     match, tolerances = NUMBER.fullmatch(first), [NUMBER.fullmatch(other) for other in others]
     if match is None or len(others) > 1 or not all(one and 0 <= float(one[1]) < inf for one in tolerances):
         raise InvalidInput(
@@ -118,6 +121,7 @@ def parted(field: str, text: str) -> tuple[str, str, float | None]:
     number, unit = match.groups()
     for one in filter(None, tolerances):
         size, symbol = one.groups()
+        unit = unit or symbol.replace("%", "")
         if symbol in ("", unit):
             return number, unit, float(size)
         if symbol == "%":

@@ -328,6 +328,12 @@ def grid_requirements(scene: Scene, padding: Padding | Paddings | None = None) -
         If no shape is curved, so that the contact has no width of its own.
     """
     if scene.hertz is None:
+        if min(scene.curvatures) > 0:
+            raise NotDefined(
+                "Scene.shapes are curved both ways, and the width of such a point contact is known under a TotalLoad "
+                "alone, without adhesion, films and rolling with hysteresis: give that, a Cylinder in place of the "
+                "ball, or choose grid and padding yourself."
+            )
         raise NotDefined(
             "Scene.shapes have no curvature that is the same all along, so that no width of the contact is known: "
             "give a Cylinder, a MeasuredSurface with its extent, or choose grid and padding yourself."

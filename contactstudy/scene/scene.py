@@ -162,6 +162,7 @@ class Scene(InNotebook):
         for number, shape in enumerate(self.shapes):
             valid(f"Scene.shapes[{number}].curvature", curvature_of(shape), float)
         self._check_curvatures()
+        self._check_point_contact()
         effects = self.rolling, self.friction, self.lubrication, self.adhesion, self.wear
         for part in (self.load, *effects, *self.solids):
             getattr(part, "check", lambda _: None)(self)
@@ -178,6 +179,19 @@ class Scene(InNotebook):
             raise InvalidInput(
                 f"Scene.shapes have curvatures that add up to {across:.4g} 1/m: the hollow body must have the larger "
                 "radius, give that of a hollow body below 0 m and a convex one that fits into it."
+            )
+
+    def _check_point_contact(self) -> None:
+        """Refuse effects of line contacts where a total load presses bodies that are curved both ways."""
+        load, names = self.load, ("lubrication", "adhesion", "rolling")
+        named = [name for name in names if getattr(self, name) is not None]
+        if not named or not isinstance(load, TotalLoad) or load.length is not None or min(self.curvatures) <= 0:
+            return
+        if self._shortest_roller is None:
+            raise InvalidInput(
+                f"Scene.{named[0]} is given for a point contact, of shapes that are curved both ways under a TotalLoad: "
+                "films, adhesion and rolling with hysteresis are of line contacts alone, leave it out, or give a "
+                "Cylinder."
             )
 
     def _check_hardness(self) -> None:

@@ -67,6 +67,9 @@ BESIDE: list[tuple[str, cs.Scene, dict[str, Any]]] = [
         "*elastically dissimilar", SMOOTH,
         {"friction": SLIP, "solids": (cs.CoatedHalfSpace(STEEL, 1e-6, RIGID), STEEL)},
     ),
+    ("Scene.adhesion is given for a point contact, *: films, adhesion *, leave it out", SMOOTH, {
+        "load": cs.TotalLoad(1.0), "shapes": (cs.Sphere(0.01),), "adhesion": cs.Adhesion(0.05),
+    }),
     ("TotalLoad.length is 0.02, *: leave it out", SMOOTH, {
         "load": cs.TotalLoad(1e3, 0.02), "shapes": (CYLINDER, cs.FiniteLength(0.01)),
     }),

@@ -67,8 +67,8 @@ class TotalLoad:
         if length is None:
             raise InvalidInput(
                 "Scene.load is a TotalLoad, and no shape has the length of a roller: give TotalLoad.length [m], a "
-                "FiniteLength among the shapes, or for a dry point contact shapes that are convex both ways, such as "
-                "Sphere or Ellipsoid."
+                "FiniteLength among the shapes, or for a point contact shapes that are convex both ways, such as Sphere "
+                "or Ellipsoid."
             )
         if not isclose(length, shortest or length):
             raise InvalidInput(

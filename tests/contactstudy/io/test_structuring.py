@@ -35,6 +35,7 @@ WRITTEN: list[tuple[object, Unit, float | None]] = [
     ("10 mm +- 0.05 mm", METRES, 1e-2), ("10 mm ± 50 um", METRES, 1e-2), ("100 N/mm +/- 5 %", LOAD, 1e5),
     ("60 HRC ± 2", HARDNESS, 697 * 9.80665e6), ("10 mm +- 1 N", METRES, None), ("10 mm ± -1 mm", METRES, None),
     ("10 mm ±", METRES, None), ("± 1 mm", METRES, None), ("10 mm ± 1 ± 1", METRES, None),
+    ("100 +- 5 N/mm", LOAD, 1e5), ("(100 ± 5) N/mm", LOAD, 1e5), ("100 +- 5 um", LOAD, None),
     ("46 W/(m*K)", Unit("W/(m*K)", "a thermal conductivity", "46 W/(m*K)"), 46.0),
 ]  # fmt: skip
 
@@ -57,6 +58,8 @@ def test_a_text_with_a_unit_is_the_number_in_si() -> None:
         ("-10 mm ± 0.1", 0.1),
         ("-20 N +- 5 %", 1.0),
         ("2 % ± 1 %", 1.0),
+        ("100 +- 5 N/mm", 5.0),
+        ("(100 ± 5) N/mm", 5.0),
     ],
 )
 def test_a_tolerance_is_in_the_unit_of_its_number(written: str, tolerance: float | None) -> None:

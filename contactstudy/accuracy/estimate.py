@@ -178,9 +178,8 @@ def error_estimate(
         load=load,
         pull_off=pull_off,
         warnings=(
-            *filter(None, (beyond_strength(solution),)),
-            *cells.warnings,
-            *filter(None, (implausible(solution),)),
+            *cells.warnings,  # the first is why a bound is infinite
+            *filter(None, (beyond_strength(solution), implausible(solution))),
             *filter(None, (standing_heights(scene.shapes) if scene and scene.rolls else "",)),
             *left_out(scene.shapes if scene else (), solution.problem.grid),
         ),

@@ -32,13 +32,9 @@ MIN_MODULUS = 1e3
 
 
 def implausible(solution: Solution) -> str:
-    """Return one sentence about implausible numbers, with the unit that was likely mistaken; else ``""``.
-
-    Nothing is said of a contact that its grid cuts off, whose pressure is not that of the bodies.
-    """
+    """Return one sentence about implausible numbers, with the unit that was likely mistaken; else ``""``."""
     scene, grid, pressure = scene_of(solution.problem), solution.problem.grid, solution.pressure
-    is_cut_off = solution.status is Status.CONTACT_AT_EDGE
-    if scene is None or is_cut_off or not np.isfinite(pressure).all():
+    if scene is None or not np.isfinite(pressure).all():
         return ""
     peak, hertz = solution.peak_pressure, scene.hertz
     modulus = scene.contact_modulus if hertz is None else hertz.contact_modulus
@@ -57,7 +53,7 @@ def implausible(solution: Solution) -> str:
         hint = hint or "heights"
     if peak > MAX_PRESSURE * modulus:
         facts.append(f"the peak pressure is {peak / modulus:.2g} times the contact modulus E*")
-        hint = hint or "load"
+        hint = hint or ("extent" if solution.status is Status.CONTACT_AT_EDGE else "load")
     if hertz is not None and abs(solution.approach) > MAX_APPROACH * hertz.radius:
         facts.append(f"the approach is {abs(solution.approach) / hertz.radius:.2g} times the radius")
         hint = hint or "load"
@@ -72,11 +68,10 @@ def beyond_strength(solution: Solution) -> str:
 
     Hardness and yield stress are those of the bodies, of a coated one of both its materials. The load at first yield is
     that of the smooth line contact under the traction over the pressure. Nothing is said of a body that yields, nor
-    together with ``Scene.hardness``, which caps the pressure, nor of a contact that its grid cuts off.
+    together with ``Scene.hardness``, which caps the pressure.
     """
     scene, peak = scene_of(solution.problem), solution.peak_pressure
-    is_cut_off = solution.status is Status.CONTACT_AT_EDGE
-    if scene is None or scene.hardness < inf or is_cut_off or not peak > 0:
+    if scene is None or scene.hardness < inf or not peak > 0:
         return ""
     shear = 0.0 if solution.traction is None else float(np.hypot(*solution.traction.shear).max())
     for number, body in enumerate(scene.solids):

@@ -20,7 +20,7 @@ from contactstudy.io.quantities.quantity import NO_ESTIMATE, Quantities, roller_
 from contactstudy.io.quantities.stress_quantities import stress_quantities
 from contactstudy.problem.problem import DependsOnShear, Derived, Field
 from contactstudy.scene.scene import PosedScene, Scene, scene_of
-from contactstudy.solvers.solution import Counts, Solution, Status
+from contactstudy.solvers.solution import Counts, Solution
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -126,13 +126,12 @@ class Contact(Answer, Solution):
         if "von_mises" not in self.derived:
             return replace(estimate, warnings=warnings)
         stress, depths = (self.derived[name].values for name in ("von_mises", "z"))
-        is_said = self.status is Status.CONTACT_AT_EDGE or beyond_strength(self)
-        scene = None if is_said else self.scene
+        scene = None if beyond_strength(self) else self.scene
         yields = "" if scene is None else stress_margin(scene, self.derived).sentence
         return replace(
             estimate,
             stress=stress_error(self, stress, depths, estimate),
-            warnings=(*filter(None, (yields,)), *warnings),
+            warnings=(*warnings, *filter(None, (yields,))),
         )
 
     @cached_property

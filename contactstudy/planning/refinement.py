@@ -395,7 +395,7 @@ class GridRefinement:
     def reason_not_met(self, last: BoundedSolution) -> str:
         """Return why the bound on the last grid is above the error."""
         if last.bound == inf:
-            return " ".join(last.estimate.warnings)
+            return last.estimate.l1.reason or next(iter(last.estimate.warnings), "")
         for cause, fraction in last.estimate.l1.by_cause.items():
             if cause in OTHER_CAUSES and fraction >= self.error:
                 return f"{OTHER_CAUSES[cause][0]} {100 * fraction:.2g} %: {OTHER_CAUSES[cause][1]}."

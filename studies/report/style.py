@@ -8,14 +8,22 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from contactstudy.io.pictures.figure import LAW_STYLE, SETTINGS, add_legend, panels
+from contactstudy.io.pictures.figure import (
+    BLUE,
+    COLORS,
+    GREEN,
+    LAW_STYLE,
+    ORANGE,
+    PURPLE,
+    RED,
+    SETTINGS,
+    add_legend,
+    panels,
+)
 from studies.model.drawing import CaptionedFigure
 from studies.reference.paddings import padding_label, padding_text
 
-__all__ = ["LAW_STYLE", "add_legend", "panels"]
-
-# Okabe & Ito (2008), safe for colour-blind readers.
-BLUE, RED, GREEN, PURPLE, ORANGE, SKY = COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
+__all__ = ["COLORS", "LAW_STYLE", "add_legend", "panels"]
 
 WIDTH = 9.2  # of a figure on a page [in]
 

@@ -10,22 +10,24 @@ from matplotlib.figure import Figure
 
 from contactstudy.domain.units import display_unit_of
 from contactstudy.io.pictures.figure import (
+    BLUE,
+    GREEN,
     LAW_STYLE,
+    PURPLE,
+    RED,
     SETTINGS,
     add_legend,
     draw_map,
     finish,
     in_display_unit,
+    in_the_middle,
     name_axes,
     panels,
+    second_axis,
 )
 
 # Fraction of half a roller's length that is drawn at each end, and half-width of a film in Hertz's half-widths.
 OF_LENGTH, FILM_WIDTH = 0.4, 2.0
-TEMPERATURE: dict[str, Any] = {"color": "#CC79A7"}
-PRESSURE: dict[str, Any] = {"color": "#0072B2"}
-GAP: dict[str, Any] = {"color": "#009E73"}
-STRESS: dict[str, Any] = {"color": "#D55E00"}
 
 
 def contact_picture(dataset: xr.Dataset) -> Figure:
@@ -55,7 +57,7 @@ def _along(ax: Axes, dataset: xr.Dataset) -> None:
     scale, unit = display_unit_of(dataset["pressure"], "Pa")
     axis = np.abs(dataset["x"]) <= np.abs(dataset["x"]).min() * (1 + 1e-9)
     middle = dataset["pressure"].where(axis, drop=True).mean("x")
-    ax.plot(y, middle / scale, label="in the middle", **PRESSURE)
+    ax.plot(y, middle / scale, label="in the middle", color=BLUE)
     if "hertz_peak_pressure" in dataset:
         ax.axhline(float(dataset["hertz_peak_pressure"]) / scale, **LAW_STYLE)
     name_axes(ax, along, f"pressure [{unit}]", "along the contact")
@@ -65,15 +67,14 @@ def _across(ax: Axes, dataset: xr.Dataset) -> None:
     x, across = in_display_unit(dataset["x"], "m", "across")
     scale, unit = display_unit_of(dataset["pressure"], "Pa")
     pressure = dataset["pressure"] / scale
-    style = PRESSURE
     if dataset.sizes["y"] > 1:
         band = pressure.min("y"), pressure.max("y")
-        look: Any = {"color": style["color"], "alpha": 0.18, "linewidth": 0}
+        look: Any = {"color": BLUE, "alpha": 0.18, "linewidth": 0}
         ax.fill_between(x, *band, label="lowest to highest", **look)
-    ax.plot(x, pressure.isel(y=dataset.sizes["y"] // 2), label="in the middle", **style)
+    ax.plot(x, in_the_middle(pressure), label="in the middle", color=BLUE)
     if "attraction" in dataset:
-        attraction = -dataset["attraction"].isel(y=dataset.sizes["y"] // 2) / scale
-        ax.plot(x, attraction, label="attraction, downwards", **STRESS)
+        attraction = -in_the_middle(dataset["attraction"]) / scale
+        ax.plot(x, attraction, label="attraction, downwards", color=RED)
     if "hertz_half_width" in dataset:
         t = dataset["x"] / float(dataset["hertz_half_width"])
         hertz = float(dataset["hertz_peak_pressure"]) * np.sqrt(np.clip(1 - t**2, 0, None))
@@ -83,21 +84,18 @@ def _across(ax: Axes, dataset: xr.Dataset) -> None:
 
 def _gap(ax: Axes, dataset: xr.Dataset) -> None:
     x, across = in_display_unit(dataset["x"], "m", "across")
-    gap, up = in_display_unit(dataset["gap"].isel(y=dataset.sizes["y"] // 2), "m", "gap")
-    ax.plot(x, gap, **GAP)
+    gap, up = in_display_unit(in_the_middle(dataset["gap"]), "m", "gap")
+    ax.plot(x, gap, color=GREEN)
     name_axes(ax, across, up, "gap in the middle")
 
 
 def _shear(ax: Axes, dataset: xr.Dataset) -> None:
     x, across = in_display_unit(dataset["x"], "m", "across")
-    middle = dataset.isel(y=dataset.sizes["y"] // 2)
+    middle = in_the_middle(dataset)
     scale, unit = display_unit_of(abs(middle["shear_x"]) + abs(middle["shear_y"]), "Pa")
-    for name, direction, style in (
-        ("shear_x", "traction across", STRESS),
-        ("shear_y", "traction along", GAP),
-    ):
+    for name, direction, color in (("shear_x", "traction across", RED), ("shear_y", "traction along", GREEN)):
         if middle[name].any():
-            ax.plot(x, middle[name] / scale, label=direction, **style)
+            ax.plot(x, middle[name] / scale, label=direction, color=color)
     name_axes(ax, across, f"traction [{unit}]", "tangential traction in the middle")
 
 
@@ -108,38 +106,35 @@ def _ends(ax: Axes, dataset: xr.Dataset) -> None:
     middle, half = float(y[[0, -1]].mean()), float(y[-1] - y[0]) * (0.5 + 0.5 / max(len(y) - 1, 1))
     pressure, up = in_display_unit(dataset["pressure"].max("x").sel(y=y), "Pa", "pressure")
     depth, down = in_display_unit(drop, "m", "drop")
-    beside = ax.twinx()
+    beside = second_axis(ax, down, RED)
     symmetric = np.allclose(pressure, pressure[::-1], atol=1e-3 * float(pressure.max()))
     for side, style in ((1, "-"), (-1, "--"))[: 1 if symmetric else 2]:
         shown = side * (y - middle) >= (1 - OF_LENGTH) * half
         distance, along = in_display_unit((half - side * (y - middle))[shown], "m", "from the end")
         end = "" if symmetric else f"end at {'larger' if side > 0 else 'smaller'} y"
-        ax.plot(distance, pressure[shown], style, label=end, color=PRESSURE["color"])
-        beside.plot(distance, depth[shown], style, color=STRESS["color"])
+        ax.plot(distance, pressure[shown], style, label=end, color=BLUE)
+        beside.plot(distance, depth[shown], style, color=RED)
     name_axes(ax, along, up, "at the ends")
-    ax.yaxis.label.set_color(PRESSURE["color"])
-    beside.set_ylabel(down, color=STRESS["color"])
-    beside.spines["right"].set_visible(True)
+    ax.yaxis.label.set_color(BLUE)
     beside.invert_yaxis()
-    beside.grid(visible=False)
 
 
 def _fretting_loop(ax: Axes, dataset: xr.Dataset) -> None:
-    slid, across = in_display_unit(dataset["loop_slip"], "m", "slip")
+    slid, slip = in_display_unit(dataset["loop_slip"], "m", "slip")
     unit = dataset["loop_force"].attrs["units"]
     force, up = in_display_unit(dataset["loop_force"], unit, "tangential force")
-    ax.plot(slid, force, ".-", **PRESSURE)
-    name_axes(ax, across, up, "loop of a cycle")
+    ax.plot(slid, force, ".-", color=BLUE)
+    name_axes(ax, slip, up, "loop of a cycle")
 
 
 def _stress(ax: Axes, dataset: xr.Dataset) -> None:
-    middle = dataset["von_mises"].isel(y=dataset.sizes["y"] // 2)
+    middle = in_the_middle(dataset["von_mises"])
     x, across = in_display_unit(dataset["x"], "m", "across")
     z, down = in_display_unit(dataset["z"], "m", "depth")
     stress, up = in_display_unit(middle, "Pa", "von Mises")
     ax.set(xlabel=across)
     if middle.sizes["z"] == 1:
-        ax.plot(x, stress.isel(z=0), **STRESS)
+        ax.plot(x, stress.isel(z=0), color=RED)
         ax.set(ylabel=up)
     else:
         filled = ax.contourf(x, z, stress, 24, cmap="magma")
@@ -166,8 +161,8 @@ def comparison_picture(fields: xr.Dataset, at: tuple[float, float]) -> Figure:
             names, limits = (along, across, f"b - a [{unit}]"), {"vmin": -largest, "vmax": largest}
             draw_map(axes[0], y, x, change, names, cmap="RdBu_r", **limits)
         section = fields.sel(y=at[1], method="nearest")
-        axes[-1].plot(x, section["a"] / scale, label="a", color="#0072B2")
-        axes[-1].plot(x, section["b"] / scale, label="b", color="#D55E00", linestyle="--")
+        axes[-1].plot(x, section["a"] / scale, label="a", color=BLUE)
+        axes[-1].plot(x, section["b"] / scale, label="b", color=RED, linestyle="--")
         name_axes(axes[-1], across, f"pressure [{unit}]", "where they differ most")
         add_legend(figure)
     return figure
@@ -180,8 +175,8 @@ def film_picture(contact: xr.Dataset) -> Figure:
         figure, axes = panels(3 if mapped else 2, columns=3, width=4.6, height=3.4)
         _film(axes[0], contact)
         x, across = in_display_unit(contact["x"], "m", "across")
-        film, up = in_display_unit(contact["film"].isel(y=contact.sizes["y"] // 2), "m", "film")
-        axes[1].semilogy(x, film, **GAP)
+        film, up = in_display_unit(in_the_middle(contact["film"]), "m", "film")
+        axes[1].semilogy(x, film, color=GREEN)
         ratio = contact.get("lambda_ratio")
         of_film = "" if ratio is None else f", lambda ratio {float(ratio):.3g}"
         name_axes(axes[1], across, up, f"film in the middle{of_film}")
@@ -192,23 +187,20 @@ def film_picture(contact: xr.Dataset) -> Figure:
 
 def _film(ax: Axes, contact: xr.Dataset) -> None:
     """Draw pressure, film and temperature across the middle of a film, each on a scale of its own."""
-    middle = contact.isel(y=contact.sizes["y"] // 2)
+    middle = in_the_middle(contact)
     reach = FILM_WIDTH * float(contact["hertz_half_width"])
     inside = middle.sel(x=slice(-reach, reach))
     _across(ax, contact.sel(x=slice(-reach, reach)))
-    ax.yaxis.label.set_color(PRESSURE["color"])
-    scales = [("film", "m", "film", GAP)]
+    ax.yaxis.label.set_color(BLUE)
+    scales = [("film", "m", "film", GREEN)]
     if "film_temperature_rise" in contact:
-        scales.append(("film_temperature_rise", "K", "temperature rise", TEMPERATURE))
+        scales.append(("film_temperature_rise", "K", "temperature rise", PURPLE))
     x, _ = in_display_unit(inside["x"], "m", "across")
-    for number, (name, unit, label, style) in enumerate(scales):
-        beside = ax.twinx()
+    for number, (name, unit, label, color) in enumerate(scales):
         # in the unit of the film in the contact, which is hundreds of times as thick beside it
         shown = inside[name].where(inside["film"] < 8 * inside["film"].min()) if name == "film" else inside[name]
         values, up = in_display_unit(shown, unit, label)
-        beside.plot(x, values, label=label, **style)
+        beside = second_axis(ax, up, color, 1 + 0.2 * number)
+        beside.plot(x, values, label=label, color=color)
         beside.set_ylim(bottom=0)
-        beside.set_ylabel(up, color=style["color"])
-        beside.spines["right"].set(visible=True, position=("axes", 1 + 0.2 * number))
-        beside.grid(visible=False)
     ax.set_title("pressure and film" if len(scales) == 1 else "pressure, film and temperature")

@@ -11,11 +11,15 @@ from matplotlib.figure import Figure
 
 from contactstudy.domain.units import display_unit_of, readable
 from contactstudy.io.pictures.figure import (
+    BLUE,
+    GREEN,
     LAW_STYLE,
+    RED,
     SETTINGS,
     draw_map,
     finish,
     in_display_unit,
+    in_the_middle,
     name_axes,
     panels,
 )
@@ -67,12 +71,12 @@ def film_evolution_picture(evolved: xr.Dataset) -> Figure:
         _lines(axes[0], inside, "pressure")
         _lines(axes[1], inside, "film", film)
         axes[1].set_yscale("log")
-        middle = inside["film"].isel(y=inside.sizes["y"] // 2)
+        middle = in_the_middle(inside["film"])
         x, across = in_display_unit(inside["x"], "m", "across")
         names = "time [s]", across, f"film in the middle [{film[1]}]"
         draw_map(axes[2], inside["time"], x, middle.T / film[0], names, norm="log")
         axes[2].set_xlim(*inside["time"].values[[0, -1]])
-        for name, color in (("central_film", "#0072B2"), ("minimum_film", "#D55E00")):
+        for name, color in (("central_film", BLUE), ("minimum_film", RED)):
             label = evolved[name].attrs["long_name"]
             axes[3].plot(evolved["time"], evolved[name] / film[0], color=color, label=label)
         axes[3].set(xlabel="time [s]", ylabel=f"film [{film[1]}]")
@@ -108,7 +112,7 @@ def _lines(ax: Axes, evolved: xr.Dataset, name: str, scale: tuple[float, str] | 
     The `scale` is the value of one unit and its name; None chooses it.
     """
     scale = scale or display_unit_of(abs(evolved[name]), evolved[name].attrs["units"])
-    middle = evolved[name].isel(y=evolved.sizes["y"] // 2)
+    middle = in_the_middle(evolved[name])
     x, across = in_display_unit(evolved["x"], "m", "across")
     chosen = _instants(evolved, middle.values)
     colors: Any = mpl.colormaps["viridis"](np.linspace(0, 0.9, len(chosen)))
@@ -154,7 +158,7 @@ def _dent(ax: Axes, evolved: xr.Dataset, name: str) -> None:
 
 def _plastic(ax: Axes, evolved: xr.Dataset, name: str) -> None:
     """Draw the equivalent plastic strain below the middle of the length at the last instant."""
-    strain = evolved[name].isel(time=-1, y=evolved.sizes["y"] // 2)
+    strain = in_the_middle(evolved[name]).isel(time=-1)
     depth = next(str(dimension) for dimension in strain.dims if str(dimension).startswith("z"))
     scale, unit = display_unit_of(evolved["x"], "m")
     x, z = evolved["x"] / scale, evolved[depth] / scale
@@ -166,14 +170,14 @@ def _plastic(ax: Axes, evolved: xr.Dataset, name: str) -> None:
 
 def _residual(ax: Axes, evolved: xr.Dataset, name: str) -> None:
     """Draw the residual stress below the middle of the contact against the depth, at the last instant."""
-    stress = evolved[name].isel(time=-1, x=evolved.sizes["x"] // 2, y=evolved.sizes["y"] // 2)
+    stress = in_the_middle(evolved[name]).isel(time=-1, x=evolved.sizes["x"] // 2)
     depth = next(str(dimension) for dimension in stress.dims if str(dimension).startswith("z"))
     length, length_unit = display_unit_of(evolved["x"], "m")
     factor, pressure_unit = display_unit_of(abs(stress), "Pa")
     for component, direction, color in (
-        ("xx", "across", "#0072B2"),
-        ("yy", "along", "#009E73"),
-        ("zz", "in depth", "#D55E00"),
+        ("xx", "across", BLUE),
+        ("yy", "along", GREEN),
+        ("zz", "in depth", RED),
     ):
         values = stress.sel(component=component) / factor
         ax.plot(values, evolved[depth] / length, color=color, label=direction)
@@ -206,8 +210,8 @@ def _numbers(ax: Axes, evolved: xr.Dataset) -> None:
     """Draw load, peak pressure and contact area over their largest values."""
     for name, color in (
         ("load", "#595959"),
-        ("peak_pressure", "#0072B2"),
-        ("contact_area", "#009E73"),
+        ("peak_pressure", BLUE),
+        ("contact_area", GREEN),
     ):
         values = evolved[name]
         largest = float(values.max()) or 1.0
@@ -222,14 +226,14 @@ def _loop(ax: Axes, evolved: xr.Dataset) -> None:
     """Draw the load against the approach, where the bodies touch: a loop of approach and separation."""
     touching = (evolved["pressure"] > 0).any(("x", "y"))
     approach, across = in_display_unit(evolved["approach"].where(touching), "m", "approach")
-    ax.plot(approach, evolved["load"].where(touching), ".-", color="#0072B2")
+    ax.plot(approach, evolved["load"].where(touching), ".-", color=BLUE)
     ax.axhline(0.0, **LAW_STYLE)
     name_axes(ax, across, "load [N/m]", "approach and separation")
 
 
 def _errors(ax: Axes, evolved: xr.Dataset) -> None:
     """Draw the time-discretisation and the discretisation error, where they are known and not zero."""
-    for name, color in (("time_discretisation_error", "#D55E00"), ("grid_error", "#0072B2")):
+    for name, color in (("time_discretisation_error", RED), ("grid_error", BLUE)):
         values = evolved[name].values
         shown = np.isfinite(values) & (values > 0)
         if shown.any():

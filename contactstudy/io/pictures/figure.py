@@ -3,7 +3,7 @@
 from io import BytesIO
 from math import floor, log10
 from textwrap import fill
-from typing import Any
+from typing import Any, TypeVar
 
 import xarray as xr
 from matplotlib.axes import Axes
@@ -32,7 +32,12 @@ SETTINGS: Any = {
     "lines.markersize": 5,
     "pdf.fonttype": 42,
 }
+# Okabe & Ito (2008), safe for colour-blind readers.
+BLUE, RED, GREEN, PURPLE, ORANGE, SKY = COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 LAW_STYLE: dict[str, Any] = {"color": "black", "linestyle": ":", "linewidth": 1.0, "marker": "none"}
+
+
+Fields = TypeVar("Fields", xr.Dataset, xr.DataArray)
 
 
 class Picture(Figure):
@@ -54,6 +59,20 @@ def panels(count: int, *, columns: int = 3, width: float = 3.4, height: float = 
     for spare in axes[count:]:
         spare.set_visible(False)
     return figure, axes[:count]
+
+
+def second_axis(ax: Axes, label: str, color: str, right: float = 1.0) -> Axes:
+    """Return further axes of `ax` with the same x, whose y axis stands at `right`, in widths of `ax`, in one `color`."""
+    beside = ax.twinx()
+    beside.set_ylabel(label, color=color)
+    beside.spines["right"].set(visible=True, position=("axes", right))
+    beside.grid(visible=False)
+    return beside
+
+
+def in_the_middle(fields: Fields) -> Fields:
+    """Return `fields` at the middle of the length."""
+    return fields.isel(y=fields.sizes["y"] // 2)
 
 
 def in_display_unit(values: xr.DataArray, unit: str, name: str) -> tuple[xr.DataArray, str]:
@@ -127,7 +146,7 @@ def finish(figure: Figure, dataset: xr.Dataset) -> Figure:
     add_legend(figure, fill(str(dataset.attrs.get("accuracy", "")), letters))
     if "warnings" in dataset.attrs:
         warning = fill(f"warning: {dataset.attrs['warnings']}", letters)
-        figure.suptitle(warning, color="#D55E00", fontsize="small")
+        figure.suptitle(warning, color=RED, fontsize="small")
     return figure
 
 

@@ -119,7 +119,7 @@ def main() -> None:
         error.show()
         sys.exit(error.exit_code)
     except (KeyboardInterrupt, click.Abort):
-        click.echo("contactstudy: stopped; files that are complete are kept.", err=True)
+        click.echo("contactstudy: stopped; no file is half-written.", err=True)
         sys.exit(130)  # 128 and the number of SIGINT
     except BrokenPipeError:  # the output pipe is closed
         sys.stdout = None

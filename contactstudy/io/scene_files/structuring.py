@@ -74,7 +74,7 @@ class _Structure:
         if isinstance(value, Mapping):
             raise InvalidInput("it is one table: write its name in double brackets, once for each entry.")
         if not isinstance(value, list | tuple):
-            raise InvalidInput(f"it is {value!r}: give a list in brackets.")
+            raise InvalidInput(f"it is {value!r}: give {_list_of(target)}.")
         if following != [...] and len(value) != 1 + len(following):
             raise InvalidInput(f"it has {len(value)} entries: give {1 + len(following)}.")
         if following != [...] and len({first, *following}) > 1:
@@ -214,6 +214,15 @@ def _as_annotated(value: object, target: Any) -> Any:
     return valid("it", value, target)
 
 
+def _list_of(target: Any) -> str:
+    """Return how a file writes what is a tuple in Python."""
+    first, *following = get_args(target)
+    if kind_of(first) in (int, float, str) or get_origin(first) is tuple:
+        return "a list in brackets"
+    count = "tables" if following == [...] else f"{1 + len(following)} tables"
+    return f"{count}, each below its name in double brackets"
+
+
 def _messages(source: str, error: cattrs.BaseValidationError) -> str:
     """Return a line for every key that cannot be used."""
     lines = []
@@ -234,6 +243,8 @@ def _sentence(error: BaseException, target: type | None) -> str:
         }
         return "; ".join(f"unknown key {key!r}: {remedies[key]}" for key in unknown) + "."
     if isinstance(error, KeyError):
+        if get_origin(target) is tuple:
+            return f"it is missing: give {_list_of(target)}."
         is_class = isinstance(target, type) and target not in (int, float, str, bool)
         return f"it is missing: {'give a table' if is_class else remedy(target)}."
     return str(error)

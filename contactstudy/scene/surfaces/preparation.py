@@ -85,7 +85,7 @@ class RefuseMissing:
         if missing:
             raise InvalidInput(
                 f"MeasuredSurface.heights has {missing} missing points of {points}: fill them, or give "
-                "missing=HarmonicFill()."
+                'missing = HarmonicFill(), in a scene file missing = "HarmonicFill".'
             )
 
     def fill(self, heights: Array) -> Array:

@@ -149,6 +149,7 @@ def test_a_file_without_settings_has_those_of_the_functions(tmp_path: Path) -> N
         (GOOD, 'kind = "Cylinder"', "", "shapes[0]: it has no kind: choose from Cylinder, "),
         (GOOD, '"100 N/mm"', "true", "load.per_length: it is True: give a load per length"),
         (GOOD, '[load]\nper_length = "100 N/mm"', "", "load: it is missing: give a table."),
+        (GOOD, "[[solids]]", "[[a]]", "solids: it is missing: give 2 tables, each below its name in double brackets."),
         (GOOD, 'per_length = "100 N/mm"', "", "it is missing: give a load per length"),
         (GOOD, 'per_length = "100 N/mm"', 'totl = "1 kN"', "load: unknown key 'totl': did you mean 'total'"),
         (GOOD, 'per_length = "100 N/mm"', "force = 1", "unknown key 'force'"),

@@ -226,8 +226,8 @@ def test_the_studies_are_listed_with_their_axes_and_units() -> None:
     [
         (cs.InvalidInput("radius is 0."), 2, "contactstudy: radius is 0.\n"),
         (click.ClickException("no"), 1, "Error: no\n"),
-        (KeyboardInterrupt(), 130, "contactstudy: stopped; files that are complete are kept.\n"),
-        (click.Abort(), 130, "contactstudy: stopped; files that are complete are kept.\n"),
+        (KeyboardInterrupt(), 130, "contactstudy: stopped; no file is half-written.\n"),
+        (click.Abort(), 130, "contactstudy: stopped; no file is half-written.\n"),
         (BrokenPipeError(), 141, ""),
         (ModuleNotFoundError("No module named 'x'", name="x"), 1, "contactstudy: "),
         (OSError(28, "No space left on device", "a.nc"), 1, "No space left on device: a.nc\n"),

@@ -22,12 +22,12 @@ from contactstudy.scene.solids.coated import CoatedHalfSpace
 from contactstudy.solvers.conjugate_gradients import conjugate_gradients
 from contactstudy.solving import solve
 
-# Relative residual, of whose square the error of the stiffness is a fraction, and the largest number of operator
+# Relative residual, whose square is the order of the relative error of the stiffness, and the largest number of operator
 # applications.
 RTOL, MAXITER = 3e-2, 60
 # The same with adhesion, relative to the norm of the indefinite operator.
 ADHESIVE_RTOL, ADHESIVE_MAXITER = 1e-10, 1000
-# Factor on a range that was chosen for the grid: its cohesive zone then has 24 cells.
+# Factor on a range that was chosen for the grid: the zone grows with the square of the range, to 2^2 x 6 cells.
 LONGER_RANGE = 2.0
 # Bound of a stiffness over the error that the law of a line contact gives for its area: by 60 contacts at random,
 # smooth, wavy, rough, coated or as hard as their peak, the largest true error was 0.99 of that.
@@ -84,6 +84,7 @@ def _adhesive_stiffness(contact: Contact, active: Array) -> float:
     assert contact.scene.adhesion is not None
     solver: Any = problem.adhesion
     law = getattr(solver, "solver", solver).law  # a search for the pull-off load has a solver
+    # in contact any value gives K q = 1: it only scales the unknown
     slope = np.where(contact.pressure > 0, active / problem.operator.self_compliance, law.slope(contact.gap))
     root, count = np.sqrt(slope), slope.size
 
@@ -123,6 +124,7 @@ def stiffness_error(contact: Contact, stiffness: float) -> float:
     active = np.count_nonzero(contact.problem.constraint.active(contact.pressure))
     if not active or contact.adhesion is not None:
         return inf
+    # 1, and twice the cells at the hardness over the others: they have a border too
     borders = 2 * touching / active - 1
     growth = max(2 * stiffness / (pi * contact.scene.contact_modulus), 1.0)
     touching_cells = contact.pressure > 0
@@ -217,9 +219,11 @@ def distant_approach(
             f"and the scene has {readable(scene.radius)}: {remedy}."
         )
     per_length = float(contact.net_pressure.sum()) * grid.cell_area / contact.loaded_length
-    shift, unsure, places = 0.0, 0.0, []
+    # by how much the approach is less than that of half-spaces, over the load per length [1/Pa], and the bound of that
+    shift, shift_bound, places = 0.0, 0.0, []
     for number, (solid, radius) in enumerate(zip(scene.solids, given, strict=True)):
         material: Any = getattr(solid, "substrate", solid)
+        # the distance D on the surface from which the approach of a half-space, 2 ln(2 D / a) + 1, equals the body's
         if 0 < radius < inf:
             distance = 2 * radius / exp(1)
             places.append("the axis")
@@ -236,17 +240,17 @@ def distant_approach(
             shift += of_body
             if isinstance(solid, CoatedHalfSpace):
                 added = _of_line(solid, datum) - _of_line(solid, distance) - of_body
-                shift, unsure = shift + added, unsure + abs(added)
+                shift, shift_bound = shift + added, shift_bound + abs(added)
         else:
             weights = grid.cell_area / np.hypot(distance, grid.y - grid.y.mean())
             of_load = float((contact.net_pressure * weights).sum()) / per_length
             shift += material.compliance / pi * of_load
     detail = f", between {' and '.join(places)}"
     near, found = contact.quantities["approach"], contact_stiffness(contact)
-    at_axes = near.bound + unsure * abs(per_length)
+    at_axes = near.bound + shift_bound * abs(per_length)
     approach = replace(near, value=near.value - shift * per_length, bound=at_axes, detail=detail)
     value = 1 / (1 / found.value - shift)
-    bound = found.bound * (value / found.value) ** 2 + unsure * value**2
+    bound = found.bound * (value / found.value) ** 2 + shift_bound * value**2
     return DistantApproach(approach, replace(found, value=value, bound=bound, detail=detail))
 
 

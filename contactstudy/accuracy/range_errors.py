@@ -1,7 +1,7 @@
 """Range errors: errors due to a range of the attraction that is chosen for the grid, in place of the JKR limit.
 
 The JKR limit (Johnson, Kendall & Roberts 1971) is that of an attraction of a given work of adhesion and a range of
-zero. The range is the work of adhesion over the largest traction.
+zero. The range is the work of adhesion over the largest traction. Such an adhesion is called ``regularised``.
 """
 
 from bisect import bisect_left
@@ -90,14 +90,14 @@ def range_errors(solution: Solution) -> tuple[float, float] | None:
     return l1_range_error(perimeter, modulus, adhesion.range, net_force), area_error
 
 
-def peak_range_error(solution: Solution, area: float) -> float:
+def peak_range_error(solution: Solution, area_error: float) -> float:
     """Return the relative error of the peak net pressure due to a range that was chosen for the grid.
 
-    `area` is the relative error of the contact area due to it.
+    `area_error` is the relative error of the contact area due to it.
     """
     mean = float(np.abs(solution.net_pressure).sum() / np.count_nonzero(solution.pressure))
     peak = abs(solution.peak_pressure)
-    return PEAK_BY_RANGE * area * (peak + mean) / peak if peak else inf
+    return PEAK_BY_RANGE * area_error * (peak + mean) / peak if peak else inf
 
 
 def load_range_error(solution: Solution) -> float | None:
@@ -148,10 +148,10 @@ def _follows_table(solution: Solution) -> bool:
     return adhesion is not None and adhesion.law == "exponential"
 
 
-def pull_off_error(solution: Solution, load: float, reason: str) -> ErrorParts:
-    """Return the error of the pull-off load of `solution`, whose relative discretisation error is `load`.
+def pull_off_error(solution: Solution, discretisation: float, reason: str) -> ErrorParts:
+    """Return the error of the pull-off load of `solution`, by its relative error `discretisation`.
 
-    The `reason` says why `load` is infinite where it is. The residual is the distance between the last load in
+    The `reason` says why that is infinite where it is. The residual is the distance between the last load in
     equilibrium and the first one without.
     """
     adhesion, pull_off = solution.adhesion, solution.load_per_length
@@ -159,13 +159,13 @@ def pull_off_error(solution: Solution, load: float, reason: str) -> ErrorParts:
     assert adhesion.first_unstable_load is not None
     trapped = next(fraction for cells, fraction in TRAPPED_FRACTION if adhesion.cells_in_zone >= cells)
     is_flat = adhesion.regularised and _is_pressed_flat(solution)
-    by_range = inf if is_flat else _range_error(solution, adhesion, pull_off)
+    by_range = inf if is_flat else _pull_off_range_error(solution, adhesion, pull_off)
     if is_flat:
         reason = PRESSED_FLAT
     elif by_range == inf:
         reason = reason or (NO_LONGER_RANGE if _follows_table(solution) else NO_PULL_OFF_OF_LAW)
     return ErrorParts(
-        discretisation=load + trapped,
+        discretisation=discretisation + trapped,
         residual=abs(pull_off - adhesion.first_unstable_load) / abs(pull_off) if pull_off else inf,
         range=by_range,
         reason=reason if pull_off else ZERO_PULL_OFF,
@@ -198,7 +198,7 @@ def _is_pressed_flat(solution: Solution) -> bool:
     return least < FLAT_GAP * solution.adhesion.range
 
 
-def _range_error(solution: Solution, adhesion: AdhesiveTraction, load: float) -> float | None:
+def _pull_off_range_error(solution: Solution, adhesion: AdhesiveTraction, pull_off: float) -> float | None:
     """Return the error of a pull-off load due to a range chosen for the grid in place of the JKR limit, or None.
 
     It is the larger of two: that of a cylinder with this Tabor parameter, and the change from cells of twice the size,
@@ -213,8 +213,8 @@ def _range_error(solution: Solution, adhesion: AdhesiveTraction, load: float) ->
     if not _follows_table(solution):
         return inf
     longer = solve_contact(posed.scene.problem(halved(problem.grid), posed.padding), SolveOptions(ADHESIVE_TOLERANCE))
-    found = longer.status.has_converged and load
-    changed = abs(longer.load_per_length - load) / abs(load) if found else inf
+    found = longer.status.has_converged and pull_off
+    changed = abs(longer.load_per_length - pull_off) / abs(pull_off) if found else inf
     return max(changed, reduction_below_jkr(adhesion.tabor) if adhesion.tabor else 0.0)
 
 

@@ -73,7 +73,7 @@ class CoatingCoefficients:
     def _strip(self, x: Array, dx: float) -> Array:
         """Return the response to a strip of width `dx`, infinite along y, at offsets `x`."""
         depth, coupling = 2 * self.thickness, contrasts(self.response)[2]
-        total = self.thickness * self._waves(Subtracted.FIRST).strip(x, dx)
+        total = self.thickness * self._waves(Subtracted.LONG_WAVES).strip(x, dx)
         if self.name == "x":
             upper, lower = (
                 edge * np.arctan(edge / depth) - depth / 2 * np.log(edge**2 + depth**2)
@@ -98,7 +98,7 @@ class CoatingCoefficients:
         if self.name not in ("xx", "yy", "z"):
             return 0.0
         width = LINE * self.datum
-        waves = self._waves(Subtracted.FIRST).strip(np.array([self.datum]), width)
+        waves = self._waves(Subtracted.LONG_WAVES).strip(np.array([self.datum]), width)
         of_waves = self.thickness * float(waves[0]) / width
         return line * (self._contrast * log(self.datum**2 + 4 * self.thickness**2) - of_waves)
 

@@ -35,6 +35,8 @@ from contactstudy.scene.lubrication.lubrication import Cavitation, ElrodAdams, L
 
 # The logarithmic mean is a series where half the difference of the logarithms is below this.
 SERIES = 1e-3
+# Cells across without pressure or a balance of the flow: the wedge term needs two upstream.
+INLET_CELLS, OUTLET_CELLS = 2, 1
 
 Mask = NDArray[np.bool_]
 Scalar = TypeVar("Scalar", bound=np.generic)
@@ -241,7 +243,7 @@ class FilmEquation:
     def fixed(self) -> Mask:
         """Cells (x, y) without pressure at the inlet and the outlet."""
         fixed = np.zeros(self.gap.shape, dtype=bool)
-        fixed[[0, 1, -1]] = True
+        fixed[:INLET_CELLS] = fixed[-OUTLET_CELLS:] = True
         return fixed
 
     def film_of(
@@ -267,7 +269,8 @@ class FilmEquation:
     def film_fraction(self, film: Film) -> Array:
         """Return the fraction (x, y) of the gap that lubricant fills."""
         film_fraction = 1 - film.void if self.conserves else np.ones_like(film.void)
-        film_fraction[:2] = np.minimum(film_fraction[:2], self.supplied_film / film.thickness[:2])
+        inlet = film.thickness[:INLET_CELLS]
+        film_fraction[:INLET_CELLS] = np.minimum(film_fraction[:INLET_CELLS], self.supplied_film / inlet)
         return film_fraction
 
     def load_residual(self, film: Film) -> float:
@@ -284,7 +287,7 @@ class FilmEquation:
         content = film_fraction * density * film.thickness
         by_void = -density * film.thickness if self.conserves else np.zeros_like(content)
         by_thickness = film_fraction * density
-        by_thickness[:2] *= film.thickness[:2] <= self.supplied_film
+        by_thickness[:INLET_CELLS] *= film.thickness[:INLET_CELLS] <= self.supplied_film
         slopes = (film_fraction * density_slope * film.thickness, by_thickness, by_void)
         dx, dy = self.cell
         across = _poiseuille_flow(

@@ -9,7 +9,7 @@ import numpy as np
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.lubrication.continuation import SpeedSteps, from_higher_speeds
-from contactstudy.lubrication.film_equation import Film, FilmEquation, Mask
+from contactstudy.lubrication.film_equation import INLET_CELLS, OUTLET_CELLS, Film, FilmEquation, Mask
 from contactstudy.lubrication.lubricated_contact import (
     FilmSolution,
     ShearedFilm,
@@ -135,7 +135,7 @@ def _mixed_film(posed: PosedFilm, controls: FilmControls, before: FilmSolution |
         return solve_mixed(posed, controls, start_from(posed, before))
     if posed.scales.expected_film <= posed.equation.boundary_film:
         return solve_mixed(posed, controls)
-    # on nested grids: on the finest alone it took ten times as long, or did not converge between ridges
+    # on nested grids: on the finest alone it took ten times as long, or did not converge between high places
     alone = _nested(replace(posed, equation=replace(posed.equation, boundary_film=0.0)), controls)
     film = with_minimum_film(
         posed.equation,
@@ -159,8 +159,8 @@ def _other_films(posed: PosedFilm, controls: FilmControls, *, is_cold: bool) -> 
         yield solve_mixed(posed, controls) if is_mixed else _nested(posed, controls)
     if is_mixed:
         yield from other_films(posed, controls)
-    elif from_lower_heights := _with_growing_ridges(posed, controls):
-        yield from_lower_heights
+    elif followed := _from_lower_heights(posed, controls):
+        yield followed
 
 
 def _with_other_films(
@@ -178,7 +178,7 @@ def _with_other_films(
     return replace(contact, status=Status.SEVERAL_FILMS) if has_second_film else contact
 
 
-def _with_growing_ridges(posed: PosedFilm, controls: FilmControls) -> FilmIteration | None:
+def _from_lower_heights(posed: PosedFilm, controls: FilmControls) -> FilmIteration | None:
     """Return the film that is followed from lower heights up to these; None where that fails."""
     smooth = posed.x[:, None] ** 2 / 2
     heights, last = posed.equation.gap - smooth, None
@@ -272,10 +272,11 @@ def film_solution(
     film = separation + posed.problem.undeformed_gap + posed.displacement(pressure)
     # downstream of the last cell with a balance, streamers carry the content that leaves it
     film_fraction = np.zeros(grid.cells)
-    film_fraction[: rows - 1] = equation.film_fraction(last.film)[:-1]
-    content = equation.content(last.film)[-2] * scales.film
-    film_fraction[rows - 1 :] = np.minimum(content / film[rows - 1 :], 1) if equation.conserves else 1
-    flow = last.linear.flux[2:-1].mean(axis=1)
+    end = rows - OUTLET_CELLS
+    film_fraction[:end] = equation.film_fraction(last.film)[:end]
+    content = equation.content(last.film)[end - 1] * scales.film
+    film_fraction[end:] = np.minimum(content / film[end:], 1) if equation.conserves else 1
+    flow = last.linear.flux[INLET_CELLS:-OUTLET_CELLS].mean(axis=1)
     if not equation.conserves:  # beyond the last pressure any flow may appear
         flow = flow[: np.flatnonzero((last.film.pressure > 0).any(axis=1))[-1] - 1]
     mean_speed = equation.speed * scales.lubrication.largest_speed
@@ -321,7 +322,7 @@ def film_solution(
 
 def _is_starved(equation: FilmEquation, last: FilmIteration) -> bool:
     """Return whether the film is as thick as its supply, which fills the gap inside the grid."""
-    return equation.supplied_film < inf and bool((last.film.void[2] > 0).all())
+    return equation.supplied_film < inf and bool((last.film.void[INLET_CELLS] > 0).all())
 
 
 def _status(posed: PosedFilm, last: FilmIteration, tolerance: float, thickness: Array) -> Status:
@@ -329,7 +330,7 @@ def _status(posed: PosedFilm, last: FilmIteration, tolerance: float, thickness: 
     if not last.converged(tolerance):
         return Status.FILM_NOT_CONVERGED
     equation = posed.equation
-    if last.film.total_pressure[-2].any() or thickness.min() <= 0:
+    if last.film.total_pressure[-OUTLET_CELLS - 1].any() or thickness.min() <= 0:
         return Status.CONTACT_AT_EDGE
     axis = int(np.argmin(np.abs(posed.x - posed.middle / posed.scales.hertz.half_width)))
     # a crowned film matters where it carries load

@@ -29,7 +29,7 @@ COARSE_STEP, FINE_STEPS = 1.35, (1.1**-2, 1.1**-1, 1.1, 1.1**2)
 DEEPEST = 4.0
 # Factor on the stress at a depth.
 Weight = Callable[[float], float]
-# Largest number of values in the result for all chosen depths.
+# Largest number of values in the result for all chosen depths: 256 MiB.
 MAX_VALUES = 2**25
 
 
@@ -211,7 +211,7 @@ class SubsurfaceStressOperator:
                 waves *= spectrum
                 found = TRANSFORMS.backward(waves, self.grid.cells, padded)
                 if self._lacks_mean:
-                    # both halves of the domain under a uniform load, as cells of the lattice
+                    # the stress under a uniform load, as the sum over the two halves of the domain
                     halves, exact = Grid((2, 1), self.grid.extent), ExactPeriodicity()
                     uniform = float(on_padded_grid(terms, halves, (exact, exact)).sum())
                     found += uniform * float(values.mean()) - found.mean()
@@ -317,7 +317,7 @@ def surface_beyond(
     axis whose images count, or of one cell, stays as it is; there are no grids where both do.
     """
     widens = [is_free(one) and count > 1 for one, count in zip(paddings, grid.cells, strict=True)]
-    # pressure, and the tractions across and along that this body exerts on itself
+    # pressure -zz on the surface of this body, and the tractions -xz across and -yz along on it
     tractions = -stress[[2, 4, 3]]
     while any(widens):
         for axis, (widens_here, count) in enumerate(zip(widens, grid.cells, strict=True), 1):

@@ -48,8 +48,8 @@ class ProfilePoints:
         positions, drops = self.positions, self.drops
         if len(positions) != len(drops) or len(drops) < 2:
             raise InvalidInput(
-                f"ProfilePoints.drops has {len(drops)} numbers for {len(positions)} positions: give one for each of at "
-                "least two."
+                f"ProfilePoints.drops has {len(drops)} numbers for {len(positions)} positions: give at least two "
+                "positions, and one drop for each."
             )
         if min(np.diff(positions)) <= 0:
             raise InvalidInput(f"ProfilePoints.positions is {positions!r}: give positions that increase.")

@@ -1,4 +1,4 @@
-"""Displacement of a layered surface under waves of pressure and traction, less that without the half-space."""
+"""Displacement of a layered surface under waves of load, less that of a half-space of the material of the layer."""
 
 from dataclasses import dataclass
 from enum import Enum
@@ -11,28 +11,31 @@ from contactstudy.elasticity.kernels.traction import SURFACE, SWAPPED
 
 
 class Subtracted(Enum):
-    """Part of long waves, ``contrast exp(-2 k)``, that is subtracted from a response."""
+    """Whether ``contrast exp(-2 k)`` is subtracted from a response, with k = wave number times thickness.
 
-    #: None: the whole response.
+    The contrast is the value of the response for long waves, which see the substrate alone.
+    """
+
+    #: It is left in: the whole response.
     NONE = 0
-    #: All of it, so that the remainder of waves across is regular.
-    FIRST = 1
+    #: It is subtracted, so that the remainder of waves across is regular.
+    LONG_WAVES = 1
 
 
 @dataclass(frozen=True)
 class DisplacementWaves:
-    """Displacement under a wave of load that the half-space below a layer adds to that of the layer's.
+    """Displacement of a layered half-space under a wave of load, less that of a homogeneous one of the layer's material.
 
     Fields "xx", "xy" and "yy" are the displacements along the surface under traction, and "z" is that along the normal
     under pressure, over ``(1 - nu1^2) / (pi E1)``; "x" and "y" are the normal displacement under traction along either
-    axis, over ``1 / (4 pi G1)``; all in thicknesses.
+    axis, over ``1 / (4 pi G1)``. Lengths are over the thickness of the layer.
 
     Parameters
     ----------
     materials
         Materials and depths of their interfaces.
     subtracted
-        Terms of long waves that are left out, as they are known in closed form.
+        What is left out for long waves, as it is known in closed form.
     load
         "pressure", or "traction" along the surface.
     """
@@ -68,7 +71,7 @@ class DisplacementWaves:
         }
 
     def _responses(self, k: RealOrComplex, which: slice) -> RealOrComplex:
-        """Return responses in the order of :func:`contrasts`, less those of a half-space."""
+        """Return responses, less those of a half-space, of `which` of the four in the order of :func:`contrasts`."""
         units = np.array([1, 1, 1, 1 - self.materials.poisson_ratios[0]])[which]
         remainders = self.materials.remainders(k, which)
         if self.subtracted is Subtracted.NONE:
@@ -78,7 +81,7 @@ class DisplacementWaves:
 
 
 def contrasts(materials: LayerResponse) -> tuple[float, float, float, float]:
-    """Return the `contrasts` of a response over the compliances of :class:`DisplacementWaves`.
+    """Return the values of a layered response for long waves, over the compliances of :class:`DisplacementWaves`.
 
     They are of pressure, of shear along the wave, of their coupling, and of shear across the wave.
     """

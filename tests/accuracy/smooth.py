@@ -26,16 +26,16 @@ STEEL = SCENE.solids
 
 @dataclass(frozen=True)
 class Power:
-    """A height ``h |x / a|^n`` about a shifted axis, as a user-defined shape without length scales."""
+    """A gap ``h |x / a|^n`` about a shifted axis, as a user-defined shape without length scales."""
 
-    height: float
+    factor: float  # h [m]
     power: float
     offset: float = 0.0
     curvature: float = 1 / HERTZ.radius  # for the scales alone
 
     def gap(self, grid: cs.Grid) -> Array:
-        """Return the heights [m]."""
-        return np.asarray(self.height * np.abs((grid.x - self.offset) / A) ** self.power)[:, None]
+        """Return the gap [m]."""
+        return np.asarray(self.factor * np.abs((grid.x - self.offset) / A) ** self.power)[:, None]
 
 
 def cylinders() -> Iterator[AccuracyCase]:
@@ -43,17 +43,17 @@ def cylinders() -> Iterator[AccuracyCase]:
     for cells in (25, 48, 96, 192):
         for width in (2.2, 2.47, 2.8, 3.1):
             grid = cs.Grid((cells, 1), (width * A, A))
-            truth = ClosedForm(lambda x, y: HERTZ.pressure(x), P_H, 2 / width)
+            truth = ClosedForm(lambda x, y: HERTZ.pressure(x), highest=P_H, area=2 / width)
             yield AccuracyCase("smooth cylinder", SCENE, grid, EXACT, truth)
 
 
 def few_cells() -> Iterator[AccuracyCase]:
-    """Yield contacts from a part of a cell to ten cells wide, its axis anywhere in its cell."""
+    """Yield contacts from a part of a cell to ten cells wide, in the middle of the grid and 0.37 cells beside it."""
     for touching in (0.3, 0.6, 1.0, 1.4, 2.0, 2.6, 3.5, 5.0, 7.0, 10.0):
         for fraction in (0.0, 0.37):
             grid = cs.Grid((32, 1), (32 * 2 * A / touching, A))
             offset = fraction * grid.cell_size[0]
-            truth = ClosedForm(_cylinder(offset), P_H, touching / 32, 512)
+            truth = ClosedForm(_cylinder(offset), highest=P_H, area=touching / 32, points=512)
             shifted = cs.Scene(SCENE.load, STEEL, (Power(HERTZ_HEIGHT, 2.0, offset),))
             yield AccuracyCase("1-10 cells in contact", shifted, grid, EXACT, truth)
 
@@ -65,7 +65,9 @@ def spheres() -> Iterator[AccuracyCase]:
         for width in (2.2, 2.6, 3.1):
             length = width * point.contact_radius
             load = cs.LineLoad(30.0 / length)
-            truth = ClosedForm(lambda x, y: point.pressure(np.hypot(x, y)), point.peak_pressure, pi / width**2)
+            truth = ClosedForm(
+                lambda x, y: point.pressure(np.hypot(x, y)), highest=point.peak_pressure, area=pi / width**2
+            )
             ball = cs.Scene(load, STEEL, (cs.Sphere(0.01),))
             grid = cs.Grid((cells, cells), (length, length))
             yield AccuracyCase("sphere", ball, grid, (FREE, FREE), truth)
@@ -78,7 +80,7 @@ def waves() -> Iterator[AccuracyCase]:
         for fraction in (0.05, 0.3, 0.6, 0.9, 0.97):
             closing = pi * MODULUS * height / length
             wave = cs.analytic.Westergaard(fraction * closing, height, length, MODULUS)
-            truth = ClosedForm(_wave(wave), wave.peak_pressure, 2 * wave.half_width / length)
+            truth = ClosedForm(_wave(wave), highest=wave.peak_pressure, area=2 * wave.half_width / length)
             load = cs.LineLoad(wave.mean_pressure * length)
             wavy = cs.Scene(load, STEEL, (cs.Waviness(height, across=length),))
             grid = cs.Grid((cells, 1), (length, length))
@@ -98,22 +100,23 @@ def sharp() -> Iterator[AccuracyCase]:
             inside = np.maximum(edge**2 - x**2, 1e-9 * edge**2)
             return np.where(np.abs(x) < edge, load / pi / np.sqrt(inside), 0.0)
 
-        truth = ClosedForm(under, inf, edge / (2 * A), 512)
+        truth = ClosedForm(under, highest=inf, area=edge / (2 * A), points=512)
         yield AccuracyCase("steps and kinks", punch, grid, EXACT, truth)
     for cells in (64, 128, 250, 512):
         for width in (2.5, 2.9):
             grid = cs.Grid((cells, 1), (width * A, A))
             wedge = cs.Scene(SCENE.load, STEEL, (Power(load / MODULUS, 1.0),))
-            truth = ClosedForm(_under_wedge, inf, 2 / width, 512)
+            truth = ClosedForm(_under_wedge, highest=inf, area=2 / width, points=512)
             yield AccuracyCase("steps and kinks", wedge, grid, EXACT, truth)
 
 
 def powers() -> Iterator[AccuracyCase]:
     """Yield apexes between a wedge and a cylinder, whose peak pressure is finite and reached slowly."""
-    for power, height, cells in (
+    # some of each: little to much of a wedge, flatter and steeper than Hertz's cylinder, few to many cells
+    for power, steepness, cells in (
         (1.2, 2.0, 160), (1.3, 1.0, 77), (1.5, 2.0, 56), (1.8, 3.0, 101), (1.86, 1.5, 20), (1.92, 1.0, 200),
     ):  # fmt: skip
-        apex = cs.Scene(SCENE.load, STEEL, (Power(height * HERTZ_HEIGHT, power, 0.013 * A),))
+        apex = cs.Scene(SCENE.load, STEEL, (Power(steepness * HERTZ_HEIGHT, power, 0.013 * A),))
         grid = cs.Grid((cells, 1), (7 * A, A))
         yield AccuracyCase("steps and kinks", apex, grid, EXACT, Finer((32, 1), EXACT))
 
@@ -132,7 +135,7 @@ def full() -> Iterator[AccuracyCase]:
         shape = cs.Waviness(height, across=lengths[0], along=lengths[1])
         phase = 2 * pi / length
         pressure = _flat(mean, fraction, phase * across, phase * along)
-        truth = ClosedForm(pressure, mean * (1 + fraction), 1.0)
+        truth = ClosedForm(pressure, highest=mean * (1 + fraction), area=1.0)
         pressed = cs.Scene(cs.LineLoad(mean * length), STEEL, (shape,))
         grid = cs.Grid(cells, (length, length))
         yield AccuracyCase("full contact", pressed, grid, (EXACT, EXACT), truth)
@@ -144,7 +147,7 @@ def yielding() -> Iterator[AccuracyCase]:
         half = SCENE.largest_load / (2 * fraction * P_H)
         for cells in (40, 101, 256):
             grid = cs.Grid((cells, 1), (2.6 * half, A))
-            truth = ClosedForm(_strip(half, fraction * P_H), fraction * P_H, 1 / 1.3, 512)
+            truth = ClosedForm(_strip(half, fraction * P_H), highest=fraction * P_H, area=1 / 1.3, points=512)
             yield AccuracyCase("all yielding", scene(hardness=fraction * P_H), grid, EXACT, truth)
 
 

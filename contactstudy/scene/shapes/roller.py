@@ -11,7 +11,7 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import Metres
 from contactstudy.domain.validation import AT_LEAST_ZERO, CURVED, OR_INFINITE, valid, validated
-from contactstudy.scene.shapes.shape import LengthScales
+from contactstudy.scene.shapes.shape import LengthScales, no_gap
 
 Radius = Annotated[Metres, CURVED]
 
@@ -172,7 +172,7 @@ class Crown:
     def gap(self, grid: Grid) -> Array:
         """Return ``y^2 / (2 R)`` [m], of shape (1, ny), or (nx, 1) without a crown."""
         if self.radius == inf:
-            return np.zeros((grid.cells[0], 1))
+            return no_gap(grid)
         return (grid.y**2 / (2 * self.radius))[None, :]
 
 
@@ -278,7 +278,7 @@ class LundbergProfile:
     def gap(self, grid: Grid) -> Array:
         """Return the profile at the cell centres [m], of shape (1, ny), or (nx, 1) without a profile."""
         if self.amplitude == 0 or self.end_drop == 0:
-            return np.zeros((grid.cells[0], 1))
+            return no_gap(grid)
         profiled = self.length - self.straight
         t = np.maximum(2 * np.abs(grid.y) - self.straight, 0) / profiled
         inside = t < 1
@@ -325,7 +325,7 @@ class FiniteLength:
                 f"FiniteLength.length is {self.length!r}: give cells along the length no longer than that, these are "
                 f"{cell!r} m long."
             )
-        return np.where(beyond, self.length, 0.0)[None, :] if beyond.any() else np.zeros((grid.cells[0], 1))
+        return np.where(beyond, self.length, 0.0)[None, :] if beyond.any() else no_gap(grid)
 
     def covered_fractions(self, grid: Grid) -> Array:
         """Return the length of the roller that each row of cells represents, over that of a cell, of shape (ny,).

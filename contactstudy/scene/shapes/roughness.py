@@ -13,7 +13,7 @@ from contactstudy.domain.grid import Grid
 from contactstudy.domain.reuse import cached_array
 from contactstudy.domain.units import Metres, Number, readable
 from contactstudy.domain.validation import AT_LEAST_ZERO, BELOW_ONE, at_least, validated
-from contactstudy.scene.shapes.shape import LengthScales
+from contactstudy.scene.shapes.shape import LengthScales, no_gap
 
 # Highest point of a surface over its rms height.
 HEIGHT_OVER_RMS = 4.0
@@ -189,7 +189,7 @@ class Roughness:
         The shape is (nx, 1) if there is no surface.
         """
         if not self.rms:
-            return np.zeros((grid.cells[0], 1))
+            return no_gap(grid)
         waves, (kx, ky) = self._waves(grid)
         nx, ny = grid.cells
         if self.extent is not None and self.extent[0] != grid.extent[0]:

@@ -77,6 +77,11 @@ def curvatures_of(shape: object) -> tuple[float, float]:
     return getattr(shape, "curvatures", (curvature_of(shape), 0.0))
 
 
+def no_gap(grid: Grid) -> Array:
+    """Return zeros of shape (nx, 1), by which nothing varies along the length and a scene may be in plane strain."""
+    return np.zeros((grid.cells[0], 1))
+
+
 def gap_of(shape: Shape, grid: Grid) -> Array:
     """Return the gap [m] that `shape` adds at the cell centres of `grid`, which broadcasts to (x, y).
 

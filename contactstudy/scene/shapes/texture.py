@@ -21,7 +21,7 @@ from contactstudy.domain.validation import (
     valid,
     validated,
 )
-from contactstudy.scene.shapes.shape import LengthScales
+from contactstudy.scene.shapes.shape import LengthScales, no_gap
 
 Wavelength = Annotated[Metres, OR_INFINITE]
 
@@ -168,7 +168,7 @@ class Texture:
         across, along = self.pitch
         whole_quotient("Texture.pitch[1]", along, grid.length)
         if self.feature.depth == 0:
-            return np.zeros((grid.cells[0], 1))
+            return no_gap(grid)
         y = grid.y if along < inf else np.zeros(1)
         distance = np.hypot(_from_nearest(grid.x, across)[:, None], _from_nearest(y, along))
         t = distance / (self.feature.size / 2)

@@ -3,13 +3,11 @@
 from math import inf, tan
 from typing import Annotated
 
-import numpy as np
-
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import Radians
 from contactstudy.domain.validation import Limits, validated
-from contactstudy.scene.shapes.shape import LengthScales
+from contactstudy.scene.shapes.shape import LengthScales, no_gap
 
 # Angle [rad] of a roller beyond which its ends leave the half-space.
 MAX_ANGLE = 0.1
@@ -46,5 +44,5 @@ class Tilt:
     def gap(self, grid: Grid) -> Array:
         """Return ``y tan(angle)`` [m], of shape (1, ny), or (nx, 1) without a tilt."""
         if self.angle == 0:
-            return np.zeros((grid.cells[0], 1))
+            return no_gap(grid)
         return (grid.y * tan(self.angle))[None, :]

@@ -32,7 +32,7 @@ def test_a_groove_along_the_surface_has_no_longest_correlation_and_the_text_says
     grooved = np.tile(1e-6 * np.sin(np.arange(60) / 3)[:, None], (1, 40))
     found = surface_parameters(cs.MeasuredSurface(grooved, (6e-5, 4e-5)))
     assert np.isnan(found["Str"][0])
-    assert "which the surface is too small to show" in parameters_text(found)[-1]
+    assert any("too small" in line for line in parameters_text(found))
 
 
 @pytest.mark.whole

@@ -22,19 +22,18 @@ def said(numbers: list[float], out: Path, options: RunOptions = ONE) -> list[str
 
 def test_a_run_counts_what_is_stored_what_is_to_compute_and_what_failed(tmp_path: Path) -> None:
     """Failures are counted where they are requested, in any order of the values."""
-    for numbers, counts, failed in (
-        ([5, RAISES, 1], None, 1),
-        ([5, RAISES, 1, 4, 6, 8], (3, 3), 1),
-        ([0.5, 5, 4], (2, 1), 0),
-        ([0.5, 5, RAISES], (3, 0), 1),
+    assert not any("stored" in line for line in said([5, RAISES, 1], tmp_path))
+    for numbers, stored, missing, failed in (
+        ([5, RAISES, 1, 4, 6, 8], 3, 3, 1),
+        ([0.5, 5, 4], 2, 1, 0),
+        ([0.5, 5, RAISES], 3, 0, 1),
     ):
         lines = said(numbers, tmp_path)
         assert f"{len(numbers)} points, {len(numbers)} distinct cases" in lines
-        stored = "{} cases are stored, {} to compute".format(*counts or (0, len(numbers)))
-        assert (stored in lines) == (counts is not None)
-        failures = [line for line in lines if "failed, the first with Arith" in line]
+        assert f"{stored} cases are stored, {missing} to compute" in lines
+        failures = [line for line in lines if " failed" in line]
         assert [line.split()[:3] for line in failures] == [["1", "of", str(len(numbers))]] * failed
-        assert f"wrote {tmp_path / 'trouble.nc'}" in lines
+        assert any(str(tmp_path / "trouble.nc") in line for line in lines)
 
 
 def test_a_dry_run_counts_the_timed_runs_that_are_missing(tmp_path: Path) -> None:

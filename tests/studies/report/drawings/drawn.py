@@ -13,7 +13,7 @@ from studies.registry import load_drawing
 
 
 def numbered(axes: Mapping[str, Any], *variables: str) -> xr.Dataset:
-    """Variables over all the axes; every number is another one."""
+    """Variables over all the axes; no two numbers are the same."""
     shape = tuple(len(values) for values in axes.values())
     count = prod(shape)
     return xr.Dataset(
@@ -35,7 +35,7 @@ def labelled(ax: Axes) -> dict[str, np.ndarray]:
 
 
 def words(text: str) -> str:
-    """A text with spaces that may break."""
+    """A text with its non-breaking spaces made plain."""
     return text.replace("\u00a0", " ")
 
 

@@ -52,9 +52,13 @@ class StressByFaces:
 
     def continued_load(self, pressure: Array) -> Array:
         """Return the load on the surface (x, 2 y) on the continued grid under a `pressure` (x, y)."""
-        pressure = np.pad(pressure, ((self.beside, self.beside), (0, 0)))
+        pressure = self._widened(pressure)
         load = pressure + self._on_wide_grid("load")(pressure, self._across)
         return np.concatenate([load, load[:, ::-1]], axis=1)
+
+    def _widened(self, pressure: Array) -> Array:
+        """Return a `pressure` (x, y) with zeros on the cells beside the contact."""
+        return np.pad(pressure, ((self.beside, self.beside), (0, 0)))
 
     @property
     def _across(self) -> int:
@@ -72,7 +76,7 @@ class StressByFaces:
 
     def stress(self, pressure: Array, depths: tuple[float, ...]) -> Array:
         """Return the stress (component, z, x, y) [Pa] at some `depths` [m] by the loads on both faces alone."""
-        pressure = np.pad(pressure, ((self.beside, self.beside), (0, 0)))
+        pressure = self._widened(pressure)
         faces = self._on_wide_grid("pressure")
         equal, opposite = np.moveaxis(faces.parts(pressure, self._across), 1, 0) / np.sqrt(2)
         # transforms of the loads on the first and on the second face (wave, face, node), from their sum and difference
@@ -103,7 +107,7 @@ class StressByFaces:
         centres = np.array([0, depth, -depth])
         candidates = np.unique(np.add.outer(centres, [*steps, *-steps]))
         edges = [candidates[0]]
-        # leaves out edges that would make slivers where the cells about two centres overlap
+        # leave out edges of slivers where the cells about two centres overlap
         for edge in candidates:
             size = max(finest, (GROWTH - 1) * np.abs(edge - centres).min()) / 2
             if edge - edges[-1] > size:

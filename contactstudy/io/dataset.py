@@ -37,9 +37,9 @@ if TYPE_CHECKING:
     from contactstudy.lubrication.lubricated_contact import FilmSolution
 
 X = {"units": "m", "axis": "X", "long_name": "position across the contact"}
+Y = {"units": "m", "axis": "Y", "long_name": "position along the contact"}
 # Shapes that drop along a roller.
 PROFILES = (Crown, LundbergProfile, EndRelief, ProfilePoints, Tilt)
-Y = {"units": "m", "axis": "Y", "long_name": "position along the contact"}
 
 
 def labelled(
@@ -153,17 +153,17 @@ def _profile(posed: PosedScene) -> dict[str, xr.Variable]:
 
 
 def fretting_loop(solution: Solution) -> dict[str, xr.Variable]:
-    """Return the loop of force over displacement of a contact that frets, by further solves; empty for another."""
+    """Return the loop of force over displacement of a contact that frets, by further solves; empty without fretting."""
     friction, posed = solution.problem.friction, solution.problem.description
     if not isinstance(friction, FrettingShear) or not isinstance(posed, PosedScene):
         return {}
     forces, displacements, slips = friction.loop(solution)
-    of_one = per_length(1.0, "N", "tangential force", roller_length(posed), posed.grid.length)
-    slid = "rigid-body displacement of the second against the first body"
+    unit_force = per_length(1.0, "N", "tangential force", roller_length(posed), posed.grid.length)
+    rigid = "rigid-body displacement of the second against the first body"
     return {
-        "loop_force": labelled("loop", forces * of_one.value, of_one.unit, of_one.label),
-        "loop_displacement": labelled("loop", displacements, "m", slid),
-        "loop_slip": labelled("loop", slips, "m", f"{slid}, less that of full stick"),
+        "loop_force": labelled("loop", forces * unit_force.value, unit_force.unit, unit_force.label),
+        "loop_displacement": labelled("loop", displacements, "m", rigid),
+        "loop_slip": labelled("loop", slips, "m", f"{rigid}, less that of full stick"),
     }
 
 
@@ -179,9 +179,9 @@ def with_quantities(dataset: xr.Dataset, quantities: Quantities) -> xr.Dataset:
             continue
         unit, bound = quantity.unit, f"{name}_bound"
         variables[name] = _number(quantity.value, unit, quantity.label, ancillary_variables=bound)
-        known, why = known_or_nan(quantity.bound), {"comment": quantity.reason}
-        about = f"bound of the error: {quantity.label}"
-        variables[bound] = _number(known, unit, about, **(why if isnan(known) else {}))
+        known = known_or_nan(quantity.bound)
+        comment = {"comment": quantity.reason} if isnan(known) else {}
+        variables[bound] = _number(known, unit, f"bound of the error: {quantity.label}", **comment)
     return dataset.assign(variables)
 
 
@@ -194,10 +194,9 @@ def _hertz(hertz: HertzLine | None) -> dict[str, xr.Variable]:
     """Return half-width and peak pressure of Hertz's line contact, if there is one."""
     if hertz is None:
         return {}
-    half_width, peak = hertz.half_width, hertz.peak_pressure
     return {
-        "hertz_half_width": _number(half_width, "m", "half-width of Hertz's line contact"),
-        "hertz_peak_pressure": _number(peak, "Pa", "peak pressure of Hertz's line contact"),
+        "hertz_half_width": _number(hertz.half_width, "m", "half-width of Hertz's line contact"),
+        "hertz_peak_pressure": _number(hertz.peak_pressure, "Pa", "peak pressure of Hertz's line contact"),
     }
 
 
@@ -251,24 +250,22 @@ def _with_errors(dataset: xr.Dataset, estimate: ErrorEstimate) -> xr.Dataset:
 
 def film_dataset(contact: "FilmSolution", error: ErrorEstimate, quantities: Quantities) -> xr.Dataset:
     """Return a lubricated contact with dimensions (x, y), units and long names; errors along ``cause``."""
-    variables, carrier = dict[str, xr.Variable](), "the lubricant"
+    variables: dict[str, xr.Variable] = {}
+    carrier = "the lubricant"
     if contact.contact_pressure is not None:
         carrier = "lubricant and asperities together"
-        of_asperities = _plane(contact.contact_pressure, "Pa", "pressure of asperities")
-        variables["contact_pressure"] = of_asperities
+        variables["contact_pressure"] = _plane(contact.contact_pressure, "Pa", "pressure of asperities")
     if contact.wear_depth is not None:
         variables["wear_depth"] = _plane(contact.wear_depth, "m", "wear depth")
     if (heat := contact.temperatures) is not None:
-        rise = "temperature rise"
-        variables["film_temperature_rise"] = _plane(heat.film, "K", f"{rise} of the film")
-        for number, rises in enumerate(heat.surface, start=1):
-            name, label = f"surface_temperature_rise_{number}", f"{rise} of surface {number}"
-            variables[name] = _plane(rises, "K", label)
-    content = "fractional film content, below 1 where cavitated"
+        variables["film_temperature_rise"] = _plane(heat.film, "K", "temperature rise of the film")
+        for number, rise in enumerate(heat.surface, start=1):
+            label = f"temperature rise of surface {number}"
+            variables[f"surface_temperature_rise_{number}"] = _plane(rise, "K", label)
     variables |= {
         "pressure": _plane(contact.pressure, "Pa", f"pressure of {carrier}"),
         "film": _plane(contact.film, "m", "film thickness"),
-        "film_fraction": _plane(contact.film_fraction, "1", content),
+        "film_fraction": _plane(contact.film_fraction, "1", "fractional film content, below 1 where cavitated"),
         "shear": _plane(contact.shear, "Pa", "shear stress in the middle of the film"),
         "mean_speed": _number(contact.mean_speed, "m s-1", "mean speed of the surfaces"),
         **_hertz(contact.scales.hertz),

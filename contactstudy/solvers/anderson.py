@@ -1,4 +1,4 @@
-"""Anderson's mixing of a fixed-point iteration, and a contact whose displacement follows from its pressure solved by it.
+"""Anderson's mixing of a fixed-point iteration, and a contact solved by it whose displacement follows from its pressure.
 
 Source: Anderson (1965), in the form of Walker & Ni (2011), eq. 2.2.
 """
@@ -17,12 +17,16 @@ from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Singular values of the changes below this fraction of the largest are noise of the solves.
 CUT_OFF = 1e-8
+# Number of pressures before the last that enter a mixed pressure.
+DEPTH = 8
+# Tolerance of a solve over the change in the outer iteration before; a tenth of it saves no outer iteration.
+INNER_REDUCTION = 1e-3
+# Largest tolerance of a solve.
+FIRST_TOLERANCE = 1e-4
 
 
 class AndersonMixing:
-    """Mixing of the last iterates of a fixed-point iteration.
-
-    Source: Anderson (1965), in the form of Walker & Ni (2011), eq. 2.2.
+    """Mixing of the last iterates of a fixed-point iteration, by Anderson (1965).
 
     Parameters
     ----------
@@ -60,33 +64,11 @@ class AndersonMixing:
         return iterate + step - ((moves + changes) @ weights).reshape(step.shape)
 
 
-@dataclass(frozen=True)
-class MixingConstants:
-    """Constants of the outer iteration with mixing.
-
-    Attributes
-    ----------
-    depth
-        Number of pressures before the last that enter a mixed iterate.
-    inner_reduction
-        Tolerance of a solve over the change in the outer iteration before; a tenth of it saves no outer iteration.
-    first_tolerance
-        Largest tolerance of a solve.
-    """
-
-    depth: int = 8
-    inner_reduction: float = 1e-3
-    first_tolerance: float = 1e-4
-
-
-CONSTANTS = MixingConstants()
-
-
 @dataclass(frozen=True, eq=False)
 class LaggedSolution:
-    """Solution with a lagged displacement: that of the mixed pressures of the outer iterations before.
+    """Solution with a lagged displacement: the one under the mixed pressure of the outer iterations before.
 
-    Where the outer iterations have converged it is that of the pressure itself.
+    Where the outer iterations have converged, it is the displacement under the pressure of the solution.
 
     Parameters
     ----------
@@ -147,12 +129,12 @@ def solve_with_mixing(
         if progress is not None:
             progress(0.0, change)
         return LaggedSolution(solution, 0.0, 1, solution.iterations, solution.convolutions)
-    mixing, guess = AndersonMixing(CONSTANTS.depth), np.zeros_like(problem.undeformed_gap)
+    mixing, guess = AndersonMixing(DEPTH), np.zeros_like(problem.undeformed_gap)
     start: Array | None = None
     last_change, outer, iterations, convolutions = np.inf, 0, 0, 0.0
     while True:
         gap = problem.undeformed_gap + displacement_of(guess) if outer else problem.undeformed_gap
-        loose = min(CONSTANTS.inner_reduction * last_change, CONSTANTS.first_tolerance)
+        loose = min(INNER_REDUCTION * last_change, FIRST_TOLERANCE)
         inner = replace(options, tolerance=max(options.tolerance, loose))
         solution = solve_contact(replace(problem, undeformed_gap=gap), inner, start)
         outer += 1
@@ -166,8 +148,7 @@ def solve_with_mixing(
         last_change = distance / float(solution.pressure.sum()) if distance else 0.0
         if progress is not None:
             progress(last_change, change)
-        is_exact = solution.residual <= options.tolerance
-        is_exact |= solution.status is Status.PRECISION_LIMIT
+        is_exact = solution.residual <= options.tolerance or solution.status is Status.PRECISION_LIMIT
         converged = last_change <= change and is_exact
         if converged or outer == max_outer:
             if not converged:

@@ -10,9 +10,9 @@ from contactstudy.domain.storage.identity import digest
 from contactstudy.io.scene_files.scene_writer import scene_text, settings_text
 from studies.reference.line_contact import HERTZ, SCENE, WIDTH
 
-# A setting within this factor of the fastest is as fast; one with the scene's own padding and the most cells is chosen.
+# A setting within this factor of the time of the fastest counts as equally fast.
 TIE = 1.1
-# Measures: what must keep a requested error. NAMED is that of requests by name.
+# Measures: what must meet the requested error. NAMED is for errors that are requested by the names of numbers.
 EVERY_NUMBER, PRESSURE = "every number", "the pressure in L1"
 NAMED = "every number that is named, in proportion to its own request"
 
@@ -39,7 +39,7 @@ class Measured:
         Bound of the pressure in L1, the largest bound of any number that :func:`~contactstudy.solve` judges, and what
         that number is; nan where only the pressure was asked for.
     difference
-        L1 difference of its pressure to the reference, nan without one.
+        L1 difference of its pressure from the reference, nan without a reference.
     seconds
         Least processor time [s].
     """
@@ -61,9 +61,10 @@ class Verdict:
     name, text
         Name of the scene, and the scene as TOML.
     error
-        Requested error; of numbers that are named the least, in proportion to which the bounds of the others count.
+        Requested error. If numbers are named, it is the least of their errors; bounds of the others count in proportion.
     measure
-        What keeps it: every number, those that are named, or where no setting does the pressure in L1 alone.
+        What must meet it: every number, those that are named, or the pressure in L1 alone where no setting meets the
+        first.
     extent
         Width and length [m] of all grids.
     own
@@ -105,7 +106,7 @@ class Verdict:
         return sorted(found, key=lambda one: one.seconds)
 
     def bound(self, one: Measured) -> float:
-        """Return the bound that counts."""
+        """Return the bound of a setting for the verdict's measure, infinite without one."""
         return bound_of(one, self.measure)
 
     @property
@@ -124,18 +125,17 @@ class Verdict:
 
 
 def is_tie(one: Measured, fastest: Measured) -> bool:
-    """Return whether a setting is as fast as another: by its time, or since it solves by the same transforms.
+    """Return whether a setting is as fast as the fastest: by its time, or because it solves by the same transforms.
 
     Exact periodicity and a window that moves with the point differ on one grid in the set-up of the coefficients alone,
     by less than a busy machine adds to one of two times.
     """
-    is_same_grid = (one.setting.cells, one.setting.tolerance) == (
-        fastest.setting.cells,
-        fastest.setting.tolerance,
+    setting, other = one.setting, fastest.setting
+    is_same_grid = (setting.cells, setting.tolerance) == (other.cells, other.tolerance)
+    has_same_transforms = (
+        setting.padding == cs.ExactPeriodicity() and not isinstance(other.padding, tuple) and other.padding.wraps
     )
-    window = fastest.setting.padding
-    is_same_solve = one.setting.padding == cs.ExactPeriodicity() and not isinstance(window, tuple) and window.wraps
-    return (is_same_grid and is_same_solve) or one.seconds <= TIE * fastest.seconds
+    return (is_same_grid and has_same_transforms) or one.seconds <= TIE * fastest.seconds
 
 
 def bound_of(one: Measured, measure: str) -> float:
@@ -146,7 +146,7 @@ def bound_of(one: Measured, measure: str) -> float:
 def meets(one: Measured, error: float, measure: str) -> bool:
     """Return whether the bound of a setting meets an error, and its difference to the reference does not contradict it.
 
-    Of numbers that are named it cannot: it is of the pressure, which they may not include.
+    That difference is of the pressure, which numbers that are named may not include: for these it counts for nothing.
     """
     contradicts = measure != NAMED and one.difference > error
     return bound_of(one, measure) <= error and not contradicts

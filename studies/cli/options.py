@@ -29,7 +29,7 @@ FORMAT = click.option(
 
 
 def formats_in(text: str, known: Sequence[str]) -> list[str]:
-    """Return the formats in a text with commas; raise InvalidInput for one that is not known."""
+    """Return the formats in a text, which commas separate; raise InvalidInput for one that is not known."""
     chosen = [name.lower().lstrip(".") for name in names_in(text)]
     for name in chosen:
         if name not in known:
@@ -39,9 +39,8 @@ def formats_in(text: str, known: Sequence[str]) -> list[str]:
 
 def out_option(text: str, default: str | None = "outputs") -> Decorator:
     """Return the option --out, a folder, with a help text."""
-    folder = click.Path(path_type=Path, file_okay=True)
-    shown = default is not None
-    return click.option("--out", type=folder, default=default, show_default=shown, help=text)
+    folder, is_shown = click.Path(path_type=Path), default is not None
+    return click.option("--out", type=folder, default=default, show_default=is_shown, help=text)
 
 
 OUT = out_option("Folder for netCDF files, figures and report.")
@@ -61,20 +60,11 @@ PLOT = click.option(
 
 
 def echo(text: str, *, err: bool = False) -> None:
-    """Print a text, in a terminal with its lines wrapped at its width."""
+    """Print a text; in a terminal wrap its lines at the width of that."""
     if (sys.stderr if err else sys.stdout).isatty():
         width = shutil.get_terminal_size().columns
-        lines = (
-            fill(
-                line,
-                width,
-                subsequent_indent="    ",
-                break_long_words=False,
-                break_on_hyphens=False,
-            )
-            for line in text.splitlines()
-        )
-        text = "\n".join(lines)
+        style: Any = {"subsequent_indent": "    ", "break_long_words": False, "break_on_hyphens": False}
+        text = "\n".join(fill(line, width, **style) for line in text.splitlines())
     click.echo(text, err=err)
 
 
@@ -92,7 +82,7 @@ def is_given(context: click.Context, name: str) -> bool:
 
 
 def names_in(text: str) -> tuple[str, ...]:
-    """Return the names in a text with commas."""
+    """Return the names in a text, which commas separate."""
     return tuple(filter(None, (name.strip() for name in text.split(","))))
 
 

@@ -19,7 +19,7 @@ from studies.store.stop import Stop, StopRun
 
 BAR = "{desc} {percentage:3.0f} %|{bar}|{postfix} [{elapsed}]"
 LINE = "{desc}: {percentage:.0f} %{postfix}, {elapsed} so far"
-# Seconds before a bar is shown, and between two looks at what it shows.
+# Seconds before a bar is shown, and between two updates of it.
 FIRST, REFRESH = 2.0, 0.5
 
 
@@ -50,7 +50,7 @@ class SolveProgress:
         first, interval = (FIRST, REFRESH) if is_terminal() else (LINE_INTERVAL, LINE_INTERVAL)
         if self._ended.wait(first):
             return
-        # a delay of a moment, so that it is not shown before it is set
+        # without any delay the bar would be shown before its position is set below
         about = {"total": 100, "desc": self.name, "delay": 1e-9, "leave": False}
         with bar_of(BAR, LINE, lambda text: click.echo(text, err=True), **about) as bar:
             bar.start_t -= first
@@ -87,7 +87,7 @@ def solve_with_progress(
                     device=device,
                 )
                 show.job = "bounds and files"
-                answer.quantities  # noqa: B018 (their bounds take long: a stop keeps the pressure)
+                answer.quantities  # noqa: B018 (computed here, where a stop keeps the pressure: bounds take long)
         except StopRun:
             show.__exit__()
             click.echo(f"contactstudy: {_kept(show.last, scene, folder, frames_folder)}", err=True)
@@ -98,7 +98,7 @@ def solve_with_progress(
 
 
 def _kept(last: cs.Progress | None, scene: Path, folder: Path, frames: Path) -> str:
-    """Keep what a stopped solve has reached, and return a sentence on it and on how to go on."""
+    """Keep the frames or the pressure of a stopped solve, and return a sentence on how to go on from there."""
     from studies.store.netcdf import open_folder
 
     at = "stopped" if last is None else f"stopped at {last.text}"

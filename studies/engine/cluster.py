@@ -30,13 +30,14 @@ if TYPE_CHECKING:
 MAX_BATCH = 200  # tasks in a batch
 BATCHES_AHEAD = 3  # batches for each thread of a worker, so that it does not wait for the next
 CHECK_INTERVAL = 1.0  # seconds between two checks of the workers and of lost batches
-POLL_INTERVAL = 0.05  # seconds between two looks at whether the run is to stop
+POLL_INTERVAL = 0.05  # seconds between two checks whether the run is to stop
 STOP_TIMEOUT = 5.0  # seconds to collect finished batches when a run is stopped
 PATIENCE = 10.0  # seconds in which a scheduler answers, or comes back
 LOOPBACK = "127.0.0.1:0"
 
-# slots of each run that this process drives, and the one that the present thread keeps
+# Slots of each run that this process drives.
 SLOTS: dict[str, list[Slot]] = {}
+# Holds the slot of the present thread.
 THREAD = threading.local()
 Done = tuple[Task, Outcome]
 
@@ -84,12 +85,8 @@ def client_of_dask(address: str | None, threads: int) -> "Iterator[Client]":
         try:
             if address and ":" not in address:
                 raise ValueError(address)
-            client = Client(
-                address,
-                timeout=PATIENCE,
-                set_as_default=False,
-                **({} if address else local_cluster),
-            )
+            settings = {} if address else local_cluster
+            client = Client(address, timeout=PATIENCE, set_as_default=False, **settings)
         except (OSError, ValueError, TypeError, RuntimeError) as error:
             raise InvalidInput(
                 f"Scheduler {address!r} cannot be reached ({type(error).__name__}): give the address that "
@@ -254,11 +251,10 @@ class _Batches:
         """Yield the outcomes of a completed batch, and send its other tasks again."""
         from distributed import KilledWorker
 
-        tasks = self.batches.get(future)
+        tasks = self.batches.pop(future, None)
         if tasks is None:  # it counted as lost, and was sent again
             return
         if future.status == "error":
-            del self.batches[future]
             error = future.exception()
             if isinstance(error, InvalidInput):
                 raise error
@@ -273,10 +269,8 @@ class _Batches:
         try:
             outcomes = future.result(timeout=PATIENCE)
         except Exception:  # noqa: BLE001 (the worker or the scheduler was lost with the result)
-            del self.batches[future]
             self.queue.extendleft(reversed(tasks))
             return
-        del self.batches[future]
         yield from zip(tasks, outcomes, strict=False)
         self.size = min(2 * len(outcomes) or 1, MAX_BATCH)
         self.queue.extendleft(reversed(tasks[len(outcomes) :]))

@@ -2,8 +2,9 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from math import isfinite
+from typing import SupportsFloat
 
-import numpy as np
 import xarray as xr
 
 from studies.model.drawing import CaptionedFigure, Drawing, Finding, Table
@@ -11,10 +12,13 @@ from studies.model.outcome import CaseStatus
 from studies.report.plots import Law, Plot, draw
 from studies.report.style import percent
 
+# Function of a stored study: a fraction, or a text or a count that is written as it is.
+Measurement = Callable[[xr.Dataset], SupportsFloat | str]
+
 
 @dataclass(frozen=True)
 class Claim:
-    """A claim and the measurement behind it, with ``{name}`` where one of its `numbers` stands.
+    """A claim and the measurement behind it. ``{name}`` stands in both for one of the `numbers`.
 
     Attributes
     ----------
@@ -23,22 +27,22 @@ class Claim:
     claim, measured
         Sentences.
     numbers
-        Functions of the stored study: fractions, which are written in per cent, or texts.
+        Functions of the stored study: fractions, which are written in per cent, or texts and counts.
     needs
-        Values that axes or attributes must have; the claim is left out without them.
+        Values that axes or attributes of the study must have; without them the claim is left out.
     """
 
     question: str
     claim: str
     measured: str = ""
-    numbers: Mapping[str, Callable[[xr.Dataset], object]] = field(default_factory=dict)
+    numbers: Mapping[str, Measurement] = field(default_factory=dict)
     needs: Mapping[str, tuple[object, ...]] = field(default_factory=dict)
 
 
-def off(law: Law, x: str = "") -> Callable[[xr.Dataset], object]:
-    """Return a function for the largest relative difference of a measure to its law over the axis `x`."""
+def largest_error(law: Law, x: str = "") -> Measurement:
+    """Return a function for the largest relative difference of a measure to its law, which is over the axis `x`."""
 
-    def largest(dataset: xr.Dataset) -> object:
+    def largest(dataset: xr.Dataset) -> SupportsFloat:
         true = dataset[law.of] if isinstance(law.of, str) else law.of(dataset[x].values, dataset)
         return abs(dataset[law.y] / true - 1).max()
 
@@ -60,9 +64,9 @@ def stated(claim: Claim, dataset: xr.Dataset) -> Finding | None:
         except KeyError:  # such as a time, where none was taken
             return None
         if not isinstance(value, str | int):
-            if not np.isfinite(value):  # type: ignore[call-overload]
+            if not isfinite(value):
                 return None
-            value = percent(value)  # type: ignore[arg-type]
+            value = percent(value)
         texts[name] = value
     return Finding(claim.claim.format(**texts), claim.measured.format(**texts), claim.question)
 
@@ -75,7 +79,7 @@ def drawing(
     claims: Sequence[Claim] = (),
     tables: Sequence[Callable[[xr.Dataset], Table | None]] = (),
 ) -> Drawing:
-    """Return the drawing of a study of figures, claims and tables; those whose data the study lacks are left out."""
+    """Return a drawing: figures, claims and tables of a study, of which those that it has no data for are left out."""
 
     def drawn(dataset: xr.Dataset) -> Sequence[CaptionedFigure]:
         made = [draw(dataset, one) if isinstance(one, Plot) else one(dataset) for one in figures]

@@ -24,7 +24,7 @@ from studies.reference.line_contact import total_time
 from studies.reference.paddings import HAS_IMAGES, padding_text
 from studies.report.style import COLORS, LAW_STYLE, captioned, padding_style, panels
 
-WIDTHS = {1: 5.6, 2: 4.6}  # of a panel beside as many [in]; else 3.4
+WIDTHS = {1: 5.6, 2: 4.6}  # of a panel [in], by the number of panels; 3.4 of three or more
 DASHES = ("-", "--", "-.", ":")
 # Lines that a legend names; more have a colour bar, or are grey.
 MAX_LINES = 8
@@ -159,10 +159,7 @@ def _lines(ax: Axes, part: xr.Dataset, y: str, plot: Plot) -> Iterator[tuple[xr.
             if plot.hue == "padding":
                 style |= padding_style(str(hue))
             texts = [value_text(part[name], at[name]) for name in shown]
-            yield (
-                line,
-                style | {"label": ", ".join(texts) if texts and len(hues) <= MAX_LINES else "_"},
-            )
+            yield line, style | {"label": ", ".join(texts) if texts and len(hues) <= MAX_LINES else "_"}
 
 
 def _colors(ax: Axes, values: xr.DataArray) -> list[Any]:
@@ -198,26 +195,20 @@ def _band(ax: Axes, x: xr.DataArray, values: xr.DataArray, plot: Plot, style: di
     dims = [name for name in plot.over if name in values.dims]
     x = x.isel({name: 0 for name in dims if name in x.dims})
     counts = values.notnull().sum(dims)
-    several = f"{int(counts.min())} to " * bool(counts.min() < counts.max())
     if style["label"] == "_" and dims:
-        style = style | {"label": f"median of {several}{int(counts.max())}, and their range"}
+        least, most = int(counts.min()), int(counts.max())
+        number = str(most) if least == most else f"{least} to {most}"
+        style = style | {"label": f"median of {number}, and their range"}
     ax.fill_between(x, values.min(dims), values.max(dims), color=style["color"], alpha=0.15, lw=0)
     ax.plot(x, values.median(dims), **style)
 
 
 def _bounds(ax: Axes, line: xr.Dataset, y: str, x: xr.DataArray, size: float) -> None:
-    """Draw the finite bounds of a measure as bars, and hollow the values that `doubtful` finds."""
+    """Draw the finite bounds of a measure as bars, and the values that `doubtful` finds as hollow marks."""
     if (bound := line.get(f"{y}_bound")) is not None and line[y].ndim <= 1:
         bars = bound.where(np.isfinite(bound) & (bound >= 0)) / size
-        ax.errorbar(
-            np.atleast_1d(x),
-            np.atleast_1d(line[y] / size),
-            yerr=np.atleast_1d(bars),
-            fmt="none",
-            ecolor="0.6",
-            capsize=2,
-            zorder=1,
-        )
+        at, values, lengths = map(np.atleast_1d, (x, line[y] / size, bars))
+        ax.errorbar(at, values, yerr=lengths, fmt="none", ecolor="0.6", capsize=2, zorder=1)
     hollow = doubtful(line, y)
     if bool(hollow.notnull().any()):
         ax.plot(np.ravel(x), np.ravel(hollow / size), **DOUBTFUL)
@@ -258,7 +249,7 @@ def _draw_laws(ax: Axes, part: xr.Dataset, y: str, plot: Plot, sizes: tuple[floa
 
 
 def _set_scales(ax: Axes, plot: Plot, is_named: bool) -> None:  # noqa: FBT001
-    """Set the logarithmic axes, where the plot does not name them those of positive values over more than a decade."""
+    """Make the axes logarithmic that `plot.log` names; if None, those of positive values over more than a decade."""
     for name in ("x", "y"):
         values = np.concatenate([np.ravel(getattr(line, f"get_{name}data")()) for line in ax.lines] or [np.zeros(0)])
         wanted = spans_decade(values) if plot.log is None else name in plot.log
@@ -283,7 +274,7 @@ def _is_error(name: str) -> bool:
 
 
 def scaled(values: xr.DataArray) -> tuple[float, str]:
-    """Return the size of the unit in which the largest value is read best, and the label of an axis with that unit."""
+    """Return the size of the unit that suits the largest value, and the label of an axis with that unit."""
     units = str(values.attrs.get("units", "1"))
     size, unit = (1e-2, "%") if _is_error(str(values.name)) and units == "1" else display_unit_of(values, units)
     if units == "s" and float(abs(values).max()) < 1:

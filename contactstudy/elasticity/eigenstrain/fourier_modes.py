@@ -30,12 +30,11 @@ from contactstudy.elasticity.eigenstrain.half_space_wave import (
 )
 from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
 
-# Short waves have some whole number of periods in a cell more than their alias, their order. Up to this order either
-# way along each axis they are summed one by one. Shorter waves are summed together.
+# The order of a short wave along an axis is the whole number of periods in a cell that it has more than its alias. Waves
+# up to this order either way are summed one by one, shorter waves together.
 SUMMED_ORDERS = 2
-# Depth, in lengths of the longer side of a cell, at which the stress by short waves of pressure has decayed. The
-# surface correction of short waves of strain has decayed from half that depth on, since it decays on the way up and
-# down.
+# Depth, in lengths of the longer side of a cell, at which the stress by short waves of pressure has decayed. The surface
+# correction of short waves of strain decays on the way up and down, and has decayed at half that depth.
 DEEP = 3.0
 # Layers below that half depth are treated as if they were at this multiple of it, so that all such layers of one
 # thickness share their coefficients.
@@ -277,7 +276,7 @@ class Waves:
         return np.asarray((parts[0] + 1j * parts[1]).reshape(strain.shape[2:]))
 
     def diagonal_blocks(self, fractions: Array) -> Array:
-        """Return the part by these waves of minus a cell's residual stress by its own unit strain, (layers, 5, 5) [Pa].
+        """Return minus the residual stress of a cell by its own unit strain, by these waves alone, (layers, 5, 5) [Pa].
 
         `fractions` (orders,) are the fractions of the waves in the strain of one cell.
         """
@@ -305,7 +304,7 @@ class Waves:
 
     @cached_property
     def _direction(self) -> WaveDirection:
-        """WaveDirection of these waves, with their weights."""
+        """Wave numbers and directions of these waves, with their weights."""
         return self._short.alias(0, 0)
 
     @cached_property
@@ -322,10 +321,10 @@ class Waves:
 
     @cached_property
     def _by_unit(self) -> Callable[[SurfaceLoad], Array]:
-        """Function that returns the deviatoric stress (5, layers, waves) by a unit of a traction, each found once."""
-        return cache(self._stress)
+        """:meth:`_stress_of_unit`, computed once for each traction."""
+        return cache(self._stress_of_unit)
 
-    def _stress(self, traction: SurfaceLoad) -> Array:
+    def _stress_of_unit(self, traction: SurfaceLoad) -> Array:
         """Return the deviatoric stress (5, layers, waves) by a unit of a traction."""
         direction = self._direction
         total = self._short.stress_of_traction(traction)

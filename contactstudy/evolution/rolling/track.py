@@ -12,19 +12,11 @@ from contactstudy.elasticity.eigenstrain.outer_strain import OuterStrain
 from contactstudy.elasticity.eigenstrain.plane_strain_operator import PlaneStrainOperator
 from contactstudy.elasticity.eigenstrain.volume import Volume
 from contactstudy.evolution.states.plastic_volume import embedded, enlarged
-from contactstudy.evolution.warm_started import (
-    WarmStartedContact,
-    solved_or_unloaded,
-    with_added_gap,
-)
+from contactstudy.evolution.warm_started import WarmStartedContact, solved_or_unloaded, with_added_gap
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.rolling import RollingPressure
 from contactstudy.solvers.plasticity.contact_tangent import ContactTangent
-from contactstudy.solvers.plasticity.elastoplastic_step import (
-    ElastoplasticStep,
-    Tangent,
-    solve_elastoplastic_step,
-)
+from contactstudy.solvers.plasticity.elastoplastic_step import ElastoplasticStep, Tangent, solve_elastoplastic_step
 from contactstudy.solvers.plasticity.yielding_bodies import Hardening, YieldingBodies
 from contactstudy.solvers.solution import Solution
 from contactstudy.solvers.solve import SolveOptions
@@ -121,9 +113,9 @@ class Track:
     equivalent
         Equivalent plastic strain (layers, x, 1) in the moving grid.
     mean_strain_behind
-        Plastic strain (component, layers) from the left edge of the moving grid to infinity. It is a running mean of
-        the strain that left the moving grid: with the last strain alone it would oscillate with the period of the
-        moving grid.
+        Plastic strain (component, layers) from the left edge of the moving grid to infinity: a running mean of the
+        strain that left the moving grid. The last strain alone would make it oscillate with the period of the moving
+        grid.
     front
         The half-space on the right of the moving grid.
     """

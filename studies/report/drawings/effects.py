@@ -12,7 +12,7 @@ import xarray as xr
 
 import contactstudy as cs
 from contactstudy.domain.fields import Array
-from studies.report.claims import Claim, drawing, off
+from studies.report.claims import Claim, drawing, largest_error
 from studies.report.drawings.default import LAWS
 from studies.report.plots import Law, Plot
 
@@ -115,7 +115,7 @@ creep = drawing(
         Claim(
             "How far does creep spread a contact?",
             "As Lee and Radok's closed form says: the peak pressure is within {off} of it at every time.",
-            numbers={"off": off(LEE_RADOK, "time_steps_end")},
+            numbers={"off": largest_error(LEE_RADOK, "time_steps_end")},
         )
     ],
 )
@@ -145,7 +145,7 @@ wear = drawing(
         Claim(
             "How does wear widen a contact?",
             "Like the cube root of the distance: the estimate a³ = a_H³ + 3/2 R k P s is within {off} of the width.",
-            numbers={"off": off(CUBES, "time_steps_end")},
+            numbers={"off": largest_error(CUBES, "time_steps_end")},
         )
     ],
 )
@@ -187,7 +187,7 @@ films = drawing(
         Claim(
             "How thick is the film?",
             "The central film is within {off} of the formula of Moes.",
-            numbers={"off": off(LAWS[0])},
+            numbers={"off": largest_error(LAWS[0])},
         )
     ],
 )

@@ -22,14 +22,17 @@ PIECE_PHASE = 12.0
 # The first wave along a row decays within DECAY_PERIODS, later ones within shorter distances: those from 1, BAND_RATIO,
 # BAND_RATIO^2 ... on are summed on lattices of their own.
 DECAY_PERIODS, BAND_RATIO = 6.0, 4
-# Windows of waves, in waves per cell: the end, and the width of the erfc by which they end; WINDOW_END widths farther it
-# is below rounding. A sum over waves that end so is negligible beyond 2 / width cells: within half of NEAR_CELLS for
-# long waves, and at the centre of a cell for those that are seen there. Short waves are the seen ones but the long ones.
+# Window of waves: the end and the width, in waves per cell, of the erfc by which waves fade out. Of two such pairs the
+# window holds the waves of the second without those of the first.
 Window = tuple[tuple[float, float], ...]
+# The end effects of a window are negligible beyond 2 / width cells: those of the long waves within half of NEAR_CELLS,
+# those of the seen waves at the centre of a cell, half a cell from its edges.
+NEAR_CELLS = 24
 LONG_WAVES: Window = ((0.9, 0.165),)
 SEEN_WAVES: Window = ((20.0, 3.5),)
 SHORT_WAVES = LONG_WAVES + SEEN_WAVES
-WINDOW_END, NEAR_CELLS = 5.3, 24
+# Number of widths beyond its end at which the erfc is below rounding.
+WINDOW_END = 5.3
 # Number of values that are held at once.
 VALUES_AT_ONCE = 2**17
 
@@ -142,17 +145,14 @@ class WaveCoefficients:
         waves = fields[self.name]
         phase, width = np.multiply.outer((start + end) / 2, k), end - start
         even = self.parity[0] > 0
-        turn = np.cos(phase) if even else -np.sin(phase)
-        turn *= width[:, None] * np.sinc(np.multiply.outer(width, k / (2 * np.pi)))
-        return np.asarray(turn @ (waves.real if even else waves.imag))
+        means = np.cos(phase) if even else -np.sin(phase)
+        means *= width[:, None] * np.sinc(np.multiply.outer(width, k / (2 * np.pi)))
+        return np.asarray(means @ (waves.real if even else waves.imag))
 
     def _far(self, start: Array, end: Array) -> Array:
         """Return the response to far strips, by quadrature over waves that decay."""
         width = (end - start)[:, None]
-        last = min(
-            self.waves.materials.pole_distance_from_real_axis,
-            ROUNDING_EXPONENT / float(start.min()),
-        )
+        last = min(self.waves.materials.pole_distance_from_real_axis, ROUNDING_EXPONENT / float(start.min()))
         first = 1e-3 * min(self.waves.materials.pole_distance_from_zero, last, 1 / float(width.max()))
         count = int(np.ceil(np.log2(last / first)))
         ends = 0.0, *np.geomspace(first, last, count + 1).tolist()
@@ -207,15 +207,8 @@ def _lattice(
     fields: dict[str, Array] = {}
     ends = *(first for first, _ in bands[1:]), None
     for (first, across), end in zip(bands, ends, strict=True):
-        part = _summed(
-            waves,
-            thickness,
-            steps,
-            (across, along),
-            (LONG_WAVES, LONG_WAVES),
-            slice(first, end),
-            rows,
-        )
+        windows = LONG_WAVES, LONG_WAVES
+        part = _summed(waves, thickness, steps, (across, along), windows, slice(first, end), rows)
         fields = {name: fields.get(name, 0.0) + field for name, field in part.items()}
     for near, windows in (
         (on_axes(NEAR_CELLS * ratio, NEAR_CELLS), on_axes(LONG_WAVES, SHORT_WAVES)),
@@ -281,15 +274,15 @@ def amplitudes(waves: WaveResponse, across: Array, along: Array) -> dict[str, Ar
     """Return the fields over the load, by name, under waves (across, along)."""
     size = np.hypot(across, along)
     harmonics = waves.harmonics(size)
-    turns: list[Array | NDArray[np.complex128]] = [np.ones(1)]
+    powers: list[Array | NDArray[np.complex128]] = [np.ones(1)]
     if any(m > 0 for parts in harmonics.values() for m in parts):
         wave = across + 1j * along
-        turn = np.divide(wave, size, out=np.ones_like(wave), where=size > 0)
-        turns += [turn, turn * turn, turn * turn * turn]
+        direction = np.divide(wave, size, out=np.ones_like(wave), where=size > 0)
+        powers += [direction, direction * direction, direction * direction * direction]
     fields: dict[str, Array] = {}
     for name, parts in harmonics.items():
         odd = waves.parity(name)[1] < 0
-        turned = (part * (turns[m].imag if odd else turns[m].real) for m, part in parts.items())
+        turned = (part * (powers[m].imag if odd else powers[m].real) for m, part in parts.items())
         fields[name] = np.asarray(sum(turned))
     return fields
 

@@ -22,6 +22,8 @@ INLET, INLET_SWEEP_FRACTION = 1.25, 0.1
 # Refinements towards an error at most, and the most cells across of plane strain, by default and for a requested error:
 # some seconds, and a minute.
 REFINEMENTS, MAX_CELLS, MAX_REQUESTED_CELLS = 6, 3200, 6400
+# Least factor on the error that is aimed at where one takes more cells than are allowed.
+AIMED_STEP = 1.05
 # Length [m] of a grid in plane strain, where none is given: it has no effect.
 PERIOD = 1e-3
 # Cells along the length on which the dry contact of a shape that varies along it is solved.
@@ -58,7 +60,7 @@ def film_grid(
     longer, finer
         Factors by which the inlet is longer and the cells are finer.
     most_cells
-        Cells across at most.
+        Cells across at most. Where the error takes more, the grid is that of the smallest error which they allow.
 
     Raises
     ------
@@ -68,11 +70,17 @@ def film_grid(
     scales = lubricated_scales(scene)
     film, a = scales.expected_film, scales.hertz.half_width
     reach = dry_reach(scene, period, DRY_CELLS_ALONG if any(map(varies_along, scene.shapes)) else 1)
-    inlet = longer * max(INLET * reach, reach + sqrt(2 * INLET_ERROR * film / error))
     sweep = min((film / SWEEP) ** (2 / 3), INLET_SWEEP_FRACTION * scales.relative_half_width)
-    cell = sweep / 2 * min(1.0, sqrt(error / 2 / HALF_SWEEP_ERROR)) / finer
-    cell = min(cell, shortest_wavelengths[0] / a / CELLS_PER_WAVE)
-    across = min(ROW_MULTIPLE * ceil(2 * inlet / cell / ROW_MULTIPLE), most_cells)
+    aimed = error
+    while True:
+        inlet = longer * max(INLET * reach, reach + sqrt(2 * INLET_ERROR * film / aimed))
+        cell = sweep / 2 * min(1.0, sqrt(aimed / 2 / HALF_SWEEP_ERROR)) / finer
+        cell = min(cell, shortest_wavelengths[0] / a / CELLS_PER_WAVE)
+        across = ROW_MULTIPLE * ceil(2 * inlet / cell / ROW_MULTIPLE)
+        if across <= most_cells or aimed >= 2 * HALF_SWEEP_ERROR:
+            break
+        aimed *= max(across / most_cells, AIMED_STEP)  # a shorter inlet, and larger cells
+    across = most_cells if aimed > error else min(across, most_cells)
     along = 1
     if shortest_wavelengths[1] < inf:
         along = ROW_MULTIPLE * ceil(CELLS_PER_WAVE * period / shortest_wavelengths[1] / ROW_MULTIPLE)

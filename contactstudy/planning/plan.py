@@ -170,6 +170,10 @@ def _plan_static(
             )
         if width > grid.extent[0]:
             grid = with_width(grid, requirements.width(width))
+    of_grid = requirements.warnings(grid)
+    if first is not None and first.levels[-1].discretisation_error < inf and not warnings:
+        # its bound counts the waves between cells
+        of_grid = tuple(filter(None, (requirements.period_fault(grid.length),)))
     needed = memory(grid, padding)
     if needed > limit:
         warnings = (
@@ -185,7 +189,7 @@ def _plan_static(
         period_check=requirements.period_check(grid.length),
         reasons=(*requirements.reasons(grid), *reasons),
         warnings=(
-            *requirements.warnings(grid),
+            *of_grid,
             *filter(None, (beyond_half_space(scene),)),
             *left_out(scene.shapes, grid),
             *warnings,

@@ -84,6 +84,8 @@ def test_components_count_over_the_whole_and_fractions_over_one() -> None:
     assert judged["stick_fraction"].ratio == pytest.approx(0.2)
     assert str(judged["stick_fraction"]) == "0.2 % in the fraction that sticks (absolute)"
     assert "0.2 % (absolute)" in str(numbers["stick_fraction"])  # as the table says
+    lateral = replace(numbers["lateral_traction_coefficient"], value=-1e-17)
+    assert str(lateral).endswith("(error <= 0.001)")  # zero but for rounding
     assert "pressure_shift" not in judged  # zero, of which no error is a part
     assert all(isfinite(number.ratio) for number in judged.values())
 

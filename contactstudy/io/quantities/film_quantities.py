@@ -88,6 +88,8 @@ def film_quantities(contact: "FilmSolution", estimate: ErrorEstimate) -> dict[st
     # the loss by sliding is that of the friction, at a known speed
     if "friction_coefficient" in errors:
         slides = scales.lubrication.slide_roll_ratio
+        if not (slides or contact.friction):
+            errors["friction_coefficient"] = ErrorParts()
         errors["sliding_loss"] = errors["friction_coefficient"] if slides else ErrorParts()
     return {name: with_bound(quantity, errors.get(name), fallback_reasons) for name, quantity in quantities.items()}
 

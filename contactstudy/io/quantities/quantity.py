@@ -12,6 +12,9 @@ NO_ESTIMATE = "No bound: no estimate of its error is known."
 RELATIVE_TO_ZERO = "No bound: the value is 0, and its error is known relative to it alone."
 FORMULA = "No bound: the value is that of a formula."
 
+# Relative bound above which a number is zero beside its bound, which is then said as it is.
+MAX_RELATIVE = 10.0
+
 
 @dataclass(frozen=True)
 class Quantity:
@@ -146,14 +149,14 @@ def _position_text(axis: str, at: float) -> str:
 
 
 def _error_text(quantity: Quantity) -> str:
-    """Return the bound of a number relative to it, or as it is of a fraction or a zero; empty without a bound."""
+    """Return the bound of a number relative to it, or as it is of a fraction or nearly zero; empty without a bound."""
     if not quantity.bound:
         return "exact"
     if not isfinite(quantity.bound):
         return ""
     if quantity.is_fraction:
         return f"error <= {per_cent(quantity.bound)} (absolute)"
-    if not quantity.value:
+    if quantity.relative_bound > MAX_RELATIVE:
         return f"error <= {readable(quantity.bound, quantity.unit, 2)}"
     return f"error <= {per_cent(quantity.relative_bound)}"
 

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
+from contactstudy.answers.lubricated_contact import film_answer
 from contactstudy.lubrication.solve_lubricated import solve_lubricated
 from tests.contactstudy.lubrication.scenes import (
     DRY,
@@ -129,6 +130,7 @@ def test_power_is_lost_in_pure_rolling_too() -> None:
     sliding, still = (solve_lubricated(one, grid(200, 4.5)) for one in (scene, rolling))
     assert still.friction == 0
     assert still.power_loss > 0
+    assert film_answer(still).quantities["friction_coefficient"].bound == 0
     assert sliding.sliding_speed == pytest.approx(0.1 * sliding.mean_speed)
     slid = sliding.friction * 1e5 * sliding.sliding_speed
     assert sliding.power_loss == pytest.approx(still.power_loss + slid, rel=1e-6)

@@ -115,9 +115,14 @@ def test_what_is_wrong_with_a_grid_is_said_before_anything_runs(line_contact: Li
 
 
 def test_the_error_of_a_film_beyond_its_most_cells_is_not_promised() -> None:
-    planned = plan_grid(films.by_moes(20, 2), error=1e-6)
+    """The grid is no coarser, and no narrower, than that of an error which they reach."""
+    scene = films.by_moes(20, 2)
+    planned, within = plan_grid(scene, error=1e-6), plan_grid(scene, error=1e-3)
     assert planned.error == inf
     assert planned.warnings[0].startswith("plan.error is 1e-06: ")
+    assert within.warnings == ()
+    assert planned.grid.cell_size[0] < within.grid.cell_size[0]
+    assert planned.grid.extent[0] > within.grid.extent[0]
 
 
 def test_a_film_is_planned_on_the_padding_that_is_given() -> None:
@@ -191,6 +196,16 @@ def test_a_measured_surface_is_solved_on_its_own_points_unless_an_error_is_asked
     assert found.grid.cells[1] == 40
     assert any("its own points" in reason for reason in found.reasons)
     assert cs.solve(scene.problem(found.grid, found.padding)).status is cs.Status.CONVERGED
+
+
+def test_a_plan_that_meets_its_error_does_not_warn_of_its_own_cells(line_contact: LineContact) -> None:
+    """Of a long wave in many points, of which a few cells are enough."""
+    a = line_contact.hertz.half_width
+    wave = np.cos(2 * np.pi * np.arange(256) / 256)
+    surface = cs.MeasuredSurface(1e-8 * np.outer(wave, wave), extent=(6 * a, 6 * a))
+    planned = plan_grid(line_contact.with_shapes(surface), error=0.1)
+    assert planned.grid.cell_size[0] > 6 * a / 256
+    assert planned.warnings == ()
 
 
 def test_a_plan_of_adhesion_resolves_the_waves_of_the_surfaces(line_contact: LineContact) -> None:

@@ -178,11 +178,8 @@ class Answer(InNotebook):
         if not self._missed and self._l1_ratio <= 1:  # what is named has no bound, which says why
             return ""
         cause = max(parts.by_cause, key=parts.by_cause.__getitem__)
-        if not all(number.by_cells for number in self._missed):
-            return (
-                "finer cells hardly lessen it: a depth is known to the distance of depths, give closer depths, and a "
-                "tension beside an edge to the root of a cell"
-            )
+        if not all(number.order for number in self._missed):
+            return "finer cells hardly lessen it: a depth is known to the distance of depths, give closer depths"
         factor = max((number.finer for number in self._missed), default=1.0)
         factor = max(factor, self._l1_ratio)
         if cause != "discretisation" or factor <= 1:

@@ -10,19 +10,13 @@ from contactstudy.domain.errors import PRESSURE, Request
 from contactstudy.domain.grid import Grid
 from contactstudy.io.quantities.quantity import RELATIVE_TO_ZERO, Quantities, Quantity, per_cent
 
-# Ends of the names of numbers for which finer cells are no remedy. The depth of a largest stress is known only to the
-# distance between the depths at which stress is computed. The bounds of the tension beside an edge and of the largest
-# tangential traction fall only like the square root of the cell size.
-NOT_BY_CELLS = (
-    "safety_factor_depth",
-    "von_mises_depth",
-    "shear_stress_depth",
-    "orthogonal_shear_depth",
-    "surface_tension",
-    "largest_shear",
-)
+# Ends of the names of numbers for which finer cells are no remedy: the depth of a largest stress is known only to the
+# distance between the depths at which stress is computed.
+NOT_BY_CELLS = "safety_factor_depth", "von_mises_depth", "shear_stress_depth", "orthogonal_shear_depth"
+# Ends of the names of numbers at an edge, whose bounds fall only like the square root of the cell size.
+OF_HALF_ORDER = "surface_tension", "largest_shear"
 # What is in the names of numbers for which no grid is refined unless they are named.
-NOT_REFINED = "shear_stress", "orthogonal_shear", "_safety_factor"
+NOT_REFINED = "shear_stress", "orthogonal_shear", "_safety_factor", *OF_HALF_ORDER
 # Names of components, with the whole quantity: the error of a component is relative to the whole, if that is larger.
 WHOLE = {"lateral_traction_coefficient": "traction_coefficient"}
 
@@ -41,8 +35,8 @@ class Judged:
         Error not to exceed; infinite without a request.
     reason
         Why it has no bound; empty where it has one.
-    by_cells
-        Whether finer cells lessen the bound.
+    order
+        Power of the cell size with which the bound falls; 0 if finer cells do not lessen it.
     refines
         Whether a grid is refined for it.
     """
@@ -51,7 +45,7 @@ class Judged:
     bound: float
     requested: float
     reason: str = ""
-    by_cells: bool = True
+    order: float = 1.0
     refines: bool = True
 
     @property
@@ -61,11 +55,11 @@ class Judged:
 
     @property
     def finer(self) -> float:
-        """Factor on the cells along an axis with which a bound proportional to the cell size meets the request.
+        """Factor on the cells along an axis with which the bound meets the request.
 
         It is infinite for a number that finer cells do not help.
         """
-        return self.ratio if self.by_cells else inf
+        return self.ratio ** (1 / self.order) if self.order else inf
 
     def __str__(self) -> str:
         """Return the bound and the name, such as ``0.7 % in the half-width``."""
@@ -124,7 +118,8 @@ def _judged(name: str, quantities: Quantities, requested: float) -> Judged:
     scale = 1.0 if quantity.is_fraction else max(abs(quantity.value), abs(whole.value))
     bound = quantity.bound / scale if scale else inf
     label = quantity.label.split(" (")[0] + (" (absolute)" if quantity.is_fraction else "")
-    return Judged(label, bound, requested, quantity.reason, not name.endswith(NOT_BY_CELLS))
+    order = 0.5 if name.endswith(OF_HALF_ORDER) else float(not name.endswith(NOT_BY_CELLS))
+    return Judged(label, bound, requested, quantity.reason, order)
 
 
 def without_bound(numbers: Iterable[Judged]) -> str:

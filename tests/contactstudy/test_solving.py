@@ -64,3 +64,15 @@ def test_an_elastic_contact_in_a_load_history_has_the_bounds_of_that_contact_alo
     for name in ("contact_area", "half_width", "mean_gap", "approach"):
         assert last[name].value == pytest.approx(alone[name].value, rel=1e-5)
         assert last[name].bound == pytest.approx(alone[name].bound, rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("name", "friction"), [("surface_tension", cs.Sliding(0.2)), ("largest_shear", cs.Fretting.cycle(0.4, 2e4))]
+)
+def test_a_number_at_an_edge_is_refined_for_where_it_is_named(name: str, friction: cs.Sliding | cs.Fretting) -> None:
+    steel = cs.HalfSpace(210e9, 0.3)
+    stress = (cs.SubsurfaceStress((0.0,)),) if name == "surface_tension" else ()
+    scene = cs.Scene(cs.LineLoad(1e5), (steel, steel), (cs.Cylinder(0.01),), friction=friction, outputs=stress)
+    named, plain = (cs.solve(scene, error=error) for error in ({name: 0.1}, 0.1))
+    assert named.met
+    assert named.grid.cells > plain.grid.cells

@@ -159,11 +159,10 @@ def error_estimate(
         load = load and replace(load, images=inf, reason=reason)
         cells = replace(cells, warnings=(reason, *cells.warnings))
     if by_range := range_errors(solution):
-        l1_by_range, area_by_range = by_range
-        l1 = replace(l1, range=l1_by_range)
-        peak = replace(peak, range=peak_range_error(solution, area_by_range))
-        area = replace(area, range=area_by_range)
-        gap = replace(gap, range=gap_error(solution, l1_by_range, 0.0, 0.0))
+        l1 = replace(l1, range=by_range.l1)
+        peak = replace(peak, range=peak_range_error(solution, by_range.area))
+        area = replace(area, range=by_range.area)
+        gap = replace(gap, range=gap_error(solution, by_range.l1, 0.0, 0.0))
         load = load and replace(load, range=load_range_error(solution))
     pull_off = _at_pull_off(solution, cells)
     if solution.adhesion is not None and (root := root_of_pull_off(pull_off)):

@@ -6,7 +6,7 @@ zero. The range is the work of adhesion over the largest traction. Such an adhes
 
 from bisect import bisect_left
 from math import inf, log, sqrt
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -66,7 +66,14 @@ ZERO_PULL_OFF = "No bound for the pull-off load: it is zero, and its error is re
 TRAPPED_FRACTION = ((5.0, 2e-3), (2.7, 1e-2), (0.0, 3e-2))
 
 
-def range_errors(solution: Solution) -> tuple[float, float] | None:
+class RangeErrors(NamedTuple):
+    """Relative errors of the L1 pressure and of the contact area due to a range that was chosen for the grid."""
+
+    l1: float
+    area: float
+
+
+def range_errors(solution: Solution) -> RangeErrors | None:
     """Return the relative errors of the L1 pressure and of the contact area due to a range that was chosen for the grid.
 
     It is None for a range that is given. In the JKR limit the traction has an inverse square-root singularity at the
@@ -87,7 +94,7 @@ def range_errors(solution: Solution) -> tuple[float, float] | None:
     perimeter = contact_perimeter(touching, grid, problem.paddings)
     net_force = grid.cell_area * float(np.abs(solution.pressure - adhesion.attraction).sum())
     area_error = RANGE_MARGIN * perimeter * zone / (grid.cell_area * int(touching.sum()))
-    return l1_range_error(perimeter, modulus, adhesion.range, net_force), area_error
+    return RangeErrors(l1_range_error(perimeter, modulus, adhesion.range, net_force), area_error)
 
 
 def peak_range_error(solution: Solution, area_error: float) -> float:
@@ -115,7 +122,7 @@ def load_range_error(solution: Solution) -> float | None:
         return inf
     load = abs(float(solution.net_pressure.sum()))
     norm = float(np.abs(solution.net_pressure).sum())
-    return LOAD_BY_RANGE * errors[1] * norm / load if load else inf
+    return LOAD_BY_RANGE * errors.area * norm / load if load else inf
 
 
 def l1_range_error(perimeter: float, modulus: float, attraction_range: float, force: float) -> float:

@@ -17,8 +17,10 @@ from contactstudy.planning.grid_requirements import grid_requirements
 from contactstudy.planning.planned import Plan
 from contactstudy.scene.scene import Scene
 
-# Floats held per cell, mostly the basis of the Krylov space, and matrices (x, x) of the Fourier stage.
-FLOATS_PER_CELL, FOURIER_MATRICES = 180, 50
+# Matrices (x, x) held in plane strain, and of a film that varies along its length in the Fourier stage.
+LINE_MATRICES, FOURIER_MATRICES = 6, 50
+# Floats held per cell, mostly the basis of the Krylov space.
+FLOATS_PER_CELL = 180
 
 
 def plan_of_film(
@@ -89,7 +91,7 @@ def plan_of_film(
     ]
     if is_chosen:
         reasons.append(f"cells of {readable(grid.cell_size[0])} across resolve the pressure's rise in the inlet")
-    floats = 6 * nx**2
+    floats = LINE_MATRICES * nx**2
     if ny > 1:
         if is_chosen:
             waves = requirements.shortest_wavelengths[1] < inf

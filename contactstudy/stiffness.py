@@ -15,7 +15,7 @@ from contactstudy.domain.fields import Array, inner
 from contactstudy.domain.grid import is_free
 from contactstudy.domain.units import Metres, readable
 from contactstudy.domain.validation import CURVED, valid
-from contactstudy.io.quantities.contact_quantities import approach_datum
+from contactstudy.io.quantities.contact_quantities import approach_datum, datum_text
 from contactstudy.io.quantities.quantity import Quantity
 from contactstudy.scene.loads.resulting_load import PullOff
 from contactstudy.scene.solids.coated import CoatedHalfSpace
@@ -150,8 +150,7 @@ def contact_stiffness(contact: Contact) -> Quantity:
     # a roller carries its load on its own length, whatever that of the grid
     per_grid = normal_stiffness(contact)
     value = per_grid * contact.grid.length / (1.0 if is_point else contact.loaded_length)
-    datum = approach_datum(contact)
-    detail = f", from a point {readable(datum)} away" if datum else ""
+    detail = datum_text(contact)
     error = stiffness_error(contact, per_grid)
     reason = "" if error < inf else "No bound: none is known with adhesion, or where no cell carries more."
     unit = "N m-1" if is_point else "N m-2"

@@ -71,6 +71,8 @@ class GridRequirements:
         Boundary conditions that are given, or None.
     stress_cell
         Largest cell across with which the stress at the interface of a coating is resolved [m], where it is asked for.
+    body
+        What ends and carries the whole load, in words.
     """
 
     hertz: HertzLine
@@ -80,6 +82,7 @@ class GridRequirements:
     friction: str = ""
     given_padding: Padding | Paddings | None = None
     stress_cell: float = inf
+    body: str = "roller"
 
     @property
     def point_spacing(self) -> tuple[float, float] | None:
@@ -229,7 +232,7 @@ class GridRequirements:
         if fault := self.period_fault(period):
             return fault
         if self.roller_length:
-            return f"The roller ends: the length, {readable(period)}, is no period."
+            return f"The {self.body} ends: the length, {readable(period)}, is no period."
         if not self.varies:
             return "Nothing varies along the length, so any period gives the same pressure."
         return f"The period {readable(period)} is a multiple of every repeat length."
@@ -238,7 +241,7 @@ class GridRequirements:
         """Return why `period` [m] does not suit the scene, with a remedy; empty if it does."""
         if 0 < period < self.roller_length * (1 - 1e-9) < inf:
             return (
-                f"The length {readable(period)} is shorter than the roller, which ends there and carries the whole "
+                f"The length {readable(period)} is shorter than the {self.body}, which ends there and carries the whole "
                 f"load: give {readable(self.roller_length)} or more."
             )
         if self.roller_length or not self.varies:
@@ -277,7 +280,7 @@ class GridRequirements:
         if self.given_padding is not None:
             padding = f"padding {self.given_padding!r}: the one given."
         elif self.roller_length:
-            padding = "padding zero along both axes: the roller ends, so there is no pressure beyond."
+            padding = f"padding zero along both axes: the {self.body} ends, so there is no pressure beyond."
         else:
             padding = (
                 "padding exact: all images are summed in closed form, so that none is left out; the "
@@ -361,6 +364,7 @@ def grid_requirements(scene: Scene, padding: Padding | Paddings | None = None) -
         friction="" if scene.friction is None else scene.friction.explanation(scene),
         given_padding=padding,
         stress_cell=thickness * ONE_GRID.cell_at_interface,
+        body="roller" if scene.ellipse is None else "point contact",
     )
 
 

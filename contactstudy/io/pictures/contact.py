@@ -50,6 +50,8 @@ def _map(ax: Axes, dataset: xr.Dataset) -> None:
     y, along = in_display_unit(dataset["y"], "m", "along")
     pressure, title = in_display_unit(dataset["pressure"], "Pa", "pressure")
     draw_map(ax, y, x, pressure, (along, across, title))
+    if "half_length" in dataset:  # a point contact is drawn to equal scale
+        ax.set_aspect(display_unit_of(dataset["x"], "m")[0] / display_unit_of(dataset["y"], "m")[0])
 
 
 def _along(ax: Axes, dataset: xr.Dataset) -> None:

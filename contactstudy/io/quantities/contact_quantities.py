@@ -26,7 +26,9 @@ from contactstudy.io.quantities.traction_quantities import (
     traction_quantities,
 )
 from contactstudy.problem.problem import Field
+from contactstudy.scene.loads.resulting_load import DATUM_OVER_RADIUS
 from contactstudy.scene.scene import PosedScene, scene_of
+from contactstudy.scene.shapes.shape import curvature_of
 from contactstudy.scene.shapes_source import standing_heights
 from contactstudy.solvers.friction.fretting_traction import FrettingTraction
 from contactstudy.solvers.friction.rolling_traction import RollingTraction
@@ -127,6 +129,12 @@ def contact_quantities(
     }
     if scene is not None and not scene.has_approach:
         del quantities["approach"]
+    if scene is not None and scene.radius is None and wraps[0]:
+        # contact of flats may reach across the whole period, so that it has no edges and no width
+        fraction = Quantity(in_cells / solution.pressure.size, "1", "fraction of the nominal area in contact")
+        quantities["contact_fraction"] = with_bound(fraction, area_error, fallback_reasons)
+        if touching[0].any() and touching[-1].any():
+            del quantities["half_width"]
     if scene is not None and scene.hardness < inf:
         dent = solution.dent
         depth, label = float(dent.max()), "largest plastic indentation"
@@ -144,8 +152,7 @@ def contact_quantities(
 
 def _approach(solution: Solution, estimate: ErrorEstimate) -> Quantity:
     """Return the approach, which is exact where it is given, and the point that it is counted from."""
-    datum = approach_datum(solution)
-    detail = f", from a point {readable(datum)} away" if datum else ""
+    detail = datum_text(solution)
     if solution.problem.control.approach is not None:
         return Quantity(solution.approach, "m", "approach", 0.0, "", detail=detail)
     approach = Quantity(solution.approach, "m", "approach", detail=detail)
@@ -164,6 +171,17 @@ def approach_datum(solution: Solution) -> float | None:
     if along.window is not None or across.window is None:
         return None
     return scene.datum(problem.grid)
+
+
+def datum_text(solution: Solution) -> str:
+    """Return from where an approach counts, in words: of a pair that conforms also why that is far; empty without."""
+    if not (datum := approach_datum(solution)):
+        return ""
+    scene = scene_of(solution.problem)
+    why = ""
+    if scene is not None and scene.radius is not None and any(curvature_of(shape) < 0 for shape in scene.shapes):
+        why = " (twice the equivalent radius)" if datum == DATUM_OVER_RADIUS * scene.radius else ""
+    return f", from a point {readable(datum)} away{why}"
 
 
 def _of_rolling(rolling: "SteadyRolling", estimate: ErrorEstimate) -> dict[str, Quantity]:

@@ -80,6 +80,12 @@ def film_quantities(contact: "FilmSolution", estimate: ErrorEstimate) -> dict[st
         quantities["thermal_reduction"] = Quantity(
             temperatures.reduction, "1", "film with a heated inlet over the isothermal one"
         )
+        quantities["heated_film"] = Quantity(
+            temperatures.reduction * contact.central_film,
+            "m",
+            "central film thickness with a heated inlet",
+            reason=OF_HEATED_INLET,
+        )
     paddings = across_and_along(contact.padding)
     quantities |= stress_quantities(contact.scene, contact.derived, contact.grid, estimate, paddings)
     errors = dict(estimate) | dict(estimate.numbers)

@@ -237,6 +237,9 @@ def test_a_mean_pressure_on_a_flat_is_periodic_both_ways_as_westergaard_has_it(
     assert described.scene.load == cs.LineLoad(2e4)
     exact = cs.analytic.Westergaard(2e7, 1e-7, 1e-3, described.scene.contact_modulus)
     assert described.solve().pressure.max() == pytest.approx(exact.peak_pressure, rel=1e-2)
+    pressed = read(WAVY.replace('"20 MPa"', '"200 MPa"'), tmp_path).solve().quantities
+    assert pressed["contact_fraction"].value == 1
+    assert "half_width" not in pressed
     [doubt] = read('padding = "ExactPeriodicity"\n' + WAVY, tmp_path).doubts
     assert "leaves the surface free across" in doubt
 

@@ -210,6 +210,8 @@ def test_an_inlet_beyond_the_range_of_its_factor_leaves_the_friction_without_a_b
 def test_temperatures_have_bounds_and_fields() -> None:
     scene = heated(shear=cs.Carreau(5e6, 0.6))
     contact = cs.solve(scene, grid(200, 4.5))
+    heated_film, isothermal = (contact.quantities[name].value for name in ("heated_film", "central_film"))
+    assert heated_film == pytest.approx(contact.temperatures.reduction * isothermal)
     fine = solve_lubricated(scene, grid(800, 4.5))
     for name in ("flash_temperature", "film_temperature"):
         value = getattr(contact, name)

@@ -181,7 +181,7 @@ def test_the_fields_of_a_part_are_set_in_every_order(
         studies.study_of(file, {"images": [1], "padding": [cs.ExactPeriodicity()]})
     with pytest.raises(InvalidInput, match=r"friction\.coefficient: it is missing"):
         studies.study_of(file, {"friction": "Sliding"})
-    with pytest.raises(InvalidInput, match="shapes: it is 'Sphere': give a list in brackets"):
+    with pytest.raises(InvalidInput, match="shapes: it is 'Sphere': give tables, each below"):
         studies.study_of(file, {"shapes": "Sphere"})
 
 

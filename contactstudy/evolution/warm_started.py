@@ -1,4 +1,4 @@
-"""Contacts of an evolution that begin with the pressure before, and bodies without load."""
+"""Contacts of an evolution, each solved from the pressure of the one before, and bodies without load."""
 
 from dataclasses import dataclass, replace
 
@@ -7,8 +7,7 @@ from contactstudy.problem.problem import Problem
 from contactstudy.solvers.solution import Solution, unloaded
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
-# Factor on the tolerance of a contact that is solved together with a state variable, which depends on the contact's
-# error.
+# Factor on the tolerance of a contact that is solved together with a state variable, into which its error goes.
 COUPLED_TOLERANCE_FACTOR = 0.01
 
 
@@ -44,11 +43,8 @@ class WarmStartedContact:
     def __call__(self, added_gap: Array) -> Solution:
         """Return the contact with `added_gap` (x, y) [m] added to its gap."""
         tolerance = COUPLED_TOLERANCE_FACTOR * self.options.tolerance
-        solution = solved_or_unloaded(
-            replace(self.options, tolerance=tolerance),
-            with_added_gap(self.problem, added_gap),
-            self.last,
-        )
+        options = replace(self.options, tolerance=tolerance)
+        solution = solved_or_unloaded(options, with_added_gap(self.problem, added_gap), self.last)
         self.last = solution.pressure
         return solution
 

@@ -68,9 +68,9 @@ def _expanded(field: str, part: str, number_type: type) -> list[object]:
     groups = ((group or "").strip() for group in match.groups())
     first, first_unit, last, last_unit, count, log, unit = groups
     units = {group for group in (first_unit, last_unit, unit) if group}
-    # of whole numbers all between the ends, of which one may be beyond any float
-    every = min(float(last) - float(first), 1e18) if number_type is int else 0
-    check_count(field, int(count or every), "values")
+    # without a count, all whole numbers between the ends; an end may be infinite as a float
+    between = min(float(last) - float(first), 1e18) if number_type is int else 0
+    check_count(field, int(count or between), "values")
     if len(units) > 1:
         raise InvalidInput(f"{field} is {part!r}, which has the units {sorted(units)}: write both ends in one unit.")
     values = _between(first, last, count, log, kind=number_type)

@@ -8,11 +8,7 @@ from scipy.special import zeta
 
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.eigenstrain.airy_function import stress_means_under_pressure
-from contactstudy.elasticity.eigenstrain.plane_strain_operator import (
-    ODD,
-    PLANE_STRAIN_BASIS,
-    PlaneStrainOperator,
-)
+from contactstudy.elasticity.eigenstrain.plane_strain_operator import ODD, PLANE_STRAIN_BASIS, PlaneStrainOperator
 
 # Terms that are odd across are summed one by one up to a distance of this number of depths of the volume. Beyond it the
 # sum of their asymptote is added.
@@ -119,5 +115,6 @@ def _odd_sums(values: Array) -> Array:
     last = values.shape[-1] - 1
     fitted = np.array([last, last // 2])
     factors = np.linalg.solve((fitted[:, None] / last) ** -POWERS, values[..., fitted].T)
+    # Hurwitz's zeta function is the sum of 1 / x^n over all distances beyond the last
     remainder = (zeta(POWERS, last + 1.0) * float(last) ** POWERS) @ factors
     return np.asarray(np.cumsum(values[..., :0:-1], axis=-1)[..., ::-1] + remainder[:, None])

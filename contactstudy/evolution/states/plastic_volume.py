@@ -11,9 +11,11 @@ from contactstudy.domain.grid import Grid
 from contactstudy.elasticity.eigenstrain.volume import Volume
 
 # The first volume holds the columns of cells in contact, those whose elastic von Mises stress is anywhere above
-# NEAR_YIELD of the yield stress, and a MARGIN of their width on both sides. Fraction of its width or depth by which a
-# volume grows where yield reaches its edge: a step is repeated in a grown volume, so that they cost time, no accuracy.
-NEAR_YIELD, MARGIN, GROWTH = 0.9, 0.15, 0.3
+# NEAR_YIELD of the yield stress, and a MARGIN of their width on both sides. Since a step is repeated in a larger volume
+# where yield reaches its edge, these constants change the time and not the accuracy.
+NEAR_YIELD, MARGIN = 0.9, 0.15
+# Fraction of its width or depth by which a volume then grows.
+GROWTH = 0.3
 
 
 def layers(grid: Grid, length: float, depth: float) -> tuple[float, ...]:

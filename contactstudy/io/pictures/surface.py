@@ -16,7 +16,9 @@ from contactstudy.scene.surfaces.measured_surface import MeasuredSurface
 
 def surface_picture(surface: MeasuredSurface, *, raw: bool = False) -> Figure:
     """Draw the prepared heights, their profiles through the middle, and their parameters; the raw heights if asked."""
-    maps = [("prepared", surface.prepared), *[("as measured", surface.heights)] * raw]
+    maps = [("prepared", surface.prepared)]
+    if raw:
+        maps.append(("as measured", surface.heights))
     with mpl.rc_context(SETTINGS):
         figure, axes = panels(len(maps) + 1, columns=len(maps) + 1, width=4.6, height=4.0)
         for (title, heights), ax in zip(maps, axes, strict=False):

@@ -22,8 +22,10 @@ from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Difference of two forces over the largest one within which they count as the same.
 SAME_FORCE = 1e-9
-# Points of a loop between two forces, the tolerance to which they are solved, and the factor on friction to stick.
-LOOP_POINTS, LOOP_TOLERANCE, STICKING = 8, 1e-6, 1e3
+# Parts of a loop between two forces, and the tolerance and the most applications of the response at their ends.
+LOOP_PARTS, LOOP_TOLERANCE, LOOP_APPLICATIONS = 8, 1e-6, 1000
+# Factor on friction with which a contact sticks all over.
+STICKING = 1e3
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +39,7 @@ class FrettingShear:
     forces_per_length
         Tangential forces along x [N/m], each less than friction transmits, starting from 0.
     response
-        Displacement under traction, A.
+        Displacement under tangential traction.
     bulk
         Body that carries a bulk stress.
     bulk_stresses
@@ -58,8 +60,8 @@ class FrettingShear:
         statuses = [transmission_status(force, limit, problem.grid) for force in self.forces_per_length]
         applications, residual = 0, 0.0
         sliding: list[Array] = []
+        shears: list[Array] = []
         displacements = [0.0]
-        shears = []
         limits = options.tolerance, options.max_iterations
         # without a load there is no tangential force
         forces = self.forces_per_length if limit.any() else ()
@@ -108,9 +110,9 @@ class FrettingShear:
         points = [(forces[start], rigid[start])]
         for step in range(start, end):
             shear = traction.shears[step - 1] if step else np.zeros_like(traction.shear)
-            for force in np.linspace(forces[step], forces[step + 1], LOOP_POINTS + 1)[1:-1]:
+            for force in np.linspace(forces[step], forces[step + 1], LOOP_PARTS + 1)[1:-1]:
                 total = np.array([force / problem.grid.cell_area, 0.0])
-                found = slip_step(self.response, limit, shear, LOOP_TOLERANCE, 1000, total=total)
+                found = slip_step(self.response, limit, shear, LOOP_TOLERANCE, LOOP_APPLICATIONS, total=total)
                 points.append((force, rigid[step] + float(found.rigid[0])))
             points.append((forces[step + 1], rigid[step + 1]))
         forces, rigid = np.transpose(points)
@@ -118,7 +120,7 @@ class FrettingShear:
         if largest:
             total = np.array([largest / problem.grid.cell_area, 0.0])
             at_rest, sticking = np.zeros_like(traction.shear), STICKING * limit
-            stuck = slip_step(self.response, sticking, at_rest, LOOP_TOLERANCE, 1000, total=total)
+            stuck = slip_step(self.response, sticking, at_rest, LOOP_TOLERANCE, LOOP_APPLICATIONS, total=total)
             slip = rigid - forces / largest * float(stuck.rigid[0])
         return forces, rigid, slip
 

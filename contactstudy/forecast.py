@@ -28,6 +28,7 @@ from contactstudy.planning.refinement import OTHER_CAUSES, FirstGrids
 from contactstudy.progress import Progress
 from contactstudy.scene import methods
 from contactstudy.scene.scene import Scene
+from contactstudy.solvers.solution import Status
 from contactstudy.solving import REFINEMENTS, grid_for_numbers, next_grid, refines, solve
 
 if TYPE_CHECKING:
@@ -339,6 +340,8 @@ class _Request:
                 )
         parts = answer.error.l1.by_cause
         least = min(self.target or inf, parts.get("discretisation", inf))
+        if answer.status is Status.CONTACT_AT_EDGE:
+            parts = {}  # which has no bound, whatever its causes
         for cause, (sentence, remedy) in OTHER_CAUSES.items():
             if (part := parts.get(cause, 0.0)) > least:
                 amount = "an amount not known" if part == inf else f"{100 * part:.2g} %"

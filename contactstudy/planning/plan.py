@@ -86,8 +86,8 @@ def plan_grid(
         planned = _plan_static(scene, error, period, grid, padding, device)
     else:
         error = (1.0 if scene.rolls else GRID.cell_fraction) * (error or DEFAULT_ERROR)
-        width = transient.width
-        planned = _plan_static(transient.narrow, error, period, grid, padding, ONE_THREAD, width)
+        width, length = transient.width, period or transient.length or None
+        planned = _plan_static(transient.narrow, error, length, grid, padding, ONE_THREAD, width)
         planned = replace(planned, scene=scene, first_grids=None)
     return planned if transient is None else _with_states(planned, transient)
 
@@ -211,6 +211,12 @@ def _with_states(planned: Plan, transient: "TransientRequirements") -> Plan:
             *warnings,
             f"Grid.extent[0] is {readable(grid.extent[0])}: the contact, as it grows or rolls, or its plastic zone "
             f"may need {readable(transient.least_width)}, give a grid or a measured surface of that width.",
+        )
+    if transient.length > grid.length * (1 + 1e-9):
+        warnings = (
+            *warnings,
+            f"Grid.extent[1] is {readable(grid.length)}: the contact, as it grows, may need "
+            f"{readable(transient.length)}, give a grid of that length.",
         )
     return replace(
         planned,

@@ -164,6 +164,8 @@ class TransientRequirements:
         A sentence for each fault.
     plastic
         Expected plastic zone; None without one.
+    length
+        Length [m] that holds the longest contact of a ball; 0 of a line contact.
     """
 
     narrow: Scene
@@ -174,6 +176,7 @@ class TransientRequirements:
     reasons: tuple[str, ...]
     warnings: tuple[str, ...] = ()
     plastic: PlasticZone | None = None
+    length: float = 0.0
 
 
 def transient_requirements(scene: Scene, end: float | None = None) -> TransientRequirements:
@@ -219,13 +222,19 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
         half_width = max(half_width, plastic.half_extent / GRID.width_factor)
     wear = scene.wear
     wears_in_place = wear is not None and wear.coefficient and wear.circumference is None
+    ellipse, worn_volume = scene.ellipse, 0.0
+    crept = half_width / hertz.half_width if hertz else 1.0
     if wear is not None and wears_in_place and hertz is not None and duration:
         slid = wear.speed * duration
         if isinstance(scene.friction, Fretting):
             widening, slid = _fretting(scene.friction, scene.load, hertz)
             half_width *= widening
-        worn_area = wear.coefficient * elastic.largest_load * slid
-        half_width = float(np.cbrt(half_width**3 + 1.5 * hertz.radius * worn_area))
+        if ellipse is not None:
+            worn_volume = wear.coefficient * ellipse.load * slid
+            half_width = worn_semi_axis(half_width, *scene.curvatures, worn_volume)
+        else:
+            worn_area = wear.coefficient * elastic.largest_load * slid
+            half_width = float(np.cbrt(half_width**3 + 1.5 * hertz.radius * worn_area))
     narrow = elastic
     reasons: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
@@ -236,8 +245,22 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
             if hertz is not None:  # no solve tells how heights, a crown or the hardness widen it
                 half_width *= grid_requirements(elastic).half_width / hertz.half_width
             reasons = (f"load: the cells are for loads from {readable(least, 'N m-1')} on.",)
-    width = 2 * GRID.width_factor * half_width
-    return TransientRequirements(narrow, width, width, bodies, fields, reasons, warnings, plastic)
+    width, length = 2 * GRID.width_factor * half_width, 0.0
+    if ellipse is not None:
+        assert scene.roller_length is not None
+        semi_axis = ellipse.semi_axes[1]
+        longest = worn_semi_axis(crept * semi_axis, *reversed(scene.curvatures), worn_volume)
+        length = scene.roller_length * longest / semi_axis
+    return TransientRequirements(narrow, width, width, bodies, fields, reasons, warnings, plastic, length)
+
+
+def worn_semi_axis(semi_axis: float, curvature: float, other: float, volume: float) -> float:
+    """Return a semi-axis [m] of the contact of bodies curved both ways, after they have lost a `volume` [m3] to wear.
+
+    A cap of a paraboloid with the semi-axes a and b and the `curvature` along a has the volume
+    ``pi a^3 b curvature / 4``, and b is a times the root of ``curvature / other``.
+    """
+    return float((semi_axis**4 + 4 * volume / (pi * curvature * sqrt(curvature / other))) ** 0.25)
 
 
 def _fretting(friction: Fretting, load: AnyLoad, hertz: HertzLine) -> tuple[float, float]:

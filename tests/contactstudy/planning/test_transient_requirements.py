@@ -78,6 +78,22 @@ def test_a_plan_makes_room_for_wear() -> None:
     assert plan.grid.extent[0] / 2 > np.cbrt(1.5 * 2 * LOAD)
 
 
+def test_a_plan_makes_room_for_a_worn_ball_along_both_axes() -> None:
+    """An elongated one, whose cap ``pi a^3 b / (4 R)`` is four times that of the elastic contact."""
+    shapes = (cs.Ellipsoid(0.01, 0.03),)
+    elastic = cs.Scene(cs.TotalLoad(50.0), (STEEL, STEEL), shapes)
+    a, b = elastic.ellipse.semi_axes  # type: ignore[union-attr]
+    worn = 4 * pi * a**3 * b / 4 / 0.01
+    scene = replace(elastic, wear=cs.Wear(worn / 50.0, 1.0))
+    planned = plan_grid(scene, error=0.2, times=(0.0, 1.0))
+    assert planned.warnings == ()
+    times = (0.0, *np.geomspace(1e-3, 1.0, 4))
+    found = evolve(scene, planned.grid, planned.padding, times=times)
+    assert found.frames[-1].status is cs.Status.CONVERGED
+    short = replace(planned.grid, extent=(planned.grid.extent[0], 3 * b))
+    assert "Grid.extent[1] is" in " ".join(plan_grid(scene, grid=short, times=(0.0, 1.0)).warnings)
+
+
 def test_a_crowned_roller_that_wears_is_as_long_as_its_total_load_says() -> None:
     shapes = (cs.Cylinder(0.01), cs.Crown(10.0))
     roller = cs.Scene(cs.TotalLoad(1e2, 1e-3), (STEEL, STEEL), shapes, wear=cs.Wear(1e-18, 1.0))

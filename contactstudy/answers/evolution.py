@@ -343,12 +343,15 @@ def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
         l1, reason = replace(l1, discretisation=inf), CUT_OFF_STRAIN
     if frame.time_discretisation_error == inf:
         reason = reason or "No bound: the time-discretisation error was not estimated."
-    l1 = replace(l1, reason=reason)
+    if l1.total == inf:
+        l1 = replace(l1, reason=reason)
     # of each cause the larger bound, that of the pressure in L1 or that of its peak; of the steps that of the peak
     of_peak = frame.peak_grid_error_parts.by_cause
     larger: dict[str, Any] = {cause: max(part, of_peak.get(cause, 0.0)) for cause, part in l1.by_cause.items()}
     larger["steps"] = frame.errors_by_steps["peak_pressure"]
     peak = replace(l1, **larger)
+    if peak.total == inf:
+        peak = replace(peak, reason=reason)
     if l1.range is not None:
         peak = replace(peak, range=inf, reason=NO_LIMIT)
     unknown = ErrorParts(discretisation=inf, reason=NO_BOUND_OF_STATES)

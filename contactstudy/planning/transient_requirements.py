@@ -249,7 +249,8 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
     if ellipse is not None:
         assert scene.roller_length is not None
         semi_axis = ellipse.semi_axes[1]
-        longest = worn_semi_axis(crept * semi_axis, *reversed(scene.curvatures), worn_volume)
+        across, along = scene.curvatures
+        longest = worn_semi_axis(crept * semi_axis, along, across, worn_volume)
         length = scene.roller_length * longest / semi_axis
     return TransientRequirements(narrow, width, width, bodies, fields, reasons, warnings, plastic, length)
 

@@ -12,7 +12,7 @@ from contactstudy.domain.grid import across_and_along
 from contactstudy.domain.units import readable
 from contactstudy.io.quantities.quantity import FORMULA, Quantity, with_bound
 from contactstudy.io.quantities.stress_quantities import stress_quantities
-from contactstudy.scene.lubrication.lubricant import LimitingShear
+from contactstudy.scene.lubrication.lubricant import ConstantDensity, LimitingShear
 from contactstudy.scene.shapes.shape import LengthScales, curvature_of
 
 if TYPE_CHECKING:
@@ -50,7 +50,8 @@ def film_quantities(contact: "FilmSolution", estimate: ErrorEstimate) -> dict[st
         "load_parameter": Quantity(scales.load_parameter, "1", "Moes' M", 0.0, ""),
         "viscosity_parameter": Quantity(scales.viscosity_parameter, "1", "Moes' L", 0.0, ""),
         "moes_film": Quantity(
-            scales.expected_film * scales.film, "m", "central film thickness by Moes", reason=FORMULA
+            scales.expected_film * scales.film, "m", "central film thickness by Moes", reason=FORMULA,
+            detail="" if isinstance(scales.lubrication.lubricant.density, ConstantDensity) else " (incompressible)",
         ),
         **_of_formulas(contact),
         **_lambda_ratio(contact),

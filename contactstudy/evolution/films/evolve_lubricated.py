@@ -22,7 +22,7 @@ from contactstudy.evolution.films.film_trajectory import (
     FilmTrajectory,
     film_trajectory,
 )
-from contactstudy.evolution.march import Breakpoint, Control, March, Method, ascending
+from contactstudy.evolution.march import ROUNDING, Breakpoint, Control, March, Method, ascending
 from contactstudy.lubrication.film_equation import Film, SqueezeTerm
 from contactstudy.lubrication.lubricated_contact import FilmSolution
 from contactstudy.lubrication.newton.pseudo_time import (
@@ -160,7 +160,7 @@ def evolve_lubricated(
         longest=min(2 * (step or inf), 2 * start.longest_step, instants[-1] - instants[0]),
     )
     recorded = instants[:1] if times is None else instants
-    places = sorted({*instants, *_kinks(scene, instants[0], instants[-1])})
+    places = sorted({*instants, *_kinks(scene, instants)})
     points = [Breakpoint(time, times_recorded=int(time in recorded)) for time in places]
     films = _Films()
     march = March(films, start, points, control, "pairs" if times is None else "points", progress)
@@ -182,12 +182,18 @@ def _check_loaded(scene: Scene, instants: list[float]) -> None:
             )
 
 
-def _kinks(scene: Scene, start: float, end: float) -> list[float]:
-    """Return the times [s] between two at which load or speed have a kink or jump."""
+def _kinks(scene: Scene, instants: list[float]) -> list[float]:
+    """Return the times [s] of kinks and jumps of load and speed that no instant equals up to rounding."""
     load, lubrication = scene.load, scene.lubrication
+    start, end = instants[0], instants[-1]
     times = load.breaks(end) if isinstance(load, ChangingLoad) else ()
     of_speed = getattr(lubrication and lubrication.mean_speed, "times", ())
-    return [time for time in (*times, *of_speed) if start < time < end]
+    least = ROUNDING * (end - start)
+    return [
+        time
+        for time in (*times, *of_speed)
+        if start < time < end and min(abs(time - instant) for instant in instants) > least
+    ]
 
 
 class _Films(Method["_FilmStepper"]):

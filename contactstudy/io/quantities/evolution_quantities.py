@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 from itertools import pairwise
 from math import inf, isfinite
 from typing import TYPE_CHECKING, Any
@@ -37,16 +36,14 @@ EXTREMES: tuple[tuple[str, Callable[[list[float]], float], str], ...] = (
     ("largest_von_mises", max, "largest von Mises stress in time"),
     ("central_film", min, "lowest central film thickness in time"),
     ("minimum_film", min, "minimum film thickness in time"),
-    ("friction_coefficient", partial(max, key=abs), "largest friction force over load in time"),
-    ("traction_coefficient", partial(max, key=abs), "largest tangential force over load in time"),
-    (
-        "lateral_traction_coefficient",
-        partial(max, key=abs),
-        "largest lateral force over load in time",
-    ),
+    ("friction_coefficient", max, "largest friction force over load in time, either way"),
+    ("traction_coefficient", max, "largest tangential force over load in time, either way"),
+    ("lateral_traction_coefficient", max, "largest lateral force over load in time, either way"),
     ("frictional_power", max, "largest frictional power in time"),
     ("rolling_resistance", max, "largest coefficient of rolling resistance in time"),
 )
+# Those of a force that may act either way, of which the magnitude counts.
+MAGNITUDES = ("friction_coefficient", "traction_coefficient", "lateral_traction_coefficient")
 # Relative excess of a history between the recorded instants up to which it is rounding.
 HISTORY_ROUNDING = 1e-9
 # Quantities of an instant whose last value is reported.
@@ -102,10 +99,10 @@ def _extremes(
     reason, kinks = _beyond_recorded(times, histories)
     for name, extreme, label in EXTREMES:
         known = [(frame[name], time) for frame, time in zip(frames, times, strict=True) if name in frame]
-        values = [quantity.value for quantity, _ in known]
+        values = [abs(quantity.value) if name in MAGNITUDES else quantity.value for quantity, _ in known]
         if values:
             index = values.index(extreme(values))
-            found, time = known[index]
+            found, time = replace(known[index][0], value=values[index]), known[index][1]
             if reason:
                 found = replace(found, bound=inf, reason=reason)
             elif isfinite(found.bound) and 0 < index < len(known) - 1 and time not in kinks:

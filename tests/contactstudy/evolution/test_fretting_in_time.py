@@ -41,6 +41,13 @@ def hertz(load: float) -> np.ndarray:
     return np.sqrt(np.maximum(load - STRIP.x**2, 0)) * 2 / pi
 
 
+def test_the_largest_force_in_time_has_no_sign() -> None:
+    back = replace(CYCLE, forces=(0.0, -FORCE, FORCE, -FORCE))
+    for friction in (CYCLE, back):
+        found = fretted(friction, [0.0, 1.0, 2.0, 3.0]).quantities["traction_coefficient"]
+        assert found.value == pytest.approx(FORCE, rel=1e-6)
+
+
 def test_a_cycle_in_time_loses_the_energy_of_the_closed_form() -> None:
     found = fretted(CYCLE, [0.0, 1.0, 3.0])
     lost = energy(found.frames[2]) - energy(found.frames[1])

@@ -37,6 +37,14 @@ def central_films(evolution: FilmTrajectory) -> Array:
     return np.array([contact.central_film for contact in evolution.contacts])
 
 
+def test_an_instant_that_rounds_a_kink_is_that_kink() -> None:
+    scene = from_rest(rolling(20, 5), 1.0e-3)
+    after = np.nextafter(1.0e-3, 1)
+    found = evolve_lubricated(scene, grid(48, 3.0), times=[0.0, after, 1.1e-3])
+    same = evolve_lubricated(scene, grid(48, 3.0), times=[0.0, 1.0e-3, 1.1e-3])
+    assert central_films(found) == pytest.approx(central_films(same), rel=1e-6)
+
+
 # M, L, wavelength [a], steps a wave, cells: amplitude of the central film over that of the wave in pure rolling
 WAVES = ((100, 10, 0.5, 48, 400, 0.4398), (100, 5, 0.5, 48, 400, 0.337))
 

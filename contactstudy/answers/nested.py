@@ -152,6 +152,10 @@ def with_nested_bounds(
             within = largest.value - largest.bound
             away = [abs(at - depth.value) for value, at in largest.rivals if value >= within]
             found[name] = replace(depth, bound=max(depth.bound, *away, 0.0))
+    for name in [name for name in found if name.startswith("safety_factor_depth")]:  # of the same place as a stress
+        same = [of for other, of in found.items() if "von_mises_depth" in other and of.value == found[name].value]
+        if same and isfinite(found[name].bound):
+            found[name] = replace(found[name], bound=same[0].bound, reason=same[0].reason)
     return found
 
 

@@ -96,7 +96,7 @@ def stress_quantities(
     for part, (said, material, top, bottom) in layers.items():
         if (inside := in_part(depths, top, bottom)).any():
             parts[f"{part}_"] = f"{said} of {name}", material, inside
-    found = dict[str, Quantity]()
+    found, of_weakest = dict[str, Quantity](), ""
     # places of the ends of ranges along x
     ends: dict[str, list[Mapping[str, float]]] = {}
     for before, (where, material, inside) in parts.items():
@@ -111,11 +111,17 @@ def stress_quantities(
             found[f"{before}safety_factor"] = Quantity(least.ratio, "1", label, position=position)
         strength = yield_stresses(material, axes["z"])
         if not before and strength.min() < strength.max() and least.ratio < inf:
-            weakest = next(inside for part, _, inside in parts.values() if part == least.part)
+            key_of_weakest, weakest = next(
+                (key, inside) for key, (part, _, inside) in parts.items() if part == least.part
+            )
+            of_weakest = f"{key_of_weakest}von_mises_depth"
             demand = mises.max(axis=(1, 2)) / strength
             depth = between_depths(depths[weakest], demand[weakest], given=given)[1]
             least_safe = Quantity(depth, "m", f"depth of the least safety {at}")
             found["safety_factor_depth"] = _known_to(least_safe, depths)
+        if before and of_weakest == f"{before}von_mises_depth" and of_weakest in found:  # a part of one strength
+            label = found["safety_factor_depth"].label
+            found["safety_factor_depth"] = replace(found[of_weakest], label=label)
         shear, of_shear = largest_shear(stress[:, inside]), f"largest shear stress {at}"
         name_of_shear = f"{before}largest_shear_stress"
         found |= _with_depth(name_of_shear, of_shear, shear, axes, given=given)

@@ -106,7 +106,9 @@ def test_coating_and_substrate_have_numbers_of_their_own() -> None:
         assert margin.relative_bound < 0.05
     weakest = found["substrate_safety_factor"]
     assert found["safety_factor"].value == weakest.value < found["coating_safety_factor"].value
-    assert found["safety_factor_depth"].value == pytest.approx(weakest.position["z"])
+    depth = found["safety_factor_depth"]
+    assert depth.value == pytest.approx(weakest.position["z"])
+    assert depth.bound == found["substrate_von_mises_depth"].bound < 0.1 * depth.value
 
 
 def test_at_given_depths_the_largest_stress_is_one_of_them_and_known_to_their_distance() -> None:

@@ -267,9 +267,11 @@ def _surface_tension(
         before = around
     else:
         reason = BEYOND_GRID if before is not grid else ""
-    value = value if value > ROUNDING * scale else 0.0
+    if value <= ROUNDING * scale:  # what is compressed in its plane may be in tension between two cells
+        in_plane = np.maximum(stress[0], stress[1])
+        value, between_cells = 0.0, max(in_plane.max() + TENSION_ERROR * _fall(in_plane, stress[2], scale), 0.0)
     label = f"largest tensile stress at the surface of {name}"
-    reach = value + between_cells * bool(value) + BY_PRESSURE * estimate.l1.total * scale
+    reach = value + between_cells + BY_PRESSURE * estimate.l1.total * scale
     where, rivals = position if value else None, ((reach, 0.0),)
     tensile = Quantity(value, "Pa", label, inf, reason or NO_ESTIMATE, where, rivals=rivals)
     return {"surface_tension": tensile}

@@ -75,6 +75,15 @@ WAVY = cs.Scene(
     outputs=STRESS,
 )
 
+# The bulk is compressed by as much as the force stretches it: no cell of few is in tension.
+COMPRESSED = cs.Scene(
+    cs.LineLoad(457.6e3),
+    (cs.HalfSpace(285.5e9, 0.2122),) * 2,
+    (cs.Cylinder(8.136e-3),),
+    friction=cs.Fretting(0.7743, (135.4e3, -135.4e3, 135.4e3), bulk_stresses=(-902.5e6, 902.5e6, -902.5e6)),
+    outputs=STRESS,
+)
+
 
 @pytest.mark.parametrize(
     ("scene", "cells", "extent", "padding", "finer", "names"),
@@ -83,6 +92,7 @@ WAVY = cs.Scene(
         (SLIDING, (392, 1), (9.336e-5, 2.4e-5), EXACT, 4, ["largest_shear_stress"]),
         (TILTED, (25, 44), (1.1368e-4, 1.345e-4), cs.ZeroPadding(), 2, ["surface_tension"]),
         (WAVY, (79, 1), (1.2287e-3, 3.2e-4), EXACT, 4, ["von_mises", "von_mises_depth"]),
+        (COMPRESSED, (65, 1), (4.48e-4, 7e-4), EXACT, 8, ["surface_tension"]),
     ],
 )
 def test_largest_values_at_edges_have_bounds_where_their_change_is_small_by_chance(

@@ -24,7 +24,7 @@ from contactstudy.planning.grid_requirements import (
     with_requirements,
 )
 from contactstudy.scene.scene import Scene
-from contactstudy.solvers.solution import Solution
+from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Cells of a grid at most.
@@ -353,7 +353,10 @@ class GridRefinement:
         if CONSTANTS.out_of_reach < missed and last.discretisation_error < inf:
             most = min(CONSTANTS.max_cells_out_of_reach, most)
         is_enough = self.meets_error(last) if after is None else present >= prod(required)
-        if is_enough or present >= most:
+        # no width of a surface that is resolved holds the contact
+        is_resolved = present >= prod(self.min_cells(last.grid.extent))
+        is_cut_off = is_resolved and last.solution.status is Status.CONTACT_AT_EDGE
+        if is_enough or is_cut_off or present >= most:
             return None
         least, largest = (present * growth**axes for growth in CONSTANTS.growth)
         cells = min(max(prod(required), least), largest, most)

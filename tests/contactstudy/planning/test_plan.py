@@ -208,6 +208,15 @@ def test_a_plan_that_meets_its_error_does_not_warn_of_its_own_cells(line_contact
     assert planned.warnings == ()
 
 
+def test_a_solve_that_the_width_of_its_surface_cuts_off_is_not_refined(line_contact: LineContact) -> None:
+    a = line_contact.hertz.half_width
+    heights = 1e-8 * np.random.default_rng(0).standard_normal((24, 24))
+    surface = cs.MeasuredSurface(heights, extent=(1.5 * a, 1.5 * a))
+    found = cs.solve(line_contact.with_shapes(surface), error=1e-3)
+    assert found.status is cs.Status.CONTACT_AT_EDGE
+    assert np.prod(found.grid.cells) < 4 * heights.size
+
+
 def test_a_plan_of_adhesion_resolves_the_waves_of_the_surfaces(line_contact: LineContact) -> None:
     shapes = (*line_contact.scene.shapes, cs.Waviness(1e-8, across=4e-6))
     adhesion = cs.Adhesion(0.05, range=1e-7)

@@ -192,8 +192,7 @@ def test_the_coarser_grids_of_large_contacts_on_a_gpu_give_the_same(
 ) -> None:
     smaller = replace(approximate_inverse.CONSTANTS, min_gpu_cells=1)
     monkeypatch.setattr(approximate_inverse, "CONSTANTS", smaller)
-    sooner = replace(preconditioned_cg.CONSTANTS, max_direct_gpu_cells=256)
-    monkeypatch.setattr(preconditioned_cg, "CONSTANTS", sooner)
+    monkeypatch.setattr(preconditioned_cg, "MAX_DIRECT_GPU_CELLS", 256)
     posed = problem(line_contact, 64, "30 %", GRIDS[grid][1])
     ours = cs.solve(posed, tolerance=1e-10)
     other = cs.solve(posed, tolerance=1e-10, device=host_gpu.HostGpu())

@@ -31,6 +31,7 @@ from contactstudy.problem.problem import Problem
 from contactstudy.scene.loads.constant_load import ConstantLoad, LineLoad
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.shapes.roller import Cylinder
+from contactstudy.scene.shapes.shape import length_scales_of
 from contactstudy.scene.solids.bodies import creeps, hertz_line, instantaneous, response
 from contactstudy.scene.solids.viscoelastic import rolling_bodies
 from contactstudy.solvers.solve import SolveOptions, solve_contact
@@ -274,10 +275,11 @@ def pose(scene: Scene, grid: Grid, padding: Padding | Paddings, outlet: float = 
     displacement = Deflection.on(grid, paddings, weights, 1.0)
     problem = replace(problem, operator=displacement.even)
     opening = float(np.ptp(problem.undeformed_gap, axis=1).max())
-    if opening > SHARP_END * scales.film:
+    ends = any(lengths.roller > 0 for lengths in length_scales_of(scene.shapes))
+    if opening > SHARP_END * scales.film or (ends and not opening):  # ends that lie at those of the period
         raise InvalidInput(
-            f"Scene.shapes open the gap by {readable(opening)} along the length, as a roller's sharp end does: a film "
-            "that ends there is not supported, give a Crown or a LundbergProfile, and a longer period."
+            "Scene.shapes have a roller's sharp end: a film that ends there is not supported, give a Crown or a "
+            "LundbergProfile, and a longer period."
         )
     smooth = np.repeat(scales.hertz.pressure(grid.x)[:, None], grid.cells[1], axis=1)
     # a contact may be narrower than a cell

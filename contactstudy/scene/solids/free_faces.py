@@ -63,7 +63,7 @@ def check_free_faces(scene: SceneContext) -> None:
     if scene.lubrication is not None:
         raise InvalidInput(
             "Scene.lubrication is given together with free_faces, and a film is computed as periodic along the length: "
-            f"{instead}, or a crown."
+            "leave it out, or leave free_faces out and give a Crown or a LundbergProfile."
         )
     if scene.friction is not None and scene.solids[0] != scene.solids[1]:
         raise InvalidInput(

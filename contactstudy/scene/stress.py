@@ -125,7 +125,7 @@ class SubsurfaceStressOperator:
     medium
         The body.
     depths
-        Depths [m]; None for those that show the largest von Mises stress, which :meth:`fields` chooses.
+        Depths [m]; None for those that show the largest von Mises stress, which ``fields`` chooses.
     body
         0 for the first body, 1 for the second, on which a tangential traction acts the other way.
     shear

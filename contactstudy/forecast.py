@@ -216,7 +216,7 @@ class _Request:
 
     @property
     def refines_film(self) -> bool:
-        """Whether the scene is a steady film that refines its cells itself."""
+        """True if the scene is a steady film that refines its cells itself."""
         is_film = self.scene.method is methods.FILM
         return is_film and self.is_chosen and self.planned.grid.cells[1] == 1
 

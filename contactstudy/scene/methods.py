@@ -24,7 +24,7 @@ class Method:
 
     @property
     def takes_times(self) -> bool:
-        """Whether it solves for several instants."""
+        """True if it solves for several instants."""
         return "times" in self.keywords
 
 

@@ -521,7 +521,7 @@ class Scene(InNotebook):
 
     @property
     def has_tractive_rolling(self) -> bool:
-        """Whether friction transmits a traction in steady rolling."""
+        """True if friction transmits a traction in steady rolling."""
         return bool(getattr(self.friction, "is_steady", False))
 
     @property

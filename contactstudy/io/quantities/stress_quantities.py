@@ -225,7 +225,6 @@ def _surface_tension(
 ) -> dict[str, Quantity]:
     """Return the largest tensile stress at the surface of a body.
 
-
     A stiff layer bends beyond the grid. Its largest tension there is sought on `wider` grids, up to one that reaches
     beyond the bending length and shows no larger one.
 

@@ -225,7 +225,7 @@ class SceneContext(Protocol):
 
     @property
     def has_tractive_rolling(self) -> bool:
-        """Whether friction transmits a traction in steady rolling."""
+        """True if friction transmits a traction in steady rolling."""
 
     @property
     def lubrication(self) -> Any:

@@ -32,24 +32,23 @@ from .problem.constraint import (
 from .problem.problem import Problem, Scales
 from .progress import Progress
 from .scene.adhesion import Adhesion
-from .scene.friction.fretting import Fretting
-from .scene.friction.partial_slip import PartialSlip
-from .scene.friction.sliding import Sliding
+from .scene.friction.fretting import Fretting, PartialSlip
+from .scene.friction.friction_law import Sliding
 from .scene.friction.tractive_rolling import TractiveRolling
-from .scene.loads.constant_load import LineLoad, TotalLoad
+from .scene.loads.constant_load import Approach, LineLoad, PullOff, TotalLoad
 from .scene.loads.load_history import LoadHistory, SineLoad
-from .scene.loads.resulting_load import Approach, PullOff
-from .scene.lubrication.film_heat import FilmHeat, ThermalBody
 from .scene.lubrication.lubricant import (
     Barus,
     Carreau,
     ConstantDensity,
     DowsonHigginson,
     Eyring,
+    FilmHeat,
     LimitingShear,
     Lubricant,
     Newtonian,
     Roelands,
+    ThermalBody,
 )
 from .scene.lubrication.lubrication import (
     Boundary,
@@ -63,19 +62,19 @@ from .scene.scene import (
     Scene,
 )
 from .scene.shapes.moving_shape import MovingShape
-from .scene.shapes.profile import EndRelief, ProfilePoints
 from .scene.shapes.roller import (
     Crown,
     Cylinder,
     Ellipsoid,
+    EndRelief,
     FiniteLength,
     LundbergProfile,
+    ProfilePoints,
     Sphere,
 )
 from .scene.shapes.roughness import RmsSlope, Roughness, Sa
-from .scene.shapes.shape import LengthScales, Shape
+from .scene.shapes.shape import LengthScales, Shape, Tilt
 from .scene.shapes.texture import Dimple, Groove, Texture, Waviness
-from .scene.shapes.tilt import Tilt
 from .scene.solids.bodies import Body, HalfSpace
 from .scene.solids.coated import CoatedHalfSpace
 from .scene.solids.elastic_plastic import ElasticPlasticHalfSpace
@@ -95,9 +94,7 @@ from .scene.surfaces.preparation import (
 )
 from .scene.wear import Wear
 from .scene_file import SceneFile, read_scene, write_scene
-from .solvers.iterate import Iterate
-from .solvers.polonsky_keer import PolonskyKeer
-from .solvers.preconditioned_cg import PreconditionedCG
+from .solvers.conjugate_gradients import Iterate, PolonskyKeer, PreconditionedCG
 from .solvers.solution import Solution, Status
 from .solvers.solve import SolveOptions, Solver
 from .solving import solve

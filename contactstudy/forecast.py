@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contactstudy.accuracy.discretisation.bound import SHARP_EDGE
+from contactstudy.accuracy.bound import SHARP_EDGE
 from contactstudy.answers.contact import contact_answer
 from contactstudy.answers.judgement import judged_numbers
 from contactstudy.domain.checks import InvalidInput
@@ -19,10 +19,9 @@ from contactstudy.domain.grid import Grid, Padding, Paddings, cells_text
 from contactstudy.domain.imports import loaded
 from contactstudy.domain.units import readable
 from contactstudy.domain.validation import checked_errors
-from contactstudy.planning.cost import speedup
 from contactstudy.planning.grid_requirements import grid_requirements
 from contactstudy.planning.plan import plan_grid
-from contactstudy.planning.planned import Plan
+from contactstudy.planning.planned import Plan, speedup
 from contactstudy.planning.refinement import CONSTANTS as REFINEMENT
 from contactstudy.planning.refinement import OTHER_CAUSES, FirstGrids
 from contactstudy.progress import Progress

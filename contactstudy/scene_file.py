@@ -16,7 +16,6 @@ from contactstudy.domain.notebook import InNotebook
 from contactstudy.domain.validation import checked_errors
 from contactstudy.evolution.time_steps import TimeSteps
 from contactstudy.forecast import plan
-from contactstudy.io.scene_files.cycles import with_cycles
 from contactstudy.io.scene_files.materials import with_materials
 from contactstudy.io.scene_files.scene_schema import (
     KINDS,
@@ -30,7 +29,7 @@ from contactstudy.io.scene_files.scene_schema import (
     SceneDocument,
 )
 from contactstudy.io.scene_files.scene_writer import scene_text
-from contactstudy.io.scene_files.structuring import likely_units, structured
+from contactstudy.io.scene_files.structuring import likely_units, structured, with_cycles
 from contactstudy.planning.grid_requirements import grid_of_waves
 from contactstudy.planning.plan import plan_grid
 from contactstudy.planning.planned import Plan

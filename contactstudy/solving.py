@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any, overload
 from numpy.typing import ArrayLike
 
 from contactstudy.answers.contact import Contact, contact_answer
-from contactstudy.answers.judgement import finer_grid
-from contactstudy.answers.nested import halved_grid, widened
+from contactstudy.answers.judgement import finer_grid, halved_grid, widened
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.device import ONE_THREAD, Cpu, Device, using
 from contactstudy.domain.errors import DEFAULT_ERROR, Request, pressure_request
@@ -417,14 +416,14 @@ class _Request:
     def quasi_static(self) -> "Evolution":
         """Follow a contact that is in equilibrium at each instant through a history of loads."""
         from contactstudy.answers.evolution import evolution_answer
-        from contactstudy.evolution.equilibrium.quasi_static import follow_load
+        from contactstudy.evolution.quasi_static import follow_load
 
         return self._followed(follow_load, evolution_answer, options=self.options)
 
     def steady_wear(self) -> "Evolution":
         """Follow the wear of a contact in steady or tractive rolling."""
         from contactstudy.answers.evolution import evolution_answer
-        from contactstudy.evolution.equilibrium.steady_wear import follow_wear
+        from contactstudy.evolution.steady_wear import follow_wear
 
         step = self._error_of_a_step
         return self._followed(follow_wear, evolution_answer, step, options=self.options)
@@ -432,7 +431,7 @@ class _Request:
     def film_wear(self) -> "Evolution":
         """Follow the wear of asperities on a boundary film."""
         from contactstudy.answers.evolution import films_answer
-        from contactstudy.evolution.equilibrium.steady_wear import follow_film_wear
+        from contactstudy.evolution.steady_wear import follow_film_wear
 
         step = self._error_of_a_step
         return self._followed(follow_film_wear, films_answer, step, options=self._film_options)
@@ -478,7 +477,7 @@ class _Request:
     def time_dependent_film(self) -> "Evolution":
         """Follow a film through time."""
         from contactstudy.answers.evolution import films_answer
-        from contactstudy.evolution.films.evolve_lubricated import evolve_lubricated
+        from contactstudy.evolution.evolve_lubricated import evolve_lubricated
 
         step, error = self.steps.step, self._error_of_a_step
         tolerance = self.options.tolerance

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.accuracy.discretisation import bound, hidden_heights
+from contactstudy.accuracy import bound, hidden_heights
 from contactstudy.domain.grid import Grid
 from studies.advice import trials, verdict
 from studies.reference.line_contact import (

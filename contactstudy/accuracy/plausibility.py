@@ -1,17 +1,22 @@
-"""Warnings about implausible solutions, with the unit that was likely mistaken."""
+"""Warnings: implausible numbers, bodies too small to be half-spaces, ends of a roller that are not relieved."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from math import inf, isinf, pi, sqrt
+from dataclasses import dataclass, replace
+from math import inf, isinf, log, pi, sqrt
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contactstudy.analytic import first_yield, first_yield_of_ball
+from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import BLOCK_CELLS, Array
 from contactstudy.domain.grid import ExactPeriodicity
+from contactstudy.domain.units import readable
 from contactstudy.problem.problem import Field
-from contactstudy.scene.scene import Scene, scene_of
+from contactstudy.scene.scene import PosedScene, Scene, scene_of
+from contactstudy.scene.shapes.roller import Crown, EndRelief, LundbergProfile, ProfilePoints
+from contactstudy.scene.shapes.shape import curvatures_of, length_scales_of
 from contactstudy.scene.solids.bodies import (
     Body,
     HalfSpace,
@@ -19,7 +24,198 @@ from contactstudy.scene.solids.bodies import (
     is_layered,
     modulus_at_own_width,
 )
+from contactstudy.scene.solids.free_faces import FreeFaces
 from contactstudy.solvers.solution import Solution, Status
+from contactstudy.solvers.solve import SolveOptions, solve_contact
+
+# Largest half-width of the contact over a body's radius, and least thickness of a body over the half-width, for which
+# the body counts as a half-space. At that half-width a parabola in place of a circle changes the load by 0.6 %.
+LARGEST_WIDTH, LEAST_THICKNESS = 1 / 8, 4.0
+# Radius of a hollow body less that of the convex body in it, over the latter, below which the two are called conforming
+# and are compared with a pin in a hole.
+CONFORMING_CLEARANCE = 0.2
+
+
+def beyond_half_space(scene: Scene | None) -> str:
+    """Return a sentence if a body is too small for its contact to be a half-space, with the error where it is known.
+
+    The half-width is that of Hertz's theory. The radius of a body is that of its shape. Its thickness is the field
+    ``thickness`` of a half-space.
+    """
+    if scene is None or (hertz := scene.hertz) is None:
+        return ""
+    widths = (hertz.half_width,) if scene.ellipse is None else scene.ellipse.semi_axes
+    faults: list[str] = []
+    for axis, half_width in enumerate(widths):
+        bends = [curvatures_of(shape)[axis] for shape in scene.shapes]
+        radius = min((1 / abs(bend) for bend in bends if bend), default=inf)
+        if half_width > LARGEST_WIDTH * radius:
+            faults.append(
+                f"the contact is {readable(2 * half_width, digits=3)} wide "
+                f"on a radius of {readable(radius, digits=3)}; {_error_of_curvature(scene, bends, half_width)}; reduce "
+                "the load, see that it is in N/m, radii in m and moduli in Pa, or compute the whole bodies with finite "
+                "elements"
+            )
+            break
+    half_width = min(widths)
+    for number, body in enumerate(scene.solids):
+        thickness = getattr(body, "thickness", inf) / half_width
+        if not isinstance(body, HalfSpace) or not body.compliance or thickness >= LEAST_THICKNESS:
+            continue
+        from contactstudy.scene.solids.coated import CoatedHalfSpace  # only where it is needed
+
+        material = HalfSpace(body.youngs_modulus, body.poisson_ratio)
+        layer = CoatedHalfSpace(material, body.thickness, HalfSpace(inf, 0.3))
+        stiffer = body.compliance / layer.compliance_at(half_width)
+        faults.append(
+            f"Scene.solids[{number}] is {thickness:.2g} half-widths thick, and bonded to a rigid base {stiffer:.3g} "
+            "times as stiff; give a CoatedHalfSpace of that thickness, with { youngs_modulus = inf, poisson_ratio = "
+            "0.3 } as the substrate"
+        )
+    return f"The half-space is not a good approximation: {'; '.join(faults)}." if faults else ""
+
+
+def _error_of_curvature(scene: Scene, bends: list[float], half_width: float) -> str:
+    """Return, as a clause of a sentence, what is known of the error due to the curvature of the bodies.
+
+    `bends` [1/m] are the curvatures of both bodies along one axis. `half_width` [m] is that of the contact along it.
+    """
+    convex = sum(bend for bend in bends if bend > 0)
+    hollow = -sum(bend for bend in bends if bend < 0)
+    hertz = scene.hertz
+    assert hertz is not None
+    if scene.ellipse is None and 0 < convex / (hollow or inf) - 1 < CONFORMING_CLEARANCE:
+        radius = 1 / convex
+        # twice E* is E / (1 - nu^2) of two bodies of one material
+        load = hertz.load_per_length / (2 * hertz.contact_modulus * (1 / hollow - radius))
+        ratio = hertz.peak_pressure / (hertz.load_per_length / radius * pin_in_hole(load))
+        return f"Hertz's peak pressure is {ratio:.3g} times that of a pin in a hole (Persson 1964)"
+    # The gap below a circle of radius R is x^2 / (2 R) + x^4 / (8 R^3) + ... In a line contact of half-width a, the
+    # second term takes 3 a^2 / (8 R^2) times the load of the first. The gaps of the two bodies add up.
+    change = 3 / 8 * half_width**2 * sum(bend**3 for bend in bends) / sum(bends)
+    return (
+        f"parabolas in place of circles alone change its load by about {100 * change:.2g} %, and the error "
+        "of the bodies' finite size is not known"
+    )
+
+
+def pin_in_hole(load: float) -> float:
+    """Return the dimensionless peak pressure of a pin of radius R in a hole of the same material.
+
+    It is the peak pressure times R, over the load per length.
+
+    Parameters
+    ----------
+    load
+        Dimensionless load: the load per length, over the product of ``E / (1 - nu^2)`` and the difference of the radii.
+
+    The solution is Persson's (1964), in the form of Ciavarella & Decuzzi (2001), Int. J. Solids Struct. 38, 4507, eqs.
+    41 and 43. There b is the tangent of a quarter of the angle of the arc in contact.
+    """
+    from scipy.optimize import brentq  # imported late, since it is slow
+
+    def excess(log_b: float) -> float:
+        """Return eq. 41 for ``b = 10**log_b``, less the reciprocal of the load; it is zero at the b of this load."""
+        square = 10 ** (2 * log_b)
+        arc = (log(square + 1) + 2 * square**2) / (pi * square * (square + 1))
+        return 2 * (1 - square) / (pi * square) - arc - 1 / load
+
+    b = 10 ** brentq(excess, -6.0, 0.0)
+    root = sqrt(b**2 + 1)
+    return float(2 * b / (pi * root) + log((root + b) / (root - b)) / (2 * pi * b**2 * (1 + b**2)))
+
+
+# Most cells of a contact that is solved once more, and the residual at which that ends.
+MOST_CELLS, TOLERANCE = 2**17, 1e-4
+# Pressure at the ends over that of the rest up to which these are relieved, and parts of Lundberg's drop to try.
+RELIEVED, PARTS = 1.05, (1.0, 1.5, 2.25, 3.4)
+# Shapes that another profile takes the place of.
+PROFILES = Crown, LundbergProfile, EndRelief, ProfilePoints
+
+
+def end_of_half_space(solution: Solution) -> str:
+    """Return a sentence if a roller's ends carry more than its middle without free faces, else ``""``.
+
+    It says by how much free faces lower the pressure there, where the contact is quickly solved with them.
+    """
+    problem, posed = solution.problem, solution.problem.description
+    if not isinstance(posed, PosedScene) or problem.source is None or not problem.source.ends_along:
+        return ""
+    scene, length = posed.scene, posed.scene.roller_length
+    on_roller = problem.covered_fractions
+    rows = np.arange(problem.grid.cells[1]) if on_roller is None else np.flatnonzero(on_roller)
+    middle = solution.pressure[:, rows[len(rows) // 2]].max()
+    if scene.free_length < np.inf or length is None or _at_ends(solution.pressure, rows) <= middle:
+        return ""
+    number = next(number for number, body in enumerate(scene.solids) if body.compliance)
+    key = f'free_faces = "{readable(length)}" of Scene.solids[{number}]'
+    remedy = f"{key} ends the body too"
+    if solution.pressure.size <= MOST_CELLS:
+        try:
+            ended = FreeFaces(scene.solids[number], length)  # type: ignore[arg-type]
+            solids = (ended, scene.solids[1]) if number == 0 else (scene.solids[0], ended)
+            with_faces = replace(scene, solids=solids, outputs=()).problem(problem.grid, posed.padding)
+            softer = solve_contact(with_faces, SolveOptions(TOLERANCE), solution.pressure)
+            lower = _at_ends(softer.pressure, rows) / _at_ends(solution.pressure, rows)
+            remedy = f"with {key} it is {1 - lower:.0%} lower on this grid"
+        except InvalidInput:  # an effect of the scene that is not computed with them
+            remedy = f"{remedy}, where its other effects allow it"
+    return f"A roller's end is stiffer as a part of a half-space, and its pressure an upper estimate: {remedy}."
+
+
+def unrelieved_ends(solution: Solution) -> str:
+    """Return a sentence if a smooth roller's ends carry more than the rest of it, with a drop that would relieve them.
+
+    The suggested drop is that of the profile which Lundberg (1939) makes for the load and the length, or one and a half
+    or more times as large where a solve with it finds that the ends still carry more.
+    """
+    problem, posed = solution.problem, solution.problem.description
+    if not isinstance(posed, PosedScene) or problem.source is None or not problem.source.ends_along:
+        return ""
+    scene, hertz, length = posed.scene, posed.scene.hertz, posed.scene.roller_length
+    scales = length_scales_of(scene.shapes)
+    if hertz is None or length is None or any(each.height for each in scales):
+        return ""
+    on_roller = problem.covered_fractions
+    rows = np.arange(problem.grid.cells[1]) if on_roller is None else np.flatnonzero(on_roller)
+    excess = _excess(solution.pressure, rows)
+    if excess <= RELIEVED or length < 2 * hertz.half_width or solution.pressure.size > MOST_CELLS:
+        return ""
+    said = f"The ends carry up to {excess:.2f} times as much as the rest of the roller"
+    even = LundbergProfile.for_load(
+        hertz.load_per_length, contact_modulus=hertz.contact_modulus, radius=hertz.radius, length=length
+    )  # fmt: skip
+    kept = tuple(shape for shape in scene.shapes if not isinstance(shape, PROFILES))
+    for part in PARTS:
+        amplitude, drop = part * even.amplitude, part * even.end_drop
+        shapes = (*kept, LundbergProfile(amplitude, drop, length))
+        try:
+            problem = replace(scene, shapes=shapes, outputs=()).problem(posed.grid, posed.padding)
+            relieved = solve_contact(problem, SolveOptions(TOLERANCE))
+        except InvalidInput:  # an effect of the scene that is not computed with it
+            break
+        if _excess(relieved.pressure, rows) <= RELIEVED:
+            highest = [readable(float(p.max()), "Pa") for p in (solution.pressure, relieved.pressure)]
+            return (
+                f"{said}: suggested drop {readable(drop)} at each end, by LundbergProfile(amplitude={amplitude:.3g}, "
+                f"end_drop={drop:.3g}, length={length:.6g}), with which the highest pressure on this grid is "
+                f"{highest[1]} and not {highest[0]}."
+            )
+    return f"{said}, and Lundberg's profile for this load does not relieve them: lower the load or the tilt."
+
+
+def _excess(pressure: Array, rows: NDArray[np.intp]) -> float:
+    """Return the highest pressure in the outer tenths of the `rows` along y over that between them."""
+    along = pressure.max(axis=0)[rows]
+    count = max(len(rows) // 10, 1)
+    between = along[count:-count].max(initial=0.0)
+    return float(max(along[:count].max(), along[-count:].max()) / between) if between else 0.0
+
+
+def _at_ends(pressure: Array, rows: NDArray[np.intp]) -> float:
+    """Return the larger of the peak pressures in the first and the last of `rows` along y."""
+    return float(pressure[:, rows[[0, -1]]].max())
+
 
 # Beyond these a contact is not one of elastic half-spaces: peak pressure over E*, slope of the heights, approach over
 # the radius, and width of the grid over that of the contact.

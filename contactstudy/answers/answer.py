@@ -8,7 +8,7 @@ from itertools import islice
 from math import inf, isfinite
 from typing import TYPE_CHECKING
 
-from contactstudy.accuracy.image_errors import IMAGES_REMEDY
+from contactstudy.accuracy.error_terms import IMAGES_REMEDY
 from contactstudy.answers.judgement import (
     Judged,
     finer_grid,

@@ -6,11 +6,11 @@ from functools import cached_property
 from math import inf
 from typing import TYPE_CHECKING, Any
 
-from contactstudy.accuracy.discretisation.coarser import coarse_solution, comparable
+from contactstudy.accuracy.coarser import coarse_solution, comparable
 from contactstudy.accuracy.estimate import error_estimate
-from contactstudy.accuracy.half_space import beyond_half_space
+from contactstudy.accuracy.plausibility import beyond_half_space
 from contactstudy.answers.answer import Answer
-from contactstudy.answers.nested import Coarser, levels_below, with_nested_bounds
+from contactstudy.answers.judgement import Coarser, levels_below, with_nested_bounds
 from contactstudy.domain.checks import NotDefined
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts, Request
 from contactstudy.domain.grid import Grid, Padding, Paddings, edge_fraction
@@ -116,9 +116,13 @@ class Contact(Answer, Solution):
 
         Both are compared with those of `coarse`, the contact on cells of twice the size; None where there is none.
         """
-        from contactstudy.accuracy.approach_and_stress import approach_error, stress_error
-        from contactstudy.accuracy.plausibility import beyond_strength, stress_margin
-        from contactstudy.accuracy.roller_end import end_of_half_space, unrelieved_ends
+        from contactstudy.accuracy.estimate import approach_error, stress_error
+        from contactstudy.accuracy.plausibility import (
+            beyond_strength,
+            end_of_half_space,
+            stress_margin,
+            unrelieved_ends,
+        )
 
         of_ends = () if self.is_coarse else (end_of_half_space(self), unrelieved_ends(self))
         warnings = (*filter(None, of_ends), *estimate.warnings)

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from contactstudy.accuracy.range_errors import NO_LIMIT
+from contactstudy.accuracy.error_terms import NO_LIMIT
 from contactstudy.answers.answer import Answer
 from contactstudy.answers.contact import Contact, contact_answer
-from contactstudy.answers.nested import (
+from contactstudy.answers.judgement import (
     NO_COARSER,
     Coarser,
     l1_bound,
@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from contactstudy.answers.lubricated_contact import LubricatedContact
-    from contactstudy.evolution.films.film_trajectory import FilmTrajectory
+    from contactstudy.evolution.evolve_lubricated import FilmTrajectory
     from contactstudy.evolution.rolling.repeated_rolling import RepeatedRolling
     from contactstudy.evolution.trajectory import Frame, Trajectory
     from contactstudy.lubrication.lubricated_contact import FilmSolution
@@ -225,7 +225,7 @@ class Evolution(Answer):
             self.error.l1,
         )
         if self.trajectory is not None and self.posed.scene.adhesion is not None:
-            from contactstudy.evolution.equilibrium.quasi_static import changes_of_contact, net_work
+            from contactstudy.evolution.quasi_static import changes_of_contact, net_work
 
             frames, load = self.trajectory.frames, self.posed.scene.load
             errors = [frame.quantities["approach"].bound for frame in self.frames]

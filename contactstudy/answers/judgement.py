@@ -1,14 +1,181 @@
-"""Whether the bounds of an answer keep a requested error, and which of its numbers keep it least."""
+"""Bounds of numbers by nested grids, and whether the bounds of an answer keep a requested error.
 
-from collections.abc import Iterable, Mapping
+Where a law is known of a number, of its edges, its peak or its images, that is its bound; all others are bounded by the
+same scene on half and a quarter of the cells, with longer steps.
+"""
+
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from math import ceil, inf, isfinite
 from re import sub
+from types import MappingProxyType
+from typing import TYPE_CHECKING
 
-from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.errors import PRESSURE, Request
-from contactstudy.domain.grid import Grid
+import numpy as np
+
+from contactstudy.accuracy.coarser import halved
+from contactstudy.domain.checks import InvalidInput, NotDefined
+from contactstudy.domain.errors import (
+    AREA_FLOOR,
+    DEPTH_FLOOR,
+    FLOOR,
+    HALF_ORDER_MARGIN,
+    INLET,
+    MARGIN,
+    PRESSURE,
+    STRESS_FLOOR,
+    ErrorParts,
+    Request,
+    largest_change,
+)
+from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Grid, on_cells
 from contactstudy.io.quantities.quantity import RELATIVE_TO_ZERO, Quantities, Quantity, per_cent
+
+if TYPE_CHECKING:
+    from contactstudy.answers.answer import Answer
+
+# Function of a level k that solves the same scene on 1 / 2^k of the cells along each axis, in time with an error of
+# steps 4^k times as large, which are 2^k times as long; a film also over a multiple of the width.
+Coarser = Callable[..., "Answer"]
+NO_COARSER = "No bound: there is no solution on half the cells to compare with, give more."
+# In the names of largest stresses, and at the beginning of those of numbers that plastic strain alone leaves behind.
+OF_STRESS = "von_mises", "safety_factor", "shear_stress", "orthogonal_shear"
+BY_YIELD = "dent_depth", "shoulder_height", "highest_residual_stress", "lowest_residual_stress"
+# Numbers that lie at an edge, of the plastic zone, the contact or its stick zone, beside which fields fall like the
+# square root of the distance.
+AT_EDGE = "highest_residual_stress", "surface_tension", "largest_shear"
+# In the name of a depth, before the index of a body where it has one.
+DEPTH = re.compile(r"_depth(?=(_\d)?$)")
+NO_COARSER_YIELD = "No bound: nothing yields on half the cells, give more."
+
+
+def halved_grid(grid: Grid, times: int) -> Grid:
+    """Return a grid of the same extent with half the cells along each axis, `times` times."""
+    for _ in range(times):
+        grid = halved(grid)
+    return grid
+
+
+def widened(grid: Grid, factor: int) -> Grid:
+    """Return a grid with the same cells over `factor` times the width."""
+    (nx, ny), (width, length) = grid.cells, grid.extent
+    return Grid((factor * nx, ny), (factor * width, length))
+
+
+def levels_below(coarser: Coarser) -> list["Answer"]:
+    """Return the answers on half and on a quarter of the cells, as far as there are solutions."""
+    levels: list[Answer] = []
+    for level in (1, 2):
+        if (answer := solved_or_none(coarser, level)) is None:
+            break
+        levels.append(answer)
+    return levels
+
+
+def solved_or_none(coarser: Coarser, *arguments: int) -> "Answer | None":
+    """Return an answer to compare with; None where there is no solution."""
+    try:
+        answer = coarser(*arguments)
+    except (InvalidInput, NotDefined):
+        return None
+    return None if answer.status.is_failure else answer
+
+
+def with_nested_bounds(
+    quantities: Quantities,
+    below: Sequence[Mapping[str, Quantity]],
+    l1: ErrorParts,
+    edge_fraction: float,
+    replaced: frozenset[str],
+    wider: Mapping[str, Quantity] | None = None,
+    zone_edge: float = 0.0,
+    of_stress: Mapping[str, float] = MappingProxyType({}),
+) -> dict[str, Quantity]:
+    """Return quantities with bounds by their changes between grids, where their reasons are some of those `replaced`.
+
+    Parameters
+    ----------
+    quantities
+        The numbers of an answer.
+    below
+        Those on half and on a quarter of the cells.
+    l1
+        Error of the pressure, whose causes but the cells add to each bound.
+    edge_fraction
+        Fraction of the cells in contact that lie at its edge.
+    replaced
+        Reasons of numbers without a bound that get one.
+    wider
+        Those of a film on half the cells over twice the width, whose inlet is finite.
+    zone_edge
+        Fraction of the cells of a plastic zone that lie at its edge.
+    of_stress
+        Relative errors of largest stresses that their changes do not show, by name.
+    """
+    other_causes = l1.total - (l1.discretisation or 0.0) if isfinite(l1.total) else inf
+    found = dict(quantities)
+    for name, quantity in quantities.items():
+        if isfinite(quantity.bound) or quantity.reason not in replaced:
+            continue
+        known = [level[name].value for level in below if name in level]
+        if not known:
+            found[name] = replace(quantity, reason=NO_COARSER)
+        elif name.startswith(BY_YIELD) and quantity.value and not known[0]:
+            found[name] = replace(quantity, reason=NO_COARSER_YIELD)
+        elif not isfinite(other_causes):
+            found[name] = replace(quantity, reason=l1.reason or quantity.reason)
+        else:
+            size, others = abs(quantity.value), other_causes
+            floor = FLOOR * (l1.discretisation or 0.0)
+            if name.endswith("contact_area"):
+                floor = max(floor, AREA_FLOOR * edge_fraction)
+            if name.startswith(BY_YIELD):
+                floor = max(floor, AREA_FLOOR * zone_edge)
+            if any(stress in name for stress in OF_STRESS):
+                is_depth = DEPTH.search(name)
+                floor = max(floor, DEPTH_FLOOR if is_depth else STRESS_FLOOR)
+                others += of_stress.get(name, 0.0)
+            values = [quantity.value, *known]
+            change = largest_change([abs(fine - coarse) for fine, coarse in pairwise(values)])
+            margin = HALF_ORDER_MARGIN if _is_at_edge(name) else MARGIN
+            bound = margin * max(change, floor * size) + others * size
+            if name.endswith("stick_fraction"):  # its boundary is known to a row of cells
+                bound = max(bound, edge_fraction)
+            if wider is not None and name in wider:
+                bound += INLET * abs(known[0] - wider[name].value)
+            reach = max((value for value, _ in quantity.rivals), default=quantity.value)
+            bound = max(bound, reach - quantity.value)
+            reason = "" if bound else RELATIVE_TO_ZERO
+            found[name] = replace(quantity, bound=bound or inf, reason=reason)
+    for name, depth in found.items():
+        largest = found.get(DEPTH.sub("", name), depth)
+        if largest is not depth and isfinite(depth.bound):
+            within = largest.value - largest.bound
+            away = [abs(at - depth.value) for value, at in largest.rivals if value >= within]
+            found[name] = replace(depth, bound=max(depth.bound, *away, 0.0))
+    for name in [name for name in found if name.startswith("safety_factor_depth")]:  # of the same place as a stress
+        same = [of for other, of in found.items() if "von_mises_depth" in other and of.value == found[name].value]
+        if same and isfinite(found[name].bound):
+            found[name] = replace(found[name], bound=same[0].bound, reason=same[0].reason)
+    return found
+
+
+def _is_at_edge(name: str) -> bool:
+    """Return whether a number lies at an edge."""
+    return name.startswith(AT_EDGE) and not name.startswith("largest_shear_stress")
+
+
+def l1_bound(pressures: Sequence[Array]) -> float:
+    """Return the bound of the relative L1 error of a pressure (x, y) by those on half and a quarter of the cells."""
+    fine = pressures[0]
+    on_fine = [on_cells(pressure, fine.shape) for pressure in pressures]
+    distances = [float(np.abs(a - b).sum()) for a, b in pairwise(on_fine)]
+    norm = float(np.abs(fine).sum())
+    return MARGIN * largest_change(distances) / norm if norm else 0.0
+
 
 # Ends of the names of numbers for which finer cells are no remedy: the depth of a largest stress is known only to the
 # distance between the depths at which stress is computed.

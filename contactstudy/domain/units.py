@@ -1,11 +1,19 @@
-"""Types of physical quantities with their SI units, to which texts such as ``"10 mm"`` are converted."""
+"""Types of physical quantities with their SI units, and texts such as ``"10 mm"`` that are converted to them."""
 
+import re
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
-from typing import Annotated
+from decimal import Decimal
+from functools import cache
+from math import inf
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
+
+from contactstudy.domain.checks import InvalidInput
+from contactstudy.domain.imports import import_for
 
 
 @dataclass(frozen=True)
@@ -78,3 +86,181 @@ def readable(value: float, unit: str = "m", digits: int = 4) -> str:
     """Return a value as text in a unit with few digits, such as ``"0.5 GPa"``, by default a length."""
     size, name = display_unit(value, unit)
     return f"{value / size:.{digits}g} {name}".strip()
+
+
+# SI units with decimal prefixes, which occur most: a table reads them faster than pint, whose import is slow.
+# Power of ten of each prefix. The micro sign and the Greek letter mu, two characters, both stand for micro.
+PREFIXES = {"G": 9, "M": 6, "k": 3, "": 0, "c": -2, "m": -3, "u": -6, "µ": -6, "μ": -6, "n": -9}
+# Powers of metre, kilogram, second and kelvin in each unit.
+UNITS = {
+    "m": (1, 0, 0, 0), "s": (0, 0, 1, 0), "K": (0, 0, 0, 1), "rad": (0, 0, 0, 0), "Hz": (0, 0, -1, 0),
+    "N": (1, 1, -2, 0), "Pa": (-1, 1, -2, 0), "J": (2, 1, -2, 0), "W": (2, 1, -3, 0),
+}  # fmt: skip
+# A power of ten, and powers of metre, kilogram, second and kelvin.
+Scale = tuple[int, tuple[int, ...]]
+# Scale of a number without unit.
+ONE: Scale = (0, (0, 0, 0, 0))
+# Scale of every prefix and unit together.
+KNOWN: dict[str, Scale] = {"": ONE, "1": ONE} | {
+    prefix + unit: (power, powers) for prefix, power in PREFIXES.items() for unit, powers in UNITS.items()
+}
+
+NUMBER = re.compile(r"\s*([-+]?(?:inf|(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?))\s*(.*?)\s*")
+# What stands between a number and its tolerance.
+PLUS_MINUS = re.compile(r"\s*(?:\+/?-|±)\s*")
+# A number with its tolerance, whose unit stands behind brackets.
+IN_BRACKETS = re.compile(r"^\(([^()]*)\)(.*)")
+# Units: names, powers, products, quotients also of 1 and by products in brackets, and no other expressions.
+REPLACED = (
+    (r"²", "^2"), (r"³", "^3"), (r"([mM])([23])(?![\d])", r"\1^\2"), (r"\b(m?)Pas\b", r"\1Pa*s"), (r"\bNm\b", "N*m"),
+    (r"^°$", "degree"),
+)  # fmt: skip
+# Rockwell C and the Vickers hardness of steels [kgf/mm^2] that goes with it (ISO 18265:2013, table A.1; ASTM E140).
+ROCKWELL = (
+    (20, 238), (25, 266), (30, 302), (35, 345), (40, 392), (45, 446), (50, 513), (55, 595), (58, 653), (60, 697),
+    (62, 746), (64, 800), (66, 865), (68, 940),
+)  # fmt: skip
+VICKERS = 9.80665e6  # Pa
+POWER = r"°?[^\W\d_]+\d?(?:\s*(?:\*\*|\^)\s*-?\d)?"
+FACTOR = rf"(?:{POWER}|\(\s*{POWER}(?:\s*[*·]\s*{POWER}|\s+{POWER})*\s*\))"
+SYMBOLS = re.compile(rf"(?:1\s*/\s*)?{FACTOR}(?:\s*[*/·]\s*{FACTOR}|\s+{POWER})*")
+
+
+def in_si(field: str, value: object, unit: Unit) -> float:
+    """Return `value`, a number or a text with a unit, in the SI unit `unit`, without the tolerance of a text.
+
+    Raises :class:`~contactstudy.InvalidInput`, which names `field`, for anything else and for a unit of another
+    quantity.
+    """
+    if isinstance(value, str) and PLUS_MINUS.search(value):
+        number, symbol, _ = parted(field, value)
+        value = f"{number} {symbol}"
+    remedy = remedy_of(unit)
+    if isinstance(value, str) and "," in value:
+        remedy += ", with a decimal point"
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        try:
+            return float(value)
+        except OverflowError:
+            raise InvalidInput(f"{field} is too large for a float: {remedy}.") from None
+    match = NUMBER.fullmatch(_usual(value)) if isinstance(value, str) else None
+    if match and unit == HARDNESS and match[2] in ("HV", "HRC"):
+        return _of_hardness(field, value, float(match[1]), match[2])
+    if match and match[2] == "%" and not unit.symbol:
+        return float(Decimal(match[1]) / 100)
+    if match is None or (match[2] and not SYMBOLS.fullmatch(match[2])):
+        raise InvalidInput(f"{field} is {value!r}: {remedy}.")
+    if not match[2] and match[1].endswith("inf"):  # infinite in any unit
+        return float(match[1])
+    source, target = decimal_unit(match[2]), decimal_unit(unit.symbol)
+    is_angular = unit.symbol == "Hz" and "rad" in match[2]
+    if source is not None and target is not None and not is_angular:
+        if source[1] == target[1]:
+            with suppress(ArithmeticError):
+                return float(Decimal(match[1]).scaleb(source[0] - target[0]))
+        raise InvalidInput(f"{field} is {value!r}: {remedy}.")
+    pint = import_for("a unit", "pint")  # slow to import, and needed only here
+    registry = _registry()
+    try:
+        parsed = registry.Quantity(Decimal(match[1]), registry.parse_units(match[2].replace("·", "*")))
+        if unit.symbol == "Hz" and "radian" in dict(parsed.to_root_units().unit_items()):
+            parsed /= registry.turn  # cycles per second, as of rpm
+        return float(parsed.to(unit.symbol).magnitude)
+    except (
+        pint.PintError,
+        ArithmeticError,
+        LookupError,
+        ValueError,
+        TypeError,
+        AttributeError,
+    ) as error:
+        raise InvalidInput(f"{field} is {value!r}: {remedy}.") from error
+
+
+def parted(field: str, text: str) -> tuple[str, str, float | None]:
+    """Return number and unit of a text, and in this unit the tolerance behind it; None of a text without one.
+
+    A tolerance has the unit of its number, another one of the same quantity, or is in per cent of the number, such as
+    ``10 mm +- 0.05 mm``, ``10 mm +- 50 um`` or ``10 mm ± 1 %``. A unit at the end alone is that of both: ``10 +- 0.05
+    mm``, ``(10 ± 0.05) mm``.
+
+    Raises
+    ------
+    InvalidInput
+        For a text without a number, and for a tolerance that is not a number of at least 0.
+    """
+    first, *others = PLUS_MINUS.split(IN_BRACKETS.sub(r"\1 \2", text.strip()))
+    match, tolerances = NUMBER.fullmatch(first), [NUMBER.fullmatch(other) for other in others]
+    if match is None or len(others) > 1 or not all(one and 0 <= float(one[1]) < inf for one in tolerances):
+        raise InvalidInput(
+            f"{field} is {text!r}: give a number, and behind it one tolerance of at least 0, such as '10 mm +- 0.05 mm'."
+        )
+    number, unit = match.groups()
+    for one in filter(None, tolerances):
+        size, symbol = one.groups()
+        unit = unit or symbol.replace("%", "")
+        if symbol in ("", unit):
+            return number, unit, float(size)
+        if symbol == "%":
+            return number, unit, abs(float(number)) * float(size) / 100
+        tolerance = Unit(unit, "a tolerance in the unit of its number", f"{size} {unit}")
+        return number, unit, in_si(f"The tolerance of {field}", others[0], tolerance)
+    return number, unit, None
+
+
+def _usual(text: str) -> str:
+    """Return `text` with powers and products of units written out, such as ``mm^3/(N*m)`` for ``mm3/Nm``."""
+    number, unit = (match[1], match[2]) if (match := NUMBER.fullmatch(text)) else (text, "")
+    for pattern, replacement in REPLACED:
+        unit = re.sub(pattern, replacement, unit)
+    # what stands behind a stroke as one word is divided by as a whole
+    return f"{number} {re.sub(r'/N[*]m$', '/(N*m)', unit) if '*' not in text else unit}".strip()
+
+
+def _of_hardness(field: str, value: object, number: float, scale: str) -> float:
+    """Return the indentation hardness [Pa] of a number of Vickers or, of steel, Rockwell C."""
+    if scale == "HRC":
+        rockwell, vickers = zip(*ROCKWELL, strict=True)
+        if not rockwell[0] <= number <= rockwell[-1]:
+            raise InvalidInput(
+                f"{field} is {value!r}: give {rockwell[0]} to {rockwell[-1]} HRC, or the hardness in HV."
+            )
+        above = next(n for n, known in enumerate(rockwell) if known >= number) or 1
+        fraction = (number - rockwell[above - 1]) / (rockwell[above] - rockwell[above - 1])
+        number = vickers[above - 1] * (1 - fraction) + vickers[above] * fraction
+    return number * VICKERS
+
+
+def remedy_of(unit: Unit, limits: str = "") -> str:
+    """Return what to give in place of a value that is not of `unit`, or not within the `limits`."""
+    if not unit.symbol and limits:  # the example need not lie within them
+        return f"give {unit.quantity}{limits}"
+    number = f", or a number in {unit.symbol}" * bool(unit.symbol)
+    return f"give {unit.quantity}{limits}, such as {unit.example!r}{number}"
+
+
+@cache
+def _registry() -> Any:
+    from pint import UnitRegistry
+
+    # in decimals, so that 30 um is exactly the float 3e-5 m
+    return UnitRegistry(non_int_type=Decimal)
+
+
+@cache
+def decimal_unit(symbol: str) -> Scale | None:
+    """Return the power of ten of a unit such as ``N/mm``, and its powers of metre, kilogram, second and kelvin.
+
+    None for a unit that is not in the table.
+    """
+    factors = re.split(r"\s*([*/])\s*", symbol.replace("**", "^").replace("·", "*"))
+    total, totals = ONE
+    for sign, factor in zip(("*", *factors[1::2]), factors[::2], strict=True):
+        name, _, exponent = factor.partition("^")
+        if name.strip() not in KNOWN:
+            return None
+        power, powers = KNOWN[name.strip()]
+        times = int(exponent or 1) * (1 if sign == "*" else -1)
+        total += times * power
+        totals = tuple(before + times * unit_power for before, unit_power in zip(totals, powers, strict=True))
+    return total, totals

@@ -20,8 +20,7 @@ from typing import (
 )
 
 from contactstudy.domain.checks import InvalidInput, UnknownField, parameters, suggestion
-from contactstudy.domain.unit_text import in_si, remedy_of
-from contactstudy.domain.units import Unit
+from contactstudy.domain.units import Unit, in_si, remedy_of
 
 Class = TypeVar("Class", bound=type)
 

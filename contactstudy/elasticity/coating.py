@@ -7,13 +7,13 @@ import numpy as np
 from scipy.special import log1p
 
 from contactstudy.domain.fields import Array
-from contactstudy.elasticity.kernels.layer.displacement_waves import (
+from contactstudy.elasticity.kernels.layer_response import LayerResponse
+from contactstudy.elasticity.kernels.layer_waves import (
     DisplacementWaves,
     Subtracted,
+    WaveCoefficients,
     contrasts,
 )
-from contactstudy.elasticity.kernels.layer.response import LayerResponse
-from contactstudy.elasticity.kernels.layer.wave_coefficients import WaveCoefficients
 from contactstudy.elasticity.kernels.traction import SWAPPED
 
 # Width over its distance of a strip that stands for a line.
@@ -26,7 +26,7 @@ class CoatingCoefficients:
 
     Under long waves the displacement is that of a half-space of the substrate. A row's mean has these waves in closed
     form, as those of lines buried at two thicknesses; all else is found from the
-    :class:`~contactstudy.elasticity.kernels.layer.displacement_waves.DisplacementWaves`.
+    :class:`~contactstudy.elasticity.kernels.layer_waves.DisplacementWaves`.
 
     Parameters
     ----------

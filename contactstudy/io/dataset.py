@@ -17,7 +17,7 @@ from contactstudy.analytic import HertzLine
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.errors import ErrorEstimate
 from contactstudy.domain.grid import Grid
-from contactstudy.domain.storage.version import VERSION
+from contactstudy.domain.version import VERSION
 from contactstudy.io.quantities.quantity import Quantities, per_length, roller_length
 from contactstudy.io.scene_files.scene_writer import scene_text
 from contactstudy.problem.constraint import HardnessLimited
@@ -25,9 +25,8 @@ from contactstudy.problem.problem import Field
 from contactstudy.scene.loads.constant_load import ConstantLoad
 from contactstudy.scene.loads.load_history import ChangingLoad
 from contactstudy.scene.scene import PosedScene
-from contactstudy.scene.shapes.profile import EndRelief, ProfilePoints
-from contactstudy.scene.shapes.roller import Crown, LundbergProfile
-from contactstudy.scene.shapes.tilt import Tilt
+from contactstudy.scene.shapes.roller import Crown, EndRelief, LundbergProfile, ProfilePoints
+from contactstudy.scene.shapes.shape import Tilt
 from contactstudy.scene.shapes_source import with_extent_of
 from contactstudy.scene.surfaces.measured_surface import MeasuredSurface
 from contactstudy.solvers.friction.fretting import FrettingShear

@@ -28,7 +28,7 @@ from contactstudy.lubrication.lubricated_contact import (
     FilmTemperatures,
     ShearedFilm,
 )
-from contactstudy.scene.lubrication.film_heat import FilmHeat, ThermalBody
+from contactstudy.scene.lubrication.lubricant import FilmHeat, ThermalBody
 from contactstudy.scene.solids.bodies import Body, Layered
 
 Waves = NDArray[np.complex128]

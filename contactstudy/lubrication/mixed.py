@@ -6,18 +6,64 @@ iteration of :mod:`contactstudy.lubrication.newton.pseudo_time` solves both toge
 
 Transverse ridges may have two solutions at one speed: ridges in a thick film, or flattened by contact. The film at a
 higher speed leads to the first where it exists, the dry contact to the second.
+
+Continuation in speed: where cold starts fail, a film is followed from a higher speed down.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from math import sqrt
 
 import numpy as np
 
-from contactstudy.lubrication.continuation import SpeedSteps, from_higher_speeds
 from contactstudy.lubrication.film_equation import Film, Mask
 from contactstudy.lubrication.newton.pseudo_time import FilmControls, FilmIteration, iterate
 from contactstudy.lubrication.posed_film import PosedFilm, hertz_start, linear_solver
 from contactstudy.solvers.solve import SolveOptions, solve_contact
+
+
+@dataclass(frozen=True)
+class SpeedSteps:
+    """Factor of each step in speed, the most increases, and the least factor of a decrease."""
+
+    factor: float
+    max_increases: int
+    min_factor: float
+
+
+def from_higher_speeds(
+    posed: PosedFilm,
+    steps: SpeedSteps,
+    tolerance: float,
+    cold: Callable[[PosedFilm], FilmIteration],
+    warm: Callable[[PosedFilm, FilmIteration], FilmIteration],
+) -> FilmIteration | None:
+    """Return the film that is followed from the first higher speed where a ``cold`` start converges.
+
+    Each lower speed has a ``warm`` start from the last; a step down that fails is tried again with the square root of
+    its factor. None where no higher speed converges, or the factor falls below the least.
+    """
+    wanted = faster = posed.equation.speed_parameter
+    for _ in range(steps.max_increases):
+        faster *= steps.factor
+        last = cold(posed.at(faster))
+        if last.converged(tolerance):
+            break
+    else:
+        return None
+    factor = steps.factor
+    while faster > wanted:
+        slower = faster / factor
+        if slower <= wanted * steps.min_factor:  # avoid a tiny last step
+            slower = wanted
+        trial = warm(posed.at(slower), last)
+        if trial.converged(tolerance):
+            last, faster = trial, slower
+        else:
+            factor = sqrt(factor)
+            if factor <= steps.min_factor:
+                return None
+    return last
 
 
 @dataclass(frozen=True)
@@ -53,7 +99,7 @@ class MixedTuning:
     max_active_set_iterations_along: int = 3
     dry_steps: int = 30
     dry_residual: float = 1e-10
-    speeds: SpeedSteps = SpeedSteps(1.3, 5, 1.02)  # noqa: RUF009 (a frozen value)
+    speeds: SpeedSteps = SpeedSteps(1.3, 5, 1.02)
     faster: float = 4.0
     slower: float = 3.0
 

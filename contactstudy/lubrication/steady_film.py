@@ -8,14 +8,13 @@ import numpy as np
 
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings
-from contactstudy.lubrication.continuation import SpeedSteps, from_higher_speeds
 from contactstudy.lubrication.film_equation import INLET_CELLS, OUTLET_CELLS, Film, FilmEquation, Mask
 from contactstudy.lubrication.lubricated_contact import (
     FilmSolution,
     ShearedFilm,
     rise_beside_lowest,
 )
-from contactstudy.lubrication.mixed import other_films, solve_mixed
+from contactstudy.lubrication.mixed import SpeedSteps, from_higher_speeds, other_films, solve_mixed
 from contactstudy.lubrication.newton.pseudo_time import FilmControls, FilmIteration, iterate
 from contactstudy.lubrication.posed_film import (
     OUTLET,

@@ -8,7 +8,7 @@ from operator import is_
 
 import numpy as np
 
-from contactstudy.accuracy.discretisation.bound import CONSTANTS as ONE_GRID
+from contactstudy.accuracy.bound import CONSTANTS as ONE_GRID
 from contactstudy.analytic import HertzLine
 from contactstudy.domain.checks import InvalidInput, NotDefined
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings, ZeroPadding

@@ -6,14 +6,13 @@ from typing import TYPE_CHECKING
 
 from numpy.typing import ArrayLike
 
-from contactstudy.accuracy.half_space import beyond_half_space
+from contactstudy.accuracy.plausibility import beyond_half_space
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.device import ONE_THREAD, Device, available_bytes, checked
 from contactstudy.domain.errors import DEFAULT_ERROR, Request, pressure_request
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
 from contactstudy.domain.units import Metres, readable
 from contactstudy.domain.validation import checked_errors, valid
-from contactstudy.planning.cost import MEMORY_FRACTION, memory, within_memory
 from contactstudy.planning.grid_requirements import CONSTANTS as GRID
 from contactstudy.planning.grid_requirements import (
     flat_grid,
@@ -22,7 +21,7 @@ from contactstudy.planning.grid_requirements import (
     period_fault,
     with_requirements,
 )
-from contactstudy.planning.planned import Plan
+from contactstudy.planning.planned import MEMORY_FRACTION, Plan, memory, within_memory
 from contactstudy.planning.refinement import MOST_CELLS, FirstGrids, first_grids, with_width
 from contactstudy.scene import methods
 from contactstudy.scene.scene import Scene

@@ -2,21 +2,23 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from math import ceil, inf, prod
 from time import process_time
 
 import numpy as np
 from scipy import fft
 
-from contactstudy.accuracy.discretisation.coarser import halved
+from contactstudy.accuracy.bound import shown_errors
+from contactstudy.accuracy.coarser import halved
+from contactstudy.accuracy.error_terms import IMAGES_REMEDY
 from contactstudy.accuracy.estimate import error_estimate
-from contactstudy.accuracy.image_errors import IMAGES_REMEDY
 from contactstudy.domain.device import Cpu, Device
+from contactstudy.domain.errors import ErrorEstimate
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings, on_cells
 from contactstudy.domain.imports import loaded
 from contactstudy.domain.reuse import cache_of, caching
-from contactstudy.planning.bounded_solution import BoundedSolution
 from contactstudy.planning.grid_requirements import CONSTANTS as GRID
 from contactstudy.planning.grid_requirements import (
     GridRequirements,
@@ -26,6 +28,55 @@ from contactstudy.planning.grid_requirements import (
 from contactstudy.scene.scene import Scene
 from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.solve import SolveOptions, solve_contact
+
+
+@dataclass(frozen=True)
+class BoundedSolution:
+    """A solution with its bounds.
+
+    Attributes
+    ----------
+    solution
+        The solution.
+    estimate
+        Bounds by cause.
+    seconds
+        Seconds of processor time that it took in its refinement.
+    """
+
+    solution: Solution
+    estimate: ErrorEstimate
+    seconds: float
+
+    @property
+    def grid(self) -> Grid:
+        """Grid of the solution."""
+        return self.solution.problem.grid
+
+    @property
+    def bound(self) -> float:
+        """Bound of the relative L1 error of the pressure, as calibrated: it is not proven."""
+        return self.estimate.l1.total
+
+    @property
+    def discretisation_error(self) -> float:
+        """Discretisation error, as part of the bound."""
+        part = self.estimate.l1.discretisation
+        return inf if part is None else part
+
+    @cached_property
+    def fractions(self) -> tuple[float, float]:
+        """Contributions (across, along) to the discretisation error that the pressure shows, as fractions of it."""
+        across, along = shown_errors(self.solution)[1]
+        fraction = across / (across + along) if across + along else 1.0
+        return fraction, 1 - fraction
+
+    @property
+    def is_sharp(self) -> bool:
+        """Whether the peak has no bound, as at a corner or a roller's end, so that convergence is of first order."""
+        peak = self.estimate.peak_pressure
+        return peak is not None and peak.discretisation == inf
+
 
 # Cells of a grid at most.
 MOST_CELLS = 2_000_000

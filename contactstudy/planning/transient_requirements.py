@@ -9,13 +9,12 @@ from contactstudy.analytic import HertzLine
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import readable
 from contactstudy.elasticity.eigenstrain.volume import Volume
-from contactstudy.evolution.states.plastic_volume import layers
+from contactstudy.evolution.states.plastic import layers
 from contactstudy.planning.grid_requirements import CONSTANTS as GRID
 from contactstudy.planning.grid_requirements import grid_requirements
 from contactstudy.scene.friction.fretting import Fretting
-from contactstudy.scene.loads.constant_load import LineLoad
+from contactstudy.scene.loads.constant_load import DATUM_OVER_RADIUS, LineLoad
 from contactstudy.scene.loads.load_history import ChangingLoad
-from contactstudy.scene.loads.resulting_load import DATUM_OVER_RADIUS
 from contactstudy.scene.scene import AnyLoad, Scene
 from contactstudy.scene.solids.bodies import Body, contact_modulus, instantaneous, yields
 from contactstudy.scene.solids.viscoelastic import creeping, relaxed

@@ -9,9 +9,8 @@ from numpy.typing import NDArray
 from contactstudy.domain.device import Device, Precision, arrays, device
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
-from contactstudy.problem.bare_problem import BareProblem
+from contactstudy.problem.bare_problem import BareProblem, Operator
 from contactstudy.problem.constraint import Constraint, Control
-from contactstudy.problem.operator import Operator
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,8 +9,8 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import JoulesPerSquareMetre, Metres, readable
 from contactstudy.domain.validation import validated
+from contactstudy.scene.loads.constant_load import Approach
 from contactstudy.scene.loads.load_history import ChangingLoad
-from contactstudy.scene.loads.resulting_load import Approach
 from contactstudy.scene.shapes.roller import Sphere
 from contactstudy.scene.solids.bodies import (
     Body,

@@ -25,9 +25,15 @@ from contactstudy.problem.constraint import (
 )
 from contactstudy.problem.memory import refuse_too_large
 from contactstudy.problem.problem import AdhesionSolver, Derived, FrictionSolver, Problem, Scales
-from contactstudy.scene.loads.constant_load import ConstantLoad, LineLoad, TotalLoad
+from contactstudy.scene.loads.constant_load import (
+    DATUM_OVER_RADIUS,
+    Approach,
+    ConstantLoad,
+    LineLoad,
+    PullOff,
+    TotalLoad,
+)
 from contactstudy.scene.loads.load_history import ChangingLoad, falls
-from contactstudy.scene.loads.resulting_load import DATUM_OVER_RADIUS, Approach, PullOff
 from contactstudy.scene.methods import STATIC, Method, method_of
 from contactstudy.scene.shapes.roller import FiniteLength
 from contactstudy.scene.shapes.shape import (

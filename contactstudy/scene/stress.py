@@ -189,7 +189,7 @@ class SubsurfaceStressOperator:
         assert self.depths is not None
         if self.ended is not None:
             # imported only for bodies with faces
-            from contactstudy.elasticity.face_stress import StressByFaces
+            from contactstudy.elasticity.free_faces import StressByFaces
 
             faces = StressByFaces(self.ended, self.grid)
             endless = ZeroPadding(), ExactPeriodicity()

@@ -29,8 +29,8 @@ from contactstudy.domain.device import Device
 from contactstudy.domain.fields import Array, dot
 from contactstudy.problem.constraint import PrescribedLoad
 from contactstudy.problem.problem import Problem
-from contactstudy.solvers.anderson import AndersonMixing
 from contactstudy.solvers.cohesive_law import CohesiveLaw
+from contactstudy.solvers.fixed_point import AndersonMixing
 from contactstudy.solvers.solution import (
     AdhesiveTraction,
     Branch,

@@ -1,7 +1,13 @@
-"""A contact with a displacement that follows from its own pressure, solved by fixed-point (Picard) iteration."""
+"""Anderson's mixing of a fixed-point iteration, and a contact solved by it whose displacement follows from its pressure.
+
+Source: Anderson (1965), in the form of Walker & Ni (2011), eq. 2.2.
+
+A contact with a displacement that follows from its own pressure, solved by fixed-point (Picard) iteration.
+"""
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -79,3 +85,147 @@ def _change_in_contact(change: Array, solution: Solution) -> float:
     if solution.problem.control.approach is None:
         within = within - within.mean()
     return float(np.abs(within).max())
+
+
+# Singular values of the changes below this fraction of the largest are noise of the solves.
+CUT_OFF = 1e-8
+# Number of pressures before the last that enter a mixed pressure.
+DEPTH = 8
+# Tolerance of a solve over the change in the outer iteration before; a tenth of it saves no outer iteration.
+INNER_REDUCTION = 1e-3
+# Largest tolerance of a solve.
+FIRST_TOLERANCE = 1e-4
+
+
+class AndersonMixing:
+    """Mixing of the last iterates of a fixed-point iteration, by Anderson (1965).
+
+    Parameters
+    ----------
+    depth
+        Number of iterates before the last that enter a mixed iterate.
+    """
+
+    def __init__(self, depth: int) -> None:
+        self._depth = depth
+        self.restart()
+
+    def restart(self) -> None:
+        """Forget all iterates."""
+        self._iterates: list[Array] = []
+        self._steps: list[Array] = []
+
+    def record(self, iterate: Array, step: Array) -> None:
+        """Record an `iterate` and the `step` that the fixed-point map adds to it."""
+        self._iterates = [*self._iterates, iterate][-self._depth - 1 :]
+        self._steps = [*self._steps, step][-self._depth - 1 :]
+
+    @property
+    def mixes(self) -> bool:
+        """True if there are several iterates, so that the mixed iterate differs from the plain next one."""
+        return len(self._steps) > 1
+
+    def mixed_iterate(self) -> Array:
+        """Return the combination of the iterates with the smallest step, moved by that step."""
+        iterate, step = self._iterates[-1], self._steps[-1]
+        if not self.mixes:
+            return iterate + step
+        changes = np.stack([(b - a).ravel() for a, b in pairwise(self._steps)], axis=1)
+        moves = np.stack([(b - a).ravel() for a, b in pairwise(self._iterates)], axis=1)
+        weights = np.linalg.lstsq(changes, step.ravel(), rcond=CUT_OFF)[0]
+        return iterate + step - ((moves + changes) @ weights).reshape(step.shape)
+
+
+@dataclass(frozen=True, eq=False)
+class LaggedSolution:
+    """Solution with a lagged displacement: the one under the mixed pressure of the outer iterations before.
+
+    Where the outer iterations have converged, it is the displacement under the pressure of the solution.
+
+    Parameters
+    ----------
+    solution
+        The last solution.
+    change
+        Change of the pressure in the last outer iteration, relative in L1.
+    outer_iterations
+        Number of solves.
+    iterations, convolutions
+        Sums over all solves.
+    """
+
+    solution: Solution
+    change: float
+    outer_iterations: int
+    iterations: int
+    convolutions: float
+
+
+def solve_with_mixing(
+    problem: Problem,
+    displacement_of: Callable[[Array], Array] | None,
+    options: SolveOptions = SolveOptions(),  # noqa: B008 (a frozen value)
+    *,
+    change: float = 1e-6,
+    max_outer: int = 100,
+    progress: Callable[[float, float], object] | None = None,
+) -> LaggedSolution:
+    """Return the solution of a problem with a displacement that follows from its own pressure, by Anderson's mixing.
+
+    It also converges where the map from pressure to pressure is no contraction. Each outer iteration solves with the
+    displacement under the mixed pressures before, until one changes the pressure by less than `change`.
+
+    Parameters
+    ----------
+    problem
+        The contact in SI units, without the displacement.
+    displacement_of
+        Map from pressure (x, y) [Pa] to the displacement to add to the gap (x, y) [m]; None for a single solve.
+    options
+        Method and tolerance of each solve.
+    change
+        Change of the pressure in an outer iteration to stop at, relative in L1.
+    max_outer
+        Number of outer iterations after which the status is :attr:`~contactstudy.Status.NOT_CONVERGED`, and the residual
+        at least the change of the pressure.
+    progress
+        Called after each outer iteration with the change of the pressure in it, and with `change`.
+
+    Returns
+    -------
+    LaggedSolution
+        The last solution and its counts.
+    """
+    if displacement_of is None:
+        solution = solve_contact(problem, options)
+        if progress is not None:
+            progress(0.0, change)
+        return LaggedSolution(solution, 0.0, 1, solution.iterations, solution.convolutions)
+    mixing, guess = AndersonMixing(DEPTH), np.zeros_like(problem.undeformed_gap)
+    start: Array | None = None
+    last_change, outer, iterations, convolutions = np.inf, 0, 0, 0.0
+    while True:
+        gap = problem.undeformed_gap + displacement_of(guess) if outer else problem.undeformed_gap
+        loose = min(INNER_REDUCTION * last_change, FIRST_TOLERANCE)
+        inner = replace(options, tolerance=max(options.tolerance, loose))
+        solution = solve_contact(replace(problem, undeformed_gap=gap), inner, start)
+        outer += 1
+        iterations += solution.iterations
+        convolutions += solution.convolutions
+        start = solution.pressure
+        if not np.isfinite(solution.residual):
+            return LaggedSolution(solution, np.inf, outer, iterations, convolutions)
+        step = solution.pressure - guess
+        distance = float(np.abs(step).sum())
+        last_change = distance / float(solution.pressure.sum()) if distance else 0.0
+        if progress is not None:
+            progress(last_change, change)
+        is_exact = solution.residual <= options.tolerance or solution.status is Status.PRECISION_LIMIT
+        converged = last_change <= change and is_exact
+        if converged or outer == max_outer:
+            if not converged:
+                residual = largest_of(solution.residual, last_change)
+                solution = replace(solution, status=Status.NOT_CONVERGED, residual=residual)
+            return LaggedSolution(solution, last_change, outer, iterations, convolutions)
+        mixing.record(guess, step)
+        guess = mixing.mixed_iterate()

@@ -18,8 +18,7 @@ from contactstudy.problem.bare_problem import BareProblem
 from contactstudy.problem.constraint import Compressive, Gap, HardnessLimited, scaled_in_double, yielded
 from contactstudy.problem.memory import refuse_on, refuse_solve
 from contactstudy.problem.problem import Problem
-from contactstudy.solvers.iterate import Iterate
-from contactstudy.solvers.preconditioned_cg import PreconditionedCG
+from contactstudy.solvers.conjugate_gradients import Iterate, PreconditionedCG
 from contactstudy.solvers.solution import Solution, Status, unloaded
 
 

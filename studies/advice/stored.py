@@ -11,7 +11,7 @@ from threadpoolctl import threadpool_limits
 
 import contactstudy as cs
 from contactstudy.domain.errors import Request
-from contactstudy.domain.storage.version import source_hash
+from contactstudy.domain.version import source_hash
 from studies.advice.trials import verdict_on
 from studies.advice.verdict import EVERY_NUMBER, Measured, SceneToJudge, Setting, Verdict
 from studies.model.plain_text import Log

@@ -6,7 +6,7 @@ from math import prod
 from pathlib import Path
 
 import contactstudy as cs
-from contactstudy.domain.storage.identity import digest
+from contactstudy.domain.identity import digest
 from contactstudy.io.scene_files.scene_writer import scene_text, settings_text
 from studies.reference.line_contact import HERTZ, SCENE, WIDTH
 

@@ -11,7 +11,7 @@ import click
 from click.core import ParameterSource
 
 from contactstudy import InvalidInput
-from contactstudy.domain.storage.files import replacing
+from contactstudy.domain.files import replacing
 
 Decorator = Callable[[Any], Any]
 

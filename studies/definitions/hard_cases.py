@@ -10,7 +10,7 @@ from math import inf
 import numpy as np
 
 import contactstudy as cs
-from contactstudy.accuracy.residual_errors import residual_errors
+from contactstudy.accuracy.error_terms import residual_errors
 from contactstudy.domain.fields import Array
 from studies.reference.line_contact import HERTZ_HEIGHT, P_H, SCENE, STEEL, A
 

@@ -17,7 +17,7 @@ import numpy as np
 import xarray as xr
 from threadpoolctl import threadpool_limits
 
-from contactstudy.domain.storage.files import read_verified, remove_partial_files, set_aside
+from contactstudy.domain.files import read_verified, remove_partial_files, set_aside
 from studies.engine.compute import Task, failed, perform, warm_up
 from studies.engine.options import RETRIES, RunOptions
 from studies.engine.progress import progress_of

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from contactstudy import InvalidInput
-from contactstudy.domain.storage.files import replacing
+from contactstudy.domain.files import replacing
 from studies.model.plain_text import name_problem, shortened
 
 if TYPE_CHECKING:

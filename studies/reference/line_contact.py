@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 import contactstudy as cs
-from contactstudy.accuracy.discretisation.contact_edge import half_widths
+from contactstudy.accuracy.contact_edge import half_widths
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import on_cells
 from studies.model.case import Case, dimensionless, error_estimates

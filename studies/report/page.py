@@ -10,7 +10,7 @@ import xarray as xr
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 
 from contactstudy import InvalidInput
-from contactstudy.domain.storage.files import replacing
+from contactstudy.domain.files import replacing
 from contactstudy.domain.units import display_unit_of
 from studies.advice.stored import SETTINGS, from_dataset, path_in, verdict_of
 from studies.advice.verdict import PRESSURE, Verdict, paper_scene

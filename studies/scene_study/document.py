@@ -13,12 +13,12 @@ import numpy as np
 import contactstudy as cs
 from contactstudy import InvalidInput, MeasuredSurface
 from contactstudy.domain.checks import parameters, suggestion
-from contactstudy.domain.storage.identity import digest
+from contactstudy.domain.identity import digest
 from contactstudy.domain.units import Unit
 from contactstudy.domain.validation import kind_of
 from contactstudy.io.scene_files.scene_schema import MeasuredSurfaceTable, SceneDocument
 from contactstudy.scene.shapes.shape import curvature_of
-from contactstudy.scene.surfaces.reading import Reading
+from contactstudy.scene.surfaces.text_surface import Reading
 from contactstudy.scene_file import SceneFile, document_from, scene_file_from
 from studies.model.axis import Axis, Value
 from studies.model.plain_text import one_line, shortened

@@ -9,8 +9,7 @@ import numpy as np
 import xarray as xr
 
 import contactstudy as cs
-from contactstudy.accuracy.discretisation.cells import contact_perimeter
-from contactstudy.accuracy.discretisation.coarser import touching_fraction
+from contactstudy.accuracy.coarser import contact_perimeter, touching_fraction
 from contactstudy.io.dataset import known_or_nan, labelled
 from contactstudy.stiffness import contact_stiffness
 from studies.advice.reference_error import pressure_error

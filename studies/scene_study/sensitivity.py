@@ -13,7 +13,7 @@ import xarray as xr
 
 from contactstudy import InvalidInput, Scene, SceneFile
 from contactstudy.domain.checks import parameters
-from contactstudy.domain.unit_text import NUMBER, PLUS_MINUS, SYMBOLS, parted
+from contactstudy.domain.units import NUMBER, PLUS_MINUS, SYMBOLS, parted
 from contactstudy.domain.validation import notes
 from contactstudy.scene_file import document_from, scene_file_from
 from studies.engine.options import RunOptions

@@ -17,7 +17,7 @@ import numpy as np
 import xarray as xr
 
 from contactstudy import InvalidInput
-from contactstudy.domain.storage.files import lock_descriptor, open_descriptor, reason
+from contactstudy.domain.files import lock_descriptor, open_descriptor, reason
 from studies.model.outcome import CaseStatus, Outcome, TimedRun
 from studies.model.plain_text import counted
 

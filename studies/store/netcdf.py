@@ -14,7 +14,7 @@ import numpy as np
 import xarray as xr
 
 from contactstudy import InvalidInput
-from contactstudy.domain.storage.files import (
+from contactstudy.domain.files import (
     append_checksum,
     is_damaged,
     reason,

@@ -23,8 +23,8 @@ from typing import Any
 import cloudpickle
 
 from contactstudy import InvalidInput
-from contactstudy.domain.storage.identity import Memo, digest, hashed
-from contactstudy.domain.storage.version import LOADED
+from contactstudy.domain.identity import Memo, digest, hashed
+from contactstudy.domain.version import LOADED
 from studies.model.study import Study
 
 ROOT, PACKAGES = Path(__file__).parents[2], ("contactstudy", "studies")

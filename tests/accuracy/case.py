@@ -7,7 +7,7 @@ from math import inf, nan
 import numpy as np
 
 import contactstudy as cs
-from contactstudy.accuracy.discretisation.coarser import touching_fraction
+from contactstudy.accuracy.coarser import touching_fraction
 from contactstudy.domain.fields import Array
 from studies.reference.line_contact import SCENE
 

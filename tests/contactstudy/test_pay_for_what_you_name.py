@@ -116,12 +116,12 @@ assert cs.solve(scene.problem(grid, exact)).status is cs.Status.CONVERGED
 """,
         """SurfaceTopography cattrs dask matplotlib pandas scipy.interpolate scipy.ndimage xarray studies.engine
         contactstudy.elasticity.coating contactstudy.elasticity.eigenstrain contactstudy.elasticity.tangential
-        contactstudy.elasticity.kernels.layer contactstudy.elasticity.kernels.traction contactstudy.evolution
+        contactstudy.elasticity.kernels.layer_waves contactstudy.elasticity.kernels.traction contactstudy.evolution
         contactstudy.elasticity.viscoelastic contactstudy.io.dataset contactstudy.lubrication
         contactstudy.scene.adhesion contactstudy.scene.solids.coated contactstudy.scene.friction
         contactstudy.scene.rolling contactstudy.scene.wear contactstudy.scene.solids.viscoelastic
         contactstudy.scene.solids.elastic_plastic contactstudy.scene.solids.stress_model contactstudy.scene.stress
-        contactstudy.solvers.adhesion contactstudy.solvers.friction.laws contactstudy.solvers.plasticity""",
+        contactstudy.solvers.adhesion contactstudy.solvers.friction.coulomb contactstudy.solvers.plasticity""",
     ),
     (
         """

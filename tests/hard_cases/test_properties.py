@@ -10,7 +10,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import contactstudy as cs
-from contactstudy.accuracy.residual_errors import residual_errors
+from contactstudy.accuracy.error_terms import residual_errors
 from contactstudy.domain.grid import across_and_along
 from studies.definitions.hard_cases import SOLVERS, grid, noise, with_heights
 from studies.reference.line_contact import SCENE, relative_l1

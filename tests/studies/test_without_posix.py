@@ -64,7 +64,7 @@ from contactstudy import InvalidInput
 from contactstudy.domain.device import available_bytes
 from studies.engine.options import RunOptions
 from studies.engine.run import run
-from contactstudy.domain.storage.files import locked
+from contactstudy.domain.files import locked
 from tests.studies.engine import trouble
 
 for package in ("contactstudy", "studies"):

@@ -17,7 +17,7 @@ from numba import njit
 from numba.core.caching import FunctionCache
 
 from contactstudy.domain.device import Array
-from contactstudy.domain.storage.files import NO_LOCK_ERRORS, lock_descriptor, open_descriptor
+from contactstudy.domain.files import NO_LOCK_ERRORS, lock_descriptor, open_descriptor
 
 Loop = TypeVar("Loop", bound=Callable[..., Any])
 

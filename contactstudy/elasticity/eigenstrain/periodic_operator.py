@@ -17,13 +17,13 @@ from scipy import fft
 
 from contactstudy.domain.device import threads
 from contactstudy.domain.fields import Array
-from contactstudy.elasticity.eigenstrain.airy_function import log_distance
 from contactstudy.elasticity.eigenstrain.fourier_modes import Complex, SurfaceLoad, Waves
 from contactstudy.elasticity.eigenstrain.half_space_wave import Components
 from contactstudy.elasticity.eigenstrain.plane_strain_operator import (
     PLANE_STRAIN_BASIS,
     PlaneStrainOperator,
     convolved,
+    log_distance,
     real_spectrum,
 )
 from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume

@@ -1,25 +1,153 @@
-"""Stress by plastic strain in plane strain, on an infinite axis across the contact.
+"""Stress and displacement by plastic strain that is uniform beyond either side of a volume, in plane strain.
+
+Stress by plastic strain in plane strain, on an infinite axis across the contact.
 
 Fields are convolved across wave by wave, with a real matrix between all layers for each wave: one component is odd in
 x, the others are even, and multiplying the waves of the odd one by -i makes the matrices real. Transforms are padded so
 far that nothing wraps around.
+
+Closed forms of the stress in a half-space in plane strain, by a cell of plastic strain or a cell under traction.
+
+They are means over cells of the Airy stress function of a half-space free of traction,
+``G = [r^2 ln(r / R) + 2 z z'] / (8 pi)``, which solves ``nabla^4 G = delta`` with G = dG/dz = 0 at z = 0; r is the
+distance from the source and R that from its mirror source. Every mean is a difference over edges of an integral of G.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache, cached_property
 
 import numpy as np
 from scipy import fft
+from scipy.special import zeta
 
 from contactstudy.domain.fields import Array
-from contactstudy.elasticity.eigenstrain.airy_function import (
-    TractionKernel,
-    airy_means,
-    stress_means_under_pressure,
-    stress_means_under_shear,
-)
 from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
+
+# Means of the stresses xx, zz and xz by a traction on one cell, from offsets and edges.
+TractionKernel = Callable[[Array, Array], tuple[Array, Array, Array]]
+# Derivatives of G by depth of the stress (m) and of the source (n); by x there are 4 - m - n.
+DERIVATIVE_ORDERS = tuple((m, n) for m in range(3) for n in range(3))
+
+
+def airy_means(count: int, edges: Array, layer: int) -> Mapping[tuple[int, int], Array]:
+    """Return means of derivatives of Airy's stress function G over a cell of one `layer`, by sources in all layers.
+
+    For each (m, n) of `DERIVATIVE_ORDERS` it is ``d_z^m d_z'^n d_x^(4-m-n) G`` with depths z of the stress and z' of
+    the source; G is that of a half-space free of traction. The arrays (layers, x) are at `count` offsets 0, 1, 2 ...
+    across; offsets and the `edges` of the layers are in cells. Errors from cancellation grow like the offset squared,
+    to some 3e-9 of the largest mean at 1000 cells.
+    """
+    x = np.arange(-1.0, count + 1)
+    below, above = (_integrals(x, edges[layer + side], edges) for side in (1, 0))
+    thickness = edges[layer + 1] - edges[layer]
+    means = {}
+    for orders in DERIVATIVE_ORDERS:
+        change = np.diff(below[orders] - above[orders], axis=0)
+        means[orders] = (change[:, 2:] - 2 * change[:, 1:-1] + change[:, :-2]) / thickness
+    return means
+
+
+def _integrals(x: Array, z: float, source: Array) -> dict[tuple[int, int], Array]:
+    """Return ``d_z^(m-1) d_z'^(n-1) d_x^(2-m-n) G`` (source, x) for each (m, n), at offsets `x` and depth `z`.
+
+    G is Airy's stress function, and `source` the depths of its sources. Polynomials that the differences over cells
+    remove are left out.
+    """
+    z_source = source[:, None]
+    direct = _powers(x, z - z_source)
+    image = _powers(x, z + z_source)
+    products = _products(x, z, z_source)
+    return {
+        (m, n): (-((-1) ** n) * direct[m + n] - image[m + n] + 4 * products[m, n]) / (8 * np.pi)
+        for m, n in DERIVATIVE_ORDERS
+    }
+
+
+def log_distance(squared: Array) -> Array:
+    """Return ``ln r`` from ``r^2``, and 0 at r = 0: what it is multiplied by is zero there."""
+    return np.asarray(np.log(squared + (squared == 0)) / 2)
+
+
+def _powers(x: Array, z: Array) -> tuple[Array, ...]:
+    """Return ``d_z^(k-2) d_x^(2-k) (r^2 ln r)`` for k = 0 ... 4, with r the distance from the origin to (x, z).
+
+    Polynomials that the differences over cells remove are left out.
+    """
+    squared = x * x + z * z
+    log = log_distance(squared)
+    # angles from the z axis and from the x axis, of the same sign as x z
+    by_z = np.sign(z) * np.arctan2(x, np.abs(z))
+    by_x = np.sign(x) * np.arctan2(z, np.abs(x))
+    return (
+        (z * z - 3 * x * x) * log + 4 * x * z * by_x,
+        2 * x * (z * log + x * by_x),
+        squared * log,
+        2 * z * (x * log + z * by_z),
+        (x * x - 3 * z * z) * log + 4 * x * z * by_z,
+    )
+
+
+def _products(x: Array, z: float, source: Array) -> dict[tuple[int, int], Array]:
+    """Return ``d_z^(m-1) d_z'^(n-1) d_x^(2-m-n) (z z' ln R)`` for each (m, n), with z' the depths of the `source`.
+
+    R is the distance from the mirror source. Polynomials that the differences over cells remove are left out.
+    """
+    w = (z + source) + 1j * x
+    log = np.log(np.where(w == 0, 1.0, w))
+    # ln w, integrated zero, one and two times
+    log_integrals = log, w * (log - 1), w * w / 2 * (log - 1.5)
+    derivatives = {}
+    for m, n in DERIVATIVE_ORDERS:
+        s, t = m - 1, n - 1
+        rotation = 1j ** ((2 - m - n) % 4)
+        plain, once, twice = ((rotation * term).real for term in log_integrals)
+        derivatives[m, n] = z * source * plain + (s * source + t * z) * once + s * t * twice
+    return derivatives
+
+
+def stress_means_under_pressure(offsets: Array, edges: Array) -> tuple[Array, Array, Array]:
+    """Return means of the stresses xx, zz and xz over cells under one cell of unit pressure, each (layers, x).
+
+    `offsets` of the stress from the pressure and `edges` of the layers are in cells. Source: the integrals of Johnson
+    (1985), eqs. 2.23, over the cells.
+    """
+    x, z, squared, log, angle = _from_one_cell(offsets, edges)
+    return _means(
+        edges,
+        (z * z * log - x * z * angle) / np.pi,
+        -x * (z * angle + x * log) / np.pi,
+        (squared * angle - x * z) / (2 * np.pi),
+    )
+
+
+def stress_means_under_shear(offsets: Array, edges: Array) -> tuple[Array, Array, Array]:
+    """Return means of the stresses xx, zz and xz over cells by unit tangential traction on one cell, each (layers, x).
+
+    Arguments are those of :func:`stress_means_under_pressure`. Source: the integrals of Johnson (1985), eqs. 2.23, over
+    the cells: zz and xz are xz and xx of a pressed cell, and ``xx + zz = -2 x / (pi r^2)`` below a line of force.
+    """
+    x, z, squared, log, angle = _from_one_cell(offsets, edges)
+    by_x = np.sign(x) * np.arctan2(z, np.abs(x))
+    zz = (squared * angle - x * z) / (2 * np.pi)
+    trace = -2 / np.pi * (x * z * log + (z * z * angle + x * x * by_x) / 2)
+    return _means(edges, trace - zz, zz, (z * z * log - x * z * angle) / np.pi)
+
+
+def _from_one_cell(offsets: Array, edges: Array) -> tuple[Array, Array, Array, Array, Array]:
+    """Return x, z, r^2, ln r and the angle from the z axis at the edges of cells, (edge across, edge, x)."""
+    x = (offsets + np.array([-1.0, 0.0, 1.0])[:, None])[:, None, :]
+    z = edges[:, None]
+    squared = x * x + z * z
+    return x, z, squared, log_distance(squared), np.arctan2(x, z)
+
+
+def _means(edges: Array, *integrals: Array) -> tuple[Array, Array, Array]:
+    """Return the means (layers, x) over cells of three stresses, integrated twice over x and once over z."""
+    thickness = np.diff(edges)[:, None]
+    changes = [np.diff(integral, axis=1) for integral in integrals]
+    xx, zz, xz = ((change[2] - 2 * change[1] + change[0]) / thickness for change in changes)
+    return xx, zz, xz
 
 
 def padded_across(across: int) -> int:
@@ -219,3 +347,113 @@ class PlaneStrainOperator:
                 diagonal_blocks[layer, i, j] = means[layer, 0]
                 spectrum[:, i, layer, j] = real_spectrum(means, is_odd=(i == ODD, j == ODD)).T
         return spectrum.reshape(-1, 3 * layers, 3 * layers), diagonal_blocks
+
+
+# Terms that are odd across are summed one by one up to a distance of this number of depths of the volume. Beyond it the
+# sum of their asymptote is added.
+DEPTHS = 16
+# Factors on the components when x changes its sign: -1 for the shear xz, 1 for the others.
+MIRRORED = np.where(np.arange(len(PLANE_STRAIN_BASIS)) == ODD, -1.0, 1.0)
+# Powers n of the two leading terms 1 / x^n of the asymptote of odd terms at the distance x.
+POWERS = np.array([3.0, 5.0])
+
+
+@dataclass(frozen=True, eq=False)
+class OuterStrain:
+    """Influence of plastic strain beyond the volume of an `operator`, at smaller x (left) and at larger x (right).
+
+    On either side strain does not vary along x: it is a profile (3, layers), of the deviatoric components of plane
+    strain, ``(xx - zz) / sqrt(2), (2 yy - xx - zz) / sqrt(6), sqrt(2) xz``. In-plane components are xx, zz and
+    ``sqrt(2) xz``.
+
+    Coefficients are summed over all cells of a side. Those between xz and another component are odd across, the others
+    are even. Sums of even ones follow from the closed form of the sum over both sides. Odd ones are replaced by their
+    asymptote beyond `DEPTHS` depths, with an error of 1e-6 of the largest.
+    """
+
+    operator: PlaneStrainOperator
+
+    def stress(self, left: Array, right: Array) -> Array:
+        """Return the deviatoric stress (3, layers, x, 1) [Pa] of the profiles in the volume, without pressure."""
+        return -self.operator.deviator(self._negative_residual(left, right))
+
+    def tensor(self, left: Array, right: Array) -> Array:
+        """Return the stress tensor (6, layers, x, 1) [Pa] that the profiles make in the volume, without pressure."""
+        return self.operator.tensor(-self._negative_residual(left, right), None)
+
+    def residual_displacement(self, left: Array, right: Array) -> Array:
+        """Return the surface displacement (x, 1) [m] into the body, on a grid that the volume covers."""
+        thicknesses, cells = self.operator.volume.thicknesses, self.operator.volume.grid.cells[0]
+        sums = self._surface_displacements[..., :cells]
+        by_left, by_right = (
+            np.einsum("al,alx->x", self.operator.in_plane(profile) * thicknesses, signs * sums)
+            for profile, signs in ((left, MIRRORED[:, None, None]), (right, 1.0))
+        )
+        return np.asarray((by_left + by_right[::-1])[:, None])
+
+    def _negative_residual(self, left: Array, right: Array) -> Array:
+        """Return minus the in-plane residual stress (3, layers, x, 1) [Pa] of the profiles."""
+        sums = self._stresses
+        mirrored = np.multiply.outer(MIRRORED, MIRRORED)[:, None, :, None, None]
+        by_left = np.einsum("iljmx,jm->ilx", sums, self.operator.in_plane(left))
+        by_right = np.einsum("iljmx,jm->ilx", mirrored * sums, self.operator.in_plane(right))
+        return np.asarray((by_left + by_right[..., ::-1])[..., None])
+
+    @cached_property
+    def _stresses(self) -> Array:
+        """Minus the in-plane stress (3, layer, 3, layer of strain, x) by all cells more than x cells to the left."""
+        operator = self.operator
+        layers, across, _ = operator.volume.shape
+        stresses = np.empty((3, layers, 3, layers, across))
+        for layer in range(layers):
+            for i, j, means in operator.negative_residual_means(self._count, layer):
+                if (i == ODD) != (j == ODD):
+                    sums = _odd_sums(means)
+                else:
+                    # uniform strain leaves only the stress xx of its own layer
+                    uniform = np.zeros((layers, 1))
+                    uniform[layer] = operator.moduli.plane_strain if i == j == 0 else 0.0
+                    sums = _even_sums(means, uniform)
+                stresses[i, layer, j] = sums[:, :across]
+        return stresses
+
+    @cached_property
+    def _surface_displacements(self) -> Array:
+        """Sums of in-plane stress (3, layers, x) by unit pressure in a cell, over all cells more than x to its right.
+
+        By reciprocity they are also the displacement of that cell by the strain in those, per thickness of a layer.
+        """
+        xx, zz, xz = stress_means_under_pressure(np.arange(float(self._count)), self.operator.edges_in_cells)
+        # under unit pressure on all of the surface, xx = zz = -1
+        uniform = -np.ones((len(xx), 1))
+        sums = _even_sums(xx, uniform), _even_sums(zz, uniform), _odd_sums(2**0.5 * xz)
+        return np.stack(sums)
+
+    @property
+    def _count(self) -> int:
+        """Number of cells across over which odd terms are summed one by one."""
+        deep = DEPTHS * self.operator.edges_in_cells[-1]
+        return int(max(deep, self.operator.volume.grid.cells[0])) + 1
+
+
+def _even_sums(values: Array, total: Array) -> Array:
+    """Return sums of even `values` (..., distance) over all distances above 0, above 1 ... on one side.
+
+    The values do not change when the distance changes its sign. `total` is the sum over the distance 0 and both sides.
+    """
+    before = np.cumsum(values[..., 1:], axis=-1) - values[..., 1:]
+    return np.asarray((total - values[..., :1]) / 2 - before)
+
+
+def _odd_sums(values: Array) -> Array:
+    """Return sums of odd `values` (..., distance) over all distances above 0, above 1 ... on one side.
+
+    The values change their signs with the distance. Beyond the last distance they are extrapolated with the negative
+    powers `POWERS` of the distance, fitted to the last value and to that at half its distance.
+    """
+    last = values.shape[-1] - 1
+    fitted = np.array([last, last // 2])
+    factors = np.linalg.solve((fitted[:, None] / last) ** -POWERS, values[..., fitted].T)
+    # Hurwitz's zeta function is the sum of 1 / x^n over all distances beyond the last
+    remainder = (zeta(POWERS, last + 1.0) * float(last) ** POWERS) @ factors
+    return np.asarray(np.cumsum(values[..., :0:-1], axis=-1)[..., ::-1] + remainder[:, None])

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from contactstudy.accuracy.discretisation.hidden_heights import HiddenHeights
+from contactstudy.accuracy.error_terms import residual_errors
 from contactstudy.accuracy.estimate import error_estimate
-from contactstudy.accuracy.residual_errors import residual_errors
+from contactstudy.accuracy.hidden_heights import HiddenHeights
 from contactstudy.domain.checks import NotDefined
 from contactstudy.domain.errors import ErrorParts
 from contactstudy.evolution.integration.time_stepper import Instant, TimeStepper

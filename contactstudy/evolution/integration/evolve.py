@@ -28,9 +28,8 @@ from contactstudy.evolution.states.state_variables import (
     WearState,
     least_eigenvalue,
 )
-from contactstudy.evolution.time_steps import ErrorEstimator, Scheme
+from contactstudy.evolution.time_steps import ErrorEstimator, Scheme, solved_or_unloaded
 from contactstudy.evolution.trajectory import Frame, Trajectory
-from contactstudy.evolution.warm_started import solved_or_unloaded
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.friction.fretting import Fretting
 from contactstudy.scene.friction.friction_law import has_proportional_compliances

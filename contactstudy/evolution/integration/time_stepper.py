@@ -27,8 +27,9 @@ from contactstudy.evolution.states.state_variables import (
     Step,
     WearState,
 )
-from contactstudy.evolution.time_steps import STAGES, Scheme
-from contactstudy.evolution.warm_started import (
+from contactstudy.evolution.time_steps import (
+    STAGES,
+    Scheme,
     WarmStartedContact,
     solved_or_unloaded,
     with_added_gap,
@@ -37,7 +38,7 @@ from contactstudy.problem.constraint import PrescribedLoad
 from contactstudy.problem.problem import Problem, Scales
 from contactstudy.scene.loads.load_history import ChangingLoad
 from contactstudy.scene.shapes_source import ShapesSource
-from contactstudy.solvers.friction.laws import FullSliding
+from contactstudy.solvers.friction.coulomb import FullSliding
 from contactstudy.solvers.solution import (
     AdhesiveTraction,
     CoupledSolution,

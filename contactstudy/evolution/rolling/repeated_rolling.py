@@ -7,7 +7,7 @@ from math import inf
 
 import numpy as np
 
-from contactstudy.accuracy.discretisation.coarser import halved
+from contactstudy.accuracy.coarser import halved
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings
@@ -21,8 +21,7 @@ from contactstudy.evolution.rolling.track import (
     rolling_contact,
     with_zero_layers,
 )
-from contactstudy.evolution.states.plastic import YieldingBody, check_paddings, step_solution
-from contactstudy.evolution.states.plastic_volume import embedded, layers
+from contactstudy.evolution.states.plastic import YieldingBody, check_paddings, embedded, layers, step_solution
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.loads.constant_load import ConstantLoad
 from contactstudy.scene.scene import PosedScene, Scene

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from contactstudy.accuracy.discretisation.coarser import halved
+from contactstudy.accuracy.coarser import halved
 from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
@@ -21,7 +21,7 @@ from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.scene.shapes_source import ShapesSource
 from contactstudy.scene.solids.bodies import creeps, instantaneous, response
 from contactstudy.scene.solids.viscoelastic import rolling_bodies
-from contactstudy.solvers.anderson import LaggedSolution, solve_with_mixing
+from contactstudy.solvers.fixed_point import LaggedSolution, solve_with_mixing
 from contactstudy.solvers.solution import Solution, Status, worst
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
@@ -173,7 +173,7 @@ def solve_rolling(
         How each outer iteration is solved.
     change
         Relative L1 change of the pressure below which outer iterations end, see
-        :func:`~contactstudy.solvers.anderson.solve_with_mixing`.
+        :func:`~contactstudy.solvers.fixed_point.solve_with_mixing`.
     max_outer
         Largest number of outer iterations.
     progress

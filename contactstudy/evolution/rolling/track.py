@@ -8,16 +8,20 @@ import numpy as np
 
 from contactstudy.domain.device import Precision
 from contactstudy.domain.fields import Array
-from contactstudy.elasticity.eigenstrain.outer_strain import OuterStrain
-from contactstudy.elasticity.eigenstrain.plane_strain_operator import PlaneStrainOperator
+from contactstudy.elasticity.eigenstrain.plane_strain_operator import OuterStrain, PlaneStrainOperator
 from contactstudy.elasticity.eigenstrain.volume import Volume
-from contactstudy.evolution.states.plastic_volume import embedded, enlarged
-from contactstudy.evolution.warm_started import WarmStartedContact, solved_or_unloaded, with_added_gap
+from contactstudy.evolution.states.plastic import embedded, enlarged
+from contactstudy.evolution.time_steps import WarmStartedContact, solved_or_unloaded, with_added_gap
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.rolling import RollingPressure
-from contactstudy.solvers.plasticity.contact_tangent import ContactTangent
-from contactstudy.solvers.plasticity.elastoplastic_step import ElastoplasticStep, Tangent, solve_elastoplastic_step
-from contactstudy.solvers.plasticity.yielding_bodies import Hardening, YieldingBodies
+from contactstudy.solvers.plasticity import (
+    ContactTangent,
+    ElastoplasticStep,
+    Hardening,
+    Tangent,
+    YieldingBodies,
+    solve_elastoplastic_step,
+)
 from contactstudy.solvers.solution import Solution
 from contactstudy.solvers.solve import SolveOptions
 

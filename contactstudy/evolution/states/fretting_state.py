@@ -13,7 +13,7 @@ from contactstudy.evolution.states.state_variables import Contribution, CreepSta
 from contactstudy.problem.problem import Field
 from contactstudy.scene.loads.load_history import PiecewiseLinear
 from contactstudy.solvers.friction.coulomb_newton import shear_status
-from contactstudy.solvers.friction.partial_slip import (
+from contactstudy.solvers.friction.fretting import (
     SlipStep,
     locked_shear,
     slip_step,
@@ -40,7 +40,7 @@ TINY = 1e-300
 class FrettingState:
     """Tangential traction between bodies that stick in part, the distance slipped, and the depth worn by it.
 
-    Each step is one of :func:`~contactstudy.solvers.friction.partial_slip.slip_step`, from the traction before it and
+    Each step is one of :func:`~contactstudy.solvers.friction.fretting.slip_step`, from the traction before it and
     what a rising pressure locks in. The step loses ``mu p |slip|`` per area and wears ``k p |slip|`` (Archard 1953),
     with a mean p of the pressures at its start and its end (a theta method), so that the wear volume is ``k / mu``
     times the energy. With the depth per pressure w worn in a step and the weight e of the pressure at its start, an

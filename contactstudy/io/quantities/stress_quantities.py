@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from contactstudy.accuracy.approach_and_stress import (
+from contactstudy.accuracy.estimate import (
     interface_shear,
     unbounded_by_peak,
     unresolved_interface,

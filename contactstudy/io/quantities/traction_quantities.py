@@ -6,13 +6,12 @@ from math import inf, isfinite
 import numpy as np
 from numpy.typing import NDArray
 
-from contactstudy.accuracy.range_errors import NO_LIMIT
+from contactstudy.accuracy.error_terms import NO_LIMIT
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.io.quantities.quantity import Quantity, per_length, with_bound
 from contactstudy.io.quantities.stress_quantities import fall_beside
 from contactstudy.scene.scene import scene_of
-from contactstudy.solvers.friction.fretting_traction import FrettingTraction
-from contactstudy.solvers.friction.rolling_traction import RollingTraction
+from contactstudy.solvers.friction.traction import FrettingTraction, RollingTraction
 from contactstudy.solvers.solution import Solution, TangentialTraction
 
 # ENERGY_ERROR / n^2 is the relative error of the energy of a cycle with n cells across the slip zone: at most 0.82 / n^2

@@ -9,8 +9,7 @@ from math import inf
 from typing import Any
 
 from contactstudy.domain.checks import InvalidInput, suggestion
-from contactstudy.domain.unit_text import in_si
-from contactstudy.domain.units import HARDNESS
+from contactstudy.domain.units import HARDNESS, in_si
 from contactstudy.scene.solids.bodies import HalfSpace
 from contactstudy.scene.solids.elastic_plastic import ElasticPlasticHalfSpace
 

@@ -24,13 +24,11 @@ from contactstudy.domain.validation import AT_LEAST_ZERO, FINITE, OR_INFINITE, U
 from contactstudy.evolution.time_steps import TimeSteps
 from contactstudy.io.scene_files.structuring import NO_KIND
 from contactstudy.scene.adhesion import Adhesion
-from contactstudy.scene.friction.fretting import Fretting
-from contactstudy.scene.friction.partial_slip import PartialSlip
-from contactstudy.scene.friction.sliding import Sliding
+from contactstudy.scene.friction.fretting import Fretting, PartialSlip
+from contactstudy.scene.friction.friction_law import Sliding
 from contactstudy.scene.friction.tractive_rolling import TractiveRolling
-from contactstudy.scene.loads.constant_load import LineLoad, TotalLoad
+from contactstudy.scene.loads.constant_load import Approach, LineLoad, PullOff, TotalLoad
 from contactstudy.scene.loads.load_history import ChangingLoad, LoadHistory, SineLoad
-from contactstudy.scene.loads.resulting_load import Approach, PullOff
 from contactstudy.scene.lubrication.lubricant import (
     Barus,
     Carreau,
@@ -48,12 +46,20 @@ from contactstudy.scene.lubrication.lubrication import Lubrication
 from contactstudy.scene.rolling import Rolling
 from contactstudy.scene.scene import Friction, Output, Scene
 from contactstudy.scene.shapes.moving_shape import MovingShape
-from contactstudy.scene.shapes.profile import Axis, EndRelief, ProfilePoints
-from contactstudy.scene.shapes.roller import Crown, Cylinder, Ellipsoid, FiniteLength, LundbergProfile, Sphere
+from contactstudy.scene.shapes.roller import (
+    Axis,
+    Crown,
+    Cylinder,
+    Ellipsoid,
+    EndRelief,
+    FiniteLength,
+    LundbergProfile,
+    ProfilePoints,
+    Sphere,
+)
 from contactstudy.scene.shapes.roughness import Roughness
-from contactstudy.scene.shapes.shape import Shape, curvatures_of
+from contactstudy.scene.shapes.shape import Shape, Tilt, curvatures_of
 from contactstudy.scene.shapes.texture import Texture, Waviness
-from contactstudy.scene.shapes.tilt import Tilt
 from contactstudy.scene.solids.bodies import Body, HalfSpace
 from contactstudy.scene.solids.coated import CoatedHalfSpace
 from contactstudy.scene.solids.elastic_plastic import ElasticPlasticHalfSpace
@@ -72,12 +78,10 @@ from contactstudy.scene.surfaces.preparation import (
     Tile,
     Trend,
 )
-from contactstudy.scene.surfaces.reading import Reading
 from contactstudy.scene.surfaces.text_file import decoded, table
-from contactstudy.scene.surfaces.text_surface import column_unit
+from contactstudy.scene.surfaces.text_surface import Reading, column_unit
 from contactstudy.scene.wear import Wear
-from contactstudy.solvers.polonsky_keer import PolonskyKeer
-from contactstudy.solvers.preconditioned_cg import PreconditionedCG
+from contactstudy.solvers.conjugate_gradients import PolonskyKeer, PreconditionedCG
 from contactstudy.solvers.solve import SolveOptions, Solver
 
 # Curvature [1/m] and bodies of the scene to which a shape belongs.

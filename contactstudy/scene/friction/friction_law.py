@@ -1,20 +1,21 @@
-"""What laws of friction share: checks of a scene, and its bodies' response to tangential traction."""
+"""Full sliding by Coulomb's law, and what laws of friction share."""
 
 from itertools import product
-from math import inf
+from math import inf, log
 from typing import Annotated, Literal, Protocol
 
 from contactstudy.domain.checks import InvalidInput
+from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings, is_free
 from contactstudy.domain.units import Number, readable
-from contactstudy.domain.validation import BELOW_ONE
+from contactstudy.domain.validation import BELOW_ONE, FROM_ZERO_BELOW_ONE, BodyIndex, validated
 from contactstudy.elasticity.convolution import GeneralConvolution
 from contactstudy.elasticity.tangential import (
     ShearableBody,
     normal_displacement,
     summed_responses,
 )
-from contactstudy.scene.loads.resulting_load import Approach
+from contactstudy.scene.loads.constant_load import Approach
 from contactstudy.scene.solids.bodies import (
     Body,
     HalfSpace,
@@ -26,6 +27,7 @@ from contactstudy.scene.solids.bodies import (
     yields,
 )
 from contactstudy.scene.solids.coated import CoatedHalfSpace
+from contactstudy.solvers.friction.coulomb import FullSliding
 
 FrictionCoefficient = Annotated[Number, BELOW_ONE]
 # Instants at which a force is compared with the friction limit under a load that changes.
@@ -246,3 +248,78 @@ def check_static(scene: SceneContext, name: str, remedy: str = "") -> None:
             f"{changing} changes in time together with {name}: traction depends on the path of its forces, "
             f"{remedy or 'give Fretting with times'}."
         )
+
+
+@validated
+class Sliding:
+    """Full sliding: the second body slides to larger x over the first one.
+
+    The tangential traction is the coefficient times the pressure, along +x on the first body, along -x on the second.
+    Between elastically dissimilar bodies (Dundurs' beta) traction makes the pressure asymmetric; between similar ones
+    the pressure is that without friction.
+
+    Parameters
+    ----------
+    coefficient
+        Coefficient of friction, at least 0 and below 1.
+    standing
+        Index (0 or 1) in ``Scene.solids`` of the body on which the contact stands still, such as a slider or a block: it
+        wears in place, and does not creep from one place to the next. None for a contact that moves over both bodies.
+
+    Raises
+    ------
+    InvalidInput
+        For other coefficients; in a scene with repeated rolling, or with dissimilar bodies one of which creeps or that
+        roll.
+    """
+
+    coefficient: Annotated[Number, FROM_ZERO_BELOW_ONE]
+    standing: BodyIndex | None = None
+
+    def check(self, scene: SceneContext) -> None:
+        """Raise :class:`~contactstudy.InvalidInput` if the coupling of these bodies is not supported."""
+        beta = dundurs(scene.solids)
+        if scene.rolling is not None and scene.rolling.passes is not None:
+            raise InvalidInput(
+                f"Scene.rolling has {scene.rolling.passes} passes together with Sliding: traction in repeated rolling "
+                "is not supported, leave one of them out."
+            )
+        if are_similar(scene.solids) or self.coefficient == 0:
+            return
+        if any(map(creeps, scene.solids)):
+            raise InvalidInput(
+                f"Scene.solids are elastically dissimilar (Dundurs' beta {beta:.3g}) together with Sliding, and one "
+                "creeps: creep of their coupling is not supported, give equal bodies, or an incompressible one on a "
+                "rigid one."
+            )
+        if scene.rolling is not None:
+            raise InvalidInput(
+                f"Scene.solids are elastically dissimilar (Dundurs' beta {beta:.3g}) together with Sliding and "
+                "Scene.rolling: both make the pressure asymmetric, and the combination is not supported: give bodies of "
+                "one material, or TractiveRolling."
+            )
+
+    def solver(self, scene: SceneContext, gap: Array, grid: Grid, paddings: Paddings, datum: float) -> FullSliding:
+        """Return the solver of this scene on a grid, with the coupling of traction and normal displacement."""
+        if self.coefficient == 0:
+            return FullSliding(self.coefficient, None)
+        coupling = shear_coupling(scene.solids, "x", grid, paddings, datum)
+        return FullSliding(self.coefficient, coupling[0] if coupling else None)
+
+    def explanation(self, scene: SceneContext) -> str:
+        """Return a sentence on the solves: one if the bodies are elastically similar, else a sequence of them."""
+        beta = dundurs(scene.solids)
+        if are_similar(scene.solids) or self.coefficient == 0:
+            return (
+                "friction: full sliding of elastically similar bodies, so the pressure is that without "
+                "friction, in one solve."
+            )
+        return (
+            f"friction: full sliding of dissimilar bodies (Dundurs' beta {beta:.3g}), solved with the traction of "
+            f"the previous solve, in about {_outer_iterations(abs(beta) * self.coefficient)} outer iterations."
+        )
+
+
+def _outer_iterations(product: float) -> int:
+    """Return the outer iterations to a tolerance of 1e-8, each of which leaves about the product of beta and mu."""
+    return max(2, round(log(1e-8) / log(min(max(1.1 * product, 1e-8), 0.9))))

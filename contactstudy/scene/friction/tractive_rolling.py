@@ -28,7 +28,7 @@ from contactstudy.scene.rolling import check_slow, check_standing
 from contactstudy.scene.shapes.shape import LengthScales, Shape, gap_of, length_scales_of
 from contactstudy.scene.solids.bodies import SceneContext, yields
 from contactstudy.scene.solids.viscoelastic import rolling_bodies
-from contactstudy.solvers.friction.rolling_traction import Creepage
+from contactstudy.solvers.friction.traction import Creepage
 from contactstudy.solvers.friction.tractive_rolling import ShearPressureCoupling, TractiveShear
 
 STATIONARY_HEIGHTS = "The heights are fixed in the frame of the contact: traction under moving heights is not computed."

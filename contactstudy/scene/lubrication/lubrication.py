@@ -9,8 +9,7 @@ from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.units import Metres, MetresPerSecond, Number
 from contactstudy.domain.validation import AT_LEAST_ZERO, FINITE, validated
 from contactstudy.scene.loads.load_history import Times
-from contactstudy.scene.lubrication.film_heat import LEAST_VISCOSITY, FilmHeat
-from contactstudy.scene.lubrication.lubricant import Lubricant, Roelands
+from contactstudy.scene.lubrication.lubricant import LEAST_VISCOSITY, FilmHeat, Lubricant, Roelands
 from contactstudy.scene.solids.bodies import SceneContext, creeps, yields
 
 # Relative difference up to which a given exponent of Roelands counts as that of alpha, which may have been rounded.

@@ -1,15 +1,17 @@
-"""Shapes of the undeformed gap; the shapes of a scene add up."""
+"""Shapes of the undeformed gap, which add up, and the tilt of a roller."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from math import inf
-from typing import Protocol, runtime_checkable
+from math import inf, tan
+from typing import Annotated, Protocol, runtime_checkable
 
 import numpy as np
 
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
+from contactstudy.domain.units import Radians
+from contactstudy.domain.validation import Limits, validated
 
 
 @runtime_checkable
@@ -114,3 +116,42 @@ def gap_of(shape: Shape, grid: Grid) -> Array:
 def length_scales_of(shapes: Iterable[Shape]) -> list[LengthScales]:
     """Return the length scales of the shapes that name theirs."""
     return [shape.length_scales for shape in shapes if hasattr(shape, "length_scales")]
+
+
+# Angle [rad] of a roller beyond which its ends leave the half-space.
+MAX_ANGLE = 0.1
+Angle = Annotated[Radians, Limits(f"between -{MAX_ANGLE:g} and {MAX_ANGLE:g} rad", lambda x: abs(x) <= MAX_ANGLE)]
+
+
+@validated
+class Tilt:
+    """Misalignment: the axis of a roller turned by an angle out of the plane of contact, ``y tan(angle)``.
+
+    The axis leans in the plane of the load, about the middle of the length. With an angle above zero the gap opens
+    towards larger y, and the end at smaller y carries more. Under a crown of radius R the contact moves along the
+    length by ``-R tan(angle)``. The roller must end within the grid: give it a length, as
+    :class:`~contactstudy.FiniteLength` does, and :class:`~contactstudy.ZeroPadding` along it.
+
+    Parameters
+    ----------
+    angle
+        Angle [rad], between -0.1 and 0.1.
+
+    Raises
+    ------
+    InvalidInput
+        If the angle is outside these limits.
+    """
+
+    angle: Angle
+
+    @property
+    def length_scales(self) -> LengthScales:
+        """Length scales of a roller whose length is not known."""
+        return LengthScales(roller=inf if self.angle else 0.0)
+
+    def gap(self, grid: Grid) -> Array:
+        """Return ``y tan(angle)`` [m], of shape (1, ny), or (nx, 1) without a tilt."""
+        if self.angle == 0:
+            return no_gap(grid)
+        return (grid.y * tan(self.angle))[None, :]

@@ -30,7 +30,7 @@ from contactstudy.scene.surfaces.preparation import (
     trend_text,
     without_trend,
 )
-from contactstudy.scene.surfaces.reading import Flip, Reading, Sizes
+from contactstudy.scene.surfaces.text_surface import Flip, Reading, Sizes
 
 
 @validated
@@ -133,7 +133,7 @@ class MeasuredSurface:
             Size (width, length) [m] of a file without sizes. A matrix without it, and a netCDF file that lacks
             coordinates, are heights of the grid's cells.
         unit, invalid, decimal, transpose, flip, sizes
-            As for :class:`~contactstudy.scene.surfaces.reading.Reading`.
+            As for :class:`~contactstudy.scene.surfaces.text_surface.Reading`.
         missing, trend, seam, seam_across, filter
             As for the class; the defaults are to refuse missing points, ``"plane"``, ``Tapered()``,
             ``AsMeasured()`` and no filter.

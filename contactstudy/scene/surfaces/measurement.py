@@ -17,9 +17,15 @@ from contactstudy.scene.surfaces.plausibility import (
     measured_points,
     steps_between,
 )
-from contactstudy.scene.surfaces.reading import REVERSED, FileContent, Reading, unit_of_heights
 from contactstudy.scene.surfaces.text_file import decoded, length_unit, table
-from contactstudy.scene.surfaces.text_surface import SQUARE, surface_of_text
+from contactstudy.scene.surfaces.text_surface import (
+    REVERSED,
+    SQUARE,
+    FileContent,
+    Reading,
+    surface_of_text,
+    unit_of_heights,
+)
 
 # Points and their sizes (x, y) [m], if they have any.
 Measurement = tuple[Array, tuple[float, float] | None]

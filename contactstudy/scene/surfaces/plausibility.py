@@ -6,7 +6,7 @@ from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 from contactstudy.domain.units import readable
 from contactstudy.scene.surfaces.preparation import polynomial
-from contactstudy.scene.surfaces.reading import FileContent, Reading, unit_name
+from contactstudy.scene.surfaces.text_surface import FileContent, Reading, unit_name
 
 # Numbers, of either sign, that instruments write for a point that was not measured; any from VOID on is one.
 MARKS = (999, 9999, 99999, 999999, 32767, 32768, 65535, 2147483648)

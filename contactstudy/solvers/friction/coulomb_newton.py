@@ -20,8 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactstudy.domain.fields import Array
-from contactstudy.solvers.friction.friction_set import FrictionSet, Projection
-from contactstudy.solvers.friction.slip import SlipOperator
+from contactstudy.solvers.friction.coulomb import FrictionSet, Projection, SlipOperator
 from contactstudy.solvers.solution import Status
 
 

@@ -27,15 +27,15 @@ from contactstudy.elasticity.convolution import GeneralConvolution
 from contactstudy.elasticity.tangential import ShearResponse
 from contactstudy.problem.problem import Problem
 from contactstudy.solvers.fixed_point import solve_by_fixed_point_iteration
+from contactstudy.solvers.friction.coulomb import RollingSlip
 from contactstudy.solvers.friction.coulomb_newton import CoulombNewton, shear_status
-from contactstudy.solvers.friction.partial_slip import transmission_status
-from contactstudy.solvers.friction.rolling_traction import (
+from contactstudy.solvers.friction.fretting import transmission_status
+from contactstudy.solvers.friction.traction import (
     UNKNOWN,
     Creepage,
     RollingErrors,
     RollingTraction,
 )
-from contactstudy.solvers.friction.slip import RollingSlip
 from contactstudy.solvers.solution import Solution, TangentialTraction, with_traction
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 

@@ -5,8 +5,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.accuracy.approach_and_stress import approach_error
-from contactstudy.accuracy.estimate import error_estimate
+from contactstudy.accuracy.estimate import approach_error, error_estimate
 from tests.conftest import LineContact
 
 EXACT = cs.ExactPeriodicity()

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.accuracy.discretisation.cells import contact_perimeter
+from contactstudy.accuracy.coarser import contact_perimeter
 from contactstudy.io.quantities.quantity import Quantity
 
 GRID = cs.Grid((4, 5), (4 * 2.0, 5 * 3.0))  # a cell is 2 m across and 3 m along

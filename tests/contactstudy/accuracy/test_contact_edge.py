@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.accuracy.discretisation.contact_edge import CONSTANTS, half_widths
+from contactstudy.accuracy.contact_edge import CONSTANTS, half_widths
 from tests.conftest import STEEL, LineContact
 
 EXACT = cs.ExactPeriodicity()

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.accuracy.discretisation.hidden_heights import HiddenHeights
+from contactstudy.accuracy.hidden_heights import HiddenHeights
 from tests.conftest import LineContact
 
 BOTH = cs.ExactPeriodicity(), cs.ExactPeriodicity()

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.accuracy.discretisation.cells import discretisation_errors
-from contactstudy.accuracy.discretisation.coarser import coarse_solution, coarser_problem
-from contactstudy.accuracy.discretisation.contact_edge import edge_error
+from contactstudy.accuracy.coarser import coarse_solution, coarser_problem, discretisation_errors
+from contactstudy.accuracy.contact_edge import edge_error
 from tests.conftest import LineContact
 
 EXACT = cs.ExactPeriodicity()

@@ -8,9 +8,9 @@ import pytest
 from scipy.optimize import brentq
 
 import contactstudy as cs
-from contactstudy.accuracy.discretisation.coarser import coarse_solution
+from contactstudy.accuracy.coarser import coarse_solution
+from contactstudy.accuracy.error_terms import residual_errors
 from contactstudy.accuracy.estimate import error_estimate
-from contactstudy.accuracy.residual_errors import residual_errors
 from contactstudy.domain.errors import ErrorParts
 from contactstudy.domain.fields import Array
 from contactstudy.io.quantities.quantity import Quantity

@@ -6,7 +6,7 @@ from math import inf, pi
 import pytest
 
 import contactstudy as cs
-from contactstudy.accuracy.half_space import beyond_half_space, pin_in_hole
+from contactstudy.accuracy.plausibility import beyond_half_space, pin_in_hole
 
 STEEL, RIGID = cs.HalfSpace(210e9, 0.3), cs.HalfSpace(inf, 0.3)
 RUBBER = cs.HalfSpace(10e6, 0.5)

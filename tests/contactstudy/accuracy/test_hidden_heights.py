@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.accuracy.discretisation.coarser import touching_fraction
-from contactstudy.accuracy.discretisation.hidden_heights import HiddenHeights
+from contactstudy.accuracy.coarser import touching_fraction
 from contactstudy.accuracy.estimate import error_estimate
+from contactstudy.accuracy.hidden_heights import HiddenHeights
 from contactstudy.elasticity.convolution import Convolution, weighted_sum
 from tests.conftest import LineContact
 from tests.contactstudy.scene.shapes.test_own_shapes import Own

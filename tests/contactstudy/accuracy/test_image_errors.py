@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
+from contactstudy.accuracy.error_terms import image_errors
 from contactstudy.accuracy.estimate import error_estimate
-from contactstudy.accuracy.image_errors import image_errors
 from tests.conftest import STEEL, LineContact
 
 FREE, EXACT = cs.ZeroPadding(), cs.ExactPeriodicity()

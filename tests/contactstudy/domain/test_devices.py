@@ -18,7 +18,7 @@ from contactstudy.domain.device import Device, Namespace, Precision, available_b
 from contactstudy.domain.fields import Array
 from contactstudy.domain.loops import gpu
 from contactstudy.elasticity import approximate_inverse
-from contactstudy.solvers import preconditioned_cg
+from contactstudy.solvers import conjugate_gradients as preconditioned_cg
 from contactstudy.solvers.solve import ReportingSolver
 from tests.conftest import LineContact
 from tests.contactstudy.domain import host_gpu

@@ -11,8 +11,8 @@ import psutil
 import pytest
 
 from contactstudy import InvalidInput
-from contactstudy.domain.storage import files as module
-from contactstudy.domain.storage.files import (
+from contactstudy.domain import files as module
+from contactstudy.domain.files import (
     is_alive,
     locked,
     open_descriptor,

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 import contactstudy as cs
 from contactstudy import InvalidInput
-from contactstudy.domain.storage.identity import Memo, digest
+from contactstudy.domain.identity import Memo, digest
 from studies.definitions.settings import case_at
 
 CASE = case_at({"padding": "superposed", "images": 2, "period": 0.3, "grid": 16})

@@ -6,7 +6,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.domain.units import readable
-from contactstudy.evolution.equilibrium.quasi_static import follow_load
+from contactstudy.evolution.quasi_static import follow_load
 
 SOFT, RIGID = cs.HalfSpace(1.0, 0.0), cs.HalfSpace(inf, 0.3)
 # R = E* = 1 and w = pi: loads over pi have the unit of Johnson, Kendall & Roberts

@@ -11,10 +11,10 @@ import xarray as xr
 import contactstudy as cs
 from contactstudy.answers.evolution import evolution_answer
 from contactstudy.evolution.integration.evolve import evolve
-from contactstudy.evolution.states import plastic_volume
+from contactstudy.evolution.states import plastic as plastic_volume
 from contactstudy.evolution.states.plastic import PlasticState, step_solution
 from contactstudy.evolution.trajectory import Trajectory
-from contactstudy.solvers.plasticity import elastoplastic_step
+from contactstudy.solvers import plasticity as elastoplastic_step
 from tests.contactstudy.evolution.creeping import evolved, pressures
 
 EXACT = cs.ExactPeriodicity()

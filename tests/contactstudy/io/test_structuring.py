@@ -7,8 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import contactstudy as cs
-from contactstudy.domain.unit_text import KNOWN, _registry, decimal_unit, in_si, parted
-from contactstudy.domain.units import HARDNESS, Unit
+from contactstudy.domain.units import HARDNESS, KNOWN, Unit, _registry, decimal_unit, in_si, parted
 
 METRES = Unit("m", "a length", "10 mm")
 PASCALS = Unit("Pa", "a pressure", "1.2 GPa")

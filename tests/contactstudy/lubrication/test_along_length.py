@@ -8,7 +8,7 @@ from scipy import ndimage
 import contactstudy as cs
 from contactstudy.lubrication import posed_film
 from contactstudy.lubrication.film_equation import neighbour
-from contactstudy.lubrication.newton import local_stage
+from contactstudy.lubrication.newton import krylov_solver as local_stage
 from contactstudy.lubrication.newton.pseudo_time import FilmControls
 from contactstudy.lubrication.posed_film import pose, prolongated
 from contactstudy.lubrication.solve_lubricated import solve_lubricated

@@ -7,8 +7,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.domain.fields import Array
-from contactstudy.evolution.films.evolve_lubricated import evolve_lubricated
-from contactstudy.evolution.films.film_trajectory import FilmTrajectory
+from contactstudy.evolution.evolve_lubricated import FilmTrajectory, evolve_lubricated
 from contactstudy.lubrication.film_equation import FilmEquation
 from contactstudy.lubrication.newton.pseudo_time import FilmIteration, iterate
 from contactstudy.lubrication.solve_lubricated import solve_lubricated

@@ -7,7 +7,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.domain.fields import Array
-from contactstudy.evolution.films.evolve_lubricated import evolve_lubricated
+from contactstudy.evolution.evolve_lubricated import evolve_lubricated
 from contactstudy.lubrication.newton.pseudo_time import FilmControls
 from contactstudy.lubrication.posed_film import pose
 from contactstudy.lubrication.solve_lubricated import film_grid, solve_lubricated

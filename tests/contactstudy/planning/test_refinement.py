@@ -6,8 +6,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.domain.grid import on_cells
-from contactstudy.planning.bounded_solution import BoundedSolution
-from contactstudy.planning.refinement import solve_to
+from contactstudy.planning.refinement import BoundedSolution, solve_to
 from tests.conftest import LineContact
 
 STEEL = cs.HalfSpace(210e9, 0.3)

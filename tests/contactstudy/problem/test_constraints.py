@@ -8,8 +8,7 @@ from hypothesis import strategies as st
 import contactstudy as cs
 from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.problem.constraint import Compressive, Constraint, HardnessLimited, PrescribedLoad
-from contactstudy.solvers.polonsky_keer import PolonskyKeer
-from contactstudy.solvers.preconditioned_cg import PreconditionedCG
+from contactstudy.solvers.conjugate_gradients import PolonskyKeer, PreconditionedCG
 from tests.conftest import LineContact
 from tests.contactstudy.solvers.test_preconditioned_cg import ROUGH, problem
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.accuracy.range_errors import reduction_below_jkr
+from contactstudy.accuracy.error_terms import reduction_below_jkr
 from contactstudy.domain.units import readable
 
 SOFT, RIGID = cs.HalfSpace(1e6, 0.5), cs.HalfSpace(inf, 0.3)

@@ -7,10 +7,8 @@ import pytest
 import contactstudy as cs
 from contactstudy.elasticity.coating import CoatingCoefficients
 from contactstudy.elasticity.convolution import general_convolutions
-from contactstudy.elasticity.kernels.layer.displacement_waves import DisplacementWaves, Subtracted
-from contactstudy.elasticity.kernels.layer.response import LayerResponse
-from contactstudy.elasticity.kernels.layer.stress import LayerStress
-from contactstudy.elasticity.kernels.layer.wave_coefficients import amplitudes
+from contactstudy.elasticity.kernels.layer_response import LayerResponse, LayerStress
+from contactstudy.elasticity.kernels.layer_waves import DisplacementWaves, Subtracted, amplitudes
 from tests.conftest import STEEL
 
 STIFF = cs.HalfSpace(420e9, 0.2)

@@ -5,10 +5,9 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.elasticity.kernels.layer.response import LayerResponse
-from contactstudy.elasticity.kernels.layer.stress import LayerStress
+from contactstudy.elasticity.kernels.layer_response import LayerResponse, LayerStress
 from contactstudy.elasticity.kernels.stress_cell import COMPONENTS
-from contactstudy.scene.solids.coated_stress import BELOW, CoatedStress
+from contactstudy.scene.solids.coated import BELOW, CoatedStress
 from contactstudy.scene.solids.stress_model import HalfSpaceStress
 from contactstudy.scene.stress import SubsurfaceStressOperator, von_mises
 from tests.conftest import STEEL

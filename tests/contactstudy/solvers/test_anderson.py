@@ -5,7 +5,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.problem.constraint import PrescribedApproach
-from contactstudy.solvers.anderson import solve_with_mixing
+from contactstudy.solvers.fixed_point import solve_with_mixing
 from tests.conftest import LineContact
 
 

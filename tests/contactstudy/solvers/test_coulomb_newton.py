@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.solvers.friction.friction_set import FrictionSet
+from contactstudy.solvers.friction.coulomb import FrictionSet
 
 FREE = cs.ZeroPadding(), cs.ZeroPadding()
 

@@ -6,7 +6,7 @@ import pytest
 import contactstudy as cs
 from contactstudy.domain.device import Cpu
 from contactstudy.solvers.fixed_point import solve_by_fixed_point_iteration
-from contactstudy.solvers.friction import laws
+from contactstudy.solvers.friction import coulomb as laws
 from contactstudy.solvers.friction.coulomb_newton import shear_status
 from contactstudy.solvers.solution import TangentialTraction, with_traction
 

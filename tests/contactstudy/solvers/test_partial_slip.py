@@ -5,7 +5,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.elasticity.tangential import shear_response
-from contactstudy.solvers.friction.partial_slip import SlipStep, slip_step
+from contactstudy.solvers.friction.fretting import SlipStep, slip_step
 
 FREE = cs.ZeroPadding(), cs.ZeroPadding()
 GRID = cs.Grid((24, 12), (2.2, 2.2))

@@ -8,7 +8,7 @@ import pytest
 import contactstudy as cs
 from contactstudy.domain.device import Precision
 from contactstudy.problem.bare_problem import BareProblem
-from contactstudy.solvers.polonsky_keer import PolonskyKeer
+from contactstudy.solvers.conjugate_gradients import PolonskyKeer
 from tests.conftest import LineContact
 
 

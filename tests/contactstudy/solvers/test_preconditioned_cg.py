@@ -5,8 +5,7 @@ import pytest
 from scipy.special import erfinv
 
 import contactstudy as cs
-from contactstudy.solvers.polonsky_keer import PolonskyKeer
-from contactstudy.solvers.preconditioned_cg import PreconditionedCG
+from contactstudy.solvers.conjugate_gradients import PolonskyKeer, PreconditionedCG
 from tests.conftest import LineContact
 
 PADDINGS: list[cs.Padding | cs.Paddings] = [

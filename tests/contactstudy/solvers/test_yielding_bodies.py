@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from contactstudy.solvers.plasticity.yielding_bodies import VonMisesPlasticity
+from contactstudy.solvers.plasticity import VonMisesPlasticity
 
 TWICE_SHEAR, YIELD = 1.6, 1.0
 

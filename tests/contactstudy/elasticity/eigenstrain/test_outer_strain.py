@@ -1,9 +1,9 @@
 import numpy as np
 
 import contactstudy as cs
-from contactstudy.elasticity.eigenstrain.outer_strain import OuterStrain
 from contactstudy.elasticity.eigenstrain.plane_strain_operator import (
     PLANE_STRAIN_BASIS,
+    OuterStrain,
     PlaneStrainOperator,
 )
 from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume

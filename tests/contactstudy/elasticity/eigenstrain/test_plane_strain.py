@@ -2,8 +2,7 @@ import numpy as np
 import pytest
 
 from contactstudy.domain.grid import Grid
-from contactstudy.elasticity.eigenstrain.outer_strain import OuterStrain
-from contactstudy.elasticity.eigenstrain.plane_strain_operator import PlaneStrainOperator
+from contactstudy.elasticity.eigenstrain.plane_strain_operator import OuterStrain, PlaneStrainOperator
 from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
 from contactstudy.elasticity.kernels.displacement_cell import mean_gauss_rule
 from contactstudy.elasticity.kernels.stress_cell import COMPONENTS, strip

@@ -1,6 +1,6 @@
 """Layers that the tests share: alike and unlike, compressible or not, on a soft, a stiff and a rigid base."""
 
-from contactstudy.elasticity.kernels.layer.response import LayerResponse
+from contactstudy.elasticity.kernels.layer_response import LayerResponse
 
 LAYERS = {
     "stiff": LayerResponse((4.0,), (0.25, 0.35)),

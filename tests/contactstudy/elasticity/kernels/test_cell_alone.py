@@ -3,11 +3,9 @@ import pytest
 from scipy.special import j0, j1
 
 from contactstudy.elasticity.kernels.displacement_cell import mean_gauss_rule
-from contactstudy.elasticity.kernels.layer.cell_alone import WaveResponse, cell_alone
-from contactstudy.elasticity.kernels.layer.displacement_waves import DisplacementWaves, Subtracted
-from contactstudy.elasticity.kernels.layer.response import composite
-from contactstudy.elasticity.kernels.layer.stress import LayerStress
-from contactstudy.elasticity.kernels.layer.stress_waves import StressWaves
+from contactstudy.elasticity.kernels.layer_cell_alone import WaveResponse, cell_alone
+from contactstudy.elasticity.kernels.layer_response import LayerStress, composite
+from contactstudy.elasticity.kernels.layer_waves import DisplacementWaves, StressWaves, Subtracted
 from tests.contactstudy.elasticity.kernels.layer_materials import LAYERS
 
 CELLS = (0.0, 0.0, 0.8, 1.3), (0.4, -1.95, 0.8, 1.3), (50.0, -30.0, 2.0, 3.0)

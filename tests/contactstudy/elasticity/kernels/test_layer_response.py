@@ -5,8 +5,7 @@ import pytest
 from mpmath import exp as mp_exp
 from mpmath import lu_solve, matrix, mp, mpf
 
-from contactstudy.elasticity.kernels.layer.response import LayerResponse
-from contactstudy.elasticity.kernels.layer.stress import LayerStress
+from contactstudy.elasticity.kernels.layer_response import LayerResponse, LayerStress
 from tests.contactstudy.elasticity.kernels.layer_materials import LAYERS
 
 

@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from contactstudy.elasticity.kernels.layer.stress_waves import FAMILIES
+from contactstudy.elasticity.kernels.layer_waves import FAMILIES
 from contactstudy.elasticity.kernels.stress_cell import (
     COMPONENTS,
     GAUSS_ZONES,

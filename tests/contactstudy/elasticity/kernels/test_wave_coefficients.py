@@ -2,11 +2,9 @@ import numpy as np
 import pytest
 
 from contactstudy.elasticity.coating import CoatingCoefficients
-from contactstudy.elasticity.kernels.layer.cell_alone import WaveResponse
-from contactstudy.elasticity.kernels.layer.displacement_waves import DisplacementWaves, Subtracted
-from contactstudy.elasticity.kernels.layer.stress import LayerStress
-from contactstudy.elasticity.kernels.layer.stress_waves import StressWaves
-from contactstudy.elasticity.kernels.layer.wave_coefficients import WaveCoefficients
+from contactstudy.elasticity.kernels.layer_cell_alone import WaveResponse
+from contactstudy.elasticity.kernels.layer_response import LayerStress
+from contactstudy.elasticity.kernels.layer_waves import DisplacementWaves, StressWaves, Subtracted, WaveCoefficients
 from tests.contactstudy.elasticity.kernels.layer_materials import LAYERS
 
 

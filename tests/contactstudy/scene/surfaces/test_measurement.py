@@ -10,7 +10,7 @@ import xarray as xr
 import contactstudy as cs
 from contactstudy.scene.surfaces import measurement as reader
 from contactstudy.scene.surfaces.measurement import Measurement, measurement
-from contactstudy.scene.surfaces.reading import Reading
+from contactstudy.scene.surfaces.text_surface import Reading
 
 HEIGHTS = np.random.default_rng(0).standard_normal((6, 4)) * 1e-7
 

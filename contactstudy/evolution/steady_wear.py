@@ -20,7 +20,7 @@ from scipy import ndimage
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings, on_cells
-from contactstudy.evolution.films.film_trajectory import Difference, FilmTrajectory, film_trajectory
+from contactstudy.evolution.evolve_lubricated import Difference, FilmTrajectory, film_trajectory
 from contactstudy.evolution.march import (
     Breakpoint,
     Control,
@@ -38,7 +38,7 @@ from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.scene.shapes.shape import LengthScales
 from contactstudy.scene.solids.bodies import instantaneous
 from contactstudy.scene.wear import Wear
-from contactstudy.solvers.friction.rolling_traction import RollingTraction
+from contactstudy.solvers.friction.traction import RollingTraction
 from contactstudy.solvers.solution import Solution, Status, worst
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 

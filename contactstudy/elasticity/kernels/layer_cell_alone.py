@@ -9,7 +9,7 @@ from numpy.polynomial import chebyshev, polynomial
 from scipy.special import gamma, j0, j1, jv, k0, k1, rgamma
 
 from contactstudy.domain.fields import Array
-from contactstudy.elasticity.kernels.layer.response import LayerResponse, RealOrComplex, composite
+from contactstudy.elasticity.kernels.layer_response import LayerResponse, RealOrComplex, composite
 
 # Tables and cells are divided at r/2 times 0, 1, 2, 4, ..., if waves decay as exp(-k r): the singularities of fields, at
 # i r and, of far fields, at zero, are outside a Bernstein ellipse of rho = 5.8.

@@ -1,8 +1,10 @@
-"""Influence coefficients of a loaded cell by the waves of its load: alone, in a row, in a lattice."""
+"""Influence coefficients of a cell on a layered half-space by the waves of its load: alone, in a row, in a lattice."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from enum import Enum
 from functools import lru_cache
-from typing import TypeVar
+from typing import ClassVar, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,8 +12,10 @@ from scipy import fft
 from scipy.special import erfc
 
 from contactstudy.domain.fields import Array
-from contactstudy.elasticity.kernels.layer.cell_alone import WaveResponse, cell_alone
-from contactstudy.elasticity.kernels.layer.response import RealOrComplex, composite
+from contactstudy.elasticity.kernels.layer_cell_alone import WaveResponse, cell_alone
+from contactstudy.elasticity.kernels.layer_response import LayerResponse, LayerStress, RealOrComplex, composite
+from contactstudy.elasticity.kernels.stress_cell import COMPONENTS, CellKernel
+from contactstudy.elasticity.kernels.traction import CERRUTI_ACROSS, CERRUTI_ALONG, SURFACE, SWAPPED
 
 Indices = NDArray[np.intp]
 T = TypeVar("T")
@@ -290,3 +294,162 @@ def amplitudes(waves: WaveResponse, across: Array, along: Array) -> dict[str, Ar
 def _indices(offsets: Array, step: float, cells: int) -> Indices:
     """Return the indices of `offsets` on a periodic axis of `cells`."""
     return np.asarray(np.round(np.asarray(offsets) / step).astype(np.intp) % cells)
+
+
+class Subtracted(Enum):
+    """Whether ``contrast exp(-2 k)`` is subtracted from a response, with k = wave number times thickness.
+
+    The contrast is the value of the response for long waves, which see the substrate alone.
+    """
+
+    #: It is left in: the whole response.
+    NONE = 0
+    #: It is subtracted, so that the remainder of waves across is regular.
+    LONG_WAVES = 1
+
+
+@dataclass(frozen=True)
+class DisplacementWaves:
+    """Displacement of a layered half-space under a wave of load, less that of a homogeneous one of the layer's material.
+
+    Fields "xx", "xy" and "yy" are the displacements along the surface under traction, and "z" is that along the normal
+    under pressure, over ``(1 - nu1^2) / (pi E1)``; "x" and "y" are the normal displacement under traction along either
+    axis, over ``1 / (4 pi G1)``. Lengths are over the thickness of the layer.
+
+    Parameters
+    ----------
+    materials
+        Materials and depths of their interfaces.
+    subtracted
+        What is left out for long waves, as it is known in closed form.
+    load
+        "pressure", or "traction" along the surface.
+    """
+
+    #: Rate, per wave number times thickness, at which amplitudes decay: exp(-2 k).
+    decay_rate: ClassVar[float] = 2.0
+
+    materials: LayerResponse
+    subtracted: Subtracted
+    load: str
+
+    def parity(self, name: str) -> tuple[int, int]:
+        """Return the parity of a field in x and y."""
+        return (1, 1) if name in ("yy", "z") else SURFACE[name].parity
+
+    def swap_axes(self, name: str) -> tuple["DisplacementWaves", str]:
+        """Return the response and the field that take the place of these when the axes are exchanged."""
+        return self, SWAPPED.get(name, name)
+
+    def harmonics(self, k: RealOrComplex) -> dict[str, dict[int, RealOrComplex]]:
+        """Return the fields by name and number of turns, see :class:`WaveResponse`; none for the mean."""
+        weight = np.divide(2 * np.pi, k, out=np.zeros_like(k), where=k != 0)
+        if self.load == "pressure":
+            return {"z": {0: weight * self._responses(k, slice(1))[0]}}
+        along, coupling, across = (weight * part for part in self._responses(k, slice(1, 4)))
+        mean, turning = (along + across) / 2, (along - across) / 2
+        return {
+            "xx": {0: mean, 2: turning},
+            "yy": {0: mean, 2: -turning},
+            "xy": {2: turning},
+            "x": {1: -1j * coupling},
+            "y": {1: -1j * coupling},
+        }
+
+    def _responses(self, k: RealOrComplex, which: slice) -> RealOrComplex:
+        """Return responses, less those of a half-space, of `which` of the four in the order of :func:`contrasts`."""
+        units = np.array([1, 1, 1, 1 - self.materials.poisson_ratios[0]])[which]
+        remainders = self.materials.remainders(k, which)
+        if self.subtracted is Subtracted.NONE:
+            known = np.array(self.materials.contrasts)[which]
+            remainders = remainders + np.multiply.outer(known, np.exp(-2 * k))
+        return np.asarray(remainders / units.reshape(-1, *[1] * k.ndim))
+
+
+def contrasts(materials: LayerResponse) -> tuple[float, float, float, float]:
+    """Return the values of a layered response for long waves, over the compliances of :class:`DisplacementWaves`.
+
+    They are of pressure, of shear along the wave, of their coupling, and of shear across the wave.
+    """
+    normal, along, coupling, across = materials.contrasts
+    return normal, along, coupling, across / (1 - materials.poisson_ratios[0])
+
+
+# Components of stress by the load on the surface: pressure, shear across, shear along.
+FAMILIES: Mapping[str, Mapping[str, CellKernel]] = {
+    "pressure": COMPONENTS,
+    "across": CERRUTI_ACROSS,
+    "along": CERRUTI_ALONG,
+}
+SWAPPED_LOADS = {"pressure": "pressure", "across": "along", "along": "across"}
+
+
+@dataclass(frozen=True)
+class StressWaves:
+    """Remainder of the stress in a layered body under one wave of a load on its surface.
+
+    Its part of a homogeneous body is subtracted, as in
+    :meth:`~contactstudy.elasticity.kernels.layer_response.LayerStress.remainder`. In names of stresses l is the
+    direction of the wave, t that of its crests.
+
+    Parameters
+    ----------
+    stress
+        Stress under one wave at a depth.
+    load
+        Load on the surface, of ``FAMILIES``.
+    """
+
+    stress: LayerStress
+    load: str
+
+    @property
+    def decay_rate(self) -> float:
+        """Rate, per wave number times thickness, at which the remainder decays."""
+        return self.stress.decay_rate
+
+    @property
+    def materials(self) -> LayerResponse:
+        """Ratio of the moduli and Poisson's ratios."""
+        return self.stress.materials
+
+    def parity(self, name: str) -> tuple[int, int]:
+        """Return the parity of a component of stress in x and y."""
+        return FAMILIES[self.load][name].parity
+
+    def swap_axes(self, name: str) -> tuple["StressWaves", str]:
+        """Return the response and the component that take the place of these when the axes are exchanged."""
+        return StressWaves(self.stress, SWAPPED_LOADS[self.load]), COMPONENTS[name].swapped
+
+    def harmonics(self, k: RealOrComplex) -> dict[str, dict[int, RealOrComplex]]:
+        """Return the components of the remainder by name and number of turns, see :class:`WaveResponse`."""
+        if self.load == "along":
+            return {
+                COMPONENTS[name].swapped: {
+                    m: -part if m == 3 or (m == 2 and name != "yz") else part for m, part in parts.items()
+                }
+                for name, parts in StressWaves(self.stress, "across").harmonics(k).items()
+            }
+        normal, shear, s_ll = self.stress.remainder(k)[0 if self.load == "pressure" else 1]
+        s_tt = self.stress.poisson_ratio * (s_ll + normal)
+        if self.load == "pressure":
+            mean, turning = (s_ll + s_tt) / 2, (s_ll - s_tt) / 2
+            return {
+                "xx": {0: mean, 2: turning},
+                "yy": {0: mean, 2: -turning},
+                "zz": {0: normal},
+                "yz": {1: -1j * shear},
+                "xz": {1: -1j * shear},
+                "xy": {2: turning},
+            }
+        # the shear along the wave is the cosine, that along its crests minus the sine of the angle
+        down, around = self.stress.antiplane(k)
+        turning = (s_ll - s_tt) / 4 - around / 2
+        return {
+            "xx": {1: 1j * (s_ll - turning), 3: 1j * turning},
+            "yy": {1: 1j * (s_tt + turning), 3: -1j * turning},
+            "zz": {1: 1j * normal},
+            "yz": {2: (shear - down) / 2},
+            "xz": {0: (shear + down) / 2, 2: (shear - down) / 2},
+            "xy": {1: 1j * (turning + around), 3: 1j * turning},
+        }

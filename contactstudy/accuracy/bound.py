@@ -5,17 +5,15 @@ from math import inf, sqrt
 
 import numpy as np
 
-from contactstudy.accuracy.discretisation.cells import (
+from contactstudy.accuracy.coarser import (
+    DiscretisationErrors,
     around_contact,
     contact_area_error,
     discretisation_errors,
+    error_by_change,
     relative_loss,
 )
-from contactstudy.accuracy.discretisation.coarser import (
-    DiscretisationErrors,
-    error_by_change,
-)
-from contactstudy.accuracy.discretisation.hidden_heights import HiddenEffect, HiddenHeights
+from contactstudy.accuracy.hidden_heights import HiddenEffect, HiddenHeights
 from contactstudy.domain.errors import MARGIN
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import axis_first

@@ -13,7 +13,7 @@ from math import log, pi
 
 import numpy as np
 
-from contactstudy.accuracy.discretisation.cells import around_contact, with_ends
+from contactstudy.accuracy.coarser import around_contact, with_ends
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import BLOCK_CELLS, Array
 from contactstudy.domain.grid import Grid, axis_first, on_cells

@@ -27,7 +27,7 @@ from contactstudy.scene.rolling import check_slow
 from contactstudy.scene.scene import AnyLoad, PosedScene, Scene
 from contactstudy.scene.solids.bodies import creeps, instantaneous
 from contactstudy.solvers.adhesion import AdhesiveSolver
-from contactstudy.solvers.anderson import LaggedSolution
+from contactstudy.solvers.fixed_point import LaggedSolution
 from contactstudy.solvers.solution import Solution, Status, unloaded, worst_until
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 

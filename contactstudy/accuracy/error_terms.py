@@ -1,0 +1,476 @@
+"""Error terms beside those of the cells: images left out, the residual of the solver, a finite range of attraction."""
+
+from bisect import bisect_left
+from math import inf, log, sqrt
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from contactstudy.accuracy.coarser import ADHESIVE_TOLERANCE, contact_perimeter, halved, relative_loss
+from contactstudy.domain.checks import NotDefined
+from contactstudy.domain.device import Precision
+from contactstudy.domain.errors import ErrorParts
+from contactstudy.domain.fields import MIN_COMPILED_CELLS, Array, in_blocks, inner
+from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
+from contactstudy.domain.units import readable
+from contactstudy.problem.constraint import cell_violation
+from contactstudy.scene.scene import PosedScene, scene_of
+from contactstudy.scene.solids.bodies import contact_modulus
+from contactstudy.solvers.cohesive_law import zone_length
+from contactstudy.solvers.solution import AdhesiveTraction, Solution
+from contactstudy.solvers.solve import SolveOptions, solve_contact
+
+# A cylinder that is cut off by a domain has neighbours; a sphere, or a roller that ends, may have none.
+IMAGES_REMEDY = (
+    "give ExactPeriodicity along their axis, or for a body without neighbours ZeroPadding and a grid that holds its "
+    "contact"
+)
+# L1 change of Hertz's ellipse over the small fraction of its half-width by which it is made narrower, or shifted.
+L1_OVER_NARROWING = 4 / np.pi
+# The line load of a window centred on the domain varies by END_VARIATION (a / L)^0.7 / (2 n + 1)^2 in the mean
+# over the length: measured for L from 0.15 to 9.6 half-widths, on 32 to 288 cells.
+END_VARIATION, END_VARIATION_POWER = 0.5, 0.7
+# Bound over the errors of a roller that ends, by the law of an endless contact with the larger of the half-widths across
+# and along: they were at most 1.31 times that on 336 sharp and Lundberg rollers of 2.5 to 30 half-widths, on grids of 1
+# to 3 times the length with 1 to 4 images on either axis.
+ENDS_MARGIN = 1.5
+
+
+def image_errors(pressure: Array, grid: Grid, paddings: Paddings, *, ends_along: bool = False) -> tuple[float, float]:
+    """Return the relative errors of the peak pressure and of the pressure in L1 due to images left out by a padding.
+
+    A window that reaches D to each side takes ``x^2 / (2 D^2)`` from the logarithm of each image row, and so makes the
+    contact, of half-width ``a = 2 rms(x)``, too highly curved by the factor ``1 + a^2 / (4 D^2)``. A window centred on
+    the domain also misses more at its ends, by ``-ln(1 - (2 y / L)^2 / (2 n + 1)^2)``: under that kink the pressure
+    rises, j cells from the end by the fraction ``(2 / pi) (a / L) ln(cells / (2 j + 1)) / (2 n + 1)^2``. Without any
+    images the solution's own line load shows the error at the ends. The errors are zero where all images are summed, or
+    a length without images holds the whole contact. A body that ends along the length is not uniform along it, so that
+    the images bend it along both axes, by its larger half-width, within `ENDS_MARGIN`.
+
+    Parameters
+    ----------
+    pressure
+        Pressure (x, y).
+    grid
+        Its grid.
+    paddings
+        Paddings (across, along).
+    ends_along
+        Whether a body ends along the length, where contact may reach the ends of a length without images.
+
+    Raises
+    ------
+    NotDefined
+        For a window on one axis with images on the other.
+    """
+    across, along = paddings
+    if _counts_images(across):
+        pressure, (along, across) = pressure.T, (across, along)
+        period, positions, others = grid.extent[0], grid.y, grid.x
+    else:
+        period, positions, others = grid.extent[1], grid.x, grid.y
+    reaches_ends = not ends_along and _reaches_ends(pressure)
+    free = not (hasattr(along, "images") or along.wraps or reaches_ends)
+    if along.window is None or (free and len(along.window) == 1):
+        return 0.0, 0.0
+    if across.window is None or _counts_images(across) or across.wraps:
+        raise NotDefined(
+            f"padding is {paddings!r}: give ExactPeriodicity() for the axis that counts images, or "
+            "ZeroPadding() for the other; only then is the error of a window known."
+        )
+    half_width, margin = _half_width(pressure, positions), 1.0
+    if ends_along:
+        half_width, margin = max(half_width, _half_width(pressure.T, others)), ENDS_MARGIN
+    narrowing = margin * _narrowing(half_width, period, pressure.shape[1], along)
+    peak, mean = _end_errors(pressure, along, half_width / period)
+    return float((1 + narrowing) * (1 + peak) - 1), float(L1_OVER_NARROWING * narrowing + mean)
+
+
+def coupling_image_error(pressure: Array, shear: Array, grid: Grid, along: Padding, beta: float) -> float:
+    """Return the relative error in L1 by the images of a traction along x on bodies with Dundurs' `beta`.
+
+    Images of the line load Q of the traction beyond the distance D tilt the surfaces by ``2 beta Q / (pi E* D)``, which
+    shifts a contact under the line load W by ``beta Q / W a^2 / (2 D)``.
+
+    Parameters
+    ----------
+    pressure
+        Pressure (x, y).
+    shear
+        Tangential traction along x (x, y).
+    grid
+        Their grid.
+    along
+        Padding along; images that are left out across balance each other.
+    beta
+        Dundurs' beta.
+    """
+    if along.window is None:
+        return 0.0
+    half_width, reach = _half_width(pressure, grid.x), along.reach(grid.length)
+    distances = np.full(2, reach) if along.wraps else np.concatenate([reach - grid.y, reach + grid.y])
+    inverse = float((1 / np.maximum(distances, half_width)).mean())
+    shift = abs(beta * float(shear.sum()) / float(pressure.sum())) * half_width * inverse / 2
+    return L1_OVER_NARROWING * shift
+
+
+def with_all_images(paddings: Paddings) -> Paddings:
+    """Return `paddings` with infinitely many images along the axis whose errors :func:`image_errors` finds."""
+    across, along = paddings
+    return (ExactPeriodicity(), along) if _counts_images(across) else (across, ExactPeriodicity())
+
+
+def _counts_images(padding: Padding) -> bool:
+    """Return whether a `padding` has images, a finite number of them."""
+    return padding.window is not None and len(padding.window) > 1
+
+
+def _narrowing(half_width: float, period: float, cells: int, along: Padding) -> float:
+    """Return the fraction by which the images left out raise the peak of a contact and narrow it."""
+    assert along.window is not None
+    reach = along.reach(period)
+    # an even number of cells cannot lie symmetrically about the cell whose displacement is summed
+    asymmetry = period / cells / 2 if along.wraps and len(along.window) * cells % 2 == 0 else 0.0
+    inverse_square = ((reach + asymmetry) ** -2 + (reach - asymmetry) ** -2) / 2
+    return float(np.sqrt(1 + half_width**2 * inverse_square / 4) - 1)
+
+
+def _kink(ratio: float, window: int, cells: int) -> Array:
+    """Return the rise of the pressure towards the ends of a window centred on the domain, in the cells along it."""
+    odd = 2 * np.minimum(np.arange(cells), np.arange(cells)[::-1]) + 1
+    return np.asarray(1 + 2 / np.pi * ratio * np.log(cells / odd) / window**2)
+
+
+def _end_errors(pressure: Array, along: Padding, ratio: float) -> tuple[float, float]:
+    """Return the errors of peak pressure and pressure in L1 by the variation along the length.
+
+    Parameters
+    ----------
+    pressure
+        Pressure (x, y).
+    along
+        Padding along the length.
+    ratio
+        Half-width over period.
+    """
+    assert along.window is not None
+    if along.wraps or pressure.shape[1] == 1:  # a window is centred on the only cell
+        return 0.0, 0.0
+    if len(along.window) == 1 and _reaches_ends(pressure):
+        load = pressure.sum(axis=0) / pressure.sum(axis=0).mean()
+        return max(load[0], load[-1], 1.0) - 1, float(np.abs(load - 1).mean())
+    kink = _kink(ratio, len(along.window), pressure.shape[1])
+    row_peaks = pressure.max(axis=0)
+    # a maximum away from the ends is not raised by them
+    peak_rise = float(row_peaks.max() / (row_peaks / kink).max()) - 1
+    return peak_rise, END_VARIATION * ratio**END_VARIATION_POWER / len(along.window) ** 2
+
+
+def _reaches_ends(pressure: Array) -> bool:
+    """Return whether there is contact at the ends of the length."""
+    return bool(pressure[:, [0, -1]].any())
+
+
+def _half_width(pressure: Array, x: Array) -> float:
+    """Return the half-width of the Hertz contact whose load has the same rms distance from its axis."""
+    fraction = pressure.sum(axis=1) / pressure.sum()
+    middle = (fraction * x).sum()
+    return 2 * float(np.sqrt((fraction * (x - middle) ** 2).sum()))
+
+
+# Bound over the error of the approximate inverse, which was at most 2.3 in 2320 solves, where the padding is a window
+# on an odd number of cells.
+INVERSE_MARGIN = 2.5
+
+
+class ResidualErrors(NamedTuple):
+    """Relative errors of the peak pressure, the pressure in L1 and the contact area, and the error of the gap [m]."""
+
+    peak_pressure: float
+    l1: float
+    contact_area: float
+    gap: float
+
+
+def residual_errors(solution: Solution, change: float = 0.0) -> ResidualErrors:
+    """Return the errors by the remaining gap: of the pressure that would close it, and of the gap itself.
+
+    Beside the contact the gap changes by no more than in it, by the maximum principle. A cell that enters or leaves the
+    contact changes the pressure by its own: the cells of the smallest pressures, as many as carry the L1 error, may do
+    so. The error of the load, and of a gap beside far larger heights, add to that of the pressure. A relative `change`
+    of the pressure may be left beside the residual.
+    """
+    pressure, gap, scales = solution.pressure, solution.gap, solution.problem.scales
+    scale = scales.pressure / scales.gap
+    operator = solution.problem.operator.scaled(scale, Precision.DOUBLE)
+    compliance = operator.self_compliance
+    # single precision takes half the time
+    inverse = operator.approximate_inverse(Precision.SINGLE if pressure.size >= MIN_COMPILED_CELLS else None)
+    cells = solution.problem.constraint.active(pressure).astype(inverse.real, copy=False)
+    correction, level = np.empty_like(cells), 0.0
+
+    def of_cells(height: Array, gap: Array, cells: Array) -> None:
+        np.multiply(gap / scales.gap, cells, out=height, casting="same_kind")
+
+    in_blocks(of_cells, correction, gap, cells)
+    if count := np.count_nonzero(cells):  # not where all pressures are at a limit
+        extension = inverse.extension(cells)
+        correction = extension.pressure(extension(correction))
+        level = inner(correction, cells) / count
+
+    def errors_in_block(pressure: Array, gap: Array, cells: Array, correction: Array) -> tuple[float, ...]:
+        # cells at a limit that should not be there, and the pressure that closes the others
+        violation = cell_violation(pressure, gap, cells)
+        pressure_error = violation / (scales.gap * compliance)
+        pressure_error += np.abs((correction - level) * cells)
+        pressure_error *= INVERSE_MARGIN * scales.pressure
+        violation += np.abs(gap) * cells
+        largest = (pressure + pressure_error).max()
+        return float(pressure_error.sum()), float(largest), float(violation.max())
+
+    results = in_blocks(errors_in_block, pressure, gap, cells, correction)
+    sums, peaks, gaps = zip(*results, strict=True)
+    load = float(pressure.sum())
+    by_load = min(solution.problem.control.error(load), solution.residual)
+    l1 = float(sum(sums) / load + by_load)
+    # what a gap in metres has lost beside far larger heights, if the residual allows for it
+    largest_gap = float(np.abs(solution.problem.undeformed_gap).max())
+    lost = min(np.finfo(float).eps * largest_gap / scales.gap, solution.residual)
+    l1 += INVERSE_MARGIN * float(lost / compliance * scales.pressure * count / load)
+    if solution.problem.control.approach is not None:
+        # the inverse leaves a uniform gap out, which changes the load: by at least a multiple of this pressure, as that
+        # has not the least energy of all with the same mean displacement
+        displacement = inner(pressure, solution.problem.operator(pressure))
+        l1 += INVERSE_MARGIN * abs(inner(pressure, gap)) / displacement
+    # the peak may be in another cell; the inverse, which takes both axes for periodic, is more accurate for the sum than
+    # for a single cell
+    peak = max(float(max(peaks) / pressure.max()) - 1, l1) + change
+    return ResidualErrors(peak, l1 + change, _area_error(pressure, l1 + change), max(gaps))
+
+
+def _area_error(pressure: Array, l1: float) -> float:
+    """Return the fraction of the contact in the cells of smallest `pressure` that together carry its fraction `l1`."""
+    allowed = l1 * float(pressure.sum())
+    smallest = np.cumsum(np.sort(pressure[(pressure > 0) & (pressure <= allowed)]))
+    count = np.searchsorted(smallest, allowed, side="right")
+    return relative_loss(count / np.count_nonzero(pressure))
+
+
+# Pull-off load of a cylinder over its JKR limit (large Tabor parameter), by that parameter, for the exponential law;
+# found on grids of 1024 to 4096 cells.
+PULL_OFF_OVER_JKR = (
+    (0.0536, 0.3304),
+    (0.1073, 0.4615),
+    (0.268, 0.6900),
+    (0.536, 0.8594),
+    (1.073, 0.9581),
+    (2.145, 0.9920),
+    (4.290, 0.9991),
+)
+# Factor on the errors due to a finite range: for cylinders of a Tabor parameter of 0.4 to 6.4 the difference from the
+# JKR limit was at most 1.09 times what :func:`range_errors` has without this factor, most at the largest parameter.
+RANGE_MARGIN = 1.25
+# Error of the peak net pressure over that of the area times the peak and the mean net pressure: at most 0.06 for 15
+# cylinders, from near pull-off to loads of many times it, on 152 to 2432 cells.
+PEAK_BY_RANGE = 0.25
+NO_LIMIT = (
+    "No bound: in the JKR limit the repulsive part of the pressure and the attraction grow without limit, give "
+    "Adhesion.range."
+)
+NO_PULL_OFF_OF_LAW = (
+    "No bound for the pull-off load: how far it is from the JKR limit is known for the exponential law alone, give "
+    "Adhesion.range."
+)
+NO_LONGER_RANGE = (
+    "No bound for the pull-off load: on cells of twice the size, with the longer range that they hold, none was found, "
+    "give more cells."
+)
+PRESSED_FLAT = (
+    "No bound for the pull-off load: the surface is pressed flat, and without an edge of the contact the load at which "
+    "it opens grows without limit as the range of the attraction shrinks, give Adhesion.range."
+)
+# Largest gap over the range of the attraction, up to which no part of a surface is free of it: waves pressed flat on
+# fine grids have at most 1.2 on coarse ones, others 2.4 and more.
+FLAT_GAP = 2.0
+# Error of the load at a given approach, over the L1 norm of the net traction and the error of the area by the range: at
+# most 0.015 for cylinders on 96 to 384 cells, before and after contact is made by the load.
+LOAD_BY_RANGE = 0.03
+ZERO_PULL_OFF = "No bound for the pull-off load: it is zero, and its error is relative to it."
+# Least number of cells in the cohesive zone, and the fraction of the pull-off load that coarse cells may add there, as
+# they trap the edge of the contact. With the exponential law it was at most 0.2 % on 5 cells and more, 1 % on 2.7 cells
+# and 3 % on 1.3 cells.
+TRAPPED_FRACTION = ((5.0, 2e-3), (2.7, 1e-2), (0.0, 3e-2))
+
+
+class RangeErrors(NamedTuple):
+    """Relative errors of the L1 pressure and of the contact area due to a range that was chosen for the grid."""
+
+    l1: float
+    area: float
+
+
+def range_errors(solution: Solution) -> RangeErrors | None:
+    """Return the relative errors of the L1 pressure and of the contact area due to a range that was chosen for the grid.
+
+    It is None for a range that is given. In the JKR limit the traction has an inverse square-root singularity at the
+    edge of the contact, which a range r replaces by a cohesive zone. That moves a force E* r per length of edge, where
+    E* is the contact modulus, and the edge by at most the length of the zone (Maugis 1992). As r goes to zero, pressure
+    and attraction grow without limit at the edge, and only their difference, the net traction, converges. The L1 error
+    is the error of the net traction, and the peak pressure has no bound.
+    """
+    adhesion, problem = solution.adhesion, solution.problem
+    scene = scene_of(problem)
+    if adhesion is None or not adhesion.regularised or scene is None:
+        return None
+    assert scene.adhesion is not None
+    touching, grid = solution.pressure > 0, problem.grid
+    modulus = contact_modulus(scene.solids, adhesion.cells_in_zone * grid.cell_size[0])
+    work = scene.adhesion.work
+    zone = zone_length(modulus, work, work / adhesion.range)
+    perimeter = contact_perimeter(touching, grid, problem.paddings)
+    net_force = grid.cell_area * float(np.abs(solution.pressure - adhesion.attraction).sum())
+    area_error = RANGE_MARGIN * perimeter * zone / (grid.cell_area * int(touching.sum()))
+    return RangeErrors(l1_range_error(perimeter, modulus, adhesion.range, net_force), area_error)
+
+
+def peak_range_error(solution: Solution, area_error: float) -> float:
+    """Return the relative error of the peak net pressure due to a range that was chosen for the grid.
+
+    `area_error` is the relative error of the contact area due to it.
+    """
+    mean = float(np.abs(solution.net_pressure).sum() / np.count_nonzero(solution.pressure))
+    peak = abs(solution.peak_pressure)
+    return PEAK_BY_RANGE * area_error * (peak + mean) / peak if peak else inf
+
+
+def load_range_error(solution: Solution) -> float | None:
+    """Return the relative error of the load at a given approach due to a range that was chosen for the grid, or None.
+
+    In the JKR limit the bodies do not attract each other across a gap, so that without contact the error is all of the
+    load. It is None for a range that is given, and infinite without a scene.
+    """
+    adhesion = solution.adhesion
+    if adhesion is None or not adhesion.regularised:
+        return None
+    if not solution.pressure.any():
+        return 1.0
+    if (errors := range_errors(solution)) is None:
+        return inf
+    load = abs(float(solution.net_pressure.sum()))
+    norm = float(np.abs(solution.net_pressure).sum())
+    return LOAD_BY_RANGE * errors.area * norm / load if load else inf
+
+
+def l1_range_error(perimeter: float, modulus: float, attraction_range: float, force: float) -> float:
+    """Return the L1 error due to the range of the net traction of a contact of this `perimeter` [m].
+
+    It is relative to a `force` [N], the integral of the size of the net traction. `modulus` is E* [Pa] at the length of
+    the cohesive zone, `attraction_range` [m] the range chosen for the grid.
+    """
+    return RANGE_MARGIN * perimeter * modulus * attraction_range / force
+
+
+def range_warning(solution: Solution) -> tuple[str, ...]:
+    """Return a sentence on how far the adhesion is from the JKR limit, where its range was chosen for the grid."""
+    adhesion = solution.adhesion
+    if adhesion is None or not adhesion.regularised or adhesion.tabor is None:
+        return ()
+    shortest = f"The range of the attraction, {readable(adhesion.range)}, is the shortest that this grid can hold"
+    if not _follows_table(solution):
+        return (f"{shortest}.",)
+    below = reduction_below_jkr(adhesion.tabor)
+    return (
+        f"{shortest}: the pull-off load of a cylinder with this Tabor parameter, {adhesion.tabor:.3g}, is {below:.1%} "
+        "below the JKR limit.",
+    )
+
+
+def _follows_table(solution: Solution) -> bool:
+    """Return whether the attraction of `solution` follows the law that :data:`PULL_OFF_OVER_JKR` is for."""
+    adhesion = getattr(scene_of(solution.problem), "adhesion", None)
+    return adhesion is not None and adhesion.law == "exponential"
+
+
+def pull_off_error(solution: Solution, discretisation: float, reason: str) -> ErrorParts:
+    """Return the error of the pull-off load of `solution`, by its relative error `discretisation`.
+
+    The `reason` says why that is infinite where it is. The residual is the distance between the last load in
+    equilibrium and the first one without.
+    """
+    adhesion, pull_off = solution.adhesion, solution.load_per_length
+    assert adhesion is not None
+    assert adhesion.first_unstable_load is not None
+    trapped = next(fraction for cells, fraction in TRAPPED_FRACTION if adhesion.cells_in_zone >= cells)
+    is_flat = adhesion.regularised and _is_pressed_flat(solution)
+    by_range = inf if is_flat else _pull_off_range_error(solution, adhesion, pull_off)
+    if is_flat:
+        reason = PRESSED_FLAT
+    elif by_range == inf:
+        reason = reason or (NO_LONGER_RANGE if _follows_table(solution) else NO_PULL_OFF_OF_LAW)
+    return ErrorParts(
+        discretisation=discretisation + trapped,
+        residual=abs(pull_off - adhesion.first_unstable_load) / abs(pull_off) if pull_off else inf,
+        range=by_range,
+        reason=reason if pull_off else ZERO_PULL_OFF,
+    )
+
+
+def root_of_pull_off(pull_off: ErrorParts | None) -> float:
+    """Return the relative error of pressure and approach at pull-off by that of the load, apart from its range.
+
+    A load that is stationary there changes by the square of what they change by. It is 0 of a contact that is not pulled
+    off.
+    """
+    if pull_off is None:
+        return 0.0
+    return sqrt((pull_off.discretisation or 0.0) + (pull_off.residual or 0.0))
+
+
+def _is_pressed_flat(solution: Solution) -> bool:
+    """Return whether no part of a surface that is periodic both ways is free of attraction, under the preload."""
+    problem = solution.problem
+    posed = problem.description
+    assert problem.paddings is not None
+    if not isinstance(posed, PosedScene) or not all(padding.wraps for padding in problem.paddings):
+        return False
+    load: Any = posed.scene.load
+    scene = posed.scene.under(load.preload)
+    pressed = solve_contact(scene.problem(problem.grid, posed.padding), SolveOptions(ADHESIVE_TOLERANCE))
+    assert solution.adhesion is not None
+    least = min(float(pressed.gap.max()), float(solution.gap.max()))
+    return least < FLAT_GAP * solution.adhesion.range
+
+
+def _pull_off_range_error(solution: Solution, adhesion: AdhesiveTraction, pull_off: float) -> float | None:
+    """Return the error of a pull-off load due to a range chosen for the grid in place of the JKR limit, or None.
+
+    It is the larger of two: that of a cylinder with this Tabor parameter, and the change from cells of twice the size,
+    whose range is longer. On other surfaces than cylinders that change counts more than the edge of one contact. It is
+    infinite for a law other than the exponential one, and where no pull-off load is found on the larger cells. It is
+    None for a range that is given.
+    """
+    problem = solution.problem
+    posed = problem.description
+    if not adhesion.regularised or not isinstance(posed, PosedScene):
+        return None
+    if not _follows_table(solution):
+        return inf
+    longer = solve_contact(posed.scene.problem(halved(problem.grid), posed.padding), SolveOptions(ADHESIVE_TOLERANCE))
+    found = longer.status.has_converged and pull_off
+    changed = abs(longer.load_per_length - pull_off) / abs(pull_off) if found else inf
+    return max(changed, reduction_below_jkr(adhesion.tabor) if adhesion.tabor else 0.0)
+
+
+def reduction_below_jkr(tabor: float) -> float:
+    """Return by how much the pull-off load of a cylinder is below its JKR limit, relative to it.
+
+    `tabor` is Tabor's parameter. The result follows a power law between the values of the table
+    :data:`PULL_OFF_OVER_JKR`, and beyond its ends.
+    """
+    parameters = [parameter for parameter, _ in PULL_OFF_OVER_JKR]
+    index = min(max(bisect_left(parameters, tabor), 1), len(parameters) - 1)
+    (low, below), (high, above) = PULL_OFF_OVER_JKR[index - 1 : index + 1]
+    # 1 - ratio between two values is a power of the parameter
+    first, last = 1 - below, 1 - above
+    power = log(last / first) / log(high / low)
+    return float(min(1.0, first * (tabor / low) ** power))

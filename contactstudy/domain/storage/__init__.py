@@ -1,1 +1,0 @@
-"""What is stored: files replaced as a whole, digests of values, the version of this program."""

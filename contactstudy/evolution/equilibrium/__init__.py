@@ -1,1 +1,0 @@
-"""Contacts in equilibrium at each instant: load histories, wear beside rolling."""

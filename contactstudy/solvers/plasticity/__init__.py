@@ -1,1 +1,0 @@
-"""Contact and plastic strain, solved together."""

@@ -5,7 +5,6 @@ from math import pi, sqrt
 from typing import Any
 
 import contactstudy as cs
-from contactstudy.domain.errors import ErrorParts
 from contactstudy.lubrication.lubricated_contact import FilmSolution
 
 RADIUS, LOAD, VISCOSITY = 0.01, 1e5, 0.04
@@ -37,7 +36,3 @@ def grid(cells: int, inlet: float, along: int = 1, period: float = 1.0) -> cs.Gr
 def in_moes_units(contact: FilmSolution, film: float) -> float:
     """A film [m] as (h / R) (eta0 u_s / (E' R))^(-1/2)."""
     return film / contact.scales.film * 8 * contact.scales.load_parameter / pi
-
-
-def total(parts: ErrorParts | None) -> float:
-    return parts.total

@@ -7,7 +7,7 @@ import pytest
 import contactstudy as cs
 from contactstudy.lubrication.film_heat import moving_source, thermal_reduction
 from contactstudy.lubrication.solve_lubricated import solve_lubricated
-from tests.contactstudy.lubrication.scenes import STEEL, by_moes, grid, total, with_motion
+from tests.contactstudy.lubrication.scenes import STEEL, by_moes, grid, with_motion
 
 OF_STEEL = cs.FilmHeat()
 
@@ -33,24 +33,13 @@ def test_a_fast_even_source_heats_as_blok_and_jaeger_have_it(peclet: float) -> N
     assert rise[-1] == pytest.approx(2e-4 / sqrt(pi * body.conductivity * body.heat_capacity * speed * far), rel=0.02)
 
 
-def test_a_surface_that_runs_backwards_is_heated_on_the_other_side() -> None:
-    cells = cs.Grid((40, 1), (1e-3, 1e-3))
-    forwards, backwards = (moving_source(cells, cs.ThermalBody(), speed) for speed in (0.3, -0.3))
-    assert backwards == pytest.approx(forwards[::-1, ::-1], rel=1e-12)
-
-
-@pytest.mark.parametrize(
-    "heat",
-    [
-        cs.FilmHeat(0.04, 1e12, cs.ThermalBody(1e12), cs.ThermalBody(1e12)),
-        cs.FilmHeat(temperature_viscosity=0.0),
-    ],
-    ids=["perfect conduction", "no thinning"],
-)
-def test_the_friction_is_isothermal_where_heat_has_no_effect(heat: cs.FilmHeat) -> None:
-    hot, cold = (solve_lubricated(heated(heat=one), grid(160, 4.5)) for one in (heat, None))
-    assert hot.friction == pytest.approx(cold.friction, rel=1e-6)
+def test_the_friction_is_isothermal_with_perfect_conduction_or_without_thinning() -> None:
+    cold = solve_lubricated(heated(heat=None), grid(160, 4.5))
     assert cold.temperatures is None
+    perfect = cs.FilmHeat(0.04, 1e12, cs.ThermalBody(1e12), cs.ThermalBody(1e12))
+    for heat in (perfect, cs.FilmHeat(temperature_viscosity=0.0)):
+        hot = solve_lubricated(heated(heat=heat), grid(160, 4.5))
+        assert hot.friction == pytest.approx(cold.friction, rel=1e-6)
 
 
 def test_traction_rises_with_sliding_and_falls_again_as_the_film_heats_up() -> None:
@@ -63,9 +52,8 @@ def test_traction_rises_with_sliding_and_falls_again_as_the_film_heats_up() -> N
     assert hot[0].flash_temperature < hot[1].flash_temperature < hot[2].flash_temperature
 
 
-@pytest.mark.parametrize("pressure", [1e5, 5e8, 1e9])
-@pytest.mark.parametrize("rise", [1.0, 20.0, 50.0])
-def test_viscosity_falls_with_temperature_as_measured_in_a_mineral_oil(pressure: float, rise: float) -> None:
+@pytest.mark.parametrize("pressure", [1e5, 1e9])
+def test_viscosity_falls_with_temperature_as_measured_in_a_mineral_oil(pressure: float) -> None:
     """M100, viscosimeter of Mann, fitted by Arana, Larranaga & Ulacia (2019), eq. 30 and table 3; supply at 60 C."""
 
     def log_viscosity(temperature: float, pressure: float) -> float:
@@ -76,23 +64,11 @@ def test_viscosity_falls_with_temperature_as_measured_in_a_mineral_oil(pressure:
 
     supply = 333.15
     heat = cs.FilmHeat(890 / (supply - 182) ** 2, supply_temperature=supply)
-    thinning = heat.thinning(np.array(rise), np.exp(log_viscosity(supply, 0.0)))
-    fall = cs.Roelands(0.602).temperature_factor(np.array(pressure)) * thinning
-    measured = log_viscosity(supply + rise, pressure) - log_viscosity(supply, pressure)
-    assert fall == pytest.approx(measured, rel=0.11)
-
-
-@pytest.mark.parametrize("coefficient", [0.0, 2e-8])
-def test_heat_and_pressure_act_on_one_viscosity_by_roelands(coefficient: float) -> None:
-    """``ln(eta) + 9.67`` is that at rest times ``(1 + p / p0)^z ((T - 138) / (T0 - 138))^-S``; isoviscous by z = 0."""
-    oil, pressure = cs.Lubricant(0.04, coefficient), np.array([0.0, 1e9])
-    height = np.log(0.04) + 9.67
-    by_pressure = 1 + oil.law.log_ratio(pressure, coefficient)[0] / height
-    thinning = cs.FilmHeat().thinning(np.array(20.0), 0.04) * oil.law.temperature_factor(pressure)
-    by_both = by_pressure + thinning / height
-    assert by_both / by_pressure == pytest.approx(by_both[0], rel=1e-12)
-    exponent = coefficient * 1.96e8 / height
-    assert by_pressure[1] == pytest.approx((1 + 1e9 / 1.96e8) ** exponent, rel=1e-9)
+    for rise in (1.0, 20.0, 50.0):
+        thinning = heat.thinning(np.array(rise), np.exp(log_viscosity(supply, 0.0)))
+        fall = cs.Roelands(0.602).temperature_factor(np.array(pressure)) * thinning
+        measured = log_viscosity(supply + rise, pressure) - log_viscosity(supply, pressure)
+        assert fall == pytest.approx(measured, rel=0.11)
 
 
 def test_a_starved_film_is_as_thick_as_its_supply_with_heat_too() -> None:
@@ -108,29 +84,16 @@ def test_a_starved_film_is_as_thick_as_its_supply_with_heat_too() -> None:
     assert factors[2] == flooded.temperatures.reduction <= factors[1] < 1
 
 
-def test_heat_is_that_of_the_slip_that_the_bodies_leave() -> None:
-    layer = cs.Boundary(5e-9)
-    slow = _at(with_motion(heated(1e-4, viscosity_law=cs.Roelands()), boundary=layer), 1e-4)
-    contact = solve_lubricated(slow, grid(160, 4.5))
-    assert contact.temperatures.reason == ""
-    rubbed = 0.12 * contact.contact_load_fraction
-    assert contact.friction < 0.2 * rubbed
-
-
 def test_a_coating_conducts_heat_between_its_own_values_and_those_of_the_substrate() -> None:
     """Of the substrate's material, without thickness or endlessly thick it is one material; glass on steel is warmer."""
-    cells, steel, glass = (
-        cs.Grid((160, 1), (8e-4, 1e-3)),
-        cs.ThermalBody(),
-        cs.ThermalBody(1.1, 2e6),
-    )
+    cells, steel, glass = cs.Grid((160, 1), (8e-4, 1e-3)), cs.ThermalBody(), cs.ThermalBody(1.1, 2e6)
     band = np.abs(cells.x) < 1e-4
 
     def rise(coating: cs.ThermalBody, thickness: float, speed: float = 0.5) -> np.ndarray:
         coated = cs.ThermalBody(steel.conductivity, steel.heat_capacity, coating)
         return moving_source(cells, coated, speed, thickness) @ band
 
-    plain, soft = (moving_source(cells, one, 0.5) @ band for one in (steel, glass))
+    plain, soft = (moving_source(cells, body, 0.5) @ band for body in (steel, glass))
     assert rise(steel, 1e-6) == pytest.approx(plain, rel=1e-6)
     assert rise(glass, 1e-12) == pytest.approx(plain, rel=1e-3, abs=1e-3 * plain.max())
     assert rise(glass, 1e-3) == pytest.approx(soft, rel=0.03, abs=0.03 * soft.max())
@@ -139,66 +102,36 @@ def test_a_coating_conducts_heat_between_its_own_values_and_those_of_the_substra
     assert rise(glass, 1e-6, -0.5) == pytest.approx(rise(glass, 1e-6)[::-1], rel=1e-9)
 
 
-def test_steel_is_the_default_of_steel_alone() -> None:
-    ceramic = cs.HalfSpace(310e9, 0.26)
-    coated = cs.CoatedHalfSpace(ceramic, 1e-6, STEEL)
-    layer = cs.ThermalBody(coating=cs.ThermalBody(2.0, 2e6))
-
-    def between(first: cs.Body, second: cs.Body, heat: cs.FilmHeat) -> cs.Scene:
-        cold = heated(1.0)
-        motion = replace(cold.lubrication, thermal=heat)
-        return replace(cold, solids=(first, second), lubrication=motion)
-
-    for solid in (ceramic, coated):
-        with pytest.raises(cs.InvalidInput, match=r"FilmHeat.first is None, .* Scene.solids\[0\]"):
-            replace(heated(), solids=(solid, STEEL))
-    for solid, body in ((coated, cs.ThermalBody()), (STEEL, layer)):
-        with pytest.raises(cs.InvalidInput, match=r"FilmHeat.second has .* coating, unlike Scene"):
-            between(STEEL, solid, cs.FilmHeat(second=body))
-    stack = replace(coated, interlayers=(replace(ceramic, thickness=1e-6),))
-    with pytest.raises(cs.InvalidInput, match="one coating alone"):
-        between(STEEL, stack, cs.FilmHeat(second=layer))
-    hot = solve_lubricated(between(coated, STEEL, cs.FilmHeat(first=layer)), grid(160, 4.5))
-    first = hot.temperatures.surface[0].max()
-    bare = solve_lubricated(heated(1.0), grid(160, 4.5)).temperatures.surface.max(axis=(1, 2))
-    assert first > 1.1 * bare[0]
+def test_what_conducts_is_named_for_bodies_other_than_steel() -> None:
+    with pytest.raises(cs.InvalidInput, match=r"FilmHeat.first is None, .* Scene.solids\[0\]"):
+        replace(heated(), solids=(cs.HalfSpace(310e9, 0.26), STEEL))
 
 
 def test_equal_bodies_share_the_heat_evenly_at_equal_speeds_and_else_the_slower_is_hotter() -> None:
-    rolling, slow, fast = (solve_lubricated(heated(of), grid(160, 4.5)) for of in (0.0, 1e-3, 1.0))
+    rolling, slow, fast = (solve_lubricated(heated(slide), grid(160, 4.5)) for slide in (0.0, 1e-3, 1.0))
     assert rolling.flash_temperature == rolling.film_temperature == 0
     first, second = slow.temperatures.surface
     assert first == pytest.approx(second, rel=5e-3, abs=1e-3 * float(first.max()))
-    first, second = fast.temperatures.surface
-    assert second.max() > first.max()
+    assert fast.temperatures.surface[1].max() > fast.temperatures.surface[0].max()
 
 
-@pytest.mark.parametrize("boundary", [None, cs.Boundary(4.6e-7)])
-def test_the_film_is_hotter_than_its_surfaces_by_conduction_over_its_heated_thickness(
-    boundary: cs.Boundary | None,
-) -> None:
+def test_the_film_is_hotter_than_its_surfaces_by_conduction_over_its_heated_thickness() -> None:
     """Heat tau du, uniform over the thickness h, has a mean rise of tau du h / (12 k) above that of the surfaces."""
-    scene = _at(heated(1.0), 20.0)
-    scene = with_motion(scene, boundary=boundary)
-    contact = solve_lubricated(scene, grid(160, 6))
+    boundary = 4.6e-7
+    contact = solve_lubricated(with_motion(_at(heated(1.0), 20.0), boundary=cs.Boundary(boundary)), grid(160, 6))
     temperatures = contact.temperatures
     assert temperatures.reduction < 0.95
-    heat = np.abs(contact.shear) * contact.sliding_speed
-    thickness = np.maximum(temperatures.reduction * contact.film, boundary.film if boundary else 0)
-    above = heat * thickness / (12 * OF_STEEL.conductivity)
+    thickness = np.maximum(temperatures.reduction * contact.film, boundary)
+    above = np.abs(contact.shear) * contact.sliding_speed * thickness / (12 * OF_STEEL.conductivity)
     rise = temperatures.film - temperatures.surface.mean(axis=0)
     # the surfaces slip by a part less where their shear grows
     assert rise == pytest.approx(above, abs=2e-3 * float(rise.max()))
 
 
 def test_a_heated_inlet_thins_the_film_by_more_at_higher_speeds() -> None:
-    slow, fast = (
-        solve_lubricated(by_speed, grid(160, 4.5)).temperatures
-        for by_speed in (_at(heated(), 0.1), _at(heated(), 20.0))
-    )
-    assert 0 < fast.reduction < slow.reduction < 1
-    scales = solve_lubricated(heated(), grid(160, 4.5)).scales
-    assert thermal_reduction(scales, cs.FilmHeat(0.0)) == 1
+    slow, fast = (solve_lubricated(_at(heated(), factor), grid(160, 4.5)) for factor in (0.1, 20.0))
+    assert 0 < fast.temperatures.reduction < slow.temperatures.reduction < 1
+    assert thermal_reduction(slow.scales, cs.FilmHeat(0.0)) == 1
 
 
 def test_an_inlet_beyond_the_range_of_its_factor_leaves_the_friction_without_a_bound() -> None:
@@ -207,18 +140,13 @@ def test_an_inlet_beyond_the_range_of_its_factor_leaves_the_friction_without_a_b
     assert "thermal loading" in contact.quantities["flash_temperature"].reason
 
 
-def test_temperatures_have_bounds_and_fields() -> None:
+def test_temperatures_have_bounds() -> None:
     scene = heated(shear=cs.Carreau(5e6, 0.6))
     contact = cs.solve(scene, grid(200, 4.5))
-    heated_film, isothermal = (contact.quantities[name].value for name in ("heated_film", "central_film"))
-    assert heated_film == pytest.approx(contact.temperatures.reduction * isothermal)
     fine = solve_lubricated(scene, grid(800, 4.5))
     for name in ("flash_temperature", "film_temperature"):
-        value = getattr(contact, name)
-        assert abs(value - getattr(fine, name)) <= total(getattr(contact.error, name)) * value
-        assert contact.quantities[name].value == value
-    dataset = contact.to_dataset()
-    assert float(dataset["surface_temperature_rise_2"].max()) <= contact.flash_temperature
+        quantity = contact.quantities[name]
+        assert abs(quantity.value - getattr(fine, name)) <= quantity.bound < np.inf
 
 
 def test_carreau_thins_as_a_power_of_the_rate_and_not_at_all_at_rest() -> None:

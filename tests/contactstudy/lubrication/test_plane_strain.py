@@ -6,16 +6,9 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.answers.lubricated_contact import film_answer
+from contactstudy.lubrication.lubricated_contact import FilmSolution
 from contactstudy.lubrication.solve_lubricated import solve_lubricated
-from tests.contactstudy.lubrication.scenes import (
-    DRY,
-    STEEL,
-    by_moes,
-    grid,
-    in_moes_units,
-    total,
-    with_motion,
-)
+from tests.contactstudy.lubrication.scenes import DRY, STEEL, by_moes, grid, in_moes_units, with_motion
 
 # M, L, film on the axis and smallest film: 1200 graded cells, extrapolated, to 2e-4 of the film
 REFERENCE = (
@@ -25,7 +18,6 @@ REFERENCE = (
     (20, 10, 5.2744, 3.9741),
     (100, 10, 4.3709, 3.2733),
     pytest.param(1000, 5, 2.0726, 1.5470, marks=pytest.mark.whole),
-    pytest.param(1000, 20, 5.3241, 3.9812, marks=pytest.mark.whole),
 )
 
 
@@ -40,8 +32,8 @@ def test_the_film_is_that_of_graded_cells_within_its_bound(
         (contact.central_film, error.central_film, central),
         (contact.minimum_film, error.minimum_film, smallest),
     ):
-        assert total(parts) < 4e-2
-        assert in_moes_units(contact, film) == pytest.approx(expected, rel=total(parts) + 2e-4)
+        assert parts.total < 4e-2
+        assert in_moes_units(contact, film) == pytest.approx(expected, rel=parts.total + 2e-4)
     # a fit of films, not of rigid cylinders
     assert load < 20 or cs.analytic.moes_film(load, viscosity) == pytest.approx(central, rel=0.05)
 
@@ -75,9 +67,9 @@ def test_steel_in_mineral_oil_has_the_film_and_friction_of_the_reference(
     assert contact.status is cs.Status.CONVERGED
     # the reference has the shorter inlet of its own, so twice that of ours, and its last digit
     error = contact.estimate
-    assert contact.central_film == pytest.approx(central, rel=2 * total(error.central_film) + 2e-4)
-    assert contact.minimum_film == pytest.approx(smallest, rel=2 * total(error.minimum_film) + 2e-4)
-    assert contact.friction == pytest.approx(friction, rel=2 * total(error.friction_coefficient), abs=5e-5)
+    assert contact.central_film == pytest.approx(central, rel=2 * error.central_film.total + 2e-4)
+    assert contact.minimum_film == pytest.approx(smallest, rel=2 * error.minimum_film.total + 2e-4)
+    assert contact.friction == pytest.approx(friction, rel=2 * error.friction_coefficient.total, abs=5e-5)
 
 
 def test_laws_and_coatings_without_their_effect_are_the_simpler_ones() -> None:
@@ -92,27 +84,11 @@ def test_laws_and_coatings_without_their_effect_are_the_simpler_ones() -> None:
     assert same.film == pytest.approx(plain.film, rel=1e-6)
 
 
-def test_a_start_from_the_answer_takes_no_step() -> None:
-    scene = by_moes(20, 5)
-    contact = solve_lubricated(scene, grid(100, 4.5))
-    again = solve_lubricated(scene, grid(100, 4.5), start=contact)
-    assert again.iterations <= 1
-    assert again.film == pytest.approx(contact.film, rel=1e-8)
-
-
-@pytest.mark.parametrize(
-    ("load", "viscosity", "inlet", "iterations", "status"),
-    [
-        (2, 0, 1.8, 100, cs.Status.STARVED_INLET), (1000, 0, 4.5, 100, cs.Status.FILM_BELOW_CELL),
-        (20, 5, 4.5, 2, cs.Status.FILM_NOT_CONVERGED),
-    ],
-)  # fmt: skip
-def test_a_film_that_is_not_resolved_has_its_status(
-    load: float, viscosity: float, inlet: float, iterations: int, status: cs.Status
-) -> None:
-    given = grid(100, inlet)
-    contact = solve_lubricated(by_moes(load, viscosity), given, max_iterations=iterations)
-    assert contact.status is status
+def test_a_film_that_is_not_resolved_has_its_status() -> None:
+    coarse = solve_lubricated(by_moes(1000, 0), grid(100, 4.5))
+    assert coarse.status is cs.Status.FILM_BELOW_CELL
+    stopped = solve_lubricated(by_moes(20, 5), grid(100, 4.5), max_iterations=2)
+    assert stopped.status is cs.Status.FILM_NOT_CONVERGED
 
 
 def test_limiting_shear_begins_at_a_stress_at_ambient_pressure_and_grows_with_pressure() -> None:
@@ -136,7 +112,7 @@ def test_power_is_lost_in_pure_rolling_too() -> None:
     assert sliding.power_loss == pytest.approx(still.power_loss + slid, rel=1e-6)
 
 
-@pytest.mark.parametrize(("load", "viscosity"), [(4.5, 25.0), (7.1, 14.1), (44.7, 7.9), (70.7, 14.1)])
+@pytest.mark.parametrize(("load", "viscosity"), [(4.5, 25.0), (70.7, 14.1)])
 def test_rolling_resistance_is_that_of_biboulet_and_houpert(load: float, viscosity: float) -> None:
     """Theirs of a surface, Part 1 (2010), eqs. 40 to 42: between rigid and elastic cylinders."""
     scene = by_moes(load, viscosity, viscosity_law=cs.Roelands(0.6))
@@ -149,16 +125,8 @@ def test_rolling_resistance_is_that_of_biboulet_and_houpert(load: float, viscosi
     assert contact.power_loss / contact.mean_speed == pytest.approx(2 * force, rel=0.1)
 
 
-def test_rolling_resistance_needs_few_cells_beside_a_spike() -> None:
-    scene = with_motion(by_moes(11, 12), slide_roll_ratio=0.0)
-    few, many = (solve_lubricated(scene, grid(cells, 4.5)).power_loss for cells in (160, 640))
-    assert few == pytest.approx(many, rel=0.02)
-
-
-def test_thin_film_shares_grow_to_the_whole_load() -> None:
+def test_the_share_of_a_thin_film_is_that_of_the_cells_below_it() -> None:
     contact = solve_lubricated(by_moes(20, 5), grid(200, 4.5))
-    assert contact.thinner_than(0.99 * float(contact.film.min())) == (0, 0)
-    assert contact.thinner_than(float(contact.film.max()) * 1.01)[1] == pytest.approx(1)
     # one side of a width of nine half-widths, over the two of Hertz's contact
     film = np.where(contact.grid.x < 0, 1e-7, 3e-7)[:, None]
     halved = replace(contact, film=film, pressure=np.where(film < 2e-7, 1e6, 3e6))
@@ -166,17 +134,72 @@ def test_thin_film_shares_grow_to_the_whole_load() -> None:
 
 
 @pytest.mark.whole
-@pytest.mark.parametrize("viscosity", [0, 5])
-def test_slower_films_go_over_into_the_dry_contact(viscosity: float) -> None:
+def test_slower_films_go_over_into_the_dry_contact() -> None:
     """At M = 1e5 a cold start fails, and the film is followed from higher speeds down."""
     cells = grid(400, 3.0)
     dry = cs.solve(DRY.problem(cells, cs.ExactPeriodicity())).pressure
     distances = []
-    for load in (1e2, 1e3, 1e4, 1e5):
-        contact = solve_lubricated(by_moes(load, viscosity), cells)
+    for load in (1e3, 1e4, 1e5):
+        contact = solve_lubricated(by_moes(load, 0), cells)
         assert contact.status is not cs.Status.FILM_NOT_CONVERGED
         distances.append(float(np.abs(contact.pressure - dry).sum() / dry.sum()))
-    assert distances[0] == pytest.approx(8.5e-3, rel=0.1)
     # a hundredth of the speed each: the film falls by a factor of 4 or more, and so does its distance
     for thick, thin in pairwise(distances):
         assert thin < thick / 4
+
+
+@pytest.mark.parametrize("height", [0.5, 3.0])
+def test_plain_cavitation_makes_lubricant_where_the_film_forms_again_and_is_the_same_where_it_forms_once(
+    height: float,
+) -> None:
+    """Waves across of a height over the smooth film at M = 20, L = 0, which by Moes is 1.443."""
+    scene, cells = by_moes(20, 0), grid(400, 4.0)
+    film = 1.443 / in_moes_units(solve_lubricated(scene, grid(64, 4.0)), 1.0)
+    scene = by_moes(20, 0, cs.Waviness(height * film, across=DRY.hertz.half_width / 2))
+    both = solve_lubricated(scene, cells)
+    full = solve_lubricated(with_motion(scene, cavitation=cs.ReynoldsCavitation()), cells)
+    assert both.flux_spread < 1e-6
+    assert (full.film_fraction == 1).all()
+    bearing = np.flatnonzero(both.pressure > 0)
+    forms_again = (both.pressure[bearing[0] : bearing[-1]] == 0).any()
+    assert forms_again == (height > 1) == (full.flux_spread > 1)
+    if not forms_again:
+        assert full.pressure == pytest.approx(both.pressure, rel=1e-5, abs=10.0)
+        assert full.flow == pytest.approx(both.flow, rel=1e-6)
+
+
+def thickness_of_flow(contact: FilmSolution) -> float:
+    return contact.flow / contact.mean_speed
+
+
+@pytest.mark.parametrize(("load", "viscosity"), [(20, 0), (100, 10)])
+def test_the_flow_is_the_smaller_of_supply_and_flooded_flow(load: float, viscosity: float) -> None:
+    scene = by_moes(load, viscosity)
+    flooded = thickness_of_flow(solve_lubricated(scene, grid(240, 4.5)))
+    for fraction in (5.0, 0.5, 0.2):
+        contact = solve_lubricated(with_motion(scene, supply=fraction * flooded), grid(240, 4.5))
+        assert contact.status is not cs.Status.FILM_NOT_CONVERGED
+        assert thickness_of_flow(contact) == pytest.approx(min(fraction, 1.0) * flooded, rel=1e-4)
+
+
+# supply over the flooded flow: front over the half-width at M = 20, L = 5, on cells of 0.00625, from another program
+FRONTS = ((0.9, -1.391), (0.65, -1.128), (0.3, -1.022))
+
+
+@pytest.mark.parametrize(("fraction", "front"), FRONTS)
+def test_the_meniscus_is_where_the_reference_has_it(fraction: float, front: float) -> None:
+    scene, cells = by_moes(20, 5), grid(480, 4.5)
+    flooded = thickness_of_flow(solve_lubricated(scene, cells))
+    contact = solve_lubricated(with_motion(scene, supply=fraction * flooded), cells)
+    # two cells of this grid and of that one; the flow has an error by its cells of 0.2 %, and the front at 0.9 moves by
+    # ten times as much
+    width = DRY.hertz.half_width
+    assert contact.meniscus / width == pytest.approx(front, abs=2 * cells.cell_size[0] / width)
+
+
+def test_a_starved_film_is_not_said_to_have_too_short_a_grid() -> None:
+    scene, cells = by_moes(2, 0), grid(200, 1.8)
+    flooded = solve_lubricated(scene, cells)
+    starved = solve_lubricated(with_motion(scene, supply=0.3 * thickness_of_flow(flooded)), cells)
+    assert flooded.status is cs.Status.STARVED_INLET
+    assert starved.status is cs.Status.CONVERGED

@@ -6,34 +6,25 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import contactstudy as cs
-from contactstudy.accuracy.estimate import error_estimate
-from contactstudy.problem.constraint import Compressive, Constraint, HardnessLimited, PrescribedLoad
+from contactstudy.problem.constraint import Compressive, Constraint, HardnessLimited
 from contactstudy.solvers.conjugate_gradients import PolonskyKeer, PreconditionedCG
 from tests.conftest import LineContact
-from tests.contactstudy.solvers.test_preconditioned_cg import ROUGH, problem
+from tests.contactstudy.solvers.test_preconditioned_cg import problem
 
 CONSTRAINTS: list[Constraint] = [Compressive(), *map(HardnessLimited, (4.0, 1.0, 10 / 12))]
 
 TOTAL = 10.0
 
 
-def limit(constraint: Constraint) -> float:
-    return constraint.capacity(1)
-
-
-@given(
-    seed=st.integers(0, 2**32),
-    which=st.sampled_from(CONSTRAINTS),
-    scale=st.sampled_from([1e-8, 1.0, 1e8, 1e40]),
-)
+@given(seed=st.integers(0, 2**32), which=st.sampled_from(CONSTRAINTS), scale=st.sampled_from([1e-8, 1.0, 1e8, 1e40]))
 def test_projected_pressures_are_admissible(seed: int, which: Constraint, scale: float) -> None:
     trial = np.random.default_rng(seed).standard_normal((3, 4)) * scale
     trial[0, 0] = scale  # one cell at least bears
     for admitted in (which.scale_to_load(trial.copy(), TOTAL), which.project(trial.copy(), TOTAL)):
         assert admitted.min() >= 0
-        assert admitted.max() <= limit(which)
+        assert admitted.max() <= which.capacity(1)
         # under a hardness, cells may have to be lifted by as much as they are below the others
-        lifted = scale if limit(which) < TOTAL else 0.0
+        lifted = scale if which.capacity(1) < TOTAL else 0.0
         assert admitted.sum() == pytest.approx(TOTAL, rel=1e-12, abs=1e-14 * lifted)
 
 
@@ -49,34 +40,17 @@ def test_the_projection_is_the_nearest_admissible_pressure(seed: int, which: Con
         assert ((nearest - trial) ** 2).sum() <= ((other - trial) ** 2).sum() + 1e-11
 
 
-def test_a_hardness_everywhere_may_just_carry_the_load() -> None:
-    load = PrescribedLoad(TOTAL)
-    assert not load.is_met_by(HardnessLimited(0.8), 12)
-    assert load.is_met_by(HardnessLimited(0.9), 12)
-    assert load.is_met_by(Compressive(), 12)
-
-
-FRACTIONS = [10.0, 1.5, 0.9, 0.6, 0.4, 0.34, 0.328]  # the mean over the width is 0.327 p_H
-
-
-@pytest.mark.parametrize("fraction", FRACTIONS)
-@pytest.mark.parametrize("heights", ROUGH)
-def test_both_solvers_agree_under_a_hardness(heights: str, fraction: float, line_contact: LineContact) -> None:
+@pytest.mark.parametrize("fraction", [10.0, 0.6, 0.328])  # the mean over the width is 0.327 p_H
+def test_both_solvers_agree_under_a_hardness(fraction: float, line_contact: LineContact) -> None:
     hardness = fraction * line_contact.hertz.peak_pressure
-    free = problem(line_contact, 64, heights)
-    posed = replace(free, constraint=HardnessLimited(hardness))
-    loaded = posed.control
-    assert isinstance(loaded, PrescribedLoad)
+    posed = replace(problem(line_contact, 64, "30 %"), constraint=HardnessLimited(hardness))
     solutions = [cs.solve(posed, tolerance=1e-10, solver=solver) for solver in (PreconditionedCG(), PolonskyKeer())]
     for solution in solutions:
         assert solution.residual <= 1e-10
         assert solution.note == ""
         assert (solution.pressure <= hardness).all()
-        yielding = solution.pressure == hardness
-        estimate = error_estimate(solution)
-        assert max(estimate.l1.residual, estimate.peak_pressure.residual) < 64 * 1e-10 * 10
-        assert (solution.gap[yielding] <= 1e-10 * posed.scales.gap).all()
-        assert solution.pressure.sum() == pytest.approx(loaded.total, rel=1e-10)
+        assert (solution.gap[solution.pressure == hardness] <= 1e-10 * posed.scales.gap).all()
+        assert solution.pressure.sum() == pytest.approx(posed.control.total, rel=1e-10)
     ours, reference = (solution.pressure / posed.scales.pressure for solution in solutions)
     assert np.abs(ours - reference).max() < 64 * 1e-10 * 10
 
@@ -105,44 +79,14 @@ def test_a_hardness_below_the_mean_pressure_has_a_status(line_contact: LineConta
     assert np.isfinite(solution.gap).all()
 
 
-@pytest.mark.parametrize("precision", ["single", "double"])
-def test_cells_that_yield_are_at_the_hardness_to_the_last_bit(precision: str, line_contact: LineContact) -> None:
-    """Whatever the hardness: a pressure's unit is a power of two."""
-    grid = line_contact.grid((16, 2), 1.2)
-    for fraction in np.random.default_rng(1).uniform(0.7, 0.95, 20):
-        hardness = fraction * line_contact.hertz.peak_pressure
-        problem = replace(line_contact.scene, hardness=hardness).problem(grid, cs.ExactPeriodicity())
-        solution = cs.solve(problem, tolerance=1e-4, precision=precision)
-        assert solution.pressure.max() <= hardness
-        if precision == "double":
-            assert solution.pressure.max() == hardness
-
-
-def test_where_all_cells_yield_the_approach_leaves_no_gap_open() -> None:
-    """The widest gap of those that bear closes, and that of a cell without pressure is not asked."""
-    which = HardnessLimited(2.0)
-    pressure = np.array([[2.0, 2.0, 0.0]])
-    gap = np.array([[0.3, 0.5, 0.9]])
-    assert which.approach_without_active_cells(pressure, gap) == 0.5
-
-
-@pytest.mark.parametrize(
-    ("which", "pressure", "gap", "residual"),
-    [
+def test_the_residual_is_the_largest_violation_of_the_contact_conditions() -> None:
+    for constraint, pressure, gap, residual in (
         # the mean gap under the pressure, (2 * 0.3 + 0.5 * 0.8) / 2.5; the deepest penetration where there is none
         (Compressive(), (2.0, 0.5, 0.0, 0.0), (0.3, -0.8, -0.25, 0.9), 0.4),
         (Compressive(), (2.0, 0.5, 0.0, 0.0), (0.3, -0.8, -0.75, 0.9), 0.75),
         # the mean gap under the pressure of free cells; the widest gap where one has yielded
         (HardnessLimited(4.0), (4.0, 2.0, 0.5, 0.0), (0.2, 0.3, -0.8, -0.1), 0.4),
         (HardnessLimited(4.0), (4.0, 2.0, 0.5, 0.0), (0.6, 0.3, -0.8, -0.1), 0.6),
-        (HardnessLimited(4.0), (4.0, 2.0, 0.5, 0.0), (-0.6, 0.3, -0.8, -0.7), 0.7),
-        (HardnessLimited(4.0), (4.0, 0.5), (-0.1, 0.25), 0.25),
-        # where none is free there is no complementarity
-        (HardnessLimited(4.0), (4.0, 0.0), (-0.5, 0.25), 0.0),
-    ],
-)  # fmt: skip
-def test_the_residual_is_the_largest_violation_of_the_contact_conditions(
-    which: Constraint, pressure: tuple[float, ...], gap: tuple[float, ...], residual: float
-) -> None:
-    found = which.violation(np.array([pressure]), np.array([gap]), sum(pressure))
-    assert found == pytest.approx(residual)
+    ):
+        violation = constraint.violation(np.array([pressure]), np.array([gap]), sum(pressure))
+        assert violation == pytest.approx(residual)

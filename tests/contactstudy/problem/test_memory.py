@@ -8,22 +8,21 @@ from contactstudy.problem import memory
 from tests.conftest import LineContact
 
 
-@pytest.mark.parametrize("precision", ["single", "double"])
 def test_a_solve_is_refused_where_half_of_what_it_takes_is_left(
-    precision: str, line_contact: LineContact, monkeypatch: pytest.MonkeyPatch
+    line_contact: LineContact, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     problem = line_contact.scene.problem(line_contact.grid((128, 64), 1.0), cs.ExactPeriodicity())
-    cs.solve(problem, precision=precision)
+    cs.solve(problem)
     tracemalloc.start()
-    cs.solve(problem, precision=precision)
+    cs.solve(problem)
     taken = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     monkeypatch.setattr(memory, "FREE_ON_ANY_MACHINE", 0)
     monkeypatch.setattr(memory, "available_bytes", lambda: 2 * taken)
-    cs.solve(problem, precision=precision)
+    cs.solve(problem)
     monkeypatch.setattr(memory, "available_bytes", lambda: taken / 2)
     with pytest.raises(cs.InvalidInput, match=r"a solve needs 0\.00.* GB more and this machine ha"):
-        cs.solve(problem, precision=precision)
+        cs.solve(problem)
 
 
 @pytest.mark.parametrize("padding", [cs.ExactPeriodicity(), cs.ZeroPadding()])

@@ -4,11 +4,9 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.domain.device import Cpu
-from contactstudy.solvers.fixed_point import solve_by_fixed_point_iteration
-from contactstudy.solvers.friction import coulomb as laws
-from contactstudy.solvers.friction.coulomb_newton import shear_status
-from contactstudy.solvers.solution import TangentialTraction, with_traction
+from contactstudy.solvers.fixed_point import solve_with_mixing
+from contactstudy.solvers.friction import coulomb
+from tests.conftest import LineContact
 
 UNLIKE = cs.Scene(
     cs.LineLoad(1e5),
@@ -33,36 +31,28 @@ def test_outer_iterations_over_the_shear_of_dissimilar_bodies_end_in_equilibrium
 
 @pytest.mark.parametrize("width", [4e-4, 1e-4], ids=["whole contact", "cut off at the edge"])
 def test_outer_iterations_that_do_not_converge_have_a_status(monkeypatch: pytest.MonkeyPatch, width: float) -> None:
-    monkeypatch.setattr(laws, "MAX_SLIDING_ITERATIONS", 2)
+    monkeypatch.setattr(coulomb, "MAX_SLIDING_ITERATIONS", 2)
     posed = UNLIKE.problem(cs.Grid((96, 1), (width, 1e-3)), cs.ZeroPadding())
     found = cs.solve(posed, tolerance=1e-9)
     assert found.status is cs.Status.NOT_CONVERGED
     assert found.residual > 1e-9
 
 
-def test_a_spring_in_series_lowers_the_load_at_a_given_approach() -> None:
-    posed = replace(UNLIKE, load=cs.Approach(1e-6), friction=None).problem(
-        cs.Grid((96, 1), (4e-4, 1e-3)), cs.ExactPeriodicity()
-    )
+def test_mixing_ends_where_the_lagged_displacement_is_that_of_its_own_pressure(line_contact: LineContact) -> None:
+    """A gap that tilts by a fraction of the displacement."""
+    problem = line_contact.scene.problem(line_contact.grid((24, 1), 1.0), cs.ExactPeriodicity())
+    options = cs.SolveOptions(1e-10)
 
-    def compressed(pressure: np.ndarray) -> np.ndarray:
-        return np.full_like(pressure, 2e-17 * pressure.sum())
+    def lagged(pressure: np.ndarray) -> np.ndarray:
+        return 0.02 * problem.operator(pressure) * np.linspace(-1, 1, 24)[:, None]
 
-    options = cs.SolveOptions(1e-9)
-    found = solve_by_fixed_point_iteration(posed, compressed, options, None, Cpu(), 50)
-    gap = posed.undeformed_gap + posed.operator(found.pressure) + compressed(found.pressure)
-    assert found.status is cs.Status.CONVERGED
-    assert np.abs(gap[found.pressure > 0] - 1e-6).max() <= 1e-8 * posed.scales.gap
-
-
-def test_a_displacement_or_a_traction_of_nan_is_a_failure() -> None:
-    posed = replace(UNLIKE, friction=None).problem(cs.Grid((24, 1), (4e-4, 1e-3)), cs.ZeroPadding())
-    options = cs.SolveOptions()
-    lost = solve_by_fixed_point_iteration(posed, lambda pressure: np.nan * pressure, options, None, Cpu(), 9)
-    assert lost.status is cs.Status.NOT_FINITE
-    assert np.isnan(lost.residual)
-    normal = cs.solve(posed)
-    shear = TangentialTraction(np.full((2, 24, 1), np.nan), normal.pressure > 0, "", 1)
-    lost = with_traction(normal, shear_status(np.nan, 1, 1e-8, 9), np.nan, 1, 2.0, shear)
-    assert lost.status is cs.Status.NOT_FINITE
-    assert np.isnan(lost.residual)
+    mixed = solve_with_mixing(problem, lagged, options, change=1e-8)
+    pressure = mixed.solution.pressure
+    again = cs.solve(replace(problem, undeformed_gap=problem.undeformed_gap + lagged(pressure)), tolerance=1e-10)
+    np.testing.assert_allclose(again.pressure, pressure, atol=1e-6 * pressure.max())
+    assert mixed.solution.status is cs.Status.CONVERGED
+    assert mixed.change <= 1e-8
+    assert 2 < mixed.outer_iterations < 12
+    few = solve_with_mixing(problem, lagged, options, change=1e-8, max_outer=2)
+    assert few.solution.status is cs.Status.NOT_CONVERGED
+    assert few.solution.residual >= few.change > 1e-8

@@ -28,25 +28,16 @@ def law(isotropic: float, kinematic: float) -> VonMisesPlasticity:
     return VonMisesPlasticity(*(np.array([one]) for one in (TWICE_SHEAR, YIELD, isotropic, kinematic)))
 
 
-@pytest.mark.parametrize("fraction", [0.0, 0.5, 1.0])
-def test_a_bar_in_tension_hardens_by_both_moduli_together(fraction: float) -> None:
-    both = 0.8
-    strain, equivalent = stressed(law(fraction * both, (1 - fraction) * both), [0.9, 1.2, 1.4])
-    assert strain == pytest.approx(0.4 / both, rel=1e-12)
-    assert equivalent == pytest.approx(0.4 / both, rel=1e-12)
+def test_a_bar_in_tension_hardens_by_both_moduli_together() -> None:
+    for fraction in (0.0, 0.5, 1.0):
+        strains = stressed(law(fraction * 0.8, (1 - fraction) * 0.8), [0.9, 1.2, 1.4])
+        assert strains == pytest.approx((0.4 / 0.8, 0.4 / 0.8), rel=1e-12)
 
 
-def test_isotropic_hardening_widens_the_range_without_yield() -> None:
-    strain, _ = stressed(law(0.5, 0.0), [1.4, -1.4])
-    assert strain == pytest.approx(0.8, rel=1e-12)
-    back, equivalent = stressed(law(0.5, 0.0), [1.4, -1.6])
-    assert back == pytest.approx(0.8 - 0.4, rel=1e-12)
-    assert equivalent == pytest.approx(1.2, rel=1e-12)
-
-
-def test_kinematic_hardening_moves_the_range_without_yield() -> None:
-    """From 1.4 down it yields at -0.6 (Bauschinger), with a modulus of 0.5."""
-    strain, _ = stressed(law(0.0, 0.5), [1.4, -0.59])
-    assert strain == pytest.approx(0.8, rel=1e-12)
-    back, _ = stressed(law(0.0, 0.5), [1.4, -0.8])
-    assert back == pytest.approx(0.8 - 0.2 / 0.5, rel=1e-12)
+def test_isotropic_hardening_widens_the_range_without_yield_and_kinematic_moves_it() -> None:
+    """From 1.4 down the one yields at -1.4, the other at -0.6 (Bauschinger), both with a modulus of 0.5."""
+    isotropic, kinematic = law(0.5, 0.0), law(0.0, 0.5)
+    assert stressed(isotropic, [1.4, -1.4])[0] == pytest.approx(0.8, rel=1e-12)
+    assert stressed(isotropic, [1.4, -1.6]) == pytest.approx((0.8 - 0.4, 1.2), rel=1e-12)
+    assert stressed(kinematic, [1.4, -0.59])[0] == pytest.approx(0.8, rel=1e-12)
+    assert stressed(kinematic, [1.4, -0.8])[0] == pytest.approx(0.8 - 0.2 / 0.5, rel=1e-12)

@@ -5,6 +5,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.elasticity.tangential import shear_response
+from contactstudy.solvers.friction.coulomb import FrictionSet
 from contactstudy.solvers.friction.fretting import SlipStep, slip_step
 
 FREE = cs.ZeroPadding(), cs.ZeroPadding()
@@ -39,20 +40,13 @@ def check_coulombs_law(found: SlipStep, reference: np.ndarray, limit: np.ndarray
     np.testing.assert_allclose(against[slips], (size * np.hypot(*slip))[slips], atol=1e-6 * unit)
 
 
-@pytest.mark.parametrize("fraction", [0.0, 0.4, -0.9, 0.9999])
-def test_a_force_that_turns_back_leaves_a_state_of_coulombs_law(fraction: float) -> None:
+def test_a_step_of_force_leaves_a_state_of_coulombs_law() -> None:
+    """A force that turns back; and a falling pressure takes its shear along: what is cut off moves the surface back."""
     before = step(total=forced(0.7)).shear
-    found = step(before, total=forced(fraction))
-    np.testing.assert_allclose(found.shear.sum(axis=(1, 2)), forced(fraction), atol=1e-9)
-    check_coulombs_law(found, before, LIMIT)
-
-
-def test_a_falling_pressure_takes_its_shear_along() -> None:
-    """The shear before is not cut to the new limit: what is cut off moves the surface back."""
-    before = step(total=forced(0.7)).shear
-    limit = 0.5 * LIMIT
-    found = step(before, limit, total=forced(0.3))
-    check_coulombs_law(found, before, limit)
+    for fraction, limit in ((0.4, LIMIT), (-0.9, LIMIT), (0.9999, LIMIT), (0.3, 0.5 * LIMIT)):
+        after = step(before, limit, total=forced(fraction))
+        np.testing.assert_allclose(after.shear.sum(axis=(1, 2)), forced(fraction), atol=1e-9)
+        check_coulombs_law(after, before, limit)
 
 
 def test_the_displacement_of_a_force_gives_its_shear() -> None:
@@ -60,12 +54,6 @@ def test_the_displacement_of_a_force_gives_its_shear() -> None:
     found = step(rigid=known.rigid)
     np.testing.assert_allclose(found.shear, known.shear, atol=1e-6 * LIMIT.max())
     check_coulombs_law(found, NONE, LIMIT)
-
-
-def test_a_force_far_below_that_of_friction_makes_a_shear_in_proportion() -> None:
-    small, smaller = (step(total=forced(part)).shear / part for part in (1e-7, 1e-11))
-    # rounding of the limits, over the smaller part
-    np.testing.assert_allclose(smaller, small, atol=1e-15 / 1e-11 * small.max())
 
 
 def test_a_contact_converges_whose_newton_steps_fail_far_from_the_solution() -> None:
@@ -86,3 +74,20 @@ def test_a_contact_at_the_edge_does_not_hide_a_shear_that_did_not_converge() -> 
     assert normal.status is cs.Status.CONTACT_AT_EDGE
     assert stopped.status is cs.Status.ITERATION_LIMIT
     assert stopped.residual > 1e-8
+
+
+CHANCE = np.random.default_rng(3)
+RADIUS = CHANCE.uniform(0.01, 1, 40)
+TRIAL = CHANCE.normal(size=(2, 40))
+
+
+@pytest.mark.parametrize("fraction", [0.0, 0.01, 0.6, 0.999])
+def test_the_projection_is_nearest_among_those_with_the_sum(fraction: float) -> None:
+    total = np.array([fraction * RADIUS.sum(), 0.0])
+    nearest = FrictionSet(RADIUS, total).project(TRIAL).traction
+    assert (np.hypot(*nearest) <= RADIUS * (1 + 1e-14)).all()
+    assert nearest.sum(axis=1) == pytest.approx(total, abs=1e-9)
+    # no admissible direction comes nearer: others of the same sum, on their disks
+    for _ in range(20):
+        other = FrictionSet(RADIUS, total).project(CHANCE.normal(size=(2, 40))).traction
+        assert ((TRIAL - nearest) * (other - nearest)).sum() <= 1e-7

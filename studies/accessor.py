@@ -10,7 +10,7 @@ from scipy.stats import linregress
 
 from contactstudy import InvalidInput, NotDefined
 from contactstudy.domain.notebook import InNotebook
-from studies.advice.front import pareto_front
+from studies.advice.verdict import pareto_front
 from studies.model.axis import one_of
 from studies.model.outcome import CaseStatus
 from studies.reference.line_contact import total_time

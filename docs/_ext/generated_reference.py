@@ -21,7 +21,7 @@ import contactstudy as cs
 from contactstudy.domain.validation import notes
 from contactstudy.io.scene_files.materials import materials
 from contactstudy.io.scene_files.scene_schema import DESCRIPTIONS, KINDS, NO_KIND, SceneDocument
-from studies.advice.stored import COLUMNS
+from studies.advice.verdict import COLUMNS
 from studies.engine.options import RunOptions
 from studies.engine.run import run
 from studies.model.outcome import CaseStatus

@@ -6,14 +6,18 @@ thread, the least of a few rounds in which all settings take turns. The error of
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from math import inf, isfinite, nan, prod
+from math import floor, inf, isfinite, log10, nan, prod
+from pathlib import Path
 from time import process_time
+
+from threadpoolctl import threadpool_limits
 
 import contactstudy as cs
 from contactstudy.domain.errors import Request
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import cells_text
 from contactstudy.domain.reuse import caching
+from contactstudy.domain.version import source_hash
 from contactstudy.io.scene_files.scene_schema import PlanSettings
 from contactstudy.planning.grid_requirements import grid_requirements, with_random_extents
 from contactstudy.scene import methods
@@ -22,38 +26,43 @@ from studies.advice.verdict import (
     EVERY_NUMBER,
     NAMED,
     PRESSURE,
+    SETTINGS,
     TIE,
     Measured,
     SceneToJudge,
     Setting,
     Verdict,
     bound_of,
+    from_dataset,
     meets,
+    to_dataset,
 )
 from studies.model.case import Answer
 from studies.model.plain_text import Log
 from studies.reference.line_contact import hertz_means, relative_l1, with_edges_moved
 from studies.reference.paddings import PADDINGS, padding_label, padding_text
+from studies.store.netcdf import check_kind, open_folder, read, write
+from studies.store.provenance import provenance
 
-# Grids that are tried have these multiples of a sixth of the cells of the scene file, or of the planned ones: up to
-# twice those, and in a dry contact, which takes milliseconds, up to this number of cells.
-SIXTHS, MULTIPLES, CHEAP_CELLS = 6, (1, 2, 3, 4, 6, 8, 12, 16, 24, 48, 96, 192), 2**14
-TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-6)
-IMAGES = {"superposed": (1, 6, 20), "circular": (1, 2, 4, 6, 10, 20)}
+# Grids that are tried have multiples of a sixth of the cells of the scene file, or of the planned ones: up to twice
+# those, and in a dry contact, which takes milliseconds, up to this number of cells.
+SIXTHS, CHEAP_CELLS = 6, 2**14
+MULTIPLES = sorted(factor * 2**power for factor in (1, 3) for power in range(7))
+IMAGES = (1, 2, 6, 20)
 # A promise holds for a load that is lower by this factor too, whose contact edge lies elsewhere in its cell.
 LOWER_LOAD = 0.92
 # A window that is folded off centre, by half a cell, has at least so many cells along.
 CENTRED = 8
-# A planned grid whose edge the contact reaches is widened by this factor, and once more.
-WIDER = 1.5
-# Processor time [s] of the rounds in which the fastest settings take turns, and the largest number of rounds.
-ROUND_SECONDS, MAX_ROUNDS = 4.0, 100
+# Processor time [s] of the rounds in which the fastest settings take turns.
+ROUND_SECONDS = 4.0
 
 NO_GRID = (
     "No other padding was tried, since no grid that was tried keeps the error with exact periodicity, or the ends of "
     "the scene."
 )
 COPY_OFF_CENTRE = "Duplicated padding was not tried, since its window is off centre with one cell."
+# Attributes that are equal where a stored verdict is that of a scene, here and now.
+MATCHED_ATTRIBUTES = ("cpu", "source", "sources", "key")
 NO_REFERENCE = "no finer solution, which would cost more than all the grids that were tried"
 
 
@@ -98,11 +107,7 @@ class _Trials:
         return across, along
 
     def setting(
-        self,
-        label: str,
-        padding: cs.Padding | cs.Paddings,
-        cells: tuple[int, int],
-        tolerance: float,
+        self, label: str, padding: cs.Padding | cs.Paddings, cells: tuple[int, int], tolerance: float
     ) -> Setting:
         """Return a setting on these cells, or on as many along as a copy needs to cover both sides alike."""
         across, along = cells
@@ -114,9 +119,10 @@ class _Trials:
         """Return all paddings that the scene may have by their names, and that which its file gives as `own`."""
         if isinstance(self.own, tuple):
             return {}
-        others = {
-            padding_label(name, n): make(n) for name, make in PADDINGS.items() for n in IMAGES.get(name, (0,))
-        } | ({own: given} if given is not None else {})
+        others: dict[str, cs.Padding | cs.Paddings] = {
+            padding_label(name, n): make(n) for name, make in PADDINGS.items() for n in IMAGES
+        }
+        others |= {own: given} if given is not None else {}
         if self.unit[1] == 1 and not self.is_line:
             del others["duplicated"]
             self.notes["duplicated"] = COPY_OFF_CENTRE
@@ -214,10 +220,7 @@ class _Trials:
 
 
 def verdict_on(
-    described: SceneToJudge,
-    error: Request,
-    log: Log = lambda text: None,
-    measure: str = EVERY_NUMBER,
+    described: SceneToJudge, error: Request, log: Log = lambda text: None, measure: str = EVERY_NUMBER
 ) -> Verdict:
     """Return what was measured of a scene's settings for a relative error, or some by name, and the choice among them.
 
@@ -233,7 +236,7 @@ def verdict_on(
     """
     asked = error if isinstance(error, Mapping) else {}
     measure = NAMED if asked else measure
-    for wider in (1.0, WIDER, WIDER**2):
+    for wider in (1, 2):
         trials = _trials(described.file, error, measure, wider)
         base, own = _label(trials.own), _label(described.file.padding or trials.own)
         paddings = {base: trials.own} | trials.other_paddings(own, described.file.padding)
@@ -303,7 +306,7 @@ def least_error(request: Request) -> float:
     return min(request.values()) if isinstance(request, Mapping) else request
 
 
-def _trials(file: cs.SceneFile, error: Request, measure: str, wider: float) -> _Trials:
+def _trials(file: cs.SceneFile, error: Request, measure: str, wider: int) -> _Trials:
     """Return the solves of a scene from a sixth of the cells of its grid, or of the plan for the error, made wider."""
     padding: cs.Padding | cs.Paddings | None
     padding = file.padding if isinstance(file.padding, tuple) else None
@@ -315,7 +318,7 @@ def _trials(file: cs.SceneFile, error: Request, measure: str, wider: float) -> _
         padding = padding or planned.padding
         if grid is None:
             (nx, ny), (width, length) = planned.grid.cells, planned.grid.extent
-            grid = cs.Grid((round(wider * nx), ny), (wider * width, length))
+            grid = cs.Grid((wider * nx, ny), (wider * width, length))
         elif not grid_requirements(scene).varies:
             grid = replace(grid, cells=(grid.cells[0], 1))
     own = padding or cs.ExactPeriodicity()
@@ -352,10 +355,12 @@ def _worst(answer: Answer, request: Request) -> tuple[float, str]:
 
 def _loosest(trials: _Trials, setting: Setting) -> float:
     """Return the loosest tolerance at which a setting meets the error, or the scene's own if none does."""
-    for tolerance in (t for t in TOLERANCES if t > setting.tolerance):
-        one = trials.measured(replace(setting, tolerance=tolerance))
+    decade = floor(log10(trials.error))
+    while 10.0**decade > setting.tolerance:
+        one = trials.measured(replace(setting, tolerance=10.0**decade))
         if one and trials.meets(one):
-            return tolerance
+            return one.setting.tolerance
+        decade -= 1
     return setting.tolerance
 
 
@@ -375,7 +380,7 @@ def _timed(trials: _Trials, found: Sequence[Measured], own: str) -> Iterator[Mea
 
     def take(settings: Sequence[Setting], seconds: float) -> None:
         total = sum(times[setting] for setting in settings)
-        for _ in range(max(1, min(MAX_ROUNDS, int(seconds / total))) if settings else 0):
+        for _ in range(max(1, int(seconds / total)) if settings else 0):
             for setting in settings:
                 times[setting] = min(times[setting], trials.seconds(setting))
 
@@ -388,3 +393,34 @@ def _timed(trials: _Trials, found: Sequence[Measured], own: str) -> Iterator[Mea
     of_own = [one for one in near if one.label == own][:1]
     take([turn for one in near for turn in (one, *of_own)], ROUND_SECONDS)
     yield from (replace(one, seconds=times[one.setting]) for one in found)
+
+
+def path_in(out: Path) -> Path:
+    """Return the file of a verdict in a folder."""
+    return out / f"{SETTINGS}.nc"
+
+
+def verdict_of(described: SceneToJudge, error: Request, out: Path, log: Log, measure: str = EVERY_NUMBER) -> Verdict:
+    """Return the verdict on a scene that a folder has, or measure it and store it there.
+
+    One of another error, scene, processor or program is measured again.
+    """
+    identity = {**provenance(), "sources": _sources(), "key": f"{described.key} {error!r} {measure}"}
+    path = path_in(out)
+    check_kind(path, "comparison")
+    if path.is_file():
+        dataset = read(path)
+        if all(dataset.attrs.get(name) == identity[name] for name in MATCHED_ATTRIBUTES):
+            log(f"read the measurements stored in {path}")
+            return from_dataset(dataset)
+    open_folder(out)  # refused before anything is measured
+    with threadpool_limits(1):  # times are of one thread, and idle ones of a library count as well
+        verdict = verdict_on(described, error, log, measure)
+    write(to_dataset(verdict).assign_attrs(identity), path)
+    return verdict
+
+
+def _sources() -> str:
+    """Return hashes of what solves and what compares."""
+    advice = Path(__file__).parent
+    return " ".join((source_hash(), source_hash(advice), source_hash(advice.parent / "reference")))

@@ -1,11 +1,18 @@
-"""Settings of a scene that were measured, and the choice among them."""
+"""Settings of a scene that were measured, the choice among them, and their netCDF file."""
 
+import json
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import prod
 from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
 
 import contactstudy as cs
+from contactstudy.domain.fields import Array
 from contactstudy.domain.identity import digest
 from contactstudy.io.scene_files.scene_writer import scene_text, settings_text
 from studies.reference.line_contact import HERTZ, SCENE, WIDTH
@@ -15,6 +22,25 @@ TIE = 1.1
 # Measures: what must meet the requested error. NAMED is for errors that are requested by the names of numbers.
 EVERY_NUMBER, PRESSURE = "every number", "the pressure in L1"
 NAMED = "every number that is named, in proportion to its own request"
+SETTINGS = "settings"
+# Variables of a setting and of what was measured of it, in the order of their fields: units and long name.
+COLUMNS = {
+    "label": ("", "padding"),
+    "padding": ("", "padding as in Python"),
+    "cells_across": ("1", "number of cells across"),
+    "cells_along": ("1", "number of cells along"),
+    "solver_tolerance": ("1", "tolerance of a solve"),
+    "pressure_bound": ("1", "bound of the relative L1 error of the pressure"),
+    "error_bound": ("1", "largest bound of the relative error of a number"),
+    "worst": ("", "number of the largest bound"),
+    "pressure_difference": ("1", "relative L1 difference of the pressure to the reference"),
+    "processor_time": ("s", "least processor time of a solve on one thread"),
+}
+# Attributes of a verdict, whose texts are JSON where they are not plain.
+ATTRIBUTES = {
+    "scene_name": "name", "scene": "text", "requested_error": "error", "measure": "measure", "own": "own",
+    "extent": "extent", "reference": "reference", "notes": "notes", "named_errors": "named",
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -187,3 +213,57 @@ def paper_scene() -> SceneToJudge:
     side = WIDTH * HERTZ.half_width
     file = cs.SceneFile(SCENE, grid=cs.Grid((24, 1), (side, side)))
     return SceneToJudge("the paper's cylinder", scene_text(SCENE, grid=file.grid), file)
+
+
+def to_dataset(verdict: Verdict) -> xr.Dataset:
+    """Return a verdict as a Dataset of its settings, with the rest as attributes."""
+    rows = [
+        (one.setting.label, repr(one.setting.padding), *one.setting.cells, one.setting.tolerance,
+         one.l1, one.error, one.worst, one.difference, one.seconds)
+        for one in verdict.settings
+    ]  # fmt: skip
+    data = {
+        name: ("setting", list(values), {"long_name": about} | ({"units": units} if units else {}))
+        for (name, (units, about)), values in zip(COLUMNS.items(), zip(*rows, strict=True), strict=True)
+    }
+    attributes: dict[str, Any] = {key: getattr(verdict, name) for key, name in ATTRIBUTES.items()}
+    for key in ("notes", "named_errors"):
+        attributes[key] = json.dumps(attributes[key])
+    return xr.Dataset(data, attrs={"title": f"Settings of {verdict.name}"} | attributes)
+
+
+def _padding(text: str) -> cs.Padding | cs.Paddings:
+    """Return the padding of a representation in Python, or both of two."""
+    found = [
+        getattr(cs, name)(*map(int, filter(None, [images])))
+        for name, images in re.findall(r"(\w+)\((?:images=(\d+))?\)", text)
+    ]
+    return found[0] if len(found) == 1 else (found[0], found[1])
+
+
+def from_dataset(dataset: xr.Dataset) -> Verdict:
+    """Return the verdict in a Dataset."""
+    rows = zip(*(dataset[name].values.tolist() for name in COLUMNS), strict=True)
+    settings = tuple(
+        Measured(Setting(label, _padding(padding), (across, along), tolerance), *measured)
+        for label, padding, across, along, tolerance, *measured in rows
+    )
+    found: dict[str, Any] = {name: dataset.attrs[key] for key, name in ATTRIBUTES.items()}
+    found["extent"] = tuple(np.asarray(found["extent"], float).tolist())
+    found["notes"], found["named"] = tuple(json.loads(found["notes"])), json.loads(found["named"])
+    return Verdict(**found, settings=settings)
+
+
+def pareto_front(cost: Array, error: Array) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
+    """Return the indices of the points that no other beats in both cost and error, by growing cost.
+
+    Parameters
+    ----------
+    cost, error
+        Flat arrays of one length; points with nan are left out.
+    """
+    order = np.lexsort((error, cost))
+    order = order[np.isfinite(cost[order]) & np.isfinite(error[order])]
+    best = np.minimum.accumulate(error[order])
+    is_better = np.concatenate(([True], best[1:] < best[:-1]))[: len(order)]
+    return order[is_better]

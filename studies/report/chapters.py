@@ -6,7 +6,7 @@ from itertools import chain
 
 from contactstudy import InvalidInput
 from contactstudy.domain.checks import suggestion
-from studies.advice.stored import SETTINGS
+from studies.advice.verdict import SETTINGS
 from studies.model.study import Study
 from studies.registry import BUILT_IN, SCENES, load, outline
 

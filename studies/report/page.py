@@ -12,8 +12,8 @@ from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescap
 from contactstudy import InvalidInput
 from contactstudy.domain.files import replacing
 from contactstudy.domain.units import display_unit_of
-from studies.advice.stored import SETTINGS, from_dataset, path_in, verdict_of
-from studies.advice.verdict import PRESSURE, Verdict, paper_scene
+from studies.advice.trials import path_in, verdict_of
+from studies.advice.verdict import PRESSURE, SETTINGS, Verdict, from_dataset, paper_scene
 from studies.engine.options import RunOptions
 from studies.engine.run import run
 from studies.model.drawing import CaptionedFigure, Drawing, Finding, write_figure

@@ -16,7 +16,7 @@ from matplotlib.ticker import NullLocator
 
 from contactstudy.domain.fields import Array
 from contactstudy.domain.units import display_unit_of
-from studies.advice.front import pareto_front
+from studies.advice.verdict import pareto_front
 from studies.model.drawing import CaptionedFigure
 from studies.model.outcome import CaseStatus
 from studies.model.plain_text import one_line

@@ -8,9 +8,7 @@ import numpy as np
 import xarray as xr
 
 from contactstudy.domain.grid import cells_text
-from studies.advice.front import pareto_front
-from studies.advice.stored import SETTINGS
-from studies.advice.verdict import PRESSURE, TIE, Measured, Verdict
+from studies.advice.verdict import PRESSURE, SETTINGS, TIE, Measured, Verdict, pareto_front
 from studies.model.drawing import CaptionedFigure, Finding, Table
 from studies.report.plots import scaled
 from studies.report.section import Section

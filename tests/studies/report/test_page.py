@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 from contactstudy import InvalidInput
-from studies.advice.stored import verdict_of
+from studies.advice.trials import verdict_of
 from studies.advice.verdict import PRESSURE, paper_scene
 from studies.engine.options import RunOptions
 from studies.engine.run import run

@@ -8,13 +8,16 @@ for: what lists, runs or distributes studies imports no plotting library.
 from __future__ import annotations
 
 import importlib
+import os
 import re
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from importlib.resources import files
 from pathlib import Path
+from traceback import extract_tb
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, cast
 
@@ -22,8 +25,9 @@ from contactstudy import InvalidInput
 from contactstudy.domain.checks import suggestion
 from studies.model.axis import Axis
 from studies.model.drawing import Drawing, no_items
+from studies.model.plain_text import one_line, quoted
 from studies.model.study import Study
-from studies.study_file import module_in, module_name, study_in
+from studies.store.program import content, look
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -47,28 +51,26 @@ def load(name: str) -> Study:
     Raises :class:`~contactstudy.InvalidInput` if there is none, or if a file has none.
     """
     if name.endswith(".py"):
-        study = study_in(Path(name))
+        module, folder = module_in(Path(name)), Path(name).absolute().parent
+        study = cast(Study, module.study)
         if study.name in BUILT_IN:
             raise InvalidInput(f"Study file {name!r} has the name of a built-in study, {study.name!r}: rename it.")
-        return study
-    if name in SCENES:
-        return _chapter(name)
-    return cast(Study, _part("studies.definitions", name))
-
-
-def chapter_file(name: str) -> Path:
-    """Return the path of the scene file of a chapter."""
-    return Path(str(files("studies") / "chapters" / f"{name}.toml"))
-
-
-def _chapter(name: str) -> Study:
-    """Return the study of the scene file of a chapter, over what it varies."""
+        # what the file may have read when it was loaded
+        vars(module)["__depends__"] = {name: content(folder / name) for name in study.depends}
+        return replace(study, folder=folder)
+    if name not in SCENES:
+        return cast(Study, _part("studies.definitions", name))
     # planning needs the core, which listing does not
     from studies.advice.reference_error import against
     from studies.scene_study.study_of import study_of
 
     study = replace(study_of(chapter_file(name), name=name), title=_title(name))
     return against(study, "padding", SCENES[name]) if SCENES[name] else study
+
+
+def chapter_file(name: str) -> Path:
+    """Return the path of the scene file of a chapter."""
+    return Path(str(files("studies") / "chapters" / f"{name}.toml"))
 
 
 def _title(name: str) -> str:
@@ -138,3 +140,55 @@ def _part(package: str, name: str) -> Any:
         raise InvalidInput(f"Study {name!r} is not known: {hint}, or give a .py file.")
     family = next(family for family, names in FAMILIES.items() if name in names)
     return getattr(importlib.import_module(f"{package}.{family}"), name.replace("-", "_"))
+
+
+def module_name(path: Path) -> str:
+    """Return the module name of a study file, with a prefix, so that time.py does not replace Python's module."""
+    return f"study_in_file_{path.stem}"
+
+
+def module_in(path: Path) -> ModuleType:
+    """Return the module in `path`, which has a `study`.
+
+    Raises :class:`~contactstudy.InvalidInput`, with file and line, for any error in it.
+    """
+    name = module_name(path)
+    if not os.path.isfile(path):  # noqa: PTH113 (no error for any name)
+        raise InvalidInput(f"Study file {quoted(path)} cannot be read: give the path of a Python file.")
+    look()
+    module = ModuleType(name)
+    sys.modules[name] = module
+    with _blaming(path):
+        # compiled from these bytes, and not from a cache, since their hash identifies the numbers
+        source = path.read_bytes()
+        vars(module).update(__file__=str(path.absolute()), __source__=source)
+        exec(compile(source, str(path.absolute()), "exec"), vars(module))
+    look()
+    if not isinstance(getattr(module, "study", None), Study):
+        raise InvalidInput(
+            f"Study file {quoted(path)} has no study: define study = studies.Study(...) at its top level."
+        )
+    # worker processes cannot import this file: its functions are pickled by value
+    from cloudpickle import register_pickle_by_value
+
+    register_pickle_by_value(module)
+    return module
+
+
+@contextmanager
+def _blaming(path: Path) -> Iterator[None]:
+    """Raise any error of the block as InvalidInput with the file and the line."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:  # noqa: BLE001 (a file may do anything, also exit)
+        file = str(path.absolute())
+        lines = [frame.lineno for frame in extract_tb(error.__traceback__) if frame.filename == file]
+        text: object = error
+        if isinstance(error, SyntaxError) and error.filename == file:
+            lines, text = [error.lineno], error.msg
+        message = one_line(f"{type(error).__name__}: {text}".removesuffix(": "), 500)
+        message = str(error) if isinstance(error, InvalidInput) else message
+        at = f", line {lines[-1]}" if lines else ""
+        raise InvalidInput(f"Study file {quoted(path)}{at}: {message.removesuffix('.')}.") from None

@@ -48,13 +48,7 @@ def cli() -> None:
 @WORKERS
 @click.pass_context
 def report(
-    context: click.Context,
-    /,
-    chapter: tuple[str, ...],
-    scene: Path | None,
-    error: Request,
-    out: Path,
-    workers: int,
+    context: click.Context, /, chapter: tuple[str, ...], scene: Path | None, error: Request, out: Path, workers: int
 ) -> None:
     """Run the studies of each CHAPTER and write its page.
 
@@ -69,7 +63,7 @@ def report(
                 "steel cylinder of R = 10 mm under 100 N/mm."
             )
         refuse(context, "chapters, and not for --scene", "workers")
-        from studies.advice.stored import verdict_of
+        from studies.advice.trials import verdict_of
         from studies.advice.verdict import scene_in
         from studies.report.page import write_scene
         from studies.report.wording import lines

@@ -46,15 +46,6 @@ SENSITIVITY = click.option(
 )
 
 
-def sensitivity_of(name: str) -> "Study":
-    """Return the study of each number of the scene in the file `name`, raised and lowered."""
-    from studies.scene_study.sensitivity import sensitivity_study
-
-    if not name.endswith(".toml"):
-        raise InvalidInput(f"--sensitivity is for a scene in a .toml file, and {name!r} is a study: leave it out.")
-    return sensitivity_study(name)
-
-
 def write_sensitivity(study: "Study", plot: Sequence[str], out: Path) -> str:
     """Write the table of a stored sensitivity as CSV, and return it as text with aligned columns."""
     import pandas as pd
@@ -85,16 +76,9 @@ def load_varied(name: str, vary: Sequence[str]) -> "Study":
         fields[field] = values.strip()
     if not name.endswith(".toml"):
         return load(name).override(fields)
-    from studies.scene_study.document import with_other_values
-    from studies.scene_study.study_of import read_tables, study_of
+    from studies.scene_study.study_of import study_of
 
-    raw, own, _ = read_tables(name)
-    if not fields and not own:
-        raise InvalidInput(
-            f"{name} is run without anything to vary: give {EXAMPLE} or a table [vary] in the file, or use "
-            f"contactstudy solve {name}."
-        )
-    return study_of(Path(name), with_other_values(raw, own, fields, name))
+    return study_of(name, fields)
 
 
 def with_reference(study: "Study", name: str, reference: str) -> "Study":
@@ -103,7 +87,7 @@ def with_reference(study: "Study", name: str, reference: str) -> "Study":
     Raises :class:`~contactstudy.InvalidInput` for a value that the study does not have.
     """
     from studies.advice.reference_error import against
-    from studies.scene_study.study_of import study_of
+    from studies.scene_study.study_of import axes_of
 
     field, equals, value = (part.strip() for part in reference.partition("="))
     if not name.endswith(".toml") or not equals or not field or not value:
@@ -111,7 +95,7 @@ def with_reference(study: "Study", name: str, reference: str) -> "Study":
             f"--reference is {reference!r}: give a varied field of a scene file and one of its values, such as "
             "padding=ExactPeriodicity."
         )
-    (axis,) = study_of(Path(name), {field: value}).axes
+    (axis,) = axes_of(Path(name), {field: value})
     values = {varied.name: varied.values for varied in study.axes}.get(axis.name, ())
     if len(axis.values) != 1 or axis.values[0] not in values:
         raise InvalidInput(
@@ -122,7 +106,7 @@ def with_reference(study: "Study", name: str, reference: str) -> "Study":
 
 @click.command(
     epilog="contactstudy studies lists the axes of each study: contactstudy run period --vary period=0.6,2.4 --vary "
-    "images=0:10 (a range has both its ends; lengths are in half-widths).",
+    "images=0:10 (a range has both its ends; lengths are in half-widths)."
 )
 @click.argument("study")
 @OUT
@@ -181,8 +165,14 @@ def run(
     from studies.model.outcome import CaseStatus
 
     if vary_every:
+        from studies.scene_study.sensitivity import sensitivity_study
+
         refuse(context, "a sweep, and not for --sensitivity, which varies each number alone", "vary", "reference")
-    chosen = sensitivity_of(study) if vary_every else load_varied(study, vary)
+        if not study.endswith(".toml"):
+            raise InvalidInput(f"--sensitivity is for a scene in a .toml file, and {study!r} is a study: leave it out.")
+        chosen = sensitivity_study(study)
+    else:
+        chosen = load_varied(study, vary)
     is_timed = (is_given(context, "repeats") and repeats) or "times" in retry
     if is_timed and study.endswith(".toml"):
         chosen = replace(chosen, times="taken")  # cases of a scene are timed on request
@@ -198,10 +188,6 @@ def run(
     if dry_run:
         estimate_cost(chosen, out, options=options, log=click.echo)
         return
-    if plot:
-        from studies.scene_study.measures import check_names
-
-        check_names(chosen, names_in(plot))
     dataset = run_study(chosen, out, options=options, log=click.echo)
     statuses = dataset["case_status"]
     if not (statuses == CaseStatus.OK).any():

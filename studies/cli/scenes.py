@@ -21,15 +21,7 @@ from contactstudy.domain.errors import Request
 from contactstudy.domain.grid import cells_text
 from contactstudy.domain.units import readable
 from contactstudy.domain.validation import checked_errors
-from studies.cli.options import (
-    FORMAT,
-    JSON,
-    PICTURES,
-    SCENE,
-    echo,
-    formats_in,
-    out_option,
-)
+from studies.cli.options import FORMAT, JSON, PICTURES, SCENE, echo, formats_in, out_option
 from studies.model.drawing import write_figure
 from studies.model.plain_text import counted, two_digits
 
@@ -37,9 +29,7 @@ if TYPE_CHECKING:
     from contactstudy.answers.answer import Answer
 
 THREADS = click.option(
-    "--threads",
-    type=click.IntRange(min=1),
-    help="Threads to solve on.  [default: the cores there are]",
+    "--threads", type=click.IntRange(min=1), help="Threads to solve on.  [default: the cores there are]"
 )
 DEVICE = click.option(
     "--device",
@@ -60,22 +50,17 @@ LONG, LARGE = 60.0, 4e9
 @click.command()
 @click.argument("kind", required=False)
 @click.option("--out", type=click.Path(path_type=Path), help="File to write.  [default: KIND.toml]")
-@click.option("--list", "listed", is_flag=True, help="List the kinds of scenes, one a line.")
-def new(kind: str | None, out: Path | None, listed: bool) -> None:  # noqa: FBT001 (click's own way)
-    """Write a commented scene of a KIND, such as roller, or coating, which is a sweep.
+def new(kind: str | None, out: Path | None) -> None:
+    """Write a commented scene of a KIND, such as roller, or coating, which is a sweep; without a KIND list all.
 
     plan, solve and run take it. No file is replaced.
     """
     scenes = templates() | templates("chapters")
-    if listed:
+    if kind is None:
         width = max(map(len, scenes))
         for name, text in scenes.items():
             click.echo(f"{name:<{width}}  {text.splitlines()[0].removeprefix('# ')}")
         return
-    if kind is None:
-        raise cs.InvalidInput(
-            f"KIND is missing: choose from {', '.join(scenes)}, which contactstudy new --list describes."
-        )
     if kind not in scenes:
         raise cs.InvalidInput(f"KIND is {kind!r}: {suggestion(kind, scenes)}.")
     path = out or Path(f"{kind}.toml")

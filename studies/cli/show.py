@@ -9,17 +9,7 @@ import click
 
 import contactstudy as cs
 from contactstudy import InvalidInput, MeasuredSurface
-from studies.cli.options import (
-    FORMAT,
-    PICTURES,
-    PLOT,
-    formats_in,
-    is_given,
-    names_in,
-    out_option,
-    refuse,
-    write_text,
-)
+from studies.cli.options import FORMAT, PICTURES, PLOT, formats_in, is_given, names_in, out_option, refuse, write_text
 from studies.model.drawing import write_figure
 from studies.model.plain_text import one_line, place_of
 
@@ -77,12 +67,7 @@ def show(
 
     chosen, named = formats_in(formats, FORMATS), (*names_in(plot), *names)
     pictures = [name for name in chosen if name in PICTURES]
-    keys = {
-        "unit": unit,
-        "invalid": invalid,
-        "decimal": decimal,
-        "sizes": sizes or "checked",
-    }
+    keys = {"unit": unit, "invalid": invalid, "decimal": decimal, "sizes": sizes or "checked"}
     if surfaces := surfaces_of(file, extent, **keys):
         refuse(context, "a study, and not for a surface", "as_table")
         if set(named) - {"raw"}:
@@ -105,12 +90,12 @@ def show(
     folder = open_folder(out or file.parent)
     with drawing(str(file), "its variables do not fit a figure; --csv prints them."):
         if "html" in chosen:
-            from studies.cli.explore import page_of
+            from studies.cli.exports import page_of
 
             # not FILE.html, which may be a chapter of the report
             write_text(page_of(dataset, file.stem), folder / f"{file.stem}-explore.html")
         if "vtk" in chosen:
-            from studies.cli.paraview import write_vtk
+            from studies.cli.exports import write_vtk
 
             for path in write_vtk(dataset, file, folder / file.stem):
                 click.echo(f"wrote {path}")
@@ -135,7 +120,7 @@ def _figures(context: click.Context, dataset: "xr.Dataset", file: Path, names: S
 
 def _tabulate(dataset: "xr.Dataset", file: Path, out: Path | None, names: Sequence[str], mark: str) -> None:
     """Print a table as CSV after a `mark`, or write it to a folder, and say how many columns it leaves out."""
-    from studies.cli.table import csv_of
+    from studies.cli.exports import csv_of
     from studies.store.netcdf import open_folder
 
     with drawing(str(file), "its variables do not fit a table."):

@@ -63,12 +63,7 @@ class SolveProgress:
 
 
 def solve_with_progress(
-    described: cs.SceneFile,
-    scene: Path,
-    folder: Path,
-    start: Path | None,
-    device: cs.Cpu | cs.Gpu,
-    show: SolveProgress,
+    described: cs.SceneFile, scene: Path, folder: Path, start: Path | None, device: cs.Cpu | cs.Gpu, show: SolveProgress
 ) -> Answer:
     """Solve a scene file and show the progress.
 

@@ -358,7 +358,7 @@ def varied_scenes(raw: Table, groups: Sequence[Mapping[str, object]], folder: Pa
 
 def with_other_values(
     raw: Table, groups: Sequence[Mapping[str, object]], values: Mapping[str, object], source: str
-) -> list[dict[str, object]]:
+) -> list[Mapping[str, object]]:
     """Return groups of keys with other `values` of some, whichever way these are named, and those of further keys."""
     base = document_from(raw, source)
     names = {_path(raw, base, name): name for name in values}
@@ -436,10 +436,7 @@ def _own_labels(
 
 
 def _labels(
-    group: Sequence[Varied],
-    position: int,
-    count: int,
-    documents: Mapping[tuple[int, ...], SceneDocument],
+    group: Sequence[Varied], position: int, count: int, documents: Mapping[tuple[int, ...], SceneDocument]
 ) -> dict[int, Value]:
     """Return the values of an axis by their number; equal ones stand once, and numbers of a key alone rise."""
     labels = _own_labels(group[0], position, count, documents)

@@ -1,8 +1,7 @@
 """Quantities recorded of every contact of a sweep."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
-from itertools import product
 from math import inf, isinf, pi, prod
 
 import numpy as np
@@ -13,14 +12,9 @@ from contactstudy.accuracy.coarser import contact_perimeter, touching_fraction
 from contactstudy.io.dataset import known_or_nan, labelled
 from contactstudy.stiffness import contact_stiffness
 from studies.advice.reference_error import pressure_error
-from studies.model.axis import one_of
 from studies.model.case import Answer, Case, dimensionless, error_estimates
-from studies.model.outcome import is_time
 from studies.model.plain_text import one_line
-from studies.model.study import Study
 
-# Cells along each axis, at most, on which a case is solved to see which numbers it gives.
-FEW_CELLS = 64
 # Quantities that a sweep varies as an axis.
 NAMED_BY_AXES = ("load_per_length", "total_load")
 
@@ -94,30 +88,3 @@ def _of_contact(case: Case, contact: cs.Contact) -> dict[str, xr.Variable]:
             bound = known_or_nan(error * float(value) if error < inf else inf)
             measured[f"{name}_bound"] = labelled((), bound, value.attrs["units"], label)
     return measured
-
-
-def check_names(study: Study, names: Sequence[str]) -> None:
-    """Raise InvalidInput for one of some `names` that no case at the ends of the axes gives.
-
-    These are solved on a few cells, until one has all names. Where one cannot be, nothing is raised.
-    """
-    # times, and errors against a reference, are not of a case alone
-    wanted = {name for name in names if not is_time(name) and not name.endswith("_error_l1")}
-    known: set[str] = set()
-    ends = (axis.values if axis.kind is str else axis.values[:: len(axis.values) - 1 or 1] for axis in study.axes)
-    for values in product(*ends):
-        if wanted <= known:
-            return
-        case = study.case_at(dict(zip((axis.name for axis in study.axes), values, strict=True)))
-        if not isinstance(case, Case):
-            continue
-        nx, ny = case.grid.cells
-        grid = replace(case.grid, cells=(min(nx, FEW_CELLS), min(ny, FEW_CELLS)))
-        case = replace(case, grid=grid, error=None, reference=None)
-        try:
-            answer = case.run(case.prepare())
-            known |= {*case.record(answer), *study.measures(case, answer)}
-        except Exception:  # noqa: BLE001 (of a few cells, or of a study's own measures, anything)
-            return
-    for name in wanted if known else ():
-        one_of("plot", name, sorted(known))

@@ -31,17 +31,7 @@ LOWERED, GIVEN, RAISED = SIDES = ("lowered", "as given", "raised")
 # Relative change of a number without a tolerance.
 CHANGE = 0.01
 # Tables of the contact itself; the others are settings of its solution and places to look at.
-DESCRIBED = (
-    "load",
-    "solids",
-    "shapes",
-    "hardness",
-    "friction",
-    "wear",
-    "rolling",
-    "lubrication",
-    "adhesion",
-)
+DESCRIBED = ("load", "solids", "shapes", "hardness", "friction", "wear", "rolling", "lubrication", "adhesion")
 # Keys that name something, or say where a surface is known.
 NO_NUMBERS = "kind", "material", "file", "extent", "period"
 
@@ -69,10 +59,8 @@ def sensitivity_study(scene: Scene | SceneFile | str | PathLike[str]) -> Study:
 
     Raises :class:`~contactstudy.InvalidInput` for a scene without a number that it could change.
     """
-    raw, _, text = read_tables(scene)
-    is_file = isinstance(scene, str | PathLike)
-    source = str(scene) if is_file else "scene"
-    folder = Path(scene).parent if is_file else Path()  # type: ignore[arg-type]
+    raw, _, text, source = read_tables(scene)
+    folder = Path(source).parent
     base = document_from(raw, source)
     surfaces: dict[object, Any] = {}
 
@@ -119,7 +107,7 @@ def sensitivity_study(scene: Scene | SceneFile | str | PathLike[str]) -> Study:
         Axis("number", tuple(changes), "number of the scene that is changed"),
         Axis("side", SIDES, "whether the number is lowered or raised"),
     )
-    name = f"{Path(scene).stem if is_file else 'scene'}-sensitivity"  # type: ignore[arg-type]
+    name = f"{Path(source).stem}-sensitivity"
     return Study(
         name,
         f"{name}: each number of the scene lowered and raised",
@@ -189,8 +177,7 @@ def changes_in(sweep: xr.Dataset) -> xr.Dataset:
         for kept in (name, bound):
             result[kept] = given[kept].isel(number=0, drop=True).assign_attrs(sweep[kept].attrs)
         result[f"{name}_change"] = (sides[name] - given[name]).assign_attrs(
-            units=sweep[name].attrs.get("units", "1"),
-            long_name=f"change: {sweep[name].attrs.get('long_name', name)}",
+            units=sweep[name].attrs.get("units", "1"), long_name=f"change: {sweep[name].attrs.get('long_name', name)}"
         )
         larger = sides[bound].where(sides[bound] > given[bound], given[bound])
         result[f"{name}_change_bound"] = larger.assign_attrs(result[f"{name}_change"].attrs)

@@ -28,7 +28,7 @@ from studies.model.axis import Axis, Value
 from studies.model.case import Case, Computation
 from studies.model.plain_text import counted
 from studies.model.study import Point, Study
-from studies.scene_study.document import Table, tables, varied_scenes
+from studies.scene_study.document import Table, tables, varied_scenes, with_other_values
 from studies.scene_study.measures import measures
 
 # Number of points that are all planned. Of more, every n-th by width is, and the widest: up to 13 in all.
@@ -240,7 +240,8 @@ def study_of(
     vary
         Values by the paths of fields in a scene file, such as ``load.per_length``, ``shapes.1.rms`` or ``padding``;
         ``surfaces`` and ``tiles`` vary the measured surface of the scene. Values are a sequence, or a text as on the
-        command line. Fields of one mapping in a sequence of mappings change together. None takes what the file says.
+        command line. Other fields that the file varies keep the values that it gives them. In a sequence of mappings,
+        which stands for all that varies, the fields of one mapping change together.
     name
         Name of the study; if None, that of the file with "-sweep", or "scene" for one that is in no file.
     folder
@@ -249,20 +250,16 @@ def study_of(
     Raises
     ------
     InvalidInput
-        For a field that the scene lacks and values that it cannot have.
+        For a field that the scene lacks and values that it cannot have, and where nothing varies.
     """
-    raw, given, text = read_tables(scene)
-    source = str(scene) if isinstance(scene, str | PathLike) else "scene"
-    place = Path(scene).parent if isinstance(scene, str | PathLike) else Path()
-    folder = Path(folder) if folder is not None else place
-    if vary is None:
-        vary = given
-    groups = [{field: vary[field]} for field in vary] if isinstance(vary, Mapping) else list(vary)
-    if not groups:
+    raw, own, text, source = read_tables(scene)
+    groups = list(vary) if isinstance(vary, Sequence) else with_other_values(raw, own, vary or {}, source)
+    if not any(groups):
         raise InvalidInput(
-            'vary is empty: give a field and its values, such as {"load.per_length": "50 N/mm,100 N/mm"}.'
+            f'{source} has nothing to vary: give a field and its values, such as load.per_length = "50 N/mm,100 N/mm", '
+            "in a table [vary] of the file, with --vary or with vary; contactstudy solve takes a scene as it is."
         )
-    found = varied_scenes(raw, groups, folder, source)
+    found = varied_scenes(raw, groups, Path(folder or Path(source).parent), source)
     files = list(found.points.values())
     placed, notes = on_shared_grids(files)
     cases = dict(zip(found.points, placed, strict=True))
@@ -270,9 +267,8 @@ def study_of(
         tuple(shape.digest for shape in file.scene.shapes if isinstance(shape, MeasuredSurface)) for file in files
     }
     surfaces = surface_notes(files[0].scene) if len(digests) == 1 else []
-    if name is None:
-        # not the name of the scene, which contactstudy solve gives to its file
-        name = f"{Path(scene).stem}-sweep" if isinstance(scene, str | PathLike) else "scene"
+    # not the name of the scene, which contactstudy solve gives to its file
+    name = name or (f"{Path(source).stem}-sweep" if isinstance(scene, str | PathLike) else source)
     return Study(
         name,
         f"{name}: {', '.join(axis.long_name for axis in found.axes)}",
@@ -288,10 +284,10 @@ def study_of(
     )
 
 
-def axes_of(path: Path) -> tuple[Axis, ...]:
-    """Return the axes of the study of a scene file, without planning any grid."""
-    raw, groups, _ = read_tables(path)
-    return varied_scenes(raw, groups, path.parent, str(path)).axes
+def axes_of(path: Path, vary: Mapping[str, object] | None = None) -> tuple[Axis, ...]:
+    """Return the axes of what a scene file varies, or of `vary` alone, without planning any grid."""
+    raw, groups, _, source = read_tables(path)
+    return varied_scenes(raw, groups if vary is None else [vary], path.parent, source).axes
 
 
 @dataclass(frozen=True, eq=False)
@@ -313,14 +309,14 @@ class SceneAt:
 
 def read_tables(
     scene: Scene | SceneFile | str | PathLike[str],
-) -> tuple[Table, Sequence[Mapping[str, object]], str]:
-    """Return the tables of a scene, the fields and values that it varies, and its text.
+) -> tuple[Table, Sequence[Mapping[str, object]], str, str]:
+    """Return the tables of a scene, the fields and values that it varies, its text, and its path, or "scene".
 
     The text of a scene with a shape or a body from outside the core is its ``repr``, as a comment.
     """
     if isinstance(scene, str | PathLike):
         raw, groups = tables_of(Path(scene))
-        return raw, groups, Path(scene).read_text(encoding="utf-8")
+        return raw, groups, Path(scene).read_text(encoding="utf-8"), str(scene)
     if not isinstance(scene, Scene | SceneFile):
         raise InvalidInput(f"scene is {scene!r}: give a Scene, a SceneFile or the path of a scene file.")
     described = SceneFile(scene) if isinstance(scene, Scene) else scene
@@ -328,4 +324,4 @@ def read_tables(
         text = scene_text(described.scene)
     except InvalidInput as error:  # a shape or a body that is not of the core
         text = f"# {error}\n# {described.scene!r}\n"
-    return tables(described), described.vary, text
+    return tables(described), described.vary, text, "scene"

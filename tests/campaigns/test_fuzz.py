@@ -10,7 +10,7 @@ import pytest
 
 from studies.cli import commands
 from tests.campaigns.conftest import case_count
-from tests.studies.test_study_file import GOOD
+from tests.studies.test_registry import GOOD
 
 ROOT = Path(__file__).parents[2]
 ODD = [

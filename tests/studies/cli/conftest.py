@@ -1,11 +1,14 @@
 from collections.abc import Hashable, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
 import xarray as xr
 from click.testing import CliRunner
 
 from studies.cli.commands import cli
+from tests.studies.scene_study.conftest import SMOOTH
 
 
 def said(*words: object, code: int = 0) -> str:
@@ -19,3 +22,15 @@ def ended(dims: str | Sequence[Hashable], outcomes: Any) -> xr.Variable:
     """Outcomes of cases: 1 where one is there."""
     attributes = {"flag_values": np.array([0, 1], dtype=np.int8), "flag_meanings": "failed ok"}
     return xr.Variable(dims, np.asarray(outcomes, dtype=np.int8), attributes)
+
+
+@pytest.fixture(scope="session")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with two solutions and a sweep of a smooth scene."""
+    path = tmp_path_factory.mktemp("shown")
+    for name, load in (("smooth", "100 N/mm"), ("heavy", "110 N/mm")):
+        (path / f"{name}.toml").write_text(SMOOTH.replace("100 N/mm", load))
+        said("solve", path / f"{name}.toml", "--out", path / "out")
+    vary = ("--vary", "load.per_length=50,100 N/mm", "--vary", "radius=10,20 mm", "--workers", 0)
+    said("run", path / "smooth.toml", *vary, "--out", path / "study")
+    return path

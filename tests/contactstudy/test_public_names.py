@@ -7,7 +7,7 @@ import pytest
 
 import contactstudy as cs
 from tests.conftest import STEEL, LineContact
-from tests.contactstudy.scene.shapes.test_own_shapes import Own
+from tests.contactstudy.scene.shapes.test_shapes import Own
 
 Array = np.ndarray
 

@@ -17,7 +17,7 @@ from tests.contactstudy.evolution.creeping import LOAD, SOLID, rolling_cylinder
 from tests.contactstudy.evolution.test_roll_repeatedly import scene as yielding_cylinder
 from tests.contactstudy.lubrication.scenes import by_moes
 from tests.contactstudy.lubrication.scenes import grid as film_grid
-from tests.contactstudy.scene.shapes.test_own_shapes import Own
+from tests.contactstudy.scene.shapes.test_shapes import Own
 from tests.contactstudy.test_refused_values import (
     COATED,
     EXACT,

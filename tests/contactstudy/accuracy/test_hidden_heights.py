@@ -11,7 +11,7 @@ from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.accuracy.hidden_heights import HiddenHeights
 from contactstudy.elasticity.convolution import Convolution, weighted_sum
 from tests.conftest import LineContact
-from tests.contactstudy.scene.shapes.test_own_shapes import Own
+from tests.contactstudy.scene.shapes.test_shapes import Own
 
 Pair = tuple[float, float]
 

@@ -5,7 +5,6 @@ import pytest
 from numpy.testing import assert_allclose
 
 import contactstudy as cs
-from contactstudy.domain.device import Precision
 from contactstudy.elasticity.coefficients import FreeFaceCoefficients
 from contactstudy.elasticity.free_faces import EndedConvolution, between_faces
 
@@ -80,14 +79,3 @@ def test_far_from_its_faces_a_body_is_a_half_space() -> None:
     half_space = cs.convolution(1.0, grid, cs.ZeroPadding(), 1.0)(pressure)
     change = ended(grid, (3000.0, 0.3))(pressure) - half_space
     assert np.ptp(change) < 1e-5 * half_space.max()
-
-
-def test_in_single_precision_the_operator_differs_by_rounding() -> None:
-    grid = cs.Grid((64, 96), (1.0, 2.0))
-    double = ended(grid, (2.0, 0.3))
-    single = double.scaled(1.0, Precision.SINGLE)
-    for of_double, of_single in ((double, single), (double.coarsened(), single.coarsened())):
-        pressure = np.random.default_rng(4).random(of_double.cells)
-        found = of_single(pressure.astype(np.float32))
-        assert found.dtype == np.float32
-        assert_allclose(found, of_double(pressure), rtol=1e-4)

@@ -5,24 +5,18 @@ import contactstudy as cs
 from contactstudy.elasticity.coefficients import BoussinesqCoefficients, Coefficients
 from contactstudy.elasticity.convolution import general_convolutions
 from contactstudy.elasticity.tangential import CerrutiCoefficients
-from contactstudy.elasticity.viscoelastic import (
-    Creep,
-    RetardedCoefficients,
-    creep_from_relaxation,
-)
+from contactstudy.elasticity.viscoelastic import RetardedCoefficients, creep_from_relaxation
 
 CASES = {
     "one term": (1.0, ((2.0, 0.7),)),
     "two terms": (0.3, ((0.5, 0.4), (0.2, 3.0))),
-    "five terms over twelve decades": (
-        2.0,
-        ((5.0, 1e-7), (3.0, 1e-4), (1.0, 0.3), (0.1, 20.0), (7.0, 1e5)),
-    ),
+    "five terms over twelve decades": (2.0, ((5.0, 1e-7), (3.0, 1e-4), (1.0, 0.3), (0.1, 20.0), (7.0, 1e5))),
     "a weak term": (1.0, ((1e-9, 1.0), (1.0, 2.0))),
     "close times": (1.0, ((1.0, 1.0), (1.0, 1.0 + 1e-9), (1.0, 1.1))),
     "a soft equilibrium": (1e-9, ((1.0, 1.0), (2.0, 10.0))),
     "Maxwell's fluid": (0.0, ((2.0, 3.0),)),
     "a fluid of three terms": (0.0, ((2.0, 3.0), (1.0, 0.01), (0.5, 400.0))),
+    "equal times": (1.0, ((2.0, 0.7), (1.0, 0.7))),
 }
 
 
@@ -38,16 +32,7 @@ def test_creep_times_relaxation_is_one_in_laplace_space(name: str) -> None:
         assert stiffness * compliance == pytest.approx(1, rel=1e-13)
 
 
-def test_a_maxwell_fluid_flows() -> None:
-    assert creep_from_relaxation(0.0, ((2.0, 3.0),)) == Creep(0.5, (), 1 / 6)
-
-
-def test_terms_of_equal_times_are_one_term() -> None:
-    twice = creep_from_relaxation(1.0, ((2.0, 0.7), (1.0, 0.7)))
-    assert twice == creep_from_relaxation(1.0, ((3.0, 0.7),))
-
-
-@pytest.mark.parametrize("length", [0.01, 0.3, pytest.param(20.0, marks=pytest.mark.whole)])
+@pytest.mark.parametrize("length", [0.01, 20.0])
 @pytest.mark.parametrize(
     ("name", "inner"),
     [(name, BoussinesqCoefficients(1.0)) for name in ("cell", "row", "lattice")]
@@ -81,13 +66,8 @@ def test_an_odd_trail_is_odd_in_every_padding() -> None:
     generator, exact = np.random.default_rng(0), cs.ExactPeriodicity()
     grid = cs.Grid((24, 12), (1.0, 0.6))
     odd = {RetardedCoefficients(BoussinesqCoefficients(0.1), 0.2, -1): 1.0}
-    for padding in (
-        (cs.ZeroPadding(), cs.ZeroPadding()),
-        exact,
-        (exact, exact),
-        (cs.CircularSuperposition(1), exact),
-        (exact, cs.ZeroPadding()),
-    ):
+    zero = cs.ZeroPadding()
+    for padding in ((zero, zero), exact, (exact, exact), (cs.CircularSuperposition(1), exact), (exact, zero)):
         (lagged,) = general_convolutions([odd], grid, padding)
         one, other = generator.random((2, 24, 12))
         scale = np.abs(lagged(one)).max() * other.sum()

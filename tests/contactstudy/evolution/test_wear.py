@@ -12,7 +12,7 @@ from contactstudy.evolution.integration.evolve import evolve
 from contactstudy.evolution.time_steps import SDIRK_GAMMA, STAGES, Scheme
 from contactstudy.evolution.trajectory import Trajectory
 from tests.contactstudy.evolution.creeping import LOAD, RIGID, evolved, pressures
-from tests.contactstudy.scene.shapes.test_own_shapes import Own
+from tests.contactstudy.scene.shapes.test_shapes import Own
 
 EXACT = cs.ExactPeriodicity()
 ELASTIC = cs.HalfSpace(1.0, 0.0)

@@ -8,7 +8,7 @@ import pytest
 import contactstudy as cs
 from contactstudy.io.scene_files.scene_schema import KINDS, PlanSettings
 from tests.conftest import STEEL
-from tests.contactstudy.scene.shapes.test_own_shapes import Own
+from tests.contactstudy.scene.shapes.test_shapes import Own
 
 SURFACE = np.random.default_rng(1).normal(scale=1e-7, size=(12, 8))
 SHAPES: tuple[cs.Shape, ...] = (

@@ -7,7 +7,7 @@ import pytest
 import contactstudy as cs
 from contactstudy.scene.friction.friction_law import dundurs
 from tests.conftest import STEEL
-from tests.contactstudy.scene.shapes.test_own_shapes import Own
+from tests.contactstudy.scene.shapes.test_shapes import Own
 
 MU, RADIUS, EXACT = 0.3, 0.01, cs.ExactPeriodicity()
 CYLINDER = (cs.Cylinder(radius=RADIUS),)

@@ -1,74 +1,53 @@
-from dataclasses import replace
-from math import inf, pi
+"""Heights of round bodies, waves, textures and a user's own shapes, and the scales that a grid has to resolve."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from math import hypot, inf, nan, pi
 from typing import Any
 
 import numpy as np
 import pytest
 
 import contactstudy as cs
+from contactstudy.scene.shapes.moving_shape import MovingShape
 from contactstudy.scene.shapes.shape import LengthScales
-from tests.conftest import STEEL, LineContact
-
-
-def measured(shape: Any, grid: cs.Grid) -> tuple[float, float]:
-    """The highest above the mean, and the rms slope, of heights (a gap counts the other way)."""
-    heights = -np.broadcast_to(shape.gap(grid), grid.cells)
-    slopes = [
-        (np.roll(heights, -1, axis) - heights) / step if count > 1 else np.zeros(1)
-        for axis, (count, step) in enumerate(zip(grid.cells, grid.cell_size, strict=True))
-    ]
-    rms = np.sqrt(sum((one**2).mean() for one in slopes))
-    return float(heights.max() - heights.mean()), float(rms)
-
+from tests.conftest import STEEL
 
 FINE = cs.Grid((512, 512), (2.0, 3.0))
+DIMPLE = cs.Dimple(depth=5e-6, diameter=1e-4)
+GROOVE = cs.Groove(depth=2e-6, width=4e-5)
+DIMPLES = cs.Texture(DIMPLE, pitch=(2e-4, 2.5e-4))
 
 
-@pytest.mark.parametrize(("across", "along"), [(0.5, inf), (inf, 0.75), (0.5, 0.75), (2.0, 0.3)])
-def test_a_wave_has_its_lengths_its_amplitude_and_its_slope(across: float, along: float) -> None:
+def height_and_slope(shape: Any) -> tuple[float, float]:
+    """The highest above the mean, and the rms slope, of heights (a gap counts the other way)."""
+    heights = -np.broadcast_to(shape.gap(FINE), FINE.cells)
+    slopes = [(np.roll(heights, -1, axis) - heights) / step for axis, step in enumerate(FINE.cell_size)]
+    return float(heights.max() - heights.mean()), float(np.sqrt(sum((one**2).mean() for one in slopes)))
+
+
+def test_round_bodies_have_their_heights_and_curvatures_across_add() -> None:
+    grid, x, y = cs.Grid((4, 3), (4.0, 6.0)), np.array([-1.5, -0.5, 0.5, 1.5])[:, None], np.array([-2.0, 0.0, 2.0])
+    assert cs.Cylinder(5.0).gap(grid) == pytest.approx(x**2 / 10)
+    assert cs.Sphere(5.0).gap(grid) == pytest.approx((x**2 + y**2) / 10)
+    straight = (cs.Sphere(5.0), cs.Crown(5.0), cs.Tilt(0.01), cs.Roughness(1e-7, 0.8, 1e-4, 3e-5))
+    scene = cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL), (cs.Cylinder(5.0), cs.Cylinder(-10.0), *straight))
+    assert scene.radius == pytest.approx(10.0)
+
+
+@pytest.mark.parametrize(("across", "along"), [(0.5, inf), (inf, 0.75), (2.0, 0.3)])
+def test_a_wave_is_a_cosine_with_its_lengths_its_amplitude_and_its_slope(across: float, along: float) -> None:
     wave = cs.Waviness(0.01, across=across, along=along, phase=0.3)
-    height, slope = measured(wave, FINE)
-    scales = wave.length_scales
+    expected = -0.01 * np.cos(2 * pi * (FINE.x[:, None] / across + FINE.y / along) + 0.3)
+    np.testing.assert_allclose(np.broadcast_to(wave.gap(FINE), FINE.cells), expected, atol=1e-15)
+    scales, (height, slope) = wave.length_scales, height_and_slope(wave)
     assert scales.shortest_wavelengths == (across, along)
     assert scales.period == (along if along < inf else 0.0)
     # a difference over a step is less than a slope by (2 pi step / length)^2 / 24
-    assert scales.height == pytest.approx(height, rel=1e-3)
-    assert scales.slope == pytest.approx(slope, rel=2e-3)
-    assert (scales.longest_wavelength, scales.roller, scales.known_width) == (0.0, 0.0, inf)
-    assert cs.Waviness(0.0, across=across).length_scales == LengthScales()
+    assert (scales.height, scales.slope) == pytest.approx((height, slope), rel=2e-3)
 
 
-def test_a_wave_s_heights_are_those_of_its_cosine() -> None:
-    grid = cs.Grid((7, 6), (2.0, 3.0))
-    wave = cs.Waviness(0.01, across=0.9, along=1.5, phase=0.4)
-    x, y = grid.x[:, None], grid.y
-    wanted = -0.01 * np.cos(2 * pi * (x / 0.9 + y / 1.5) + 0.4)
-    np.testing.assert_allclose(wave.gap(grid), wanted, atol=1e-15)
-
-
-@pytest.mark.parametrize(
-    ("feature", "pitch", "finest", "slope"),
-    [
-        # lands of a fifth between dimples of 0.3, on which pi 0.15^2 of 0.5 x 0.75 is textured
-        (
-            cs.Dimple(0.01, 0.3), (0.5, 0.75), (0.2, 0.3),
-            2 * 0.01 / 0.3 * (pi * 0.15**2 / (0.5 * 0.75)) ** 0.5,
-        ),
-        (cs.Groove(0.01, 0.3), (0.5, inf), (0.2, inf), 2 * 0.01 / 0.3 * 0.6**0.5),
-        (cs.Groove(0.02, 0.1), (inf, 0.75), (inf, 0.1), 2 * 0.02 / 0.1 * (0.1 / 0.75) ** 0.5),
-    ],
-)  # fmt: skip
-def test_a_texture_is_as_fine_as_its_features_and_lands(
-    feature: Any, pitch: tuple[float, float], finest: tuple[float, float], slope: float
-) -> None:
-    scales = cs.Texture(feature, pitch).length_scales
-    assert scales.shortest_wavelengths == pytest.approx(finest)
-    assert scales.period == (pitch[1] if pitch[1] < inf else 0.0)
-    assert scales.slope == pytest.approx(slope)
-    assert (scales.height, scales.roller) == (0.0, 0.0)
-
-
-@pytest.mark.parametrize("peklenik", [0.5, 1.0, 2.0])
+@pytest.mark.parametrize("peklenik", [0.5, 2.0])
 def test_a_rough_surface_has_its_waves_by_its_lay_and_its_slope(peklenik: float) -> None:
     shape = cs.Roughness(0.01, hurst=0.7, roll_off=0.5, cut_off=0.05, seed=3, peklenik=peklenik, extent=(2.0, 3.0))
     scales = shape.length_scales
@@ -76,106 +55,112 @@ def test_a_rough_surface_has_its_waves_by_its_lay_and_its_slope(peklenik: float)
     assert scales.shortest_wavelengths == pytest.approx((0.05 * wide, 0.05 * long))
     assert (scales.period, scales.longest_wavelength) == pytest.approx((3.0, 0.5 * long))
     # four times the rms height, of some hundred waves a side
-    height, slope = measured(shape, FINE)
+    height, slope = height_and_slope(shape)
     assert scales.height == pytest.approx(0.04)
     assert 0.5 * scales.height < height < 1.25 * scales.height
     # one sample, of which a difference over a tenth of the finest wave sees all but a few hundredths
     assert scales.slope == pytest.approx(slope, rel=0.1)
-    by_slope = cs.Roughness(
-        cs.RmsSlope(scales.slope), hurst=0.7, roll_off=0.5, cut_off=0.05, seed=3, peklenik=peklenik
-    ).length_scales
-    assert by_slope.height == pytest.approx(0.04)
-    assert by_slope.period == 0
-    assert cs.Roughness(0.0, hurst=0.7, roll_off=0.5, cut_off=0.05, seed=3).length_scales == LengthScales()
+    assert replace(shape, rms=cs.RmsSlope(scales.slope)).length_scales.height == pytest.approx(0.04)
 
 
 def test_a_measured_surface_is_as_fine_as_two_points_and_as_wide_as_it_is() -> None:
     heights = np.random.default_rng(0).standard_normal((8, 6))
-    surface = cs.MeasuredSurface(heights, extent=(4.0, 1.5), seam=cs.Mirrored())
-    scales = surface.length_scales
+    scales = cs.MeasuredSurface(heights, extent=(4.0, 1.5), seam=cs.Mirrored()).length_scales
     assert scales.shortest_wavelengths == (1.0, 0.5)
     assert (scales.period, scales.known_width) == (3.0, 4.0)
     assert scales.height == pytest.approx(heights.max() - heights.mean())
     across, along = np.diff(heights, axis=0) / 0.5, np.diff(heights, axis=1) / 0.25
     assert scales.slope == pytest.approx(np.sqrt((across**2).mean() + (along**2).mean()))
-    bare = cs.MeasuredSurface(heights).length_scales
-    assert bare == LengthScales(height=scales.height)
+    assert cs.MeasuredSurface(heights).length_scales == LengthScales(height=scales.height)
     profile = cs.MeasuredSurface(heights[:, :1], extent=(4.0, 1.5)).length_scales
     assert (profile.shortest_wavelengths, profile.period) == ((1.0, inf), 0.0)
 
 
-def test_rollers_say_their_length() -> None:
-    assert cs.FiniteLength(2.0).length_scales == LengthScales(roller=2.0)
-    assert cs.Crown(5.0).length_scales == LengthScales(roller=inf)
-    assert cs.Crown(5.0, 0.01).length_scales == LengthScales(roller=0.01)
-    assert cs.Tilt(1e-3).length_scales == LengthScales(roller=inf)
-    assert cs.Tilt(0.0).length_scales == LengthScales()
-    assert cs.Crown(inf).length_scales == LengthScales()
-    for straight in (cs.Crown(length=0.01), cs.Crown.of_drop(0.0, 0.01)):
-        assert straight.length_scales == LengthScales(roller=0.01)
-    assert cs.Sphere(1.0).length_scales == LengthScales(roller=inf)
-    assert cs.LundbergProfile(1e-6, 1e-5, 2.0).length_scales == LengthScales(roller=2.0)
+def test_a_texture_is_as_fine_as_its_features_and_lands() -> None:
+    scales = cs.Texture(cs.Dimple(0.01, 0.3), (0.5, 0.75)).length_scales  # lands of a fifth between
+    assert scales.shortest_wavelengths == pytest.approx((0.2, 0.3))
+    assert scales.period == 0.75
+    assert scales.slope == pytest.approx(2 * 0.01 / 0.3 * (pi * 0.15**2 / (0.5 * 0.75)) ** 0.5)
+    assert cs.Texture(cs.Groove(0.02, 0.1), (inf, 0.75)).length_scales.shortest_wavelengths == (inf, 0.1)
 
 
-def test_round_bodies_and_ends_have_their_heights() -> None:
-    grid = cs.Grid((4, 3), (4.0, 6.0))
-    x, y = np.array([-1.5, -0.5, 0.5, 1.5]), np.array([-2.0, 0.0, 2.0])
-    assert cs.Cylinder(5.0).gap(grid) == pytest.approx((x**2 / 10)[:, None])
-    assert cs.Sphere(5.0).gap(grid) == pytest.approx((x[:, None] ** 2 + y**2) / 10)
-    assert cs.Crown(5.0).gap(grid) == pytest.approx((y**2 / 10)[None])
-    # 4 m long: the middle cell and those whose centres lie on the ends
-    assert cs.FiniteLength(4.0).gap(grid).tolist() == [[0.0]] * 4
-    assert cs.FiniteLength(3.9).gap(grid).tolist() == [[3.9, 0.0, 3.9]]
-    # cells of 2 m, of which 0.95 m lie on the roller: the cell in the middle stands for them
-    assert cs.FiniteLength(3.9).covered_fractions(grid) == pytest.approx([0.0, 1.95, 0.0])
-    assert cs.FiniteLength(4.4).covered_fractions(grid) == pytest.approx([0.6, 1.0, 0.6])
-    assert cs.FiniteLength(6.0).covered_fractions(grid).tolist() == [1.0] * 3
+@pytest.mark.parametrize(
+    ("profile", "fraction"), [("parabolic", 1 / 2), ("cosine", 1 / 2 - 2 / pi**2), ("flat", 1.0)], ids=repr
+)
+def test_dimples_repeat_and_hold_the_volume_of_their_profile(profile: object, fraction: float) -> None:
+    """In closed form; a cell on the rim is in or out, so the error of the sum is a part of theirs."""
+    texture, cells = replace(DIMPLES, feature=replace(DIMPLE, profile=profile)), 800
+    depths = texture.gap(cs.Grid((cells, cells), (4e-4, 5e-4)))
+    rim = pi * DIMPLE.diameter * hypot(4e-4 / cells, 5e-4 / cells)
+    area = pi * DIMPLE.diameter**2 / 4
+    assert depths.mean() == pytest.approx(fraction * texture.area_density * 5e-6, rel=rim / area / 2)
+    assert depths[400, 400] == pytest.approx(5e-6, rel=1e-3)
+    np.testing.assert_allclose(depths, np.roll(depths, 400, (0, 1)), rtol=0, atol=1e-12 * 5e-6)
 
 
-def test_a_cylinder_alone_is_curved_across_as_a_line_contact() -> None:
-    assert cs.Cylinder(5.0).curvature == 0.2
-    straight = (cs.Sphere(5.0), cs.Crown(5.0), cs.Tilt(0.01), cs.Roughness(1e-7, 0.8, 1e-4, 3e-5))
-    scene = cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL), (cs.Cylinder(5.0), *straight))
-    assert scene.radius == 5.0
+def test_a_texture_is_found_by_its_area_density() -> None:
+    dimples, grooves = cs.Texture.of_density(DIMPLE, 0.2, along=2.5e-4), cs.Texture.of_density(GROOVE, 0.2)
+    assert dimples.area_density == pytest.approx(0.2, rel=1e-14)
+    assert dimples.pitch[1] == 2.5e-4
+    assert grooves.area_density == pytest.approx(0.2, rel=1e-14)
+    assert grooves.pitch == pytest.approx((2e-4, inf))
 
 
-FREE = (cs.ZeroPadding(), cs.ZeroPadding())
+def test_grooves_run_along_or_across_the_length() -> None:
+    grid = cs.Grid((40, 50), (4e-4, 5e-4))
+    assert cs.Texture(GROOVE, (1e-4, inf)).gap(grid).shape == (40, 1)
+    depths = cs.Texture(GROOVE, (inf, 1.25e-4)).gap(grid)
+    offset = (grid.y + 6.25e-5) % 1.25e-4 - 6.25e-5
+    expected = np.where(np.abs(offset) < 2e-5, 1e-6 * (1 + np.cos(2 * pi * offset / 4e-5)), 0.0)
+    np.testing.assert_allclose(depths, np.broadcast_to(expected, grid.cells), rtol=0, atol=1e-18)
 
 
-def solved(contact: LineContact, cells: int, period: float, *more: cs.Shape) -> cs.Solution:
-    """A roller 8 half-widths long under a load that is the same in all."""
-    scene = replace(contact.scene, shapes=contact.scene.shapes + more)
-    grid = contact.grid((32, cells), period, width=3.0)
-    return cs.solve(scene.problem(grid, FREE), tolerance=1e-9)
+def test_measured_heights_move_to_larger_x_and_are_cubic_splines_between_cells() -> None:
+    """B-splines at integers and half-way between them, of a wave with the angle t from cell to cell."""
+    grid, t = cs.Grid((16, 3), (4.0, 3.0)), 2 * np.pi * 3 / 16
+    heights, step = np.random.default_rng(5).standard_normal(grid.cells), grid.cell_size[0]
+    moved = MovingShape(cs.MeasuredSurface(heights)).gap_after(grid, 2 * step)
+    np.testing.assert_allclose(moved, np.roll(-heights, 2, axis=0), rtol=0, atol=1e-13)
+    wave = np.cos(t * np.arange(16))[:, None] * np.ones(3)
+    moved = MovingShape(cs.MeasuredSurface(-wave)).gap_after(grid, step / 2)
+    factor = (23 * np.cos(t / 2) + np.cos(3 * t / 2)) / 24 / ((2 + np.cos(t)) / 3)
+    expected = factor * np.cos(t * (np.arange(16) - 0.5))
+    assert moved == pytest.approx(expected[:, None] * np.ones(3), abs=1e-13)
 
 
-def test_a_roller_longer_than_the_grid_has_no_end(line_contact: LineContact) -> None:
-    length = 8 * line_contact.hertz.half_width
-    ended = solved(line_contact, 64, 8.0, cs.FiniteLength(length))
-    np.testing.assert_array_equal(ended.pressure, solved(line_contact, 64, 8.0).pressure)
+@dataclass(frozen=True)
+class Own:
+    """A shape of the user's own."""
+
+    heights: Callable[[cs.Grid], Any]
+    curvature: Any = 0.0
+
+    def gap(self, grid: cs.Grid) -> Any:
+        return self.heights(grid)
 
 
-def test_a_roller_ends_within_a_grid_as_at_the_end_of_one(line_contact: LineContact) -> None:
-    """Both stop at a residual of 1e-9, whose error is no more than its root."""
-    length = 8 * line_contact.hertz.half_width
-    own = solved(line_contact, 64, 8.0)
-    longer = solved(line_contact, 96, 12.0, cs.FiniteLength(length))
-    assert longer.status is cs.Status.CONVERGED
-    assert not longer.pressure[:, :16].any()
-    assert not longer.pressure[:, -16:].any()
-    np.testing.assert_allclose(longer.pressure[:, 16:-16], own.pressure, rtol=0, atol=3e-5 * own.pressure.max())
+def solved(own: Own) -> cs.Solution:
+    scene = cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL), (cs.Cylinder(0.01), own))
+    return cs.solve(scene.problem(cs.Grid((48, 12), (3e-4, 1e-4)), cs.ExactPeriodicity()))
 
 
-def test_the_mean_gap_is_that_of_the_roller_and_not_of_the_grid_beyond_its_ends(
-    line_contact: LineContact,
-) -> None:
-    """Also where the ends lie inside cells: the grid of 12 half-widths has cells of 0.125 and 0.1263 half-widths."""
-    length = 8 * line_contact.hertz.half_width
-    own = solved(line_contact, 64, 8.0).mean_gap
-    assert solved(line_contact, 96, 12.0, cs.FiniteLength(length)).mean_gap == pytest.approx(own, rel=1e-4)
-    divided = solved(line_contact, 95, 12.0, cs.FiniteLength(length))
-    assert divided.problem.covered_fractions.sum() * 12 / 95 == pytest.approx(8)
-    # the pressure ends at the border of a cell, up to half a cell from the end
-    assert divided.mean_gap == pytest.approx(own, rel=0.126 / 8)
-    # the rows beyond the ends are recessed by the roller's length
-    assert divided.gap.mean() > 100 * own
+@pytest.mark.cases(100)
+@pytest.mark.parametrize(
+    ("own", "message"),
+    [
+        (Own(lambda grid: np.zeros(grid.cells).T), r"Own\.gap has the shape \(12, 48\): return heights"),
+        (Own(lambda grid: 1j * np.zeros(grid.cells)), r"Own\.gap has values of the type complex128"),
+        (Own(lambda _: [[1.0], [1.0, 2.0]]), r"Own\.gap is \[\[1\.0\], \[1\.0, 2\.0\]\]: return an array"),
+        (Own(lambda grid: np.ma.masked_less(grid.x, 0)[:, None]), r"is not finite at 24 points"),
+        (Own(lambda grid: np.zeros(grid.cells), nan), r"^Scene\.shapes\[1\]\.curvature is "),
+        (Own(lambda grid: np.zeros(grid.cells), "flat"), r"^Scene\.shapes\[1\]\.curvature is "),
+    ],
+)
+def test_what_is_no_height_or_no_curvature_is_refused(own: Own, message: str) -> None:
+    with pytest.raises(cs.InvalidInput, match=message):
+        solved(own)
+
+
+def test_nested_lists_of_heights_are_heights() -> None:
+    flat = Own(lambda grid: [[0.0] * grid.cells[1]] * grid.cells[0])
+    assert solved(flat).status is cs.Status.CONVERGED

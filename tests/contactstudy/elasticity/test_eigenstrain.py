@@ -1,0 +1,226 @@
+"""Stress and displacement by plastic strain: in plane strain, and varying along a period."""
+
+from functools import cache
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+import contactstudy as cs
+from contactstudy.domain.grid import Grid
+from contactstudy.elasticity.eigenstrain.fourier_modes import Waves
+from contactstudy.elasticity.eigenstrain.half_space_wave import Components
+from contactstudy.elasticity.eigenstrain.periodic_operator import AntiplaneOperator, PeriodicOperator
+from contactstudy.elasticity.eigenstrain.plane_strain_operator import OuterStrain, PlaneStrainOperator
+from contactstudy.elasticity.eigenstrain.volume import EigenstrainOperator, Moduli, Volume
+from contactstudy.elasticity.kernels.displacement_cell import mean_gauss_rule
+from contactstudy.elasticity.kernels.stress_cell import COMPONENTS, strip
+from contactstudy.elasticity.kernels.stress_periodic import plane_strain, stress_cell_periodic
+from tests.conftest import STEEL as STEEL_BODY
+
+STEEL = Moduli(2.6, 0.3)  # 2G = 2
+TENSOR = ("xx", "yy", "zz", "yz", "xz", "xy")
+GRADED = (0.0, 0.3, 0.7, 1.2, 2.0, 4.0)
+LAYERS = {"even": (0.0, 0.5, 1.0, 1.5, 2.0, 2.5), "graded": GRADED}
+EXACT = cs.ExactPeriodicity()
+
+
+def plane(edges: tuple[float, ...] = GRADED, poisson_ratio: float = 0.3) -> PlaneStrainOperator:
+    """A volume of a part of the grid."""
+    return PlaneStrainOperator(Volume(Grid((20, 1), (8.0, 3.0)), 4, 13, edges), Moduli(2.0, poisson_ratio))
+
+
+@cache
+def small() -> PeriodicOperator:
+    """Graded layers from a thin one on, an odd and an even number of cells, cells longer than wide."""
+    return PeriodicOperator(Volume(Grid((9, 6), (9.0, 8.0)), 3, 7, (0.0, 0.05, 0.1, 1.5)), STEEL)
+
+
+def noise(operator: EigenstrainOperator, seed: int = 0) -> np.ndarray:
+    return np.random.default_rng(seed).normal(size=(len(operator.basis), *operator.volume.shape))
+
+
+def deviator(operator: EigenstrainOperator, tensor: np.ndarray) -> np.ndarray:
+    """Deviatoric components (C, ...) of a tensor xx, yy, zz, yz, xz, xy (6, ...)."""
+    return np.einsum("ct,t...->c...", operator.basis * (1, 1, 1, 2, 2, 2), tensor)
+
+
+@pytest.mark.parametrize("case", [(edges, nu) for edges in LAYERS.values() for nu in (0.0, 0.3, 0.5)] + [None])
+def test_plastic_strain_has_an_energy_that_is_symmetric_and_below_that_of_a_rigid_body(
+    case: tuple[tuple[float, ...], float] | None,
+) -> None:
+    operator = small() if case is None else plane(*case)
+    shape = len(operator.basis), *operator.volume.shape
+    root = np.sqrt(np.broadcast_to(operator.volume.cell_volumes, shape)).ravel()
+    columns = [operator.negative_residual_stress(unit.reshape(shape)).ravel() for unit in np.eye(len(root))]
+    energy = np.array(columns).T * root[:, None] / root / (2 * operator.moduli.shear)
+    assert np.abs(energy - energy.T).max() <= 1e-12
+    values = np.linalg.eigvalsh((energy + energy.T) / 2)
+    # an incompressible body in plane strain takes nothing off some strains: 2G is reached to rounding
+    assert 5e-5 < values[0] < values[-1] < (1 + 1e-12 if operator.moduli.poisson_ratio == 0.5 else 1 - 1e-4)
+
+
+@pytest.mark.parametrize("operator", [plane(), small()], ids=["plane", "periodic"])
+def test_the_lift_of_the_surface_does_the_work_that_pressure_does_on_plastic_strain(
+    operator: EigenstrainOperator,
+) -> None:
+    strain, grid = noise(operator), operator.volume.grid
+    pressure = np.random.default_rng(1).normal(size=grid.cells)
+    work = (operator.volume.cell_volumes * strain * operator.stress_of_pressure(pressure)).sum()
+    assert (operator.residual_displacement(strain) * pressure).sum() * grid.cell_area == pytest.approx(work, rel=1e-12)
+
+
+def test_the_stress_of_pressure_is_the_mean_over_cells_of_that_at_points() -> None:
+    operator = plane()
+    volume, (dx, _) = operator.volume, operator.volume.grid.cell_size
+    pressure = np.zeros(volume.grid.cells)
+    pressure[7] = 1.0
+    stress = operator.stress_of_pressure(pressure)
+    offsets = (np.arange(volume.first, volume.last) - 7.0) * dx
+    layer = 2
+    depth, thickness = volume.depths[layer], volume.thicknesses[layer]
+    # 24 points: rho > 3 for points half a layer of 3 cells from the surface
+    mean = sum(
+        w * v * np.stack([
+            plane_strain(component, strip(offsets + x * dx / 2, depth + z * thickness / 2, dx), 0.3)
+            for component in COMPONENTS.values()
+        ])
+        for x, w in mean_gauss_rule(24)
+        for z, v in mean_gauss_rule(24)
+    )  # fmt: skip
+    assert np.abs(stress[:, layer, :, 0] - deviator(operator, np.asarray(mean))).max() < 1e-10
+
+
+def test_a_pressed_cell_makes_the_stress_of_its_point_formulas_where_it_varies_along() -> None:
+    grid, edges = Grid((16, 8), (16.0, 12.0)), (0.0, 1.0, 2.0, 4.0)
+    operator = PeriodicOperator(Volume(grid, 5, 11, edges), STEEL)
+    pressure = np.zeros(grid.cells)
+    pressure[7, 3] = 1
+    found = operator.stress_of_pressure(pressure)
+    points, weights = np.polynomial.legendre.leggauss(5)
+    points, weights = points / 2, weights / 2
+    x = ((grid.x[5:11] - grid.x[7])[:, None] + points).ravel()
+    y = ((grid.y - grid.y[3])[:, None] + 1.5 * points).ravel()
+    for layer, (top, bottom) in enumerate(pairwise(edges)):
+        mean = np.zeros((6, 6, 8))
+        for number, name in enumerate(TENSOR):
+            for point, weight in zip(points, weights, strict=True):
+                z = (top + bottom) / 2 + point * (bottom - top)
+                at = stress_cell_periodic(COMPONENTS[name], x, y, z, 1.0, 1.5, 12.0, 0.3)
+                cells = at.reshape(6, 5, 8, 5)
+                mean[number] += weight * np.einsum("iajb,a,b->ij", cells, weights, weights)
+        # short waves: exp(-pi z / dx) of the third in the first layer, nothing of them below
+        accuracy = 2e-3 if layer == 0 else 1e-6
+        assert np.abs(found[:, layer] - deviator(operator, mean)).max() < accuracy
+
+
+@pytest.mark.parametrize(("varies", "part"), [(False, 5), (True, 3)])
+def test_shear_makes_the_stress_of_cerruti(varies: bool, part: int) -> None:  # noqa: FBT001
+    """Means over cells beside points in the middle of cells some times as fine, for all components."""
+    grid = cs.Grid((24, 12 if varies else 1), (72e-6, 54e-6))
+    fine = cs.Grid((24 * part, 12 * part if varies else 1), grid.extent)
+    x, y = grid.x[:, None] / 36e-6, 2 * np.pi * grid.y / 54e-6
+    shear = np.where(abs(x) < 0.5, 1 + 0.5 * x + varies * (0.7 * np.cos(y) + 0.3 * np.sin(2 * y)), 0.0)
+    edges = (3e-6, 6e-6, 12e-6)
+    kind = PeriodicOperator if varies else PlaneStrainOperator
+    operator = kind(Volume(grid, 0, 24, edges), Moduli(2e11, 0.3))
+    nodes = (np.arange(6) + 0.5) / 6
+    depths = np.concatenate([edges[0] + nodes * 3e-6, edges[1] + nodes * 6e-6])
+    below = cs.SubsurfaceStress(tuple(depths)).of((STEEL_BODY, STEEL_BODY), fine, (cs.ZeroPadding(), EXACT))
+    along = part if varies else 1
+    across = shear.repeat(part, axis=0).repeat(along, axis=1)
+    points = below.with_shear(np.stack([across, 0 * across]))(0 * across)
+    wanted = deviator(operator, points.reshape(6, 2, 6, 24, part, -1, along).mean(axis=(2, 4, 6)))
+    np.testing.assert_allclose(operator.stress_of_shear(shear), wanted, atol=0.015)
+
+
+@pytest.mark.parametrize("radius", [4, 8])
+def test_a_cylinder_of_uniform_strain_far_below_has_the_stress_of_eshelby(radius: int) -> None:
+    # in cells; the surface is 60 radii away and changes it by their square
+    deep, side, nu = 60 * radius, radius + 1, 0.3
+    edges = (0.0, *(float(z) for z in np.arange(deep - side, deep + side + 1)))
+    grid = Grid((2 * side, 1), (2.0 * side, 1.0))
+    operator = PlaneStrainOperator(Volume(grid, 0, 2 * side, edges), Moduli(1.0, nu))
+    inside = grid.x[:, None] ** 2 + (operator.volume.depths[:, None, None] - deep) ** 2 < radius**2
+    inside[0] = False
+    strain = np.zeros((3, *operator.volume.shape))
+    strain[2][inside] = 1.0
+    taken = operator.negative_residual_stress(strain)[2][inside].mean()
+    # Eshelby (1957): 2 S_1212 = (3 - 4 nu) / (4 (1 - nu)) leaves 2G / (4 (1 - nu)) of what shear would take
+    exact = 2 * operator.moduli.shear / (4 * (1 - nu))
+    # the outline is one of squares: of 2 pi r cells on it, half are cut
+    assert taken == pytest.approx(exact, rel=0.25 / radius)
+
+
+def test_a_deep_sphere_keeps_the_stress_of_eshelby() -> None:
+    radius, middle = 4.0, 24.0
+    edges = (0.0, 6.0, 12.0, 18.0, *np.arange(19.0, 30.0))
+    grid = Grid((30, 32), (30.0, 32.0))
+    volume = Volume(grid, 10, 20, edges)
+    operator = PeriodicOperator(volume, STEEL)
+    squared = grid.x[10:20, None] ** 2 + grid.y**2 + (volume.depths[:, None, None] - middle) ** 2
+    squared[:3] = np.inf
+    # Eshelby (1957), eq. 3.14: 1 - beta; the sphere is made of cells, images have (R / L)^3
+    fraction = 1 - 2 * (4 - 5 * 0.3) / (15 * (1 - 0.3))
+    for component in range(5):
+        strain = np.zeros((5, *volume.shape))
+        strain[component] = squared < radius**2
+        stress = operator.negative_residual_stress(strain)
+        found = stress[:, squared < (radius / 2) ** 2].mean(axis=1) / 2
+        assert np.abs(found - fraction * np.eye(5)[component]).max() < 0.03
+
+
+def test_half_lines_of_strain_are_the_limit_of_finite_strips() -> None:
+    """What is left of the cells beyond falls as one over their distance."""
+    beyond = 2000
+    near, wide = (
+        PlaneStrainOperator(Volume(Grid((n, 1), (0.4 * n, 3.0)), 0, n, GRADED), STEEL) for n in (20, 20 + 2 * beyond)
+    )
+    left, right = np.random.default_rng(3).standard_normal((2, 3, 5))
+    strain = np.zeros((3, *wide.volume.shape))
+    strain[..., :beyond, 0], strain[..., -beyond:, 0] = left[..., None], right[..., None]
+    outer, inside = OuterStrain(near), slice(beyond, -beyond)
+    tensor, displacement = outer.tensor(left, right), outer.residual_displacement(left, right)
+    expected = wide.residual_stress_tensor(strain)[..., inside, :]
+    np.testing.assert_allclose(tensor, expected, atol=0.01 * np.abs(tensor).max())
+    # without strain in the volume the stress of those beyond is all there is
+    np.testing.assert_allclose(outer.stress(left, right), deviator(near, tensor), atol=1e-12)
+    expected = wide.residual_displacement(strain)[inside]
+    np.testing.assert_allclose(displacement, expected, atol=0.01 * np.abs(displacement).max())
+
+
+def test_what_does_not_vary_along_the_length_is_plane_strain() -> None:
+    operator = small()
+    alone = Volume(Grid((9, 1), operator.volume.grid.extent), 3, 7, operator.volume.edges)
+    plane, antiplane = PlaneStrainOperator(alone, STEEL), AntiplaneOperator(alone, STEEL)
+    strain = noise(plane)
+    along, shear = np.zeros((2, 5, *operator.volume.shape))
+    along[:3], shear[3:] = strain, strain[:2]
+    found = operator.negative_residual_stress(along)
+    assert np.abs(found[:3] - plane.negative_residual_stress(strain)).max() < 1e-13
+    assert np.abs(found[3:]).max() < 1e-13
+    found = operator.negative_residual_stress(shear)
+    assert np.abs(found[3:, ..., 0] - antiplane(strain[:2, ..., 0])).max() < 1e-13
+    displacement = operator.residual_displacement(along) - plane.residual_displacement(strain)
+    assert np.abs(displacement).max() < 1e-13
+    pressure = np.random.default_rng(1).normal(size=(9, 1))
+    stress = operator.stress_of_pressure(np.repeat(pressure, 6, 1))[:3]
+    assert np.abs(stress - plane.stress_of_pressure(pressure)).max() < 1e-13
+
+
+def test_waves_add_up_to_the_closed_forms_of_an_infinite_axis() -> None:
+    cells, period = 12, 1501
+    volume = Volume(Grid((cells, 1), (12.0, 1e9)), 0, cells, (0.0, 0.7, 1.4, 2.1, 3.5, 4.5))
+    waves = Waves.from_orders(volume, STEEL, np.array([1e-3]), period)
+    x, z = volume.grid.x[:, None], volume.depths[:, None, None]
+    shape = np.exp(-((x / 3) ** 2) - ((z - 2) / 1.5) ** 2)
+    strain = np.array([0.3, -0.5, 0.8, 0.6, -0.4])[:, None, None, None] * shape
+    found = -np.fft.ifft(waves.stress(np.fft.fft(strain, period, axis=2), Components.DEVIATOR), axis=2)
+    found = found[:, :, :cells].real
+    plane, antiplane = PlaneStrainOperator(volume, STEEL), AntiplaneOperator(volume, STEEL)
+    # short waves between layers further apart than the next: a per mille; the period: 1 / X
+    assert np.abs(found[:3] - plane.negative_residual_stress(strain[:3])).max() < 2e-3
+    assert np.abs(found[3:, ..., 0] - antiplane(strain[3:, ..., 0])).max() < 2e-3
+    blocks = waves.diagonal_blocks(np.array([1 / period]))
+    assert np.abs(blocks[:, :3, :3] - plane.diagonal_blocks).max() < 1e-3
+    assert np.abs(blocks[:, 3:, 3:] - antiplane.diagonal_blocks).max() < 1e-3

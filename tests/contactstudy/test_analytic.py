@@ -3,16 +3,9 @@ import pytest
 from scipy.integrate import quad
 
 import contactstudy as cs
-from contactstudy.analytic import image_error
 
 LINE = cs.analytic.HertzLine(load_per_length=1e5, radius=0.01, contact_modulus=1.15e11)
 POINT = cs.analytic.HertzPoint(load=100.0, radius=0.01, contact_modulus=1.15e11)
-
-
-def test_hertz_line_pressure_carries_its_load() -> None:
-    a = LINE.half_width
-    load = quad(lambda t: LINE.pressure(a * np.sin(t)) * a * np.cos(t), -np.pi / 2, np.pi / 2)[0]
-    assert load == pytest.approx(1e5, rel=1e-12)
 
 
 def test_hertz_line_surfaces_touch_inside_and_part_outside() -> None:
@@ -46,14 +39,6 @@ def test_stress_on_the_axis_of_a_line_contact_is_johnsons() -> None:
     assert not xz.any()
     shear = (xx - zz) / 2
     assert (t[shear.argmax()], shear.max()) == pytest.approx((0.786, 0.300283), abs=1e-6)
-
-
-def test_the_contact_of_lee_and_radok_begins_as_that_of_hertz() -> None:
-    body = cs.ViscoelasticHalfSpace(4e10, 0.0, ((7.5e10, 0.3),))
-    held = cs.analytic.LeeRadok(1e5, 0.01, 4e10, body.relaxation, body.creep)
-    assert held.half_width(0.0) == pytest.approx(LINE.half_width)
-    x = np.linspace(-0.9, 0.9, 19) * LINE.half_width
-    np.testing.assert_allclose(held.pressure(x, 0.0), LINE.pressure(x), rtol=1e-9)
 
 
 @pytest.mark.parametrize(("ratio", "peak"), [(0.3, 1.793), (0.5, 1.9227)])
@@ -90,7 +75,7 @@ def westergaard(fraction: float) -> cs.analytic.Westergaard:
     return cs.analytic.Westergaard(fraction * closing, 1e-6, 1e-3, 2e11)
 
 
-@pytest.mark.parametrize("fraction", [0.01, 0.3, 0.9, 1.0, 1.5])
+@pytest.mark.parametrize("fraction", [0.01, 0.9, 1.5])
 def test_westergaard_pressure_carries_its_load(fraction: float) -> None:
     wave = westergaard(fraction)
     a = wave.half_width
@@ -99,7 +84,7 @@ def test_westergaard_pressure_carries_its_load(fraction: float) -> None:
     assert wave.pressure(0.0) == pytest.approx(wave.peak_pressure, rel=1e-14)
 
 
-@pytest.mark.parametrize("fraction", [0.1, 0.6, 1.0])
+@pytest.mark.parametrize("fraction", [0.1, 1.0])
 def test_westergaard_surface_is_flat_inside(fraction: float) -> None:
     """The slope under its pressure, a row of ``cot(pi (x - t) / wavelength)``, is that of the wave."""
     wave = westergaard(fraction)
@@ -118,21 +103,6 @@ def test_westergaard_surface_is_flat_inside(fraction: float) -> None:
     for x in (0.2 * a, 0.7 * a):
         wanted = -wave.amplitude * 2 * np.pi / length * np.sin(2 * np.pi * x / length)
         assert slope(x) == pytest.approx(wanted, rel=1e-6)
-
-
-def test_lightly_loaded_westergaard_is_hertz() -> None:
-    """To first order in the load: the crest is a parabola then."""
-    for fraction in (1e-3, 1e-4):
-        wave = westergaard(fraction)
-        radius = wave.wavelength**2 / (4 * np.pi**2 * wave.amplitude)
-        load = wave.mean_pressure * wave.wavelength
-        line = cs.analytic.HertzLine(load, radius, wave.contact_modulus)
-        assert wave.half_width == pytest.approx(line.half_width, rel=fraction)
-        assert wave.peak_pressure == pytest.approx(line.peak_pressure, rel=fraction)
-
-
-def test_image_error_is_one_eighth_of_the_squared_ratio() -> None:
-    np.testing.assert_array_equal(image_error(2.0, [4.0, 8.0]), [1 / 32, 1 / 128])
 
 
 @pytest.mark.parametrize(

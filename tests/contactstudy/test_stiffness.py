@@ -7,18 +7,17 @@ import contactstudy as cs
 from contactstudy.domain.units import readable
 from contactstudy.io.quantities.quantity import Quantity
 from contactstudy.stiffness import normal_stiffness, stiffness_error
+from tests.conftest import STEEL
 
-STEEL = cs.HalfSpace(210e9, 0.3)
 EXACT = cs.ExactPeriodicity()
+LINE = cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL), (cs.Cylinder(0.01),))
 
 
-@pytest.mark.parametrize("cells", [46, 73, 256])
+@pytest.mark.parametrize("cells", [46, 256])
 def test_the_stiffness_of_a_cylinder_is_hertz_s_within_its_bound(cells: int) -> None:
     """Johnson (1985), sect. 5.6, counted from a point 2 R away: the approach has the logarithm of that distance."""
-    scene = cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL), (cs.Cylinder(0.01),))
-    contact = cs.solve(scene, cs.Grid((cells, 1), (4e-4, 4e-4)), EXACT)
-    hertz, found = scene.hertz, normal_stiffness(contact)
-    assert hertz is not None
+    contact = cs.solve(LINE, cs.Grid((cells, 1), (4e-4, 4e-4)), EXACT)
+    hertz, found = LINE.hertz, normal_stiffness(contact)
     compliance = 2 * np.log(2 * 2 * hertz.radius / hertz.half_width) / (np.pi * hertz.contact_modulus)
     error = abs(found * compliance - 1)
     assert error <= stiffness_error(contact, found) < 0.1
@@ -27,7 +26,7 @@ def test_the_stiffness_of_a_cylinder_is_hertz_s_within_its_bound(cells: int) -> 
 def test_the_stiffness_of_a_rough_contact_is_the_slope_of_its_load() -> None:
     # loads that differ by 1e-3, between which few cells come into contact
     rough = cs.Roughness(1e-7, 0.8, roll_off=1.2e-4, cut_off=6e-5, seed=3, extent=(4.8e-4, 4.8e-4))
-    scene = cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL), (cs.Cylinder(0.01), rough))
+    scene = replace(LINE, shapes=(*LINE.shapes, rough))
     before, here, after = (
         cs.solve(replace(scene, load=cs.LineLoad(at)), cs.Grid((96, 96), (4.8e-4, 4.8e-4)), EXACT, tolerance=1e-9)
         for at in (9.99e4, 1e5, 1.001e5)
@@ -37,23 +36,20 @@ def test_the_stiffness_of_a_rough_contact_is_the_slope_of_its_load() -> None:
     assert normal_stiffness(here) == pytest.approx(slope, rel=3e-2)
 
 
-@pytest.mark.parametrize("law", ["exponential", "dugdale"])
-@pytest.mark.parametrize("load", [-1.0, 1.0])
-def test_the_stiffness_of_an_adhesive_contact_counts_how_the_attraction_changes(law: str, load: float) -> None:
+def test_the_stiffness_of_an_adhesive_contact_counts_how_the_attraction_changes() -> None:
     """It is the slope of the load over the approach, which falls as pull-off comes near."""
     solids = cs.HalfSpace(1e6, 0.49), cs.HalfSpace(np.inf, 0.3)
-    adhesion = cs.Adhesion(0.05, 1e-5, law, branch="from full contact")
-    scene = cs.Scene(cs.LineLoad(load), solids, (cs.Cylinder(0.01),), adhesion=adhesion)
+    adhesion = cs.Adhesion(0.05, 1e-5, branch="from full contact")
+    scene = cs.Scene(cs.LineLoad(-1.0), solids, (cs.Cylinder(0.01),), adhesion=adhesion)
     grid, step = cs.Grid((256, 1), (6e-3, 1e-3)), 2e-3
     before, here, after = (
-        cs.solve(replace(scene, load=cs.LineLoad(at)), grid, EXACT, tolerance=1e-9)
-        for at in (load - step, load, load + step)
+        cs.solve(replace(scene, load=cs.LineLoad(-1.0 + more)), grid, EXACT, tolerance=1e-9)
+        for more in (-step, 0.0, step)
     )
     slope = 2 * step / (after.approach - before.approach)
     # differences are first order in the cells that come in
     assert normal_stiffness(here) == pytest.approx(slope, rel=5e-3)
-    repulsive_alone = replace(here, adhesion=None)
-    assert normal_stiffness(repulsive_alone) > 1.01 * slope
+    assert normal_stiffness(replace(here, adhesion=None)) > 1.01 * slope
 
 
 def johnson(load: float, half: float, radii: tuple[float, float], depth: float) -> tuple[float, float]:
@@ -72,7 +68,6 @@ def test_axes_of_cylinders_approach_as_johnson_has_it(radii: tuple[float, float]
     scene = cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL), shapes)
     contact = cs.solve(scene, cs.Grid((128, 1), (4e-4, 4e-4)), EXACT)
     found = cs.distant_approach(contact, radii, depth="5 mm")
-    assert scene.hertz is not None
     approach, stiffness = johnson(1e5, scene.hertz.half_width, radii, 5e-3)
     assert abs(found.approach.value - approach) <= found.approach.bound < 0.01 * approach
     assert abs(found.stiffness.value - stiffness) <= found.stiffness.bound < 0.1 * stiffness
@@ -83,49 +78,39 @@ def test_axes_of_cylinders_approach_as_johnson_has_it(radii: tuple[float, float]
 
 
 def test_a_coating_counts_in_the_approach_of_axes_as_far_as_it_is_thick() -> None:
-    coating, radius, depth = cs.HalfSpace(70e9, 0.2), 0.01, 0.05
+    coating, depth = cs.HalfSpace(70e9, 0.2), 0.05
     thin, thick = 1e-6, 1.0
 
     def approach(body: cs.HalfSpace | cs.CoatedHalfSpace) -> Quantity:
-        scene = cs.Scene(cs.LineLoad(1e5), (body, STEEL), (cs.Cylinder(radius),))
-        contact = cs.solve(scene, cs.Grid((64, 1), (4e-4, 4e-4)), EXACT)
-        return cs.distant_approach(contact, (radius, np.inf), depth=depth).approach
+        contact = cs.solve(replace(LINE, solids=(body, STEEL)), cs.Grid((64, 1), (4e-4, 4e-4)), EXACT)
+        return cs.distant_approach(contact, (0.01, np.inf), depth=depth).approach
 
     uncoated, of_coating = approach(STEEL), approach(coating)
-    on_thin, between, on_thick = (approach(cs.CoatedHalfSpace(coating, size, STEEL)) for size in (thin, radius, thick))
+    on_thin, on_thick = (approach(cs.CoatedHalfSpace(coating, size, STEEL)) for size in (thin, thick))
     # a thin one adds its own compression, of a fraction of its thickness over the half-width
-    half = cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL), (cs.Cylinder(radius),)).hertz.half_width
-    assert on_thin.value == pytest.approx(uncoated.value, rel=thin / half)
+    assert on_thin.value == pytest.approx(uncoated.value, rel=thin / LINE.hertz.half_width)
     assert on_thin.bound < 1e-3 * on_thin.value
     # the substrate of a thick one is felt by the square of the distance over the thickness
     assert on_thick.value == pytest.approx(of_coating.value, rel=(depth / thick) ** 2)
-    assert uncoated.value + uncoated.bound < between.value < of_coating.value - between.bound
 
 
 def test_axes_of_a_long_roller_that_ends_approach_as_those_of_an_endless_one() -> None:
-    flat = cs.FiniteLength(0.08)
-    scene = cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL), (cs.Cylinder(0.01), flat))
+    scene = replace(LINE, shapes=(*LINE.shapes, cs.FiniteLength(0.08)))
     contact = cs.solve(scene, cs.Grid((48, 48), (4e-4, 0.08)), cs.ZeroPadding())
     found = cs.distant_approach(contact, (0.01, np.inf), depth=5e-3)
     # in the middle the load per length is less than at the ends
     load = contact.net_pressure[:, 24].sum() * contact.grid.cell_size[0]
-    half = replace(scene, load=cs.LineLoad(load), shapes=scene.shapes[:1]).hertz.half_width
+    half = replace(LINE, load=cs.LineLoad(load)).hertz.half_width
     approach, _ = johnson(load, half, (0.01, np.inf), 5e-3)
     assert found.approach.value == pytest.approx(approach, rel=2e-3)
 
 
-def test_radii_of_another_scene_and_a_flat_body_without_a_depth_are_refused() -> None:
-    scene = cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL), (cs.Cylinder(0.01),))
-    contact = cs.solve(scene, cs.Grid((32, 1), (4e-4, 4e-4)), EXACT)
+def test_distant_points_are_refused_for_other_radii_without_a_depth_and_with_images_across() -> None:
+    grid = cs.Grid((32, 1), (4e-4, 4e-4))
+    contact = cs.solve(LINE, grid, EXACT)
     with pytest.raises(cs.InvalidInput, match="an equivalent radius of"):
         cs.distant_approach(contact, (0.01, 0.02))
     with pytest.raises(cs.InvalidInput, match="depth of a point"):
         cs.distant_approach(contact, (0.01, np.inf))
-
-
-@pytest.mark.parametrize("across", [cs.ExactPeriodicity(), cs.Superposition(1), cs.CircularSuperposition(0)], ids=str)
-def test_an_axis_across_that_repeats_has_no_distant_points(across: cs.Padding) -> None:
-    scene = cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL), (cs.Cylinder(0.01),))
-    contact = cs.solve(scene.problem(cs.Grid((32, 1), (4e-4, 4e-4)), (across, EXACT)))
     with pytest.raises(cs.NotDefined, match="free across"):
-        cs.distant_approach(contact, (0.01, np.inf), depth=0.01)
+        cs.distant_approach(cs.solve(LINE, grid, (EXACT, EXACT)), (0.01, np.inf), depth=0.01)

@@ -1,5 +1,6 @@
 from dataclasses import replace
-from math import inf, pi
+from math import inf
+from typing import Any
 
 import numpy as np
 import pytest
@@ -7,9 +8,9 @@ import pytest
 import contactstudy as cs
 from contactstudy.scene.friction.friction_law import dundurs
 from tests.conftest import STEEL
-from tests.contactstudy.scene.shapes.test_shapes import Own
 
 MU, RADIUS, EXACT = 0.3, 0.01, cs.ExactPeriodicity()
+FREE = cs.ZeroPadding(), cs.ZeroPadding()
 CYLINDER = (cs.Cylinder(radius=RADIUS),)
 ROUGH = (*CYLINDER, cs.Roughness(2e-7, hurst=0.8, roll_off=1e-4, cut_off=2e-5, seed=1))
 CROWN = cs.Crown(1.0)
@@ -37,8 +38,8 @@ def traction_share(solution: cs.Solution) -> np.ndarray:
     return solution.shear.sum(axis=(1, 2)) / (MU * solution.pressure.sum())
 
 
-@pytest.mark.parametrize("part", [0.1, 0.5, 0.9])
-@pytest.mark.parametrize("cells", [32, 64, 256, 1024, 2048])
+@pytest.mark.parametrize("part", [0.1, 0.9])
+@pytest.mark.parametrize("cells", [32, 1024])
 def test_shear_of_a_cylinder_is_carters(cells: int, part: float) -> None:
     """The error of the force is of first order, by where the stick-slip boundary falls in its cell."""
     solution = solved(rolling(longitudinal=part * SATURATION), (cells, 1))
@@ -46,8 +47,7 @@ def test_shear_of_a_cylinder_is_carters(cells: int, part: float) -> None:
     assert solution.status is cs.Status.CONVERGED
     error = traction_share(solution)[0] - (1 - (1 - part) ** 2)
     assert MU * abs(error) <= solution.traction.errors.force <= 50 * MU / cells
-    stick_width = solution.stick.sum() * dx / 2
-    assert stick_width == pytest.approx(A * (1 - part), abs=dx)
+    assert solution.stick.sum() * dx / 2 == pytest.approx(A * (1 - part), abs=dx)
     x, half = solution.problem.grid.x, A * (1 - part)
     whole, stuck = (
         np.sqrt(np.maximum(1 - ((x - middle) / width) ** 2, 0)) for middle, width in ((0.0, A), (A - half, half))
@@ -57,11 +57,17 @@ def test_shear_of_a_cylinder_is_carters(cells: int, part: float) -> None:
     assert solution.traction.iterations <= 30
 
 
+def steady(law: cs.TractiveRolling, body: cs.HalfSpace, grid: cs.Grid, pressure: np.ndarray, to: float) -> np.ndarray:
+    """Traction (2, x, y) of two bodies alike that roll under a given pressure."""
+    scene = cs.Scene(cs.LineLoad(1.0), (body, body), (cs.Sphere(1.0),), friction=law)
+    friction = scene.problem(grid, FREE).friction
+    return friction.steady(grid, pressure, cs.SolveOptions(to)).shear
+
+
 @pytest.mark.parametrize(
     ("poisson_ratio", "shape", "c11", "c22", "c23"),
     [
-        (0.0, 1.0, 3.40, 3.40, 1.33), (0.25, 1.0, 4.12, 3.67, 1.47), (0.5, 1.0, 5.20, 3.98, 1.63),
-        (0.25, 0.5, 3.62, 3.01, 0.929), (0.25, 2.0, 5.10, 4.90, 2.62), (0.25, 0.2, 3.37, 2.63, 0.603),
+        (0.0, 1.0, 3.40, 3.40, 1.33), (0.5, 1.0, 5.20, 3.98, 1.63), (0.25, 2.0, 5.10, 4.90, 2.62),
     ],
 )  # fmt: skip
 def test_small_creepages_act_by_kalkers_coefficients(
@@ -69,29 +75,21 @@ def test_small_creepages_act_by_kalkers_coefficients(
 ) -> None:
     """Kalker (1990), table E.3: ``F = G a b C11 xi``, ``G a b C22 eta``, ``G (a b)^1.5 C23 phi``; read to 1 %."""
     body = cs.HalfSpace(1e9, poisson_ratio)
-    grid, along = cs.Grid((72, 72), (2.2 * shape, 2.2)), 1.0
-    x, y = grid.x[:, None] / shape, grid.y / along
-    pressure = np.sqrt(np.maximum(1 - x * x - y * y, 0))
-    modulus, area = 1e9 / 2 / (1 + poisson_ratio), shape * along
-    free = cs.ZeroPadding(), cs.ZeroPadding()
+    grid, modulus = cs.Grid((72, 72), (2.2 * shape, 2.2)), 1e9 / 2 / (1 + poisson_ratio)
+    pressure = np.sqrt(np.maximum(1 - (grid.x[:, None] / shape) ** 2 - grid.y**2, 0))
     for creepage, axis, expected in (
-        ({"longitudinal": 1e-14}, 0, c11 * area),
-        ({"lateral": 1e-14}, 1, c22 * area),
-        ({"spin": 1e-14}, 1, c23 * area**1.5),
+        ({"longitudinal": 1e-14}, 0, c11 * shape),
+        ({"lateral": 1e-14}, 1, c22 * shape),
+        ({"spin": 1e-14}, 1, c23 * shape**1.5),
     ):
-        scene = cs.Scene(cs.LineLoad(1.0), (body, body), (cs.Sphere(1.0),), friction=rolling(**creepage))
-        law = scene.problem(grid, free).friction
-        state = law.steady(grid, pressure, cs.SolveOptions(1e-6))
-        force = state.shear[axis].sum() * grid.cell_area
+        force = steady(rolling(**creepage), body, grid, pressure, 1e-6)[axis].sum() * grid.cell_area
         assert force / (modulus * 1e-14) == pytest.approx(expected, rel=1.5e-2)
 
 
 @pytest.mark.parametrize(
     ("xi", "eta", "phi", "force", "stick"),
     [
-        (0.1, 0, 0, (0.42520, 0), 0.754), (0.3, 0, 0, (0.89693, 0), 0.288),
-        (0.3, 0.3, 0, (0.71991, 0.66575), 0.113), (0, 0, 0.5, (0, 0.61135), 0.080),
-        (0.2, 0.1, 0.4, (0.46419, 0.70450), 0.054),
+        (0.1, 0, 0, (0.42520, 0), 0.754), (0, 0, 0.5, (0, 0.61135), 0.080), (0.2, 0.1, 0.4, (0.46419, 0.70450), 0.054),
     ],
 )  # fmt: skip
 def test_a_sphere_with_creepage_and_spin(
@@ -101,24 +99,11 @@ def test_a_sphere_with_creepage_and_spin(
     body = cs.HalfSpace(2 * (1 - 0.25**2), 0.25)
     grid = cs.Grid((64, 64), (2.2, 2.2))
     pressure = np.sqrt(np.maximum(1 - grid.x[:, None] ** 2 - grid.y**2, 0))
-    friction = cs.TractiveRolling(MU, longitudinal=xi, lateral=eta, spin=phi)
-    scene = cs.Scene(cs.LineLoad(1.0), (body, body), (cs.Sphere(1.0),), friction=friction)
-    law = scene.problem(grid, (cs.ZeroPadding(), cs.ZeroPadding())).friction
-    state = law.steady(grid, pressure, cs.SolveOptions(1e-7))
-    assert state.shear.sum(axis=(1, 2)) / (MU * pressure.sum()) == pytest.approx(force, abs=1e-5)
-    size = np.hypot(*state.shear)
-    assert (size < MU * pressure * (1 - 1e-6)).sum() / (pressure > 0).sum() == pytest.approx(stick, abs=1e-3)
-
-
-def test_shear_that_reaches_the_limit_of_applications_says_so() -> None:
-    scene = replace(SMOOTH, shapes=(*ROUGH, CROWN))
-    grid = cs.Grid((32, 32), (3.2e-4, 3.2e-4))
-    for friction, status in (
-        (None, cs.Status.CONVERGED),
-        (rolling(longitudinal=3e-4, spin=3.0), cs.Status.ITERATION_LIMIT),
-    ):
-        limited = cs.solve(replace(scene, friction=friction), grid, cs.ExactPeriodicity(), max_iterations=15)
-        assert limited.status is status
+    shear = steady(rolling(longitudinal=xi, lateral=eta, spin=phi), body, grid, pressure, 1e-7)
+    assert shear.sum(axis=(1, 2)) / (MU * pressure.sum()) == pytest.approx(force, abs=1e-5)
+    assert (np.hypot(*shear) < MU * pressure * (1 - 1e-6)).sum() / (pressure > 0).sum() == pytest.approx(
+        stick, abs=1e-3
+    )
 
 
 def test_power_is_that_of_the_creepages() -> None:
@@ -131,12 +116,12 @@ def test_power_is_that_of_the_creepages() -> None:
     # spin acts half a cell off in the mean of two steps
     assert power.sum() == pytest.approx(2.0 * work.sum(), rel=1e-3)
     assert power.min() > -1e-3 * power.max()
-    outside = power[solution.pressure == 0].sum() / power.sum()
-    assert solution.traction.power_outside_contact == pytest.approx(outside)
-    assert 0 < outside < 0.6
 
 
-def test_the_largest_creepage_makes_all_of_the_contact_slide() -> None:
+def test_without_creepage_nothing_is_sheared_and_at_the_largest_all_slides() -> None:
+    still = solved(rolling(), (64, 1))
+    assert not still.shear.any()
+    assert (still.stick == (still.pressure > 0)).all()
     sliding = solved(cs.Sliding(MU), (64, 16), shapes=ROUGH)
     rolled = solved(rolling(longitudinal=1e3 * SATURATION), (64, 16), shapes=ROUGH)
     np.testing.assert_allclose(rolled.shear[0], sliding.shear[0], rtol=1e-5)
@@ -144,45 +129,19 @@ def test_the_largest_creepage_makes_all_of_the_contact_slide() -> None:
     assert not rolled.stick.any()
 
 
-def test_without_creepage_nothing_is_sheared() -> None:
-    solution = solved(rolling(), (64, 1))
-    assert not solution.shear.any()
-    assert (solution.stick == (solution.pressure > 0)).all()
-    assert solution.traction.power.sum() == 0
-
-
-def mirrored_waves(sign: float) -> Own:
-    """Waves that a sign of -1 mirrors across."""
-
-    def heights(grid: cs.Grid) -> np.ndarray:
-        x, y = sign * grid.x[:, None], grid.y
-        return 1e-7 * np.sin(2 * pi * (x / 1e-4 + 0.1)) * np.cos(2 * pi * y / grid.length + x / 2e-5)
-
-    return Own(heights)
-
-
 def test_rolling_back_is_rolling_in_a_mirror() -> None:
     """Mirrored across, the speed, the longitudinal creepage and the spin change their signs."""
-    ahead, back = (
-        solved(
-            rolling(
-                longitudinal=sign * 0.3 * SATURATION,
-                lateral=0.1 * SATURATION,
-                spin=sign * 5.0,
-                speed=sign,
-            ),
-            (48, 16),
-            1e-10,
-            shapes=(*CYLINDER, mirrored_waves(sign)),
-        )
-        for sign in (1.0, -1.0)
-    )
-    mirrored = back.shear[:, ::-1] * np.array([-1, 1])[:, None, None]
-    np.testing.assert_allclose(mirrored, ahead.shear, atol=1e-7 * MU * P0)
+    shears = []
+    for sign in (1.0, -1.0):
+        creepage = {"longitudinal": sign * 0.3 * SATURATION, "lateral": 0.1 * SATURATION, "spin": sign * 5.0}
+        shapes = (*CYLINDER, CROWN, cs.Waviness(1e-7, across=1e-4, phase=sign))
+        shears.append(solved(rolling(**creepage, speed=sign), (48, 16), 1e-10, shapes=shapes).shear)
+    mirrored = shears[1][:, ::-1] * np.array([-1, 1])[:, None, None]
+    np.testing.assert_allclose(mirrored, shears[0], atol=1e-7 * MU * P0)
 
 
-@pytest.mark.parametrize("cells", [28, 41, 54, 84])
-@pytest.mark.parametrize("part", [0.01, 0.91, 0.97])
+@pytest.mark.parametrize("cells", [28, 84])
+@pytest.mark.parametrize("part", [0.01, 0.97])
 def test_force_and_creepage_of_a_narrow_zone_of_slip_or_stick_are_within_their_bounds(part: float, cells: int) -> None:
     """A zone of few cells; Carter's force and creepage."""
     driven = solved(rolling(longitudinal=part * SATURATION), (cells, 1)).quantities
@@ -200,14 +159,6 @@ UNLIKE = (ELASTIC, RIGID)
 WIDE = replace(SMOOTH, solids=UNLIKE).hertz.half_width
 
 
-def solved_unlike(friction: cs.TractiveRolling, pair: tuple[cs.HalfSpace, cs.HalfSpace] = UNLIKE) -> cs.Solution:
-    scene = replace(SMOOTH, solids=pair, friction=friction)
-    grid = cs.Grid((256, 1), (2.4 * WIDE, 1e-3))
-    solution = cs.solve(scene.problem(grid, cs.ExactPeriodicity()), tolerance=1e-6)
-    assert solution.status is cs.Status.CONVERGED
-    return solution
-
-
 @pytest.mark.parametrize(
     ("coefficient", "free", "stick"),
     [(0.05, 0.8206, 0.383), (0.1, 0.7525, 0.607), (0.3, 0.6585, 0.943)],
@@ -215,79 +166,52 @@ def solved_unlike(friction: cs.TractiveRolling, pair: tuple[cs.HalfSpace, cs.Hal
 def test_unlike_bodies_rolling_freely_creep(coefficient: float, free: float, stick: float) -> None:
     """In units of ``beta a / R``; ``2 / pi`` where all sticks. The elastic body is stretched, and so falls behind."""
     unit = abs(dundurs(UNLIKE)) * WIDE / RADIUS
+    friction, grid = cs.TractiveRolling(coefficient, tangential=0.0), cs.Grid((256, 1), (2.4 * WIDE, 1e-3))
     for pair, creepage in ((UNLIKE, free), (UNLIKE[::-1], -free)):
-        solution = solved_unlike(cs.TractiveRolling(coefficient, tangential=0.0), pair)
+        solution = cs.solve(replace(SMOOTH, solids=pair, friction=friction), grid, EXACT, tolerance=1e-6)
+        assert solution.status is cs.Status.CONVERGED
         assert solution.traction.creepage.longitudinal / unit == pytest.approx(creepage, rel=2e-3)
-        sticks = solution.stick.sum() / (solution.pressure > 0).sum()
-        assert sticks == pytest.approx(stick, abs=1e-2)
+        assert solution.stick.sum() / (solution.pressure > 0).sum() == pytest.approx(stick, abs=1e-2)
 
 
-def test_unlike_bodies_are_coupled_along_both_axes_alike() -> None:
-    """A sphere that rolls with lateral creepage, seen from a quarter turn, is not the same; from its mirror it is."""
-    scene = replace(SMOOTH, solids=UNLIKE, shapes=(cs.Sphere(RADIUS),), load=cs.LineLoad(1e4))
-    grid = cs.Grid((32, 32), (4e-4, 4e-4))
-    free = cs.ZeroPadding(), cs.ZeroPadding()
-    one, other = (
-        cs.solve(
-            replace(scene, friction=rolling(longitudinal=2e-4, lateral=sign * 5e-4)).problem(grid, free),
-            tolerance=1e-7,
-        )
-        for sign in (1, -1)
-    )
-    assert one.status is cs.Status.CONVERGED
-    assert one.shear.any()
-    mirrored = other.shear[:, :, ::-1] * np.array([1, -1])[:, None, None]
-    np.testing.assert_allclose(mirrored, one.shear, atol=1e-4 * one.shear.max())
-    np.testing.assert_allclose(other.pressure[:, ::-1], one.pressure, atol=1e-5 * one.pressure.max())
-
-
-def test_the_answer_lists_traction_stick_creepage_and_power_with_their_bounds() -> None:
-    """Of Carter's closed form at half the saturating creepage, rolling at 3 m/s."""
+def test_power_and_stick_of_half_the_saturating_creepage_are_carters() -> None:
     xi = 0.5 * SATURATION
     numbers = solved(rolling(longitudinal=xi, speed=3.0), (512, 1)).quantities
-    traction, power = numbers["traction_coefficient"], numbers["frictional_power"]
-    assert abs(traction.value - 0.75 * MU) <= traction.bound < 0.01 * MU
+    power = numbers["frictional_power"]
     assert (power.unit, numbers["creepage"].value, numbers["creepage"].bound) == ("W m-1", xi, 0.0)
     assert abs(power.value - 3.0 * 0.75 * MU * 1e5 * xi) <= power.bound < 0.02 * power.value
     assert numbers["stick_fraction"].value == pytest.approx(0.5, abs=5e-3)
 
 
-def test_a_traction_has_the_sign_of_the_force_on_the_first_body() -> None:
-    """Along x and along y apart; of bodies that slip under the normal load alone, too."""
+@pytest.mark.parametrize("solids", [(STEEL, STEEL), UNLIKE])
+def test_a_traction_has_the_sign_of_the_force_on_the_first_body(solids: tuple[cs.HalfSpace, cs.HalfSpace]) -> None:
     eta = 0.2 * SATURATION
-    for changes in ({}, {"solids": UNLIKE}):
-        for sign in (1, -1):
-            found = solved(rolling(longitudinal=-eta, lateral=sign * eta, speed=sign), (32, 1), **changes)
-            forces = found.shear.sum(axis=(1, 2)) / found.pressure.sum()
-            names = "traction_coefficient", "lateral_traction_coefficient"
-            assert [found.quantities[name].value for name in names] == pytest.approx(forces)
-            assert np.sign(forces[1]) == sign
+    for sign in (1, -1):
+        found = solved(rolling(longitudinal=-eta, lateral=sign * eta, speed=sign), (32, 1), solids=solids)
+        forces = found.shear.sum(axis=(1, 2)) / found.pressure.sum()
+        names = "traction_coefficient", "lateral_traction_coefficient"
+        assert [found.quantities[name].value for name in names] == pytest.approx(forces)
+        assert np.sign(forces[1]) == sign
+
+
+LINES, POINTS = ((60, 1), (240, 1)), ((36, 36), (72, 72))
+BALL = {"shapes": (cs.Sphere(RADIUS),), "load": cs.LineLoad(1e4)}
 
 
 @pytest.mark.parametrize(
-    ("friction", "changes"),
+    ("friction", "changes", "cells", "extent", "padding"),
     [
-        # forces along y beside a given one along x, spin alone, all but sliding
-        (cs.TractiveRolling(MU, tangential=0.0, lateral=0.3 * SATURATION), {}),
-        (cs.TractiveRolling(MU, tangential=0.5e4, lateral=-0.1 * SATURATION), {}),
-        (rolling(lateral=0.2 * SATURATION, spin=SATURATION / A), {"shapes": (cs.Sphere(RADIUS),)}),
-        (rolling(longitudinal=0.999 * SATURATION), {}),
-        (cs.TractiveRolling(1e-3, tangential=-80.0), {"solids": UNLIKE}),
+        # forces along y beside a given one along x, spin of a sphere, unlike bodies
+        (cs.TractiveRolling(MU, tangential=0.5e4, lateral=-0.1 * SATURATION), {}, LINES, (3 * A, 1e-3), EXACT),
+        (rolling(lateral=0.2 * SATURATION, spin=SATURATION / A), BALL, POINTS, (4e-4, 4e-4), FREE),
+        (cs.TractiveRolling(1e-3, tangential=-80.0), {"solids": UNLIKE}, LINES, (3 * WIDE, 1e-3), EXACT),
     ],
 )
 def test_force_creepage_power_and_stick_are_within_their_bounds(
-    friction: cs.TractiveRolling, changes: dict[str, object]
+    friction: cs.TractiveRolling, changes: dict[str, object], cells: Any, extent: tuple[float, float], padding: Any
 ) -> None:
-    point = "shapes" in changes
     scene = replace(SMOOTH, friction=friction, **changes)
-    if point:
-        scene = replace(scene, load=cs.LineLoad(1e4))
-    extent = (4e-4, 4e-4) if point else (3 * scene.hertz.half_width, 1e-3)
-    padding = (cs.ZeroPadding(), cs.ZeroPadding()) if point else cs.ExactPeriodicity()
-    coarse, fine = (
-        cs.solve(scene, cs.Grid((n, n if point else 1), extent), padding).quantities
-        for n in ((36, 72) if point else (60, 240))
-    )
+    coarse, fine = (cs.solve(scene, cs.Grid(each, extent), padding).quantities for each in cells)
     for name in ("traction_coefficient", "creepage", "frictional_power", "stick_fraction"):
         error = abs(coarse[name].value - fine[name].value)
         assert error <= coarse[name].bound * (1 + 1e-9)
@@ -310,22 +234,17 @@ def test_what_sticks_does_not_slip_and_what_slips_is_sheared_against_its_slip(
     np.testing.assert_allclose(lost[slips], (limit * np.hypot(*slip))[slips], atol=1e-4 * limit.max() * largest)
 
 
-@pytest.mark.parametrize("tangential", [None, 1e4])
-def test_rolling_under_a_load_that_changes_slowly_is_steady_at_each_instant(
-    tangential: float | None,
-) -> None:
-    friction = cs.TractiveRolling(MU, 5e-4 if tangential is None else None, tangential)
-    loads = cs.LoadHistory((0.0, 1.0, 3.0, 4.0), (1e5, 5e4, 0.8e5, 0.0 if tangential is None else 0.8e5))
-    scene = replace(SMOOTH, friction=friction, load=loads)
-    grid = cs.Grid((96, 1), (2.4 * A, 1e-3))
-    found = cs.solve(scene, grid, cs.ExactPeriodicity(), times=[0, 1, 2, 3, 4], tolerance=1e-8)
+def test_rolling_under_a_load_that_changes_slowly_is_steady_at_each_instant() -> None:
+    loads = cs.LoadHistory((0.0, 1.0, 3.0, 4.0), (1e5, 5e4, 0.8e5, 0.0))
+    scene, grid = replace(SMOOTH, friction=rolling(longitudinal=5e-4), load=loads), cs.Grid((96, 1), (2.4 * A, 1e-3))
+    found = cs.solve(scene, grid, EXACT, times=[0, 1, 2, 4], tolerance=1e-8)
     assert found.status is cs.Status.CONVERGED
-    assert found.to_dataset()["shear_x"][4].any() == (tangential is not None)
-    for frame, load in zip(found.frames, (1e5, 5e4, 6.5e4, 8e4), strict=False):
-        alone = cs.solve(replace(scene, load=cs.LineLoad(load)), grid, cs.ExactPeriodicity(), tolerance=1e-8)
+    assert not found.to_dataset()["shear_x"][3].any()
+    for frame, load in zip(found.frames[:3], (1e5, 5e4, 6.5e4), strict=True):
+        alone = cs.solve(replace(scene, load=cs.LineLoad(load)), grid, EXACT, tolerance=1e-8)
         np.testing.assert_allclose(frame.shear, alone.shear, atol=1e-6 * MU * P0)
-        for name in ("traction_coefficient", "creepage", "frictional_power"):
-            assert frame.quantities[name].value == pytest.approx(alone.quantities[name].value, rel=1e-5)
+        wanted, number = (answer.quantities["frictional_power"].value for answer in (alone, frame))
+        assert number == pytest.approx(wanted, rel=1e-5)
 
 
 def creeping(time: float) -> cs.ViscoelasticHalfSpace:
@@ -333,52 +252,27 @@ def creeping(time: float) -> cs.ViscoelasticHalfSpace:
     return cs.ViscoelasticHalfSpace(105e9, 0.3, ((105e9, time),))
 
 
-ACROSS_FREE = cs.ZeroPadding(), cs.ExactPeriodicity()
+def driven(body: cs.ViscoelasticHalfSpace | cs.HalfSpace, cells: int = 64, **changed: object) -> cs.Contact:
+    """Two bodies alike that roll with creepage along both axes."""
+    friction = replace(rolling(longitudinal=3e-3, lateral=1e-3), **changed)
+    return cs.solve(
+        replace(SMOOTH, solids=(body, body), friction=friction), cs.Grid((cells, 1), (3.2 * A, 3.2e-4)), EXACT
+    )
 
 
-def driven(
-    solids: tuple[cs.ViscoelasticHalfSpace | cs.HalfSpace, ...],
-    cells: tuple[int, int] = (64, 1),
-    **changed: object,
-) -> cs.Contact:
-    """A contact that rolls with creepage along both axes, and spin where it has a length."""
-    spin, shapes = 0.0, CYLINDER
-    if cells[1] > 1:
-        spin, shapes = 3.0, (*CYLINDER, CROWN, cs.Waviness(3e-7, across=1e9, along=3.2e-4))
-    friction = replace(rolling(longitudinal=3e-3, lateral=1e-3, spin=spin), **changed)
-    scene = replace(SMOOTH, solids=solids, shapes=shapes, friction=friction)
-    return cs.solve(scene, cs.Grid(cells, (3.2 * A, 3.2e-4)), ACROSS_FREE)
-
-
-@pytest.mark.parametrize("other", [None, pytest.param(cs.HalfSpace(inf, 0.3), marks=pytest.mark.whole)])
 @pytest.mark.parametrize(("time", "modulus"), [(1e-13, 105e9), (1e4, 210e9)])
-def test_bodies_that_creep_fast_or_slowly_drive_like_elastic_ones(
-    time: float, modulus: float, other: cs.HalfSpace | None
-) -> None:
+def test_bodies_that_creep_fast_or_slowly_drive_like_elastic_ones(time: float, modulus: float) -> None:
     """Relaxed where they roll by far less than a cell in their time constant, sudden where by far more than a width."""
-    found, elastic = (driven((body, other or body)) for body in (creeping(time), cs.HalfSpace(modulus, 0.3)))
+    found, elastic = (driven(body) for body in (creeping(time), cs.HalfSpace(modulus, 0.3)))
     assert found.status is cs.Status.CONVERGED
     largest = elastic.pressure.max()
     assert np.abs(found.pressure - elastic.pressure).max() < 1e-5 * largest
     assert np.abs(found.traction.shear - elastic.traction.shear).max() < 1e-5 * largest
 
 
-@pytest.mark.whole
-def test_creeping_bodies_that_roll_back_are_those_in_a_mirror() -> None:
-    body = creeping(1e-4)
-    forth = driven((body, body), (48, 8))
-    back = driven((body, body), (48, 8), speed=-1.0, longitudinal=-3e-3, spin=-3.0)
-    largest = forth.pressure.max()
-    assert np.abs(forth.pressure - forth.pressure[::-1]).max() > 0.1 * largest
-    assert np.abs(forth.pressure - back.pressure[::-1]).max() < 1e-8 * largest
-    mirrored = forth.traction.shear[:, ::-1] * np.array([-1.0, 1.0])[:, None, None]
-    assert np.abs(mirrored - back.traction.shear).max() < 1e-7 * largest
-    assert back.rolling.resistance_coefficient == pytest.approx(forth.rolling.resistance_coefficient, rel=1e-9)
-
-
 def test_power_of_the_creepage_is_lost_by_slip_and_in_bodies_that_creep() -> None:
     """In plane strain, shear of like bodies loses in them what the same pressure would."""
-    found = driven((creeping(1e-4),) * 2, (256, 1), lateral=0.0, longitudinal=1e-3)
+    found = driven(creeping(1e-4), 256, lateral=0.0, longitudinal=1e-3)
     force = found.traction.shear[0].sum() * found.grid.cell_size[0]
     steady = found.rolling
     as_pressure = replace(steady.lagged.solution, pressure=found.traction.shear[0])
@@ -390,21 +284,7 @@ def test_power_of_the_creepage_is_lost_by_slip_and_in_bodies_that_creep() -> Non
 
 
 def test_the_error_of_a_drive_that_creeps_covers_its_change_on_finer_cells() -> None:
-    coarse, fine = (driven((creeping(1e-4),) * 2, (cells, 1)) for cells in (64, 256))
+    coarse, fine = (driven(creeping(1e-4), cells) for cells in (64, 256))
     for name in ("traction_coefficient", "frictional_power", "rolling_resistance", "peak_pressure"):
         known, better = coarse.quantities[name], fine.quantities[name]
         assert abs(known.value - better.value) < known.bound + better.bound < inf
-
-
-def test_the_force_on_a_stiff_coating_of_few_cells_is_within_its_bound() -> None:
-    """Grids of 39 and 24 cells, which are no halves, have nearly the same error."""
-    substrate = cs.HalfSpace(1.1e9, 0.5)
-    coat = cs.CoatedHalfSpace(cs.HalfSpace(7e9, 0.5), 1.44e-7, substrate)
-    rolling = cs.TractiveRolling(0.138, longitudinal=5.05e-5)
-    scene = cs.Scene(cs.LineLoad(0.627), (coat, substrate), (cs.Cylinder(3.125e-4),), friction=rolling)
-    force, reference = (
-        cs.solve(scene, cs.Grid((cells, 1), (1.7335e-6, 5e-7)), EXACT).quantities["traction_coefficient"]
-        for cells in (39, 624)
-    )
-    error = abs(force.value - reference.value)
-    assert 0.2 * reference.value < error < force.bound + reference.bound

@@ -33,10 +33,6 @@ def test_a_bulk_stress_moves_the_stick_zone_as_in_closed_form(stress: float, bod
 
 
 def test_no_bulk_stress_changes_nothing_and_a_reversed_one_mirrors_the_traction() -> None:
-    plain = solved(cs.PartialSlip(FRICTION, FORCE))
-    np.testing.assert_array_equal(
-        solved(cs.PartialSlip(FRICTION, FORCE, bulk_stress=0.0, bulk_body=1)).shear, plain.shear
-    )
     law = cs.Fretting(FRICTION, (FORCE,))
     zero = replace(law, bulk_stresses=(0.0,), bulk_body=1)
     np.testing.assert_array_equal(solved(zero).shear, solved(law).shear)
@@ -70,15 +66,11 @@ def test_the_bulk_stress_adds_to_the_stress_of_its_body_alone() -> None:
     assert np.abs(both[1].derived["stress_1"].values - both[0].derived["stress_1"].values).max() > 1e5
 
 
-@pytest.mark.parametrize("amplitude", [FORCE, 0.0])
-def test_a_cycle_of_bulk_stress_in_phase_or_alone_is_a_whole_one(amplitude: float) -> None:
-    one = solved(cs.Fretting.cycle(FRICTION, amplitude, bulk_stress=1e8))
-    two = cs.Fretting.cycle(FRICTION, amplitude, bulk_stress=1e8)
-    longer = replace(
-        two,
-        forces=two.forces + two.forces[1:],
-        bulk_stresses=two.bulk_stresses + two.bulk_stresses[1:],
-    )
-    energy = one.quantities["energy_per_cycle"].value
-    assert energy == pytest.approx(solved(longer).quantities["energy_per_cycle"].value, rel=1e-6)
-    assert energy > solved(cs.Fretting.cycle(FRICTION, amplitude, bulk_stress=5e7)).quantities["energy_per_cycle"].value
+def test_a_cycle_of_bulk_stress_alone_is_a_whole_one() -> None:
+    def energy(law: cs.Fretting) -> float:
+        return solved(law).quantities["energy_per_cycle"].value
+
+    weak, strong = (cs.Fretting.cycle(FRICTION, 0.0, bulk_stress=stress) for stress in (5e7, 1e8))
+    twice = replace(strong, **{name: 2 * getattr(strong, name) for name in ("forces", "bulk_stresses")})
+    assert energy(twice) == pytest.approx(energy(strong), rel=1e-6)
+    assert energy(strong) > energy(weak)

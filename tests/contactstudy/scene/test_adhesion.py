@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.accuracy.error_terms import reduction_below_jkr
 from contactstudy.domain.units import readable
 
 SOFT, RIGID = cs.HalfSpace(1e6, 0.5), cs.HalfSpace(inf, 0.3)
@@ -25,22 +24,16 @@ UNITS = cs.Scene(
 WIDE = cs.Grid((256, 1), (24.0, 1.0))
 
 
-@pytest.mark.parametrize("work_range", [None, 2e-6])
-def test_elastic_bodies_that_roll_adhere_as_at_rest_and_lose_nothing(
-    work_range: float | None,
-) -> None:
-    at_rest = replace(SCENE, adhesion=cs.Adhesion(work=0.05, range=work_range))
-    rolling = replace(at_rest, rolling=cs.Rolling(0.1))
+def test_elastic_bodies_that_roll_adhere_as_at_rest_and_lose_nothing() -> None:
     grid = cs.Grid((192, 1), (4e-3, 1e-3))
-    still, rolled = (cs.solve(scene, grid, LINE) for scene in (at_rest, rolling))
+    still, rolled = (cs.solve(replace(SCENE, rolling=rolling), grid, LINE) for rolling in (None, cs.Rolling(0.1)))
     np.testing.assert_array_equal(rolled.pressure, still.pressure)
     np.testing.assert_array_equal(rolled.adhesion.attraction, still.adhesion.attraction)
-    assert rolled.error.l1.total == still.error.l1.total
     resistance = rolled.quantities["rolling_resistance"]
     assert (resistance.value, resistance.bound) == (0.0, 0.0)
 
 
-@pytest.mark.parametrize("load", [cs.LineLoad(0.0), cs.LineLoad(-1.0), cs.LoadHistory((0.0, 1.0), (-1.0, 1.0))])
+@pytest.mark.parametrize("load", [cs.LineLoad(0.0), cs.LoadHistory((0.0, 1.0), (-1.0, 1.0))])
 def test_bodies_from_afar_need_a_load_that_brings_them_together(load: Any) -> None:
     with pytest.raises(cs.InvalidInput, match=r"^Scene\.load begins with .* together with Adhesion"):
         replace(SCENE, load=load)
@@ -50,20 +43,18 @@ def test_bodies_from_afar_need_a_load_that_brings_them_together(load: Any) -> No
 def test_a_range_that_the_grid_cannot_hold_names_the_range_and_the_cell_that_would_do() -> None:
     work, modulus, cell = 0.05, SCENE.contact_modulus, GRID.cell_size[0]
     short = replace(SCENE, adhesion=cs.Adhesion(work, 1e-9))
-    with pytest.raises(cs.InvalidInput, match=r"^Adhesion\.range is 1e-09: its cohesive zone of"):
-        short.problem(GRID, LINE)
     # two cells in pi E* rho^2 / (4 w)
     enough = sqrt(8 * cell * work / (pi * modulus))
-    with pytest.raises(cs.InvalidInput, match=f"a range of at least {readable(enough)}"):
+    said = rf"^Adhesion\.range is 1e-09: its cohesive zone of .* a range of at least {readable(enough)}"
+    with pytest.raises(cs.InvalidInput, match=said):
         short.problem(GRID, LINE)
     solution = cs.solve(replace(SCENE, adhesion=cs.Adhesion(work, 1.001 * enough)), GRID, LINE)
     assert solution.adhesion.cells_in_zone == pytest.approx(2 * 1.001**2)
 
 
-@pytest.mark.parametrize("thickness", [1e-7, 1e-5, 1e-3])
-def test_a_given_range_has_one_zone_and_tabor_parameter_on_any_grid(thickness: float) -> None:
+def test_a_given_range_has_one_zone_and_tabor_parameter_on_any_grid() -> None:
     """Between those of the substrate and of the coating, whose compliance is a fifth."""
-    coated = cs.CoatedHalfSpace(cs.HalfSpace(5e6, 0.5), thickness, SOFT)
+    coated = cs.CoatedHalfSpace(cs.HalfSpace(5e6, 0.5), 1e-5, SOFT)
     scene = replace(SCENE, solids=(coated, RIGID), adhesion=cs.Adhesion(0.05, range=2e-6))
     coarse, fine, bare = (
         cs.solve(replace(scene, solids=(body, RIGID)), cs.Grid((cells, 1), (4e-3, 1.0)), LINE)
@@ -76,18 +67,11 @@ def test_a_given_range_has_one_zone_and_tabor_parameter_on_any_grid(thickness: f
     assert coarse.adhesion.tabor == pytest.approx(bare.adhesion.tabor / stiffer ** (2 / 3))
 
 
-@pytest.mark.parametrize("modulus", [5e4, 2e7])
-def test_a_coating_thinner_than_the_cells_leaves_the_pull_off_to_its_substrate(
-    modulus: float,
-) -> None:
-    coated = cs.CoatedHalfSpace(cs.HalfSpace(modulus, 0.5), 1e-9, SOFT)
+def test_a_coating_thinner_than_the_cells_leaves_the_pull_off_to_its_substrate() -> None:
+    scene, grid = replace(SCENE, load=cs.PullOff(2.0)), cs.Grid((128, 1), (4e-3, 1.0))
     found, bare = (
-        cs.solve(
-            replace(SCENE, load=cs.PullOff(2.0), solids=(body, RIGID)),
-            cs.Grid((128, 1), (4e-3, 1.0)),
-            LINE,
-        )
-        for body in (coated, SOFT)
+        cs.solve(replace(scene, solids=(body, RIGID)), grid, LINE)
+        for body in (cs.CoatedHalfSpace(cs.HalfSpace(2e7, 0.5), 1e-9, SOFT), SOFT)
     )
     assert found.load_per_length == pytest.approx(bare.load_per_length, rel=1e-3)
     assert found.error.l1.range == pytest.approx(bare.error.l1.range, rel=1e-2)
@@ -96,11 +80,7 @@ def test_a_coating_thinner_than_the_cells_leaves_the_pull_off_to_its_substrate(
 @pytest.mark.cases(3)
 @pytest.mark.parametrize(
     ("adhesion", "solver"),
-    [
-        (None, cs.PolonskyKeer()),
-        (None, cs.PreconditionedCG()),
-        (cs.Adhesion(0.05), cs.PreconditionedCG()),
-    ],
+    [(None, cs.PolonskyKeer()), (None, cs.PreconditionedCG()), (cs.Adhesion(0.05), cs.PreconditionedCG())],
 )
 def test_the_approach_of_a_loaded_contact_gives_back_its_load(adhesion: cs.Adhesion | None, solver: cs.Solver) -> None:
     near = replace(SCENE, adhesion=adhesion, load=cs.Approach(4e-5))
@@ -128,19 +108,15 @@ def test_an_approach_presses_a_cylinder_as_hertz_says() -> None:
 @pytest.mark.parametrize(
     ("friction", "status"),
     [
-        (cs.Sliding(0.3), cs.Status.CONVERGED),
         (cs.PartialSlip(0.3, 0.0), cs.Status.CONVERGED),
-        (cs.PartialSlip(0.3, -1.0), cs.Status.DETACHED),
         (cs.Fretting(0.3, (1.0, 0.0)), cs.Status.DETACHED),
         (cs.TractiveRolling(0.3, tangential=1.0), cs.Status.DETACHED),
-        (cs.TractiveRolling(0.3, longitudinal=1e-3), cs.Status.CONVERGED),
     ],
 )
 def test_an_approach_that_leaves_a_gap_bears_no_pressure_and_says_that_it_holds_no_force(
-    friction: cs.Sliding | cs.PartialSlip | cs.Fretting | cs.TractiveRolling, status: cs.Status
+    friction: Any, status: cs.Status
 ) -> None:
-    alike = {"solids": (SOFT, SOFT)} if not isinstance(friction, cs.Sliding) else {}
-    apart = replace(SCENE, adhesion=None, load=cs.Approach(-1e-6), friction=friction, **alike)
+    apart = replace(SCENE, adhesion=None, load=cs.Approach(-1e-6), friction=friction, solids=(SOFT, SOFT))
     contact = cs.solve(apart, GRID, LINE)
     assert contact.status is status
     assert not contact.pressure.any()
@@ -149,50 +125,38 @@ def test_an_approach_that_leaves_a_gap_bears_no_pressure_and_says_that_it_holds_
 
 
 WITH_RANGE = replace(SCENE, adhesion=cs.Adhesion(work=0.05, range=2e-6))
-# incompressible on rigid: elastically similar
-FRICTIONS = [
-    cs.Sliding(0.3),
-    # more than under the load alone, which is 2 N/m
-    cs.PartialSlip(0.3, 0.61),
-    cs.Fretting.cycle(0.3, 0.61),
-    cs.TractiveRolling(0.3, longitudinal=1e-3, lateral=1e-3),
-]
+# incompressible on rigid: elastically similar; forces of more than under the load alone, which is 2 N/m
+FRICTIONS = [cs.Sliding(0.3), cs.Fretting.cycle(0.3, 0.61), cs.TractiveRolling(0.3, longitudinal=1e-3, lateral=1e-3)]
 
 
-@pytest.mark.cases(4)
+@pytest.mark.cases(3)
 @pytest.mark.parametrize("friction", FRICTIONS)
 def test_friction_is_limited_by_the_pressure_that_the_attraction_adds_to(friction: Any) -> None:
-    alone = cs.solve(WITH_RANGE, GRID, LINE, tolerance=1e-7)
-    found = cs.solve(replace(WITH_RANGE, friction=friction), GRID, LINE, tolerance=1e-7)
+    alone, found = (cs.solve(replace(WITH_RANGE, friction=law), GRID, LINE, tolerance=1e-7) for law in (None, friction))
     assert found.status is cs.Status.CONVERGED
     np.testing.assert_allclose(found.pressure, alone.pressure, atol=1e-5 * alone.pressure.max())
     assert (np.hypot(*found.shear) <= 0.3 * found.pressure * (1 + 1e-9)).all()
-    force = found.shear[0].sum() * GRID.cell_size[0]
-    if isinstance(friction, cs.PartialSlip | cs.Fretting):
-        assert force == pytest.approx(0.61)
-        transmitted = 0.3 * found.pressure.sum() * GRID.cell_size[0]
-        with pytest.raises(cs.InvalidInput, match=r"Scene\.friction .* transmits less than .* N/m"):
-            cs.solve(replace(WITH_RANGE, friction=cs.PartialSlip(0.3, 1.001 * transmitted)), GRID, LINE)
     coefficient = found.quantities["traction_coefficient"].value
     assert coefficient == pytest.approx(found.shear[0].sum() * GRID.cell_size[0] / 2)
-    if isinstance(friction, cs.Sliding):
-        over_repulsion = found.quantities["traction_over_repulsion"]
-        assert (abs(over_repulsion.value), over_repulsion.bound) == (pytest.approx(0.3), 0.0)
-        # over the load it changes with the repulsion on each grid
-        finer = cs.Grid((2 * GRID.cells[0], GRID.cells[1]), GRID.extent)
-        other = cs.solve(replace(WITH_RANGE, friction=friction), finer, LINE).quantities
-        change = abs(other["traction_coefficient"].value - coefficient)
-        assert 0 < change <= found.quantities["traction_coefficient"].bound < 0.1 * coefficient
 
 
-@pytest.mark.parametrize("friction", FRICTIONS[1:])
-def test_shear_of_bodies_that_hardly_adhere_is_that_without_adhesion(friction: Any) -> None:
-    faint = replace(WITH_RANGE, load=cs.LineLoad(3.0), adhesion=cs.Adhesion(1e-9, 2e-6), friction=friction)
-    one, other = (cs.solve(each, GRID, LINE, tolerance=1e-9).shear for each in (faint, replace(faint, adhesion=None)))
-    np.testing.assert_allclose(one, other, atol=2e-3 * other.max())
+def test_a_force_of_more_than_pressure_and_attraction_transmit_is_refused() -> None:
+    transmitted = 0.3 * cs.solve(WITH_RANGE, GRID, LINE, tolerance=1e-7).pressure.sum() * GRID.cell_size[0]
+    with pytest.raises(cs.InvalidInput, match=r"Scene\.friction .* transmits less than .* N/m"):
+        cs.solve(replace(WITH_RANGE, friction=cs.PartialSlip(0.3, 1.001 * transmitted)), GRID, LINE)
 
 
-@pytest.mark.parametrize("fraction", [0.3, 0.8, 3.0])
+def test_the_coefficient_of_sliding_bodies_that_adhere_is_over_the_repulsion() -> None:
+    """Over the load it changes with the repulsion on each grid, within its bound."""
+    grids = GRID, cs.Grid((2 * GRID.cells[0], GRID.cells[1]), GRID.extent)
+    coarse, fine = (cs.solve(replace(WITH_RANGE, friction=cs.Sliding(0.3)), grid, LINE).quantities for grid in grids)
+    over_repulsion, over_load = coarse["traction_over_repulsion"], coarse["traction_coefficient"]
+    assert (abs(over_repulsion.value), over_repulsion.bound) == (pytest.approx(0.3), 0.0)
+    change = abs(fine["traction_coefficient"].value - over_load.value)
+    assert 0 < change <= over_load.bound < 0.1 * over_load.value
+
+
+@pytest.mark.parametrize("fraction", [0.3, 3.0])
 def test_a_hardness_limits_the_pressure_that_is_left_beside_the_attraction(fraction: float) -> None:
     alone = cs.solve(WITH_RANGE, GRID, LINE)
     net = alone.pressure - alone.adhesion.attraction
@@ -201,8 +165,6 @@ def test_a_hardness_limits_the_pressure_that_is_left_beside_the_attraction(fract
     assert found.status is cs.Status.CONVERGED
     assert (found.pressure - found.adhesion.attraction).max() == pytest.approx(min(limit, net.max()), rel=1e-6)
     assert found.load_per_length == pytest.approx(2.0)
-    if fraction > 1:
-        np.testing.assert_allclose(found.pressure, alone.pressure, atol=1e-5 * alone.pressure.max())
 
 
 def test_a_contact_names_what_adhesion_adds() -> None:
@@ -215,9 +177,6 @@ def test_a_contact_names_what_adhesion_adds() -> None:
     assert numbers["detached"].value == 0
     assert numbers["load_per_length"].value == pytest.approx(pi, rel=1e-9)
     assert numbers["energy"].value < 0
-    dataset = contact.to_dataset()
-    assert dataset["branch"].attrs["flag_meanings"].split()[int(dataset["branch"])] == "from_afar"
-    assert float((dataset["pressure"] - dataset["attraction"]).sum()) * 24 / 256 == pytest.approx(pi)
 
 
 @pytest.mark.parametrize(
@@ -265,10 +224,3 @@ def test_a_coating_adheres_and_no_work_leaves_the_coated_contact() -> None:
     faint = cs.solve(replace(scene, adhesion=cs.Adhesion(1e-20, 2.0)), WIDE, LINE)
     bare = cs.solve(replace(scene, adhesion=None), WIDE, LINE)
     np.testing.assert_array_equal(faint.pressure, bare.pressure)
-
-
-def test_the_shortfall_of_a_cylinder_is_that_of_fine_grids_between_and_at_known_parameters() -> None:
-    assert reduction_below_jkr(1.073) == pytest.approx(1 - 0.95807, abs=1e-4)
-    assert 0.008 < reduction_below_jkr(1.5) < 0.0419
-    assert reduction_below_jkr(0.01) <= 1
-    assert reduction_below_jkr(8.0) < reduction_below_jkr(4.29) == pytest.approx(0.0009, abs=1e-4)

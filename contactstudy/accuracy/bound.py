@@ -363,6 +363,8 @@ def _at_sharp_end(problem: Problem, pressure: np.ndarray) -> bool:
     peaks, scene = pressure.max(axis=0), scene_of(problem)
     if scene is not None and scene.free_length < inf:
         ends = np.trim_zeros(peaks)
+        if ends.size < 2:  # no row beside it tells whether the pressure falls to the end
+            return bool(ends.size)
         return any(
             end > max(CONSTANTS.falling_end * before, CONSTANTS.end_over_peak * peaks.max())
             for end, before in (ends[:2], ends[:-3:-1])

@@ -131,3 +131,8 @@ def test_ends_that_a_profile_does_not_relieve_are_told_a_drop_that_does() -> Non
     assert along.max() < 1.05 * along[12:-12].max()
     highest = float(said.split("on this grid is ")[1].split(" GPa")[0])
     assert highest == pytest.approx(along.max() / 1e9, rel=5e-3)  # of a drop of three digits
+
+
+def test_one_row_of_cells_gives_no_bound_of_a_peak_that_may_lie_at_an_end() -> None:
+    contact = cs.solve(replace(ROLLER, solids=(ENDED, ENDED)), cs.Grid((32, 1), GRID.extent), FREE)
+    assert contact.quantities["peak_pressure"].bound == np.inf

@@ -1,4 +1,4 @@
-"""Line contacts that creep or wear by given steps, and their closed forms."""
+"""Line contacts that creep or wear by given steps."""
 
 from math import inf, pi
 from typing import Any
@@ -10,57 +10,24 @@ from contactstudy.domain.fields import Array
 from contactstudy.evolution.integration.evolve import evolve
 from contactstudy.evolution.trajectory import Trajectory
 
+EXACT = cs.ExactPeriodicity()
 RIGID = cs.HalfSpace(inf, 0.3)
-LOAD, RADIUS = 0.01 * pi / 4, 1.0  # a = 0.1 and p0 = 0.05 for E* = 1
+LOAD = 0.01 * pi / 4  # a = 0.1 and p0 = 0.05 for E* = 1
 # J = 1 + 1.5 (1 - exp(-t))
 SOLID = cs.ViscoelasticHalfSpace(0.4, 0.0, ((0.6, 0.4),))
 
 
-def rolling_cylinder(body: cs.ViscoelasticHalfSpace, load: object = None, **named: object) -> cs.Scene:
+def rolling_cylinder(body: cs.HalfSpace | cs.ViscoelasticHalfSpace, load: Any = None, **named: Any) -> cs.Scene:
     """A rigid cylinder of radius 1 on ``body``."""
-    return cs.Scene(
-        load or cs.LineLoad(LOAD),  # type: ignore[arg-type]
-        (body, RIGID),
-        (cs.Cylinder(RADIUS),),
-        **named,  # type: ignore[arg-type]
-    )
+    return cs.Scene(load or cs.LineLoad(LOAD), (body, RIGID), (cs.Cylinder(1.0),), **named)
 
 
 def evolved(
-    scene: cs.Scene,
-    grid: cs.Grid,
-    times: Any,
-    *,
-    padding: Any = cs.ExactPeriodicity(),  # noqa: B008 (a frozen value)
-    tolerance: float = 1e-8,
-    **more: Any,
+    scene: cs.Scene, grid: cs.Grid, times: Any, *, padding: Any = EXACT, tolerance: float = 1e-8, **more: Any
 ) -> Trajectory:
     """By the given steps alone, whose error is not asked for."""
     options = cs.SolveOptions(tolerance)
-    return evolve(
-        scene,
-        grid,
-        padding,
-        times=times,
-        options=options,
-        error_estimator="none",
-        **more,
-    )
-
-
-def held(body: cs.ViscoelasticHalfSpace) -> cs.analytic.LeeRadok:
-    """The closed form for ``body`` under LOAD."""
-    plane = 1 - body.poisson_ratio**2
-    relaxation = tuple((modulus / plane, time) for modulus, time in body.relaxation)
-    return cs.analytic.LeeRadok(LOAD, RADIUS, body.equilibrium_modulus / plane, relaxation, body.creep)
-
-
-def half_width(body: cs.ViscoelasticHalfSpace, time: float) -> float:
-    return float(held(body).half_width(time))
-
-
-def held_pressure(body: cs.ViscoelasticHalfSpace, time: float, x: Array) -> Array:
-    return held(body).pressure(x, time)
+    return evolve(scene, grid, padding, times=times, options=options, error_estimator="none", **more)
 
 
 def relative(pressure: Array, true: Array) -> float:

@@ -1,13 +1,14 @@
 from collections import Counter
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
-from math import exp, inf, nextafter
+from math import exp, inf, nextafter, pi
 from typing import Any
 
 import pytest
 
 import contactstudy as cs
-from contactstudy.evolution.march import Breakpoint, Control, March, Method, Record
+from contactstudy.evolution.march import Breakpoint, Control, March, Method, Record, schedule
+from contactstudy.evolution.time_steps import TimeSteps
 
 
 @dataclass(frozen=True)
@@ -23,48 +24,39 @@ class Decay:
 
 
 class Heun(Method[Decay]):
-    def __init__(self) -> None:
-        self.pairs: list[tuple[Decay, Decay | None]] = []
-
     def step(self, state: Decay, end: float) -> Decay:
         duration = end - state.time
         predicted = state.value * (1 - duration)
         after = state.value - duration / 2 * (state.value + predicted)
-        found = replace(state, time=end, value=after, change=abs(after - predicted))
-        failed = end > nextafter(state.last, inf)
-        return replace(found, change=inf, statuses=(cs.Status.NOT_FINITE,)) if failed else found
-
-    def accept(self, before: Decay, middle: Decay, after: tuple[Decay, Decay | None]) -> float:
-        self.pairs.append(after)
-        return 0.0
+        if end > nextafter(state.last, inf):
+            return replace(state, time=end, change=inf, statuses=(cs.Status.NOT_FINITE,))
+        return replace(state, time=end, value=after, change=abs(after - predicted))
 
 
 def marched(
-    start: Decay, *instants: float, error: float = 1e-4, kinks: tuple[float, ...] = (), **named: Any
-) -> tuple[tuple[Record[Decay], ...], Heun]:
-    longest = named.pop("longest", inf)
-    times = sorted((*instants, *kinks))
-    points = [Breakpoint(time, times_recorded=int(time in instants)) for time in times]
-    method = Heun()
-    march = March(method, start, points, Control(error, 2, 2.0, longest), **named)
-    return march.records(), method
+    start: Decay,
+    *instants: float,
+    error: float = 1e-4,
+    kinks: tuple[float, ...] = (),
+    longest: float = inf,
+    recorded: Any = "points",
+) -> tuple[Record[Decay], ...]:
+    points = [Breakpoint(time, times_recorded=int(time in instants)) for time in sorted((*instants, *kinks))]
+    return March(Heun(), start, points, Control(error, 2, 2.0, longest), recorded).records()
 
 
-@pytest.mark.parametrize("error", [1e-3, 1e-5])
-def test_steps_keep_to_their_error_and_the_longer_ones_tell_that_of_all(error: float) -> None:
-    records, method = marched(Decay(), 0.0, 0.7, 2.0, error=error)
+def test_steps_keep_to_their_error_and_the_longer_ones_tell_that_of_all() -> None:
+    records = marched(Decay(), 0.0, 0.7, 2.0, error=1e-5)
     assert [record.state.time for record in records] == [0.0, 0.7, 2.0]
-    assert 0 < max(fine.change for fine, _ in method.pairs) <= error
+    assert all(record.state.change <= 1e-5 for record in records)
     # of second order: the error of the short steps is a third of the difference
     last, coarse = records[-1].state, records[-1].coarse
-    assert coarse is not None
     assert abs(last.value - exp(-2.0)) == pytest.approx(abs(last.value - coarse.value) / 3, rel=0.2)
 
 
 def test_work_and_outcomes_are_those_since_the_instant_before() -> None:
-    (first, second), _ = marched(Decay(statuses=(cs.Status.STALLED,)), 0.0, 2.0)
-    assert first.statuses == (cs.Status.STALLED,)
-    assert first.work == {"solves": 2}
+    first, second = marched(Decay(statuses=(cs.Status.STALLED,)), 0.0, 2.0)
+    assert (first.statuses, first.work) == ((cs.Status.STALLED,), {"solves": 2})
     # a pair takes three steps, or one where that is too long
     taken, rejected = (second.work[name] for name in ("steps", "rejected"))
     assert rejected > 0
@@ -73,16 +65,46 @@ def test_work_and_outcomes_are_those_since_the_instant_before() -> None:
 
 
 def test_a_march_ends_with_a_step_that_has_no_solution_at_its_own_time() -> None:
-    (*_, last), _ = marched(Decay(last=1.0), 0.5, 2.0)
+    *_, last = marched(Decay(last=1.0), 0.5, 2.0)
     assert cs.Status.NOT_FINITE in last.statuses
     assert last.coarse is None
     assert last.state.time == pytest.approx(1.0, abs=1e-5)
-    assert [record.state.change for record in marched(Decay(change=inf), 1.0)[0]] == [inf]
+    assert [record.state.change for record in marched(Decay(change=inf), 1.0)] == [inf]
 
 
 def test_every_pair_is_recorded_and_steps_end_at_kinks_and_are_no_longer_than_allowed() -> None:
-    every, _ = marched(Decay(), 1.0, error=1e99, longest=0.2, kinks=(0.25,), recorded="pairs")
+    every = marched(Decay(), 1.0, error=1e99, longest=0.2, kinks=(0.25,), recorded="pairs")
     times = [0.0, *(record.state.time for record in every)]
     assert {0.25, 1.0} <= set(times)
     assert max(b - a for a, b in pairwise(times)) <= 0.2 * (1 + 1e-9)
-    assert len(marched(Decay(), 0.0, 1.0, kinks=(0.25,))[0]) == 2
+
+
+def test_instants_are_even_and_peaks_of_the_load_are_among_them() -> None:
+    load = cs.LoadHistory((0.0, 0.9, 2.0, 2.9, 4.0), (0.0, 2.0, 1.0, 3.0, 0.0))
+    assert TimeSteps(instants=9).instants_of(load) == [0, 0.5, 0.9, 1.5, 2, 2.5, 2.9, 3.5, 4]
+    # two kinks are nearest to one instant, and one to the last: the larger load counts
+    near = cs.LoadHistory((0.0, 0.4, 0.42, 0.9, 1.0), (0.0, 500.0, 100.0, 400.0, 300.0))
+    assert TimeSteps(instants=5).instants_of(near) == [0, 0.25, 0.4, 0.9, 1]
+    sine = cs.SineLoad(2.0, 1.0, 1.0, phase=pi / 7)
+    instants = TimeSteps().instants_of(sine)
+    assert len(instants) == 41
+    assert [time for time in instants if sine.at(time) in (1.0, 3.0)] == pytest.approx([5 / 28, 19 / 28])
+    later = cs.LoadHistory((1.0, 3.0), (1.0, 2.0))
+    assert TimeSteps(end=7.0, instants=4).instants_of(later) == [1, 3, 5, 7]
+    # an error chooses its own, up to the end of the load
+    assert TimeSteps(error=1e-3).instants_of(later) is None
+    assert TimeSteps(error=1e-3, end=7.0, instants=2).instants_of(later) == [1, 7]
+
+
+@pytest.mark.parametrize("times", [(0.25, 0.25, 0.5), (0.5, 0.75, 0.75), (4.0,)])
+def test_times_are_recorded_as_they_are_given(times: tuple[float, ...]) -> None:
+    load = cs.LoadHistory((0.0, 1.0, 1.0, 3.0), (0.0, 2.0, 5.0, 1.0))
+    assert [point.time for point in schedule(load, times) for _ in range(point.times_recorded)] == list(times)
+
+
+def test_a_load_without_an_end_needs_times() -> None:
+    sudden = cs.LoadHistory((0.5,), (3.0,))
+    with pytest.raises(cs.InvalidInput, match=r"Scene\.load has no end: give times"):
+        schedule(sudden, None)
+    (only,) = schedule(sudden, (0.5,))
+    assert (only.before, only.after, only.is_discontinuity) == (0, 3, True)

@@ -2,8 +2,6 @@ import sys
 from dataclasses import fields
 from pathlib import Path
 
-import pytest
-
 sys.path.insert(0, str(Path(__file__).parent.parent / "docs" / "_ext"))
 from key_meanings import meanings
 from page_problems import problems
@@ -15,27 +13,21 @@ GOOD = (
 )
 
 
-@pytest.mark.parametrize(
-    ("added", "found"),
-    [
+def test_a_problem_of_a_page_is_found(tmp_path: Path) -> None:
+    (tmp_path / "a.png").touch()
+    (tmp_path / "other.html").write_text('<h1 id="here">O</h1>')
+    for added, found in (
         ("", None),
-        ('<img src="b.png">', "without a text"),
         ('<img src="a.png" alt=" ">', "without a text"),
         ('<a href="other.html#here">o</a>', None),
         ('<a href="other.html#there">o</a>', "anchor that does not exist"),
-        ('<a href="#missing">o</a>', "anchor that does not exist"),
         ('<a href="gone.html">o</a>', "file that does not exist"),
         ("<h4>V</h4>", "a heading of level 4 follows one of level 2"),
-    ],
-)
-def test_a_problem_of_a_page_is_found(tmp_path: Path, added: str, found: str | None) -> None:
-    (tmp_path / "a.png").touch()
-    (tmp_path / "b.png").touch()
-    (tmp_path / "other.html").write_text('<h1 id="here">O</h1>')
-    (tmp_path / "page.html").write_text(GOOD + added)
-    messages = problems(tmp_path)
-    assert len(messages) == (found is not None)
-    assert all(found in message for message in messages)
+    ):
+        (tmp_path / "page.html").write_text(GOOD + added)
+        messages = problems(tmp_path)
+        assert len(messages) == (found is not None)
+        assert all(found in message for message in messages)
 
 
 def test_every_key_of_a_scene_file_has_a_meaning() -> None:

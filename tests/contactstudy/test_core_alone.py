@@ -18,22 +18,12 @@ solution = cs.solve(scene)
 estimate = solution.error
 said = {"plan": cs.plan(scene, error=1e-2).dimension, "status": solution.status.name, "l1": estimate.l1.total,
         "table": solution._repr_html_(), "missing": {}}
-coated = cs.Scene(cs.LineLoad(1e5), (cs.CoatedHalfSpace(steel, 2e-5, steel), steel), (cs.Cylinder(0.01),))
-said["coated"] = cs.solve(coated.problem(solution.problem.grid, cs.ExactPeriodicity())).status.name
 uses = {
-    "contactstudy.read_scene": lambda: cs.read_scene("scene.toml"),
-    "contactstudy.write_scene": lambda: cs.write_scene(scene, "scene.toml"),
-    "contactstudy.compare": lambda: cs.compare(solution, solution),
     "Contact.to_dataset": solution.to_dataset,
     "Contact.plot": solution.plot,
     "MeasuredSurface.read": lambda: cs.MeasuredSurface.read(sys.executable),
     "studies.run": lambda: __import__("studies").run,
-}
-for name in cs.__all__:
-    try:
-        getattr(cs, name)
-    except ModuleNotFoundError:
-        uses.setdefault(f"contactstudy.{name}", lambda name=name: getattr(cs, name))
+} | {f"contactstudy.{name}": lambda name=name: getattr(cs, name) for name in cs.__all__}
 for name, use in uses.items():
     try:
         use()
@@ -53,7 +43,7 @@ def test_numpy_and_scipy_are_enough_to_solve_and_the_rest_says_what_it_needs() -
     done = subprocess.run([sys.executable, "-c", SCRIPT], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     said = json.loads(done.stdout)
-    assert said["status"] == said["coated"] == "CONVERGED"
+    assert said["status"] == "CONVERGED"
     assert said["plan"] == 1
     assert said["l1"] < 1e-2  # the default error of a plan
     assert "<img" not in said["table"]

@@ -1,6 +1,6 @@
 import re
 from collections.abc import Iterator
-from dataclasses import is_dataclass, replace
+from dataclasses import is_dataclass
 from inspect import getdoc, isclass, signature
 from math import nan
 from typing import Any, get_args, get_origin
@@ -12,23 +12,13 @@ from contactstudy.domain.checks import parameters
 from contactstudy.domain.validation import hint_of, kind_of, valid
 
 
-@pytest.mark.parametrize(
-    ("make", "sentence"),
-    [
-        (lambda: cs.Cylinder(radious=1), "Cylinder.radious is not known: did you mean 'radius'"),  # type: ignore[call-arg]
-        (lambda: cs.Grid(cell=(1, 2)), "Grid.cell is not known: did you mean 'cells'"),  # type: ignore[call-arg]
-        (lambda: cs.LineLoad(force=1.0), "LineLoad.force is not known: choose from per_length"),  # type: ignore[call-arg]
-    ],
-)
-def test_a_misspelt_keyword_is_answered_with_the_right_one(make: Any, sentence: str) -> None:
-    with pytest.raises(cs.InvalidInput, match=re.escape(sentence)) as refused:
-        make()
-    assert isinstance(refused.value, TypeError)
-
-
-def test_a_constructor_that_suggests_fields_keeps_its_signature() -> None:
+def test_a_misspelt_keyword_is_answered_with_the_right_one() -> None:
+    with pytest.raises(TypeError, match=r"Cylinder\.radious is not known: did you mean 'radius'") as refused:
+        cs.Cylinder(radious=1)  # type: ignore[call-arg]
+    assert isinstance(refused.value, cs.InvalidInput)
+    with pytest.raises(cs.InvalidInput, match=r"LineLoad\.force is not known: choose from per_length"):
+        cs.LineLoad(force=1.0)  # type: ignore[call-arg]
     assert list(signature(cs.Cylinder).parameters) == ["radius"]
-    assert cs.Cylinder(0.1) == cs.Cylinder(radius=0.1) == replace(cs.Cylinder(0.2), radius=0.1)
 
 
 # What a docstring says of a number: above or at least 0, and what it is below, or goes up to.
@@ -45,11 +35,7 @@ def numbers() -> Iterator[tuple[str, Any, str]]:
             kinds = map(kind_of, (hint, *get_args(hint)))
             if get_origin(hint) is not tuple and {int, float}.intersection(kinds):
                 meaning = re.search(rf"^(?:\w+, )*{name}(?:, \w+)*\n((?:    .*\n?)+)", doc, re.M)
-                yield (
-                    f"{cls.__name__}.{name}",
-                    hint,
-                    " ".join(meaning[1].split()) if meaning else "",
-                )
+                yield f"{cls.__name__}.{name}", hint, " ".join(meaning[1].split()) if meaning else ""
 
 
 def test_a_number_outside_the_limits_that_its_docstring_says_is_refused() -> None:

@@ -21,14 +21,10 @@ def compiled(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.parametrize("hardness", [None, 0.8])
-@pytest.mark.parametrize("cells", [(64, 64), (37, 51)], ids=str)
 def test_a_rough_contact_is_the_same(
-    cells: tuple[int, int],
-    hardness: float | None,
-    line_contact: LineContact,
-    request: pytest.FixtureRequest,
+    hardness: float | None, line_contact: LineContact, request: pytest.FixtureRequest
 ) -> None:
-    posed = rough(line_contact, cells, BOTH, hardness)
+    posed = rough(line_contact, (64, 64), BOTH, hardness)
     ours = cs.solve(posed, tolerance=1e-10)
     request.getfixturevalue("compiled")
     other = cs.solve(posed, tolerance=1e-10, device=cs.Cpu(2))
@@ -37,12 +33,11 @@ def test_a_rough_contact_is_the_same(
 
 
 @pytest.mark.usefixtures("compiled")
-@pytest.mark.parametrize("hardness", [None, 0.8])
 def test_sums_do_not_depend_on_the_number_of_threads(
-    hardness: float | None, line_contact: LineContact, monkeypatch: pytest.MonkeyPatch
+    line_contact: LineContact, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(fields, "CELLS_PER_THREAD", 256)
-    bare = rough(line_contact, (37, 51), BOTH, hardness).bare()
+    bare = rough(line_contact, (37, 51), BOTH, 0.8).bare()
     pressure = bare.clip_and_scale(np.random.default_rng(1).exponential(size=(37, 51)))
     moved = bare.operator(pressure)
     found = []
@@ -84,9 +79,7 @@ print(total(np.ones(2, sys.argv[1])), total.stats.cache_hits.total())
 
 
 @pytest.mark.whole
-def test_processes_that_compile_for_two_precisions_at_once_leave_each_its_code(
-    tmp_path: Path,
-) -> None:
+def test_processes_that_compile_for_two_precisions_at_once_leave_each_its_code(tmp_path: Path) -> None:
     pytest.importorskip("numba")
     script = tmp_path / "sum.py"
     script.write_text(SUM, encoding="utf-8")

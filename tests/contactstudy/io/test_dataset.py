@@ -8,7 +8,6 @@ import pytest
 import xarray as xr
 
 import contactstudy as cs
-from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.answers.lubricated_contact import film_answer
 from contactstudy.domain.errors import ErrorParts
 from contactstudy.lubrication.solve_lubricated import solve_lubricated
@@ -17,47 +16,27 @@ from tests.contactstudy.lubrication.scenes import by_moes
 from tests.contactstudy.lubrication.scenes import grid as film_cells
 
 
-def test_dataset_labels_every_variable(line_contact: LineContact, tmp_path) -> None:  # noqa: ANN001
-    grid = line_contact.grid((16, 6), 1.2)
-    solution = cs.solve(line_contact.scene.problem(grid, cs.ExactPeriodicity()))
+def test_dataset_labels_every_variable(line_contact: LineContact, tmp_path: Path) -> None:
+    scene = replace(line_contact.scene, outputs=(cs.SubsurfaceStress(depths=(1e-5, 2e-5)),))
+    solution = cs.solve(scene, line_contact.grid((16, 6), 1.2), cs.DuplicatedPadding())
     dataset = solution.to_dataset()
-    assert dataset["pressure"].dims == ("x", "y")
     assert dataset["pressure"].sizes == {"x": 16, "y": 6}
-    for variable in dataset.variables.values():
+    assert dataset.cf.axes == {"X": ["x"], "Y": ["y"], "Z": ["z"]}
+    for variable in dataset.drop_vars("component").variables.values():
         assert variable.attrs["units"]
         assert variable.attrs["long_name"]
     np.testing.assert_array_equal(dataset["gap"], solution.gap)
     meanings = dataset["status"].attrs["flag_meanings"].split()
     assert meanings[int(dataset["status"])] == "CONVERGED"
-    assert dataset["status"].attrs["comment"] == str(solution.status)
-    hertz = line_contact.hertz
-    assert float(dataset["hertz_peak_pressure"]) == hertz.peak_pressure
-    assert float(dataset["hertz_half_width"]) == hertz.half_width
+    assert float(dataset["hertz_peak_pressure"]) == line_contact.hertz.peak_pressure
     load = dataset["load_per_length"]
     assert float(load) == pytest.approx(1e5)
-    bound = solution.quantities["load_per_length"].bound
-    assert float(dataset[load.attrs["ancillary_variables"]]) == bound
+    assert float(dataset[load.attrs["ancillary_variables"]]) == solution.quantities["load_per_length"].bound
+    error = dataset["pressure_l1_error_estimate"]
+    assert float(error.sel(cause="images")) == solution.error.l1.images
+    assert float(error.sum("cause")) == pytest.approx(solution.error.l1.total, rel=1e-14)
     dataset.to_netcdf(tmp_path / "solution.nc")
     xr.testing.assert_identical(xr.load_dataset(tmp_path / "solution.nc"), dataset)
-
-
-def test_dataset_holds_an_estimate_by_cause(line_contact: LineContact) -> None:
-    problem = line_contact.scene.problem(line_contact.grid(16, 1.2), cs.DuplicatedPadding())
-    solution = cs.solve(problem)
-    estimate = error_estimate(solution)
-    dataset = solution.to_dataset()
-    for name, parts in (("peak_pressure", estimate.peak_pressure), ("pressure_l1", estimate.l1)):
-        error = dataset[f"{name}_error_estimate"]
-        assert float(error.sel(cause="images")) == parts.images
-        assert float(error.sum("cause")) == pytest.approx(parts.total, rel=1e-14)
-
-
-def test_axes_are_found_by_their_cf_attributes(line_contact: LineContact) -> None:
-    scene = replace(line_contact.scene, outputs=(cs.SubsurfaceStress(depths=(1e-5, 2e-5)),))
-    solution = cs.solve(scene.problem(line_contact.grid((16, 6), 1.2), cs.ExactPeriodicity()))
-    dataset = solution.to_dataset()
-    assert dataset.cf.axes == {"X": ["x"], "Y": ["y"], "Z": ["z"]}
-    assert dataset["z"].attrs["positive"] == "down"
 
 
 def test_the_scene_of_a_dataset_reads_back(line_contact: LineContact, tmp_path: Path) -> None:
@@ -68,24 +47,19 @@ def test_the_scene_of_a_dataset_reads_back(line_contact: LineContact, tmp_path: 
     path.write_text(solution.to_dataset().attrs["scene"])
     read = cs.read_scene(path)
     assert (read.scene, read.grid, read.padding) == (line_contact.scene, grid, paddings)
-    np.testing.assert_array_equal(read.solve().pressure, solution.pressure)
 
 
-def test_an_answer_is_shown_with_its_accuracy_first_and_a_picture(
-    line_contact: LineContact,
-) -> None:
+def test_an_answer_is_shown_with_its_accuracy_first_and_a_picture(line_contact: LineContact) -> None:
     grid = line_contact.grid((32, 16), 1.2)
     contact = cs.solve(line_contact.scene, grid, cs.ExactPeriodicity(), error="2 %")
     assert contact.accuracy in repr(contact).splitlines()[0]
     assert "data:image/png;base64," in contact._repr_html_()
     assert contact.plot()._repr_png_().startswith(b"\x89PNG")  # shown once, as pyplot does not know it
-    plan = cs.plan(line_contact.scene, grid=grid)
     for value, said in (
         (contact, "CONVERGED, 32 x 16 cells"),
         (contact.scene, "solids[1]"),
         (contact.error, "peak_pressure"),
-        (plan, "Grid(cells=(32, 16)"),
-        (cs.SceneFile(contact.scene), "shapes[0]"),
+        (cs.plan(line_contact.scene, grid=grid), "Grid(cells=(32, 16)"),
     ):
         html = value._repr_html_()
         assert said in html
@@ -99,8 +73,6 @@ def test_a_lubricated_contact_is_labelled_with_its_errors_and_drawn() -> None:
     contact = film_answer(replace(contact, estimate=estimate))
     dataset = contact.to_dataset()
     np.testing.assert_array_equal(dataset["film"].values, contact.film)
-    assert float(dataset["minimum_film"]) == contact.minimum_film
-    assert dataset["status"].attrs["comment"] == str(contact.status)
     assert dataset["minimum_film_error_estimate"].sel(cause="inlet") == 0.2
     assert dataset.attrs["warnings"] == "a spike"
     assert contact.plot().axes

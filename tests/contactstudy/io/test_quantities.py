@@ -17,31 +17,21 @@ from contactstudy.scene.scene import PosedScene
 from tests.conftest import STEEL, LineContact
 
 GRID = cs.Grid((4, 2), (4e-3, 6e-3))
+UNLOADED = PosedScene(cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL)), GRID, cs.ZeroPadding())
 PRESSURE = np.array([[0.0, 0.0], [1e6, 0.0], [2e6, 5e6], [0.0, 0.0]])
 
 
-@pytest.mark.cases(100)
-@pytest.mark.parametrize(
-    ("value", "units", "text"),
-    [
-        (5.0e8, "Pa", "500 MPa"), (1.234567e9, "Pa", "1.235 GPa"), (1.83e-4, "m", "183 µm"),
-        (-2.5e-3, "m", "-2.5 mm"), (5.31e-8, "m2", "0.0531 mm²"), (1e5, "N m-1", "100 N/mm"),
-        (2.1e-4, "m2 m-1", "0.21 mm²/mm"), (1.75e-8, "m3 m-1", "0.0175 mm³/mm"), (2e3, "N", "2 kN"),
-        (0.0, "m", "0 nm"), (0.125, "1", "0.125"), (3.0, "kg", "3 kg"),
-    ],
-)  # fmt: skip
-def test_a_value_is_shown_in_the_unit_that_is_read_most_easily(value: float, units: str, text: str) -> None:
-    assert readable(value, units) == text
-
-
-def written(contact: cs.Contact) -> cs.Contact:
-    """A contact with fields that are written here."""
-    return replace(contact, pressure=PRESSURE, gap=np.full((4, 2), 2e-6), approach=3e-6)
+def test_a_value_is_shown_in_the_unit_that_is_read_most_easily() -> None:
+    for value, units, text in (
+        (5.0e8, "Pa", "500 MPa"), (1.234567e9, "Pa", "1.235 GPa"), (-2.5e-3, "m", "-2.5 mm"), (0.0, "m", "0 nm"),
+        (5.31e-8, "m2", "0.0531 mm²"), (1e5, "N m-1", "100 N/mm"), (0.125, "1", "0.125"), (3.0, "kg", "3 kg"),
+    ):  # fmt: skip
+        assert readable(value, units) == text
 
 
 def test_numbers_are_those_of_the_fields(line_contact: LineContact) -> None:
     solved = cs.solve(line_contact.scene.problem(GRID, cs.ExactPeriodicity()), max_iterations=1)
-    numbers = written(solved).quantities
+    numbers = replace(solved, pressure=PRESSURE, gap=np.full((4, 2), 2e-6), approach=3e-6).quantities
     values = {name: number.value for name, number in numbers.items()}
     cell = 1e-3 * 3e-3
     # three cells within an outline of six sides (Yastrebov et al. 2017)
@@ -67,23 +57,13 @@ def test_the_edges_of_a_smooth_contact_lie_inside_their_cells(
         assert abs(numbers[name].value - value) <= numbers[name].bound < within * value
 
 
-def test_bounds_are_those_of_the_error_and_hold(line_contact: LineContact) -> None:
-    contact = cs.solve(line_contact.scene, line_contact.grid((64, 1), 1.4), cs.ExactPeriodicity())
-    for name in ("peak_pressure", "contact_area", "mean_gap"):
-        one = contact.quantities[name]
-        assert one.bound == getattr(contact.error, name).total * one.value
-        assert not one.reason
-    pressed = replace(line_contact.scene, load=cs.Approach(float(contact.approach)))
-    mean, error = (lambda one: (one.quantities["mean_pressure"], one.error))(
-        cs.solve(pressed, contact.grid, cs.ExactPeriodicity())
-    )
-    # the load is a result as the area is
-    relative = error.contact_area.total + error.load.total  # type: ignore[union-attr]
-    assert mean.relative_bound == pytest.approx(relative, rel=1e-12)
-    hertz = line_contact.hertz
-    peak, half_width = (contact.quantities[name] for name in ("peak_pressure", "half_width"))
-    assert abs(peak.value - hertz.peak_pressure) <= peak.bound
-    assert abs(half_width.value - hertz.half_width) <= half_width.bound
+def test_the_mean_pressure_at_a_given_approach_has_the_errors_of_load_and_area(line_contact: LineContact) -> None:
+    pressed = replace(line_contact.scene, load=cs.Approach(2e-6))
+    contact = cs.solve(pressed, line_contact.grid((64, 1), 2.4), cs.ExactPeriodicity())
+    load, area = contact.error.load, contact.error.contact_area
+    assert load is not None
+    assert area is not None
+    assert contact.quantities["mean_pressure"].relative_bound == pytest.approx(load.total + area.total, rel=1e-12)
 
 
 def test_a_bound_that_is_not_known_has_a_reason() -> None:
@@ -98,40 +78,25 @@ def test_a_bound_that_is_not_known_has_a_reason() -> None:
 
 
 def test_an_error_relative_to_zero_bounds_nothing() -> None:
-    parts = ErrorParts(discretisation=0.1)
-    unknown = with_bound(Quantity(0.0, "1", "fraction"), parts)
+    unknown = with_bound(Quantity(0.0, "1", "fraction"), ErrorParts(discretisation=0.1))
     assert unknown.bound == inf
     assert "relative to it" in unknown.reason
-    assert with_bound(unknown, ErrorParts()).bound == 0
 
 
 def test_the_largest_friction_in_time_is_that_of_the_largest_size() -> None:
     frames = [{"friction_coefficient": Quantity(value, "1", "")} for value in (-1e-4, -2e-4)]
-    scene = cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL))
-    posed = PosedScene(scene, GRID, cs.ZeroPadding())
-    numbers = evolution_quantities(frames, [0.0, 1.0], {}, {}, posed, ErrorParts())
+    numbers = evolution_quantities(frames, [0.0, 1.0], {}, {}, UNLOADED, ErrorParts())
     assert numbers["friction_coefficient"].value == 2e-4
 
 
-@pytest.mark.parametrize(
-    ("times", "said"),
-    [
-        ((0.0, 0.6, 1.5, 2.0), "extreme at 1 s"),
-        ((0.0, 1.0, 2.0), ""),
-        ((0.0, 0.3), ""),
-        ((0.0, 2.0, 3.0), "extreme at 1 s"),
-    ],
-)
-def test_the_largest_in_time_has_no_bound_where_the_load_is_higher_between_instants(
-    times: tuple[float, ...], said: str
-) -> None:
+def test_the_largest_in_time_has_no_bound_where_the_load_is_higher_between_instants() -> None:
     history = cs.LoadHistory((0.0, 1.0, 2.0, 2.0), (0.0, 1e5, 9e4, 5e4))
     scene = cs.Scene(history, (STEEL, STEEL), (cs.Cylinder(0.01),))
-    peak = cs.solve(scene, cs.Grid((32, 1), (4e-4, 1e-3)), cs.ExactPeriodicity(), times=times).quantities[
-        "peak_pressure"
-    ]
-    assert (peak.bound == inf) == bool(said)
-    assert said in peak.reason
+    for times, said in (((0.0, 0.6, 1.5, 2.0), "extreme at 1 s"), ((0.0, 1.0, 2.0), ""), ((0.0, 0.3), "")):
+        answer = cs.solve(scene, cs.Grid((32, 1), (4e-4, 1e-3)), cs.ExactPeriodicity(), times=times)
+        peak = answer.quantities["peak_pressure"]
+        assert (peak.bound == inf) == bool(said)
+        assert said in peak.reason
 
 
 def test_the_load_of_a_roller_is_spread_over_its_length() -> None:
@@ -154,8 +119,7 @@ ROWS = {
 
 
 def test_a_table_has_an_empty_place_for_a_bound_that_is_not_known_and_the_reason_below() -> None:
-    zero = Quantity(0.0, "Pa", "shear", 2e3, "")
-    assert as_text(ROWS | {"zero": zero}).splitlines() == [
+    assert as_text(ROWS | {"zero": Quantity(0.0, "Pa", "shear", 2e3, "")}).splitlines() == [
         "  peak      500 MPa  error <= 1.2 %  at x = 0 nm, y = 2 mm",
         "  approach     1 µm",
         "  area        2 mm²",
@@ -163,24 +127,17 @@ def test_a_table_has_an_empty_place_for_a_bound_that_is_not_known_and_the_reason
         "  approach: No bound: no estimate of its error is known.",
         "  area: A sharp edge.",
     ]
-    assert str(ROWS["c"]) == "2 mm² (A sharp edge)"
 
 
-def test_a_bound_that_is_not_known_is_nan_in_a_file_and_says_why() -> None:
+def test_a_bound_that_is_not_known_is_nan_in_a_file_and_none_in_json_with_the_reason() -> None:
     dataset = with_quantities(xr.Dataset(), ROWS)
     assert float(dataset["a_bound"]) == 6.15e6
-    assert "comment" not in dataset["a_bound"].attrs
     assert np.isnan(dataset["c_bound"])
     assert dataset["c_bound"].attrs["comment"] == "A sharp edge."
-
-
-def test_json_has_the_same_numbers_in_si_units() -> None:
     table = json.loads(json.dumps(as_json(ROWS)))
     place = {"x": 0.0, "y": 2e-3}
-    a = {"value": 5e8, "unit": "Pa", "bound": 6.15e6, "label": "peak", "at": place}
-    assert table["a"] == a
-    assert table["b"]["bound"] is table["c"]["bound"] is None
-    assert table["c"]["reason"] == "A sharp edge."
+    assert table["a"] == {"value": 5e8, "unit": "Pa", "bound": 6.15e6, "label": "peak", "at": place}
+    assert (table["c"]["bound"], table["c"]["reason"]) == (None, "A sharp edge.")
 
 
 def test_a_film_stands_beside_its_formulas_and_the_roughness() -> None:
@@ -191,7 +148,7 @@ def test_a_film_stands_beside_its_formulas_and_the_roughness() -> None:
     moes = numbers["moes_film"].value
     film = numbers["central_film"]
     assert numbers["lambda_ratio"].value == pytest.approx(film.value / (5e-8 / 2**0.5), rel=0.01)
-    assert numbers["lambda_ratio"].relative_bound == film.relative_bound
+    assert numbers["lambda_ratio"].relative_bound == pytest.approx(film.relative_bound)
     elastic = 2 * STEEL.youngs_modulus / (2 * (1 - STEEL.poisson_ratio**2))
     speed = 0.04 * 1.0 / (elastic * 0.01)
     dowson = 2.65 * speed**0.7 * (2e-8 * elastic) ** 0.54 * (1e5 / (elastic * 0.01)) ** -0.13 * 0.01
@@ -210,11 +167,7 @@ def test_wear_and_dent_are_what_is_left_at_the_last_instant() -> None:
     volume = evolution.quantities["wear_volume"]
     assert (volume.value, volume.unit) == (pytest.approx(1e-15 * 1e5 * 2, rel=1e-6), "m3 m-1")
     assert abs(volume.value - 1e-15 * 1e5 * 2) <= volume.bound < 1e-6 * volume.value
-    depth = evolution.quantities["largest_wear_depth"]
-    peaks = [frame.quantities["peak_pressure"].relative_bound for frame in evolution.frames]
-    assert depth.relative_bound == pytest.approx(max(peaks), rel=1e-12)
-    highest = evolution.over_time("peak_pressure")
-    assert evolution.quantities["peak_pressure"].value == highest.max()
+    assert evolution.quantities["peak_pressure"].value == evolution.over_time("peak_pressure").max()
     body = cs.ElasticPlasticHalfSpace(210e9, 0.3, 1e9, 5e9)
     history = cs.LoadHistory((0.0, 1.0, 2.0), (0.0, 8e5, 0.0))
     dented = cs.Scene(history, (body, cs.HalfSpace(inf, 0.3)), (cs.Cylinder(0.01),))
@@ -230,18 +183,6 @@ def test_the_residual_stress_at_the_end_is_the_extreme_across_or_along() -> None
     stress[0, 2, 0, 0] = 9e8  # in depth
     dimensions = ("time", "component", "z_1", "x", "y")
     strained = {"residual_stress_1": Field(dimensions, stress, "Pa", "")}
-    posed = PosedScene(cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL)), cs.Grid((4, 1), (1.0, 1.0)), cs.ZeroPadding())
-    numbers = evolution_quantities([{}], [1.0], {}, strained, posed, ErrorParts())
+    numbers = evolution_quantities([{}], [1.0], {}, strained, UNLOADED, ErrorParts())
     assert numbers["highest_residual_stress_1"].value == 3e8
     assert numbers["lowest_residual_stress_1"].value == -4e8
-
-
-def test_a_warning_of_many_instants_is_said_once_of_the_highest_pressure() -> None:
-    steel = cs.HalfSpace(2.1e11, 0.3, yield_stress=1e8)
-    load = cs.LoadHistory((0.0, 1.0, 2.0), (5e4, 1e5, 5e4))
-    scene = cs.Scene(load, (steel, steel), (cs.Cylinder(0.01),), wear=cs.Wear(1e-20, 0.1))
-    grid = cs.Grid((32, 1), (3e-4, 3e-4))
-    evolution = cs.solve(scene, grid, cs.ExactPeriodicity(), times=(0.0, 1.0, 2.0))
-    [said] = [text for text in evolution.error.warnings if "first yields" in text]
-    peak = evolution.quantities["peak_pressure"].value
-    assert f"{peak / 1e9:.3g} GPa" in said

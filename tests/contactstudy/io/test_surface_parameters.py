@@ -33,14 +33,3 @@ def test_a_groove_along_the_surface_has_no_longest_correlation_and_the_text_says
     found = surface_parameters(cs.MeasuredSurface(grooved, (6e-5, 4e-5)))
     assert np.isnan(found["Str"][0])
     assert any("too small" in line for line in parameters_text(found))
-
-
-@pytest.mark.whole
-@pytest.mark.filterwarnings("ignore")
-def test_parameters_are_those_of_surfalize() -> None:
-    surfalize = pytest.importorskip("surfalize")
-    surface = cs.MeasuredSurface(SMOOTH, (3e-4, 5.4e-4))
-    other = surfalize.Surface(1e6 * surface.prepared.T, 1.0, 1.5)
-    for name, (value, unit, _) in surface_parameters(surface).items():
-        expected = getattr(other, name)() * (1e-6 if unit == "m" else 1)
-        assert value == pytest.approx(expected, rel=1e-2), name

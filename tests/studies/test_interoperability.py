@@ -32,14 +32,3 @@ def test_the_block_of_a_library_prints_what_it_says(
     )
     exec(block, dict(known))
     assert capsys.readouterr().out.splitlines() == SAID.findall(block)
-
-
-@pytest.mark.whole
-@pytest.mark.filterwarnings("default")
-def test_a_study_with_units_of_pint_gives_the_same_answers(known: dict[str, object]) -> None:
-    pytest.importorskip("pint_xarray")
-    plain = known["dataset"]
-    quantified = plain.pint.quantify()
-    assert not isinstance(quantified["solve_time"].data, type(plain["solve_time"].data))
-    assert quantified.study.pareto("pressure_error_l1").equals(plain.study.pareto("pressure_error_l1"))
-    assert quantified.study.table().equals(plain.study.table())

@@ -3,8 +3,6 @@
 import csv
 import json
 import re
-import shutil
-import subprocess
 import tomllib
 from base64 import b64decode
 from io import StringIO
@@ -105,9 +103,6 @@ def test_fields_of_the_cases_of_a_sweep_are_a_table_and_a_series_for_paraview(tm
     assert np.ascontiguousarray(values).tobytes(order="F") in stresses
 
 
-BROWSER = shutil.which("chromium") or shutil.which("google-chrome") or shutil.which("chrome")
-
-
 @pytest.fixture
 def study() -> xr.Dataset:
     """A study over a load of two decades and a name, one of whose cases failed."""
@@ -118,20 +113,6 @@ def study() -> xr.Dataset:
         {"load": ("load", [1e3, 1e4, 1e5], {"units": "N m-1", "long_name": "load"}), "mode": ["a", "b"]},
         {"title": "two modes"},
     )
-
-
-def shown(page: str, folder: Path) -> str:
-    """What a browser makes of a page, without a network."""
-    if BROWSER is None:
-        pytest.skip("no Chromium on this machine")
-    path = folder / "page.html"
-    path.write_text(page, encoding="utf-8")
-    command = [BROWSER, "--headless", "--no-sandbox", "--disable-gpu", "--window-size=1200,800"]
-    offline = ["--host-resolver-rules=MAP * ~NOTFOUND", f"--user-data-dir={folder / 'profile'}"]
-    patience = ["--virtual-time-budget=20000", "--dump-dom", path.as_uri()]
-    done = subprocess.run([*command, *offline, *patience], capture_output=True, text=True, timeout=120)
-    # less the scripts, whose text is no part of what is shown
-    return re.sub(r"<script.*?</script>", "", done.stdout, flags=re.DOTALL)
 
 
 def values(variable: dict[str, Any]) -> np.ndarray:
@@ -164,22 +145,17 @@ def test_an_evolution_begins_at_the_instant_of_its_largest_pressure() -> None:
     assert contents(evolution, "evolution")["instant"] == 2
 
 
-BREAK = "document.body.dataset.broken=1"
-HOSTILE = f'"><img src=x onerror="{BREAK}"></title></script><script>{BREAK}</script>'
-
-
-def test_nothing_in_a_hostile_file_is_executed(study: xr.Dataset, tmp_path: Path) -> None:
-    study.attrs["title"] = HOSTILE
-    study["peak_pressure"].attrs |= {"long_name": HOSTILE, "units": HOSTILE}
-    study["load"].attrs |= {"long_name": HOSTILE, "units": HOSTILE}
-    study = study.assign_coords(mode=[HOSTILE, "b"]).rename(peak_pressure=HOSTILE.replace("/", "|"))
-    page = page_of(study, HOSTILE)
+def test_texts_of_a_hostile_file_are_data_that_no_page_executes(study: xr.Dataset) -> None:
+    hostile = '"><img src=x onerror="x()"></title></script><script>x()</script>'
+    study.attrs["title"] = hostile
+    for name in ("peak_pressure", "load"):
+        study[name].attrs |= {"long_name": hostile, "units": hostile}
+    page = page_of(study.assign_coords(mode=[hostile, "b"]).rename(peak_pressure=hostile.replace("/", "|")), hostile)
     [data] = re.findall(r'<script type="application/json" id="data">(.*?)</script>', page)
-    assert json.loads(data)["axes"]["mode"]["values"][0] == HOSTILE
-    drawn = shown(page, tmp_path)
-    assert "data-broken" not in drawn
-    assert "<img" not in drawn
-    assert "onerror" in drawn  # it is shown as text
+    assert json.loads(data)["axes"]["mode"]["values"][0] == hostile
+    assert not re.search("<img|<script>x", page)
+    # what a script puts on the page, it puts there as text
+    assert not re.search("innerHTML|outerHTML|insertAdjacentHTML|document.write", page)
 
 
 def test_a_fine_contact_is_shown_by_means_of_blocks() -> None:

@@ -80,17 +80,6 @@ def test_what_cannot_be_solved_is_refused_and_leaves_nothing(
     assert not out.exists()
 
 
-@pytest.mark.whole
-def test_the_rubber_example_is_marched_and_leaves_no_frames_behind(tmp_path: Path) -> None:
-    said("solve", EXAMPLES / "rubber.toml", "--out", tmp_path)
-    assert {path.name for path in tmp_path.iterdir()} == {"rubber.nc", "rubber.png"}
-    dataset = xr.load_dataset(tmp_path / "rubber.nc")
-    # wear volume per length: k v int P dt = 1e-10 / Pa 0.1 m/s (0.5 + 3) s 500 N/m
-    worn = float(dataset["wear_depth"].isel(time=-1).mean("y").sum("x"))
-    cell = float(dataset["x"][1] - dataset["x"][0])
-    assert worn * cell == pytest.approx(1e-10 * 0.1 * 3.5 * 500, rel=1e-9)
-
-
 def test_numbers_are_printed_with_their_errors_and_json_has_the_same(tmp_path: Path) -> None:
     words = ["solve", EXAMPLES / "smooth.toml", "--out", tmp_path]
     peak = next(line for line in said(*words).splitlines() if "peak pressure" in line)

@@ -23,25 +23,10 @@ from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
 from contactstudy.evolution.march import ROUNDING, Breakpoint, Control, March, Method, Record, ascending
 from contactstudy.lubrication.film_equation import Film, SqueezeTerm
 from contactstudy.lubrication.lubricated_contact import FilmSolution
-from contactstudy.lubrication.newton.pseudo_time import (
-    FilmControls,
-    FilmIteration,
-    LinearSolver,
-    iterate,
-)
-from contactstudy.lubrication.posed_film import (
-    PosedFilm,
-    linear_solver,
-    lubricated_scales,
-    pose,
-)
-from contactstudy.lubrication.steady_film import (
-    TUNING as STEADY,
-)
-from contactstudy.lubrication.steady_film import (
-    continued,
-    film_solution,
-)
+from contactstudy.lubrication.newton.pseudo_time import FilmControls, FilmIteration, LinearSolver, iterate
+from contactstudy.lubrication.posed_film import PosedFilm, linear_solver, lubricated_scales, pose
+from contactstudy.lubrication.steady_film import TUNING as STEADY
+from contactstudy.lubrication.steady_film import continued, film_solution
 from contactstudy.scene.loads.constant_load import LineLoad
 from contactstudy.scene.loads.load_history import ChangingLoad
 from contactstudy.scene.scene import Scene
@@ -266,7 +251,7 @@ def evolve_lubricated(
     """
     if times is None:
         histories = scene.histories
-        instants = [min(one.start for one in histories), max(one.end for one in histories)]
+        instants = [min(history.start for history in histories), max(history.end for history in histories)]
     else:
         instants = ascending(times, least=2)
     _check_loaded(scene, instants)
@@ -361,12 +346,7 @@ class _FilmStepper:
 
     @classmethod
     def begin(
-        cls,
-        scene: Scene,
-        grid: Grid,
-        padding: Padding | Paddings,
-        start: float,
-        tolerance: float,
+        cls, scene: Scene, grid: Grid, padding: Padding | Paddings, start: float, tolerance: float
     ) -> "_FilmStepper":
         """Return a time stepper at the steady film of the first time."""
         load, largest = scene.load, scene
@@ -375,19 +355,7 @@ class _FilmStepper:
             largest, first_load = replace(scene, load=LineLoad(load.largest)), load.at(start)
         posed = pose(largest, grid, padding)
         time_unit = posed.scales.hertz.half_width / posed.scales.lubrication.largest_speed
-        stepper = cls(
-            scene,
-            grid,
-            padding,
-            posed,
-            linear_solver(posed),
-            time_unit,
-            tolerance,
-            start,
-            0.0,
-            (),
-            posed,
-        )
+        stepper = cls(scene, grid, padding, posed, linear_solver(posed), time_unit, tolerance, start, 0.0, (), posed)
         now = stepper._posed_at(start, 0.0, first_load)
         if now.equation.speed <= 0:
             raise InvalidInput(

@@ -32,7 +32,8 @@ ROUNDING = 1e-9
 # Steps make no pair where their lengths differ by a larger factor. The error of a method of first order is the
 # difference to one step of both lengths times 1 for equal lengths, 1.08 at this factor, and 5 at a factor of 10.
 MAX_RATIO_OF_PAIR = 1.5
-# Largest number of increments of a jump in doubled steps, after which its error is taken as it is.
+# Largest number of increments of a jump in doubled steps, after which its error is taken as it is: of first order, it is
+# then a 500th of that of the four increments at first.
 MAX_INCREMENTS = 2**11
 
 

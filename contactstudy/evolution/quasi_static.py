@@ -215,12 +215,12 @@ def changes_of_contact(frames: Sequence[Frame], load: AnyLoad) -> dict[str, tupl
     The first of each two is a recorded load [N/m] in contact. The other is a recorded one without contact, or one beyond
     where the `load` turns between the two instants.
     """
-    found: dict[str, tuple[float, float]] = {}
+    changes: dict[str, tuple[float, float]] = {}
     for before, after in pairwise(frames):
         touched, touches = (frame.status is not Status.DETACHED for frame in (before, after))
         if touched != touches:
             loads = _loads_between(before, after, load)
             touching, *others = loads if touched else reversed(loads)
             farthest = max(others, key=lambda other: abs(other - touching))
-            found.setdefault("pull_off" if touched else "jump_in", (touching, farthest))
-    return found
+            changes.setdefault("pull_off" if touched else "jump_in", (touching, farthest))
+    return changes

@@ -21,14 +21,7 @@ from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings, on_cells
 from contactstudy.evolution.evolve_lubricated import Difference, FilmTrajectory, film_trajectory
-from contactstudy.evolution.march import (
-    Breakpoint,
-    Control,
-    March,
-    Method,
-    Record,
-    ascending,
-)
+from contactstudy.evolution.march import Breakpoint, Control, March, Method, Record, ascending
 from contactstudy.evolution.rolling.steady_rolling import SteadyRolling, solve_rolling
 from contactstudy.evolution.trajectory import Trajectory, error_of_peak, frame_of
 from contactstudy.lubrication.lubricated_contact import FilmSolution
@@ -64,11 +57,7 @@ class SurfaceDepth:
         """Return the depth on another grid: means over larger cells; on smaller ones, a cubic spline."""
         if all(n <= m for n, m in zip(grid.cells, self.grid.cells, strict=True)):
             return on_cells(self.depth, grid.cells)
-        around = np.pad(
-            np.pad(self.depth, ((PADDED, PADDED), (0, 0)), "edge"),
-            ((0, 0), (PADDED, PADDED)),
-            "wrap",
-        )
+        around = np.pad(np.pad(self.depth, ((PADDED, PADDED), (0, 0)), "edge"), ((0, 0), (PADDED, PADDED)), "wrap")
         dx, dy = self.grid.cell_size
         rows, columns = (grid.x - self.grid.x[0]) / dx, (grid.y - self.grid.y[0]) / dy
         places = np.meshgrid(PADDED + rows, PADDED + columns, indexing="ij")
@@ -258,11 +247,9 @@ def follow_wear(
 
     def counted(contact: _DryContact) -> Counter[str]:
         solves = 1 if contact.rolling is None else contact.rolling.lagged.outer_iterations
-        found = contact.solution
-        counts: Any = {
-            "solves": solves, "iterations": found.iterations, "convolutions": found.convolutions,
-        }  # fmt: skip
-        return Counter(counts)
+        solution = contact.solution
+        work: Any = {name: getattr(solution, name) for name in ("iterations", "convolutions")}
+        return Counter(work | {"solves": solves})
 
     wearing = _Wearing(solved, rate, counted, FIRST_DEPTH * problem.scales.gap)
     records = wearing.records(grid.cells, times, error, progress)
@@ -312,12 +299,7 @@ def follow_film_wear(
     def solved(depth: Array, before: FilmSolution | None) -> FilmSolution:
         worn = replace(unworn, shapes=(*unworn.shapes, SurfaceDepth(depth, grid)))
         film = solve_lubricated(
-            worn,
-            grid,
-            padding,
-            tolerance=options.tolerance,
-            max_iterations=options.max_iterations,
-            start=before,
+            worn, grid, padding, tolerance=options.tolerance, max_iterations=options.max_iterations, start=before
         )
         return replace(film, scene=scene, wear_depth=depth)
 
@@ -330,7 +312,7 @@ def follow_film_wear(
 
     wearing = _Wearing(solved, rate, counted, FIRST_DEPTH * lubrication.boundary.film)
     records = wearing.records(grid.cells, times, error, progress)
-    films = [replace(one.state.contact, status=worst(one.statuses)) for one in records]
+    films = [replace(record.state.contact, status=worst(record.statuses)) for record in records]
     compared = [
         Difference.of(record.state.time, film, record.coarse.contact)
         for record, film in zip(records, films, strict=True)

@@ -72,10 +72,7 @@ Scheme = Literal["two_stage", "implicit", "explicit"]
 # Stages of a step of sliding wear in the order of time: for each its fraction of the duration, and the fraction of the
 # stage that is explicit.
 STAGES: dict[Scheme, tuple[tuple[float, float], ...]] = {
-    "two_stage": (
-        (SDIRK_GAMMA, 0.0),
-        (1 - SDIRK_GAMMA, (1 - 2 * SDIRK_GAMMA) / (1 - SDIRK_GAMMA)),
-    ),
+    "two_stage": ((SDIRK_GAMMA, 0.0), (1 - SDIRK_GAMMA, (1 - 2 * SDIRK_GAMMA) / (1 - SDIRK_GAMMA))),
     "implicit": ((1.0, 0.0),),
     "explicit": ((1.0, 1.0),),
 }

@@ -3,17 +3,19 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from math import inf
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from contactstudy.domain.errors import ErrorParts
 from contactstudy.domain.fields import Array
 from contactstudy.evolution.rolling.steady_rolling import SteadyRolling
-from contactstudy.evolution.states.state_variables import CoupledStateVariable
 from contactstudy.problem.problem import Field, Problem
 from contactstudy.scene.scene import PosedScene
 from contactstudy.solvers.solution import Counts, Solution, Status, worst
+
+if TYPE_CHECKING:  # imported only for scenes with a body that yields
+    from contactstudy.evolution.states.plastic import PlasticState
 
 # Errors of a contact by images, cells and residual, where that by cells is not known.
 UNKNOWN = ErrorParts(images=0.0, discretisation=inf, residual=0.0)
@@ -97,7 +99,7 @@ class Trajectory:
     description
         The scene, grid and padding.
     coupled
-        Coupled state variable that derives fields from the frames' coupled states; None if there is none.
+        Plastic strain, which derives fields from the frames' coupled states; None if no body yields.
     """
 
     problem: Problem
@@ -105,7 +107,7 @@ class Trajectory:
     rejected: int
     restarts: int
     description: PosedScene
-    coupled: CoupledStateVariable | None = None
+    coupled: "PlasticState | None" = None
 
     @property
     def times(self) -> Array:

@@ -87,7 +87,7 @@ INNER = (
     "elasticity.tangential.ShearResponse",
     "elasticity.viscoelastic.Creep",
     "evolution.trajectory.Frame",
-    "evolution.states.state_variables.CoupledStateVariable",
+    "evolution.states.plastic.PlasticState",
     "io.scene_files.scene_schema.PlanSettings",
     "problem.problem.Derived",
     "problem.problem.Field",

@@ -14,12 +14,7 @@ import numpy as np
 
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
-from contactstudy.domain.files import (
-    locked,
-    read_verified,
-    remove_partial_files,
-    write_with_checksum,
-)
+from contactstudy.domain.files import locked, read_verified, remove_partial_files, write_with_checksum
 from contactstudy.domain.identity import digest
 from contactstudy.domain.imports import import_for
 from contactstudy.domain.version import VERSION, source_hash

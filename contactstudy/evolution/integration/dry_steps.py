@@ -121,7 +121,7 @@ class DrySteps(Method[Instant]):
     def accept(self, before: Instant, middle: Instant, after: tuple[Instant, Instant | None]) -> float:
         """Keep the errors of a pair of steps or a jump, and return the largest error in L1."""
         (fine, coarse), errors = after, self.errors
-        for instant in {id(one): one for one in (middle, fine, coarse) if one}.values():
+        for instant in {id(each): each for each in (middle, fine, coarse) if each}.values():
             self._keep(instant.kept)
         if coarse is None:
             return 0.0
@@ -194,10 +194,7 @@ class DrySteps(Method[Instant]):
             self.errors.after_stiff_step = fine.time, total, largest
         peak, size = float(instant.pressure.max()), self._size_of_states(fine)
         # the difference of two integrations may vanish where the force turns, and their error does not
-        of_states = max(
-            self._of_states(fine, coarse),
-            self.errors.after_step / LARGEST_FALL / size if size else 0.0,
-        )
+        of_states = max(self._of_states(fine, coarse), self.errors.after_step / LARGEST_FALL / size if size else 0.0)
         self.errors.after_step = of_states * size
         return {
             "pressure": self._relative(total, instant),
@@ -207,20 +204,20 @@ class DrySteps(Method[Instant]):
 
     def _size_of_states(self, instant: Instant) -> float:
         """Return the L1 norm that errors of states are relative to; 0 if none has an estimate of its own."""
-        return sum(variable.size(state) for variable, (state,) in self.stepper.iterated(instant))
+        fretting = self.stepper.fretting
+        return 0.0 if fretting is None else fretting.size(instant.states[-1])
 
     def _common(self, fine: Instant) -> dict[str, float]:
         """Return the errors that two integrations have in common, by the names of `NAMES_OF_ERRORS`."""
-        of_states = of_pressure = 0.0
-        for variable, (state,) in self.stepper.iterated(fine):
-            of_states = variable.common_error(state)
-            of_pressure = of_states if variable.changes_pressure else 0.0
+        fretting = self.stepper.fretting
+        of_states = 0.0 if fretting is None else fretting.common_error(fine.states[-1])
+        of_pressure = of_states if fretting is not None and fretting.wear else 0.0
         return {"pressure": of_pressure, "states": of_states, "peak_pressure": of_pressure}
 
     def _of_states(self, fine: Instant, coarse: Instant) -> float:
         """Return the largest error of the state variables that have an estimate of their own; 0 if none has."""
-        pairs = self.stepper.iterated(fine, coarse)
-        return max((one.time_discretisation_error(*states) for one, states in pairs), default=0.0)
+        fretting = self.stepper.fretting
+        return 0.0 if fretting is None else fretting.time_discretisation_error(fine.states[-1], coarse.states[-1])
 
     def _relative(self, norm: float, *instants: Instant) -> float:
         """Return an error summed over the cells [Pa], relative to the largest L1 norm of the pressures of `instants`.

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from math import inf, pi
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,13 +21,8 @@ from contactstudy.evolution.integration.checkpoint import Checkpoint
 from contactstudy.evolution.integration.dry_steps import DrySteps, Errors
 from contactstudy.evolution.integration.time_stepper import Instant, TimeStepper
 from contactstudy.evolution.march import Control, March, all_recorded, schedule
-from contactstudy.evolution.states.state_variables import (
-    CoupledStateVariable,
-    CreepState,
-    StateVariable,
-    WearState,
-    least_eigenvalue,
-)
+from contactstudy.evolution.states.fretting_state import FrettingState
+from contactstudy.evolution.states.state_variables import CreepState, StateVariable, WearState, least_eigenvalue
 from contactstudy.evolution.time_steps import ErrorEstimator, Scheme, solved_or_unloaded
 from contactstudy.evolution.trajectory import Frame, Trajectory
 from contactstudy.problem.problem import Problem
@@ -40,6 +35,9 @@ from contactstudy.scene.solids.bodies import creeps, instantaneous, response, yi
 from contactstudy.scene.solids.viscoelastic import creeping, relaxed
 from contactstudy.solvers.solution import Status
 from contactstudy.solvers.solve import SolveOptions
+
+if TYPE_CHECKING:  # imported only for scenes with a body that yields
+    from contactstudy.evolution.states.plastic import PlasticState
 
 # In the first march, a pair of steps may add this fraction of the allowed error to the difference of two integrations.
 INITIAL_TOLERANCE_FRACTION = 0.5
@@ -55,35 +53,8 @@ SAVED = "number", "length", "work", "total"
 PER_PERIOD = 4
 
 
-def state_variables(scene: Scene, datum: float) -> tuple[StateVariable, ...]:
-    """Return a creep state for each viscoelastic body of `scene`, then the state of wear, if any.
-
-    Parameters
-    ----------
-    scene
-        The scene.
-    datum
-        Distance [m] at which the displacement of a body is zero, as in its ``response``.
-    """
-    scene_variables: list[StateVariable] = [
-        CreepState(body.creep.scaled(1 / pi), BoussinesqCoefficients(datum)) for body in creeping(scene.solids)
-    ]
-    if scene.wear is not None and scene.wear.rate_per_pressure > 0:
-        scene_variables.append(WearState(scene.wear.rate_per_pressure, scene.wear.body))
-    return tuple(scene_variables)
-
-
-def coupled_state_variable(scene: Scene, problem: Problem, options: SolveOptions) -> CoupledStateVariable | None:
-    """Return the state variable of plastic strain of the bodies that yield; None if none yields.
-
-    Parameters
-    ----------
-    scene
-        The scene.
-    problem
-        The elastic contact under the largest load.
-    options
-        How it is solved.
+def _plastic_state(scene: Scene, problem: Problem, options: SolveOptions) -> "PlasticState | None":
+    """Return the plastic strain of bodies that yield, from the elastic `problem` under the largest load, or None.
 
     Raises
     ------
@@ -92,8 +63,6 @@ def coupled_state_variable(scene: Scene, problem: Problem, options: SolveOptions
     """
     if not any(map(yields, scene.solids)):
         return None
-
-    # imported only for scenes with such a body
     from contactstudy.evolution.states.plastic import PlasticState, YieldingBody, check_paddings
 
     check_paddings(problem)
@@ -226,7 +195,9 @@ def _frames(march: March[Instant], steps: DrySteps, checkpoint: Checkpoint | Non
                 checkpoint.write(FRAME_FILE.format(len(frames)), frame)
             frames.append(frame)
         if checkpoint is not None and march.can_go_on:
-            fine, coarse = (one and replace(one, kept=(), replaced=()) for one in (march.fine, march.coarse))
+            fine, coarse = (
+                instant and replace(instant, kept=(), replaced=()) for instant in (march.fine, march.coarse)
+            )
             assert fine is not None
             saved = _Saved(
                 fine,
@@ -307,16 +278,20 @@ def _time_stepper(
         adhesive_solver = scene.adhesion.solver_on(elastic, heights, grid, softest)
     problem = elastic.problem_with(grid, padding, adhesive_solver)
     datum = elastic.datum(grid)
-    variables = state_variables(scene, datum)
+    variables: list[StateVariable] = [
+        CreepState(body.creep.scaled(1 / pi), BoussinesqCoefficients(datum)) for body in creeping(scene.solids)
+    ]
+    if scene.wear is not None and scene.wear.rate_per_pressure > 0:
+        variables.append(WearState(scene.wear.rate_per_pressure, scene.wear.body))
     if frets:
-        variables = (*variables, _fretting_state(scene, problem, options))
+        variables.append(_fretting_state(scene, problem, options))
     return TimeStepper(
         problem=problem,
         load=load,
         loaded_length=scene.loaded_length(grid, padding),
         weights=dict(response(solids, datum)),
-        state_variables=variables,
-        coupled=coupled_state_variable(scene, problem, options),
+        state_variables=tuple(variables),
+        coupled=_plastic_state(scene, problem, options),
         scheme=scheme,
         options=options,
     )
@@ -324,10 +299,6 @@ def _time_stepper(
 
 def _fretting_state(scene: Scene, problem: Problem, options: SolveOptions) -> StateVariable:
     """Return the tangential traction of a scene that frets, as a state variable."""
-    from contactstudy.evolution.states.fretting_state import (
-        FrettingState,
-    )  # only where something frets
-
     fretting, paddings = scene.friction, problem.paddings
     assert isinstance(fretting, Fretting)
     assert paddings is not None

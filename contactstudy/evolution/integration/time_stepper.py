@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from math import inf, log2, sqrt
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,24 +16,16 @@ from contactstudy.elasticity.coefficients import Coefficients
 from contactstudy.elasticity.convolution import Convolution, superposed, weighted_sum
 from contactstudy.elasticity.viscoelastic import Creep
 from contactstudy.elasticity.winkler_layer import WithWinklerLayer
+from contactstudy.evolution.states.fretting_state import FrettingState
 from contactstudy.evolution.states.state_variables import (
-    AnyStateVariable,
     Contribution,
-    CoupledStateVariable,
     CreepState,
-    IteratedStateVariable,
     State,
     StateVariable,
     Step,
     WearState,
 )
-from contactstudy.evolution.time_steps import (
-    STAGES,
-    Scheme,
-    WarmStartedContact,
-    solved_or_unloaded,
-    with_added_gap,
-)
+from contactstudy.evolution.time_steps import STAGES, Scheme, WarmStartedContact, solved_or_unloaded, with_added_gap
 from contactstudy.problem.constraint import PrescribedLoad
 from contactstudy.problem.problem import Problem, Scales
 from contactstudy.scene.loads.load_history import ChangingLoad
@@ -49,6 +41,9 @@ from contactstudy.solvers.solution import (
     unloaded,
 )
 from contactstudy.solvers.solve import SolveOptions
+
+if TYPE_CHECKING:  # imported only for scenes with a body that yields
+    from contactstudy.evolution.states.plastic import PlasticState
 
 # Contacts that a step with plastic strain beside an attraction solves at most, each with the limit of iterations.
 CONTACTS_PER_COUPLED_STEP = 30
@@ -110,7 +105,7 @@ class Instant:
     def work(self) -> Counter[str]:
         """Solves, iterations and convolutions of the step."""
         contacts = self.kept + self.replaced
-        counts: Any = {name: sum(getattr(one, name) for one in contacts) for name in WORK}
+        counts: Any = {name: sum(getattr(contact, name) for contact in contacts) for name in WORK}
         return Counter(counts | {"solves": len(contacts)})
 
     def after(self, before: "Instant", *replaced: Solution) -> "Instant":
@@ -133,9 +128,10 @@ class TimeStepper:
     weights
         Weights [1/Pa] of the influence coefficients in its operator.
     state_variables
-        State variables whose update follows from the pressures at both ends of a step.
+        State variables whose update follows from the pressures at both ends of a step; the traction of fretting is the
+        last, beside which no body yields.
     coupled
-        State variable that is solved for together with the pressure; None if there is none.
+        Plastic strain, which is solved for together with the pressure; None if no body yields.
     scheme
         Stages of a step.
     options
@@ -147,21 +143,24 @@ class TimeStepper:
     loaded_length: float
     weights: Mapping[Coefficients, float]
     state_variables: tuple[StateVariable, ...]
-    coupled: CoupledStateVariable | None
+    coupled: "PlasticState | None"
     scheme: Scheme
     options: SolveOptions
 
     @property
-    def all_state_variables(self) -> tuple[AnyStateVariable, ...]:
+    def all_state_variables(self) -> "tuple[StateVariable | PlasticState, ...]":
         """Every state variable of the scene, in the order of an instant's states."""
         coupled = () if self.coupled is None else (self.coupled,)
         return (*self.state_variables, *coupled)
 
     def is_half_order(self, step: float) -> bool:
         """Return whether the order after a `step` [s] may be 1/2, as where wear begins, by wear, slip or stiff creep."""
-        return self.creep_ends_within(step) or any(
-            variable.has_stages or isinstance(variable, IteratedStateVariable) for variable in self.state_variables
-        )
+        return self.has_stages or self.fretting is not None or self.creep_ends_within(step)
+
+    @property
+    def has_stages(self) -> bool:
+        """True if the stages of a scheme make a step more accurate, as those of sliding wear do."""
+        return any(variable.has_stages for variable in self.state_variables)
 
     def creep_ends_within(self, step: float) -> bool:
         """Return whether a retardation time of a body is shorter than a `step` [s]."""
@@ -177,26 +176,23 @@ class TimeStepper:
     @property
     def _creeps(self) -> list[Creep]:
         """Creep functions of the bodies."""
-        return [one.creep for one in self.state_variables if isinstance(one, CreepState)]
+        return [variable.creep for variable in self.state_variables if isinstance(variable, CreepState)]
 
     @property
     def depends_on_path(self) -> bool:
         """True if a state depends on every turn of the load, as plastic strain and the traction of fretting do."""
-        return self.coupled is not None or any(isinstance(one, IteratedStateVariable) for one in self.state_variables)
+        return self.coupled is not None or self.fretting is not None
 
-    def iterated(self, *instants: Instant) -> list[tuple[IteratedStateVariable, list[State]]]:
-        """Return each iterated state variable with its state at each of `instants`."""
-        states = (instant.states for instant in instants)
-        return [
-            (variable, kept)
-            for variable, *kept in zip(self.all_state_variables, *states, strict=True)
-            if isinstance(variable, IteratedStateVariable)
-        ]
+    @property
+    def fretting(self) -> FrettingState | None:
+        """State variable of the tangential traction of a contact that frets; None of others."""
+        last = self.state_variables[-1] if self.state_variables else None
+        return last if isinstance(last, FrettingState) else None
 
     def traction(self, instant: Instant) -> TangentialTraction | None:
-        """Return the tangential traction of a state that keeps one, or of full sliding; None without friction."""
-        for variable, (state,) in self.iterated(instant):
-            return variable.traction(state)
+        """Return the tangential traction of a contact that frets, or of full sliding; None without friction."""
+        if self.fretting is not None:
+            return self.fretting.traction(instant.states[-1])
         friction = self.problem.friction
         return friction.traction(instant.pressure) if isinstance(friction, FullSliding) else None
 
@@ -209,13 +205,12 @@ class TimeStepper:
     def jump(self, instant: Instant, increments: int) -> Instant:
         """Return the contact after the jump of the load at an `instant`, in so many equal load increments."""
         load = self.load.at(instant.time)
-        found = instant
+        last = replace(instant, kept=(), replaced=())
         for increment in range(1, increments + 1):
             between = instant.load + (load - instant.load) * increment / increments
             target = load if increment == increments else between
-            after = self.advance(found, instant.time, target, instant.max_halvings)
-            found = after if found is instant else after.after(found)
-        return found
+            last = self.advance(last, instant.time, target, instant.max_halvings).after(last)
+        return last
 
     def step(self, instant: Instant, end: float) -> Instant:
         """Return the contact at the time `end` [s], before any jump of the load there."""
@@ -242,26 +237,22 @@ class TimeStepper:
         start, duration = instant.time, end - instant.time
         if duration == 0:
             return self._stage(instant, Step(end, end, (instant.load, load), load))
-        stages = (
-            STAGES[self.scheme]
-            if any(state_variable.has_stages for state_variable in self.all_state_variables)
-            else SINGLE_STAGE
-        )
-        fraction, found = 0.0, instant
+        stages = STAGES[self.scheme] if self.has_stages else SINGLE_STAGE
+        fraction, last = 0.0, replace(instant, kept=(), replaced=())
         for number, (part, explicit) in enumerate(stages, start=1):
             fraction += part
-            last = number == len(stages)
-            time = end if last else start + fraction * duration
-            loads = found.load, load if last else self.load.at(time)
-            step = Step(found.time, time, loads, self.load.mean(found.time, time), explicit)
-            after = self._stage(found, step)
-            found = after if found is instant else after.after(found)
-        return found
+            is_end = number == len(stages)
+            time = end if is_end else start + fraction * duration
+            loads = last.load, load if is_end else self.load.at(time)
+            step = Step(last.time, time, loads, self.load.mean(last.time, time), explicit)
+            last = self._stage(last, step).after(last)
+        return last
 
     def _stage(self, instant: Instant, step: Step) -> Instant:
         """Solve the contact at the end of one stage, and advance every state variable."""
         coupled: tuple[State, ...] = ()
         solutions: list[Solution] = []
+        has_converged = True
         while True:
             problem = self._problem_at_end(instant, step)
             last = solutions[-1].pressure if solutions else instant.pressure
@@ -277,23 +268,26 @@ class TimeStepper:
                 state_variable.update(state, instant.net_pressure, net, step)
                 for state_variable, state in zip(self.state_variables, instant.states, strict=False)
             )
-            next_instant = self._next_iterate(instant, states + coupled)
-            if next_instant is instant or len(solutions) == MAX_FIXED_POINT_ITERATIONS:
+            if self.fretting is None:
                 break
-            instant = next_instant
+            *others, guess = instant.states
+            better = self.fretting.next_iterate(guess, states[-1], self.options.tolerance)
+            has_converged = better is guess
+            if has_converged or len(solutions) == MAX_FIXED_POINT_ITERATIONS:
+                break
+            instant = replace(instant, states=(*others, better))
         if self.coupled is not None:
             parts = zip(self.state_variables, instant.states, states, strict=False)
             for variable, before, after in parts:
                 if isinstance(variable, WearState):
                     depth = after["wear_depth"] - before["wear_depth"]
                     coupled = (self.coupled.worn(coupled[0], variable.body, depth),)
-        if next_instant is not instant and solution.status.has_converged:
+        if not has_converged and solution.status.has_converged:
             solution = replace(solution, status=Status.NOT_CONVERGED)
-        for variable, state in zip(self.state_variables, states, strict=True):
-            if isinstance(variable, IteratedStateVariable):
-                status, residual = variable.outcome(state)
-                if solution.status.has_converged and status is not Status.CONVERGED:
-                    solution = replace(solution, status=status, residual=residual)
+        if self.fretting is not None and solution.status.has_converged:
+            status, residual = self.fretting.outcome(states[-1])
+            if status is not Status.CONVERGED:
+                solution = replace(solution, status=status, residual=residual)
         return Instant(
             step.end,
             step.loads[1],
@@ -306,7 +300,7 @@ class TimeStepper:
         )
 
     def _coupled_step(
-        self, coupled: CoupledStateVariable, state: State, problem: Problem, pressure: Array
+        self, coupled: "PlasticState", state: State, problem: Problem, pressure: Array
     ) -> tuple[Solution, State]:
         """Return the contact and the coupled state at the end of a step; an attraction is iterated around both."""
         tolerance = self.options.tolerance
@@ -338,18 +332,6 @@ class TimeStepper:
             after = coupled.solve_step(state, separated, tolerance).state
         return solution, after
 
-    def _next_iterate(self, instant: Instant, found: tuple[State, ...]) -> Instant:
-        """Return `instant` with the next iterates of its states, the same one if all have converged."""
-        states = tuple(
-            variable.next_iterate(state, after, self.options.tolerance)
-            if isinstance(variable, IteratedStateVariable)
-            else state
-            for variable, state, after in zip(self.all_state_variables, instant.states, found, strict=True)
-        )
-        if all(new is previous for new, previous in zip(states, instant.states, strict=True)):
-            return instant
-        return replace(instant, states=states)
-
     def _problem_at_end(self, instant: Instant, step: Step) -> Problem:
         """Return the problem at the end of a step, with the contributions of all state variables."""
         contributions = [
@@ -371,11 +353,7 @@ class TimeStepper:
         return replace(problem, undeformed_gap=gap, source=source, adhesion=adhesion)
 
     def _problem_under(
-        self,
-        weights: Mapping[Coefficients, float],
-        local: float | Array,
-        load: float,
-        problem: Problem,
+        self, weights: Mapping[Coefficients, float], local: float | Array, load: float, problem: Problem
     ) -> Problem:
         """Return `problem`, which has the largest load, with the operator and the `load` [N/m] of a step.
 
@@ -419,14 +397,13 @@ class TimeStepper:
         """Return the operator of a step, made from operators that exist already."""
         operator = problem.operator
         assert isinstance(operator, Convolution)
-        if isinstance(local, np.ndarray):
-            elastic = self._operator(problem, weights, 0.0)
-            assert isinstance(elastic, Convolution)
-            return WithWinklerLayer(elastic, on_cells(local, problem.grid.cells))
-        if weights == self.weights:
-            return weighted_sum([(1.0, operator)], local) if local else operator
-        units = self._unit_operators if problem is self.problem else self._units_of(problem)
-        return weighted_sum(((weight, units[kind]) for kind, weight in weights.items()), local)
+        layer, uniform = (local, 0.0) if isinstance(local, np.ndarray) else (None, local)
+        if weights != self.weights:
+            units = self._unit_operators if problem is self.problem else self._units_of(problem)
+            operator = weighted_sum(((weight, units[kind]) for kind, weight in weights.items()), uniform)
+        elif uniform:
+            operator = weighted_sum([(1.0, operator)], uniform)
+        return operator if layer is None else WithWinklerLayer(operator, on_cells(layer, problem.grid.cells))
 
     @cached_property
     def _unit_operators(self) -> Mapping[Coefficients, Convolution]:

@@ -187,7 +187,7 @@ class RepeatedRolling:
 
 # Depth of the first layers, in length scales of the contact; more are added where the last one yields.
 INITIAL_DEPTH = 2.0
-# The longest pass, in widths of the moving grid.
+# The longest pass, in widths of the moving grid, in which the mean strain behind forgets that before to exp(-40).
 MAX_PASS_WIDTHS = 20
 
 

@@ -240,12 +240,5 @@ def solve_rolling(
     counted = replace(lagged.solution, iterations=iterations, convolutions=convolutions)
     lagged = replace(lagged, solution=counted)
     coarse = replace(options, tolerance=COARSE_CHANGE / 10)
-    solve_on = partial(
-        solve_rolling,
-        scene,
-        padding=padding,
-        options=coarse,
-        change=COARSE_CHANGE,
-        max_outer=max_outer,
-    )
+    solve_on = partial(solve_rolling, scene, padding=padding, options=coarse, change=COARSE_CHANGE, max_outer=max_outer)
     return SteadyRolling(lagged, antisymmetric_weights, solve_on, -1 if speed < 0 else 1)

@@ -13,12 +13,7 @@ from contactstudy.evolution.states.state_variables import Contribution, CreepSta
 from contactstudy.problem.problem import Field
 from contactstudy.scene.loads.load_history import PiecewiseLinear
 from contactstudy.solvers.friction.coulomb_newton import shear_status
-from contactstudy.solvers.friction.fretting import (
-    SlipStep,
-    locked_shear,
-    slip_step,
-    transmission_status,
-)
+from contactstudy.solvers.friction.fretting import SlipStep, locked_shear, slip_step, transmission_status
 from contactstudy.solvers.solution import Status, TangentialTraction
 
 # Error of the tangential traction over the difference of two integrations where slip wears or bodies creep: at most 2.4
@@ -115,15 +110,14 @@ class FrettingState:
         worn = self.wear * self._half_cycles(step) * state["slip_iterate"]
         explicit = self._fraction_at_start(worn)
         return Contribution(
-            gap=state["wear_depth"] + explicit * worn * pressure,
-            local_compliance=(1 - explicit) * worn,
+            gap=state["wear_depth"] + explicit * worn * pressure, local_compliance=(1 - explicit) * worn
         )
 
-    def next_iterate(self, state: State, found: State, tolerance: float) -> State:
-        """Return `state` with the slip that a step found as the next iterate, or itself if both give the same wear."""
-        if not self.wear or found["slip_change"][0] <= tolerance:
+    def next_iterate(self, state: State, end: State, tolerance: float) -> State:
+        """Return `state` with the slip up to the `end` of a step as the next iterate, or itself if that wears alike."""
+        if not self.wear or end["slip_change"][0] <= tolerance:
             return state
-        return dict(state) | {"slip_iterate": found["slip_iterate"]}
+        return dict(state) | {"slip_iterate": end["slip_iterate"]}
 
     def outcome(self, state: State) -> tuple[Status, float]:
         """Return how the solution for the traction of the last step ended, and its relative residual."""
@@ -316,11 +310,6 @@ class FrettingState:
         """
         size = sum(float(np.abs(state[name]).sum()) for name in SHEARS)
         return max(size, self.tolerance * float(state["limit"][0]))
-
-    @property
-    def changes_pressure(self) -> bool:
-        """True if slip wears."""
-        return self.wear > 0
 
 
 def _slip_distance(solved: SlipStep, response: ShearResponse, reference: Array, before: Array, after: Array) -> Array:

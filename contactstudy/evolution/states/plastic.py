@@ -4,7 +4,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from math import inf
-from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +15,7 @@ from contactstudy.domain.grid import Grid
 from contactstudy.elasticity.eigenstrain.plane_strain_operator import PlaneStrainOperator
 from contactstudy.elasticity.eigenstrain.volume import EigenstrainOperator, Moduli, Volume
 from contactstudy.elasticity.kernels.stress_cell import COMPONENTS
-from contactstudy.evolution.states.state_variables import Contact, State
+from contactstudy.evolution.states.state_variables import State
 from contactstudy.problem.constraint import largest_of
 from contactstudy.problem.problem import Field, Problem, ResidualStress
 from contactstudy.scene.scene import Scene
@@ -35,7 +34,7 @@ from contactstudy.solvers.solution import CoupledSolution, Solution, Status, net
 # NEAR_YIELD of the yield stress, and a MARGIN of their width on both sides. Since a step is repeated in a larger volume
 # where yield reaches its edge, these constants change the time and not the accuracy.
 NEAR_YIELD, MARGIN = 0.9, 0.15
-# Fraction of its width or depth by which a volume then grows.
+# Fraction of its width or depth by which a volume then grows, with the same effect.
 GROWTH = 0.3
 
 
@@ -117,10 +116,10 @@ def enlarged(volume: Volume, length: float, yielded: NDArray[np.bool_]) -> Volum
     return Volume(volume.grid, first, last, edges)
 
 
-def union(one: Volume, other: Volume) -> Volume:
+def union(first: Volume, second: Volume) -> Volume:
     """Return the smallest volume that holds two of the same grid, whose layers are equal as far as both reach."""
-    edges = max(one.edges, other.edges, key=len)
-    return Volume(one.grid, min(one.first, other.first), max(one.last, other.last), edges)
+    edges = max(first.edges, second.edges, key=len)
+    return Volume(first.grid, min(first.first, second.first), max(first.last, second.last), edges)
 
 
 def embedded(field: Array, first: int, volume: Volume) -> Array:
@@ -142,6 +141,8 @@ def embedded(field: Array, first: int, volume: Volume) -> Array:
     return values
 
 
+# From a field (x, y) [m] added to the gap to the contact with it.
+Contact = Callable[[Array], Solution]
 # Yield sets in where a step adds more than this multiple of the plastic strain before it. A step that doubles the load
 # adds about 3 times the plastic strain.
 ABRUPT = 4.0
@@ -179,7 +180,8 @@ class YieldingBody:
 class PlasticState:
     """State variable of plastic strain and equivalent plastic strain of each yielding body.
 
-    They are kept in volumes of cells that grow as bodies yield.
+    They are kept in volumes of cells that grow as bodies yield, and depend on the path of the load, not on how fast the
+    load follows it.
 
     Attributes
     ----------
@@ -194,7 +196,6 @@ class PlasticState:
     bodies: tuple[YieldingBody, ...]
     elastic: Solution
     precision: Precision
-    has_stages: ClassVar[bool] = False
 
     operators: list[EigenstrainOperator] = field(init=False)
     _wide_operators: dict[int, EigenstrainOperator] = field(init=False, default_factory=dict)
@@ -234,8 +235,18 @@ class PlasticState:
     ) -> CoupledSolution:
         """Return contact and plastic strain at the end of a step, in volumes that hold everything that yields.
 
-        Parameters and result are those of
-        :meth:`~contactstudy.evolution.states.state_variables.CoupledStateVariable.solve_step`.
+        Parameters
+        ----------
+        state
+            State at the start of the step.
+        contact
+            Solves the contact at the end of the step with a field (x, y) [m] added to its gap.
+        tolerance
+            Largest relative residual of contact and state.
+        attraction
+            Traction (x, y) [Pa] by which the surfaces attract each other beside the pressure.
+        guess
+            State at the end of the step to begin with; None begins with that at its start.
         """
         while True:
             # first, because the state of a continued integration may be in larger volumes
@@ -254,11 +265,7 @@ class PlasticState:
                 adhesive_stress = bodies.stress_of_pressure(-attraction)
             if self._slides:
                 step = self._solve_with_friction(
-                    bodies,
-                    contact(bodies.residual_displacement(before)),
-                    adhesive_stress,
-                    solve_under,
-                    tolerance,
+                    bodies, contact(bodies.residual_displacement(before)), adhesive_stress, solve_under, tolerance
                 )
             else:
                 step = solve_under(adhesive_stress)

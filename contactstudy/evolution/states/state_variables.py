@@ -1,22 +1,19 @@
 """Internal variables of bodies and interfaces, and their update in a time step."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import exp, expm1
-from typing import ClassVar, Protocol, runtime_checkable
+from typing import ClassVar, Protocol
 
 import numpy as np
 
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.coefficients import Coefficients
 from contactstudy.elasticity.viscoelastic import Creep
-from contactstudy.problem.problem import Field, ResidualStress
-from contactstudy.solvers.solution import CoupledSolution, Solution, Status, TangentialTraction
+from contactstudy.problem.problem import Field
 
 # The arrays that a state variable keeps, by name: all that a checkpoint needs of it.
 State = Mapping[str, Array]
-# From a field (x, y) [m] added to the gap to the contact with it.
-Contact = Callable[[Array], Solution]
 
 
 @dataclass(frozen=True)
@@ -71,8 +68,8 @@ class Contribution:
     local_compliance: float | Array = 0.0
 
 
-class AnyStateVariable(Protocol):
-    """Protocol of everything that a body or an interface keeps between instants.
+class StateVariable(Protocol):
+    """Protocol of what a body or an interface keeps between instants, which changes with the pressures in a step.
 
     States are never changed in place: a step may be tried and rejected.
     """
@@ -86,43 +83,6 @@ class AnyStateVariable(Protocol):
 
     def fields(self, state: State) -> Mapping[str, Field]:
         """Return the fields of a state that a user is shown, by name."""
-
-
-@runtime_checkable
-class IteratedStateVariable(Protocol):
-    """Protocol of a state variable whose contribution depends on the result of the step: a fixed-point iteration.
-
-    Its own time-discretisation error is estimated, beside that of the pressure.
-    """
-
-    def next_iterate(self, state: State, found: State, tolerance: float) -> State:
-        """Return the next iterate of the `state` at the start of a step, from what was `found` at its end.
-
-        It is the same `state` where the iteration has converged to the `tolerance`.
-        """
-
-    def outcome(self, state: State) -> tuple[Status, float]:
-        """Return how the solution for the `state` at the end of a step ended, and its relative residual."""
-
-    def traction(self, state: State) -> TangentialTraction:
-        """Return the tangential traction that the `state` keeps."""
-
-    @property
-    def changes_pressure(self) -> bool:
-        """True if the pressure depends on the state."""
-
-    def time_discretisation_error(self, state: State, other: State) -> float:
-        """Return the relative time-discretisation error that the difference of two states estimates."""
-
-    def common_error(self, state: State) -> float:
-        """Return the relative error that two integrations have in common, so that their difference does not show it."""
-
-    def size(self, state: State) -> float:
-        """Return the L1 norm that errors are relative to."""
-
-
-class StateVariable(AnyStateVariable, Protocol):
-    """Protocol of a state variable whose change in a step follows from the pressures at both ends of the step."""
 
     def contribution(self, state: State, pressure: Array, step: Step) -> Contribution:
         """Return the contribution of this state variable to the problem at the end of a step.
@@ -149,49 +109,6 @@ class StateVariable(AnyStateVariable, Protocol):
         step
             The step.
         """
-
-
-class CoupledStateVariable(AnyStateVariable, Protocol):
-    """Protocol of a state variable whose change in a step is solved for together with the pressure at its end.
-
-    It depends on the path of the load, not on how fast the load follows it.
-    """
-
-    def solve_step(
-        self,
-        state: State,
-        contact: Contact,
-        tolerance: float,
-        attraction: Array | None = None,
-        guess: State | None = None,
-    ) -> CoupledSolution:
-        """Return the contact and the state at the end of a step, solved together.
-
-        Parameters
-        ----------
-        state
-            State at the start of the step.
-        contact
-            Solves the contact at the end of the step with a field (x, y) [m] added to its gap.
-        tolerance
-            Largest relative residual of contact and state.
-        attraction
-            Traction (x, y) [Pa] by which the surfaces attract each other beside the pressure.
-        guess
-            State at the end of the step to begin with; None begins with that at its start.
-        """
-
-    def worn(self, state: State, index: int, depth: Array) -> State:
-        """Return the state after ``Scene.solids[index]`` has lost a further `depth` (x, y) [m]."""
-
-    def has_onset_of_yield(self, before: State, after: State) -> bool:
-        """Return whether a step added far more plastic strain than all since the last step without plastic flow."""
-
-    def over_time(self, states: Sequence[State]) -> Mapping[str, Field]:
-        """Return fields over (time, ...), by name, from the states of several instants."""
-
-    def residual_stress(self, state: State, index: int, deepest: float) -> ResidualStress | None:
-        """Return the residual stress of ``Scene.solids[index]`` down to a depth [m]; None if it does not yield."""
 
 
 @dataclass(frozen=True)

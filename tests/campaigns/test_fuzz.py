@@ -1,9 +1,9 @@
-import contextlib
 import io
 import random
 import resource
 import sys
 from collections.abc import Iterator
+from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
 
 import pytest
@@ -13,18 +13,17 @@ from tests.campaigns.conftest import case_count
 from tests.studies.test_registry import GOOD
 
 ROOT = Path(__file__).parents[2]
+# numbers too large, too small or of another script, lists and ranges that are none, paths and commands, and no text
 ODD = [
-    "1e400", "-1e400", "nan", "inf", "-inf", "１", "１２", "-0", "0", "1e-320", "5e-324", "0:1e12", "0:1000000000000",
-    "0:99999999", "::", "1:", ",", ",,", "1,,2", "a", "1,a", "0x10", "1_000", "1e3", "1:0", "0:10:0", "0:10:-1",
-    "0:10:2:3", "𝟙", "٣", "'", "--", "-", "1;2", "None", "True", "[1,2]", "1.5", "-1", "1e308", "2e9", "4294967296",
-    "½", "-5:5", "1j", "%s", "$(id)", "../..", "é", "9223372036854775808", "0:5:1000000000000",
+    "1e400", "nan", "-inf", "１２", "٣", "-0", "0", "5e-324", "1e308", "4294967296", "9" * 5000, "0:1e12", "0:99999999",
+    "::", "1:0", "0:10:0", "0:10:2:3", ",,", "1,a", "0x10", "1_000", "--", "1;2", "None", "[1,2]", "1j", "%s", "$(id)",
+    "../..", "é", "a" * 300, "", " ", "\n", "\udcff",
 ]  # fmt: skip
-ODD += ["", " ", "\t", "\n", "9" * 5000, "9" * 400, "a" * 300, "\udcff", " 1 "]
+# the same as values of a scene, with units and types that are none
 SCENE_ODD = [
-    "1e400", "nan", "-inf", "inf", "-0.0", "5e-324", "1e308", "-1", "0", "''", "'１mm'", "'1e400m'", "true", "[]",
-    "{}", "[1,2]", "[[1]]", "'nanm'", "1979-05-27", "99999999999999999999", "'9e99999mm'", "'10parsec'", "'10degC'",
-    "'1e-400m'", "'0x10m'", "1e-61", "1e61", "'<script>'", "[1000000,1000000]", "[2,1]", "[3000000000,1]", "[0,0]",
-    "[-1,2]", "[1.5,2]", '["1",2]', "'infm'", "1" * 5000, "[" * 3000,
+    "1e400", "nan", "-inf", "-0.0", "5e-324", "1e308", "-1", "0", "''", "'１mm'", "'1e400m'", "true", "[]", "{}",
+    "[[1]]", "'nanm'", "1979-05-27", "'10parsec'", "'10degC'", "'0x10m'", "'<script>'", "[1000000,1000000]",
+    "[3000000000,1]", "[0,0]", "[1.5,2]", '["1",2]', "1" * 5000, "[" * 3000,
 ]  # fmt: skip
 RETURNED = "measures(case, result): return {"
 STUDY = GOOD.replace(RETURNED, f"{RETURNED}'square': result ** 2")
@@ -43,11 +42,7 @@ def _bounded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 def ends_well(*words: str, given: str = "") -> None:
     """Run the command: it ends with a code, and says something where that is not 0; what else it raises is raised."""
     said, code = io.StringIO(), 0
-    with (
-        pytest.MonkeyPatch.context() as patch,
-        contextlib.redirect_stdout(said),
-        contextlib.redirect_stderr(said),
-    ):
+    with pytest.MonkeyPatch.context() as patch, redirect_stdout(said), redirect_stderr(said):
         patch.setattr(sys, "argv", ["contactstudy", *words])
         try:
             commands.main()
@@ -60,19 +55,15 @@ def ends_well(*words: str, given: str = "") -> None:
 
 def command_line(rng: random.Random) -> list[str]:
     axis = rng.choice(["period", "grid", "images", "padding", "perod"])
-    options = "workers repeats time-limit retry scheduler out"
-    option = f"--{rng.choice(options.split())}"
+    option = rng.choice(["--workers", "--repeats", "--time-limit", "--retry", "--scheduler", "--out"])
     odd = rng.choice(ODD)
-    small = ["--period=2.4", "--grid=16", "--images=0"]
     return rng.choice(
         [
             ["run", "padding", "--dry-run", "--out", "cf", f"--{axis}={odd}"],
-            ["run", "padding", "--dry-run", *small, option, odd],
+            ["run", "padding", "--dry-run", "--period=2.4", "--grid=16", "--images=0", option, odd],
             ["report", rng.choice(["--error", "--scene"]), odd],
             [rng.choice(["run", "show", "plan", "solve", "studies", "nope", odd]), odd],
             ["show", "padding.nc", "--out", odd],
-            ["run", odd, "--dry-run"],
-            ["plan", odd],
         ]
     )
 
@@ -89,8 +80,7 @@ def mangled(text: str, rng: random.Random, odd: list[str]) -> str:
     at = rng.randrange(len(lines))
     match rng.randrange(5):
         case 0 | 1:
-            valued = [place for place, line in enumerate(lines) if "=" in line]
-            at = rng.choice(valued)
+            at = rng.choice([place for place, line in enumerate(lines) if "=" in line])
             lines[at] = lines[at].split("=")[0] + "= " + rng.choice(odd)
         case 2:
             del lines[at]
@@ -99,9 +89,7 @@ def mangled(text: str, rng: random.Random, odd: list[str]) -> str:
         case 4:
             letters = list(text)
             for _ in range(rng.randrange(1, 4)):
-                letters[rng.randrange(len(letters))] = chr(
-                    rng.choice([0, 10, 34, 39, 40, 61, 91, 93, 48, 0x661, 255, 0x1F600])
-                )
+                letters[rng.randrange(len(letters))] = rng.choice("\0\n\"'(=[]0١ÿ😀")
             return "".join(letters)
     return "\n".join(lines)
 

@@ -46,11 +46,10 @@ def damages(raw: bytes) -> Iterator[bytes]:
         flipped[rng.randrange(len(raw))] ^= 1 << rng.randrange(8)
         yield bytes(flipped)
     for _ in range(case_count(whole=500, thin=20)):
-        at, size = rng.randrange(len(raw)), rng.randrange(1, 400)
+        at, size, number = rng.randrange(len(raw)), rng.randrange(1, 400), rng.randrange(len(lines))
         yield raw[:at] + rng.randbytes(size) + raw[at + size :]
         yield raw[:at] + raw[at + size :]
         yield raw[:at]
-        number = rng.randrange(len(lines))
         zeros = b"\0" * (len(lines[number]) - 1) + b"\n"
         yield b"".join([*lines[:number], zeros, *lines[number + 1 :]])
         odd = rng.choice([b"5\n", b"[]\n", b"\n", b'{"case":[]}\n', b'{"run":{}}\n', b"[" * 9999 + b"\n"])
@@ -71,21 +70,21 @@ def test_no_damage_makes_a_wrong_value(whole: bytes, tmp_path: Path) -> None:
         assert found.items() <= right.items()
 
 
-@pytest.mark.parametrize("foreign", ["precious without newline", "a\nb\n", "\0" * 100, "{}\n", "[1]\n"])
-def test_a_file_that_is_no_journal_is_left_as_it_is(foreign: str, tmp_path: Path) -> None:
-    path = tmp_path / "cases.jsonl"
-    path.write_text(foreign)
-    with pytest.raises(InvalidInput, match="is not a journal of this program: move the file away"):
-        run(trouble.study([1]), tmp_path, options=ALONE, log=quiet)
-    assert path.read_text(encoding="utf-8") == foreign
-
-
-def test_a_link_is_not_followed(tmp_path: Path) -> None:
-    victim = tmp_path / "precious"
-    victim.write_text("precious")
-    folder = tmp_path / "out"
-    folder.mkdir()
-    (folder / "cases.jsonl").symlink_to(victim)
-    with pytest.raises(InvalidInput, match="it is a symbolic link, which is not followed"):
-        run(trouble.study([1]), folder, options=ALONE, log=quiet)
-    assert victim.read_text(encoding="utf-8") == "precious"
+@pytest.mark.parametrize(
+    ("name", "foreign", "refused"),
+    [
+        ("out/cases.jsonl", "precious without newline", "is not a journal of this program: move the file away"),
+        ("out/cases.jsonl", "{}\n", "is not a journal of this program: move the file away"),
+        ("precious", "precious", "it is a symbolic link, which is not followed"),
+    ],
+)
+def test_a_file_that_is_no_journal_or_a_link_is_left_as_it_is(
+    name: str, foreign: str, refused: str, tmp_path: Path
+) -> None:
+    (tmp_path / "out").mkdir()
+    (tmp_path / name).write_text(foreign)
+    if name == "precious":
+        (tmp_path / "out/cases.jsonl").symlink_to(tmp_path / name)
+    with pytest.raises(InvalidInput, match=refused):
+        run(trouble.study([1]), tmp_path / "out", options=ALONE, log=quiet)
+    assert (tmp_path / name).read_text(encoding="utf-8") == foreign

@@ -19,13 +19,10 @@ def test_each_surface_is_timed_on_a_grid_and_a_program_that_is_not_there_is_left
         Peers().setup("tamaas", "semi-periodic", 32)
 
 
-PAIRS = [
-    *(("contactstudy", boundary) for boundary in ("semi-periodic", "periodic")),
-    *((program, "free") for program in ("ContactMechanics", "tamaas", "aspher")),
-]
-
-
-@pytest.mark.parametrize(("program", "boundary"), PAIRS)
+@pytest.mark.parametrize(
+    ("program", "boundary"),
+    [("contactstudy", "semi-periodic"), ("ContactMechanics", "semi-periodic"), ("tamaas", "free"), ("aspher", "free")],
+)
 def test_programs_agree_where_they_hold_pressure_constant_in_cells(program: str, boundary: str) -> None:
     pytest.importorskip(program)
     peers = Peers()
@@ -40,11 +37,7 @@ def test_a_self_affine_surface_bears_the_load_of_its_share_and_ends_at_so_many_c
     """Persson (2001): the fraction is erf(sqrt(2) p / (E* slope)), p the mean pressure."""
     grid = cs.Grid((64, 64), (3e-3, 3e-3))
     scene = self_affine(grid, 0.5, 4.0, 0.3)
-    mean = scene.largest_load / 3e-3
-    shape = scene.shapes[0]
-    assert shape.rms == cs.RmsSlope(0.1)
-    assert shape.roll_off == pytest.approx(3e-3 / 4)
-    assert erf(np.sqrt(2) * mean / (SCENE.contact_modulus * SLOPE)) == pytest.approx(0.3)
+    assert erf(np.sqrt(2) * scene.largest_load / 3e-3 / (SCENE.contact_modulus * SLOPE)) == pytest.approx(0.3)
     waves = np.abs(np.fft.rfft2(scene.shapes[0].gap(grid)))  # type: ignore[union-attr]
     index = np.hypot(*np.meshgrid(np.fft.fftfreq(64), np.fft.rfftfreq(64), indexing="ij"))
     assert waves[index > 1.001 / 4].max() < 1e-12 * waves.max() < waves[index > 0.9 / 4].max()

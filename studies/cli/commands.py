@@ -65,8 +65,8 @@ def report(
         refuse(context, "chapters, and not for --scene", "workers")
         from studies.advice.trials import verdict_of
         from studies.advice.verdict import scene_in
+        from studies.report.drawings.comparison import lines
         from studies.report.page import write_scene
-        from studies.report.wording import lines
 
         folder = out / scene.stem
         verdict = verdict_of(scene_in(scene), error, folder, lambda text: click.echo(text, err=True))

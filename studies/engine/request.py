@@ -1,7 +1,7 @@
 """What a study requests: its cases and their keys, and the program that computes them."""
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields, is_dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from contactstudy import InvalidInput
@@ -52,39 +52,16 @@ class Request:
         return cls(keys, cases, points, Program.of(study, next(iter(cases.values())), memo))
 
     def first(self) -> dict[str, Any]:
-        """Return the first point, and the program and the fields of the case there, for JSON."""
+        """Return the first point, the key of its case, and the program, for JSON."""
         key = self.keys[0]
-        described = dict(_described("", self.cases[key]))
-        point = dict(self.points[key])
-        return {"point": point, "program": self.program.key, "fields": described}
+        return {"point": dict(self.points[key]), "case": key, "program": self.program.key}
 
-    def changes(self, study: Study, first: Mapping[str, Any]) -> str:
-        """Return in words which fields of the case at the `first` point of an earlier run have other values now."""
-        point, size = first["point"], 0
+    def differs(self, study: Study, first: Mapping[str, Any]) -> bool:
+        """Return whether the case at the `first` point of an earlier run, if it still is a point, is another now."""
+        number = 0
         try:
             for axis in study.axes:
-                size = size * len(axis.values) + axis.values.index(point[axis.name])
-        except (ValueError, KeyError):  # it is not one of the points
-            return ""
-        before, now = first["fields"], dict(_described("", self.cases[self.keys[size]]))
-        names = [name for name in {**now, **before} if now.get(name) != before.get(name)]
-        if not names:
-            return ""
-        old, new = (of.get(names[0], "absent") for of in (before, now))
-        more = f", and {len(names) - 1} more fields changed" if len(names) > 1 else ""
-        return f"{names[0]} was {old} and is {new}{more}"
-
-
-def _described(name: str, value: Any) -> Iterator[tuple[str, str]]:
-    """Yield every field of a case with its value as text, by its path."""
-    if is_dataclass(value) and not isinstance(value, type):
-        yield name or "case", type(value).__name__
-        for part in fields(value):
-            if part.compare:
-                path = f"{name}.{part.name}".lstrip(".")
-                yield from _described(path, getattr(value, part.name))
-    elif isinstance(value, tuple | list):
-        for number, item in enumerate(value):
-            yield from _described(f"{name}[{number}]", item)
-    else:
-        yield name, shortened(value) if isinstance(value, str | int | float) else digest(value)
+                number = number * len(axis.values) + axis.values.index(first["point"][axis.name])
+        except (ValueError, KeyError):
+            return False
+        return self.keys[number] != first.get("case")

@@ -30,14 +30,14 @@ from studies.model.outcome import (
     is_time,
     summary_messages,
 )
-from studies.model.plain_text import Log, counted, one_line
+from studies.model.plain_text import Log, counted, one_line, two_digits
 from studies.model.study import Study
 from studies.store.journal import Journal, Key
 from studies.store.netcdf import check_kind, open_folder, read, write
 from studies.store.program import differences
 from studies.store.provenance import machine, provenance
 from studies.store.stop import Stop, StopRun
-from studies.store.table import PointTable, assemble
+from studies.store.table import assemble
 
 JOURNAL = "cases.jsonl"
 MIN_WRITE_INTERVAL = 60.0  # least seconds between two writes of the file while cases are computed
@@ -165,9 +165,10 @@ class Run:
 
     def write(self) -> None:
         """Write the file, with a group for every case that has fields if these are to be kept."""
-        start, table = monotonic(), PointTable(self.study.axes, self.request.keys)
-        stored = self.journal.outcome
-        dataset = assemble(table, lambda case: stored(self.key(case)), self.samples, self._attributes())
+        start, stored = monotonic(), self.journal.outcome
+        dataset = assemble(
+            self.study.axes, self.request.keys, lambda case: stored(self.key(case)), self.samples, self._attributes()
+        )
         write(dataset, self.path, self._groups() if self.options.fields == "kept" else ())
         end = monotonic()
         self.next_write = end + max(MIN_WRITE_INTERVAL, WRITE_INTERVAL_FACTOR * (end - start))
@@ -236,9 +237,9 @@ class Run:
         )
         self.log(f"{points}, {cases}")
         first = journal.firsts.get(self.study.name)
-        changes = request.changes(self.study, first) if first else ""
-        if changes:
-            self.log(f"{changes}: cases that are stored with the old value are kept, and not used")
+        differs = first is not None and request.differs(self.study, first)
+        if first is not None and differs:
+            self.log(f"the case at {first['point']} was another: what is stored of the old ones is kept, and not used")
         for change, count in self._other_programs(missing).items():
             stored = counted(count, "stored case is", "stored cases are")
             self.log(f"{stored} computed again, since {change} changed")
@@ -246,7 +247,7 @@ class Run:
             stored = counted(len(request.cases) - len(missing), "case is", "cases are")
             self.log(f"{stored} stored, {len(missing)} to compute")
         check_kind(self.path, "study", self.log)
-        is_same = first is not None and not changes and first["program"] == self.program.key
+        is_same = first is not None and not differs and first["program"] == self.program.key
         if self.path.is_file() and not is_same:
             names = (f"{self.study.name}.before{number or ''}.nc" for number in itertools.count())
             self.aside = next(of for of in map(self.path.with_name, names) if not of.exists())
@@ -305,8 +306,10 @@ class Run:
                     write(xr.Dataset(dict(outcome.fields)), self.fields_path(task.key))
                 self.journal.add(key, self.study.name, self.request.points[task.key], outcome)
                 seconds += outcome.seconds
+                if self.repeats:
+                    timing = self.repeats * len(tasks) * seconds / (progress.n + 1)
+                    progress.set_postfix_str(f"then {two_digits(timing)} s timing", refresh=False)
                 progress.update()
-                progress.further = self.repeats * seconds / progress.count * len(tasks)
                 if monotonic() > self.next_write:
                     self.write()
         self.journal.sync()

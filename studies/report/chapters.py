@@ -1,4 +1,4 @@
-"""Chapters of the report: their studies, the values of the axes, and the figures shown."""
+"""Chapters of the report: their studies, the values of the axes, the figures shown; and the sections of their pages."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -7,13 +7,14 @@ from itertools import chain
 from contactstudy import InvalidInput
 from contactstudy.domain.checks import suggestion
 from studies.advice.verdict import SETTINGS
+from studies.model.drawing import CaptionedFigure, Finding, Table
 from studies.model.study import Study
 from studies.registry import BUILT_IN, SCENES, load, outline
 
 
 @dataclass(frozen=True)
 class Part:
-    """A study in a chapter, with other values of its `axes`, the `figures` shown, and how many `tables` (None for all).
+    """A study in a chapter, with other values of its `axes`, and the `figures` shown (None for all).
 
     Each case is timed at most ``repeats`` times: twice where a front of error against time is shown. The `title` is
     that of the study if it is empty.
@@ -22,7 +23,6 @@ class Part:
     name: str
     axes: Mapping[str, str] = field(default_factory=dict)
     figures: tuple[str, ...] | None = None
-    tables: int | None = None
     repeats: int = 1
     title: str = ""
 
@@ -49,6 +49,33 @@ class Chapter:
     def command(self) -> str:
         """Command that makes the page."""
         return "contactstudy report" + f" {self.name}" * (self.name != MAIN.name)
+
+
+@dataclass(frozen=True, eq=False)
+class Section:
+    """The part of a page that shows a study or answers a question.
+
+    `name` is its anchor on the page, and `axes_text` names the axes that vary with their values. `file` is the netCDF
+    file beside the page, without its ending, and the folder of the figures; the `name` if it is empty.
+    """
+
+    name: str
+    title: str
+    findings: Sequence[Finding]
+    figures: Sequence[CaptionedFigure]
+    tables: Sequence[Table]
+    axes_text: str = ""
+    file: str = ""
+
+    @property
+    def data(self) -> str:
+        """Name of the netCDF file beside the page, without its ending."""
+        return self.file or self.name
+
+    @property
+    def answers(self) -> Sequence[Finding]:
+        """Findings that answer a question of the reader."""
+        return [item for item in self.findings if item.question]
 
 
 MAIN = Chapter(
@@ -78,7 +105,7 @@ MAIN = Chapter(
             repeats=0,
             title="Does roughness change the error of a padding?",
         ),
-        Part("stability", tables=0, title="Is it stable?"),
+        Part("stability", figures=(), title="Is it stable?"),
     ),
 )
 CHAPTERS = {

@@ -9,8 +9,7 @@ import xarray as xr
 
 from studies.model.drawing import CaptionedFigure, Drawing, Finding, Table
 from studies.model.outcome import CaseStatus
-from studies.report.plots import Law, Plot, draw
-from studies.report.style import percent
+from studies.report.plots import Law, Plot, draw, percent
 
 # Function of a stored study: a fraction, or a text or a count that is written as it is.
 Measurement = Callable[[xr.Dataset], SupportsFloat | str]

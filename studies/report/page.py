@@ -1,11 +1,11 @@
 """Pages of the report: figures from stored studies, in one self-contained page for each chapter."""
 
+import base64
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from time import monotonic
 
-import numpy as np
 import xarray as xr
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 
@@ -22,9 +22,8 @@ from studies.model.plain_text import Log
 from studies.model.study import Study
 from studies.reference.paddings import padding_text
 from studies.registry import BUILT_IN, load_drawing
-from studies.report.chapters import CHAPTERS, MAIN, Chapter, Part, chapter_of_study
+from studies.report.chapters import CHAPTERS, MAIN, Chapter, Part, Section, chapter_of_study
 from studies.report.drawings import comparison as settings
-from studies.report.section import Section, embedded
 from studies.store.netcdf import read
 
 MAX_LISTED = 10  # of an axis that a page lists
@@ -65,15 +64,6 @@ def stored(study: Study, out: Path) -> xr.Dataset:
     return dataset
 
 
-def _without_gaps(study: Study, out: Path) -> xr.Dataset:
-    """Return the stored Dataset of a study, or where some of its points were never run those that the study requests."""
-    dataset = stored(study, out)
-    has_gaps = bool((dataset["case_status"] == CaseStatus.NOT_RUN).any())
-    values = {axis.name: list(axis.values) for axis in study.axes}
-    are_there = all(np.isin(chosen, dataset[name].values).all() for name, chosen in values.items())
-    return dataset.sel(values) if has_gaps and are_there else dataset
-
-
 def section(part: Part, dataset: xr.Dataset) -> Section:
     """Return the figures of a study that a chapter shows, with findings and tables."""
     study, drawing = part.study(), load_drawing(part.name)
@@ -86,7 +76,7 @@ def section(part: Part, dataset: xr.Dataset) -> Section:
         title=part.title or study.title.rstrip("."),
         findings=drawing.findings(dataset),
         figures=shown,
-        tables=drawing.tables(dataset)[: part.tables],
+        tables=drawing.tables(dataset),
         axes_text=axes_text(dataset),
     )
 
@@ -127,7 +117,7 @@ def draw_and_write(chapter: Chapter, out: Path) -> Path:
             datasets[SETTINGS] = read(path_in(out))
             sections += settings.sections(from_dataset(datasets[SETTINGS]))[:1]
             continue
-        datasets[part.name] = _without_gaps(part.study(), out)
+        datasets[part.name] = stored(part.study(), out)
         sections.append(section(part, datasets[part.name]))
     return write_page(chapter, sections, datasets, out)
 
@@ -152,7 +142,7 @@ def write_page(
         main_is_there=(out / MAIN.page).is_file(),
         explored={path.name for path in out.glob("*-explore.html")},
         sections=sections,
-        figures={part.name: [embedded(figure, part.data, out) for figure in part.figures] for part in sections},
+        figures={part.name: [_embedded(figure, part.data, out) for figure in part.figures] for part in sections},
         made=_made(datasets),
         others=_others(chapter, out) if chapter.parts else (),
     )
@@ -160,6 +150,21 @@ def write_page(
     with replacing(path) as partial:
         partial.write_text(page, encoding="utf-8")
     return path
+
+
+def _embedded(drawn: CaptionedFigure, folder: str, out: Path) -> Mapping[str, str]:
+    """Save a figure into ``<out>/<folder>``, and return what a page shows of it as texts.
+
+    They are ``png`` in base64, the path of its ``file``, ``caption``, and ``width`` and ``height`` in pixels.
+    """
+    [path] = write_figure(drawn.figure, out / folder / drawn.name, ["png"])
+    return {
+        "png": base64.b64encode(path.read_bytes()).decode(),
+        "file": f"{folder}/{drawn.name}.png",
+        "caption": drawn.caption,
+        "width": f"{100 * drawn.figure.get_figwidth():.0f}",
+        "height": f"{100 * drawn.figure.get_figheight():.0f}",
+    }
 
 
 def _made(datasets: Mapping[str, xr.Dataset]) -> Mapping[str, str]:

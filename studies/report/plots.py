@@ -1,33 +1,58 @@
-"""Figures as data: what stands on the axes of a figure, drawn by one function from a stored study."""
+"""Figures as data: what stands on the axes of a figure, drawn by one function from a stored study in one style."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import cycle
 from textwrap import fill
-from typing import Any
+from typing import Any, SupportsFloat
 
+import matplotlib as mpl
+import matplotlib.style
 import numpy as np
 import xarray as xr
 from matplotlib import colormaps
 from matplotlib.axes import Axes
-from matplotlib.cm import ScalarMappable
-from matplotlib.colors import LogNorm, Normalize
+from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
 from contactstudy.domain.fields import Array
 from contactstudy.domain.units import display_unit_of
+from contactstudy.io.pictures.figure import (
+    BLUE,
+    COLORS,
+    GREEN,
+    LAW_STYLE,
+    ORANGE,
+    PURPLE,
+    RED,
+    SETTINGS,
+    add_legend,
+    panels,
+)
 from studies.advice.verdict import pareto_front
 from studies.model.drawing import CaptionedFigure
 from studies.model.outcome import CaseStatus
-from studies.model.plain_text import one_line
+from studies.model.plain_text import one_line, two_digits
 from studies.reference.line_contact import total_time
 from studies.reference.paddings import HAS_IMAGES, padding_text
-from studies.report.style import COLORS, LAW_STYLE, captioned, padding_style, panels
 
+__all__ = ["COLORS", "LAW_STYLE", "panels"]
+
+mpl.use("Agg")
+mpl.style.use(SETTINGS)
+
+WIDTH = 9.2  # of a figure on a page [in]
 WIDTHS = {1: 5.6, 2: 4.6}  # of a panel [in], by the number of panels; 3.4 of three or more
 DASHES = ("-", "--", "-.", ":")
-# Lines that a legend names; more have a colour bar, or are grey.
+# Lines that a legend names; of more, as many at equal distances.
 MAX_LINES = 8
+PADDING_STYLES = {
+    "zero": {"color": "#595959", "marker": "x"},
+    "duplicated": {"color": RED, "marker": "s"},
+    "superposed": {"color": GREEN, "marker": "^"},
+    "circular": {"color": PURPLE, "marker": "v"},
+    "exact": {"color": BLUE, "marker": "o"},
+}
 DOUBTFUL: Any = {
     "marker": "o", "mfc": "white", "mec": "0.3", "linestyle": "none",
     "label": "no bound of the error, or one above the requested error",
@@ -116,7 +141,7 @@ def panel(ax: Axes, part: xr.Dataset, y: str, plot: Plot) -> None:
         names = [one_line(padding_text(text), 30) for text in across.values]
         part = part.assign_coords({plot.x: (across.dims, np.arange(across.size), across.attrs)})
     span: list[float] = []
-    lines = list(_lines(ax, part, y, plot))
+    lines = list(_lines(part, y, plot))
     for line, style in lines:
         x, values = xr.broadcast(line[plot.x] / across_size, abs(line[y]) / size if _is_error(y) else line[y] / size)
         joined = "none" if is_named or is_sample(plot.x) else plot.line
@@ -141,13 +166,14 @@ def panel(ax: Axes, part: xr.Dataset, y: str, plot: Plot) -> None:
         ax.xaxis.set_minor_locator(NullLocator())
 
 
-def _lines(ax: Axes, part: xr.Dataset, y: str, plot: Plot) -> Iterator[tuple[xr.Dataset, dict[str, Any]]]:
+def _lines(part: xr.Dataset, y: str, plot: Plot) -> Iterator[tuple[xr.Dataset, dict[str, Any]]]:
     """Yield the part of each line with its style; of a padding without an n the first of its lines."""
     axes = [name for name in (plot.hue, plot.dash) if name in part.dims]
     hues = part[plot.hue].values.tolist() if plot.hue in axes else [None]
     dashes = part[plot.dash].values.tolist() if plot.dash in axes else [None]
-    colors = _colors(ax, part[plot.hue]) if plot.hue in axes else [COLORS[0]]
-    for hue, color in zip(hues, cycle(colors), strict=False):
+    many, every = len(hues) > len(COLORS), -(-len(hues) // MAX_LINES)
+    colors = colormaps["viridis"](np.linspace(0, 0.9, len(hues))) if many else COLORS
+    for number, (hue, color) in enumerate(zip(hues, colors, strict=False)):
         has_dashes = plot.hue != "padding" or plot.dash != "images" or hue in HAS_IMAGES
         shown = axes if has_dashes else axes[:1]
         for dash, pattern in zip(dashes if has_dashes else dashes[:1], cycle(DASHES), strict=False):
@@ -159,22 +185,8 @@ def _lines(ax: Axes, part: xr.Dataset, y: str, plot: Plot) -> Iterator[tuple[xr.
             if plot.hue == "padding":
                 style |= padding_style(str(hue))
             texts = [value_text(part[name], at[name]) for name in shown]
-            yield line, style | {"label": ", ".join(texts) if texts and len(hues) <= MAX_LINES else "_"}
-
-
-def _colors(ax: Axes, values: xr.DataArray) -> list[Any]:
-    """Return the colours of the values of an axis; of many numbers with a colour bar, of many names grey."""
-    if values.size <= len(COLORS):
-        return list(COLORS)
-    if values.size <= MAX_LINES:
-        return list(colormaps["viridis"](np.linspace(0, 0.9, values.size)))
-    if values.dtype.kind not in "iuf":
-        return ["0.6"]
-    size, label = scaled(values)
-    kind = LogNorm if spans_decade(values.values) else Normalize
-    bar = ScalarMappable(kind(float(values.min()) / size, float(values.max()) / size), "viridis")
-    ax.figure.colorbar(bar, ax=ax, label=label)
-    return [bar.to_rgba(value / size) for value in values.values]
+            label = ", ".join(texts) or "_"
+            yield line, style | {"label": f"_{label}" if number % every else label}
 
 
 def _points(ax: Axes, x: Array, y: Array, line: str, style: dict[str, Any]) -> None:
@@ -270,7 +282,7 @@ def is_sample(axis: str) -> bool:
 
 def _is_error(name: str) -> bool:
     """Return whether a measure is a relative error or difference, which is drawn in per cent of its size."""
-    return "error" in name
+    return "error" in name or "difference" in name
 
 
 def scaled(values: xr.DataArray) -> tuple[float, str]:
@@ -295,3 +307,31 @@ def value_text(axis: xr.DataArray, value: Any) -> str:
 def _long_name(values: xr.DataArray) -> str:
     """Return the name of an axis or measure for people."""
     return str(values.attrs.get("long_name", values.name))
+
+
+def padding_style(padding: str) -> dict[str, Any]:
+    """Return colour and marker as keywords for matplotlib; a padding without a style is orange."""
+    name = padding_text(padding).partition(",")[0]
+    return dict(PADDING_STYLES.get(name, {"color": ORANGE, "marker": "D"}))
+
+
+def captioned(name: str, figure: Figure, caption: str) -> CaptionedFigure:
+    """Return the figure with its legend, file name and caption."""
+    add_legend(figure)
+    return CaptionedFigure(name, figure, caption)
+
+
+def percent(value: SupportsFloat) -> str:
+    """Return the size of a fraction in per cent, with two digits or more and a space that does not break."""
+    fraction = 100 * abs(float(value))
+    if not np.isfinite(fraction):
+        return "not known"
+    digits = 0 if fraction == 0 else max(0, 1 - int(np.floor(np.log10(fraction))))
+    return (f"{fraction:.{digits}f}" if digits < 7 else f"{fraction:.1e}") + "\u00a0%"
+
+
+def seconds_text(seconds: float) -> str:
+    """Return a time with two digits, in ms below a second."""
+    if seconds >= 0.9995:
+        return f"{two_digits(seconds)} s"
+    return f"{two_digits(1000 * seconds)} ms"

@@ -50,7 +50,7 @@ class Journal:
     history
         Time and command of each run of a study.
     firsts
-        First point of the last run of a study, and the fields of the case there.
+        First point of the last run of a study, and the case there.
     damaged
         Number of lines that cannot be read.
     reported

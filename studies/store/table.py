@@ -2,7 +2,6 @@
 
 from collections import defaultdict
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -19,34 +18,27 @@ MEANING_ATTRIBUTES = ("units", "standard_name", "flag_values", "flag_meanings", 
 Variables = Mapping[int, xr.Variable]  # by the number of the case
 
 
-@dataclass(frozen=True, eq=False)
-class PointTable:
-    """Axes of a table, and the key of the case at every point, in the order of the axes (last one fastest)."""
-
-    axes: tuple[Axis, ...]
-    keys: Sequence[str]
-
-
 def assemble(
-    table: PointTable,
+    axes: Sequence[Axis],
+    keys: Sequence[str],
     outcome_of: Callable[[str], Outcome | None],
     samples_of: Callable[[str], Sequence[TimedRun]],
     attributes: Mapping[str, Any],
 ) -> xr.Dataset:
-    """Return every point of a table with the outcome of its case; points of one case share its numbers.
+    """Return every point of some axes with the outcome of the case of its key; points of one case share its numbers.
 
-    A variable's own dimensions follow those of the axes. Where a case has no numbers (NaN, or no text),
-    ``case_status`` says so, ``error`` why. Where cases give one name to values of different dimensions, types or
-    units, those of most cases are stored; the attribute ``left_out`` names the others. `outcome_of` and `samples_of`
-    return the outcome, if any, and the timed runs of a case.
+    The keys are in the order of the axes, the last one fastest; a variable's own dimensions follow. Where a case has no
+    numbers (NaN, or no text), ``case_status`` says so, ``error`` why. Where cases give one name to values of different
+    dimensions, types or units, those of most cases are stored; the attribute ``left_out`` names the others.
+    `outcome_of` and `samples_of` return the outcome, if any, and the timed runs of a case.
     """
-    shape = tuple(len(axis.values) for axis in table.axes)
-    names = tuple(axis.name for axis in table.axes)
+    shape = tuple(len(axis.values) for axis in axes)
+    names = tuple(axis.name for axis in axes)
     rows: dict[str, int] = {}
-    numbers = [rows.setdefault(case, len(rows)) for case in table.keys]
+    numbers = [rows.setdefault(case, len(rows)) for case in keys]
     index = np.array(numbers, dtype=int).reshape(shape)
     outcomes = [outcome_of(case) for case in rows]
-    coords = {axis.name: axis.coordinate for axis in table.axes}
+    coords = {axis.name: axis.coordinate for axis in axes}
     data: dict[str, xr.Variable] = {}
     left_out: list[str] = []
     for name, variables in _chosen(outcomes, index.size, left_out):

@@ -85,7 +85,7 @@ def measures(case: Number, result: float) -> Mapping[str, xr.Variable | float]:
 
 def command(out: str, workers: str) -> None:
     from studies.report import page
-    from studies.report.style import panels
+    from studies.report.plots import panels
     from studies.store import netcdf
 
     write = netcdf.replacing

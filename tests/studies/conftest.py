@@ -3,8 +3,9 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
-import xarray as xr
+from matplotlib.axes import Axes
 
 from studies.engine.run import run
 from studies.model.study import Study
@@ -28,12 +29,10 @@ def python(script: str, *words: object) -> subprocess.CompletedProcess[str]:
     )  # fmt: skip
 
 
-def measured(name: str, **point: object) -> xr.Dataset:
-    """What a study stores of one case; an axis that is not given has its first value."""
-    study = load(name)
-    case = study.case_at({axis.name: axis.values[0] for axis in study.axes} | point)
-    result = case.run(case.prepare())
-    return xr.Dataset(case.record(result) | study.measures(case, result))
+def labelled(ax: Axes) -> dict[str, np.ndarray]:
+    """x and y of the lines that have a label."""
+    lines = {str(line.get_label()): np.asarray(line.get_xydata(), dtype=float).T for line in ax.lines}
+    return {label: points for label, points in lines.items() if not label.startswith("_")}
 
 
 @pytest.fixture(scope="session")

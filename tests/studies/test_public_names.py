@@ -42,7 +42,7 @@ for name in BUILT_IN:
     study = load(name)
     pickle.loads(cloudpickle.dumps((RunSettings(study.measures), study.cases()[0])))
 assert not {"matplotlib", "studies.report"} & set(sys.modules)
-from studies.report import style
+from studies.report import plots
 assert {"matplotlib", "studies.report"} <= set(sys.modules)
 """
     done = python(script)

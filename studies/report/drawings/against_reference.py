@@ -8,8 +8,7 @@ import xarray as xr
 from studies.model.drawing import CaptionedFigure
 from studies.model.outcome import CaseStatus
 from studies.reference.paddings import padding_text
-from studies.report.plots import Plot, draw
-from studies.report.style import percent
+from studies.report.plots import Plot, draw, percent
 
 L1 = "pressure_error_l1"
 NOT_NESTED = " No error of the pressure in L1: the grids differ in extent, or do not nest in the reference's."

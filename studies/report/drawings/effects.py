@@ -45,10 +45,7 @@ COATING = Plot(
     caption="A rigid cylinder on coated steel, over the thickness of the coating. Hertz's half-width on steel alone is "
     f"{1e6 * hertz(STEEL).half_width:.0f} µm.",
 )  # fmt: skip
-coating = drawing(
-    COATING,
-    claims=[Claim("What does a coating do?", "Its effect depends on its thickness over the half-width.")],
-)
+coating = drawing(COATING)
 
 
 # Friction
@@ -78,9 +75,7 @@ SLIDING = Plot(
     caption="A cylinder that slides on steel: the highest von Mises stress and its depth. The stress is known at the "
     "depths that the scene names.",
 )  # fmt: skip
-sliding = drawing(
-    SLIDING, claims=[Claim("What does friction do to the stress?", "It brings the highest stress to the surface.")]
-)  # fmt: skip
+sliding = drawing(SLIDING)
 
 
 # Creep and wear
@@ -161,15 +156,7 @@ PLASTIC = Plot(
     caption="A rigid cylinder pressed into steel that yields at 1 GPa, and unloaded: the pressure under the largest "
     "load, and the dent that remains.",
 )  # fmt: skip
-plastic = drawing(
-    PLASTIC,
-    claims=[
-        Claim(
-            "What does yielding do?",
-            "It limits the pressure long before the contact is fully plastic, and leaves a dent.",
-        )
-    ],
-)
+plastic = drawing(PLASTIC)
 
 
 # Films and roughness
@@ -198,12 +185,7 @@ ROUGHNESS = Plot(
     caption="A rough cylinder: lines are the median of two surfaces, bands their range. The Peklenik number is the "
     "correlation length across the contact over that along it: below 1 grooves run along the length.",
 )  # fmt: skip
-roughness = drawing(
-    ROUGHNESS,
-    claims=[
-        Claim("What does roughness do to a contact?", "It leaves less area in contact, under a higher peak pressure.")
-    ],
-)  # fmt: skip
+roughness = drawing(ROUGHNESS)
 
 
 # Paddings on rough surfaces

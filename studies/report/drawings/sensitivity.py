@@ -9,7 +9,7 @@ import xarray as xr
 
 from contactstudy.domain.units import display_unit_of, readable
 from studies.model.drawing import CaptionedFigure, Table
-from studies.report.style import COLORS, captioned, panels, percent
+from studies.report.plots import COLORS, captioned, panels, percent
 from studies.scene_study.sensitivity import LOWERED, RAISED, changes_in
 
 MAX_BARS = 15

@@ -7,20 +7,9 @@ import xarray as xr
 
 from studies.model.drawing import CaptionedFigure, Table
 from studies.reference.line_contact import total_time
-from studies.reference.paddings import HAS_IMAGES
+from studies.reference.paddings import HAS_IMAGES, padding_label
 from studies.report.claims import Claim, drawing
-from studies.report.plots import Law, Plot
-from studies.report.style import (
-    LAW_STYLE,
-    WIDTH,
-    captioned,
-    padding_style,
-    paddings,
-    panels,
-    percent,
-    setting_label,
-)
-from studies.report.wording import seconds_text
+from studies.report.plots import LAW_STYLE, WIDTH, Law, Plot, captioned, padding_style, panels, percent, seconds_text
 
 ERROR = "pressure_error_l1"
 LABELS = {ERROR: "L1 error of the pressure"}
@@ -72,24 +61,21 @@ def finest(dataset: xr.Dataset) -> xr.Dataset:
 
 def needed_images(dataset: xr.Dataset) -> Table | None:
     """Return the least n of a moving window from which on its own error stays below some errors, for each period."""
-    if not {"circular", "exact"} <= set(paddings(dataset)) or dataset.sizes["images"] < 3:
+    names = dataset["padding"].values.tolist()
+    if not {"circular", "exact"} <= {*names} or dataset.sizes["images"] < 3:
         return None
-    errors = finest(dataset)[ERROR]
-    images, rows = errors["images"].values, []
+    single, errors, rows = [name for name in names if name not in HAS_IMAGES], finest(dataset)[ERROR], []
     for period in errors["period"].values:
         part = errors.sel(period=period)
-        cells = float(part.sel(padding="exact").min())
-        window = part.sel(padding="circular").values
-        single = [part.sel(padding=name).isel(images=0) for name in paddings(dataset) if name not in HAS_IMAGES]
-        least = [from_then_on(window <= cells + target, images) for target in TARGETS]
-        rows.append((f"{period:g} a", *map(percent, single), *least))
+        added = part.sel(padding="circular").values - float(part.sel(padding="exact").min())
+        least = [from_then_on(added <= target, errors["images"].values) for target in TARGETS]
+        rows.append((f"{period:g} a", *map(percent, part.sel(padding=single).isel(images=0)), *least))
     return Table(
         "Error of the paddings without an n, and the least n of a circular window that adds no more than a target to "
         "the error by the cells.",
-        ("period", *(name for name in paddings(dataset) if name not in HAS_IMAGES),
-         *(f"n for {percent(target)} more" for target in TARGETS)),
+        ("period", *single, *(f"n for {percent(target)} more" for target in TARGETS)),
         tuple(rows),
-    )  # fmt: skip
+    )
 
 
 def _rate(dataset: xr.Dataset) -> float:
@@ -194,9 +180,9 @@ def pressures(dataset: xr.Dataset) -> CaptionedFigure:
     part = dataset.isel(period=-1, grid=-1, images=-1)
     x, across = dataset["x"].values, "position across [half-width a]"
     fig, (full, error) = panels(2, width=WIDTH / 2)
-    for name in paddings(part):
+    for name in part["padding"].values.tolist():
         line = part.sel(padding=name)
-        style = padding_style(name) | {"label": setting_label(line), "markevery": 8}
+        style = padding_style(name) | {"label": padding_label(name, int(part["images"])), "markevery": 8}
         off = {key: 100 * (line[key] - line["pressure_true"]) for key in ("pressure", "pressure_min", "pressure_max")}
         full.plot(x, line["pressure"], **style)
         error.plot(x, off["pressure"], **style)
@@ -216,31 +202,29 @@ def pressures(dataset: xr.Dataset) -> CaptionedFigure:
 
 # Heads of the columns of a table, by the measures that these have.
 ERRORS = {
-    ERROR: "pressure in L1", "axis_pressure_error": "beside the axis", "peak_pressure_error": "highest cell",
-    "pressure_error_max": "largest",
-    "length_variation": "along the length", "half_width_error": "half-width",
+    "axis_pressure_error": "beside the axis", "peak_pressure_error": "highest cell", "pressure_error_max": "largest",
+    ERROR: "pressure in L1", "half_width_error": "half-width", "length_variation": "along the length",
 }  # fmt: skip
 
 
 def errors_of_paddings(dataset: xr.Dataset) -> Table:
     """Return the errors of every padding, and its time where it was taken."""
     part = dataset.isel(period=-1, grid=-1)
-    names = [str(name) for name in part if name in ERRORS]
     timed = "solve_time_cpu" in part and bool(part["solve_time_cpu"].notnull().any())
-
-    def time(line: xr.Dataset) -> list[str]:
-        return [seconds_text(float(total_time(line)))] * timed
-
     rows = [
-        (setting_label(line), *(percent(line[name] if abs(line[name]) > ROUNDING else 0) for name in names), *time(line))
-        for name in paddings(dataset)
+        (
+            padding_label(name, images),
+            *(percent(line[of] if abs(line[of]) > ROUNDING else 0) for of in ERRORS),
+            *([seconds_text(float(total_time(line)))] if timed else []),
+        )
+        for name in dataset["padding"].values.tolist()
         for images in dataset["images"].values[0 if name in HAS_IMAGES else -1 :]
         for line in [part.sel(padding=name, images=images)]
         if np.isfinite(line[ERROR])
-    ]  # fmt: skip
+    ]
     return Table(
         f"Errors of every padding on {int(part['grid'])} cells across, against Hertz's contact.",
-        ("padding", *map(ERRORS.__getitem__, names), *["time"] * timed),
+        ("padding", *ERRORS.values(), *["time"] * timed),
         tuple(rows),
     )
 

@@ -1,12 +1,11 @@
-"""Drawing of the study `stability`: a claim and a table on the hard cases."""
+"""Figure and claim of the study `stability`, as data."""
 
-import numpy as np
 import xarray as xr
 
 from studies.definitions.hard_cases import CASES
 from studies.definitions.stability import EXPLAINED, NEITHER, WITHIN
-from studies.model.drawing import Table
 from studies.report.claims import Claim, drawing
+from studies.report.plots import Law, Plot
 
 
 def _count(dataset: xr.Dataset, verdict: int) -> int:
@@ -48,31 +47,12 @@ STABLE = Claim(
 )
 
 
-def verdicts(dataset: xr.Dataset) -> Table:
-    """Return the verdicts and the largest errors of each case."""
-    rows = []
-    for name in dataset["case"].values:
-        case = dataset.sel(case=name)
-        right = case.where(case["verdict"] == WITHIN)
-        largest = (float(right[part].max()) for part in ("pressure_difference_l1", "stated_error"))
-        errors = (f"{error:.0e}" if np.isfinite(error) else "none" for error in largest)
-        counts = (_count(case, verdict) for verdict in (WITHIN, EXPLAINED, NEITHER))
-        rows.append((str(name), *map(str, counts), *errors))
-    return Table(
-        "Hard cases, over all paddings: pairs of answers that differ by no more than the stated errors, with a status "
-        "that explains why there is no answer, and with neither; largest difference of the pressures in L1, and "
-        "largest sum of the stated errors. Where one cell bears the load, or all of it is at the hardness, the load "
-        "gives the pressure, and the case tests the status alone.",
-        (
-            "hard case",
-            "within stated",
-            "explained",
-            "neither",
-            "largest difference",
-            "largest stated",
-        ),
-        tuple(rows),
-    )
-
-
-stability = drawing(claims=[STABLE], tables=[verdicts])
+DIFFERENCES = Plot(
+    "hard_cases", ("pressure_difference_l1",), "stated_error", hue="padding", line="none", log="xy",
+    laws=(Law("as large as stated", "pressure_difference_l1", lambda stated, _: stated),),
+    labels={"pressure_difference_l1": "L1 difference of the pressures by two solvers",
+            "stated_error": "sum of the errors that both state"},
+    caption="Hard cases, each a mark for each padding: below the dotted line two solvers differ by no more than they "
+    "state. Cases without an answer have no mark.",
+)  # fmt: skip
+stability = drawing(DIFFERENCES, claims=[STABLE])

@@ -27,7 +27,7 @@ from studies.advice.verdict import (
     to_dataset,
 )
 from studies.reference.line_contact import HERTZ, SCENE
-from studies.report.wording import claim, explanation, lines
+from studies.report.drawings.comparison import claim, explanation, lines
 from studies.scene_study.study_of import study_of
 from tests.studies.conftest import quiet
 from tests.studies.scene_study.conftest import ROUGH, SMOOTH, STEEL

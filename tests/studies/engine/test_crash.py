@@ -1,15 +1,13 @@
-import math
 import os
 import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, suppress
-from dataclasses import replace
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-import psutil
 import pytest
 import xarray as xr
 
@@ -17,12 +15,12 @@ from contactstudy import InvalidInput
 from studies.engine.compute import ended
 from studies.engine.options import RunOptions
 from studies.engine.run import run
-from studies.engine.slot import METHOD
 from studies.model.outcome import CaseStatus
 from studies.store.journal import Journal
 from studies.store.provenance import machine
-from tests.studies.conftest import quiet
+from tests.studies.conftest import python, quiet
 from tests.studies.engine import trouble
+from tests.studies.engine.trouble import Square, lines
 
 resource = pytest.importorskip("resource", reason="this system has no limits of POSIX")
 ROOT = Path(__file__).parents[3]
@@ -30,51 +28,41 @@ ALONE = RunOptions(workers=0, repeats=0)
 SCRIPT = """
 import sys
 from pathlib import Path
-from studies.engine.compute import ended
 from studies.engine.options import RunOptions
 from studies.engine.run import run
 from tests.studies.engine import trouble
-out, log, workers, numbers, hangs_from = sys.argv[1:]
-study = trouble.study([n + 0.5 for n in range(int(numbers))], log, hangs_from=float(hangs_from))
+out, workers, hangs_from = sys.argv[1:]
+study = trouble.study([n + 0.5 for n in range(30)], hangs_from=float(hangs_from))
 run(study, Path(out), options=RunOptions(workers=int(workers), repeats=0))
 """
-
-
 Process = subprocess.Popen[str]
-Start = Callable[[Path, int, int, float], Process]
+Start = Callable[[int, int], Process]
 
 
 @pytest.fixture
 def start(tmp_path: Path) -> Iterator[Start]:
-    """Start a run with ``log`` and ``workers`` of so many cases, of which some hang; none outlives the test."""
-    with ExitStack() as started:
+    """Start a run of thirty cases with so many ``workers``, which hang from one on; none outlives the test."""
+    started: list[Process] = []
 
-        def begin(log: Path, workers: int, numbers: int, hangs_from: float) -> Process:
-            arguments = [str(part) for part in (tmp_path, log, workers, numbers, hangs_from)]
-            process = started.enter_context(
-                subprocess.Popen(
-                    [sys.executable, "-c", SCRIPT, *arguments],
-                    cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-                    start_new_session=True,
-                )
-            )  # fmt: skip
-            started.callback(process.kill)
-            return process
+    def begin(workers: int, hangs_from: int) -> Process:
+        arguments = [sys.executable, "-c", SCRIPT, str(tmp_path), str(workers), str(hangs_from)]
+        pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+        started.append(subprocess.Popen(arguments, cwd=ROOT, text=True, start_new_session=True, **pipes))
+        return started[0]
 
-        yield begin
-
-
-def lines(path: Path) -> list[str]:
-    return path.read_text(encoding="utf-8").splitlines() if path.exists() else []
+    yield begin
+    for process in started:
+        process.kill()
+        process.communicate()
 
 
 def journalled(folder: Path) -> int:
     return sum('"status":' in line for line in lines(folder / "cases.jsonl"))
 
 
-def wait_until(reached: Callable[[], bool], running: Process) -> None:
-    """Until a run has left on the disk what it takes; it must not end before."""
-    while not reached():
+def wait_for(count: int, folder: Path, running: Process) -> None:
+    """Until a run has stored so many cases; it must not end before."""
+    while journalled(folder) < count:
         with suppress(subprocess.TimeoutExpired):
             running.wait(timeout=0.01)
             raise AssertionError(running.communicate())
@@ -83,15 +71,15 @@ def wait_until(reached: Callable[[], bool], running: Process) -> None:
 @pytest.mark.cases(1)
 @pytest.mark.parametrize("workers", [0, 2])
 def test_a_kill_loses_nothing_but_what_is_being_computed(workers: int, start: Start, tmp_path: Path) -> None:
-    first = start(tmp_path / "log", workers, 30, 12)
-    wait_until(lambda: journalled(tmp_path) == 12, first)
+    first = start(workers, 12)
+    wait_for(12, tmp_path, first)
     first.kill()
     first.communicate()
     assert set(xr.load_dataset(tmp_path / "trouble.nc")["case_status"].values) <= {
         CaseStatus.NOT_RUN,
         CaseStatus.OK,
     }
-    log = tmp_path / "log of the second"
+    log = tmp_path / "log"
     study = trouble.study([n + 0.5 for n in range(30)], str(log))
     dataset = run(study, tmp_path, options=ALONE, log=quiet)
     assert sorted(map(float, lines(log))) == [n + 0.5 for n in range(12, 30)]
@@ -117,11 +105,9 @@ def test_failures_are_kept_until_those_of_their_kind_are_to_be_tried_again(tmp_p
     key = stored["case_key"].values[1], stored.attrs["program"]
     for retry, status, tried in (
         ((), CaseStatus.FAILED, []),
-        (("timeout", "killed"), CaseStatus.FAILED, []),
         (("failed",), CaseStatus.FAILED, ["3.0"]),
-        (("killed",), CaseStatus.TIMEOUT, []),
         (("timeout",), CaseStatus.TIMEOUT, ["3.0"]),
-        (("failed",), CaseStatus.KILLED, ["3.0"]),
+        (("timeout",), CaseStatus.KILLED, []),
     ):
         log.unlink(missing_ok=True)
         with Journal(tmp_path / "cases.jsonl", machine()) as journal:
@@ -148,43 +134,42 @@ def test_a_full_disk_is_said_and_what_was_stored_stays(tmp_path: Path) -> None:
     run(study, tmp_path, options=ALONE, log=quiet)
 
 
-def test_a_journal_that_cannot_be_opened_is_said(tmp_path: Path) -> None:
-    (tmp_path / "cases.jsonl").mkdir()
-    with pytest.raises(InvalidInput, match=r"^Journal .* cannot be read \(Is a directory\)"):
-        run(trouble.study([1]), tmp_path, options=ALONE, log=quiet)
-
-
-def interrupted(running: Process) -> str:
-    """What a run says that a terminal interrupts, which sends the signal to all of its processes."""
+@pytest.mark.whole
+def test_ctrl_c_keeps_what_is_done_and_says_how_to_go_on(start: Start, tmp_path: Path) -> None:
+    running = start(2, 8)
+    wait_for(8, tmp_path, running)
+    # a terminal sends it to all processes of the run
     os.killpg(running.pid, signal.SIGINT)
     out, err = running.communicate()
     assert running.returncode == -signal.SIGINT
     # the script's own traceback, and none of another process
     assert (err.count("Traceback"), err.splitlines()[-1]) == (1, "KeyboardInterrupt")
-    return out
-
-
-@pytest.mark.whole
-def test_ctrl_c_keeps_what_is_done_and_says_how_to_go_on(start: Start, tmp_path: Path) -> None:
-    running = start(tmp_path / "log", 2, 30, 8)
-    wait_until(lambda: journalled(tmp_path) == 8, running)
-    out = interrupted(running)
     assert "8 of 30 cases are stored; run the same command to go on" in out
     status = xr.load_dataset(tmp_path / "trouble.nc")["case_status"].values.tolist()
     assert status == [CaseStatus.OK] * 8 + [CaseStatus.NOT_RUN] * 22
 
 
-@pytest.mark.skipif(METHOD != "forkserver", reason="processes are not forked")
-def test_an_interrupt_while_processes_start_is_shown_by_none(start: Start, tmp_path: Path) -> None:
-    running = start(tmp_path / "log", 2, 30, math.inf)
-    wait_until(lambda: any(map(imports, psutil.Process(running.pid).children())), running)
-    assert "0 of 30 cases are stored" in interrupted(running)
+@dataclass(frozen=True)
+class Forking(Square):
+    def run(self, prepared: float) -> float:
+        if self.number == 10:
+            os.fork()
+        return super().run(prepared)
 
 
-def imports(process: psutil.Process) -> bool:
-    """Whether this is the process that worker processes are forked from, half way through its imports."""
-    try:
-        is_server = "forkserver" in str(process.cmdline())
-        return is_server and any("_multiarray_umath" in part.path for part in process.memory_maps())
-    except psutil.ZombieProcess:
-        return False
+FORKS = """
+import sys
+from pathlib import Path
+from studies.engine.run import run
+from tests.studies.engine.test_crash import ALONE, Forking, trouble
+run(trouble.study_of(Forking, range(8, 28)), Path(sys.argv[1]), options=ALONE)
+"""
+
+
+@pytest.mark.whole
+def test_a_case_that_forks_without_workers_does_not_make_two_runs(tmp_path: Path) -> None:
+    done = python(FORKS, tmp_path)
+    assert (done.returncode, done.stdout.count("wrote")) == (0, 1), done.stderr
+    dataset = xr.load_dataset(tmp_path / "trouble.nc")
+    np.testing.assert_array_equal(dataset["square"], dataset["number"] ** 2)
+    assert journalled(tmp_path) == 20

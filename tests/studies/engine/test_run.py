@@ -1,4 +1,5 @@
-from dataclasses import dataclass
+import re
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -9,22 +10,23 @@ import xarray as xr
 from threadpoolctl import threadpool_info, threadpool_limits
 
 import contactstudy as cs
-from contactstudy.domain.checks import InvalidInput
+from contactstudy import InvalidInput
+from studies.engine import cost, progress
 from studies.engine.cost import estimate_cost
 from studies.engine.options import RunOptions
 from studies.engine.run import run
-from studies.reference.line_contact import HERTZ, SCENE
+from studies.model.outcome import CaseStatus
 from studies.registry import load
-from studies.scene_study.study_of import study_of
 from studies.store.netcdf import read
 from tests.studies.conftest import quiet
 from tests.studies.engine import trouble
-from tests.studies.scene_study.conftest import SMOOTH, given
+from tests.studies.engine.trouble import RAISES, lines
 
-NUMBERS = [
-    "axis_pressure_error", "pressure_error_max", "pressure_error_l1", "half_width_error",
-    "length_variation", "setup_time", "solve_time", "iterations", "convolutions", "residual",
-]  # fmt: skip
+ONE = RunOptions(workers=0, repeats=0)
+AXES = {"padding": "exact,zero", "images": "1", "period": "2.4"}
+
+
+# What is stored
 
 
 @pytest.fixture(scope="module")
@@ -33,7 +35,7 @@ def dataset(small_run: Path) -> xr.Dataset:
 
 
 def test_a_padding_without_images_is_computed_once_and_broadcast(dataset: xr.Dataset) -> None:
-    for name in NUMBERS:  # times too: were the case run twice, they would differ
+    for name in ("pressure_error_l1", "solve_time"):  # times too: were the case run twice, they would differ
         exact = dataset[name].sel(padding="exact")
         assert (exact == exact.isel(images=0)).all()
     superposed = dataset["axis_pressure_error"].sel(padding="superposed", period=0.6, grid=24)
@@ -41,7 +43,7 @@ def test_a_padding_without_images_is_computed_once_and_broadcast(dataset: xr.Dat
 
 
 def test_the_file_says_where_its_numbers_come_from(dataset: xr.Dataset) -> None:
-    for name in ("title", "first_case", "source", "history", "git_revision", "cpu", "timing"):
+    for name in ("title", "git_revision", "cpu", "timing"):
         assert dataset.attrs[name], name
     # the instant of the first run, and its command
     assert datetime.fromisoformat(dataset.attrs["date_created"]).tzinfo == UTC
@@ -50,30 +52,14 @@ def test_the_file_says_where_its_numbers_come_from(dataset: xr.Dataset) -> None:
     assert "LineLoad(per_length=100000.0)" in dataset.attrs["first_case"]
 
 
-def test_stored_errors_are_those_of_a_solve_alone(dataset: xr.Dataset) -> None:
-    grid = cs.Grid((24, 6), (2.4 * HERTZ.half_width, 0.6 * HERTZ.half_width))
-    solution = cs.solve(SCENE.problem(grid, cs.Superposition(images=2)))
-    stored = dataset.sel(padding="superposed", images=2, period=0.6, grid=24)
-    variation = np.ptp(solution.pressure, axis=1).max() / HERTZ.peak_pressure
-    assert stored["length_variation"].item() == pytest.approx(variation, rel=1e-12)
-    assert stored["iterations"].item() == solution.iterations
-    assert stored["convolutions"].item() == solution.convolutions
-
-
 @pytest.mark.whole
 def test_a_case_that_another_study_in_the_folder_has_is_not_computed_again(tmp_path: Path) -> None:
-    axes = {"padding": "exact,zero", "images": "1", "period": "2.4"}
-    lines: list[str] = []
-    first = run(load("padding").override(axes | {"grid": "16,24"}), tmp_path, workers=0, repeats=1)
-    second = run(
-        load("grid").override(axes | {"grid": "16,24,32"}),
-        tmp_path,
-        workers=0,
-        repeats=1,
-        log=lines.append,
-    )
-    assert "grid: 4 cases are stored, 2 to compute" in lines
-    for name in (*NUMBERS, "setup_time_all"):  # to the last bit, and the very same times
+    said: list[str] = []
+    first = run(load("padding").override(AXES | {"grid": "16,24"}), tmp_path, workers=0, repeats=1, log=quiet)
+    other = load("grid").override(AXES | {"grid": "16,24,32"})
+    second = run(other, tmp_path, workers=0, repeats=1, log=said.append)
+    assert "grid: 4 cases are stored, 2 to compute" in said
+    for name in ("pressure_error_l1", "residual", "setup_time_all"):  # to the last bit, and the very same times
         np.testing.assert_array_equal(second[name].isel(grid=[0, 1]), first[name])
     assert np.isfinite(second["solve_time"]).all()
 
@@ -90,73 +76,120 @@ class Threads(trouble.Square):
 def test_a_case_has_one_thread_whatever_the_process_had(tmp_path: Path) -> None:
     study = trouble.study_of(Threads, [1.0], lambda case, result: {"threads": result}, "none")
     with threadpool_limits(2):
+        assert run(study, tmp_path, workers=0, log=quiet)["threads"].values.tolist() == [1]
         assert Threads(0.0).run(0.0) == 2
-        dataset = run(study, tmp_path, workers=0, log=quiet)
-        assert Threads(0.0).run(0.0) == 2
-    assert dataset["threads"].values.tolist() == [1]
 
 
-def test_computations_without_a_plan_are_said_to_be_unknown(tmp_path: Path) -> None:
-    said: list[str] = []
-    found = estimate_cost(trouble.study([1, 2]), tmp_path, options=RunOptions(), log=said.append)
-    assert found is None
-    assert "the time is not known" in said[-1]
-    assert not any(tmp_path.iterdir())
+def test_workers_and_repeats_stand_above_the_options_and_options_are_checked(tmp_path: Path) -> None:
+    dataset = run(trouble.study([1]), tmp_path, options=RunOptions(workers=0), repeats=3, log=quiet)
+    assert dataset.sizes["repeat"] == 3
+    for name, value in (("workers", -1), ("repeats", 1.5), ("retry", ("all",))):
+        with pytest.raises(InvalidInput, match=rf"^RunOptions\.{name}.* is "):
+            RunOptions(**{name: value})
 
 
-def test_the_reason_why_a_scene_has_no_plan_on_the_padding_of_a_case_is_said(
+# What a run says
+
+
+def test_a_run_counts_what_is_stored_what_is_to_compute_and_what_failed(tmp_path: Path) -> None:
+    """Failures are counted where they are requested, in any order of the values."""
+    run(trouble.study([5, RAISES, 1]), tmp_path, options=ONE, log=quiet)
+    for numbers, stored, missing, failed in (([5, RAISES, 1, 4, 6, 8], 3, 3, 1), ([0.5, 5, 4], 2, 1, 0)):
+        said: list[str] = []
+        run(trouble.study(numbers), tmp_path, options=ONE, log=said.append)
+        assert f"trouble: {len(numbers)} points, {len(numbers)} distinct cases" in said
+        assert f"trouble: {stored} cases are stored, {missing} to compute" in said
+        failures = [line for line in said if " failed" in line]
+        assert [line.split()[1:4] for line in failures] == [["1", "of", str(len(numbers))]] * failed
+
+
+def test_a_dry_run_counts_the_timed_runs_that_are_missing_and_judges_many_points_by_some(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def refuse(*_: object, padding: object, **__: object) -> None:
-        raise InvalidInput(f"plan.padding is {padding}: give another.")
-
-    monkeypatch.setattr("contactstudy.plan", refuse)
+    run(trouble.study([1, 2, RAISES]), tmp_path, options=replace(ONE, repeats=1), log=quiet)
     said: list[str] = []
-    study = load("grid").override({"padding": "duplicated", "grid": "16"})
-    assert estimate_cost(study, tmp_path, options=RunOptions(), log=said.append) is None
-    assert said[-1].endswith("failed (InvalidInput: plan.padding is DuplicatedPadding(): give another.)")
+    options = replace(ONE, repeats=3)
+    # two of each good case, three of each that is not computed yet; none of what failed
+    assert estimate_cost(trouble.study([1, 2, RAISES, 4, 5, 6]), tmp_path, options=options, log=said.append) is None
+    assert "6 distinct cases, 3 stored, 3 to compute, 13 timed runs to take" in said[-2]
+    assert "the time is not known: its cases are not scenes on a grid" in said[-1]
+    monkeypatch.setattr(cost, "MANY_POINTS", 10)
+    estimate_cost(trouble.study([10.0 + n for n in range(40)]), tmp_path, options=ONE, log=said.append)
+    assert "40 distinct cases, 0 stored, 40 to compute, 0 timed runs to take" in said[-2]
 
 
 def test_the_time_of_what_is_missing_is_that_of_its_own_plans(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A grid that is computed already, and instants of an evolution."""
-    wear = '[wear]\ncoefficient = 1e-16\nspeed = "1 m/s"\n'
-    steps = "[time_steps]\nend = 1\ninstants = 3\n"
-    (tmp_path / "worn.toml").write_text(SMOOTH + given(24, "0.8 mm") + wear + steps)
-    study, options = (
-        load("grid").override({"padding": "exact", "grid": "16"}),
-        RunOptions(repeats=0),
-    )
-    run(study, tmp_path, options=options, workers=0, log=quiet)
-    assert estimate_cost(study, tmp_path, options=options, log=quiet) == 0
-    worn = study_of(tmp_path / "worn.toml", {"load.per_length": "50,100 N/mm"})
-    planned: list[tuple[int, float]] = []
+    study = load("grid").override({"padding": "duplicated", "grid": "16"})
+    run(study, tmp_path, options=ONE, log=quiet)
+    planned: list[float] = []
     plan = cs.plan
 
     def recorded(scene: cs.Scene, *, grid: cs.Grid, **others: Any) -> Any:
+        if grid.cells[0] > 24:
+            raise InvalidInput(f"plan.padding is {others['padding']}: give another.")
         found = plan(scene, grid=grid, **others)
-        planned.append((grid.cells[0], found.seconds))
+        planned.append(found.seconds)
         return found
 
     monkeypatch.setattr("contactstudy.plan", recorded)
-    for more, cells in ((study.override({"grid": "16,24"}), [24]), (worn, [24, 24])):
-        planned.clear()
-        estimated = estimate_cost(more, tmp_path, options=options, log=quiet)
-        assert [of_case for of_case, _ in planned] == cells
-        assert estimated == pytest.approx(sum(seconds for _, seconds in planned))
-        assert 0 < estimated < np.inf
+    assert estimate_cost(study, tmp_path, options=ONE, log=quiet) == 0
+    assert estimate_cost(study.override({"grid": "16,24"}), tmp_path, options=ONE, log=quiet) == planned[0] > 0
+    assert len(planned) == 1
+    said: list[str] = []
+    assert estimate_cost(study.override({"grid": "32"}), tmp_path, options=ONE, log=said.append) is None
+    assert said[-1].endswith("failed (InvalidInput: plan.padding is DuplicatedPadding(): give another.)")
 
 
-def test_workers_and_repeats_stand_above_the_options_and_options_are_checked(
-    tmp_path: Path,
-) -> None:
-    options = RunOptions(workers=0, repeats=2)
-    dataset = run(trouble.study([1]), tmp_path, options=options, repeats=3, log=quiet)
-    assert dataset.sizes["repeat"] == 3
-    for name, value in (
-        ("workers", -1),
-        ("repeats", 1.5),
-        ("time_limit", 0.0),
-        ("retry", ("all",)),
-    ):
-        with pytest.raises(InvalidInput, match=rf"^RunOptions\.{name}.* is "):
-            RunOptions(**{name: value})
+def test_lines_say_how_many_and_how_long_their_times_will_take(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(progress, "is_terminal", lambda: False)
+    monkeypatch.setattr(progress, "LINE_INTERVAL", 0.0)
+    said: list[str] = []
+    run(trouble.study([1, 2, 4]), tmp_path, options=replace(ONE, repeats=2), log=said.append)
+    shown = [line for line in said if "solving" in line]
+    assert re.fullmatch(r"trouble: solving, 3 of 3 cases in \d\d:\d\d, \d\d:\d\d left, then [\d.]+ s timing", shown[-1])
+
+
+# Times
+
+
+@pytest.mark.whole
+def test_stored_times_are_not_taken_again_unless_asked(tmp_path: Path) -> None:
+    log = tmp_path / "log"
+    study = trouble.study([1.0, 2.0], log=str(log))
+
+    def times(**settings: Any) -> tuple[np.ndarray, int]:
+        before = len(lines(log))
+        data = run(study, tmp_path, options=replace(ONE, **settings), log=quiet)["solve_time_all"].values
+        return data, len(lines(log)) - before
+
+    first, _ = times(repeats=2)
+    again, taken = times(repeats=2)
+    np.testing.assert_array_equal(first, again)
+    assert taken == 0
+    more, taken = times(repeats=3)
+    np.testing.assert_array_equal(first, more[:, :2])
+    assert taken == 2  # what was missing; the process is warm since the first run
+    # by count, for two times may agree to the clock's last digit
+    assert times(repeats=2, retry=("times",))[1] == 2 * 2
+
+
+@dataclass(frozen=True)
+class Once(trouble.Trouble):
+    """A case that can be computed once, if it is that of 2."""
+
+    def run(self, prepared: float) -> float:
+        if self.number == 2 and "2.0" in lines(Path(self.log)):
+            raise ArithmeticError
+        return super().run(prepared)
+
+
+def test_a_case_that_cannot_be_timed_is_given_up_and_the_others_are_timed(tmp_path: Path) -> None:
+    log, said = tmp_path / "log", []
+    study = trouble.study_of(lambda number: Once(number, log=str(log)), [1, 2, 4])
+    dataset = run(study, tmp_path, options=RunOptions(workers=0, repeats=3), log=said.append)
+    assert (dataset["case_status"] == CaseStatus.OK).all()
+    assert dataset["solve_time_all"].notnull().sum("repeat").values.tolist() == [3, 0, 3]
+    assert lines(log)[-6:] == ["1.0", "4.0"] * 3  # in turn
+    assert any("1 case has no times, the first since ArithmeticError" in line for line in said)
+    untimed = run(replace(study, times="none"), tmp_path / "other", options=RunOptions(workers=0), log=quiet)
+    assert "solve_time" not in untimed

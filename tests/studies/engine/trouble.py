@@ -122,3 +122,8 @@ def settings_of(measures: Callable[..., Any], case: Square | None = None) -> byt
 RAISING_LINE = 1 + Path(__file__).read_text(encoding="utf-8").split("\n").index(
     "            raise ArithmeticError(SAYS)"
 )
+
+
+def lines(path: Path) -> list[str]:
+    """Of the log of cases, or of a journal; none before there is one."""
+    return path.read_text(encoding="utf-8").splitlines() if path.exists() else []

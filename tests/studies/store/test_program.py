@@ -97,13 +97,11 @@ def test_an_edit_of_anything_that_computes_is_named_and_nothing_stale_is_used(wo
     for name, old, new, said, values in (
         ("far.py", "2", "3", "since far changed", "[30, 60]"),
         ("kind.py", "pass", "a = 1", "since kind changed", "[30, 60]"),
-        ("deep/inner.py", "exact = 1", "exact = 2", "since deep.inner changed", "[30, 60]"),
         ("table.toml", "10", "20", "since table.toml changed", "[60, 120]"),
-        ("numbers_here.py", "scale", "scale", "2 cases are stored", "[60, 120]"),
         ("numbers_here.py", "result *", "2 * result *", "since numbers_here.py, the study's", "[120, 240]"),
         ("site/distributed_here-1.0.dist-info/METADATA", "n: 1.0", "n: 1.1",
          "since distributed_here 1.0 -> 1.1 changed", "[120, 240]"),
-        ("numbers_here.py", "LOAD = 3.0", "LOAD = 4.0", "load was 3.0 and is 4.0: ", "[120, 240]"),
+        ("numbers_here.py", "LOAD = 3.0", "LOAD = 4.0", "the case at {'number': 1} was another", "[120, 240]"),
     ):  # fmt: skip
         work.edit(name, old, new)
         text = work.run()

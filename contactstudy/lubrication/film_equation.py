@@ -185,26 +185,13 @@ class Linearised:
         residual = self.residual + scaled * self.content_slopes[1] * moved
         pressure[0, 0] = pressure[0, 0] + scaled * stored
         return replace(
-            self,
-            residual=residual,
-            pressure=pressure,
-            thickness=thickness,
-            void=void,
-            inverse_time_step=inverse,
+            self, residual=residual, pressure=pressure, thickness=thickness, void=void, inverse_time_step=inverse
         )
-
-    def change(self, pressure: Array, void: Array, separation: float) -> Array:
-        """Return the change of the balance under changes of pressure, void fraction and separation."""
-        return self.change_with(pressure, void, self.equation.deflection(pressure) + separation)
 
     def change_with(self, pressure: Array, void: Array, thickness: Array) -> Array:
         """Return the change of the balance under changes of pressure, void fraction and thickness (x, y)."""
         changed = np.zeros_like(pressure)
-        for bands, values in (
-            (self.pressure, pressure),
-            (self.thickness, thickness),
-            (self.void, void),
-        ):
+        for bands, values in ((self.pressure, pressure), (self.thickness, thickness), (self.void, void)):
             for offset, coefficient in bands.items():
                 changed += coefficient * neighbour(values, offset)
         return changed
@@ -246,13 +233,7 @@ class FilmEquation:
         fixed[:INLET_CELLS] = fixed[-OUTLET_CELLS:] = True
         return fixed
 
-    def film_of(
-        self,
-        pressure: Array,
-        void: Array,
-        separation: float,
-        asperity_pressure: Array | None = None,
-    ) -> Film:
+    def film_of(self, pressure: Array, void: Array, separation: float, asperity_pressure: Array | None = None) -> Film:
         """Return the film with the thickness that follows from both pressures and the separation.
 
         The asperity pressure (x, y) is zero by default.
@@ -396,10 +377,7 @@ def _poiseuille_flow(upstream: _FaceSide, downstream: _FaceSide, factor: float) 
 
 
 def _balance_along(
-    cells: _FaceSide,
-    factor: float,
-    pressure: dict[tuple[int, int], Array],
-    thickness: dict[tuple[int, int], Array],
+    cells: _FaceSide, factor: float, pressure: dict[tuple[int, int], Array], thickness: dict[tuple[int, int], Array]
 ) -> Array:
     """Return the balance of the flow along the length, and add its derivatives to the bands."""
     along = _poiseuille_flow(cells, cells.next_along(), factor)

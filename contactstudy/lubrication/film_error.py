@@ -8,15 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from contactstudy.domain.errors import (
-    AREA_FLOOR,
-    FLOOR,
-    INLET,
-    MARGIN,
-    ErrorEstimate,
-    ErrorParts,
-    largest_change,
-)
+from contactstudy.domain.errors import AREA_FLOOR, FLOOR, INLET, MARGIN, ErrorEstimate, ErrorParts, largest_change
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings, across_and_along, edge_fraction
 from contactstudy.lubrication.lubricated_contact import FilmSolution
@@ -51,12 +43,7 @@ GROWS = (
     "them, as below a spike of the pressure. Give more cells, or a shear law that thins, such as Eyring()."
 )
 # Outcomes without a film to compare with.
-NO_FILM = (
-    Status.FILM_NOT_CONVERGED,
-    Status.FILM_BELOW_CELL,
-    Status.SEVERAL_FILMS,
-    Status.CONTACT_AT_EDGE,
-)
+NO_FILM = (Status.FILM_NOT_CONVERGED, Status.FILM_BELOW_CELL, Status.SEVERAL_FILMS, Status.CONTACT_AT_EDGE)
 # Cells of the coarsest grid of an estimate, at least.
 MIN_CELLS = 8
 # A second peak of pressure is a spike if it rises from the valley before it by more than SPIKE of the highest pressure.
@@ -71,11 +58,7 @@ STEEP_FALL = 0.3
 
 
 def with_error(
-    scene: Scene,
-    grid: Grid,
-    padding: Padding | Paddings,
-    controls: FilmControls,
-    start: FilmSolution | None,
+    scene: Scene, grid: Grid, padding: Padding | Paddings, controls: FilmControls, start: FilmSolution | None
 ) -> FilmSolution:
     """Return the contact on ``grid`` with an error estimate; each of its grids starts from a coarser one."""
     if (reason := _without_estimate(scene, grid, padding)) is not None:
@@ -151,10 +134,7 @@ def _grids_of_estimate(grid: Grid) -> tuple[Grid, Grid, Grid]:
 
 
 def _compared(
-    contact: FilmSolution,
-    coarsest: FilmSolution,
-    coarse: FilmSolution,
-    longer: FilmSolution,
+    contact: FilmSolution, coarsest: FilmSolution, coarse: FilmSolution, longer: FilmSolution
 ) -> ErrorEstimate:
     """Return the errors of a contact from those on the grids of the estimate."""
     failed = [film for film in (contact, coarse, longer) if film.status in NO_FILM]

@@ -167,10 +167,7 @@ def _controls(posed: PosedFilm, controls: FilmControls) -> tuple[FilmControls, F
         else TUNING.max_active_set_iterations_along,
     )
     film_controls = replace(
-        controls,
-        time_step=TUNING.from_film,
-        viscosity_change=TUNING.change,
-        converged_only=in_plane_strain,
+        controls, time_step=TUNING.from_film, viscosity_change=TUNING.change, converged_only=in_plane_strain
     )
     dry_controls = replace(controls, time_step=TUNING.from_dry)
     if in_plane_strain:

@@ -151,10 +151,7 @@ class PosedFilm:
     @property
     def upstream_reach(self) -> float:
         """How far the dry contact reaches upstream [a], at least one."""
-        return max(
-            1.0,
-            -float(self.problem.grid.x[self.dry_pressure.any(axis=1)][0]) / self.scales.hertz.half_width,
-        )
+        return max(1.0, -float(self.problem.grid.x[self.dry_pressure.any(axis=1)][0]) / self.scales.hertz.half_width)
 
     @property
     def _from_middle(self) -> Array:
@@ -334,17 +331,7 @@ def pose(scene: Scene, grid: Grid, padding: Padding | Paddings, outlet: float = 
     )
     x = grid.x[:rows] / hertz.half_width
     return PosedFilm(
-        equation,
-        deflection,
-        upstream,
-        x,
-        scales,
-        operator_on,
-        problem,
-        displacement,
-        dry_pressure,
-        scales,
-        creep,
+        equation, deflection, upstream, x, scales, operator_on, problem, displacement, dry_pressure, scales, creep
     )
 
 
@@ -475,12 +462,7 @@ def interpolated(values: Array, grid: Grid, x: Array, y: Array) -> Array:
 
 
 def with_minimum_film(
-    equation: FilmEquation,
-    pressure: Array,
-    void: Array,
-    separation: float,
-    lowest: float,
-    contact: Array | None = None,
+    equation: FilmEquation, pressure: Array, void: Array, separation: float, lowest: float, contact: Array | None = None
 ) -> Film:
     """Return the film under ``pressure``, raised to a thickness of at least ``lowest``."""
     film = equation.film_of(pressure, void, separation, contact)

@@ -9,11 +9,7 @@ import numpy as np
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.lubrication.film_equation import INLET_CELLS, OUTLET_CELLS, Film, FilmEquation, Mask
-from contactstudy.lubrication.lubricated_contact import (
-    FilmSolution,
-    ShearedFilm,
-    rise_beside_lowest,
-)
+from contactstudy.lubrication.lubricated_contact import FilmSolution, ShearedFilm, rise_beside_lowest
 from contactstudy.lubrication.mixed import SpeedSteps, from_higher_speeds, other_films, solve_mixed
 from contactstudy.lubrication.newton.pseudo_time import FilmControls, FilmIteration, iterate
 from contactstudy.lubrication.posed_film import (
@@ -137,11 +133,7 @@ def _mixed_film(posed: PosedFilm, controls: FilmControls, before: FilmSolution |
     # on nested grids: on the finest alone it took ten times as long, or did not converge between high places
     alone = _nested(replace(posed, equation=replace(posed.equation, boundary_film=0.0)), controls)
     film = with_minimum_film(
-        posed.equation,
-        alone.film.pressure,
-        alone.film.void,
-        alone.film.separation,
-        posed.equation.boundary_film,
+        posed.equation, alone.film.pressure, alone.film.void, alone.film.separation, posed.equation.boundary_film
     )
     mixed = solve_mixed(posed, controls, (film, alone.cavitated))
     return replace(
@@ -189,11 +181,7 @@ def _from_lower_heights(posed: PosedFilm, controls: FilmControls) -> FilmIterati
         else:
             before = last.film
             film = with_minimum_film(
-                lower.equation,
-                before.pressure,
-                before.void,
-                before.separation,
-                float(before.thickness.min()) / 2,
+                lower.equation, before.pressure, before.void, before.separation, float(before.thickness.min()) / 2
             )
             last = _iterated(lower, film, controls, last.cavitated)
         if not last.converged(controls.tolerance):

@@ -1,5 +1,6 @@
 """The dimensionless contact problem that a solver sees, with its linear map from pressure to displacement."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import inf, prod
@@ -125,6 +126,8 @@ class BareProblem:
         Length of a cell over its width.
     chosen_operations
         Operations on fields; None chooses them by size and device.
+    report
+        Called with each residual and its pressure (x, y) on this grid, not on coarser ones; None for nothing.
     """
 
     undeformed_gap: Array
@@ -133,6 +136,7 @@ class BareProblem:
     control: Control
     aspect_ratio: float = field(default=1.0, kw_only=True)
     chosen_operations: ArrayOperations | None = field(default=None, kw_only=True, repr=False)
+    report: Callable[[float, Array], object] | None = field(default=None, kw_only=True, repr=False)
 
     @cached_property
     def operations(self) -> ArrayOperations:
@@ -177,7 +181,10 @@ class BareProblem:
 
         `gap` is the gap under `pressure`. See :class:`~contactstudy.SolveOptions`.
         """
-        return largest_of(gap.violation, self.control.error(gap.load))
+        residual = largest_of(gap.violation, self.control.error(gap.load))
+        if self.report is not None:
+            self.report(residual, pressure)
+        return residual
 
     def gap(self, pressure: Array, displacement: Array, into: Gap | None = None) -> Gap:
         """Return the gap under a `pressure` that makes this `displacement`, both (x, y).

@@ -201,12 +201,7 @@ class ArrayOperations:
         return ConjugacySums(*sums(of_block, *fields))
 
     def trial(
-        self,
-        pressure: Array,
-        height: Array,
-        direction: Direction,
-        step_length: float,
-        buffer: Array,
+        self, pressure: Array, height: Array, direction: Direction, step_length: float, buffer: Array
     ) -> TrialSums:
         """Write the trial pressure, one step ahead, over that before the last step, which the `buffer` holds."""
         preconditioned, active, shift, beta = direction
@@ -326,12 +321,7 @@ class CompiledOperations(ArrayOperations):
         return ConjugacySums(*rows.sum(axis=1).tolist())
 
     def trial(
-        self,
-        pressure: Array,
-        height: Array,
-        direction: Direction,
-        step_length: float,
-        buffer: Array,
+        self, pressure: Array, height: Array, direction: Direction, step_length: float, buffer: Array
     ) -> TrialSums:
         """Write the trial pressure as :meth:`ArrayOperations.trial` does, and cut tension off at once."""
         fields = pressure, height, *direction, step_length, self._limit, buffer

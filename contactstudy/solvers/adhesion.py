@@ -31,14 +31,7 @@ from contactstudy.problem.constraint import PrescribedLoad
 from contactstudy.problem.problem import Problem
 from contactstudy.solvers.cohesive_law import CohesiveLaw
 from contactstudy.solvers.fixed_point import AndersonMixing
-from contactstudy.solvers.solution import (
-    AdhesiveTraction,
-    Branch,
-    CoupledSolution,
-    Solution,
-    Status,
-    unloaded,
-)
+from contactstudy.solvers.solution import AdhesiveTraction, Branch, CoupledSolution, Solution, Status, unloaded
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 
@@ -137,12 +130,7 @@ class AdhesiveSolver:
         return self.solve_coupled(None, problem, options, start, device)[0]
 
     def solve_coupled(
-        self,
-        inner: InnerSolve | None,
-        problem: Problem,
-        options: SolveOptions,
-        start: Array | None,
-        device: Device,
+        self, inner: InnerSolve | None, problem: Problem, options: SolveOptions, start: Array | None, device: Device
     ) -> tuple[Solution, Any]:
         """Return the solution of :meth:`solve`, and the coupled state of the bodies.
 
@@ -150,11 +138,9 @@ class AdhesiveSolver:
         returned is that of the last contact, empty where `inner` is None; it is None where the bodies came apart,
         because the attraction does not carry the tensile load.
         """
-        first = {
-            Branch.FROM_AFAR: 0.0,
-            Branch.FROM_FULL_CONTACT: self.law.strength,
-            Branch.CONTINUED: self.attraction,
-        }[self.branch]
+        first = {Branch.FROM_AFAR: 0.0, Branch.FROM_FULL_CONTACT: self.law.strength, Branch.CONTINUED: self.attraction}[
+            self.branch
+        ]
         attraction = np.broadcast_to(np.asarray(first), problem.undeformed_gap.shape)
         return OuterIteration(problem, self, options, device, inner).solution(attraction, start)
 
@@ -274,26 +260,14 @@ class OuterIteration:
         return is_exact and change <= allowed * problem.scales.gap and added <= allowed * load
 
     def _frozen(
-        self,
-        attraction: Array,
-        displacement: Array,
-        load: float,
-        start: Array | None,
-        gap_error: float,
+        self, attraction: Array, displacement: Array, load: float, start: Array | None, gap_error: float
     ) -> _State:
         """Return the contact under a frozen `attraction`, which displaces the surface by `displacement`."""
         problem, law = self.problem, self.solver.law
         control = problem.control if load == inf else PrescribedLoad(load)
-        frozen = replace(
-            problem,
-            undeformed_gap=problem.undeformed_gap - displacement,
-            control=control,
-            adhesion=None,
-        )
+        frozen = replace(problem, undeformed_gap=problem.undeformed_gap - displacement, control=control, adhesion=None)
         options = replace(
-            self.options,
-            tolerance=self._inner_tolerance(gap_error),
-            max_iterations=max(self._iterations_left() - 1, 0),
+            self.options, tolerance=self._inner_tolerance(gap_error), max_iterations=max(self._iterations_left() - 1, 0)
         )
         if self.inner is None:
             coupled = CoupledSolution(solve_contact(frozen, options, start, self.device))
@@ -315,15 +289,7 @@ class OuterIteration:
         relative = change / total if total else change
         added_gap = contact.problem.undeformed_gap - frozen.undeformed_gap
         return _State(
-            contact,
-            coupled.state,
-            added_gap,
-            attraction,
-            displacement,
-            updated,
-            relative,
-            energy,
-            remaining_work,
+            contact, coupled.state, added_gap, attraction, displacement, updated, relative, energy, remaining_work
         )
 
     def _ended(self, state: _State) -> tuple[Solution, Any]:

@@ -2,36 +2,10 @@
 
 from dataclasses import dataclass
 from math import pi
-from typing import Protocol
 
 import numpy as np
 
 from contactstudy.domain.fields import Array
-
-
-class CohesiveLaw(Protocol):
-    """Attraction between two surfaces as a function of their gap, which it falls with."""
-
-    @property
-    def work(self) -> float:
-        """Work of adhesion [J/m^2]."""
-
-    @property
-    def range(self) -> float:
-        """Work of adhesion over the largest traction [m]."""
-
-    @property
-    def strength(self) -> float:
-        """Largest traction [Pa], that of surfaces in contact."""
-
-    def traction(self, gap: Array) -> Array:
-        """Return the traction [Pa] at a `gap` [m]."""
-
-    def slope(self, gap: Array) -> Array:
-        """Return by how much the traction falls with the `gap` [m]: ``-d traction / d gap`` [Pa/m]."""
-
-    def remaining_work(self, gap: Array) -> Array:
-        """Return the work [J/m^2] to separate surfaces from a `gap` [m]: the integral of the traction beyond it."""
 
 
 def zone_length(modulus: float, work: float, strength: float) -> float:
@@ -134,3 +108,7 @@ class Dugdale:
     def _remaining(self, gap: Array) -> Array:
         """Return the distance to the gap without traction, over the range."""
         return np.asarray(1 + self.ramp - gap / self.range)
+
+
+# Attraction between two surfaces as a function of their gap, which it falls with.
+CohesiveLaw = Exponential | Dugdale

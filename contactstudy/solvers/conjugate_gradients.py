@@ -110,12 +110,7 @@ class PolonskyKeer:
     patience: int = 400
 
     def iterate(
-        self,
-        problem: BareProblem,
-        *,
-        tolerance: float,
-        max_iterations: int,
-        start: Array | None = None,
+        self, problem: BareProblem, *, tolerance: float, max_iterations: int, start: Array | None = None
     ) -> Iterate:
         """Return the state where ``problem.should_stop`` at this `tolerance`, at `max_iterations` or at a stall."""
         xp, constraint = arrays(), problem.constraint
@@ -443,12 +438,7 @@ class PreconditionedCG:
     patience: int = 40
 
     def iterate(
-        self,
-        problem: BareProblem,
-        *,
-        tolerance: float,
-        max_iterations: int,
-        start: Array | None = None,
+        self, problem: BareProblem, *, tolerance: float, max_iterations: int, start: Array | None = None
     ) -> Iterate:
         """Return the state where ``problem.should_stop`` at this `tolerance`, at `max_iterations` or at a stall."""
         last = self._descend(problem, start, tolerance, max_iterations)
@@ -456,10 +446,7 @@ class PreconditionedCG:
         if ended or last.iterations == max_iterations:
             return last
         following = PolonskyKeer().iterate(
-            problem,
-            tolerance=tolerance,
-            max_iterations=max_iterations - last.iterations,
-            start=last.pressure,
+            problem, tolerance=tolerance, max_iterations=max_iterations - last.iterations, start=last.pressure
         )
         better = min(last, following, key=lambda iterate: iterate.residual)
         return replace(
@@ -491,12 +478,7 @@ class PreconditionedCG:
         return fine, last.convolutions * coarse.operator.transform_size / problem.operator.transform_size
 
     def _descend(
-        self,
-        problem: BareProblem,
-        start: Array | None,
-        tolerance: float,
-        max_iterations: int,
-        reduction: float = 0.0,
+        self, problem: BareProblem, start: Array | None, tolerance: float, max_iterations: int, reduction: float = 0.0
     ) -> Iterate:
         """Return the state in which the iteration from `start`, or from coarser grids, ends or stalls.
 

@@ -412,12 +412,7 @@ class _State:
 
 
 def _mapped_state(
-    bodies: YieldingBodies,
-    solution: Solution,
-    strain: Array,
-    strain_n: Array,
-    equivalent_n: Array,
-    outer_stress: Array,
+    bodies: YieldingBodies, solution: Solution, strain: Array, strain_n: Array, equivalent_n: Array, outer_stress: Array
 ) -> _State:
     """Return the state of a plastic `strain` (C, cells) with the contact `solution` over its residual displacement."""
     reduction = bodies.negative_residual_stress(strain)

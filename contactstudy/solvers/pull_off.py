@@ -79,10 +79,5 @@ class PullOffSearch:
             first_unstable_load=first_unstable * to_load_per_length if first_unstable > -inf else None,
         )
         return replace(
-            last_stable,
-            status=status,
-            note=note,
-            iterations=iterations,
-            convolutions=convolutions,
-            adhesion=part,
+            last_stable, status=status, note=note, iterations=iterations, convolutions=convolutions, adhesion=part
         )

@@ -1,7 +1,7 @@
 """Solve a contact problem: its options, its checks, and the solution with its status."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from math import inf
 from typing import Annotated, ClassVar, Literal, Protocol, runtime_checkable
 
@@ -15,7 +15,7 @@ from contactstudy.domain.units import Number, readable
 from contactstudy.domain.validation import ABOVE_ZERO, Example, at_least, validated
 from contactstudy.elasticity.convolution import Convolution
 from contactstudy.problem.bare_problem import BareProblem
-from contactstudy.problem.constraint import Compressive, Gap, HardnessLimited, scaled_in_double, yielded
+from contactstudy.problem.constraint import Compressive, HardnessLimited, scaled_in_double, yielded
 from contactstudy.problem.memory import refuse_on, refuse_solve
 from contactstudy.problem.problem import Problem
 from contactstudy.solvers.conjugate_gradients import Iterate, PreconditionedCG
@@ -30,12 +30,7 @@ class Solver(Protocol):
     """
 
     def iterate(
-        self,
-        problem: BareProblem,
-        *,
-        tolerance: float,
-        max_iterations: int,
-        start: Array | None = None,
+        self, problem: BareProblem, *, tolerance: float, max_iterations: int, start: Array | None = None
     ) -> Iterate:
         """Return the last iterate, at the latest after `max_iterations`.
 
@@ -247,29 +242,12 @@ class ReportingSolver:
     solver: Solver = field(default_factory=PreconditionedCG)
 
     def iterate(
-        self,
-        problem: BareProblem,
-        *,
-        tolerance: float,
-        max_iterations: int,
-        start: Array | None = None,
+        self, problem: BareProblem, *, tolerance: float, max_iterations: int, start: Array | None = None
     ) -> Iterate:
         """Iterate as `solver` does, and report each residual."""
-        reporting = _ReportingProblem(
-            **{part.name: getattr(problem, part.name) for part in fields(BareProblem)},
-            report=self.report,
-        )
+
+        def report(residual: float, pressure: Array) -> None:
+            self.report(residual, device_in_use().to_numpy(pressure))
+
+        reporting = replace(problem, report=report)
         return self.solver.iterate(reporting, tolerance=tolerance, max_iterations=max_iterations, start=start)
-
-
-@dataclass(frozen=True, eq=False)
-class _ReportingProblem(BareProblem):
-    """Problem that reports each residual to `report`."""
-
-    report: Report = field(kw_only=True)
-
-    def residual(self, pressure: Array, gap: Gap) -> float:
-        """Return the dimensionless residual, once it has been reported."""
-        residual = super().residual(pressure, gap)
-        self.report(residual, device_in_use().to_numpy(pressure))
-        return residual

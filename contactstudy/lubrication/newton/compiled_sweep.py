@@ -8,12 +8,7 @@ from contactstudy.domain.loops.compiled import exact
 
 @exact
 def sweep(
-    diagonal: Array,
-    previous: Array,
-    following: Array,
-    upstream: Array,
-    second_upstream: Array,
-    right: Array,
+    diagonal: Array, previous: Array, following: Array, upstream: Array, second_upstream: Array, right: Array
 ) -> Array:
     """Return the solution (x, y) of one downstream sweep of line Gauss-Seidel, with periodic lines along y.
 

@@ -44,7 +44,7 @@ class DirectSolver:
         # prescribed changes: pressures and voids that vanish
         pressure = np.where(cavitated, -film.pressure[:, 0], 0.0)
         void = np.where(cavitated, 0.0, -film.void[:, 0])
-        change = linear.change(pressure[:, None], void[:, None], 0.0)
+        change = linear.change_with(pressure[:, None], void[:, None], equation.deflection(pressure[:, None]))
         balance = -(linear.residual + change)[:, 0]
         load_residual -= width * pressure.sum()
         touching_cells = np.flatnonzero(active.touching)

@@ -114,11 +114,7 @@ def _by_factors(coefficient: Callable[[int, int], Array], shape: tuple[int, ...]
 
 
 def _coefficient(
-    linear: Linearised,
-    cavitated: Mask,
-    touching: Mask,
-    offset: tuple[int, int],
-    elasticity: tuple[float, float],
+    linear: Linearised, cavitated: Mask, touching: Mask, offset: tuple[int, int], elasticity: tuple[float, float]
 ) -> Array:
     """Return the coefficient (x, y) of the neighbour at ``offset``, of its void fraction where it is cavitated.
 
@@ -349,9 +345,7 @@ class StepSystem:
         if np.linalg.norm(missing) > norm:  # a start worse than none
             start, missing = np.zeros_like(start), right
         system = LinearOperator(
-            (right.size, right.size),
-            matvec=lambda values: self.product(self.preconditioned(values)),
-            dtype=float,
+            (right.size, right.size), matvec=lambda values: self.product(self.preconditioned(values)), dtype=float
         )
         solution, _ = gmres(
             system, missing, rtol=0.0, atol=tolerance * norm, restart=TUNING.basis, maxiter=TUNING.restarts,
@@ -412,11 +406,7 @@ class FourierStage:
         bordered[:nx, nx] = by_separation
         bordered[nx, :nx] = equation.cell[0] * solved.mean(axis=1)
         bordered[:nx] /= scale[0][:, None]
-        return cls(
-            np.linalg.inv(bordered),
-            np.linalg.inv(matrices[1:] / scale[1:, :, None]),
-            scale,
-        )
+        return cls(np.linalg.inv(bordered), np.linalg.inv(matrices[1:] / scale[1:, :, None]), scale)
 
     def solve(self, right: Array, load: float) -> tuple[Array, float]:
         """Return pressure (x, y) and separation for the right-hand side of cells and of the load."""

@@ -293,9 +293,7 @@ def _step_of_active_sets(
     """Return a step in pseudo-time whose active sets are corrected until they hold, recur, or at the limit."""
     film, next_active, iterations = last.film, last.active, 0
     linear = last.linear.with_time_step(
-        1 / time_step,
-        _height_off_boundary(last.linear.equation, film),
-        _artificial_storage(last),
+        1 / time_step, _height_off_boundary(last.linear.equation, film), _artificial_storage(last)
     )
     load_residual = last.linear.equation.load_residual(film)
     # near the solution every cell counts
@@ -366,10 +364,7 @@ def _corrected_active_sets(last: FilmIteration, active: ActiveSets, change: Film
     low = film.thickness + _change_of_thickness(equation, change) < equation.boundary_film * (
         1 - TUNING.contact_tolerance
     )
-    return ActiveSets(
-        cavitated,
-        np.where(active.touching, film.asperity_pressure + change.asperity_pressure > 0, low),
-    )
+    return ActiveSets(cavitated, np.where(active.touching, film.asperity_pressure + change.asperity_pressure > 0, low))
 
 
 def _change_of_thickness(equation: FilmEquation, change: FilmCorrection) -> Array:

@@ -81,10 +81,7 @@ class FrictionSet:
             # derivative of a cell: the identity within, cut (1 - e e^T) where it slips, e = (u, v) / distance
             slipping = (distance > r) * cut / farther**2
             diagonal, across = float(cut.sum()) + ridge, slipping * u
-            xx, xy = (
-                diagonal - float(np.einsum("i,i->", across, u)),
-                -float(np.einsum("i,i->", across, v)),
-            )
+            xx, xy = (diagonal - float(np.einsum("i,i->", across, u)), -float(np.einsum("i,i->", across, v)))
             yy = diagonal - float(np.einsum("i,i->", slipping * v, v))
             matrix = np.where(np.outer(prescribed, prescribed), [[xx, xy], [xy, yy]], np.eye(2))
             direction = np.linalg.solve(matrix, residual)

@@ -242,37 +242,26 @@ def norm(values: Array) -> float:
     return sqrt(float(np.einsum("cn,cn->", values, values)))
 
 
-def gmres(apply: Callable[[Array], Array], rhs: Array, tolerance: float, max_vectors: int) -> list[float]:
+def gmres(apply: Callable[[Array], Array], rhs: Array, tolerance: float, max_vectors: int) -> Array:
     """Return the weights of the Krylov vectors that minimise the residual of ``apply(x) = rhs``: GMRES.
 
     Vector i is the i-th argument of `apply`. The residual is at most `tolerance` times the norm of `rhs`, unless
     `max_vectors` do not suffice. Every vector is orthogonal to those before it, so that a caller who keeps what it made
     of them needs no further application. Source: Saad & Schultz (1986).
     """
-    size = norm(rhs)
-    basis = [rhs / size]
-    columns: list[Array] = []
-    rotations: list[tuple[float, float]] = []
-    reduced = [size]
-    while len(columns) < max(max_vectors, 1) and abs(reduced[-1]) > tolerance * size:
+    size, most = norm(rhs), max(max_vectors, 1)
+    basis, hessenberg = [rhs / size], np.zeros((most + 1, most))
+    target = np.zeros(most + 1)
+    target[0] = size
+    for count in range(1, most + 1):
         vector = apply(basis[-1])
-        entries = np.empty(len(basis) + 1)
         for row, basis_vector in enumerate(basis):
-            entries[row] = np.einsum("cn,cn->", basis_vector, vector)
-            vector = vector - entries[row] * basis_vector
-        entries[-1] = norm(vector)
-        basis.append(vector / (entries[-1] or 1.0))
-        for row, (cosine, sine) in enumerate(rotations):
-            above, below = entries[row : row + 2]
-            entries[row : row + 2] = cosine * above + sine * below, cosine * below - sine * above
-        above, below = entries[-2:]
-        length = float(np.hypot(above, below)) or np.finfo(float).tiny
-        cosine, sine = above / length, below / length
-        rotations.append((cosine, sine))
-        columns.append(np.append(entries[:-2], length))
-        reduced[-1:] = [cosine * reduced[-1], -sine * reduced[-1]]
-    weights = [0.0] * len(columns)
-    for row in range(len(columns) - 1, -1, -1):
-        known_part = sum(columns[n][row] * weights[n] for n in range(row + 1, len(columns)))
-        weights[row] = float((reduced[row] - known_part) / columns[row][row])
+            hessenberg[row, count - 1] = np.einsum("cn,cn->", basis_vector, vector)
+            vector = vector - hessenberg[row, count - 1] * basis_vector
+        length = hessenberg[count, count - 1] = norm(vector)
+        basis.append(vector / (length or 1.0))
+        reduced = hessenberg[: count + 1, :count]
+        weights = np.linalg.lstsq(reduced, target[: count + 1], rcond=None)[0]
+        if np.linalg.norm(target[: count + 1] - reduced @ weights) <= tolerance * size:
+            break
     return weights

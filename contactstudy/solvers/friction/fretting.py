@@ -134,12 +134,7 @@ def slip_step(
         rigid, slip = displacement, slip - displacement[:, None]
     shear = newton.project(shear)
     return SlipStep(
-        newton.field(shear),
-        newton.field(slip),
-        rigid,
-        newton.sticks(shear, slip),
-        residual,
-        newton.applications + 1,
+        newton.field(shear), newton.field(slip), rigid, newton.sticks(shear, slip), residual, newton.applications + 1
     )
 
 

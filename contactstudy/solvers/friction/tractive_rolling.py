@@ -30,12 +30,7 @@ from contactstudy.solvers.fixed_point import solve_by_fixed_point_iteration
 from contactstudy.solvers.friction.coulomb import RollingSlip
 from contactstudy.solvers.friction.coulomb_newton import CoulombNewton, shear_status
 from contactstudy.solvers.friction.fretting import transmission_status
-from contactstudy.solvers.friction.traction import (
-    UNKNOWN,
-    Creepage,
-    RollingErrors,
-    RollingTraction,
-)
+from contactstudy.solvers.friction.traction import UNKNOWN, Creepage, RollingErrors, RollingTraction
 from contactstudy.solvers.solution import Solution, TangentialTraction, with_traction
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
@@ -261,12 +256,7 @@ class SteadyShear:
 
 
 def _steady(
-    newton: CoulombNewton,
-    creepage: Creepage,
-    free_slip: Array,
-    shear: Array,
-    tolerance: float,
-    max_applications: int,
+    newton: CoulombNewton, creepage: Creepage, free_slip: Array, shear: Array, tolerance: float, max_applications: int
 ) -> SteadyShear:
     """Return the steady state on one grid, with the longitudinal creepage that a given force asks for.
 

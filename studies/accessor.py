@@ -1,4 +1,4 @@
-"""Accessor ``dataset.study`` of a stored study (``import studies.accessor``): convergence, cost, tables, figures."""
+"""Accessor ``dataset.study`` of a stored study (``import studies.accessor``): convergence, cost, tables."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,17 +8,15 @@ import numpy as np
 import xarray as xr
 from scipy.stats import linregress
 
-from contactstudy import InvalidInput, NotDefined
+from contactstudy import InvalidInput
 from contactstudy.domain.notebook import InNotebook
 from studies.advice.verdict import pareto_front
 from studies.model.axis import one_of
 from studies.model.outcome import CaseStatus
 from studies.reference.line_contact import total_time
-from studies.registry import BUILT_IN, load_drawing
 
 if TYPE_CHECKING:
     import pandas as pd
-    from matplotlib.figure import Figure
 
 
 # Rows and columns of a table in a notebook.
@@ -96,15 +94,6 @@ class StudyAccessor(InNotebook):
             remedy = "no point has an error and a time; run the study with times"
             raise InvalidInput(f"{error} is nowhere below {at_most:g}: {remedy if table.empty else least}.")
         return good.loc[good["cost"].idxmin()]
-
-    def plot(self) -> "list[Figure]":
-        """Return the figures of the built-in study whose dataset this is."""
-        name = self._dataset.attrs.get("study")
-        if name not in BUILT_IN:
-            raise NotDefined(
-                f"The dataset's attribute 'study' is {name!r}: only a dataset of a built-in study has figures."
-            )
-        return [drawn.figure for drawn in load_drawing(str(name)).figure(self._dataset)]
 
     def table(self, variables: Sequence[str] = ()) -> "pd.DataFrame":
         """Return a row for every point, with the axes and `variables`; all that have no further dimension if empty."""

@@ -9,9 +9,8 @@ from __future__ import annotations
 
 import importlib
 import os
-import re
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
@@ -30,7 +29,7 @@ from studies.model.study import Study
 from studies.store.program import content, look
 
 if TYPE_CHECKING:
-    import xarray as xr
+    pass
 
 # Studies by family.
 FAMILIES = {
@@ -103,22 +102,7 @@ def load_drawing(name: str, plot: Sequence[str] = ()) -> Drawing:
     if not has_own_figures(name):
         return default_drawing(plot)
     part = _file_module(name) if name.endswith(".py") else _part("studies.report.drawings", name)
-    functions = (getattr(part, key, no_items) for key in ("figure", "findings", "tables"))
-    return Drawing(*(partial(_items, draw, Path(name).stem) for draw in functions))
-
-
-def _items(draw: Callable[[xr.Dataset], Any], name: str, dataset: xr.Dataset) -> Any:
-    """Return what `draw` makes of the dataset of a study; raise InvalidInput if the dataset lacks a variable for it."""
-    try:
-        return draw(dataset)
-    except KeyError as error:
-        missing = re.match(r"No variable named '(\w+)'", str(error.args[0]))
-        if missing is None:
-            raise
-        raise InvalidInput(
-            f"Study {name!r} is stored without the variable {missing[1]!r}, which its figures or findings need: "
-            "run the study again, with measures that give it and, for times, with --repeats 1."
-        ) from None
+    return Drawing(*(getattr(part, key, no_items) for key in ("figure", "findings", "tables")))
 
 
 def default_drawing(plot: Sequence[str]) -> Drawing:

@@ -1,8 +1,8 @@
 """L1 error of the pressure of a case against a reference."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
-from functools import lru_cache
+from dataclasses import replace
+from functools import lru_cache, partial
 from math import isfinite
 
 import numpy as np
@@ -62,21 +62,14 @@ def against(study: Study, axis: str, value: Value) -> Study:
     """Return the study of a scene with errors against the value of an axis, at which it has none."""
     return replace(
         study,
-        case_at=_WithReference(study.case_at, axis, value),
+        case_at=partial(_with_reference, study.case_at, axis, value),
         attributes={**study.attributes, "reference": f"{axis}={value}"},
     )
 
 
-@dataclass(frozen=True, eq=False)
-class _WithReference:
-    """Function of a point that returns its case, with that at a value of an axis as its reference."""
-
-    case_at: Callable[[Point], Computation]
-    axis: str
-    value: Value
-
-    def __call__(self, point: Point) -> Computation:
-        case, reference = self.case_at(point), self.case_at({**point, self.axis: self.value})
-        assert isinstance(case, Case)
-        assert isinstance(reference, Case)
-        return case if case == reference else replace(case, reference=reference)
+def _with_reference(case_at: Callable[[Point], Computation], axis: str, value: Value, point: Point) -> Computation:
+    """Return the case at a point, with that at a value of an axis as its reference."""
+    case, reference = case_at(point), case_at({**point, axis: value})
+    assert isinstance(case, Case)
+    assert isinstance(reference, Case)
+    return case if case == reference else replace(case, reference=reference)

@@ -260,12 +260,8 @@ def _surfaces(given: object, folder: Path) -> list[Any]:
     items: Any = given.split(",") if isinstance(given, str) else given
     surfaces: list[Any] = []
     for item in items if isinstance(items, Iterable) else [items]:
-        if isinstance(item, MeasuredSurface):
+        if not isinstance(item, str | Path):
             surfaces.append(item)
-        elif not isinstance(item, str | Path):
-            # containers of the package SurfaceTopography hold several
-            is_one = hasattr(item, "shape") or hasattr(item, "heights")
-            surfaces += [item] if is_one or not hasattr(item, "__iter__") else item
         else:
             # relative to the working directory, then to the scene; not Path.glob, which has no absolute patterns
             paths = [str(base / str(item).strip()) for base in (Path(), folder)]
@@ -279,27 +275,12 @@ def _surfaces(given: object, folder: Path) -> list[Any]:
     return surfaces
 
 
-@dataclass(frozen=True, eq=False)
-class VariedScenes:
-    """Axes of a study, and the scene at each of their points.
+def varied_scenes(
+    raw: Table, groups: Sequence[Mapping[str, object]], folder: Path, source: str
+) -> tuple[tuple[Axis, ...], dict[tuple[Value, ...], SceneFile], tuple[str, ...]]:
+    """Return the axes of groups of keys, the scenes by the values of these, and notes on keys that change together.
 
-    Attributes
-    ----------
-    axes
-        One for each group of keys that change together; that of the load is the last.
-    points
-        Scenes by the values of the axes.
-    notes
-        Sentences on axes along which several keys change.
-    """
-
-    axes: tuple[Axis, ...]
-    points: Mapping[tuple[Value, ...], SceneFile]
-    notes: tuple[str, ...] = ()
-
-
-def varied_scenes(raw: Table, groups: Sequence[Mapping[str, object]], folder: Path, source: str) -> VariedScenes:
-    """Return the axes of groups of keys with their values, and the scene at every point.
+    The axis of the load is the last.
 
     Parameters
     ----------
@@ -337,7 +318,7 @@ def varied_scenes(raw: Table, groups: Sequence[Mapping[str, object]], folder: Pa
         if names.count(name) > 1:
             raise InvalidInput(f"{name} is varied twice: write all its values in one list.")
     surfaces: dict[object, Any] = {}
-    points = {}
+    points: dict[tuple[Value, ...], SceneFile] = {}
     for index, document in documents.items():
         if all(j in found for j, found in zip(index, labels, strict=True)):
             point = tuple(found[j] for j, found in zip(index, labels, strict=True))
@@ -353,7 +334,7 @@ def varied_scenes(raw: Table, groups: Sequence[Mapping[str, object]], folder: Pa
         for k, (axis, group) in enumerate(zip(axes, keys, strict=True))
         if len(group) > 1
     ]
-    return VariedScenes(tuple(axes), points, tuple(notes))
+    return tuple(axes), points, tuple(notes)
 
 
 def with_other_values(

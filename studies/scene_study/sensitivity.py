@@ -3,6 +3,7 @@
 import json
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, is_dataclass
+from functools import partial
 from math import copysign, isfinite
 from os import PathLike
 from pathlib import Path
@@ -24,7 +25,7 @@ from studies.model.plain_text import Log
 from studies.model.study import Study
 from studies.scene_study.document import at, replaced, with_surfaces
 from studies.scene_study.measures import measures
-from studies.scene_study.study_of import SceneAt, on_shared_grids, read_tables
+from studies.scene_study.study_of import case_at, on_shared_grids, read_tables
 
 # What a number of the scene is: lowered, as it is in the file, or raised.
 LOWERED, GIVEN, RAISED = SIDES = ("lowered", "as given", "raised")
@@ -112,7 +113,7 @@ def sensitivity_study(scene: Scene | SceneFile | str | PathLike[str]) -> Study:
         name,
         f"{name}: each number of the scene lowered and raised",
         axes,
-        SceneAt(("number", "side"), cases),
+        partial(case_at, ("number", "side"), cases),
         measures,
         times="none",
         notes=notes,

@@ -1,7 +1,8 @@
 """A study of a scene: its fields that vary, its cases, and the grids that they share."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from functools import partial
 from os import PathLike
 from pathlib import Path
 
@@ -15,7 +16,6 @@ from contactstudy.domain.grid import cells_text
 from contactstudy.domain.units import readable
 from contactstudy.io.scene_files.scene_writer import scene_text
 from contactstudy.planning.grid_requirements import (
-    GridRequirements,
     grid_requirements,
     halvable_count,
     measured_length_scales,
@@ -55,7 +55,10 @@ def on_shared_grids(points: Sequence[SceneFile]) -> tuple[list[Case], tuple[str,
     groups: dict[object, list[int]] = {}
     for number, point in enumerate(points):
         settings = point.plan_settings if point.grid is None else None
-        groups.setdefault((settings, point.grid, _own_length(point)), []).append(number)
+        # each roller of its own length is planned alone, but for one random surface on all
+        is_random = any(isinstance(shape, Roughness) for shape in point.scene.shapes)
+        length = None if is_random else point.scene.roller_length
+        groups.setdefault((settings, point.grid, length), []).append(number)
     grids: dict[int, cs.Grid] = {}
     for numbers in groups.values():
         chosen, about = _shared([points[number] for number in numbers])
@@ -66,6 +69,7 @@ def on_shared_grids(points: Sequence[SceneFile]) -> tuple[list[Case], tuple[str,
     if any(isinstance(shape, Roughness) and shape.extent is None for shape in shapes):
         notes.append(DIFFERENT_SURFACES if extent is None else _extent_note(extent))
     placed = [_case_on(point, grids[number], extent) for number, point in enumerate(points)]
+    _check(placed)
     return placed, tuple(dict.fromkeys(notes))
 
 
@@ -89,42 +93,23 @@ def _case_on(point: SceneFile, grid: cs.Grid, extent: tuple[float, float] | None
 
     Where the file gives its grid and no error, none is requested, and each step goes from one instant to the next.
     """
-    shapes = tuple(
-        replace(shape, extent=extent)
-        if isinstance(shape, Roughness) and shape.extent is None and extent is not None
-        else shape
-        for shape in point.scene.shapes
-    )
-    for number, shape in enumerate(shapes):
-        _check(f"Scene.shapes[{number}]", shape, grid)
-    padding = point.padding or grid_requirements(point.scene).padding()
-    scene = replace(point.scene, shapes=shapes)
+    scene = with_random_extents(point.scene, extent) if extent else point.scene
+    padding = point.padding or grid_requirements(scene).padding()
     steps = point.time_steps if scene.method.takes_times else None
     error = point.plan_settings.error or (DEFAULT_ERROR if point.grid is None else None)
     return Case(scene, grid, padding, point.options, steps, error)
 
 
-def _check(name: str, shape: object, grid: cs.Grid) -> None:
-    """Raise InvalidInput if `grid` cannot hold a surface that has a size."""
-    if isinstance(shape, Roughness) and shape.extent is not None and shape.rms:
-        whole_quotient(f"{name}.extent[1]", shape.extent[1], grid.length)
-    if not isinstance(shape, MeasuredSurface) or shape.extent is None:
-        return
-    width, length = shape.extent
-    if grid.extent[0] > width * (1 + 1e-9):
-        raise InvalidInput(
-            f"{name} is {readable(width)} wide, and the grid {readable(grid.extent[0])}: give a grid no wider than "
-            "the surface."
-        )
-    period = shape.seam.lengths * length
-    if grid.length > period * (1 + 1e-9) and grid.cells[1] > 1:
-        whole_quotient(f"The period of {name}", period, grid.length)
-
-
-def _own_length(point: SceneFile) -> float | None:
-    """Return the length of the roller of a point, for which it is planned; None of one with a random surface."""
-    is_random = any(isinstance(shape, Roughness) for shape in point.scene.shapes)
-    return None if is_random else point.scene.roller_length
+def _check(cases: Sequence[Case]) -> None:
+    """Raise InvalidInput if the grid of a case cannot hold a surface that has a size."""
+    kinds = Roughness, MeasuredSurface
+    pairs = [(shape, case.grid) for case in cases for shape in case.scene.shapes if isinstance(shape, kinds)]
+    for shape, grid in dict.fromkeys(pairs):
+        if isinstance(shape, MeasuredSurface):
+            nx, ny = grid.cells
+            shape.gap(grid if shape.extent is None else replace(grid, cells=(min(nx, 4), min(ny, 4))))
+        elif shape.extent is not None and shape.rms:
+            whole_quotient("Roughness.extent[1]", shape.extent[1], grid.length)
 
 
 def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:
@@ -142,7 +127,9 @@ def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:
         note = "each film has its own grid, because inlet length and cell size depend on the film thickness"
         return [_planned_grid(point) for point in points], [note]
     requirements = [grid_requirements(point.scene) for point in points]
-    planned = _planned(points, requirements)
+    by_width = sorted(range(len(points)), key=lambda number: requirements[number].half_width)
+    step = 1 if len(points) <= MAX_PLANNED else len(points) // (MAX_PLANNED - 1)
+    planned = [_planned_grid(points[number]) for number in dict.fromkeys([*by_width[::step], by_width[-1]])]
     width = max(grid.extent[0] for grid in planned)
     periods = {grid.length for grid in planned}
     measured = [
@@ -167,24 +154,16 @@ def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:
     varying = [grid for grid in planned if grid.cells[1] > 1]
     along = max((halvable_count(period / grid.cell_size[1]) for grid in varying), default=1)
     finest = cs.Grid((across, along), (width, period))
-    grid = _fitting(finest, first)
+    padding = first.padding or requirements[0].padding()
+    grid = within_memory(finest, padding, MEMORY_FRACTION * available_bytes())
     if grid != finest:
-        needed = memory(finest, first.padding or requirements[0].padding())
         notes.append(
-            f"the common grid would need {across} x {along} cells and {needed / 1e9:.3g} GB, "
-            f"and this machine has {available_bytes() / 1e9:.3g} GB: it is the finest that fits; give "
+            f"the common grid would need {across} x {along} cells and {memory(finest, padding) / 1e9:.3g} GB, and "
+            f"this machine has {available_bytes() / 1e9:.3g} GB: it is the finest that fits; give "
             "fewer values, a larger plan.error, or a grid"
         )
     shared = f"grid {_size_text(grid)}, planned once for {counted(len(points), 'point')}"
     return [grid] * len(points), [shared, *notes]
-
-
-def _planned(points: Sequence[SceneFile], requirements: Sequence[GridRequirements]) -> list[cs.Grid]:
-    """Return the planned grids of points, of many points those of some that are spread over the widths."""
-    by_width = sorted(range(len(points)), key=lambda number: requirements[number].half_width)
-    step = 1 if len(points) <= MAX_PLANNED else len(points) // (MAX_PLANNED - 1)
-    chosen = dict.fromkeys([*by_width[::step], by_width[-1]])
-    return [_planned_grid(points[number]) for number in chosen]
 
 
 def _planned_grid(point: SceneFile) -> cs.Grid:
@@ -196,12 +175,6 @@ def _planned_grid(point: SceneFile) -> cs.Grid:
     if isinstance(error, float):
         error = {PRESSURE: error}
     return replace(point, plan_settings=replace(settings, error=error)).plan().grid
-
-
-def _fitting(grid: cs.Grid, point: SceneFile) -> cs.Grid:
-    """Return `grid`, or the finest grid of its extent that the machine's memory holds."""
-    padding = point.padding or grid_requirements(point.scene).padding()
-    return within_memory(grid, padding, MEMORY_FRACTION * available_bytes())
 
 
 def _common_extent(extents: Sequence[tuple[float, float]]) -> tuple[float, float] | None:
@@ -259,10 +232,10 @@ def study_of(
             f'{source} has nothing to vary: give a field and its values, such as load.per_length = "50 N/mm,100 N/mm", '
             "in a table [vary] of the file, with --vary or with vary; contactstudy solve takes a scene as it is."
         )
-    found = varied_scenes(raw, groups, Path(folder or Path(source).parent), source)
-    files = list(found.points.values())
+    axes, points, together = varied_scenes(raw, groups, Path(folder or Path(source).parent), source)
+    files = list(points.values())
     placed, notes = on_shared_grids(files)
-    cases = dict(zip(found.points, placed, strict=True))
+    cases = dict(zip(points, placed, strict=True))
     digests = {
         tuple(shape.digest for shape in file.scene.shapes if isinstance(shape, MeasuredSurface)) for file in files
     }
@@ -271,12 +244,12 @@ def study_of(
     name = name or (f"{Path(source).stem}-sweep" if isinstance(scene, str | PathLike) else source)
     return Study(
         name,
-        f"{name}: {', '.join(axis.long_name for axis in found.axes)}",
-        found.axes,
-        SceneAt(tuple(axis.name for axis in found.axes), cases),
+        f"{name}: {', '.join(axis.long_name for axis in axes)}",
+        axes,
+        partial(case_at, [axis.name for axis in axes], cases),
         measures,
         times="none",
-        notes=(*notes, *surfaces, *found.notes),
+        notes=(*notes, *surfaces, *together),
         attributes={
             "scene": f"# {', '.join(path for group in groups for path in group)} vary along the axes; here they have "
             f"the values of the scene that is varied.\n{text}"
@@ -287,24 +260,17 @@ def study_of(
 def axes_of(path: Path, vary: Mapping[str, object] | None = None) -> tuple[Axis, ...]:
     """Return the axes of what a scene file varies, or of `vary` alone, without planning any grid."""
     raw, groups, _, source = read_tables(path)
-    return varied_scenes(raw, groups if vary is None else [vary], path.parent, source).axes
+    return varied_scenes(raw, groups if vary is None else [vary], path.parent, source)[0]
 
 
-@dataclass(frozen=True, eq=False)
-class SceneAt:
-    """Function of a point that returns its case."""
-
-    names: tuple[str, ...]
-    cases: Mapping[tuple[Value, ...], Computation]
-
-    def __call__(self, point: Point) -> Computation:
-        """Return the case at a point; raise InvalidInput for one that the study does not have."""
-        values = tuple(point[name] for name in self.names)
-        if values not in self.cases:
-            raise InvalidInput(
-                f"The point {dict(point)!r} is not one of the study: give its values when the study is made."
-            )
-        return self.cases[values]
+def case_at(names: Sequence[str], cases: Mapping[tuple[Value, ...], Computation], point: Point) -> Computation:
+    """Return the case at a point of the axes with these names; raise InvalidInput for one that the study lacks."""
+    values = tuple(point[name] for name in names)
+    if values not in cases:
+        raise InvalidInput(
+            f"The point {dict(point)!r} is not one of the study: give its values when the study is made."
+        )
+    return cases[values]
 
 
 def read_tables(

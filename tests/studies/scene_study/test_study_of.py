@@ -188,7 +188,7 @@ def test_a_common_grid_is_no_wider_than_the_narrowest_measured_surface(smooth: P
     assert {case.grid.extent[0] for case in scenes(study)} == {2.25e-4}
     assert "but a measured surface is 225 µm wide" in " ".join(study.notes)
     wide = cs.SceneFile(rough, grid=cs.Grid((32, 32), (4e-3, 1e-4)))
-    with pytest.raises(cs.InvalidInput, match="no wider than the surface"):
+    with pytest.raises(cs.InvalidInput, match="no wider than that"):
         studies.study_of(wide, {"load.per_length": [1e4, 2e4]})
 
 

@@ -31,9 +31,7 @@ from contactstudy.io.scene_files.scene_schema import (
 from contactstudy.io.scene_files.scene_writer import scene_text
 from contactstudy.io.scene_files.structuring import likely_units, structured, with_cycles
 from contactstudy.planning.grid_requirements import grid_of_waves
-from contactstudy.planning.plan import plan_grid
 from contactstudy.planning.planned import Plan
-from contactstudy.problem.problem import Problem
 from contactstudy.scene.loads.constant_load import ConstantLoad, TotalLoad
 from contactstudy.scene.loads.load_history import ChangingLoad
 from contactstudy.scene.scene import Scene
@@ -104,13 +102,6 @@ class SceneFile(InNotebook):
             "times": None if self.time_steps == TimeSteps() else self.time_steps,
         }
 
-    def problem(self) -> Problem:
-        """Return the problem on the grid and with the padding of the file, or of the plan where it has none."""
-        if self.grid is not None and self.padding is not None:
-            return self.scene.problem(self.grid, self.padding)
-        planned = plan_grid(self.scene, **self._plan_arguments)
-        return self.scene.problem(planned.grid, planned.padding)
-
     def solve(self, **keywords: Any) -> "Contact | LubricatedContact | Evolution":
         """Solve the scene where and as the file says; `keywords` as for :func:`~contactstudy.solve`."""
         return solve(self.scene, **(self._plan_arguments | {"options": self.options} | keywords))
@@ -170,8 +161,6 @@ def document_from(raw: Mapping[str, Any], source: str) -> SceneDocument:
         raw = _with_named_errors(with_cycles(with_materials(raw)))
     except InvalidInput as error:
         raise InvalidInput(f"{source}: {error}") from error
-    if "evolve" in raw:
-        raise InvalidInput(f"{source}: [evolve] is named [time_steps] now: rename the table.")
     return structured(raw, SceneDocument, KINDS, source)
 
 
@@ -254,15 +243,7 @@ def scene_file_from(document: SceneDocument, folder: Path = Path()) -> SceneFile
         if document.padding is None:
             raise InvalidInput("padding_across is given without padding: give the one along the length too.")
         padding = document.padding_across, document.padding
-    return SceneFile(
-        scene,
-        document.plan,
-        document.solve,
-        document.grid,
-        padding,
-        document.time_steps,
-        doubts=doubts,
-    )
+    return SceneFile(scene, document.plan, document.solve, document.grid, padding, document.time_steps, doubts=doubts)
 
 
 def _missing_quotes(text: str, error: str) -> str:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from math import inf, isclose, isfinite, prod
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any, cast, overload
 
 from numpy.typing import ArrayLike
 
@@ -18,15 +18,7 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings, on_cells
 from contactstudy.domain.validation import checked_errors
 from contactstudy.problem.problem import Problem
-from contactstudy.progress import (
-    Progress,
-    of_changes,
-    of_film_steps,
-    of_grids,
-    of_iterations,
-    of_passes,
-    of_time,
-)
+from contactstudy.progress import Progress, of_changes, of_film_steps, of_grids, of_iterations, of_passes, of_time
 from contactstudy.scene import methods
 from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.scene.solids.bodies import is_layered, yields
@@ -246,11 +238,6 @@ class _Request:
         return planned.grid, planned.padding
 
     @property
-    def _report_time(self) -> Callable[[float, float], None] | None:
-        """Function of the time since the start and that of the whole [s]; None without `progress`."""
-        return self.progress and of_time(self.progress)
-
-    @property
     def steps(self) -> "TimeSteps":
         """Instants to record and how steps are taken."""
         from contactstudy.evolution.time_steps import TimeSteps
@@ -279,12 +266,10 @@ class _Request:
         """Solve a static contact."""
         from contactstudy.planning.grid_requirements import measured_length_scales
 
-        requested = self.requested
         at_own_points = self.error is None or self.scene.hertz is None
         on_own_points = at_own_points and measured_length_scales(self.scene) is not None
         if self.grid is not None or on_own_points or belongs_to_grid(self.scene):
-            problem = self.scene.problem(*self.planned())
-            return replace(self.solve_problem(problem), requested=requested)
+            return replace(self.solve_problem(self.scene.problem(*self.planned())), requested=self.requested)
         from contactstudy.planning.refinement import solve_to  # only where the grid is chosen
 
         target = self.target
@@ -299,7 +284,7 @@ class _Request:
             device=self.device,
             progress=self.progress and of_grids(self.progress, target),
         )
-        answer = contact_answer(refined.solution, estimate=refined.estimate, requested=requested)
+        answer = contact_answer(refined.solution, estimate=refined.estimate, requested=self.requested)
         posed = refined.solution.problem.description  # with the extent of random surfaces
         assert isinstance(posed, PosedScene)
 
@@ -308,8 +293,7 @@ class _Request:
             problem = posed.scene.problem(grid, posed.padding)
             return contact_answer(solve_contact(problem, self.options, start, self.device))
 
-        kept: Contact = self._with_numbers(answer, solve_on)
-        return kept
+        return cast(Contact, self._refined(answer, solve_on, by_pressure=0))
 
     def steady_rolling(self) -> Contact:
         """Solve a contact that rolls steadily."""
@@ -322,11 +306,7 @@ class _Request:
                 return replace(solve_on(halved_grid(grid, level)), is_coarse=True)
 
             rolling = solve_rolling(
-                self.scene,
-                grid,
-                padding,
-                options=self.options,
-                progress=self.progress and of_changes(self.progress),
+                self.scene, grid, padding, options=self.options, progress=self.progress and of_changes(self.progress)
             )
             return contact_answer(rolling.solution, rolling=rolling, coarser=coarser)
 
@@ -341,11 +321,7 @@ class _Request:
 
         grid, padding = self.planned()
         rolled = roll_repeatedly(
-            self.scene,
-            grid,
-            padding,
-            options=self.options,
-            progress=self.progress and of_passes(self.progress),
+            self.scene, grid, padding, options=self.options, progress=self.progress and of_passes(self.progress)
         )
         return passes_answer(rolled, self.requested)
 
@@ -390,7 +366,7 @@ class _Request:
             if level:
                 scene = with_random_extents(scene, first.extent)
             else:
-                arguments["progress"] = self._report_time
+                arguments["progress"] = self.progress and of_time(self.progress)
                 if self.folder is not None:  # frames of a finer grid beside those before
                     finer = "" if grid == first else "{} x {} cells".format(*grid.cells)
                     arguments["folder"] = Path(self.folder, finer)
@@ -479,30 +455,24 @@ class _Request:
         from contactstudy.answers.evolution import films_answer
         from contactstudy.evolution.evolve_lubricated import evolve_lubricated
 
-        step, error = self.steps.step, self._error_of_a_step
-        tolerance = self.options.tolerance
-        if step is None:
-            return self._followed(evolve_lubricated, films_answer, error, tolerance=tolerance)
-        return self._followed(evolve_lubricated, films_answer, step=step, tolerance=tolerance)
+        step, tolerance = self.steps.step, self.options.tolerance
+        error = self._error_of_a_step if step is None else None
+        return self._followed(evolve_lubricated, films_answer, error, step=step, tolerance=tolerance)
 
-    def _refined(self, answer: Any, solve_on: Callable[[Grid], Any]) -> Any:
-        """Solve again on finer grids until the bounds of the answer meet the requested error, where that is possible."""
+    def _refined(self, answer: Any, solve_on: Callable[[Grid], Any], by_pressure: int = REFINEMENTS) -> Any:
+        """Solve again on finer grids until the bounds of the answer meet the request, where that is possible.
+
+        At most as many times `by_pressure`, and then for the numbers whose bounds are above the request.
+        """
         target = self.target
-        assert target is not None
-        for _ in range(REFINEMENTS):
-            grid = next_grid(answer.grid, answer.error.l1.by_cause, target)
-            if grid is None:
-                break
-            answer = replace(solve_on(grid), requested=answer.requested)
-        return self._with_numbers(answer, solve_on)
-
-    def _with_numbers(self, answer: Any, solve_on: Callable[[Grid], Any]) -> Any:
-        """Solve again on finer grids for the numbers whose bounds are above the request, within the work for them."""
-        for _ in range(REFINEMENTS_OF_NUMBERS):
-            grid = grid_for_numbers(answer, is_default=self.error is None)
-            if grid is None:
-                break
-            answer = replace(solve_on(grid), requested=answer.requested)
+        assert target is not None  # it has a default without a grid
+        for number in range(by_pressure + REFINEMENTS_OF_NUMBERS):
+            if number < by_pressure:
+                grid = next_grid(answer.grid, answer.error.l1.by_cause, target)
+            else:
+                grid = grid_for_numbers(answer, is_default=self.error is None)
+            if grid is not None:
+                answer = replace(solve_on(grid), requested=answer.requested)
         return answer
 
 

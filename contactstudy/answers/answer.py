@@ -9,12 +9,7 @@ from math import inf, isfinite
 from typing import TYPE_CHECKING
 
 from contactstudy.accuracy.error_terms import IMAGES_REMEDY
-from contactstudy.answers.judgement import (
-    Judged,
-    finer_grid,
-    judged_numbers,
-    without_bound,
-)
+from contactstudy.answers.judgement import Judged, finer_grid, judged_numbers, without_bound
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.errors import PRESSURE, ErrorEstimate, ErrorParts, Request
 from contactstudy.domain.grid import Grid, Padding, Paddings, cells_text

@@ -175,9 +175,7 @@ class Contact(Answer, Solution):
         assert isinstance(posed, PosedScene)
         alone = replace(posed.scene, outputs=(posed.scene.outputs[number],))
         problem = replace(
-            self.problem,
-            outputs=(self.problem.outputs[number],),
-            description=replace(posed, scene=alone),
+            self.problem, outputs=(self.problem.outputs[number],), description=replace(posed, scene=alone)
         )
         return replace(self, problem=problem)
 
@@ -274,7 +272,4 @@ class Contact(Answer, Solution):
 
 def contact_answer(solution: Solution, **further_fields: Any) -> Contact:
     """Return `solution` as an answer, with `further_fields` of :class:`Contact`."""
-    return Contact(
-        **{field.name: getattr(solution, field.name) for field in fields(Solution)},
-        **further_fields,
-    )
+    return Contact(**{field.name: getattr(solution, field.name) for field in fields(Solution)}, **further_fields)

@@ -25,20 +25,11 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings, edge_fraction
 from contactstudy.domain.imports import needed_for
 from contactstudy.domain.units import readable
-from contactstudy.io.quantities.evolution_quantities import (
-    cycle_quantities,
-    evolution_quantities,
-    passes_quantities,
-)
+from contactstudy.io.quantities.evolution_quantities import cycle_quantities, evolution_quantities, passes_quantities
 from contactstudy.io.quantities.quantity import NO_ESTIMATE, Quantities, Quantity
 from contactstudy.problem.problem import DependsOnStrain, Field
 from contactstudy.scene.scene import PosedScene, Scene
-from contactstudy.scene.shapes_source import (
-    left_out,
-    shortest_wavelengths,
-    standing_heights,
-    unresolved,
-)
+from contactstudy.scene.shapes_source import left_out, shortest_wavelengths, standing_heights, unresolved
 from contactstudy.solvers.solution import Counts, Status, worst
 
 if TYPE_CHECKING:

@@ -269,11 +269,7 @@ def _read_holder(descriptor: int) -> dict[str, object] | None:
     """Return process, machine and time from the open lock file; None for a new file."""
     try:
         signed = json.loads(read_at(descriptor, 1000, 0))
-        return {
-            "pid": int(signed["pid"]),
-            "host": str(signed["host"]),
-            "since": str(signed["since"]),
-        }
+        return {"pid": int(signed["pid"]), "host": str(signed["host"]), "since": str(signed["since"])}
     except (OSError, ValueError, KeyError, TypeError):
         return None
 

@@ -166,14 +166,7 @@ def in_si(field: str, value: object, unit: Unit) -> float:
         if unit.symbol == "Hz" and "radian" in dict(parsed.to_root_units().unit_items()):
             parsed /= registry.turn  # cycles per second, as of rpm
         return float(parsed.to(unit.symbol).magnitude)
-    except (
-        pint.PintError,
-        ArithmeticError,
-        LookupError,
-        ValueError,
-        TypeError,
-        AttributeError,
-    ) as error:
+    except (pint.PintError, ArithmeticError, LookupError, ValueError, TypeError, AttributeError) as error:
         raise InvalidInput(f"{field} is {value!r}: {remedy}.") from error
 
 

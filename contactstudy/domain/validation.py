@@ -7,17 +7,7 @@ from importlib import import_module
 from math import inf
 from numbers import Integral, Real
 from types import NoneType, UnionType
-from typing import (
-    Annotated,
-    Any,
-    Literal,
-    TypeVar,
-    Union,
-    dataclass_transform,
-    get_args,
-    get_origin,
-    get_type_hints,
-)
+from typing import Annotated, Any, Literal, TypeVar, Union, dataclass_transform, get_args, get_origin, get_type_hints
 
 from contactstudy.domain.checks import InvalidInput, UnknownField, parameters, suggestion
 from contactstudy.domain.units import Unit, in_si, remedy_of

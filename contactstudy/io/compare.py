@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-# Largest number of differing keys of two scenes that are listed.
-MAX_LISTED = 12
 # Relative differences up to this are rounding, and are not printed.
 ROUNDING = 1e-9
 
@@ -75,11 +73,8 @@ class Comparison:
         for name, ratio in self.quantities.items():
             lines += [f"{name}: {100 * ratio:+.3g} %"] * (abs(ratio) > ROUNDING)
         if self.time is not None:
-            instant = f"at {self.time:.6g} s, the instant of the highest pressure of the first"
-            lines.insert(0, instant)
-        omitted = len(self.differing) - MAX_LISTED
-        lines += [f"scenes differ in {text}" for text in self.differing[:MAX_LISTED]]
-        return "\n".join(lines + [f"... and in {omitted} more keys"] * (omitted > 0))
+            lines.insert(0, f"at {self.time:.6g} s, the instant of the highest pressure of the first")
+        return "\n".join(lines + [f"scenes differ in {text}" for text in self.differing])
 
     def plot(self) -> "Figure":
         """Draw the difference as a map, and both pressures across the place where it is largest."""
@@ -128,9 +123,8 @@ def compare(a: Any, b: Any) -> Comparison:
     change = p_b - p_a
     centres = (x[1:] + x[:-1]) / 2, (y[1:] + y[:-1]) / 2
     index = np.unravel_index(int(np.abs(change).argmax()), change.shape)
-    films = "film" in first or "film" in second
     areas = [
-        np.nan if films else float(((_resampled(one["pressure"].values, *edges, x, y) > 0) * area).sum())
+        np.nan if "film" in one else float(((_resampled(one["pressure"].values, *edges, x, y) > 0) * area).sum())
         for one, edges in ((first, (x_a, y_a)), (second, (x_b, y_b)))
     ]
     loads = [float((p * area).sum()) for p in (p_a, p_b)]
@@ -224,27 +218,8 @@ def _check_kinds(first: Mapping[str, object], second: Mapping[str, object]) -> N
 
 def _differing(first: Mapping[str, object], second: Mapping[str, object]) -> tuple[str, ...]:
     """Return a sentence for each key of two scenes that differs."""
-    keys = [key for key in {**first, **second} if first.get(key) != second.get(key)]
-    if not first or not second:
-        return ()
-    return tuple(
-        f"{key}: {_value_text(first.get(key))} and {_value_text(second.get(key))}{_end_drops(key, first, second)}"
-        for key in keys
-    )
-
-
-def _end_drops(key: str, *scenes: Mapping[str, object]) -> str:
-    """Return the drops at the ends of crowns whose radius has this key; empty for another key."""
-    shape = key.removesuffix(".radius")
-    crowns = [(scene.get(key), scene.get(f"{shape}.length")) for scene in scenes]
-    if any(scene.get(f"{shape}.kind") != "Crown" for scene in scenes):
-        return ""
-    drops = [
-        readable(length**2 / (8 * radius))
-        for radius, length in crowns
-        if isinstance(radius, float) and isinstance(length, float)
-    ]
-    return f", which are end drops of {' and '.join(drops)}" if len(drops) == 2 else ""
+    keys = [key for key in {**first, **second} if first.get(key) != second.get(key)] if first and second else []
+    return tuple(f"{key}: {_value_text(first.get(key))} and {_value_text(second.get(key))}" for key in keys)
 
 
 def _value_text(value: object) -> str:

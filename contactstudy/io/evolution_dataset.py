@@ -125,11 +125,7 @@ def passes_dataset(rolling: "RepeatedRolling") -> xr.Dataset:
             "window_residual_stress": labelled(window, stress, "Pa", unloaded),
         },
         coords={
-            "pass_number": (
-                "pass_number",
-                np.arange(1, len(passes) + 1),
-                {"long_name": "number of the pass"},
-            ),
+            "pass_number": ("pass_number", np.arange(1, len(passes) + 1), {"long_name": "number of the pass"}),
             "component": ("component", list(COMPONENTS)),
             "z": ("z", volume.depths, Z),
             "x": ("x", volume.grid.x, X),

@@ -22,12 +22,7 @@ from contactstudy.domain.files import NO_LOCK_ERRORS, lock_descriptor, open_desc
 Loop = TypeVar("Loop", bound=Callable[..., Any])
 
 # Loops over blocks of 2 x 2 cells of a field, between two rows of blocks.
-OVER_BLOCKS = (
-    "block_means",
-    "block_means_transposed",
-    "interpolated_outside",
-    "interpolated_outside_transposed",
-)
+OVER_BLOCKS = ("block_means", "block_means_transposed", "interpolated_outside", "interpolated_outside_transposed")
 # All loops, for those who count what is compiled.
 LOOPS: list[Any] = []
 # Sums may be reordered and the sign of a zero may be lost; nan and inf keep their meaning.

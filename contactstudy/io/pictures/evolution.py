@@ -174,11 +174,7 @@ def _residual(ax: Axes, evolved: xr.Dataset, name: str) -> None:
     depth = next(str(dimension) for dimension in stress.dims if str(dimension).startswith("z"))
     length, length_unit = display_unit_of(evolved["x"], "m")
     factor, pressure_unit = display_unit_of(abs(stress), "Pa")
-    for component, direction, color in (
-        ("xx", "across", BLUE),
-        ("yy", "along", GREEN),
-        ("zz", "in depth", RED),
-    ):
+    for component, direction, color in (("xx", "across", BLUE), ("yy", "along", GREEN), ("zz", "in depth", RED)):
         values = stress.sel(component=component) / factor
         ax.plot(values, evolved[depth] / length, color=color, label=direction)
     of = str(evolved[STRAIN + name.removeprefix(STRESS)].attrs["long_name"]).partition(" of ")[2]
@@ -208,11 +204,7 @@ def _map(ax: Axes, evolved: xr.Dataset) -> None:
 
 def _numbers(ax: Axes, evolved: xr.Dataset) -> None:
     """Draw load, peak pressure and contact area over their largest values."""
-    for name, color in (
-        ("load", "#595959"),
-        ("peak_pressure", BLUE),
-        ("contact_area", GREEN),
-    ):
+    for name, color in (("load", "#595959"), ("peak_pressure", BLUE), ("contact_area", GREEN)):
         values = evolved[name]
         largest = float(values.max()) or 1.0
         label = f"{values.attrs['long_name']} over {readable(largest, values.attrs['units'], 3)}"

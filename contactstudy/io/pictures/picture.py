@@ -4,11 +4,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from contactstudy.io.pictures.contact import contact_picture, film_picture
-from contactstudy.io.pictures.evolution import (
-    evolution_picture,
-    film_evolution_picture,
-    passes_picture,
-)
+from contactstudy.io.pictures.evolution import evolution_picture, film_evolution_picture, passes_picture
 
 # Variables and dimensions that a dataset has, and what draws it; the first that fits.
 PICTURES = (

@@ -15,11 +15,7 @@ from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.fields import Array
 from contactstudy.domain.units import readable
 from contactstudy.io.quantities.quantity import Quantity, per_length, roller_length, with_bound
-from contactstudy.io.quantities.stress_quantities import (
-    fall_beside,
-    largest_place,
-    stress_quantities,
-)
+from contactstudy.io.quantities.stress_quantities import fall_beside, largest_place, stress_quantities
 from contactstudy.io.quantities.traction_quantities import (
     fretting_quantities,
     rolling_traction_quantities,
@@ -100,10 +96,7 @@ OF_PARTS: Mapping[type, Callable[..., dict[str, Quantity]]] = {
 
 
 def contact_quantities(
-    solution: Solution,
-    estimate: ErrorEstimate,
-    derived: Mapping[str, Field],
-    rolling: "SteadyRolling | None" = None,
+    solution: Solution, estimate: ErrorEstimate, derived: Mapping[str, Field], rolling: "SteadyRolling | None" = None
 ) -> dict[str, Quantity]:
     """Return the quantities of a dry contact and of the effects that its scene names; none without a finite pressure.
 
@@ -123,11 +116,7 @@ def contact_quantities(
     pressure, grid = solution.net_pressure, solution.problem.grid
     if not np.isfinite(pressure).all():
         return {}
-    scene, touching, fallback_reasons = (
-        scene_of(solution.problem),
-        solution.pressure > 0,
-        estimate.warnings,
-    )
+    scene, touching, fallback_reasons = (scene_of(solution.problem), solution.pressure > 0, estimate.warnings)
     posed = solution.problem.description
     length = roller_length(posed if isinstance(posed, PosedScene) else None)
     paddings = solution.problem.paddings

@@ -165,10 +165,7 @@ def _final(last: Mapping[str, Quantity]) -> dict[str, Quantity]:
 
 
 def _of_wear(
-    fields: Mapping[str, Field],
-    frames: Sequence[Mapping[str, Quantity]],
-    posed: PosedScene,
-    error: ErrorParts,
+    fields: Mapping[str, Field], frames: Sequence[Mapping[str, Quantity]], posed: PosedScene, error: ErrorParts
 ) -> dict[str, Quantity]:
     """Return the wear volume, around all of a body that turns, and the largest wear depth.
 
@@ -187,17 +184,10 @@ def _of_wear(
     if "friction_energy" in fields or "frictional_power" in last or "central_film" in last:
         of_volume = of_depth = None
     volume = per_length(
-        float(worn.sum() * grid.cell_area * around),
-        "m3",
-        "wear volume",
-        roller_length(posed),
-        grid.length,
+        float(worn.sum() * grid.cell_area * around), "m3", "wear volume", roller_length(posed), grid.length
     )
     depth = Quantity(float(worn.max()), "m", "largest wear depth")
-    return {
-        "wear_volume": with_bound(volume, of_volume),
-        "largest_wear_depth": with_bound(depth, of_depth),
-    }
+    return {"wear_volume": with_bound(volume, of_volume), "largest_wear_depth": with_bound(depth, of_depth)}
 
 
 def _of_slip(fields: Mapping[str, Field], posed: PosedScene) -> dict[str, Quantity]:
@@ -205,10 +195,7 @@ def _of_slip(fields: Mapping[str, Field], posed: PosedScene) -> dict[str, Quanti
     energy = float(fields["friction_energy"].values.sum() * posed.grid.cell_area)
     dissipated = per_length(energy, "J", "energy lost to friction", roller_length(posed), posed.grid.length)
     slid = float(fields["slip_distance"].values.max())
-    return {
-        "friction_energy": dissipated,
-        "largest_slip": Quantity(slid, "m", "largest distance slipped"),
-    }
+    return {"friction_energy": dissipated, "largest_slip": Quantity(slid, "m", "largest distance slipped")}
 
 
 def _of_dents(fields: Mapping[str, Field]) -> dict[str, Quantity]:

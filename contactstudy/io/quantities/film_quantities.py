@@ -1,8 +1,9 @@
 """Quantities of a lubricated contact."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 from math import pi
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -23,82 +24,76 @@ ISOTHERMAL = ", isothermal"
 OF_HEATED_INLET = "No bound: the factor of the heated inlet is that of a formula."
 
 
+# Attribute of a film, unit and label by the name of each number: of any film, on asperities, and heated.
+NUMBERS = {
+    "central_film": ("central_film", "m", "central film thickness"),
+    "minimum_film": ("minimum_film", "m", "minimum film thickness"),
+    "peak_pressure": ("peak_pressure", "Pa", "peak pressure"),
+    "friction_coefficient": ("friction", "1", "friction force over load"),
+    "power_loss": ("power_loss", "W m-1", "power lost per length"),
+    "rolling_resistance": ("rolling_resistance", "1", "coefficient of rolling resistance"),
+    "sliding_loss": ("sliding_loss", "W m-1", "power lost by sliding per length"),
+    "load_per_length": ("load_per_length", "N m-1", "load per length"),
+}
+ON_ASPERITIES = {
+    "contact_load_fraction": ("contact_load_fraction", "1", "fraction of the load on asperities"),
+    "contact_area_ratio": ("contact_area_ratio", "1", "real contact area over Hertz's contact area"),
+}
+OF_HEAT = {
+    "flash_temperature": ("flash_temperature", "K", "largest temperature rise of a surface"),
+    "film_temperature": ("film_temperature", "K", "load-weighted mean temperature rise of the film"),
+}
+
+
 def film_quantities(contact: "FilmSolution", estimate: ErrorEstimate) -> dict[str, Quantity]:
     """Return the quantities of a lubricated contact with the `estimate` of its errors."""
-    scales, fallback_reasons = contact.scales, estimate.warnings
-    quantities = {
-        "central_film": Quantity(contact.central_film, "m", "central film thickness", detail=ISOTHERMAL),
-        "minimum_film": Quantity(
-            contact.minimum_film, "m", "minimum film thickness", detail=ISOTHERMAL,
-            position=contact.minimum_film_position if contact.grid.cells[1] > 1 else None,
-        ),
-        "peak_pressure": Quantity(contact.peak_pressure, "Pa", "peak pressure"),
-        "friction_coefficient": Quantity(
-            contact.friction, "1", "friction force over load", detail=_of_friction(scales.lubrication)
-        ),
-        "power_loss": Quantity(contact.power_loss, "W m-1", "power lost per length"),
-        "rolling_resistance": Quantity(
-            contact.rolling_resistance, "1", "coefficient of rolling resistance"
-        ),
-        "sliding_loss": Quantity(
-            contact.sliding_loss, "W m-1", "power lost by sliding per length"
-        ),
-        "load_per_length": with_bound(
-            Quantity(contact.load_per_length, "N m-1", "load per length"),
-            ErrorParts(residual=contact.residual),
-        ),
+    scales, motion = contact.scales, contact.scales.lubrication
+
+    def read(numbers: Mapping[str, tuple[str, str, str]], **fields: Any) -> dict[str, Quantity]:
+        return {
+            name: Quantity(getattr(contact, attribute), unit, label, **fields)
+            for name, (attribute, unit, label) in numbers.items()
+        }
+
+    quantities = read(NUMBERS)
+    details = {"central_film": ISOTHERMAL, "minimum_film": ISOTHERMAL, "friction_coefficient": _of_friction(motion)}
+    quantities |= {name: replace(quantities[name], detail=detail) for name, detail in details.items()}
+    if contact.grid.cells[1] > 1:
+        position = contact.minimum_film_position
+        quantities["minimum_film"] = replace(quantities["minimum_film"], position=position)
+    compressible = not isinstance(motion.lubricant.density, ConstantDensity)
+    quantities |= {
         "load_parameter": Quantity(scales.load_parameter, "1", "Moes' M", 0.0, ""),
         "viscosity_parameter": Quantity(scales.viscosity_parameter, "1", "Moes' L", 0.0, ""),
         "moes_film": Quantity(
             scales.expected_film * scales.film, "m", "central film thickness by Moes", reason=FORMULA,
-            detail="" if isinstance(scales.lubrication.lubricant.density, ConstantDensity) else " (incompressible)",
+            detail=" (incompressible)" * compressible,
         ),
         **_of_formulas(contact),
         **_lambda_ratio(contact),
     }  # fmt: skip
-    if scales.lubrication.supply is not None:
+    if motion.supply is not None:
         quantities["meniscus"] = Quantity(contact.meniscus, "m", "position of the inlet meniscus")
     if contact.contact_pressure is not None:
-        quantities["contact_load_fraction"] = Quantity(
-            contact.contact_load_fraction,
-            "1",
-            "fraction of the load on asperities",
-            is_fraction=True,
-        )
-        quantities["contact_area_ratio"] = Quantity(
-            contact.contact_area_ratio,
-            "1",
-            "real contact area over Hertz's contact area",
-            is_fraction=True,
-        )
-    if (temperatures := contact.temperatures) is not None:
-        quantities["flash_temperature"] = Quantity(
-            contact.flash_temperature, "K", "largest temperature rise of a surface"
-        )
-        quantities["film_temperature"] = Quantity(
-            contact.film_temperature, "K", "load-weighted mean temperature rise of the film"
-        )
-        quantities["thermal_reduction"] = Quantity(
-            temperatures.reduction, "1", "film with a heated inlet over the isothermal one"
-        )
-        quantities["heated_film"] = Quantity(
-            temperatures.reduction * contact.central_film,
-            "m",
-            "central film thickness with a heated inlet",
-            reason=OF_HEATED_INLET,
-        )
+        quantities |= read(ON_ASPERITIES, is_fraction=True)
+    if contact.temperatures is not None:
+        reduction, label = contact.temperatures.reduction, "central film thickness with a heated inlet"
+        quantities |= read(OF_HEAT) | {
+            "thermal_reduction": Quantity(reduction, "1", "film with a heated inlet over the isothermal one"),
+            "heated_film": Quantity(reduction * contact.central_film, "m", label, reason=OF_HEATED_INLET),
+        }
     paddings = across_and_along(contact.padding)
     quantities |= stress_quantities(contact.scene, contact.derived, contact.grid, estimate, paddings)
-    errors = dict(estimate) | dict(estimate.numbers)
+    errors = {"load_per_length": ErrorParts(residual=contact.residual)} | dict(estimate) | dict(estimate.numbers)
     if "lambda_ratio" in quantities and quantities["lambda_ratio"].reason != OF_HEATED_INLET:
         errors["lambda_ratio"] = errors["central_film"]
     # the loss by sliding is that of the friction, at a known speed
     if "friction_coefficient" in errors:
-        slides = scales.lubrication.slide_roll_ratio
+        slides = motion.slide_roll_ratio
         if not (slides or contact.friction):
             errors["friction_coefficient"] = ErrorParts()
         errors["sliding_loss"] = errors["friction_coefficient"] if slides else ErrorParts()
-    return {name: with_bound(quantity, errors.get(name), fallback_reasons) for name, quantity in quantities.items()}
+    return {name: with_bound(quantity, errors.get(name), estimate.warnings) for name, quantity in quantities.items()}
 
 
 def _of_friction(motion: "Lubrication") -> str:

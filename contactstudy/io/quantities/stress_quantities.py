@@ -8,11 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from contactstudy.accuracy.estimate import (
-    interface_shear,
-    unbounded_by_peak,
-    unresolved_interface,
-)
+from contactstudy.accuracy.estimate import interface_shear, unbounded_by_peak, unresolved_interface
 from contactstudy.accuracy.plausibility import yield_margin, yield_stresses
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.fields import Array
@@ -50,11 +46,7 @@ AT_END_OF_GRID = "No bound: the largest stress lies at the end of the grid, and 
 
 
 def stress_quantities(
-    scene: Scene | None,
-    derived: Mapping[str, Field],
-    grid: Grid,
-    estimate: ErrorEstimate,
-    paddings: Paddings | None,
+    scene: Scene | None, derived: Mapping[str, Field], grid: Grid, estimate: ErrorEstimate, paddings: Paddings | None
 ) -> dict[str, Quantity]:
     """Return largest stresses below the surface with their depths and the margin to yield, of a body and its parts.
 
@@ -165,13 +157,7 @@ def stress_quantities(
 
 
 def _with_depth(
-    name: str,
-    label: str,
-    values: Array,
-    axes: Mapping[str, Array],
-    *,
-    given: bool,
-    beyond: bool = True,
+    name: str, label: str, values: Array, axes: Mapping[str, Array], *, given: bool, beyond: bool = True
 ) -> dict[str, Quantity]:
     """Return the largest of `values` (z, x, y) [Pa] and its depth, by the `name` and with the `label` of the largest.
 

@@ -85,10 +85,7 @@ def _net_load(solution: Solution) -> float:
 
 
 def _of_force(
-    solution: Solution,
-    traction: TangentialTraction,
-    estimate: ErrorEstimate,
-    forces: dict[str, Quantity],
+    solution: Solution, traction: TangentialTraction, estimate: ErrorEstimate, forces: dict[str, Quantity]
 ) -> dict[str, Quantity]:
     """Return `forces` over the load, and the part of the contact that sticks, with its bound.
 

@@ -12,12 +12,11 @@ from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings, across_and_along, is_free
 from contactstudy.domain.notebook import InNotebook
-from contactstudy.domain.units import Hardness, readable
+from contactstudy.domain.units import Hardness
 from contactstudy.domain.validation import OR_INFINITE, Example, valid, validated
 from contactstudy.elasticity.convolution import Convolution, superposed
 from contactstudy.problem.constraint import (
     Compressive,
-    Constraint,
     Control,
     HardnessLimited,
     PrescribedApproach,
@@ -36,12 +35,8 @@ from contactstudy.scene.loads.constant_load import (
 from contactstudy.scene.loads.load_history import ChangingLoad, falls
 from contactstudy.scene.methods import STATIC, Method, method_of
 from contactstudy.scene.shapes.roller import FiniteLength
-from contactstudy.scene.shapes.shape import (
-    Shape,
-    curvature_of,
-    curvatures_of,
-    length_scales_of,
-)
+from contactstudy.scene.shapes.shape import Shape, curvature_of, curvatures_of, length_scales_of
+from contactstudy.scene.shapes_source import ShapesSource, check_width, ends_along, summed_gap, with_extent_of
 from contactstudy.scene.solids.bodies import (
     Body,
     contact_modulus,
@@ -59,14 +54,6 @@ if TYPE_CHECKING:
     from contactstudy.scene.rolling import Rolling
     from contactstudy.scene.wear import Wear
     from contactstudy.solvers.adhesion import AdhesiveSolver
-
-from contactstudy.scene.shapes_source import (
-    ShapesSource,
-    check_width,
-    ends_along,
-    summed_gap,
-    with_extent_of,
-)
 
 AnyLoad = (
     ConstantLoad
@@ -189,35 +176,30 @@ class Scene(InNotebook):
 
     def _check_point_contact(self) -> None:
         """Refuse effects of line contacts where a total load presses bodies that are curved both ways."""
-        load, names = self.load, ("lubrication", "adhesion", "rolling")
-        named = [name for name in names if getattr(self, name) is not None]
-        if not named or not isinstance(load, TotalLoad) or load.length is not None or min(self.curvatures) <= 0:
-            return
-        if self._shortest_roller is None:
-            raise InvalidInput(
-                f"Scene.{named[0]} is given for a point contact, of shapes that are curved both ways under a TotalLoad: "
-                "films, adhesion and rolling with hysteresis are of line contacts alone, leave it out, or give a "
-                "Cylinder."
-            )
+        names = ("lubrication", "adhesion", "rolling") if self._is_point_contact else ()
+        for name in names:
+            if getattr(self, name) is not None:
+                raise InvalidInput(
+                    f"Scene.{name} is given for a point contact, of shapes that are curved both ways under a TotalLoad: "
+                    "films, adhesion and rolling with hysteresis are of line contacts alone, leave it out, or give a "
+                    "Cylinder."
+                )
 
     def _check_hardness(self) -> None:
         """Refuse a hardness where pressures fall: yielding under it is not remembered."""
-        if self.hardness == inf:
-            return
-        changing = None
-        if isinstance(self.load, PullOff) or (isinstance(self.load, ChangingLoad) and falls(self.load)):
-            changing = "Scene.load, which falls"
-        elif self.rolls or self.has_tractive_rolling:
-            changing = "a contact that rolls"
-        elif self.wear:
-            changing = "Scene.wear"
-        elif any(map(creeps, self.solids)):
-            changing = "a body that creeps"
-        if changing is not None:
-            raise InvalidInput(
-                f"Scene.hardness is {self.hardness!r} together with {changing}: a hardness does not remember the dent "
-                "where pressures fall, give an ElasticPlasticHalfSpace, or leave the hardness out."
-            )
+        falling = isinstance(self.load, PullOff) or (isinstance(self.load, ChangingLoad) and falls(self.load))
+        changing = {
+            "Scene.load, which falls": falling,
+            "a contact that rolls": self.rolls or self.has_tractive_rolling,
+            "Scene.wear": self.wear is not None,
+            "a body that creeps": any(map(creeps, self.solids)),
+        }
+        for name, changes in changing.items():
+            if changes and self.hardness < inf:
+                raise InvalidInput(
+                    f"Scene.hardness is {self.hardness!r} together with {name}: a hardness does not remember the dent "
+                    "where pressures fall, give an ElasticPlasticHalfSpace, or leave the hardness out."
+                )
 
     def _check_outputs(self) -> None:
         """Check the outputs, of each kind of which there may be one, in a contact at rest one of each body."""
@@ -268,17 +250,17 @@ class Scene(InNotebook):
         return sum(across for across, _ in each), sum(along for _, along in each)
 
     @property
+    def _is_point_contact(self) -> bool:
+        """Whether a total load presses bodies that are curved both ways and have no length."""
+        is_total = isinstance(self.load, TotalLoad) and self.load.length is None
+        return is_total and min(self.curvatures) > 0 and self._shortest_roller is None
+
+    @property
     def ellipse(self) -> HertzEllipse | None:
         """Smooth point contact of a total load on bodies that are curved both ways and have no length, else None."""
-        load, (across, along) = self.load, self.curvatures
-        if not isinstance(load, TotalLoad) or load.length is not None or load.total <= 0:
+        if not self._is_point_contact:
             return None
-        effects = self.lubrication, self.adhesion, self.rolling
-        if any(effect is not None for effect in effects) or self._shortest_roller is not None:
-            return None
-        if across <= 0 or along <= 0:
-            return None
-        total = load.total
+        total, (across, along) = self.load.total, self.curvatures  # type: ignore[union-attr]
 
         def half_width(modulus: float) -> float:
             return HertzEllipse(total, across, along, modulus).semi_axes[0]
@@ -358,7 +340,9 @@ class Scene(InNotebook):
         gap = pressure * length / contact_modulus(self.solids, length)
         return Scales(length, 2.0 ** round(log2(pressure)), gap)
 
-    def problem(self, grid: Grid, padding: Padding | Paddings) -> Problem:
+    def problem(
+        self, grid: Grid, padding: Padding | Paddings, adhesion_solver: "AdhesiveSolver | None" = None
+    ) -> Problem:
         """Return the problem of this scene on a grid.
 
         Parameters
@@ -367,6 +351,8 @@ class Scene(InNotebook):
             Cells and their size.
         padding
             Padding along the length, or a tuple (across, along).
+        adhesion_solver
+            Solver of the attraction that another grid has chosen; None chooses one for this grid.
 
         Raises
         ------
@@ -374,11 +360,43 @@ class Scene(InNotebook):
             If the arguments are of another kind, the scene changes in time, rolls or has a film, memory does not
             suffice, or no pressure leads to the approach.
         """
-        return self.problem_with(grid, padding, None)
-
-    def problem_with(self, grid: Grid, padding: Padding | Paddings, solver: "AdhesiveSolver | None") -> Problem:
-        """Return the problem on a grid, with a solver for adhesion that another grid may have chosen."""
         valid("grid", grid, Grid)
+        self._check_at_rest()
+        paddings = across_and_along(padding)
+        refuse_too_large(grid, paddings)
+        if paddings[0].wraps:
+            check_width(self.shapes, grid.extent[0])
+        heights = summed_gap(self.ended_shapes, grid)
+        gap = heights if heights.shape == grid.cells else np.broadcast_to(heights, grid.cells).copy()
+        datum, control = self.datum(grid), self._control(grid, padding)
+        if isinstance(self.load, Approach):
+            self.load.check_on(gap, grid, paddings, datum)
+        if adhesion_solver is None and self.adhesion is not None:
+            adhesion_solver = self.adhesion.solver_on(self, heights, grid)
+        attraction = 0.0 if adhesion_solver is None else adhesion_solver.law.strength
+        varies = self.free_length < inf or bool((heights != heights[:, :1]).any())
+        source = replace(self.source_with(grid, padding, adhesion_solver), sampled=(grid, heights))
+        return Problem(
+            grid=grid,
+            undeformed_gap=gap,
+            operator=self._operator(datum, grid, paddings),
+            # a hardness limits the pressure less the attraction
+            constraint=Compressive() if self.hardness == inf else HardnessLimited(self.hardness + attraction),
+            control=control,
+            scales=self.scales(grid),
+            paddings=paddings,
+            open_edges=(0, -1) if is_free(paddings[0]) else (),
+            open_ends=(0, -1) if is_free(paddings[1]) and varies and not source.ends_along else (),
+            source=source,
+            outputs=tuple(output.of(self.solids, grid, paddings) for output in self.outputs),
+            description=PosedScene(self, grid, padding),
+            friction=None if self.friction is None else self.friction.solver(self, gap, grid, paddings, datum),
+            adhesion=self._adhesion_solver(adhesion_solver),
+            covered_fractions=source.covered_fractions(grid),
+        )
+
+    def _check_at_rest(self) -> None:
+        """Raise InvalidInput for a scene that is solved by more than one problem."""
         if self.rolls:
             moving = "friction" if self.rolling is None else "rolling"
             raise InvalidInput(
@@ -395,40 +413,6 @@ class Scene(InNotebook):
                 f"{changing} changes in time, so there is no single problem: call contactstudy.solve(scene, "
                 "grid, padding, times=...)."
             )
-        paddings = across_and_along(padding)
-        refuse_too_large(grid, paddings)
-        if paddings[0].wraps:
-            check_width(self.shapes, grid.extent[0])
-        heights = summed_gap(self.ended_shapes, grid)
-        gap = heights if heights.shape == grid.cells else np.broadcast_to(heights, grid.cells).copy()
-        if isinstance(self.load, Approach):
-            self.load.check_datum(endless_axes=sum(each.window is None for each in paddings))
-            if any(each.window is None for each in paddings):
-                self.load.check_width(self.datum(grid), grid.extent[0])
-            _refuse_full_contact(self.load, gap, paddings)
-        scales = self.scales(grid)
-        if solver is None and self.adhesion is not None:
-            solver = self.adhesion.solver_on(self, heights, grid)
-        source = replace(self.source_with(grid, padding, solver), sampled=(grid, heights))
-        return Problem(
-            grid=grid,
-            undeformed_gap=gap,
-            operator=self._operator(self.datum(grid), grid, paddings),
-            constraint=self._constraint(solver),
-            control=self._control(grid, padding),
-            scales=scales,
-            paddings=paddings,
-            open_edges=(0, -1) if is_free(paddings[0]) else (),
-            open_ends=self._open_ends(heights, grid, paddings[1]),
-            source=source,
-            outputs=tuple(output.of(self.solids, grid, paddings) for output in self.outputs),
-            description=PosedScene(self, grid, padding),
-            friction=None
-            if self.friction is None
-            else self.friction.solver(self, gap, grid, paddings, self.datum(grid)),
-            adhesion=self._adhesion_solver(solver),
-            covered_fractions=source.covered_fractions(grid),
-        )
 
     def _operator(self, datum: float, grid: Grid, paddings: Paddings) -> Convolution:
         """Return the operator of both bodies on `grid`."""
@@ -563,37 +547,14 @@ class Scene(InNotebook):
         """Method by which :func:`~contactstudy.solve` solves the scene, with the keywords that it takes."""
         return method_of(self)
 
-    def _open_ends(self, gap: Array, grid: Grid, along: Padding) -> tuple[int, ...]:
-        """Return the end rows under zero padding along if the surface varies along it and no roller ends there."""
-        if not is_free(along) or self._ends_on(grid):
-            return ()
-        return (0, -1) if self.free_length < inf or (gap != gap[:, :1]).any() else ()
-
-    def _ends_on(self, grid: Grid) -> bool:
-        """Return whether a body ends within the period of `grid`, so that contact may reach its ends."""
-        if self.free_length < inf:
-            return self.free_length <= grid.length * (1 + 1e-9)
-        return ends_along(self.shapes, grid)
-
     def source_with(self, grid: Grid, padding: Padding | Paddings, solver: "AdhesiveSolver | None") -> ShapesSource:
         """Return the source from which the problem is made on other grids, with a solver that all its problems share."""
         shapes = with_extent_of(self.shapes, grid)
         # a scene that stays the same is not checked again
         unchanged = all(map(is_, shapes, self.shapes))
         scene = self if unchanged else replace(self, shapes=shapes)
-        ended = self._ends_on(grid)
-        return ShapesSource(
-            scene.ended_shapes,
-            ended,
-            lambda new_grid: scene.problem_with(new_grid, padding, solver),
-        )
-
-    def _constraint(self, solver: "AdhesiveSolver | None") -> Constraint:
-        """Return the limits of the pressure; the hardness limits the pressure less the attraction."""
-        if self.hardness == inf:
-            return Compressive()
-        attraction = 0.0 if solver is None else solver.law.strength
-        return HardnessLimited(self.hardness + attraction)
+        ended = scene.ended_shapes
+        return ShapesSource(ended, ends_along(ended, grid), lambda on: scene.problem(on, padding, solver))
 
 
 @dataclass(frozen=True)
@@ -609,15 +570,3 @@ def scene_of(problem: Problem) -> Scene | None:
     """Return the scene that a problem was made of; None for a problem that was not made of one."""
     posed = problem.description
     return posed.scene if isinstance(posed, PosedScene) else None
-
-
-def _refuse_full_contact(load: Approach, gap: Array, paddings: Paddings) -> None:
-    """Raise InvalidInput where displacements that count from their mean leave no finite pressure at this approach."""
-    mean = float(gap.mean())
-    rounding = 4 * float(np.finfo(gap.dtype).eps * np.abs(gap).max())
-    if all(padding.window is None for padding in paddings) and load.approach >= mean - rounding:
-        raise InvalidInput(
-            f"Scene.load is {load!r} with ExactPeriodicity along both axes, where displacements count from their mean "
-            f"and no pressure brings the bodies closer than their mean undeformed gap of {readable(mean)}: give a "
-            "smaller approach, or a LineLoad."
-        )

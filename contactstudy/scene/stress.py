@@ -167,10 +167,7 @@ class SubsurfaceStressOperator:
 
     def __call__(self, pressure: Array) -> Array:
         """Return stress (component, z, x, y) at the given depths in the unit of `pressure` (x, y)."""
-        if self.depths is None:
-            raise InvalidInput("depths are chosen by the pressure: call at_chosen_depths, or give depths [m].")
-        if pressure.shape != self.grid.cells:
-            raise InvalidInput(f"pressure has the shape {pressure.shape}: give it {self.grid.cells}.")
+        assert self.depths is not None
         stress = self._stress_of("pressure", pressure)
         if self.shear is not None:
             for direction, shear in zip(("across", "along"), self.shear, strict=True):
@@ -240,11 +237,6 @@ class SubsurfaceStressOperator:
             *self.medium.faces,
             *kinks[1:],
         ]
-
-    def count_searched(self, width: float) -> int:
-        """Return the number of depths at which a search computes the stress under a contact of this `width` [m]."""
-        fine = len(FINE_STEPS) * (2 if self.profile else 1)
-        return len(self.searched_depths(width)) + fine
 
     def at_chosen_depths(self, pressure: Array) -> dict[float, Array]:
         """Return the stress (component, x, y) by ascending depths [m] that include the largest von Mises stress, to 1 %.

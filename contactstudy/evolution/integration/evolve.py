@@ -276,7 +276,7 @@ def _time_stepper(
     if scene.adhesion is not None and any(map(creeps, scene.solids)):
         heights, softest = summed_gap(scene.shapes, grid), relaxed(scene.solids, duration)
         adhesive_solver = scene.adhesion.solver_on(elastic, heights, grid, softest)
-    problem = elastic.problem_with(grid, padding, adhesive_solver)
+    problem = elastic.problem(grid, padding, adhesive_solver)
     datum = elastic.datum(grid)
     variables: list[StateVariable] = [
         CreepState(body.creep.scaled(1 / pi), BoussinesqCoefficients(datum)) for body in creeping(scene.solids)

@@ -175,7 +175,7 @@ class Fretting:
     def check(self, scene: SceneContext) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if the contact cannot stick, or its traction is not supported."""
         self._check_motion(scene)
-        check_tangential_response(scene, "Fretting", creep="follows")
+        check_tangential_response(scene, "Fretting")
         check_similar(scene, "Fretting")
         if self.bulk_stresses is not None:
             bulk_compliance(scene, self.bulk_body, "Fretting.bulk_stresses")
@@ -193,7 +193,7 @@ class Fretting:
     def _check_motion(self, scene: SceneContext) -> None:
         """Raise InvalidInput for another motion, or changes while the forces name no times."""
         if self.times is None or scene.rolling is not None:
-            check_static(scene, "Fretting", "give Fretting.times [s] to its forces")
+            check_static(scene, "Fretting")
         if scene.wear is not None and scene.wear.speed != 0:
             raise InvalidInput(
                 f"Wear.speed is {scene.wear.speed!r} together with Fretting: wear then follows from the slip of "
@@ -293,8 +293,8 @@ class PartialSlip:
     def check(self, scene: SceneContext) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if the contact cannot stick, or its traction is not supported."""
         check_static(scene, "PartialSlip")
-        check_tangential_response(scene, "PartialSlip", ", or Sliding")
-        check_similar(scene, "PartialSlip", ", or Sliding")
+        check_tangential_response(scene, "PartialSlip")
+        check_similar(scene, "PartialSlip")
         check_force(scene, self, scene.largest_load, "a smaller force, or Sliding")
         if self.bulk_stress:
             bulk_compliance(scene, self.bulk_body, "PartialSlip.bulk_stress")

@@ -2,7 +2,7 @@
 
 from itertools import product
 from math import inf, log
-from typing import Annotated, Literal, Protocol
+from typing import Annotated, Any
 
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
@@ -125,38 +125,30 @@ def shear_coupling(
     return normal_displacement(first, second, axes, grid, paddings, datum)
 
 
-def check_tangential_response(
-    scene: SceneContext,
-    name: str,
-    alternative: str = "",
-    creep: Literal["follows", "refused"] = "refused",
-) -> None:
+def check_tangential_response(scene: SceneContext, name: str) -> None:
     """Raise InvalidInput for a body whose response to traction the law of friction `name` does not support."""
     for number, solid in enumerate(scene.solids):
-        follows = creeps(solid) and creep == "follows"
-        elastic = isinstance(solid, Inelastic) and not creeps(solid) and not yields(solid)
         has_faces = getattr(solid, "free_faces", inf) < inf
-        if follows or elastic or (isinstance(solid, HalfSpace | CoatedHalfSpace) and not has_faces):
-            continue
-        reason = "its response to tangential traction is not known"
         if has_faces:
             reason = "how its faces change its response to tangential traction is not computed"
-        if yields(solid):
+        elif yields(solid):
             reason = "tangential traction makes it flow along its surface, which is not computed"
-        elif creeps(solid):
-            reason = "it keeps displacement by earlier traction, which is not computed"
+        elif isinstance(solid, HalfSpace | CoatedHalfSpace | Inelastic):
+            continue
+        else:
+            reason = "its response to tangential traction is not known"
         raise InvalidInput(
             f"Scene.solids[{number}] is of the type {type(solid).__name__} together with {name}: {reason}, give a "
-            f"HalfSpace or a CoatedHalfSpace{' without free_faces' * has_faces}{alternative}."
+            f"HalfSpace or a CoatedHalfSpace{' without free_faces' * has_faces}."
         )
 
 
-def check_similar(scene: SceneContext, name: str, alternative: str = "") -> None:
+def check_similar(scene: SceneContext, name: str) -> None:
     """Raise InvalidInput for elastically dissimilar bodies, which slip under normal load alone, with the law `name`."""
     if not are_similar(scene.solids):
         raise InvalidInput(
             f"Scene.solids are elastically dissimilar (Dundurs' beta {dundurs(scene.solids):.3g}) together with {name}: "
-            f"they slip under the normal load alone, give bodies of one material{alternative}."
+            "they slip under the normal load alone, give bodies of one material, or Sliding."
         )
 
 
@@ -190,7 +182,7 @@ def bulk_compliance(scene: SceneContext, body: int, field: str, paddings: Paddin
     return solid.compliance
 
 
-def check_force(scene: SceneContext, law: "TransmittedForce", load: float, remedy: str) -> None:
+def check_force(scene: SceneContext, law: Any, load: float, remedy: str) -> None:
     """Raise InvalidInput for a force of `law` that is more than friction transmits under a `load` [N/m]."""
     limit, force = transmitted_force(scene, law.coefficient, load), force_per_length(law, scene)
     if force is not None and not abs(force) < limit:
@@ -203,32 +195,19 @@ def check_force(scene: SceneContext, law: "TransmittedForce", load: float, remed
         )
 
 
-class TransmittedForce(Protocol):
-    """Law of friction that may give the tangential force, per length [N/m] or in total [N]."""
+def force_per_length(law: Any, scene: SceneContext) -> float | None:
+    """Return the tangential force of a law [N/m] over the length that the load acts on; None where it gives none.
 
-    @property
-    def coefficient(self) -> float:
-        """Coefficient of friction."""
-
-    @property
-    def tangential(self) -> float | None:
-        """Tangential force per length [N/m]; None where the law gives none."""
-
-    @property
-    def total(self) -> float | None:
-        """Tangential force [N]; None where the law gives none."""
-
-
-def force_per_length(law: "TransmittedForce", scene: SceneContext) -> float | None:
-    """Return the tangential force of a law [N/m] over the length that the load acts on; None where it gives none."""
+    It is its ``tangential``, or its ``total`` [N] over the length of the roller.
+    """
     if law.total is None:
-        return law.tangential
+        return law.tangential  # type: ignore[no-any-return]
     if scene.roller_length is None:
         raise InvalidInput(
             f"{type(law).__name__}.total is {law.total!r}, and no roller has a length: give tangential [N/m], or a "
             "FiniteLength among the shapes."
         )
-    return law.total / scene.roller_length
+    return float(law.total / scene.roller_length)
 
 
 def mean_over_grid(force: float, scene: SceneContext, grid: Grid, paddings: Paddings) -> float:
@@ -236,7 +215,7 @@ def mean_over_grid(force: float, scene: SceneContext, grid: Grid, paddings: Padd
     return force * scene.loaded_length(grid, paddings) / grid.length
 
 
-def check_static(scene: SceneContext, name: str, remedy: str = "") -> None:
+def check_static(scene: SceneContext, name: str) -> None:
     """Raise :class:`~contactstudy.InvalidInput` if `scene` changes in time or rolls, together with the law `name`."""
     if scene.rolling is not None:
         raise InvalidInput(
@@ -245,8 +224,8 @@ def check_static(scene: SceneContext, name: str, remedy: str = "") -> None:
         )
     if (changing := scene.time_dependent_field) is not None:
         raise InvalidInput(
-            f"{changing} changes in time together with {name}: traction depends on the path of its forces, "
-            f"{remedy or 'give Fretting with times'}."
+            f"{changing} changes in time together with {name}: traction depends on the path of its forces, give "
+            "Fretting.times [s] to its forces."
         )
 
 

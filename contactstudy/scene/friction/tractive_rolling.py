@@ -102,7 +102,7 @@ class TractiveRolling:
                 f"Scene.friction is {self!r}, which is steady, together with a body that yields, whose strain grows "
                 "from pass to pass: give Rolling its passes, without traction, or elastic bodies."
             )
-        check_tangential_response(scene, "TractiveRolling", creep="follows")
+        check_tangential_response(scene, "TractiveRolling")
         if scene.rolling is not None:
             raise InvalidInput(
                 f"Scene.rolling is {scene.rolling!r} together with TractiveRolling, which rolls at its own speed: leave "

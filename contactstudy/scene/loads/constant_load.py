@@ -3,7 +3,11 @@
 from math import e, exp, inf, isclose, pi
 from typing import Annotated, ClassVar
 
+import numpy as np
+
 from contactstudy.domain.checks import InvalidInput
+from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.domain.units import Metres, Newtons, NewtonsPerMetre, Number, readable
 from contactstudy.domain.validation import ANY_SIGN, Limits, valid, validated
 from contactstudy.scene.solids.bodies import SceneContext
@@ -136,20 +140,29 @@ class Approach:
                     f"Scene.load is an Approach together with {field}, which needs a given load: give a LineLoad."
                 )
 
-    def check_datum(self, *, endless_axes: int) -> None:
-        """Raise InvalidInput for a datum unless it has an effect: of one axis with infinitely many images."""
-        if self.datum is not None and endless_axes != 1:
+    def check_on(self, gap: Array, grid: Grid, paddings: Paddings, datum: float) -> None:
+        """Raise InvalidInput for a given datum without an effect, one too near, and an approach that no pressure makes.
+
+        The `gap` (x, y) [m] is undeformed, the `datum` [m] the one in use.
+        """
+        endless = sum(each.window is None for each in paddings)
+        if self.datum is not None and endless != 1:
             raise InvalidInput(
-                f"Approach.datum is {self.datum!r}, and {endless_axes} axes have infinitely many images, so that it has "
+                f"Approach.datum is {self.datum!r}, and {endless} axes have infinitely many images, so that it has "
                 "no effect: leave it out, or give ExactPeriodicity along one axis."
             )
-
-    def check_width(self, datum: float, width: float) -> None:
-        """Raise InvalidInput where a grid of this `width` [m] reaches farther than twice the `datum` [m] in use."""
-        if datum < width / 2:
+        if endless and datum < grid.extent[0] / 2:
             raise InvalidInput(
-                f"Approach.datum is {self.datum!r}: give at least half the width of the grid, {readable(width / 2)}, or "
-                "parts of the surface would rise under pressure."
+                f"Approach.datum is {self.datum!r}: give at least half the width of the grid, "
+                f"{readable(grid.extent[0] / 2)}, or parts of the surface would rise under pressure."
+            )
+        # displacements count from their mean, which leaves no finite pressure there
+        mean, rounding = float(gap.mean()), 4 * float(np.finfo(gap.dtype).eps * np.abs(gap).max())
+        if endless == 2 and self.approach >= mean - rounding:
+            raise InvalidInput(
+                f"Scene.load is {self!r} with ExactPeriodicity along both axes, where displacements count from their "
+                f"mean and no pressure brings the bodies closer than their mean undeformed gap of {readable(mean)}: "
+                "give a smaller approach, or a LineLoad."
             )
 
     def estimated_load(self, contact_modulus: float, radius: float) -> float:

@@ -67,16 +67,6 @@ def test_a_given_range_has_one_zone_and_tabor_parameter_on_any_grid() -> None:
     assert coarse.adhesion.tabor == pytest.approx(bare.adhesion.tabor / stiffer ** (2 / 3))
 
 
-def test_a_coating_thinner_than_the_cells_leaves_the_pull_off_to_its_substrate() -> None:
-    scene, grid = replace(SCENE, load=cs.PullOff(2.0)), cs.Grid((128, 1), (4e-3, 1.0))
-    found, bare = (
-        cs.solve(replace(scene, solids=(body, RIGID)), grid, LINE)
-        for body in (cs.CoatedHalfSpace(cs.HalfSpace(2e7, 0.5), 1e-9, SOFT), SOFT)
-    )
-    assert found.load_per_length == pytest.approx(bare.load_per_length, rel=1e-3)
-    assert found.error.l1.range == pytest.approx(bare.error.l1.range, rel=1e-2)
-
-
 @pytest.mark.cases(3)
 @pytest.mark.parametrize(
     ("adhesion", "solver"),
@@ -213,14 +203,3 @@ def test_a_contact_that_starts_from_an_answer_continues_its_state() -> None:
     continued = cs.solve(away, grid, LINE, start=touching)
     assert continued.status is cs.Status.CONVERGED
     assert continued.adhesion.branch == "continued"
-
-
-def test_a_coating_adheres_and_no_work_leaves_the_coated_contact() -> None:
-    coated = cs.CoatedHalfSpace(cs.HalfSpace(2.0, 0.3), 0.5, cs.HalfSpace(1.0, 0.0))
-    scene = replace(UNITS, load=cs.LineLoad(pi), solids=(coated, RIGID))
-    contact = cs.solve(scene, WIDE, LINE)
-    assert contact.status is cs.Status.CONVERGED
-    assert contact.quantities["load_per_length"].value == pytest.approx(pi, rel=1e-9)
-    faint = cs.solve(replace(scene, adhesion=cs.Adhesion(1e-20, 2.0)), WIDE, LINE)
-    bare = cs.solve(replace(scene, adhesion=None), WIDE, LINE)
-    np.testing.assert_array_equal(faint.pressure, bare.pressure)

@@ -33,26 +33,6 @@ def test_a_wave_of_shear_moves_the_surface_as_its_stress_says(layer: LayerRespon
     np.testing.assert_allclose(across, 2 * np.pi / k * antiplane / (1 - nu), atol=1e-12)
 
 
-@pytest.mark.cases(6)
-@pytest.mark.parametrize("name", FIELDS)
-def test_a_row_is_the_sum_of_its_cells(name: str) -> None:
-    dx, dy, nx, ny = 0.1, 0.15, 6, 4
-    field, x = CoatingCoefficients(MATERIALS[1], 0.06, name, 1.0), np.arange(nx) * dx
-    row = field.row(x[:, None], np.arange(ny) * dy, dx, dy, ny * dy)
-    images = 150
-    alone = field.cell(x[:, None], np.arange(images * ny) * dy, dx, dy)
-    both = np.concatenate([field.parity[1] * alone[:, :0:-1], alone], axis=1)
-    middle, sums = images * ny - 1, []
-    for last in (images // 2, images - 2):
-        shifts = range(-last, last + 1)
-        sums.append(sum(both[:, middle + n * ny :][:, :ny] for n in shifts))
-    differences = [(one - one[:1, :1]) - (row - row[:1, :1]) for one in sums]
-    # images beyond add in proportion to 1 / n normal to the surface, and to 1 / n^2 along it
-    ratio = 2 if len(name) == 1 else 4
-    rest = (ratio * differences[1] - differences[0]) / (ratio - 1)
-    assert np.abs(rest).max() < 1e-3 * np.abs(alone).max()
-
-
 @pytest.mark.parametrize("name", FIELDS)
 def test_a_lattice_answers_a_wave_by_its_amplitude(name: str) -> None:
     layer, thickness, n, width = MATERIALS[0], 0.2, 64, 1.0

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.elasticity.kernels.layer_response import LayerResponse, LayerStress
+from contactstudy.elasticity.kernels.layer_response import LayerResponse
 from contactstudy.elasticity.kernels.stress_cell import COMPONENTS
 from contactstudy.scene.solids.coated import BELOW, CoatedStress
 from contactstudy.scene.solids.stress_model import HalfSpaceStress
@@ -56,17 +56,6 @@ def test_stress_on_the_axis_is_that_of_a_quadrature_over_waves(
         found.append(two + (two - one) / ((401 / 201) ** 2 - 1))
     assert found == pytest.approx([surface, above, below, normal], abs=1e-6)
     assert fine[NAMES.index("xz"), 1].max() == pytest.approx(shear, rel=2e-5)
-
-
-def test_one_wave_of_pressure_and_shear() -> None:
-    """A system of six equations, solved with 40 digits."""
-    materials, k = LayerResponse((4.0,), (0.25, 0.35)), np.array([0.7])
-    for depth, expected in (
-        (0.4, (-0.859772142243, -0.558805376983, -0.12054257933)),
-        (BELOW, (-0.651302638895, -0.34616473468, 0.0410268304655)),
-    ):
-        pressed, sheared = LayerStress(materials, depth).plane(k)[:, :, 0]
-        assert pressed + 0.4 * sheared == pytest.approx(expected, abs=1e-11)
 
 
 @pytest.mark.parametrize("paddings", ALL)

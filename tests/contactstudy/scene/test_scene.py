@@ -155,13 +155,3 @@ def test_heights_that_stand_still_in_a_rolling_contact_are_said_to_slide() -> No
         found = cs.solve(replace(scene, shapes=(*scene.shapes, waves)), cs.Grid((48, 8), (6e-3, 1e-3)))
         assert ("hysteretic sliding" in found.quantities["rolling_resistance"].label) == said
         assert any("stand still in the frame" in text for text in found.error.warnings) == said
-
-
-def test_a_load_per_length_is_that_of_the_roller_on_any_grid() -> None:
-    shapes = cs.Cylinder(5e-3), cs.FiniteLength(8e-3)
-    roller = cs.Scene(cs.LineLoad(1.5e5), (STEEL, STEEL), shapes)
-    found = cs.solve(roller, cs.Grid((24, 48), (5e-4, 1.2e-2)), cs.ZeroPadding())
-    assert found.load_per_length == pytest.approx(1.5e5, rel=1e-9)
-    assert found.quantities["load_per_length"].value == pytest.approx(1.5e5, rel=1e-9)
-    carried = found.quantities["mean_pressure"].value * found.quantities["contact_area"].value
-    assert carried == pytest.approx(1200, rel=1e-9)

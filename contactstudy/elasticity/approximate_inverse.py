@@ -25,13 +25,7 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from contactstudy.domain.device import Cpu, arrays, device
-from contactstudy.domain.fields import (
-    Array,
-    compiled_loops,
-    device_loops,
-    first_cells,
-    in_blocks,
-)
+from contactstudy.domain.fields import Array, compiled_loops, device_loops, first_cells, in_blocks
 from contactstudy.elasticity.transforms import ComplexField, transforms
 
 
@@ -211,10 +205,7 @@ class FreeEndsInverse:
     """
 
     def __init__(
-        self,
-        cells: tuple[int, int],
-        longer: tuple[int, int],
-        inverse: Callable[[tuple[int, int]], SpectralInverse],
+        self, cells: tuple[int, int], longer: tuple[int, int], inverse: Callable[[tuple[int, int]], SpectralInverse]
     ) -> None:
         self._cells, self._longer, self._make = cells, longer, inverse
         self._within = inverse(cells)
@@ -243,12 +234,7 @@ class FreeEndsInverse:
         across, along = (
             ceil(MARGIN * n) if longer > n else 0 for n, longer in zip(self._cells, self._longer, strict=True)
         )
-        ends = (
-            active[:across, :],
-            active[nx - across :, :],
-            active[:, :along],
-            active[:, ny - along :],
-        )
+        ends = (active[:across, :], active[nx - across :, :], active[:, :along], active[:, ny - along :])
         return any(bool(xp.any(end > 0)) for end in ends if prod(end.shape))
 
 

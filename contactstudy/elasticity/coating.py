@@ -8,12 +8,7 @@ from scipy.special import log1p
 
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.kernels.layer_response import LayerResponse
-from contactstudy.elasticity.kernels.layer_waves import (
-    DisplacementWaves,
-    Subtracted,
-    WaveCoefficients,
-    contrasts,
-)
+from contactstudy.elasticity.kernels.layer_waves import DisplacementWaves, WaveCoefficients, contrasts
 from contactstudy.elasticity.kernels.traction import SWAPPED
 
 # Width over its distance of a strip that stands for a line.
@@ -49,31 +44,34 @@ class CoatingCoefficients:
     @property
     def parity(self) -> tuple[int, int]:
         """Parity along each axis."""
-        return self._waves(Subtracted.NONE).parity
+        return self._waves().parity
 
     def swap_axes(self) -> "CoatingCoefficients":
         """Return the field with x and y exchanged."""
         return replace(self, name=SWAPPED.get(self.name, self.name))
 
-    def _waves(self, subtracted: Subtracted) -> WaveCoefficients:
-        """Return the sums of waves of the response without the terms that are `subtracted`."""
+    def _waves(self, *, has_long_waves: bool = True) -> WaveCoefficients:
+        """Return the sums of waves of the response."""
         load = "pressure" if self.name == "z" else "traction"
-        waves = DisplacementWaves(self.response, subtracted, load)
-        return WaveCoefficients(waves, self.thickness, self.name)
+        return WaveCoefficients(DisplacementWaves(self.response, load, has_long_waves), self.thickness, self.name)
+
+    def _remainder(self, x: Array, dx: float) -> Array:
+        """Return the response to a strip as :meth:`_strip`, without that to long waves."""
+        return self.thickness * self._waves(has_long_waves=False).strip(x, dx)
 
     def cell(self, x: Array, y: Array, dx: float, dy: float) -> Array:
         """Return the response to one cell; x and y broadcast."""
-        return self.thickness * self._waves(Subtracted.NONE).cell(x, y, dx, dy)
+        return self.thickness * self._waves().cell(x, y, dx, dy)
 
     def row(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
         """Return the response to an infinite row of images along y; x is a column, y a row."""
-        varying = self.thickness * self._waves(Subtracted.NONE).varying(x, y, dx, dy, period)
+        varying = self.thickness * self._waves().varying(x, y, dx, dy, period)
         return np.asarray(varying + self._strip(x.ravel(), dx)[:, None] * (dy / period))
 
     def _strip(self, x: Array, dx: float) -> Array:
         """Return the response to a strip of width `dx`, infinite along y, at offsets `x`."""
         depth, coupling = 2 * self.thickness, contrasts(self.response)[2]
-        total = self.thickness * self._waves(Subtracted.LONG_WAVES).strip(x, dx)
+        total = self._remainder(x, dx)
         if self.name == "x":
             upper, lower = (
                 edge * np.arctan(edge / depth) - depth / 2 * np.log(edge**2 + depth**2)
@@ -98,13 +96,12 @@ class CoatingCoefficients:
         if self.name not in ("xx", "yy", "z"):
             return 0.0
         width = LINE * self.datum
-        waves = self._waves(Subtracted.LONG_WAVES).strip(np.array([self.datum]), width)
-        of_waves = self.thickness * float(waves[0]) / width
+        of_waves = float(self._remainder(np.array([self.datum]), width)[0]) / width
         return line * (self._contrast * log(self.datum**2 + 4 * self.thickness**2) - of_waves)
 
     def lattice(self, x: Array, y: Array, dx: float, dy: float, width: float, period: float) -> Array:
         """Return the response to an infinite lattice of images along both axes; x is a column, y a row."""
-        return self.thickness * self._waves(Subtracted.NONE).lattice(x, y, dx, dy, width, period)
+        return self.thickness * self._waves().lattice(x, y, dx, dy, width, period)
 
 
 def _log_mean(x: Array, half: float, depth: float) -> Array:

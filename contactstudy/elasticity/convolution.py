@@ -34,12 +34,7 @@ from contactstudy.elasticity.coefficients import (
     influence_coefficients,
     without_shift,
 )
-from contactstudy.elasticity.transforms import (
-    TRANSFORMS,
-    ComplexField,
-    even_transform,
-    transforms,
-)
+from contactstudy.elasticity.transforms import TRANSFORMS, ComplexField, even_transform, transforms
 
 # Wave numbers along the length with less than this fraction of the energy of the strongest one are left out of a sum: in
 # amplitude 1e-14, somewhat above rounding in double precision.
@@ -398,9 +393,7 @@ def general_convolutions(
     nothing: ComplexField = np.zeros((padded[0], padded[1] // 2 + 1), np.complex128)
     return [
         GeneralConvolution(
-            sum((weight * spectra[kind] for kind, weight in response.items()), start=nothing),
-            grid.cells,
-            padded,
+            sum((weight * spectra[kind] for kind, weight in response.items()), start=nothing), grid.cells, padded
         )
         for response in responses
     ]

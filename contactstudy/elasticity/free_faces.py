@@ -33,11 +33,7 @@ from contactstudy.domain.device import Precision
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.domain.reuse import cached_array
-from contactstudy.elasticity.coefficients import (
-    Coefficients,
-    FreeFaceCoefficients,
-    influence_coefficients,
-)
+from contactstudy.elasticity.coefficients import Coefficients, FreeFaceCoefficients, influence_coefficients
 from contactstudy.elasticity.convolution import Convolution, coarsened_spectrum, even_spectrum
 from contactstudy.elasticity.kernels.stress_cell import COMPONENTS, CellKernel
 from contactstudy.elasticity.transforms import ComplexField, transforms

@@ -11,10 +11,7 @@ from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.elasticity.coefficients import BoussinesqCoefficients, Coefficients
 from contactstudy.elasticity.convolution import GeneralConvolution, general_convolutions
 from contactstudy.elasticity.kernels.stress_cell import stress_cell
-from contactstudy.elasticity.kernels.stress_periodic import (
-    stress_cell_doubly_periodic,
-    stress_cell_periodic,
-)
+from contactstudy.elasticity.kernels.stress_periodic import stress_cell_doubly_periodic, stress_cell_periodic
 from contactstudy.elasticity.kernels.traction import SURFACE, SWAPPED
 from contactstudy.elasticity.transforms import TRANSFORMS, ComplexField
 
@@ -159,12 +156,7 @@ def shear_response(bodies: Iterable[ShearableBody], grid: Grid, paddings: Paddin
 
 
 def normal_displacement(
-    first: ShearableBody,
-    second: ShearableBody,
-    axes: str,
-    grid: Grid,
-    paddings: Paddings,
-    datum: float,
+    first: ShearableBody, second: ShearableBody, axes: str, grid: Grid, paddings: Paddings, datum: float
 ) -> list[GeneralConvolution]:
     """Return the change of the gap by traction along each of the `axes`; none for elastically similar bodies.
 

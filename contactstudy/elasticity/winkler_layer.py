@@ -7,11 +7,7 @@ import numpy as np
 from contactstudy.domain.device import Precision
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import on_cells
-from contactstudy.elasticity.approximate_inverse import (
-    ExactInverse,
-    FreeEndsInverse,
-    SpectralInverse,
-)
+from contactstudy.elasticity.approximate_inverse import ExactInverse, FreeEndsInverse, SpectralInverse
 from contactstudy.elasticity.convolution import Convolution, weighted_sum
 
 

@@ -93,12 +93,7 @@ def antiplane_means(count: int, edges: Array) -> Array:
         [mean(field) / (2 * np.pi) for field in fields] for fields in (direct, image)
     )
     identity = (np.eye(len(edges) - 1)[..., None]) * (x[1:-1] == 0)
-    return np.array(
-        (
-            (identity + near_xx - far_xx, near_xz + far_xz),
-            (near_xz - far_xz, identity + near_zz + far_zz),
-        )
-    )
+    return np.array(((identity + near_xx - far_xx, near_xz + far_xz), (near_xz - far_xz, identity + near_zz + far_zz)))
 
 
 def _integrals(x: Array, z: Array) -> tuple[Array, Array, Array]:

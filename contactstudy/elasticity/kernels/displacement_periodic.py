@@ -9,11 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.special import binom, digamma, gammaln, k0, xlog1py, zeta
 
 from contactstudy.domain.fields import Array, matrix_product
-from contactstudy.elasticity.kernels.displacement_cell import (
-    BATCH,
-    boussinesq_cell,
-    mean_gauss_rule,
-)
+from contactstudy.elasticity.kernels.displacement_cell import BATCH, boussinesq_cell, mean_gauss_rule
 
 # Distances in periods: from FOURIER_START the Fourier series replaces the sum over images (its 13 terms end at
 # exp(-13 pi) ~ 1e-18); beyond FOURIER_END only its logarithm remains.
@@ -32,7 +28,7 @@ QUADRATURE_ERROR = 1e-17
 STRIPS, STRIPS_END = 15, 7.2
 
 
-def boussinesq_cell_periodic(x: ArrayLike, y: ArrayLike, dx: ArrayLike, dy: ArrayLike, period: ArrayLike) -> Array:
+def boussinesq_cell_periodic(x: ArrayLike, y: ArrayLike, dx: float, dy: float, period: float) -> Array:
     """Return the integral of 1/r over a cell repeated infinitely along y, less its divergent rigid-body motion.
 
     ``S = lim_M [ sum_{|m| <= M} I(x, y + m L) - (2 dx dy / L) ln((2 M + 1) L) ]`` with I that of
@@ -54,24 +50,9 @@ def boussinesq_cell_periodic(x: ArrayLike, y: ArrayLike, dx: ArrayLike, dy: Arra
     Returns
     -------
     Array
-        The sum S. All arguments broadcast; lengths are in one unit, and the result is in that unit.
+        The sum S. Offsets broadcast; lengths are in one unit, and the result is in that unit.
     """
-    arguments = [np.asarray(a, dtype=np.float64) for a in (x, y, dx, dy, period)]
-    x, y, *cell = arguments
-    shape = np.broadcast_shapes(*(a.shape for a in arguments))
-    if all(a.size == 1 for a in cell):
-        return _row_of_cells(x, y, *(float(a.item()) for a in cell)).reshape(shape)
-    x, y, *cell = (a.ravel() for a in np.broadcast_arrays(*arguments))
-    result = np.empty(x.shape)
-    kinds, which = np.unique(np.stack(cell), axis=1, return_inverse=True)
-    for kind, values in enumerate(kinds.T.tolist()):
-        chosen = which.ravel() == kind
-        result[chosen] = _row_of_cells(x[chosen], y[chosen], *values)
-    return result.reshape(shape)
-
-
-def _row_of_cells(x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
-    """Return the sum S of :func:`boussinesq_cell_periodic` for one size of cell."""
+    x, y = (np.asarray(a, dtype=np.float64) for a in (x, y))
     shape = np.broadcast_shapes(x.shape, y.shape)
     # fmod is exact; rounding a quotient y / period would move the field point by many cells, where these are smallest
     x, y = np.abs(x), np.fmod(np.abs(y), period)

@@ -95,11 +95,6 @@ class LayerResponse:
         return normal, normal, coupling, ratio - before
 
     @property
-    def contrast(self) -> float:
-        """First of `contrasts`, d0."""
-        return self.contrasts[0]
-
-    @property
     def _stiffness_ratio(self) -> float:
         """Largest over smallest shear modulus, of one layer that of the layer over the half-space, at least 1.
 
@@ -244,14 +239,16 @@ def _transfer(t: RealOrComplex, nu: float) -> RealOrComplex:
 def spline(function: Callable[[Array], RealOrComplex], first: float, last: float) -> PPoly:
     """Return a spline through a `function` (..., k) of wave numbers up to `last`, whose first piece ends at `first`.
 
-    It is one of polynomials, which take a third of the time of a sum of B-splines.
+    The function is asked for at most `MAX_DIRECT` values at once. Polynomials take a third of the time of a sum of
+    B-splines.
     """
     ends = [0.0, first]
     while ends[-1] < last:
         ends.append(ends[-1] + min(ends[-1], max(LONG_PIECE, SPLINE_PIECE * ends[-1])))
     k = np.concatenate([np.arange(SPLINE_POINTS) / SPLINE_POINTS * (end - at) + at for at, end in pairwise(ends)])
     k = np.append(k, ends[-1])
-    fitted = make_interp_spline(k, function(k).reshape(-1, k.size).T, SPLINE_DEGREE)
+    blocks = [function(block) for block in np.array_split(k, 1 + k.size // MAX_DIRECT)]
+    fitted = make_interp_spline(k, np.concatenate(blocks, axis=-1).reshape(-1, k.size).T, SPLINE_DEGREE)
     knots = fitted.t[SPLINE_DEGREE:-SPLINE_DEGREE]
     powers = [fitted(knots[:-1], n) / factorial(n) for n in range(SPLINE_DEGREE, -1, -1)]
     return PPoly(np.array(powers), knots)
@@ -260,12 +257,7 @@ def spline(function: Callable[[Array], RealOrComplex], first: float, last: float
 @lru_cache(maxsize=32)
 def _spline(response: LayerResponse) -> PPoly:
     """Return all remainders of a response as a spline."""
-
-    def remainders(k: Array) -> RealOrComplex:
-        blocks = np.array_split(k, 1 + k.size // MAX_DIRECT)
-        return np.concatenate([response.remainders(block) for block in blocks], axis=1)
-
-    return spline(remainders, response.pole_distance_from_zero / 2, LAST_SPLINE_WAVE)
+    return spline(response.remainders, response.pole_distance_from_zero / 2, LAST_SPLINE_WAVE)
 
 
 def composite(ends: Array) -> tuple[Array, Array]:
@@ -403,10 +395,4 @@ def _antiplane(materials: LayerResponse, depth: float, k: RealOrComplex) -> tupl
 @lru_cache(maxsize=64)
 def _stress_spline(stress: LayerStress) -> PPoly:
     """Return the remainder as a spline (load and component) of the wave number."""
-
-    def remainder(k: Array) -> RealOrComplex:
-        blocks = np.array_split(k, 1 + k.size // MAX_DIRECT_STRESS)
-        return np.concatenate([stress.remainder(block) for block in blocks], axis=2)
-
-    first = stress.materials.pole_distance_from_zero / 2
-    return spline(remainder, first, LAST_STRESS_WAVE / stress.decay_rate)
+    return spline(stress.remainder, stress.materials.pole_distance_from_zero / 2, LAST_STRESS_WAVE / stress.decay_rate)

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from enum import Enum
 from functools import lru_cache
 from typing import ClassVar, TypeVar
 
@@ -296,18 +295,6 @@ def _indices(offsets: Array, step: float, cells: int) -> Indices:
     return np.asarray(np.round(np.asarray(offsets) / step).astype(np.intp) % cells)
 
 
-class Subtracted(Enum):
-    """Whether ``contrast exp(-2 k)`` is subtracted from a response, with k = wave number times thickness.
-
-    The contrast is the value of the response for long waves, which see the substrate alone.
-    """
-
-    #: It is left in: the whole response.
-    NONE = 0
-    #: It is subtracted, so that the remainder of waves across is regular.
-    LONG_WAVES = 1
-
-
 @dataclass(frozen=True)
 class DisplacementWaves:
     """Displacement of a layered half-space under a wave of load, less that of a homogeneous one of the layer's material.
@@ -320,18 +307,19 @@ class DisplacementWaves:
     ----------
     materials
         Materials and depths of their interfaces.
-    subtracted
-        What is left out for long waves, as it is known in closed form.
     load
         "pressure", or "traction" along the surface.
+    has_long_waves
+        Whether the response holds ``contrast exp(-2 k)``, with k = wave number times thickness, whose value for long
+        waves is that of the substrate alone. The remainder of waves across is regular.
     """
 
     #: Rate, per wave number times thickness, at which amplitudes decay: exp(-2 k).
     decay_rate: ClassVar[float] = 2.0
 
     materials: LayerResponse
-    subtracted: Subtracted
     load: str
+    has_long_waves: bool = True
 
     def parity(self, name: str) -> tuple[int, int]:
         """Return the parity of a field in x and y."""
@@ -360,7 +348,7 @@ class DisplacementWaves:
         """Return responses, less those of a half-space, of `which` of the four in the order of :func:`contrasts`."""
         units = np.array([1, 1, 1, 1 - self.materials.poisson_ratios[0]])[which]
         remainders = self.materials.remainders(k, which)
-        if self.subtracted is Subtracted.NONE:
+        if self.has_long_waves:
             known = np.array(self.materials.contrasts)[which]
             remainders = remainders + np.multiply.outer(known, np.exp(-2 * k))
         return np.asarray(remainders / units.reshape(-1, *[1] * k.ndim))

@@ -200,13 +200,7 @@ COMPONENTS = {
 
 
 def stress_cell(
-    component: CellKernel,
-    x: ArrayLike,
-    y: ArrayLike,
-    z: float,
-    dx: float,
-    dy: float,
-    poisson_ratio: float,
+    component: CellKernel, x: ArrayLike, y: ArrayLike, z: float, dx: float, dy: float, poisson_ratio: float
 ) -> Array:
     """Return a component of stress over pressure below a rectangular cell.
 
@@ -257,16 +251,7 @@ def _corners(field: KernelFunction, x: Array, y: Array, z: float, dx: float, dy:
     return total
 
 
-def _points(
-    field: KernelFunction,
-    x: Array,
-    y: Array,
-    z: float,
-    dx: float,
-    dy: float,
-    nu: float,
-    points: int,
-) -> Array:
+def _points(field: KernelFunction, x: Array, y: Array, z: float, dx: float, dy: float, nu: float, points: int) -> Array:
     """Return the integral of a field over a cell, by Gauss `points` along either side."""
     total = np.zeros(x.shape)
     if not x.size:

@@ -119,10 +119,7 @@ def _smooth(
         1 for an axis along which the field is even, -1 where it is odd.
     """
     (u, from_x), (v, from_y) = (
-        (
-            (1 + chebpts1(count)) / 2 * end,
-            chebyshev_interpolation(count, 2 * np.abs(a.ravel()) / end - 1),
-        )
+        ((1 + chebpts1(count)) / 2 * end, chebyshev_interpolation(count, 2 * np.abs(a.ravel()) / end - 1))
         for a, end, count in zip((x, y), ends, counts, strict=True)
     )
     along = np.einsum("uv,jv->uj", field(u[:, None], v[None, :]), from_y)

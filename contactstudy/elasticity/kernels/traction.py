@@ -7,12 +7,7 @@ that rows and lattices of cells are summed by the same functions. x runs across,
 import numpy as np
 
 from contactstudy.domain.fields import Array
-from contactstudy.elasticity.kernels.stress_cell import (
-    COMPONENTS,
-    CellKernel,
-    KernelFunction,
-    Strip,
-)
+from contactstudy.elasticity.kernels.stress_cell import COMPONENTS, CellKernel, KernelFunction, Strip
 
 
 def _swapped(field: KernelFunction) -> KernelFunction:
@@ -78,24 +73,14 @@ _NORMAL = COMPONENTS
 def _incompressible(name: str) -> tuple[KernelFunction, KernelFunction]:
     """Return point and corner of a normal stress for a Poisson's ratio of a half: traction makes them at any ratio."""
     kernel = _NORMAL[name]
-    return (
-        lambda x, y, z, r, nu: kernel.point(x, y, z, r, 0.5),
-        lambda x, y, z, r, nu: kernel.corner(x, y, z, r, 0.5),
-    )
+    return (lambda x, y, z, r, nu: kernel.point(x, y, z, r, 0.5), lambda x, y, z, r, nu: kernel.corner(x, y, z, r, 0.5))
 
 
 # Stress under unit traction along x, and along y. Source: Cerruti, by way of Johnson (1985), eqs. 3.76, sect. 2.5(b)
 CERRUTI_ACROSS: dict[str, CellKernel] = {}
 CERRUTI_ALONG: dict[str, CellKernel] = {}
 for _name, _parity, _point, _corner, _plane, _other in (
-    (
-        "xx",
-        (-1, 1),
-        _xx_point,
-        _xx_corner,
-        lambda s, nu: s.edge_terms.imag - 2 * s.logarithm,
-        _zero,
-    ),
+    ("xx", (-1, 1), _xx_point, _xx_corner, lambda s, nu: s.edge_terms.imag - 2 * s.logarithm, _zero),
     ("yy", (-1, 1), _yy_point, _yy_corner, lambda s, nu: -2 * nu * s.logarithm, _zero),
     ("zz", (-1, 1), _NORMAL["xz"].point, _NORMAL["xz"].corner, _NORMAL["xz"].plane, _zero),
     ("yz", (-1, -1), *_incompressible("xy"), _zero, _zero),
@@ -135,13 +120,7 @@ SURFACE: dict[str, CellKernel] = {}
 # Names of the fields with the axes exchanged.
 SWAPPED = {"xx": "yy", "yy": "xx", "xy": "xy", "x": "y", "y": "x"}
 for _name, _parity, _point, _corner, _plane in (
-    (
-        "x",
-        (-1, 1),
-        lambda x, y, z, r, nu: x / (r * r),
-        _half_log,
-        lambda s, nu: np.pi / 2 * s.sides,
-    ),
+    ("x", (-1, 1), lambda x, y, z, r, nu: x / (r * r), _half_log, lambda s, nu: np.pi / 2 * s.sides),
     ("y", (1, -1), lambda x, y, z, r, nu: y / (r * r), _swapped(_half_log), _zero),
     ("xx", (1, 1), lambda x, y, z, r, nu: x * x / r**3, _moment, lambda s, nu: s.mean_width),
     ("xy", (-1, -1), lambda x, y, z, r, nu: x * y / r**3, lambda x, y, z, r, nu: -r, _zero),

@@ -144,13 +144,7 @@ class MeasuredSurface:
             If the file cannot be read, has no units, others than those given, or implausible sizes.
         """
         reading = Reading(
-            extent=extent,
-            unit=unit,
-            invalid=invalid,
-            decimal=decimal,
-            transpose=transpose,
-            flip=flip,
-            sizes=sizes,
+            extent=extent, unit=unit, invalid=invalid, decimal=decimal, transpose=transpose, flip=flip, sizes=sizes
         )
         points, size, notes = measurement.read(path, reading)
         return cls(

@@ -9,14 +9,7 @@ from numpy.typing import NDArray
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 from contactstudy.domain.units import Metres, Number, readable
-from contactstudy.domain.validation import (
-    AT_LEAST_ZERO,
-    BELOW_ONE,
-    OR_INFINITE,
-    UP_TO_ONE,
-    at_least,
-    validated,
-)
+from contactstudy.domain.validation import AT_LEAST_ZERO, BELOW_ONE, OR_INFINITE, UP_TO_ONE, at_least, validated
 
 
 @validated

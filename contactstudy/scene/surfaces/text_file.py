@@ -308,10 +308,7 @@ def table(name: str, text: str, decimal: str | None) -> TextTable:
     names = [""] * count
     for line in lines[max(first - 3, 0) : first]:
         bare = line.strip("#%/ \t")
-        for row in (
-            _cells(bare, separator),
-            re.findall(r"[^\s\[(,;]+\s*(?:[\[(][^\])]*[\])])?", bare),
-        ):
+        for row in (_cells(bare, separator), re.findall(r"[^\s\[(,;]+\s*(?:[\[(][^\])]*[\])])?", bare)):
             if len(row) == count:
                 names = [f"{name} {word}".strip() for name, word in zip(names, row, strict=True)]
                 break
@@ -322,11 +319,7 @@ def table(name: str, text: str, decimal: str | None) -> TextTable:
     starts = (np.cumsum(kept) - 1)[1:][np.diff(np.array(kept, dtype=int)) > 0]
     blocks = 1 + int(((starts > first) & (starts <= last)).sum())
     return TextTable(
-        np.where(np.isfinite(numbers), numbers, nan),
-        around,
-        names,
-        above,
-        blocks if blocks <= len(numbers) / 2 else 1,
+        np.where(np.isfinite(numbers), numbers, nan), around, names, above, blocks if blocks <= len(numbers) / 2 else 1
     )
 
 

@@ -13,9 +13,8 @@ from contactstudy.elasticity.eigenstrain.half_space_wave import Components
 from contactstudy.elasticity.eigenstrain.periodic_operator import AntiplaneOperator, PeriodicOperator
 from contactstudy.elasticity.eigenstrain.plane_strain_operator import OuterStrain, PlaneStrainOperator
 from contactstudy.elasticity.eigenstrain.volume import EigenstrainOperator, Moduli, Volume
-from contactstudy.elasticity.kernels.displacement_cell import mean_gauss_rule
-from contactstudy.elasticity.kernels.stress_cell import COMPONENTS, strip
-from contactstudy.elasticity.kernels.stress_periodic import plane_strain, stress_cell_periodic
+from contactstudy.elasticity.kernels.stress_cell import COMPONENTS
+from contactstudy.elasticity.kernels.stress_periodic import stress_cell_periodic
 from tests.conftest import STEEL as STEEL_BODY
 
 STEEL = Moduli(2.6, 0.3)  # 2G = 2
@@ -70,27 +69,6 @@ def test_the_lift_of_the_surface_does_the_work_that_pressure_does_on_plastic_str
     assert (operator.residual_displacement(strain) * pressure).sum() * grid.cell_area == pytest.approx(work, rel=1e-12)
 
 
-def test_the_stress_of_pressure_is_the_mean_over_cells_of_that_at_points() -> None:
-    operator = plane()
-    volume, (dx, _) = operator.volume, operator.volume.grid.cell_size
-    pressure = np.zeros(volume.grid.cells)
-    pressure[7] = 1.0
-    stress = operator.stress_of_pressure(pressure)
-    offsets = (np.arange(volume.first, volume.last) - 7.0) * dx
-    layer = 2
-    depth, thickness = volume.depths[layer], volume.thicknesses[layer]
-    # 24 points: rho > 3 for points half a layer of 3 cells from the surface
-    mean = sum(
-        w * v * np.stack([
-            plane_strain(component, strip(offsets + x * dx / 2, depth + z * thickness / 2, dx), 0.3)
-            for component in COMPONENTS.values()
-        ])
-        for x, w in mean_gauss_rule(24)
-        for z, v in mean_gauss_rule(24)
-    )  # fmt: skip
-    assert np.abs(stress[:, layer, :, 0] - deviator(operator, np.asarray(mean))).max() < 1e-10
-
-
 def test_a_pressed_cell_makes_the_stress_of_its_point_formulas_where_it_varies_along() -> None:
     grid, edges = Grid((16, 8), (16.0, 12.0)), (0.0, 1.0, 2.0, 4.0)
     operator = PeriodicOperator(Volume(grid, 5, 11, edges), STEEL)
@@ -132,24 +110,6 @@ def test_shear_makes_the_stress_of_cerruti(varies: bool, part: int) -> None:  # 
     points = below.with_shear(np.stack([across, 0 * across]))(0 * across)
     wanted = deviator(operator, points.reshape(6, 2, 6, 24, part, -1, along).mean(axis=(2, 4, 6)))
     np.testing.assert_allclose(operator.stress_of_shear(shear), wanted, atol=0.015)
-
-
-@pytest.mark.parametrize("radius", [4, 8])
-def test_a_cylinder_of_uniform_strain_far_below_has_the_stress_of_eshelby(radius: int) -> None:
-    # in cells; the surface is 60 radii away and changes it by their square
-    deep, side, nu = 60 * radius, radius + 1, 0.3
-    edges = (0.0, *(float(z) for z in np.arange(deep - side, deep + side + 1)))
-    grid = Grid((2 * side, 1), (2.0 * side, 1.0))
-    operator = PlaneStrainOperator(Volume(grid, 0, 2 * side, edges), Moduli(1.0, nu))
-    inside = grid.x[:, None] ** 2 + (operator.volume.depths[:, None, None] - deep) ** 2 < radius**2
-    inside[0] = False
-    strain = np.zeros((3, *operator.volume.shape))
-    strain[2][inside] = 1.0
-    taken = operator.negative_residual_stress(strain)[2][inside].mean()
-    # Eshelby (1957): 2 S_1212 = (3 - 4 nu) / (4 (1 - nu)) leaves 2G / (4 (1 - nu)) of what shear would take
-    exact = 2 * operator.moduli.shear / (4 * (1 - nu))
-    # the outline is one of squares: of 2 pi r cells on it, half are cut
-    assert taken == pytest.approx(exact, rel=0.25 / radius)
 
 
 def test_a_deep_sphere_keeps_the_stress_of_eshelby() -> None:

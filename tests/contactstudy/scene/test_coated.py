@@ -128,7 +128,7 @@ def test_a_wave_of_pressure_moves_a_coating_as_its_response_says(coating: cs.Hal
     coated, bare = (superposed(one.response(1e-4), grid, PADDINGS["lattice"]) for one in (body, coating))
     (layer, _), *_ = body.interfaces
     rest = float(layer.remainders(np.array([k * thickness]))[0, 0])
-    below = layer.contrast * np.exp(-2 * k * thickness) + rest
+    below = layer.contrasts[0] * np.exp(-2 * k * thickness) + rest
     mean = np.sinc(wave[0] / grid.cells[0]) * np.sinc(wave[1] / grid.cells[1])
     expected = coating.compliance * 2 / k * below * mean * pressure
     # shorter waves than the grid's, which it takes for this one, fall as exp(-2 k h): below 1e-11

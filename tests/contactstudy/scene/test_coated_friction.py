@@ -5,7 +5,7 @@ import contactstudy as cs
 from contactstudy.elasticity.coating import CoatingCoefficients
 from contactstudy.elasticity.convolution import general_convolutions
 from contactstudy.elasticity.kernels.layer_response import LayerResponse, LayerStress
-from contactstudy.elasticity.kernels.layer_waves import DisplacementWaves, Subtracted, amplitudes
+from contactstudy.elasticity.kernels.layer_waves import DisplacementWaves, amplitudes
 from tests.conftest import STEEL
 
 STIFF = cs.HalfSpace(420e9, 0.2)
@@ -19,7 +19,7 @@ FIELDS = ["xx", "yy", "xy", "x", "y", "z"]
 @pytest.mark.parametrize("layer", MATERIALS)
 def test_a_wave_of_shear_moves_the_surface_as_its_stress_says(layer: LayerResponse) -> None:
     """By the stress s_xx at the surface, which is 2 under shear and -1 under pressure without a substrate."""
-    k, waves = np.linspace(0.05, 6, 40), DisplacementWaves(layer, Subtracted.NONE, "traction")
+    k, waves = np.linspace(0.05, 6, 40), DisplacementWaves(layer, "traction")
     along = amplitudes(waves, k, 0 * k)["xx"]
     pressed, sheared = LayerStress(layer, 0.0).plane(k)[:, 2]
     nu, (m,) = layer.poisson_ratios[0], layer.shear_ratios
@@ -42,7 +42,7 @@ def test_a_lattice_answers_a_wave_by_its_amplitude(name: str) -> None:
     qx, qy = 2 * np.pi / width * np.array([3, 2])
     phase = qx * grid.x[:, None] + qy * grid.y
     load = "pressure" if name == "z" else "traction"
-    waves = DisplacementWaves(layer, Subtracted.NONE, load)
+    waves = DisplacementWaves(layer, load)
     kx, ky = np.array([[qx * thickness]]), np.array([[qy * thickness]])
     amplitude = thickness * complex(amplitudes(waves, kx, ky)[name][0, 0])
     # piecewise constant cells have the mean of the wave, and add what is aliased: below 1e-3 of it

@@ -13,7 +13,7 @@ from contactstudy.elasticity.coating import CoatingCoefficients
 from contactstudy.elasticity.kernels.displacement_cell import mean_gauss_rule
 from contactstudy.elasticity.kernels.layer_cell_alone import WaveResponse, cell_alone
 from contactstudy.elasticity.kernels.layer_response import LayerResponse, LayerStress, composite
-from contactstudy.elasticity.kernels.layer_waves import DisplacementWaves, StressWaves, Subtracted, WaveCoefficients
+from contactstudy.elasticity.kernels.layer_waves import DisplacementWaves, StressWaves, WaveCoefficients
 
 # alike and unlike, compressible or not, on a soft, a stiff and a rigid base
 LAYERS = {
@@ -107,7 +107,7 @@ def by_quadrature(waves: WaveResponse, cell: tuple[float, float, float, float]) 
 def responses(name: str) -> list[WaveResponse]:
     loads = (0.0, "pressure"), (0.6, "across"), (1.5, "along"), (40.0, "across")
     return [
-        *(DisplacementWaves(LAYERS[name], Subtracted.NONE, load) for load in ("pressure", "traction")),
+        *(DisplacementWaves(LAYERS[name], load) for load in ("pressure", "traction")),
         *(StressWaves(LayerStress(LAYERS[name], depth), load) for depth, load in loads),
     ]
 

@@ -159,8 +159,3 @@ def solved(own: Own) -> cs.Solution:
 def test_what_is_no_height_or_no_curvature_is_refused(own: Own, message: str) -> None:
     with pytest.raises(cs.InvalidInput, match=message):
         solved(own)
-
-
-def test_nested_lists_of_heights_are_heights() -> None:
-    flat = Own(lambda grid: [[0.0] * grid.cells[1]] * grid.cells[0])
-    assert solved(flat).status is cs.Status.CONVERGED

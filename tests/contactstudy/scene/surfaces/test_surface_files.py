@@ -25,16 +25,9 @@ def matrix(separator: str = "\t", scale: float = 1.0, heights: Any = MAP, number
 def columns(separator: str = ",", scales: tuple[float, float, float] = (1, 1, 1), jitter: float = 0.0) -> str:
     """Points, with positions in um off their grid by up to `jitter` steps, times a scale a column."""
     shifts = jitter * np.random.default_rng(0).uniform(-1, 1, (2, *MAP.shape))
-    return "\n".join(
-        separator.join(
-            f"{value * scale:.10f}"
-            for value, scale in zip(
-                (2 * (i + shifts[0, i, j]), 4 * (j + shifts[1, i, j]), MAP[i, j]), scales, strict=True
-            )
-        )
-        for j in range(9)
-        for i in range(12)
-    )
+    places = 2 * (np.arange(12)[:, None] + shifts[0]), 4 * (np.arange(9) + shifts[1])
+    points = np.stack([*places, MAP], axis=-1).swapaxes(0, 1).reshape(-1, 3) * scales
+    return "\n".join(separator.join(f"{value:.10f}" for value in point) for point in points)
 
 
 def trace(title: str) -> str:

@@ -97,11 +97,16 @@ def schedule(
         If times decrease, begin before the load or name an instant three times; if they are None and the load has no
         end.
     """
-    recorded = None if times is None else _checked(times, load)
-    end = load.end if recorded is None else recorded[-1]
-    if recorded is None and end <= load.start:
+    recorded: list[float] = [] if times is None else np.ravel(times).tolist()
+    check_not_decreasing("solve.times", recorded)
+    if recorded and recorded[0] < load.start:
+        raise InvalidInput(
+            f"solve.times[0] is {recorded[0]!r}: give times from {load.start!r} s on, when the load begins."
+        )
+    end = recorded[-1] if recorded else load.end
+    if not recorded and end <= load.start:
         raise InvalidInput("solve.times is None, and Scene.load has no end: give times [s].")
-    counts = Counter(recorded or ())
+    counts = Counter(recorded)
     further = (*kinks, *(history.times if history is not None else ()))
     breaks = {load.start, *load.breaks(end), *(time for time in further if load.start <= time <= end)}
     given = sorted(breaks | set(counts) | {end})
@@ -126,17 +131,6 @@ def all_recorded(breakpoints: tuple[Breakpoint, ...]) -> tuple[Breakpoint, ...]:
     """Return `breakpoints`, all recorded: before and after a jump, but the first only after it."""
     first, *others = breakpoints
     return replace(first, times_recorded=1), *(replace(point, times_recorded=1 + point.jumps) for point in others)
-
-
-def _checked(times: ArrayLike, load: ChangingLoad) -> list[float]:
-    """Return `times` [s] as a list; raise InvalidInput if they decrease, start before the load or repeat one twice."""
-    instants: list[float] = np.ravel(times).tolist()
-    check_not_decreasing("solve.times", instants)
-    if instants[0] < load.start:
-        raise InvalidInput(
-            f"solve.times[0] is {instants[0]!r}: give times from {load.start!r} s on, when the load begins."
-        )
-    return instants
 
 
 def ascending(times: ArrayLike, least: int = 1) -> list[float]:

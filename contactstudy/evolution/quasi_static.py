@@ -105,7 +105,10 @@ def follow_load(
                 if speed is not None:  # elastic bodies, which roll without resistance
                     lagged = LaggedSolution(last, 0.0, 1, last.iterations, last.convolutions)
                     rolling = SteadyRolling(lagged, {}, partial(solve_rolling, scene, padding=padding))
-            since_recorded.append(frame_in_equilibrium(point.time, value, last, rolling))
+            solves = 1 if rolling is None else rolling.lagged.outer_iterations
+            if last.adhesion is not None:
+                solves = last.adhesion.outer_iterations
+            since_recorded.append(frame_of(last, time=point.time, load=value, solves=solves, rolling=rolling))
             if is_recorded:
                 frames.append(_with_work_of(since_recorded))
                 since_recorded = []
@@ -143,14 +146,6 @@ def _next_solution(problem: Problem, last: Solution | None, options: SolveOption
     if isinstance(problem.adhesion, AdhesiveSolver) and last is not None:
         problem = replace(problem, adhesion=problem.adhesion.after(last))
     return solve_contact(problem, options, start)
-
-
-def frame_in_equilibrium(time: float, load: float, solution: Solution, rolling: SteadyRolling | None) -> Frame:
-    """Return a solution at a time [s] under a load [N/m] as a recorded instant, with its resistance where it rolls."""
-    solves = 1 if rolling is None else rolling.lagged.outer_iterations
-    if solution.adhesion is not None:
-        solves = solution.adhesion.outer_iterations
-    return frame_of(solution, time=time, load=load, solves=solves, rolling=rolling)
 
 
 def _with_work_of(contacts: Sequence[Frame]) -> Frame:

@@ -143,28 +143,31 @@ class DrySteps(Method[Instant]):
         by_steps = self.errors.by_steps if record.coarse is not None else self.errors.inside
         if has_failed or (self.estimator == "none" and stepper.all_state_variables):
             by_steps = dict.fromkeys(NAMES_OF_ERRORS, inf)
-        common = self._common(instant)
-        total = {name: error + common[name] for name, error in by_steps.items()}
-        total["l1"] = max(total.pop("pressure"), total.pop("states"))
+        # what two integrations have in common: errors of the traction of fretting, and of a pressure that its slip wears
+        fretting = stepper.fretting
+        common = 0.0 if fretting is None else fretting.common_error(instant.states[-1])
+        of_pressure = common if fretting is not None and fretting.wear else 0.0
+        l1 = max(by_steps["pressure"] + of_pressure, by_steps["states"] + common)
+        total = {"peak_pressure": by_steps["peak_pressure"] + of_pressure, "l1": l1}
         shown = {
             name: of
             for variable, state in zip(stepper.all_state_variables, instant.states, strict=True)
             for name, of in variable.fields(state).items()
         }
-        at_rest: dict[str, Any] = {}
-        if not stepper.all_state_variables and solution.pressure.any() and not has_failed:
-            at_rest = {
-                **{name: getattr(solution, name) for name in ("problem", "displacement")},
-                "grid_error_parts": None,
-            }
-        parts, peak_parts, warnings = (UNKNOWN, UNKNOWN, ()) if at_rest else self._of_grid(solution)
+        problem, displacement = solution.problem, solution.displacement
+        grid_errors: tuple[Any, ...] = (None, UNKNOWN, ())
+        if stepper.all_state_variables or has_failed or not solution.pressure.any():
+            problem = stepper.problem
+            displacement = solution.gap + solution.approach - problem.undeformed_gap
+            grid_errors = self._of_grid(solution)
+        parts, peak_parts, warnings = grid_errors
         work: Any = {name: record.work[name] for name in ("solves", "iterations", "convolutions")}
-        frame = frame_of(
+        return frame_of(
             solution,
             time=instant.time,
             load=instant.load,
-            problem=stepper.problem,
-            displacement=solution.gap + solution.approach - stepper.problem.undeformed_gap,
+            problem=problem,
+            displacement=displacement,
             traction=stepper.traction(instant),
             fields=shown,
             coupled_state={} if stepper.coupled is None else instant.states[-1],
@@ -176,7 +179,6 @@ class DrySteps(Method[Instant]):
             adhesion=instant.adhesion,
             **work,
         )
-        return replace(frame, **at_rest)
 
     def _by_steps(self, fine: Instant, coarse: Instant, step: float) -> dict[str, float]:
         """Return errors of `fine` by steps, in L1 of the pressure and of the states, and of the peak pressure.
@@ -206,13 +208,6 @@ class DrySteps(Method[Instant]):
         """Return the L1 norm that errors of states are relative to; 0 if none has an estimate of its own."""
         fretting = self.stepper.fretting
         return 0.0 if fretting is None else fretting.size(instant.states[-1])
-
-    def _common(self, fine: Instant) -> dict[str, float]:
-        """Return the errors that two integrations have in common, by the names of `NAMES_OF_ERRORS`."""
-        fretting = self.stepper.fretting
-        of_states = 0.0 if fretting is None else fretting.common_error(fine.states[-1])
-        of_pressure = of_states if fretting is not None and fretting.wear else 0.0
-        return {"pressure": of_pressure, "states": of_states, "peak_pressure": of_pressure}
 
     def _of_states(self, fine: Instant, coarse: Instant) -> float:
         """Return the largest error of the state variables that have an estimate of their own; 0 if none has."""

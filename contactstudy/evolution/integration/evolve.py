@@ -301,14 +301,15 @@ def _fretting_state(scene: Scene, problem: Problem, options: SolveOptions) -> St
     """Return the tangential traction of a scene that frets, as a state variable."""
     fretting, paddings = scene.friction, problem.paddings
     assert isinstance(fretting, Fretting)
+    assert fretting.history is not None
     assert paddings is not None
     gap = problem.undeformed_gap
     return FrettingState(
         coefficient=fretting.coefficient,
         wear=0.0 if scene.wear is None else scene.wear.coefficient,
         response=fretting.response(scene, problem.grid, paddings, scene.datum(problem.grid)),
-        forces=None if fretting.forces is None else fretting.history,
-        displacements=None if fretting.displacements is None else fretting.history,
+        history=fretting.history,
+        by_force=fretting.forces is not None,
         period=inf if fretting.period is None else fretting.period,
         least_eigenvalue=least_eigenvalue(scene.contact_modulus, min(problem.grid.cell_size)),
         gap_scale=problem.scales.gap,

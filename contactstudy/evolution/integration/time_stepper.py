@@ -342,10 +342,10 @@ class TimeStepper:
         for contribution in contributions:
             weights.update(contribution.compliance)
         local = sum(contribution.local_compliance for contribution in contributions)
-        problem = self._problem_under(weights, local, step.loads[1], self.problem)
-        source = self.problem.source
+        posed = partial(self._problem_under, weights, local, step.loads[1])
+        problem, source = posed(self.problem), self.problem.source
         if isinstance(source, ShapesSource):
-            source = source.with_problem_step(partial(self._problem_under, weights, local, step.loads[1]))
+            source = source.with_problem_step(posed)
         adhesion = self.problem.adhesion
         if adhesion is not None and instant.adhesion is not None:
             adhesion = adhesion.continued(instant.adhesion.attraction)

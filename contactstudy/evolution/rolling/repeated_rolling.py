@@ -17,11 +17,12 @@ from contactstudy.evolution.rolling.track import (
     ContactWithAddedGap,
     DepthProfile,
     FixedContact,
+    SolvedContact,
     Track,
-    rolling_contact,
     with_zero_layers,
 )
 from contactstudy.evolution.states.plastic import YieldingBody, check_paddings, embedded, layers, step_solution
+from contactstudy.evolution.time_steps import solved_or_unloaded
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.loads.constant_load import ConstantLoad
 from contactstudy.scene.scene import PosedScene, Scene
@@ -196,7 +197,7 @@ def roll_repeatedly(
     grid: Grid,
     padding: Padding | Paddings,
     *,
-    options: SolveOptions = SolveOptions(),  # noqa: B008 (a frozen value)
+    options: SolveOptions,
     progress: Callable[[float, int], object] | None = None,
 ) -> RepeatedRolling:
     """Roll the contact of `scene` to larger x over an elastic-plastic half-space, as its ``rolling`` says.
@@ -230,8 +231,8 @@ def roll_repeatedly(
     Raises
     ------
     InvalidInput
-        Unless exactly one body yields and the other is elastic or rigid; for a load that changes, wear, more than one
-        cell along the length, or a surface that ends or wraps across.
+        Unless exactly one body yields and the other is elastic or rigid; for a load that changes, more than one cell
+        along the length, or a surface that ends or wraps across.
     """
     rolling = scene.rolling
     assert rolling is not None
@@ -244,8 +245,10 @@ def roll_repeatedly(
     length, cell = problem.scales.length, grid.cell_size[0]
     volume = Volume(grid, 0, grid.cells[0], layers(grid, length, INITIAL_DEPTH * length))
     operator = PlaneStrainOperator(volume, body.moduli)
+    solution = solved_or_unloaded(options, problem)
+    settled = SolvedContact(problem, options, solution.pressure)
     roller = _Rolling(
-        rolling_contact(problem, options, rolling.pressure),
+        FixedContact(solution) if rolling.pressure == "elastic" else settled,
         options.tolerance,
         length,
         lag=max(round(length / cell), 1),
@@ -331,7 +334,8 @@ class _Rolling:
             if len(profiles) > grid.cells[0] + self.lag:
                 strain = track.left_profile.strain
                 references = profiles[-1 - self.lag].strain, track.mean_strain_behind
-                change = max(_strain_change(reference, strain) for reference in references)
+                earlier = np.stack([with_zero_layers(reference, strain.shape[1]) for reference in references])
+                change = float(np.abs(strain - earlier).max(initial=0.0))
                 if self.max_steps is None and change < self.steady:
                     break
         statuses = [solution.status for solution, _ in steps]
@@ -358,16 +362,10 @@ class _Rolling:
         return after, (solution, step.iterations)
 
 
-def _strain_change(before: Array, after: Array) -> float:
-    """Return the largest change of plastic strain (component, layers), where the second may have more layers."""
-    return float(np.abs(after - with_zero_layers(before, after.shape[1])).max(initial=0.0))
-
-
 def _single_yielding_body(scene: Scene) -> YieldingBody:
-    """Return the one yielding body of `scene`; refuse a load that changes, wear, creep, and none or two such bodies."""
-    if scene.wear is not None or not isinstance(scene.load, ConstantLoad):
-        change, remedy = ("wear", "leave it out") if scene.wear else ("load", "give a LineLoad")
-        raise InvalidInput(f"Scene.{change} changes in time together with repeated rolling: {remedy}.")
+    """Return the one yielding body of `scene`; refuse a load that changes, creep, and none or two such bodies."""
+    if not isinstance(scene.load, ConstantLoad):
+        raise InvalidInput("Scene.load changes in time together with repeated rolling: give a LineLoad.")
     bodies = YieldingBody.in_scene(scene)
     if len(bodies) != 1 or any(map(creeps, scene.solids)):
         raise InvalidInput(

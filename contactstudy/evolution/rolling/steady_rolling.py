@@ -236,9 +236,8 @@ def solve_rolling(
             iterations=lagged.iterations + sheared.iterations,
             convolutions=lagged.convolutions + sheared.convolutions,
         )
-    iterations, convolutions = lagged.iterations, lagged.convolutions
-    counted = replace(lagged.solution, iterations=iterations, convolutions=convolutions)
-    lagged = replace(lagged, solution=counted)
+    counted = replace(lagged.solution, iterations=lagged.iterations, convolutions=lagged.convolutions)
     coarse = replace(options, tolerance=COARSE_CHANGE / 10)
     solve_on = partial(solve_rolling, scene, padding=padding, options=coarse, change=COARSE_CHANGE, max_outer=max_outer)
+    lagged = replace(lagged, solution=counted)
     return SteadyRolling(lagged, antisymmetric_weights, solve_on, -1 if speed < 0 else 1)

@@ -11,9 +11,7 @@ from contactstudy.domain.fields import Array
 from contactstudy.elasticity.eigenstrain.plane_strain_operator import OuterStrain, PlaneStrainOperator
 from contactstudy.elasticity.eigenstrain.volume import Volume
 from contactstudy.evolution.states.plastic import embedded, enlarged
-from contactstudy.evolution.time_steps import WarmStartedContact, solved_or_unloaded, with_added_gap
-from contactstudy.problem.problem import Problem
-from contactstudy.scene.rolling import RollingPressure
+from contactstudy.evolution.time_steps import WarmStartedContact, with_added_gap
 from contactstudy.solvers.plasticity import (
     ContactTangent,
     ElastoplasticStep,
@@ -23,7 +21,6 @@ from contactstudy.solvers.plasticity import (
     solve_elastoplastic_step,
 )
 from contactstudy.solvers.solution import Solution
-from contactstudy.solvers.solve import SolveOptions
 
 
 class ContactWithAddedGap(Protocol):
@@ -56,24 +53,6 @@ class FixedContact:
 
     def tangent(self, _: Solution) -> None:
         """Return None, since the pressure does not change."""
-
-
-def rolling_contact(problem: Problem, options: SolveOptions, kind: RollingPressure) -> ContactWithAddedGap:
-    """Return the contact that rolls, with the elastic `problem` as its first solution.
-
-    Parameters
-    ----------
-    problem
-        The contact with bodies that do not yield.
-    options
-        How the contact is solved.
-    kind
-        Whether plastic strain changes the pressure.
-    """
-    elastic = solved_or_unloaded(options, problem)
-    if kind == "elastic":
-        return FixedContact(elastic)
-    return SolvedContact(problem, options, elastic.pressure)
 
 
 @dataclass(frozen=True, eq=False)

@@ -54,9 +54,11 @@ class FrettingState:
         Specific wear rate k [1/Pa], the wear coefficient over the hardness; 0 wears nothing.
     response
         Tangential displacement under a tangential traction.
-    forces, displacements
+    history
         Tangential force [N/m] on the first body, or rigid-body displacement [m] of the second against the first, over
-        time and along x; the other one is None.
+        time and along x.
+    by_force
+        Whether the history is one of forces.
     period
         Duration of a cycle [s]; infinite if each force is followed once.
     least_eigenvalue
@@ -79,8 +81,8 @@ class FrettingState:
     coefficient: float
     wear: float
     response: ShearResponse
-    forces: PiecewiseLinear | None
-    displacements: PiecewiseLinear | None
+    history: PiecewiseLinear
+    by_force: bool
     period: float
     least_eigenvalue: float
     gap_scale: float
@@ -193,12 +195,12 @@ class FrettingState:
         None. Force and displacement jump, as the load does, in a step without duration. A first load that jumps is
         applied before the traction; one that ramps up locks traction in.
         """
-        history = self._history
+        history = self.history
         first = 0.0
         if before.any():
             first = (history.at if step.duration else history.before)(step.start)
         last = (history.before if step.duration else history.at)(step.end)
-        if self.forces is None:
+        if not self.by_force:
             return 0.0, None, np.array([last - first, 0.0])
         slope, rise = 0.0, step.loads[1] - step.loads[0]
         if rise > 0 and step.duration > 0:
@@ -250,19 +252,12 @@ class FrettingState:
             relative = ERROR_OVER_DEVIATION * deviation[beside].sum() / gained_beside
         return total_shear, relative * entered / all_gained * sizes
 
-    @property
-    def _history(self) -> PiecewiseLinear:
-        """Tangential force [N/m] or rigid-body displacement [m] over time."""
-        history = self.displacements if self.forces is None else self.forces
-        assert history is not None
-        return history
-
     def _half_cycles(self, step: Step) -> float:
         """Return the number of half cycles that a step stands for: those in its segment of the history, at least 1.
 
         A jump, and a step before or after the history, stand for themselves.
         """
-        times = self._history.times
+        times = self.history.times
         if not (step.duration and times[0] <= step.start and step.end <= times[-1]):
             return 1.0
         later = next(time for time in times if time >= step.end)

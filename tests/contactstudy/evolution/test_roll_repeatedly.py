@@ -23,7 +23,8 @@ def scene(peak: float, hardening: float = 0.0) -> cs.Scene:
 
 
 def roll(scene: cs.Scene, cells: int = 24, width: float = 4.8, **rolling: Any) -> RepeatedRolling:
-    return roll_repeatedly(replace(scene, rolling=cs.Rolling(**rolling)), cs.Grid((cells, 1), (width, 1.0)), EXACT)
+    rolls = replace(scene, rolling=cs.Rolling(**rolling))
+    return roll_repeatedly(rolls, cs.Grid((cells, 1), (width, 1.0)), EXACT, options=cs.SolveOptions())
 
 
 @cache

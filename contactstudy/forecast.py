@@ -45,9 +45,9 @@ class ForecastConstants:
     grid_seconds
         Seconds that a solve on several grids may take where nothing of the last of them is done.
     exact_seconds
-        Seconds that a solve on the planned grid, or a further one for numbers, may take to be one of them.
+        Seconds that a solve on the planned grid may take to be one of them.
     followed
-        Seconds of a grid for numbers that is not solved, and of those that may follow it, over its own.
+        Seconds of a grid for numbers, and of those that may follow it, over its own.
     least_cells
         Cells across below which a grid tells nothing.
     least_fraction
@@ -63,7 +63,7 @@ class ForecastConstants:
     orders
         Least and largest order of convergence that is expected of scenes that change in time or roll.
     most_error
-        Largest error to which a coarse film is solved, and of steps in time.
+        Largest error to which a coarse film is solved.
     """
 
     seconds: float = 1.0
@@ -180,15 +180,12 @@ class Level:
         Contacts that are solved one after the other; 0 where they are not counted.
     answer
         The answer; None where the solve was ended before.
-    looser
-        Ratio of the error of its steps in time to the requested one; the seconds and solves are those of the latter.
     """
 
     grid: Grid
     seconds: float
     solves: int
     answer: Any
-    looser: float = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -241,28 +238,13 @@ class _Request:
             seconds += sum(level.seconds for level in levels)
         grid, numbers = grids[-1] if grids else self.planned.grid, ""
         refines_numbers = self.planned.first_grids is not None or refines(self.scene)
-        while self.is_chosen and refines_numbers and (answer := levels[-1].answer) is not None:
+        if self.is_chosen and refines_numbers and (answer := last.answer) is not None:
             further = grid_for_numbers(answer, is_default=self.is_default)
-            if further is None or prod(further.cells) <= prod(grid.cells):
-                break
-            grid, numbers = (
-                further,
-                f" Numbers other than the pressure take {cells_text(further.cells)}",
-            )
-            expected = self.seconds_on(grid, levels)
-            if expected > CONSTANTS.exact_seconds:
-                seconds += CONSTANTS.followed * expected
-                numbers += " or more."
-                break
-            numbers += "."
-            levels.append(self.solved(grid, 1, levels[-1].looser))
-            seconds += levels[-1].seconds
+            if further is not None and prod(further.cells) > prod(grid.cells):
+                grid, numbers = further, f" Numbers other than the pressure take {cells_text(further.cells)} or more."
+                seconds += CONSTANTS.followed * self.seconds_on(grid, levels)
         part = "" if last.answer is not None else "a part of "
-        return (
-            grid,
-            seconds,
-            f"seconds: from {part}a solve on {cells_text(last.grid.cells)}.{numbers}",
-        )
+        return grid, seconds, f"seconds: from {part}a solve on {cells_text(last.grid.cells)}.{numbers}"
 
     def grids_of_pressure(self, levels: list[Level]) -> list[Grid]:
         """Return the grids that a solve is expected to take for its pressure or film, beside its first ones."""
@@ -303,8 +285,6 @@ class _Request:
             return {}
         last = solved[-1]
         parts = dict(last.answer.error.l1.by_cause)
-        if "steps" in parts:
-            parts["steps"] /= last.looser
         if "discretisation" in parts:
             coarser = prod(last.grid.cells) / prod(grid.cells)
             axes = 1 if grid.cells[1] == 1 else 2
@@ -363,66 +343,41 @@ class _Request:
             )
             if too_coarse and not is_exact:
                 continue
-            spent = sum(level.seconds / level.looser for level in levels)
+            spent = sum(level.seconds for level in levels)
             limit = CONSTANTS.exact_seconds if is_exact else CONSTANTS.all_seconds - spent
-            expected = self.seconds_on(grid, levels) / levels[-1].looser if levels[1:] else 0.0
+            expected = self.seconds_on(grid, levels) if levels[1:] else 0.0
             if levels and (levels[-1].answer is None or expected > limit):
                 break
             try:
-                levels.append(self.solved(grid, factor, levels[-1].looser if levels else 1.0))
+                levels.append(self.solved(grid, factor))
             except InvalidInput as fault:  # such as waves that so few cells do not resolve
                 refused = fault
         if not levels:
             raise refused
         return levels
 
-    def solved(self, grid: Grid, factor: int, looser: float) -> Level:
-        """Return the solve on a grid of 1 / `factor` of the cells along each axis.
-
-        A steady film is solved to a larger error. Of a scene with state variables the steps in time are `looser`, or
-        more so where they take too long: those of first order become fewer by the same factor.
-        """
+    def solved(self, grid: Grid, factor: int) -> Level:
+        """Return the solve on a grid of 1 / `factor` of the cells along each axis; a steady film to a larger error."""
         error, named = self.error, dict[str, Any]()
         if self.scene.method is methods.FILM and self.target is not None:
             error = min(self.target * factor**2, CONSTANTS.most_error)
+        if self.scene.method.takes_times:
+            named["times"] = self.times
+        on = None if self.refines_film else grid
         while True:
-            if self.scene.method.takes_times:
-                named["times"] = self.times if looser == 1 else self.looser_steps(looser)
             before, watch = loaded(), _Watch()
+            answer: Any = None
             try:
-                answer: Any = solve(
-                    self.scene,
-                    None if self.refines_film else grid,
-                    self.planned.padding,
-                    error=error,
-                    progress=watch,
-                    **named,
-                )
+                answer = solve(self.scene, on, self.planned.padding, error=error, progress=watch, **named)
                 len(answer.quantities)  # with the stress
             except _TimeLimitReached:
-                if before < loaded():  # what is imported or compiled is not counted
-                    continue
-                if self.looser_steps(4 * looser):
-                    looser *= 4
-                    continue
-                seconds, solves = watch.whole
-                return Level(grid, looser * seconds, round(looser * solves), None, looser)
-            if before == loaded():
-                solves = round(looser * watch.solves(answer))
-                return Level(answer.grid, looser * watch.seconds, solves, answer, looser)
-
-    def looser_steps(self, looser: float) -> "TimeSteps | None":
-        """Return the steps in time to a larger error; None where they have none, or it would be too large."""
-        if not (self.scene.method.takes_times and refines(self.scene)):
-            return None
-        from contactstudy.evolution.time_steps import TimeSteps
-        from contactstudy.planning.grid_requirements import CONSTANTS as GRID
-
-        steps = TimeSteps.of(self.times)
-        error = steps.error or (self.target and (1 - GRID.cell_fraction) * self.target)
-        if steps.error_estimator != "step_doubling" or not error:
-            return None
-        return None if looser * error > CONSTANTS.most_error else replace(steps, error=looser * error)
+                answer = None
+            if before == loaded():  # what is imported or compiled is not counted
+                break
+        if answer is None:
+            seconds, solves = watch.whole
+            return Level(grid, seconds, solves, None)
+        return Level(answer.grid, watch.seconds, watch.solves(answer), answer)
 
     def seconds_on(self, grid: Grid, levels: list[Level]) -> float:
         """Return the seconds on a grid from those on others: linear in the cells, or a power of them that two show."""

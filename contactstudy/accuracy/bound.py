@@ -14,13 +14,11 @@ from contactstudy.accuracy.coarser import (
     relative_loss,
 )
 from contactstudy.accuracy.hidden_heights import HiddenEffect, HiddenHeights
-from contactstudy.domain.errors import MARGIN
+from contactstudy.domain.errors import HALF_ORDER_MARGIN
 from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import axis_first
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.scene import scene_of
 from contactstudy.scene.shapes_source import unresolved
-from contactstudy.scene.solids.bodies import layers_of
 from contactstudy.solvers.solution import Solution
 
 SHARP_EDGE = "a sharp edge or corner"
@@ -71,10 +69,6 @@ class OneGridConstants:
         Error over the pressure on the length by which the cells make an end of a roller too long or too short: it is 2,
         as that pressure lies elsewhere, and more for what it moves. With both, bounds were 1.9 to 2.3 times the errors
         of 16 sharp rollers that fit their cells, and 1.1 to 10 times those of 41 that do not.
-    cells_of_edge_law
-        Cells in the thickness of a coating below which it bends the law of an edge. The error in L1 was at most 1.33
-        times the change on 180 contacts of 20 to 300 cells with up to 2 in coatings of 2 to 100 times the stiffness of
-        their substrate.
     cell_at_interface
         Largest cell over the thickness of a coating with which the grid resolves the shear stress at its interface.
     """
@@ -92,7 +86,6 @@ class OneGridConstants:
     falling_end: float = 0.9
     end_rise: float = 0.5
     end_length: float = 4.0
-    cells_of_edge_law: int = 6
     cell_at_interface: float = 0.5
 
 
@@ -109,6 +102,7 @@ def discretisation_bound(
     problem = solution.problem
     pressure = solution.pressure[around_contact(solution.pressure)]
     wraps = _wraps(problem)
+    couples = bool(dundurs_of_shear(solution))
     load_is_result = problem.control.approach is not None or is_pull_off(solution)
     no_load = inf if load_is_result else None
     if reason := _cut_off(solution) or _unresolved_length(problem):
@@ -129,11 +123,11 @@ def discretisation_bound(
         area += abs(np.count_nonzero(lengths) / float(lengths.sum()) - 1)
     load = CONSTANTS.load_error * max(0.0 if adheres else l1, inside.hidden_load)
     changes = DiscretisationErrors(0.0, 0.0, 0.0, 0.0)
-    has_thin_coating = _has_thin_coating(solution)
     follows_law = (
         load_is_fixed
-        and not (at_hardness or has_thin_coating)
-        and _contact_width(pressure, wraps) >= CONSTANTS.min_cells_across
+        and not at_hardness
+        and not couples
+        and _has_run_in_contact(pressure, CONSTANTS.min_cells_across)
         and inside.hidden_load <= CONSTANTS.smooth_ratio * l1
         and (at_end > 0 or inside.corner_rise <= CONSTANTS.sharp_rise)
     )
@@ -143,8 +137,8 @@ def discretisation_bound(
         return replace(changes, load=no_load)
     if follows_law:  # in L1, also at an end
         changes = replace(changes, l1=0.0)
-    elif has_thin_coating and load_is_fixed:  # whose rise at the edges falls with the first order at most
-        changes = replace(changes, l1=MARGIN * changes.l1)
+    if couples:  # the shear rises steeply where slip begins, and the pressure with it
+        changes = replace(changes, peak_pressure=HALF_ORDER_MARGIN * changes.peak_pressure)
     hidden_error = CONSTANTS.hidden_error * inside.hidden_load * float(force.sum())
     hidden_area = relative_loss(CONSTANTS.hidden_area * inside.area_loss)
     largest_l1 = CONSTANTS.max_l1 if load_is_fixed else inf
@@ -157,12 +151,11 @@ def discretisation_bound(
     elif reason := _no_peak(solution, inside):
         peak = inf
     else:
-        repulsive = max(peak, inside.peak_rise) + inside.kink_rise
-        peak = max(changes.peak_pressure + inside.kink_rise, repulsive * peak_of_net)
+        peak = max(changes.peak_pressure, max(peak, inside.peak_rise) * peak_of_net)
     gap = gap_error(solution, l1, changes.mean_gap, heights.mean)
     if load_is_result:
         assert changes.load is not None
-        load = max(load, changes.load, _flattening_load(solution, inside)) if l1 < inf else inf
+        load = max(load, changes.load) if l1 < inf else inf
         if adheres:
             net = abs(float(solution.net_pressure.sum()))
             load = max(load, hidden_error / net) if net else inf
@@ -185,12 +178,14 @@ def discretisation_bound(
     )
 
 
-def _has_thin_coating(solution: Solution) -> bool:
-    """Return whether a coating has fewer cells than the law of an edge, which is that of a half-space, is fitted to."""
+def dundurs_of_shear(solution: Solution) -> float:
+    """Return Dundurs' beta of the bodies of a solution with a tangential traction; 0 without one."""
     scene = scene_of(solution.problem)
-    thinnest = CONSTANTS.cells_of_edge_law * solution.problem.grid.cell_size[0]
-    layers = layers_of(scene.solids if scene else ())
-    return any(layer.thickness < thinnest for layer, _ in layers)
+    if solution.traction is None or scene is None:
+        return 0.0
+    from contactstudy.scene.friction.friction_law import dundurs  # imported only where it is named
+
+    return dundurs(scene.solids)
 
 
 def shown_errors(solution: Solution) -> tuple[float, tuple[float, float]]:
@@ -234,20 +229,6 @@ def end_error(solution: Solution) -> float:
             error += CONSTANTS.end_rise * sqrt(problem.grid.cell_size[1] / half_width) * rise
             error += CONSTANTS.end_length * off * float(beside.sum())
     return error / float(pressure.sum())
-
-
-def _flattening_load(solution: Solution, inside: HiddenEffect) -> float:
-    """Return the error of the load at an approach that counts from the mean of two periodic axes; 0 at any other.
-
-    The nearer full contact, the more of the hidden heights are flat at a given approach, for which the mean of the
-    pressure rises as its peak does.
-    """
-    problem, pressure = solution.problem, solution.pressure
-    assert problem.paddings is not None
-    if any(padding.window is not None for padding in problem.paddings):
-        return 0.0
-    touching = np.count_nonzero(pressure) / pressure.size
-    return touching * inside.peak_rise * float(pressure.max() / pressure.mean())
 
 
 def _force(solution: Solution) -> Array:
@@ -393,20 +374,3 @@ def _has_run_in_contact(pressure: np.ndarray, neighbours: int) -> bool:
         bool(np.logical_and.reduce([along[k : len(along) + 1 - run + k] for k in range(run)]).any())
         for along, run in runs
     )
-
-
-def _contact_width(pressure: np.ndarray, wraps: tuple[bool, bool]) -> int:
-    """Return the number of adjacent cells in contact through the peak pressure, along the axis with the fewest."""
-    peak = np.unravel_index(np.argmax(pressure), pressure.shape)
-    fewest = pressure.size
-    for axis, is_periodic in enumerate(wraps):
-        line = axis_first(pressure, axis)[:, peak[1 - axis]] > 0
-        if len(line) > 1 and not line.all():
-            line = np.roll(line, len(line) // 2 - int(peak[axis])) if is_periodic else line
-            middle = len(line) // 2 if is_periodic else int(peak[axis])
-            gaps = np.flatnonzero(~line)
-            before, after = gaps[gaps < middle], gaps[gaps > middle]
-            first = before[-1] if before.size else -1
-            last = after[0] if after.size else len(line)
-            fewest = min(fewest, int(last - first - 1))
-    return fewest

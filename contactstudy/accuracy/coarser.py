@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from contactstudy.accuracy.contact_edge import (
     edge_error,
     edge_position,
-    resolved_edges,
+    straight_edges,
 )
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.errors import MARGIN
@@ -52,11 +52,10 @@ class DiscretisationConstants:
 
 
 CONSTANTS = DiscretisationConstants()
-# Uncertainty, in cells, of an edge that the pressure beside it resolves, beside the difference of two laws of it.
-RESOLVED_UNCERTAINTY = 0.003
-# Difference of two edges in place, in cells, and in pressure of their last two cells, over the peak, up to which they
-# lie alike. With 0.1 and 0.05 the bound held for egg-box waves with roughness of up to a tenth of their amplitude.
-ALIKE_PLACE, ALIKE_PRESSURE = 0.1, 0.05
+
+
+# Uncertainty, in cells, of straight edges, beside the difference by two pairs of cells.
+STRAIGHT_UNCERTAINTY = 0.006
 
 
 def with_ends(field: Array, count: int, *, wraps: bool) -> Array:
@@ -149,27 +148,27 @@ def contact_area_in_cells(pressure: Array, wraps: tuple[bool, bool]) -> float:
     """Return the contact area in cells, with its edges inside them.
 
     A cell in contact counts as a whole. Straight edges across follow from the pressure beside them
-    (:func:`~contactstudy.accuracy.contact_edge.half_widths`); others are taken to lie inside their cells
-    by :data:`CONSTANTS.side_excess` in the mean (Yastrebov, Anciaux & Molinari 2017, Tribology International 114, 161).
+    (:func:`~contactstudy.accuracy.contact_edge.straight_edges`); others are taken to lie inside their
+    cells by :data:`CONSTANTS.side_excess` in the mean (Yastrebov, Anciaux & Molinari 2017, Tribology International 114,
+    161).
     """
-    count = int(np.count_nonzero(pressure))
-    if (edges := resolved_edges(pressure)) is not None:
-        return float(sum(edge.sum() for edge in edges))
+    if (edges := straight_edges(pressure)) is not None:
+        return float(edges.places.sum())
     sides = 0
     for axis, is_periodic in enumerate(wraps):
         touching = axis_first(pressure, axis) > 0
         if len(touching) > 1:
             sides += int(np.count_nonzero(np.diff(touching, axis=0)))
             sides += int(np.count_nonzero(touching[0] != touching[-1])) if is_periodic else 0
-    return max(count - CONSTANTS.side_excess * sides, 0.0)
+    return float(max(np.count_nonzero(pressure) - CONSTANTS.side_excess * sides, 0.0))
 
 
 def contact_area_error(pressure: Array, wraps: tuple[bool, bool]) -> float:
     """Return the relative error of :func:`contact_area_in_cells`, by where its edges lie in their cells.
 
-    The pressures of the last two cells of a row give the edge of the smooth contact
-    (:mod:`~contactstudy.accuracy.contact_edge`). Each axis shows the whole error, so the larger of both
-    counts. It is infinite where no area may remain.
+    That of straight edges is their uncertainty. Others differ from where the pressures of the last two cells of each row
+    put them (:mod:`~contactstudy.accuracy.contact_edge`), and lie anywhere in their cells beside that.
+    Each axis shows the whole error, so the larger of both counts. It is infinite where no area may remain.
 
     Parameters
     ----------
@@ -178,13 +177,13 @@ def contact_area_error(pressure: Array, wraps: tuple[bool, bool]) -> float:
     wraps
         Whether the surface wraps across and along.
     """
-    cells, highest, area = (
-        np.count_nonzero(pressure),
-        pressure.max(),
-        contact_area_in_cells(pressure, wraps),
-    )
-    is_resolved = resolved_edges(pressure) is not None
-    found: list[tuple[int, float, int, float]] = []
+    area = contact_area_in_cells(pressure, wraps)
+    if not area:
+        return inf
+    if (edges := straight_edges(pressure)) is not None:
+        return relative_loss(pressure.shape[1] * (edges.uncertainty + STRAIGHT_UNCERTAINTY) / area)
+    cells, highest = np.count_nonzero(pressure), pressure.max()
+    excess = 0.0
     for axis, is_periodic in enumerate(wraps):
         along = axis_first(pressure, axis)
         if len(along) == 1:
@@ -193,40 +192,11 @@ def contact_area_error(pressure: Array, wraps: tuple[bool, bool]) -> float:
         last, second = _ends(padded, padded > 0)
         # a plateau ends anywhere in its last cell; a straight one at the same place in every row
         smooth = second < highest
-        ends = int(np.count_nonzero(smooth))
-        places = edge_position(last[smooth], second[smooth])
-        beyond = float((0.5 - places).sum())
-        alike = _alike_pairs(places, (last + second)[smooth] / highest)
-        found.append((ends, abs(cells - beyond - area), len(last) - ends, alike))
-    most = max((ends for ends, *_ in found), default=0)
-    if is_resolved:
-        excess = found[0][1] + RESOLVED_UNCERTAINTY * most
-    else:
-        # straight edges along an axis, which lie alike in their cells, have no ends along the other one
-        straight = 1 - min(ends for ends, *_ in found) / most if most and len(found) > 1 else 1.0
-        # errors of edges add up like independent ones, but those of edges that lie alike like equal ones
-        alike = max((pairs for *_, pairs in found), default=0.0)
-        pairs = straight * most + (1 - straight) * max(most, alike)
-        excess = (
-            straight * max((off for _, off, *_ in found), default=0.0)
-            + CONSTANTS.side_uncertainty * (cells - area)
-            + CONSTANTS.edge_uncertainty * pairs**0.5
-            + CONSTANTS.plateau_uncertainty * max((flat for _, _, flat, _ in found), default=0)
-        )
-    return relative_loss(excess / area) if area else inf
-
-
-def _alike_pairs(places: Array, beside: Array) -> float:
-    """Return the number of pairs of edges, each with itself too, that lie alike in their cells.
-
-    Those have the same place in their cell and the same pressure in the last two cells, as mirrored and repeated
-    contacts have. Pairs that are alike by chance, a ninth of those within three times the differences, do not count.
-    """
-    edges = np.stack([places / ALIKE_PLACE, beside / ALIKE_PRESSURE])
-    near, nearer = (
-        int((np.unique(np.round(edges / width), axis=1, return_counts=True)[1] ** 2).sum()) for width in (3, 1)
-    )
-    return nearer - (near - len(places)) / 9
+        beyond = float((0.5 - edge_position(last[smooth], second[smooth])).sum())
+        of_ends = CONSTANTS.edge_uncertainty * np.count_nonzero(smooth) ** 0.5
+        of_plateaus = CONSTANTS.plateau_uncertainty * np.count_nonzero(~smooth)
+        excess = max(excess, abs(cells - beyond - area) + of_ends + of_plateaus)
+    return relative_loss((excess + CONSTANTS.side_uncertainty * (cells - area)) / area)
 
 
 def relative_loss(fraction: float) -> float:

@@ -1,7 +1,6 @@
 """Error terms beside those of the cells: images left out, the residual of the solver, a finite range of attraction."""
 
-from bisect import bisect_left
-from math import inf, log, sqrt
+from math import inf, sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -84,34 +83,6 @@ def image_errors(pressure: Array, grid: Grid, paddings: Paddings, *, ends_along:
     narrowing = margin * _narrowing(half_width, period, pressure.shape[1], along)
     peak, mean = _end_errors(pressure, along, half_width / period)
     return float((1 + narrowing) * (1 + peak) - 1), float(L1_OVER_NARROWING * narrowing + mean)
-
-
-def coupling_image_error(pressure: Array, shear: Array, grid: Grid, along: Padding, beta: float) -> float:
-    """Return the relative error in L1 by the images of a traction along x on bodies with Dundurs' `beta`.
-
-    Images of the line load Q of the traction beyond the distance D tilt the surfaces by ``2 beta Q / (pi E* D)``, which
-    shifts a contact under the line load W by ``beta Q / W a^2 / (2 D)``.
-
-    Parameters
-    ----------
-    pressure
-        Pressure (x, y).
-    shear
-        Tangential traction along x (x, y).
-    grid
-        Their grid.
-    along
-        Padding along; images that are left out across balance each other.
-    beta
-        Dundurs' beta.
-    """
-    if along.window is None:
-        return 0.0
-    half_width, reach = _half_width(pressure, grid.x), along.reach(grid.length)
-    distances = np.full(2, reach) if along.wraps else np.concatenate([reach - grid.y, reach + grid.y])
-    inverse = float((1 / np.maximum(distances, half_width)).mean())
-    shift = abs(beta * float(shear.sum()) / float(pressure.sum())) * half_width * inverse / 2
-    return L1_OVER_NARROWING * shift
 
 
 def with_all_images(paddings: Paddings) -> Paddings:
@@ -256,17 +227,6 @@ def _area_error(pressure: Array, l1: float) -> float:
     return relative_loss(count / np.count_nonzero(pressure))
 
 
-# Pull-off load of a cylinder over its JKR limit (large Tabor parameter), by that parameter, for the exponential law;
-# found on grids of 1024 to 4096 cells.
-PULL_OFF_OVER_JKR = (
-    (0.0536, 0.3304),
-    (0.1073, 0.4615),
-    (0.268, 0.6900),
-    (0.536, 0.8594),
-    (1.073, 0.9581),
-    (2.145, 0.9920),
-    (4.290, 0.9991),
-)
 # Factor on the errors due to a finite range: for cylinders of a Tabor parameter of 0.4 to 6.4 the difference from the
 # JKR limit was at most 1.09 times what :func:`range_errors` has without this factor, most at the largest parameter.
 RANGE_MARGIN = 1.25
@@ -275,10 +235,6 @@ RANGE_MARGIN = 1.25
 PEAK_BY_RANGE = 0.25
 NO_LIMIT = (
     "No bound: in the JKR limit the repulsive part of the pressure and the attraction grow without limit, give "
-    "Adhesion.range."
-)
-NO_PULL_OFF_OF_LAW = (
-    "No bound for the pull-off load: how far it is from the JKR limit is known for the exponential law alone, give "
     "Adhesion.range."
 )
 NO_LONGER_RANGE = (
@@ -330,7 +286,7 @@ def range_errors(solution: Solution) -> RangeErrors | None:
     perimeter = contact_perimeter(touching, grid, problem.paddings)
     net_force = grid.cell_area * float(np.abs(solution.pressure - adhesion.attraction).sum())
     area_error = RANGE_MARGIN * perimeter * zone / (grid.cell_area * int(touching.sum()))
-    return RangeErrors(l1_range_error(perimeter, modulus, adhesion.range, net_force), area_error)
+    return RangeErrors(RANGE_MARGIN * perimeter * modulus * adhesion.range / net_force, area_error)
 
 
 def peak_range_error(solution: Solution, area_error: float) -> float:
@@ -361,34 +317,12 @@ def load_range_error(solution: Solution) -> float | None:
     return LOAD_BY_RANGE * errors.area * norm / load if load else inf
 
 
-def l1_range_error(perimeter: float, modulus: float, attraction_range: float, force: float) -> float:
-    """Return the L1 error due to the range of the net traction of a contact of this `perimeter` [m].
-
-    It is relative to a `force` [N], the integral of the size of the net traction. `modulus` is E* [Pa] at the length of
-    the cohesive zone, `attraction_range` [m] the range chosen for the grid.
-    """
-    return RANGE_MARGIN * perimeter * modulus * attraction_range / force
-
-
 def range_warning(solution: Solution) -> tuple[str, ...]:
-    """Return a sentence on how far the adhesion is from the JKR limit, where its range was chosen for the grid."""
+    """Return a sentence on a range of the attraction that was chosen for the grid."""
     adhesion = solution.adhesion
-    if adhesion is None or not adhesion.regularised or adhesion.tabor is None:
+    if adhesion is None or not adhesion.regularised:
         return ()
-    shortest = f"The range of the attraction, {readable(adhesion.range)}, is the shortest that this grid can hold"
-    if not _follows_table(solution):
-        return (f"{shortest}.",)
-    below = reduction_below_jkr(adhesion.tabor)
-    return (
-        f"{shortest}: the pull-off load of a cylinder with this Tabor parameter, {adhesion.tabor:.3g}, is {below:.1%} "
-        "below the JKR limit.",
-    )
-
-
-def _follows_table(solution: Solution) -> bool:
-    """Return whether the attraction of `solution` follows the law that :data:`PULL_OFF_OVER_JKR` is for."""
-    adhesion = getattr(scene_of(solution.problem), "adhesion", None)
-    return adhesion is not None and adhesion.law == "exponential"
+    return (f"The range of the attraction, {readable(adhesion.range)}, is the shortest that this grid can hold.",)
 
 
 def pull_off_error(solution: Solution, discretisation: float, reason: str) -> ErrorParts:
@@ -406,7 +340,7 @@ def pull_off_error(solution: Solution, discretisation: float, reason: str) -> Er
     if is_flat:
         reason = PRESSED_FLAT
     elif by_range == inf:
-        reason = reason or (NO_LONGER_RANGE if _follows_table(solution) else NO_PULL_OFF_OF_LAW)
+        reason = reason or NO_LONGER_RANGE
     return ErrorParts(
         discretisation=discretisation + trapped,
         residual=abs(pull_off - adhesion.first_unstable_load) / abs(pull_off) if pull_off else inf,
@@ -444,33 +378,13 @@ def _is_pressed_flat(solution: Solution) -> bool:
 def _pull_off_range_error(solution: Solution, adhesion: AdhesiveTraction, pull_off: float) -> float | None:
     """Return the error of a pull-off load due to a range chosen for the grid in place of the JKR limit, or None.
 
-    It is the larger of two: that of a cylinder with this Tabor parameter, and the change from cells of twice the size,
-    whose range is longer. On other surfaces than cylinders that change counts more than the edge of one contact. It is
-    infinite for a law other than the exponential one, and where no pull-off load is found on the larger cells. It is
-    None for a range that is given.
+    It is the change from cells of twice the size, whose range is longer. It is infinite where no pull-off load is found
+    on these, and None for a range that is given.
     """
     problem = solution.problem
     posed = problem.description
     if not adhesion.regularised or not isinstance(posed, PosedScene):
         return None
-    if not _follows_table(solution):
-        return inf
     longer = solve_contact(posed.scene.problem(halved(problem.grid), posed.padding), SolveOptions(ADHESIVE_TOLERANCE))
     found = longer.status.has_converged and pull_off
-    changed = abs(longer.load_per_length - pull_off) / abs(pull_off) if found else inf
-    return max(changed, reduction_below_jkr(adhesion.tabor) if adhesion.tabor else 0.0)
-
-
-def reduction_below_jkr(tabor: float) -> float:
-    """Return by how much the pull-off load of a cylinder is below its JKR limit, relative to it.
-
-    `tabor` is Tabor's parameter. The result follows a power law between the values of the table
-    :data:`PULL_OFF_OVER_JKR`, and beyond its ends.
-    """
-    parameters = [parameter for parameter, _ in PULL_OFF_OVER_JKR]
-    index = min(max(bisect_left(parameters, tabor), 1), len(parameters) - 1)
-    (low, below), (high, above) = PULL_OFF_OVER_JKR[index - 1 : index + 1]
-    # 1 - ratio between two values is a power of the parameter
-    first, last = 1 - below, 1 - above
-    power = log(last / first) / log(high / low)
-    return float(min(1.0, first * (tabor / low) ** power))
+    return abs(longer.load_per_length - pull_off) / abs(pull_off) if found else inf

@@ -8,6 +8,7 @@ import numpy as np
 from contactstudy.accuracy.bound import CONSTANTS as ONE_GRID
 from contactstudy.accuracy.bound import (
     discretisation_bound,
+    dundurs_of_shear,
     gap_error,
     has_isolated_cells,
     is_pull_off,
@@ -21,7 +22,6 @@ from contactstudy.accuracy.coarser import (
 from contactstudy.accuracy.error_terms import (
     IMAGES_REMEDY,
     L1_OVER_NARROWING,
-    coupling_image_error,
     image_errors,
     load_range_error,
     peak_range_error,
@@ -206,16 +206,14 @@ NO_SLIP_OF_IMAGES = (
     "No bound: the slip of a rolling contact, and with it the traction, lacks that of the images that the padding "
     f"leaves out, {IMAGES_REMEDY}."
 )
+NO_TILT_OF_IMAGES = (
+    "No bound: images of the traction that the padding leaves out tilt the contact of dissimilar bodies, "
+    f"{IMAGES_REMEDY}."
+)
 NO_RETARDED_IMAGES = (
     "No bound where a body creeps as it rolls: images that the padding leaves out are retarded and tilt the contact, "
     f"{IMAGES_REMEDY}."
 )
-
-
-# Error of the peak pressure over Dundurs' beta times the largest difference of the shear traction between neighbours at
-# the stick-slip boundary, where the peak lies there: at most 0.42 in 32 contacts on 41 to 324 cells. As many cells away
-# the error is half of that.
-PEAK_BY_SHEAR, HALVED_AWAY = 0.6, 4.0
 
 
 def error_estimate(
@@ -226,10 +224,10 @@ def error_estimate(
 ) -> ErrorEstimate:
     """Return the estimated errors of `solution`, by quantity and by cause.
 
-    The causes are images that the padding leaves out (:mod:`~contactstudy.accuracy.error_terms`), the solver's residual
-    (:mod:`~contactstudy.accuracy.error_terms`), and the cells
-    (:mod:`~contactstudy.accuracy.bound`). Adhesion in the JKR limit adds its range
-    (:mod:`~contactstudy.accuracy.error_terms`).
+    The causes are images that the padding leaves out (:mod:`~contactstudy.accuracy.image_errors`), the solver's residual
+    (:mod:`~contactstudy.accuracy.residual_errors`), and the cells
+    (:mod:`~contactstudy.accuracy.discretisation.bound`). Adhesion in the JKR limit adds its range
+    (:mod:`~contactstudy.accuracy.range_errors`).
 
     Under a given load, where heights and edges are smooth, the solution alone determines them. Otherwise, with adhesion
     and at a given approach, the same contact is solved once more on cells of twice the size, with its heights sampled
@@ -237,7 +235,7 @@ def error_estimate(
     100 x 100 cells, and half of it on several hundred along each axis. An error is infinite, with the reason in
     ``warnings``, where no bound can be given: no solution, a contact cut off, the pressure at a sharp edge, heights
     finer than the cells, and where images are left out a given approach, a body that creeps as it rolls, or dissimilar
-    bodies in tractive rolling; the slip of tractive rolling has none there either, see ``slip_reason``.
+    bodies under a traction; the slip of tractive rolling has none there either, see ``slip_reason``.
 
     Parameters
     ----------
@@ -245,7 +243,7 @@ def error_estimate(
         The solution.
     coarse
         The same contact on cells of twice the size, if at hand, see
-        :func:`~contactstudy.accuracy.coarser.coarse_solution`.
+        :func:`~contactstudy.accuracy.discretisation.coarser.coarse_solution`.
     heights
         The heights inside the cells, if at hand, such as those of an earlier instant on the same grid.
 
@@ -258,7 +256,7 @@ def error_estimate(
     ------
     NotDefined
         If the problem does not say its paddings, or no law is known for them, see
-        :func:`~contactstudy.accuracy.error_terms.image_errors`.
+        :func:`~contactstudy.accuracy.image_errors.image_errors`.
     """
     problem, scene = solution.problem, scene_of(solution.problem)
     if problem.paddings is None:
@@ -274,9 +272,6 @@ def error_estimate(
         return ErrorEstimate(unknown, unknown, unknown, unknown, load=load, warnings=warnings)
     ends_along = problem.source is not None and problem.source.ends_along
     peak_images, l1_images = image_errors(solution.pressure, problem.grid, problem.paddings, ends_along=ends_along)
-    if l1_images and (beta := _dundurs_of_shear(solution)):
-        by_shear = coupling_image_error(solution.pressure, solution.shear[0], problem.grid, problem.paddings[1], beta)
-        peak_images, l1_images = peak_images + by_shear, l1_images + by_shear
     change = 0.0
     if solution.adhesion is not None:
         # imported only where it is named
@@ -289,8 +284,6 @@ def error_estimate(
     with caching(cache_of(problem.undeformed_gap.nbytes)):
         cells = discretisation_bound(solution, coarse, heights)
     cells = replace(cells, warnings=cells.warnings or range_warning(solution))
-    if at_boundary := _peak_by_shear(solution):
-        cells = replace(cells, peak_pressure=cells.peak_pressure + at_boundary)
     of_net, peak_of_net = over_net(solution)
     l1 = ErrorParts(l1_images, cells.l1, residual.l1 * of_net)
     no_peak = cells.warnings[0] if cells.peak_pressure == inf and cells.warnings else ""
@@ -357,43 +350,12 @@ def _attraction_error(solution: Solution, coarse: Solution | None) -> ErrorParts
     return ErrorParts(discretisation=MARGIN * changed, residual=left, range=by_range)
 
 
-def _dundurs_of_shear(solution: Solution) -> float:
-    """Return Dundurs' beta of the bodies of a solution with a tangential traction; 0 without one."""
-    scene = scene_of(solution.problem)
-    if solution.traction is None or scene is None:
-        return 0.0
-    from contactstudy.scene.friction.friction_law import dundurs  # imported only where it is named
-
-    return dundurs(scene.solids)
-
-
-def _peak_by_shear(solution: Solution) -> float:
-    """Return the relative error of the peak pressure by the shear of dissimilar bodies; 0 where it adds none.
-
-    The shear rises steeply where slip begins, and the pressure with it.
-    """
-    traction, beta = solution.traction, _dundurs_of_shear(solution)
-    if traction is None or not beta:
-        return 0.0
-    stick, largest = np.asarray(traction.stick, bool), 0.0
-    peak = np.unravel_index(np.argmax(solution.pressure), stick.shape)
-    for axis in (0, 1):
-        rise = np.abs(np.diff(traction.shear, axis=axis + 1)).max(axis=0)
-        boundary = np.diff(stick, axis=axis)
-        for step in (-1, 0, 1):
-            places = np.argwhere(np.roll(boundary, step, axis))
-            away = np.abs(places - peak).max(axis=1)
-            effects = rise[tuple(places.T)] / (1 + away / HALVED_AWAY)
-            largest = max(largest, float(effects.max(initial=0.0)))
-    return PEAK_BY_SHEAR * abs(beta) * largest / solution.peak_pressure
-
-
 def _needs_images(solution: Solution, *, slips: bool) -> str:
     """Return why a contact has no bound where its padding leaves out images; an empty string where it has one."""
     if solution.problem.control.approach is not None:
         return NO_DATUM
-    if slips and _dundurs_of_shear(solution):
-        return NO_SLIP_OF_IMAGES
+    if dundurs_of_shear(solution):
+        return NO_SLIP_OF_IMAGES if slips else NO_TILT_OF_IMAGES
     scene = scene_of(solution.problem)
     creeping = scene is not None and scene.rolls and any(map(creeps, scene.solids))
     return NO_RETARDED_IMAGES if creeping else ""

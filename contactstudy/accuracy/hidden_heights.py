@@ -48,17 +48,13 @@ class HiddenHeightsConstants:
         Of many lines, one in this many is examined, but at least `lines`.
     pressure_rise
         Rise of the pressure where a hidden height h is pressed flat, over ``E* h / dx``. It is pi / 2 and pi for waves
-        of two cells and of one, and pi / 2 for a bump ``exp(-r^2 / dx^2)``; a value between is taken.
-    resolved_fraction
-        Largest interpolation error of a feature that the centres resolve, over the second difference of the heights at
-        the centres. An error beyond that belongs to a feature that the centres do not show.
+        of two cells and of one, and pi / 2 for a bump ``exp(-r^2 / dx^2)``.
+    further_rise
+        Rise on all finer cells over that, where a shape names no length scales: at most 2.1 under heights ``|x|^n`` with
+        n from 1.5 on.
     corner_fraction
         Fraction of the slope change between two neighbouring points that their neighbours do not have, from which it
-        is a corner.
-    smooth_power
-        Power n - 1 of a height ``|x|^n`` from which a bend counts as smooth.
-    min_power
-        Least such power that is not a corner.
+        is a corner, as is a height ``|x|^n`` with n below 1.5.
     """
 
     points: int = 4
@@ -67,11 +63,9 @@ class HiddenHeightsConstants:
     points_off_lines: int = 99
     lines: int = 64
     sparse: int = 4
-    pressure_rise: float = 2.5
-    resolved_fraction: float = 0.5
-    corner_fraction: float = 0.7
-    smooth_power: float = 0.95
-    min_power: float = 0.1
+    pressure_rise: float = pi
+    further_rise: float = 2.0
+    corner_fraction: float = 0.55
 
 
 CONSTANTS = HiddenHeightsConstants()
@@ -91,8 +85,6 @@ class HiddenEffect:
         Whether the surface protrudes from a cell so far that it would carry more than the peak pressure.
     peak_rise
         Fraction of the peak pressure by which hidden heights may raise it.
-    kink_rise
-        Fraction by which the peak pressure may still rise on finer cells at a kink.
     area_loss
         Fraction of the contact that may open: the hidden pressure over that of each cell, at most 1, in the mean.
     """
@@ -101,7 +93,6 @@ class HiddenEffect:
     corner_rise: float
     protrudes: bool
     peak_rise: float
-    kink_rise: float
     area_loss: float
 
 
@@ -111,8 +102,7 @@ class HiddenHeights:
 
     A corner that points out of the body, at which the slope changes by S, raises the pressure by ``E* S / (2 pi) ln 2``
     each time the cell is halved, and so without limit: the pressure near the apex of a blunt wedge is logarithmic
-    (Johnson 1985, sect. 5.2). A kink stands for a height ``|x|^n`` with n between 1 and 2, whose rises get smaller at
-    each halving and have a finite sum.
+    (Johnson 1985, sect. 5.2).
 
     Attributes
     ----------
@@ -124,8 +114,6 @@ class HiddenHeights:
         By how much the missed heights raise the pressure.
     corner
         Rise at a corner when the cells are halved.
-    kink
-        Rise at a kink by all halvings to come.
     mean
         Mean of the heights inside the cells below that at their centres [m].
     moduli
@@ -136,7 +124,6 @@ class HiddenHeights:
     protrusion: Array
     rise: Array
     corner: Array
-    kink: Array
     mean: float
     moduli: tuple[float, ...]
 
@@ -146,7 +133,7 @@ class HiddenHeights:
         source, grid = problem.source, problem.grid
         if source is None or problem.paddings is None:
             return None
-        missed, protrusion, corner, kink, mean = *np.zeros((4, 1, 1)), 0.0
+        missed, protrusion, corner, mean = *np.zeros((3, 1, 1)), 0.0
         points = CONSTANTS.points if source.has_length_scales else CONSTANTS.points_without_scales
         axes = [axis for axis in (0, 1) if grid.cells[axis] > 1]
         moduli = _moduli(problem)
@@ -159,9 +146,9 @@ class HiddenHeights:
                 halving = modulus * log(2) / (2 * pi)
                 missed, protrusion = missed + fields[0] * stiff, protrusion + fields[1] * stiff
                 corner = np.maximum(corner, fields[2] * halving)
-                kink = np.maximum(kink, fields[3] * halving)
                 mean += abs(below)
-            rise = CONSTANTS.pressure_rise * missed
+            # the pressure below a height ``|x|^n`` goes on rising on finer cells
+            rise = CONSTANTS.pressure_rise * missed * (1 if source.has_length_scales else CONSTANTS.further_rise)
             if not source.has_length_scales and len(axes) == 2:
                 missed_there, protrusion_there, rise_there = _off_lines(problem)
                 missed = np.maximum(missed, missed_there * max(stiffness))
@@ -169,10 +156,10 @@ class HiddenHeights:
                 rise = np.maximum(rise, rise_there * max(stiffness))
         except InvalidInput:
             return None
-        missed, protrusion, rise, corner, kink = (
-            np.broadcast_to(field, grid.cells) for field in (missed, protrusion, rise, corner, kink)
+        missed, protrusion, rise, corner = (
+            np.broadcast_to(field, grid.cells) for field in (missed, protrusion, rise, corner)
         )
-        return cls(missed, protrusion, rise, corner, kink, mean, moduli)
+        return cls(missed, protrusion, rise, corner, mean, moduli)
 
     def effect_under(self, problem: Problem, pressure: Array) -> HiddenEffect:
         """Return the effect of the heights where `pressure` (x, y) [Pa] acts, and in the neighbouring cells.
@@ -200,7 +187,6 @@ class HiddenHeights:
             largest(self.corner),
             largest(self.protrusion) > 1,
             float(np.where(near, loaded + softer * self.rise[rows], peak).max()) / peak - 1,
-            largest(self.kink),
             float(opens.sum()) / np.count_nonzero(touching),
         )
 
@@ -208,7 +194,7 @@ class HiddenHeights:
 def _on_lines(problem: Problem, axis: int, points: int) -> tuple[list[Array], float] | None:
     """Return heights on lines through the centres along an `axis`; None where they do not vary along it.
 
-    They are (missed [m], protrusion [m], corner, kink), fields (x, y) or fewer where they do not vary, and the mean of
+    They are (missed [m], protrusion [m], corner), fields (x, y) or fewer where they do not vary, and the mean of
     the heights below that of the centres [m]. Lines with bends like those of a corner are examined again at more
     points.
     """
@@ -234,8 +220,7 @@ def _on_lines(problem: Problem, axis: int, points: int) -> tuple[list[Array], fl
         lines = slice(begin, begin + together)
         bends = _slope_changes(inside[:, lines], grid.cell_size[axis] / points, wraps=paddings[axis].wraps)
         shown = _shown(centres[:, lines], inside[:, lines], wraps=paddings[axis].wraps)
-        kink = np.zeros((1, 1)) if source.has_length_scales else _kinks(bends, points, wraps=paddings[axis].wraps)
-        examined.append((*shown, _corners(bends, points), kink))
+        examined.append((*shown, _corners(bends, points)))
     on_lines = [np.concatenate(fields, axis=1) for fields in zip(*examined, strict=True)]
     if points < CONSTANTS.points_at_corners and on_lines[2].any():
         return _on_lines(problem, axis, CONSTANTS.points_at_corners)
@@ -293,47 +278,14 @@ def _corners(slope_changes: Array, points: int) -> Array:
     return np.where(steepest.max(axis=1) > usual.mean(axis=1), steepest.max(axis=1), 0.0)
 
 
-def _kinks(slope_changes: Array, points: int, *, wraps: bool) -> Array:
-    """Return the slope of the corner that stands for a height ``|x|^n`` in each cell (n, lines), 0 without one.
-
-    At each halving of the cells the pressure under such a height rises by ``2^(1 - n)`` of the rise before. The sum of
-    all rises, a geometric series, is the rise at one halving under a corner with the slope change of the cell over
-    ``1 - 2^(1 - n)``. The power n follows from the fraction ``(w / W)^(n - 1)`` of the slope change over a cell W that
-    lies within w about the apex.
-    """
-    from scipy.ndimage import maximum_filter1d  # imported late, since it is slow
-
-    def in_cells(field: Array) -> Array:
-        return field.reshape(-1, points, field.shape[1])
-
-    pairs = _pairs(slope_changes)
-    # the bend within half a cell to either side of each pair
-    sums = np.cumsum(with_ends(np.maximum(slope_changes, 0), points // 2, wraps=wraps), axis=0)
-    around = np.concatenate([sums[points - 1 : points], sums[points:] - sums[:-points]])[: len(pairs)]
-    # an apex bends more than all about it; where a bend begins, half of the window is straight
-    highest = maximum_filter1d(pairs, points + 1, axis=0, mode="nearest")
-    apex = in_cells(pairs).argmax(axis=1)[:, None]
-    strongest, about, window_peak = (
-        np.take_along_axis(in_cells(field), apex, axis=1)[:, 0] for field in (pairs, around, highest)
-    )
-    fraction = np.divide(strongest, about, out=np.ones_like(about), where=about > 0)
-    power = np.log(np.maximum(fraction, 1 / points)) / log(2 / points)
-    power = np.maximum(power, CONSTANTS.min_power)
-    is_apex = (strongest > 0) & (strongest >= window_peak) & (power < CONSTANTS.smooth_power)
-    if not wraps:
-        is_apex[[0, -1]] = False
-    return np.where(is_apex, about / (1 - 2**-power), 0.0)
-
-
 def _off_lines(problem: Problem) -> tuple[Array, Array, Array]:
     """Return (missed, protrusion, rise) [m], fields (x, y) of the heights off the lines; 0 for a profile.
 
     `missed` is the largest interpolation error of cubics through the centres, and `protrusion` the height above all
-    centres about a cell. The `rise` is that of the pressure over ``E* / dx``, by the error beyond that of a feature
-    which the centres resolve, on a length s: that of a round bump ``exp(-r^2 / s^2)`` with the same largest and mean
-    square error in the cell, of which the mean square is ``pi s^2 / 2`` of the square of the largest. With the
-    probability ``(1 - q)^k`` none of k random points in a cell hits a feature over the fraction q of it; points of low
-    discrepancy leave smaller holes. Each point is examined in all cells at once.
+    centres about a cell. The `rise` is that of the pressure over ``E* / dx``: that of a round bump ``exp(-r^2 / s^2)``
+    with the same largest and mean square error in the cell, of which the mean square is ``pi s^2 / 2`` of the square of
+    the largest. With the probability ``(1 - q)^k`` none of k random points in a cell hits a feature over the fraction q
+    of it; points of low discrepancy leave smaller holes. Each point is examined in all cells at once.
     """
     from scipy.ndimage import minimum_filter  # imported late, since it is slow
 
@@ -363,13 +315,7 @@ def _off_lines(problem: Problem) -> tuple[Array, Array, Array]:
     protrusion = np.maximum(minimum_filter(centres, 3, mode=modes) - lowest, 0)
     largest = CONSTANTS.points_off_lines * missed**2
     fraction = np.divide(squares, largest, out=np.ones(grid.cells), where=largest > 0)
-    # the second difference of the centres, the larger one of both axes
-    shown = np.maximum(
-        np.abs(np.diff(beside[1:-1], n=2, axis=0)),
-        np.abs(np.diff(_extended(centres.T, wraps=along)[1:-1], n=2, axis=0)).T,
-    )
-    unresolved = np.maximum(missed - CONSTANTS.resolved_fraction * shown, 0)
-    return missed, protrusion, CONSTANTS.pressure_rise * unresolved / np.sqrt(2 * fraction / pi)
+    return missed, protrusion, CONSTANTS.pressure_rise * missed / np.sqrt(2 * fraction / pi)
 
 
 def _cubic(extended: Array, position: float) -> Array:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactstudy.accuracy.coarser import contact_area_in_cells, with_ends
-from contactstudy.accuracy.contact_edge import resolved_edges
+from contactstudy.accuracy.contact_edge import StraightEdges, straight_edges
 from contactstudy.accuracy.error_terms import NO_LIMIT
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.fields import Array
@@ -130,7 +130,7 @@ def contact_quantities(
     pressed = np.where(touching, pressure, -inf) if touching.any() else np.zeros(grid.cells)
     peak, place = largest_place(pressed, {"x": grid.x, "y": grid.y})
     area_error = estimate.contact_area
-    edges = None if edges_are_steep else resolved_edges(solution.pressure)
+    edges = None if edges_are_steep else straight_edges(solution.pressure)
     half_width, half_length = (
         _half_size(solution, axis, along, area_error, fallback_reasons) for axis, along in enumerate((edges, None))
     )
@@ -239,7 +239,7 @@ def _of_rolling(rolling: "SteadyRolling", estimate: ErrorEstimate) -> dict[str, 
 def _half_size(
     solution: Solution,
     axis: int,
-    resolved: tuple[Array, Array] | None,
+    resolved: StraightEdges | None,
     area_error: ErrorParts | None,
     fallback_reasons: Sequence[str],
 ) -> Quantity:
@@ -254,13 +254,13 @@ def _half_size(
     cell = grid.cell_size[axis]
     size = _half_extent(touching, axis, cell)
     if resolved is not None:
-        size = sum(float(edge.max()) for edge in resolved) * cell / 2
+        size = sum(float(edge.max()) for edge in resolved.places) * cell / 2
     name = ("half-width", "half-length")[axis]
     half = Quantity(size, "m", f"{name} (outermost edges)")
     if area_error is None or not isfinite(area_error.total):
         return with_bound(half, area_error, fallback_reasons)
     if resolved is not None:
-        bends = (np.roll(edge, 1) + np.roll(edge, -1) - 2 * edge for edge in resolved)
+        bends = (np.roll(edge, 1) + np.roll(edge, -1) - 2 * edge for edge in resolved.places)
         bent = sum(float(np.abs(bend).max()) for bend in bends) * cell / 2
         return replace(half, bound=area_error.total * size + bent, reason="")
     beside, hidden = np.zeros_like(touching), np.zeros_like(solution.gap)

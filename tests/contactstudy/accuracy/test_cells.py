@@ -1,24 +1,94 @@
+"""Errors due to the cells: edges inside them, areas, and the same contact on larger ones."""
+
+from dataclasses import replace
+from math import log
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.accuracy.coarser import contact_perimeter
+from contactstudy.accuracy.coarser import coarse_solution, coarser_problem, contact_perimeter, discretisation_errors
+from contactstudy.accuracy.contact_edge import edge_error, straight_edges
+from contactstudy.accuracy.hidden_heights import HiddenHeights
 from contactstudy.io.quantities.quantity import Quantity
+from tests.conftest import LineContact
 
 GRID = cs.Grid((4, 5), (4 * 2.0, 5 * 3.0))  # a cell is 2 m across and 3 m along
-
 EXACT, FREE = cs.ExactPeriodicity(), cs.ZeroPadding()
 
 
+@pytest.mark.parametrize(("cells", "largest"), [(24, 2e-3), (96, 1e-4)])
+def test_the_half_width_lies_inside_its_cells_wherever_the_edge_does(
+    cells: int, largest: float, line_contact: LineContact
+) -> None:
+    """Widths that move the edge through a cell and more."""
+    true = line_contact.hertz.half_width
+    for width in 2.4 + 6.4 / cells * np.linspace(0, 1, 9):
+        found = cs.solve(line_contact.scene, line_contact.grid((cells, 1), 2.4, width), EXACT).quantities["half_width"]
+        assert abs(found.value - true) <= found.bound
+        assert abs(found.value / true - 1) < largest
+        assert found.relative_bound < 5 * largest
+
+
+def test_edges_of_few_or_separate_cells_are_not_known() -> None:
+    gap = np.ones((40, 3))
+    gap[[0, 20, -1]] = 0.0
+    for pressure in (np.pad(np.ones((2, 1)), ((3, 3), (0, 0))), gap, np.ones((40, 3))):
+        assert straight_edges(pressure) is None
+
+
+def test_the_edge_error_is_the_largest_of_edges_nearby(line_contact: LineContact) -> None:
+    """The law holds to the order of cell over half-width, 1 / 100; its leap makes it larger, not smaller."""
+    hertz, found = line_contact.hertz, []
+    for width in np.linspace(2.4, 2.45, 40):
+        grid = line_contact.grid((256, 1), 1.0, width)
+        pressure = cs.solve(line_contact.scene.problem(grid, EXACT), tolerance=1e-11).pressure
+        touching = np.flatnonzero(pressure[:, 0])
+        beside = pressure[touching[-1] - np.arange(16), 0]
+        true = hertz.pressure(grid.x[touching[-1] - np.arange(16)])
+        found.append(edge_error(beside[:1], beside[1:2])[0] / np.abs(beside - true).sum())
+    assert min(found) > 0.98
+    assert np.median(found) < 1.5
+
+
+def test_within_the_contact_a_cell_s_mean_is_a_12th_of_the_second_difference_aside() -> None:
+    """Of a wave without an edge: ``2 - 2 cos(2 pi / n)`` of its height, whose mean size is 2 / pi."""
+    cells = 64
+    wave = 3 + np.cos(2 * np.pi * np.arange(cells) / cells)[:, None]
+    _, (l1, along) = discretisation_errors(wave, (True, True))
+    assert along == 0
+    # the mean over cells is the integral's up to the square of a cell
+    bend = 2 - 2 * np.cos(2 * np.pi / cells)
+    assert l1 == pytest.approx(bend * 2 / np.pi / 12 / 3, rel=1 / cells)
+    assert discretisation_errors(np.ones((6, 5)), (False, True)) == (0.0, (0.0, 0.0))
+
+
+def test_heights_of_a_problem_are_averaged_over_larger_cells(line_contact: LineContact) -> None:
+    problem = line_contact.scene.problem(line_contact.grid((16, 8), 1.2), EXACT)
+    added = np.random.default_rng(0).normal(scale=1e-7, size=(16, 8))
+    rough = replace(problem, undeformed_gap=problem.undeformed_gap + added)
+    smooth, coarse = coarser_problem(problem), coarser_problem(rough)
+    means = added.reshape(8, 2, 4, 2).mean(axis=(1, 3))
+    assert coarse.undeformed_gap - smooth.undeformed_gap == pytest.approx(means, rel=1e-6)
+
+
+def test_a_problem_keeps_its_own_limits_and_load_on_larger_cells(line_contact: LineContact) -> None:
+    scene, grid = line_contact.scene, line_contact.grid((33, 1), 1.0, width=6.0)
+    hardness = line_contact.hertz.peak_pressure
+    plain = scene.problem(grid, EXACT)
+    changed = replace(plain, control=plain.control.scaled(3), constraint=cs.HardnessLimited(hardness))
+    named = replace(scene, load=cs.LineLoad(3e5), hardness=hardness).problem(grid, EXACT)
+    ours, theirs = (coarse_solution(problem) for problem in (changed, named))
+    np.testing.assert_allclose(ours.pressure, theirs.pressure, rtol=1e-9)
+
+
 @pytest.mark.parametrize(
-    ("paddings", "round_the_ends"),
-    [
-        (None, 0), ((FREE, FREE), 0), ((EXACT, FREE), 3), ((FREE, EXACT), 4), ((EXACT, EXACT), 7),
-        ((FREE, cs.DuplicatedPadding()), 4), ((FREE, cs.CircularSuperposition(0)), 4),
-    ],
-)  # fmt: skip
+    ("paddings", "round_the_ends"), [((FREE, FREE), 0), ((EXACT, FREE), 3), ((FREE, cs.DuplicatedPadding()), 4)]
+)
 def test_a_perimeter_counts_the_edges_of_cells_round_the_ends_that_repeat(
-    paddings: cs.Paddings | None, round_the_ends: float
+    paddings: cs.Paddings, round_the_ends: float
 ) -> None:
     """Two cells in the corner, one behind the other along x, and one alone in the middle."""
     touching = np.zeros(GRID.cells, dtype=bool)
@@ -30,10 +100,9 @@ def test_a_perimeter_counts_the_edges_of_cells_round_the_ends_that_repeat(
 def test_the_area_of_alike_islands_lies_within_its_bound_on_every_grid() -> None:
     """The edges of an egg-box wave are mirrored and repeated, so that their errors are alike."""
     modulus, wavelength, amplitude = 2e11, 1e-4, 1e-7
-    body = cs.HalfSpace(modulus, 0.0)
     wave = cs.Waviness(amplitude, across=wavelength, along=wavelength)
     load = cs.LineLoad(0.2 * np.pi * modulus * amplitude)
-    scene = cs.Scene(load, (body, cs.HalfSpace(np.inf, 0.0)), (wave,))
+    scene = cs.Scene(load, (cs.HalfSpace(modulus, 0.0), cs.HalfSpace(np.inf, 0.0)), (wave,))
 
     def area(cells: int) -> Quantity:
         grid = cs.Grid((cells, cells), (wavelength, wavelength))
@@ -43,3 +112,24 @@ def test_the_area_of_alike_islands_lies_within_its_bound_on_every_grid() -> None
     true = np.mean([area(cells).value for cells in range(111, 132, 5)])
     for found in map(area, range(24, 97, 6)):
         assert abs(found.value - true) < found.bound < found.value
+
+
+def test_a_corner_raises_pressure_by_its_slope_at_each_halving(line_contact: LineContact) -> None:
+    """By ``E* / (2 pi) slope ln 2`` of cells, whose waves of alternating pressure are stiffer than E* by pi / (4 G).
+
+    These are waves of 4 / (pi n), n odd, each with a compliance of 2 dx / (pi n E*): G is Catalan's 1 - 1/9 + 1/25 ...
+    """
+    problem = line_contact.scene.problem(line_contact.grid((16, 1), 1.0), (EXACT, EXACT))
+    pressure = np.zeros((16, 1))
+    pressure[6:10] = 1e9
+
+    def corner_rise(place: float) -> float:
+        """Under two flanks of a slope of 1e-3 that meet at a `place` [m]."""
+        kink: Any = SimpleNamespace(gap=lambda grid: 1e-3 * np.abs(grid.x - place)[:, None], has_length_scales=True)
+        posed = replace(problem, source=kink)
+        return HiddenHeights.from_problem(posed).effect_under(posed, pressure).corner_rise
+
+    rise = line_contact.scene.contact_modulus / (8 * 0.915965594177219) * 2e-3 * log(2)
+    assert corner_rise(0.0) == pytest.approx(rise / 1e9, rel=1e-6)
+    # where nothing bears it does not count
+    assert corner_rise(5 * problem.grid.cell_size[0]) == 0

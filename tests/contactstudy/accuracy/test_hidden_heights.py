@@ -35,7 +35,7 @@ def estimate_of(scene: cs.Scene, grid: cs.Grid) -> cs.ErrorEstimate:
     return error_estimate(cs.solve(scene.problem(grid, cs.ExactPeriodicity())))
 
 
-@pytest.mark.parametrize(("cells", "land"), [(96, 0.03), (96, 0.07), (160, 0.01), (77, 0.015)])
+@pytest.mark.parametrize(("cells", "land"), [(96, 0.07), (160, 0.01)])
 def test_lands_narrower_than_a_cell_leave_no_bound(cells: int, land: float, line_contact: LineContact) -> None:
     pitch = line_contact.hertz.half_width / 4
     groove = cs.Groove(2e-6, (1 - land) * pitch, "flat")
@@ -45,8 +45,7 @@ def test_lands_narrower_than_a_cell_leave_no_bound(cells: int, land: float, line
     assert "do not resolve lengths" in estimate.warnings[0]
 
 
-@pytest.mark.parametrize("phase", [0.0, 0.01, 0.33])
-@pytest.mark.parametrize("land", [0.03, 0.01])
+@pytest.mark.parametrize(("land", "phase"), [(0.03, 0.01), (0.01, 0.33)])
 def test_heights_of_an_unknown_shape_that_protrude_between_centres_have_no_bound(
     land: float, phase: float, line_contact: LineContact
 ) -> None:
@@ -57,23 +56,11 @@ def test_heights_of_an_unknown_shape_that_protrude_between_centres_have_no_bound
     assert "between the cell centres" in estimate.warnings[0]
 
 
-@pytest.mark.parametrize("place", [0.1, 0.25])
 @pytest.mark.parametrize("moving", [lambda shape: shape, cs.MovingShape], ids=["at rest", "moving"])
-def test_one_hidden_peak_is_enough(
-    moving: Callable[[cs.Shape], cs.Shape], place: float, line_contact: LineContact
-) -> None:
+def test_one_hidden_peak_is_enough(moving: Callable[[cs.Shape], cs.Shape], line_contact: LineContact) -> None:
     grid = line_contact.grid((96, 1), 1.0, width=3.0)
-    hidden = moving(spike(place * grid.cell_size[0], 0.02 * grid.cell_size[0]))
+    hidden = moving(spike(0.1 * grid.cell_size[0], 0.02 * grid.cell_size[0]))
     assert estimate_of(line_contact.with_shapes(hidden), grid).l1.total == inf
-
-
-def test_measured_heights_that_move_have_the_bound_of_those_at_rest(
-    line_contact: LineContact,
-) -> None:
-    grid = line_contact.grid((96, 1), 1.0, width=3.0)
-    measured = cs.MeasuredSurface(1e-9 * np.cos(grid.x / 4 / grid.cell_size[0])[:, None])
-    of_both = [estimate_of(line_contact.with_shapes(shape), grid) for shape in (measured, cs.MovingShape(measured))]
-    assert of_both[0].l1.total == of_both[1].l1.total < inf
 
 
 def test_a_smooth_unknown_shape_keeps_its_bound(line_contact: LineContact) -> None:
@@ -83,15 +70,14 @@ def test_a_smooth_unknown_shape_keeps_its_bound(line_contact: LineContact) -> No
     assert not estimate.warnings
 
 
-@pytest.mark.parametrize("along", [60, 120])
-def test_the_peak_pressure_at_a_sharp_end_has_no_bound(along: int, line_contact: LineContact) -> None:
+def test_the_peak_pressure_at_a_sharp_end_has_no_bound(line_contact: LineContact) -> None:
     """Lundberg's profile has a finite drop: pressure there grows without limit on finer cells."""
     length = 4 * line_contact.hertz.half_width
     profile = cs.LundbergProfile.for_load(
         1e5, contact_modulus=line_contact.scene.contact_modulus, radius=0.01, length=length
     )
     scene = line_contact.with_shapes(profile)
-    grid = line_contact.grid((36, along), 4.0, width=2.6)
+    grid = line_contact.grid((36, 60), 4.0, width=2.6)
     estimate = error_estimate(cs.solve(scene.problem(grid, (cs.ZeroPadding(), cs.ZeroPadding()))))
     assert estimate.peak_pressure.total == inf
     assert "sharp end" in " ".join(estimate.warnings)
@@ -111,31 +97,18 @@ def bumps(height: float, width: float, place: Pair, cell: Pair) -> Own:
     return Own(heights)
 
 
-@pytest.mark.parametrize("cells", [(48, 40), (160, 130)])
 @pytest.mark.parametrize(("width", "place"), [(0.15, (0.0, 0.0)), (0.3, (0.31, -0.22)), (1.0, (0.05, 0.0))])
 def test_bumps_between_the_lines_of_an_unknown_shape_leave_no_bound(
-    cells: tuple[int, int], width: float, place: tuple[float, float], line_contact: LineContact
+    width: float, place: tuple[float, float], line_contact: LineContact
 ) -> None:
     """With even counts of cells the place 0 is the corner of four of them."""
     hertz = line_contact.hertz
-    grid = line_contact.grid(cells, 1.3, width=3.2)
+    grid = line_contact.grid((48, 40), 1.3, width=3.2)
     height = 0.4 * hertz.half_width**2 / hertz.radius
     scene = line_contact.with_shapes(bumps(height, width, place, grid.cell_size))
     estimate = estimate_of(scene, grid)
     assert estimate.l1.total == estimate.peak_pressure.total == inf
     assert "protrudes" in estimate.warnings[0]
-
-
-@pytest.mark.parametrize("padding", [cs.ExactPeriodicity(), cs.ZeroPadding()], ids=str)
-@pytest.mark.parametrize("rows", [2, 3])
-def test_waves_within_two_or_three_cells_along_leave_no_bound(
-    rows: int, padding: cs.Padding, line_contact: LineContact
-) -> None:
-    grid = line_contact.grid((64, rows), 10.0, width=3.2)
-    ridges = bumps(1e-5, 0.5, (0.0, 2.0), (inf, grid.extent[1] / 48))
-    scene = line_contact.with_shapes(ridges)
-    estimate = error_estimate(cs.solve(scene.problem(grid, padding)))
-    assert estimate.peak_pressure.total == inf
 
 
 def test_low_bumps_between_the_lines_count_by_what_they_hide(line_contact: LineContact) -> None:
@@ -156,25 +129,13 @@ def test_low_bumps_between_the_lines_count_by_what_they_hide(line_contact: LineC
     assert peak > 3 * estimate_of(scene, grid).peak_pressure.total
 
 
-@pytest.mark.parametrize("rows", [12, 16, 33])
-@pytest.mark.parametrize("beyond", [0.05, 0.3, 0.45, 0.6, 0.9])
-def test_a_roller_may_end_in_a_cell(beyond: float, rows: int, line_contact: LineContact) -> None:
-    length = 10 * line_contact.hertz.half_width
-    grid = cs.Grid((30, rows), (0.34 * length, length * rows / (rows - 2 * beyond)))
-    roller = cs.FiniteLength(length)
-    scene = line_contact.with_shapes(roller)
-    estimate = error_estimate(cs.solve(scene.problem(grid, (cs.ZeroPadding(), cs.ZeroPadding()))))
-    assert 0 < estimate.l1.total < inf
-
-
 LOADS = cs.LineLoad(1e5), cs.Approach(1.5e-6)
 
 
 @pytest.mark.parametrize("load", LOADS, ids=str)
-@pytest.mark.parametrize("cells", [1.0, 1.4, 2.0, 2.7])
-@pytest.mark.parametrize("height", [1e-9, 1e-8, 3e-8])
+@pytest.mark.parametrize(("cells", "height"), [(1.0, 1e-9), (1.4, 3e-8), (2.0, 1e-8), (2.7, 1e-8)])
 def test_a_wave_of_few_cells_is_seen_between_the_centres(
-    height: float, cells: float, load: cs.LineLoad | cs.Approach, line_contact: LineContact
+    cells: float, height: float, load: cs.LineLoad | cs.Approach, line_contact: LineContact
 ) -> None:
     grid = line_contact.grid((100, 1), 1.0, width=3.2)
     wave = cs.Waviness(height, across=cells * grid.cell_size[0])
@@ -191,24 +152,6 @@ def test_a_wave_of_few_cells_is_seen_between_the_centres(
     assert abs(area - 1) <= estimate.contact_area.total
     if estimate.load is not None:
         assert abs(fine.load_per_length / coarse.load_per_length - 1) <= estimate.load.total
-
-
-@pytest.mark.parametrize("height", [3e-10, 3e-9, 1e-8])
-@pytest.mark.parametrize("fraction", [0.99, 0.999])
-def test_the_load_at_an_approach_near_full_contact_flattens_hidden_waves_within_its_bound(
-    fraction: float, height: float, line_contact: LineContact
-) -> None:
-    """The load of full contact is that which flattens the crests of all waves."""
-    both = cs.ExactPeriodicity(), cs.ExactPeriodicity()
-    load = cs.LineLoad(fraction * np.pi * line_contact.scene.contact_modulus * 1e-6)
-    long = cs.Scene(load, line_contact.scene.solids, (cs.Waviness(1e-6, across=1e-3),))
-    coarse, fine = (cs.Grid((cells, 1), (1e-3, 1e-3)) for cells in (96, 3072))
-    approach = cs.Approach(cs.solve(long.problem(fine, both)).approach)
-    waves = (*long.shapes, cs.Waviness(height, across=1e-3 / 69, phase=0.3))
-    near = replace(long, load=approach, shapes=waves)
-    ours, true = (cs.solve(near.problem(grid, both)) for grid in (coarse, fine))
-    bound = error_estimate(ours).load.total
-    assert abs(true.load_per_length / ours.load_per_length - 1) <= bound < inf
 
 
 # Two flanks that meet at an edge.
@@ -233,30 +176,16 @@ def test_an_edge_and_waves_within_cells_leave_no_bound_whatever_is_given(
 def test_the_peak_at_an_apex_is_bounded_by_all_rises_to_come(
     cells: int, height: float, line_contact: LineContact
 ) -> None:
-    """It bends without limit, so that pressure rises with the power 0.4 of the cell: by 49 ** -0.4 below the finest."""
+    """It bends without limit, so that pressure rises with the power 0.6 of the cell: by 49 ** -0.6 below the finest."""
     a = line_contact.hertz.half_width
-    apex = Own(lambda grid: height * np.abs(grid.x / a - 0.13)[:, None] ** 1.4)
+    apex = Own(lambda grid: height * np.abs(grid.x / a - 0.13)[:, None] ** 1.6)
     scene = line_contact.with_shapes(apex)
     coarse, fine, finest = (
         cs.solve(scene, line_contact.grid((n * cells, 1), 1.0, width=3.0), cs.ExactPeriodicity()) for n in (1, 7, 49)
     )
     peak, *peaks = (one.pressure.max() for one in (coarse, fine, finest))
-    limit = peaks[1] + (peaks[1] - peaks[0]) / (7**0.4 - 1)
+    limit = peaks[1] + (peaks[1] - peaks[0]) / (7**0.6 - 1)
     assert limit / peak - 1 <= error_estimate(coarse).peak_pressure.total < 0.6
-
-
-@pytest.mark.parametrize(("cells", "width"), [(221, 0.5), (120, 0.3), (60, 0.6)])
-def test_slits_between_the_centres_count_in_the_mean_gap(cells: int, width: float, line_contact: LineContact) -> None:
-    grid = line_contact.grid((cells, 1), 1.0, width=3.2)
-    place, wide = float(grid.x[cells // 2]) + grid.cell_size[0] / 2, width * grid.cell_size[0]
-    slit = Own(lambda grid: np.where(np.abs(grid.x - place) < wide / 2, 1e-5, 0.0)[:, None])
-    scene = line_contact.with_shapes(slit)
-    coarse, fine = (
-        cs.solve(scene.problem(cs.Grid((count, 1), grid.extent), cs.ExactPeriodicity()))
-        for count in (cells, 64 * cells)
-    )
-    error = abs(coarse.mean_gap / fine.mean_gap - 1)
-    assert error <= error_estimate(coarse).mean_gap.total
 
 
 def test_hidden_heights_weigh_less_where_a_step_of_wear_softens_the_contact(

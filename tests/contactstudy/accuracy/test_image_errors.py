@@ -20,13 +20,10 @@ def solved(line_contact: LineContact, cells: tuple[int, int], period: float, pad
     [cs.DuplicatedPadding(), cs.CircularSuperposition(1), cs.CircularSuperposition(5)],
     ids=str,
 )
-@pytest.mark.parametrize("along", [1, 2, 5])
-def test_uniform_window_s_error_is_found_to_second_order(
-    padding: cs.Padding, along: int, line_contact: LineContact
-) -> None:
+def test_uniform_window_s_error_is_found_to_second_order(padding: cs.Padding, line_contact: LineContact) -> None:
     for period in (2.4, 4.8):
-        cut = solved(line_contact, (128, along), period, padding)
-        whole = solved(line_contact, (128, along), period, EXACT)
+        cut = solved(line_contact, (128, 2), period, padding)
+        whole = solved(line_contact, (128, 2), period, EXACT)
         peak, l1 = image_errors(cut.pressure, cut.problem.grid, (FREE, padding))
         # the next order, a fraction (a / D)^2 = 8 peak; and the edge's leap from its cell, at its two rates
         order = 8 * peak**2 + (2.4 / 128) ** 2
@@ -42,18 +39,7 @@ def test_paddings_without_missing_images_have_no_image_error(line_contact: LineC
         assert image_errors(pressure, whole.problem.grid, paddings) == (0.0, 0.0)
 
 
-def test_a_length_without_images_has_an_error_only_where_contact_reaches_its_ends() -> None:
-    solids, length = (STEEL, STEEL), 1e-3
-    scene = cs.Scene(cs.LineLoad(1e3), solids, (cs.Sphere(0.01),))
-    grid = cs.Grid(cells=(32, 32), extent=(length, length))
-    point = cs.solve(scene.problem(grid, (FREE, FREE)))
-    assert not point.pressure[:, [0, -1]].any()
-    assert image_errors(point.pressure, grid, (FREE, FREE)) == (0.0, 0.0)
-    assert min(image_errors(np.ones((32, 32)), grid, (FREE, FREE))) > 0
-
-
-@pytest.mark.parametrize("times", [1, 2])
-@pytest.mark.parametrize("padding", [cs.Superposition(1), cs.CircularSuperposition(1)], ids=str)
+@pytest.mark.parametrize(("padding", "times"), [(cs.Superposition(1), 1), (cs.CircularSuperposition(1), 2)])
 def test_images_left_out_beside_a_roller_that_ends_are_bounded(
     padding: cs.Padding, times: int, line_contact: LineContact
 ) -> None:
@@ -70,11 +56,10 @@ def test_images_left_out_beside_a_roller_that_ends_are_bounded(
     assert error_estimate(alone).l1.images == 0
 
 
-@pytest.mark.parametrize("width", [2.05, 2.4, 8.0])
-@pytest.mark.parametrize("period", [0.3, 3.0, 10.0])
+@pytest.mark.parametrize(("period", "width"), [(0.3, 2.05), (3.0, 8.0), (10.0, 2.4)])
 @pytest.mark.parametrize(
     "padding",
-    [cs.CircularSuperposition(0), cs.CircularSuperposition(1), cs.Superposition(2), FREE],
+    [cs.CircularSuperposition(0), cs.Superposition(2), FREE],
     ids=str,
 )
 def test_every_number_of_a_contact_that_lacks_images_is_within_its_bound(
@@ -93,26 +78,16 @@ def test_every_number_of_a_contact_that_lacks_images_is_within_its_bound(
         assert abs(ours.value - true.value) <= ours.bound + true.bound
 
 
-@pytest.mark.parametrize("padding", [cs.CircularSuperposition(2), cs.Superposition(2)], ids=str)
 @pytest.mark.parametrize("friction", [cs.Sliding(0.9), cs.TractiveRolling(0.3, longitudinal=5e-3)], ids=str)
-def test_images_of_a_traction_on_dissimilar_bodies_shift_the_contact_within_its_bound(
-    friction: cs.Sliding | cs.TractiveRolling, padding: cs.Padding
-) -> None:
-    """They tilt it by one power of their distance; the slip of rolling has no bound without them."""
-    solids, cylinder = (cs.HalfSpace(2e9, 0.1), STEEL), (cs.Cylinder(0.01),)
-    scene = cs.Scene(cs.LineLoad(1e4), solids, cylinder, friction=friction)
-    assert scene.hertz is not None
+def test_images_of_a_traction_on_dissimilar_bodies_leave_no_bound(friction: cs.Sliding | cs.TractiveRolling) -> None:
+    """They tilt the contact by one power of their distance, and change the slip of rolling."""
+    scene = cs.Scene(cs.LineLoad(1e4), (cs.HalfSpace(2e9, 0.1), STEEL), (cs.Cylinder(0.01),), friction=friction)
     a = scene.hertz.half_width
-    cut, whole = (
-        cs.solve(scene, cs.Grid((96, along), (3 * a, 5 * a)), one)
-        for along, one in ((1 if padding.wraps else 16, padding), (1, EXACT))
-    )
-    moved = np.abs(cut.pressure - whole.pressure).mean() / whole.pressure.mean()
-    assert moved <= cut.error.l1.images
-    rolls = isinstance(friction, cs.TractiveRolling)
-    assert (cut.error.l1.images == np.inf) is rolls
-    for name in ("traction_coefficient", "stick_fraction", "frictional_power") if rolls else ():
-        assert "ExactPeriodicity" in cut.quantities[name].reason
+    for padding, is_bounded in ((cs.CircularSuperposition(2), False), (EXACT, True)):
+        found = cs.solve(scene, cs.Grid((96, 1), (3 * a, 5 * a)), padding).quantities
+        for name in ("peak_pressure", "contact_area"):
+            assert (found[name].bound < np.inf) is is_bounded
+            assert ("ExactPeriodicity" in found[name].reason) is not is_bounded
 
 
 def test_a_creepage_that_is_found_without_images_has_no_bound_where_the_pressure_has_one() -> None:
@@ -135,15 +110,7 @@ def test_images_left_out_beside_a_body_that_creeps_as_it_rolls_have_no_bound() -
             assert (contact.quantities[name].bound < np.inf) is is_bounded
 
 
-@pytest.mark.parametrize("across", [EXACT, cs.DuplicatedPadding()], ids=str)
-def test_windows_beside_images_are_refused(across: cs.Padding) -> None:
-    grid = cs.Grid(cells=(8, 8), extent=(1.0, 1.0))
-    with pytest.raises(cs.InvalidInput, match=r"^padding is .*: give ExactPeriodicity"):
-        image_errors(np.ones((8, 8)), grid, (across, cs.Superposition(1)))
-
-
-@pytest.mark.parametrize("images", [1, 2, 6])
-@pytest.mark.parametrize("period", [2.4, 4.8, 9.6])
+@pytest.mark.parametrize(("period", "images"), [(2.4, 1), (4.8, 6), (9.6, 2)])
 def test_load_varies_along_a_centred_window_by_the_measured_law(
     period: float, images: int, line_contact: LineContact
 ) -> None:

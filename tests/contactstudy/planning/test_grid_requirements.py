@@ -7,9 +7,8 @@ import pytest
 import contactstudy as cs
 from contactstudy.analytic import HertzLine
 from contactstudy.planning.grid_requirements import GridRequirements, grid_requirements
-from contactstudy.planning.transient_requirements import expected_plastic_zone
 from contactstudy.scene.shapes.shape import LengthScales
-from tests.conftest import STEEL, LineContact
+from tests.conftest import LineContact
 
 
 def width(scene: cs.Scene, contact: LineContact) -> float:
@@ -59,31 +58,3 @@ def test_a_period_is_checked_against_what_it_has_to_hold() -> None:
     assert "the length, 500 mm, is no period" in roller.period_check(0.5)
     assert "shorter than the roller" in roller.period_check(0.4)
     assert roller.warnings(cs.Grid((64, 64), (8.0, 0.4)))[-1] == roller.period_check(0.4)
-
-
-def test_a_wave_needs_two_cells_along_each_axis() -> None:
-    waves = requirements(LengthScales(shortest_wavelengths=(0.5, 0.25)))
-    assert waves.warnings(cs.Grid((32, 32), (8.0, 4.0))) == ()
-    (said,) = waves.warnings(cs.Grid((31, 32), (8.0, 4.0)))
-    assert said.startswith("Grid.cells[0] is 31")
-    assert "give 32 or more" in said
-    (said,) = waves.warnings(cs.Grid((32, 31), (8.0, 4.0)))
-    assert said.startswith("Grid.cells[1] is 31")
-    odd = replace(waves, length_scales=(replace(WAVES, period=0.3),))
-    assert ": give a multiple" in odd.warnings(cs.Grid((32, 64), (8.0, 4.0)))[0]
-
-
-def test_the_body_that_yields_first_counts_and_both_take_memory(line_contact: LineContact) -> None:
-    highest = line_contact.hertz.peak_pressure
-    soft, hard = (
-        cs.ElasticPlasticHalfSpace(STEEL.youngs_modulus, STEEL.poisson_ratio, highest / ratio, 1e9)
-        for ratio in (3.0, 2.0)
-    )
-    found = expected_plastic_zone(replace(line_contact.scene, solids=(hard, soft)))
-    assert found.ratio == pytest.approx(3)
-    assert found.half_width == pytest.approx(line_contact.hertz.half_width)
-    assert found.bodies == 2
-    one = expected_plastic_zone(replace(line_contact.scene, solids=(STEEL, hard)))
-    assert (round(one.ratio, 9), one.bodies) == (2, 1)
-    assert expected_plastic_zone(line_contact.scene) is None
-    assert "2 times the lowest yield stress" in one.reason(line_contact.grid(64, 2.4, 6.0))

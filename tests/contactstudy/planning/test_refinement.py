@@ -53,12 +53,6 @@ def test_an_error_out_of_reach_ends_with_what_stands_in_the_way(line_contact: Li
     assert "5,000 are allowed" in refined.estimate.l1.reason
 
 
-def test_images_left_out_are_named_where_no_finer_grid_helps(line_contact: LineContact) -> None:
-    refined = solve_to(line_contact.scene, 1e-3, padding=cs.CircularSuperposition(1))
-    assert refined.estimate.l1.total > 1e-3
-    assert "images" in refined.estimate.l1.reason
-
-
 def test_a_roller_that_ends_within_its_period_takes_few_cells() -> None:
     cylinder = cs.Cylinder(0.01)
     hertz = cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL), (cylinder,)).hertz

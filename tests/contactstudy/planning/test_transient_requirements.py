@@ -42,8 +42,6 @@ def test_a_plan_is_wide_enough_for_the_end_and_keeps_to_its_error() -> None:
             cs.SineLoad(0.6, 0.4, 1.0),
             0.1**0.5 * cosh(2.25),
         ),
-        # a load of zero at both instants, and no force
-        (cs.Fretting(0.3, (0.0, 0.0), times=(0.0, 1.0)), cs.SineLoad(0.0, 1.0, 1.0), 1.0),
         # a^3 = 1.5 R k s P of 200 half cycles, beyond Hertz's
         pytest.param(
             cs.Fretting(0.3, displacements=(3.0, -3.0), times=(0.0, 100.0), period=1.0),
@@ -65,17 +63,6 @@ def test_a_plan_makes_room_for_the_wear_of_fretting(
     assert scene.hertz.half_width == pytest.approx(1.0)
     for times in (None, (0.0, friction.times[-1])):
         assert plan_grid(scene, error=0.1, times=times).grid.extent[0] / 2 > scar
-
-
-def test_a_plan_makes_room_for_wear() -> None:
-    """a^3 = 1.5 R k s P beyond Hertz's, as for a rigid cylinder."""
-    scene = rolling_cylinder(
-        replace(SOLID, relaxation=()),
-        cs.LoadHistory((0.0, 1.0), (LOAD, LOAD)),
-        wear=cs.Wear(2.0, 1.0),
-    )
-    plan = plan_grid(scene, error=2e-2)
-    assert plan.grid.extent[0] / 2 > np.cbrt(1.5 * 2 * LOAD)
 
 
 def test_a_plan_makes_room_for_a_worn_ball_along_both_axes() -> None:
@@ -132,22 +119,6 @@ def test_what_is_expected_to_yield_holds_what_yields_and_not_much_more() -> None
     assert "4 times the lowest yield stress" in said
     taken = found.frames[-1].coupled_state["equivalent0"].shape[0]
     assert 0.7 < int(said.split("some ")[1].split()[0]) / taken < 1.4
-
-
-BODY = cs.CoatedHalfSpace(cs.HalfSpace(250e9, 0.22), 2e-6, STEEL)
-
-PLAIN = cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL), (cs.Cylinder(0.01),))
-
-
-def test_a_plan_says_how_thick_a_coat_is_in_cells_and_half_widths() -> None:
-    scene = replace(PLAIN, solids=(BODY, STEEL))
-    planned = plan_grid(scene, error=1e-2)
-    (said,) = (reason for reason in planned.reasons if reason.startswith("coating"))
-    cells, widths = 2e-6 / planned.grid.cell_size[0], 2e-6 / scene.hertz.half_width
-    assert f"{widths:.3g} half-widths and {cells:.3g} cells" in said
-    # between E / (1 - nu^2) of the substrate and of the coating
-    assert 230 <= float(said.partition("is about ")[2].partition(" GPa")[0]) <= 263
-    assert not planned.warnings
 
 
 def test_a_rough_contact_under_a_growing_load_fits_on_its_grid(line_contact: LineContact) -> None:

@@ -45,9 +45,9 @@ class ForecastConstants:
     grid_seconds
         Seconds that a solve on several grids may take where nothing of the last of them is done.
     exact_seconds
-        Seconds that a solve on the planned grid may take to be one of them.
+        Seconds that a solve on the planned grid, or a further one for numbers, may take to be one of them.
     followed
-        Seconds of a grid for numbers, and of those that may follow it, over its own.
+        Seconds of a grid for numbers that is not solved, and of those that may follow it, over its own.
     least_cells
         Cells across below which a grid tells nothing.
     least_fraction
@@ -238,11 +238,17 @@ class _Request:
             seconds += sum(level.seconds for level in levels)
         grid, numbers = grids[-1] if grids else self.planned.grid, ""
         refines_numbers = self.planned.first_grids is not None or refines(self.scene)
-        if self.is_chosen and refines_numbers and (answer := last.answer) is not None:
+        while self.is_chosen and refines_numbers and (answer := levels[-1].answer) is not None:
             further = grid_for_numbers(answer, is_default=self.is_default)
-            if further is not None and prod(further.cells) > prod(grid.cells):
-                grid, numbers = further, f" Numbers other than the pressure take {cells_text(further.cells)} or more."
-                seconds += CONSTANTS.followed * self.seconds_on(grid, levels)
+            if further is None or prod(further.cells) <= prod(grid.cells):
+                break
+            grid, numbers = further, f" Numbers other than the pressure take {cells_text(further.cells)} or more."
+            expected = self.seconds_on(grid, levels)
+            if expected > CONSTANTS.exact_seconds:
+                seconds += CONSTANTS.followed * expected
+                break
+            levels.append(self.solved(grid, 1))
+            seconds += levels[-1].seconds
         part = "" if last.answer is not None else "a part of "
         return grid, seconds, f"seconds: from {part}a solve on {cells_text(last.grid.cells)}.{numbers}"
 

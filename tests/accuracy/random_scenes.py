@@ -5,15 +5,18 @@ from dataclasses import dataclass, replace
 from math import inf, tau
 
 import numpy as np
+from scipy import ndimage
 
 import contactstudy as cs
 from contactstudy.domain.fields import Array
 from studies.reference.line_contact import HERTZ_HEIGHT, P_H, SCENE, A
 from tests.accuracy.case import EXACT, FREE, MODULUS, AccuracyCase, Finer, scene
-from tests.accuracy.matrix import FINER, PROFILES, SAMPLING, Bumps, ground, rough
+from tests.accuracy.matrix import FINER
 
+PROFILES = ("flat", "parabolic", "cosine")
+SAMPLING = 0.05 * A  # interval of the measured surface
 # Cases of each kind.
-EACH = 10
+EACH = 30
 CaseParts = tuple[cs.Scene, cs.Grid, cs.Padding | cs.Paddings, Finer]
 
 
@@ -30,6 +33,41 @@ class Slits:
         """Return the depth within half a width of a place."""
         away = np.min([np.abs(grid.x - place) for place in self.places], axis=0)
         return np.asarray(np.where(away < self.width / 2, self.depth, 0.0)[:, None])
+
+
+@dataclass(frozen=True)
+class Bumps:
+    """Gaussian bumps on a lattice, as a user-defined shape; lengths in m, places from the axis."""
+
+    height: float
+    width: float
+    pitch: tuple[float, float]
+    place: tuple[float, float]
+    curvature = 0.0
+
+    def gap(self, grid: cs.Grid) -> Array:
+        """Return the heights of the bumps, which are a negative gap [m]."""
+        x, y = (
+            (points - place + pitch / 2) % pitch - pitch / 2
+            for points, place, pitch in zip((grid.x, grid.y), self.place, self.pitch, strict=True)
+        )
+        return np.asarray(-self.height * np.exp(-(x[:, None] ** 2 + y**2) / self.width**2))
+
+
+def rough(rms: float, hurst: float, roll_off: float, cut_off: float, seed: int) -> cs.Roughness:
+    """Return a random roughness; its rms and wavelengths in m."""
+    return cs.Roughness(rms, hurst=hurst, roll_off=roll_off, cut_off=cut_off, seed=seed)
+
+
+def ground(points: tuple[int, int], seed: int) -> Array:
+    """Return heights of a ground surface with unit rms: a lay along the length, and waves down to its points."""
+    rng = np.random.default_rng(seed)
+    heights = np.zeros(points)
+    for across, along, weight in ((8.0, 30.0, 1.0), (2.5, 10.0, 0.5), (0.7, 3.0, 0.25)):
+        noise = ndimage.gaussian_filter(rng.standard_normal(points), (across, along), mode="wrap")
+        heights += weight * noise / noise.std()
+    heights += 0.05 * rng.standard_normal(points)
+    return np.asarray(heights / heights.std())
 
 
 def _ratio(rng: np.random.Generator, low: float, high: float) -> float:

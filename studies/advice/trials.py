@@ -40,7 +40,7 @@ from studies.advice.verdict import (
 from studies.model.case import Answer
 from studies.model.plain_text import Log
 from studies.reference.line_contact import hertz_means, relative_l1, with_edges_moved
-from studies.reference.paddings import PADDINGS, padding_label, padding_text
+from studies.reference.paddings import PADDINGS
 from studies.store.netcdf import check_kind, open_folder, read, write
 from studies.store.provenance import provenance
 
@@ -106,27 +106,22 @@ class _Trials:
         across, along = (n * multiple if n > 1 else 1 for n in self.unit)
         return across, along
 
-    def setting(
-        self, label: str, padding: cs.Padding | cs.Paddings, cells: tuple[int, int], tolerance: float
-    ) -> Setting:
+    def setting(self, padding: cs.Padding | cs.Paddings, cells: tuple[int, int], tolerance: float) -> Setting:
         """Return a setting on these cells, or on as many along as a copy needs to cover both sides alike."""
         across, along = cells
         if self.is_line and isinstance(padding, cs.DuplicatedPadding):
             along = max(along, CENTRED)
-        return Setting(label, padding, (across, along), tolerance)
+        return Setting(padding, (across, along), tolerance)
 
-    def other_paddings(self, own: str, given: cs.Padding | cs.Paddings | None) -> dict[str, cs.Padding | cs.Paddings]:
-        """Return all paddings that the scene may have by their names, and that which its file gives as `own`."""
+    def paddings(self, given: cs.Padding | cs.Paddings | None) -> list[cs.Padding | cs.Paddings]:
+        """Return all paddings that the scene may have, its own first, with that which its file gives."""
         if isinstance(self.own, tuple):
-            return {}
-        others: dict[str, cs.Padding | cs.Paddings] = {
-            padding_label(name, n): make(n) for name, make in PADDINGS.items() for n in IMAGES
-        }
-        others |= {own: given} if given is not None else {}
+            return [self.own]
+        every = dict.fromkeys([self.own, given or self.own, *(make(n) for make in PADDINGS.values() for n in IMAGES)])
         if self.unit[1] == 1 and not self.is_line:
-            del others["duplicated"]
+            del every[cs.DuplicatedPadding()]
             self.notes["duplicated"] = COPY_OFF_CENTRE
-        return others
+        return list(every)
 
     def solve(self, setting: Setting, scene: cs.Scene | None = None, grid: cs.Grid | None = None) -> Answer:
         """Return the answer at a setting, as a scene file with its tables would be solved."""
@@ -197,11 +192,6 @@ class _Trials:
         """Return whether a setting meets the error, by the measure."""
         return meets(one, self.error, self.measure)
 
-    def choose_measure(self, found: Sequence[Measured]) -> None:
-        """Let the pressure alone keep the error, where no setting keeps it by every number."""
-        if self.measure == EVERY_NUMBER and not any(map(self.meets, found)):
-            self.measure = PRESSURE
-
     def is_falling(self, tried: Sequence[Measured]) -> bool:
         """Return whether the bound of one of the last three grids is below those of all coarser ones."""
         bounds = [bound_of(one, self.measure) for one in tried]
@@ -238,25 +228,23 @@ def verdict_on(
     measure = NAMED if asked else measure
     for wider in (1, 2):
         trials = _trials(described.file, error, measure, wider)
-        base, own = _label(trials.own), _label(described.file.padding or trials.own)
-        paddings = {base: trials.own} | trials.other_paddings(own, described.file.padding)
-        on_grids = paddings if trials.is_line else {base: trials.own}
-        found = list(_on_grids(trials, on_grids, base, lambda text: log(f"{described.name}: {text}")))
+        paddings = trials.paddings(described.file.padding)
+        on_grids = paddings if trials.is_line else [trials.own]
+        found = list(_on_grids(trials, on_grids, lambda text: log(f"{described.name}: {text}")))
         if described.file.grid is not None or not trials.at_edge or any(map(trials.meets, found)):
             break
     if not found:
         raise cs.InvalidInput(f"{described.name} has no answer: {' '.join(trials.notes.values())}")
-    trials.choose_measure(found)
+    if trials.measure == EVERY_NUMBER and not any(map(trials.meets, found)):
+        trials.measure = PRESSURE  # which alone may keep the error
     finest = found[-1].setting
     # of grids on which the pressure meets the error, and no other number ever does, the coarsest
-    coarsest = {one.setting.label: one.setting.cells for one in reversed(found) if trials.meets(one)}
+    coarsest = {one.setting.padding: one.setting.cells for one in reversed(found) if trials.meets(one)}
     if coarsest:
-        cells, loosest = coarsest.get(base, finest.cells), trials.options.tolerance
-        if base in coarsest:
-            loosest = _loosest(trials, Setting(base, trials.own, cells, loosest))
-        settings = [
-            trials.setting(label, padding, coarsest.get(label, cells), loosest) for label, padding in paddings.items()
-        ]
+        cells, loosest = coarsest.get(trials.own, finest.cells), trials.options.tolerance
+        if trials.own in coarsest:
+            loosest = _loosest(trials, Setting(trials.own, cells, loosest))
+        settings = [trials.setting(padding, coarsest.get(padding, cells), loosest) for padding in paddings]
         tried = {one.setting for one in found}
         found += [one for new in settings if new not in tried and (one := trials.measured(new))]
     elif len(paddings) > 1:
@@ -269,6 +257,7 @@ def verdict_on(
             found = [replace(one, difference=off) for one, off in zip(found, differences, strict=True)]
     log(f"{described.name}: times of {sum(map(trials.meets, found))} settings that meet it")
     answered = {one.setting.label for one in found}
+    own = replace(finest, padding=described.file.padding or trials.own).label
     return Verdict(
         described.name, described.text, trials.error, trials.measure, trials.extent, own, against,
         tuple(_timed(trials, found, own)),
@@ -277,24 +266,21 @@ def verdict_on(
     )  # fmt: skip
 
 
-def _on_grids(
-    trials: _Trials, paddings: Mapping[str, cs.Padding | cs.Paddings], base: str, log: Log
-) -> Iterator[Measured]:
+def _on_grids(trials: _Trials, paddings: Sequence[cs.Padding | cs.Paddings], log: Log) -> Iterator[Measured]:
     """Yield what was measured with some paddings on grids from the coarsest.
 
-    The last grid is the first on which the padding of the name `base` meets the error; beyond the planned one they end
-    where its bound no longer falls. All grids of lines are tried.
+    The last grid is the first on which the scene's own padding meets the error; beyond the planned one they end where
+    its bound no longer falls. All grids of lines are tried.
     """
     tried = list[Measured]()
     for multiple in trials.multiples:
         cells = trials.cells(multiple)
         if not trials.is_line:
-            log(f"{base} on {cells_text(cells)}")
-        for label, padding in paddings.items():
-            setting = trials.setting(label, padding, cells, trials.options.tolerance)
-            if one := trials.measured(setting):
+            log(f"{Setting(trials.own, cells, 0.0).label} on {cells_text(cells)}")
+        for padding in paddings:
+            if one := trials.measured(trials.setting(padding, cells, trials.options.tolerance)):
                 yield one
-                if label == base:
+                if padding == trials.own:
                     tried.append(one)
         is_enough = any(map(trials.meets, tried))
         if not trials.is_line and (is_enough or (multiple >= SIXTHS and not trials.is_falling(tried))):
@@ -328,13 +314,6 @@ def _trials(file: cs.SceneFile, error: Request, measure: str, wider: int) -> _Tr
     return _Trials(
         scene, grid.extent, own, (max(2, across), along), file.options, times, error, measure,
     )  # fmt: skip
-
-
-def _label(padding: cs.Padding | cs.Paddings) -> str:
-    """Return the name of a padding that a scene has."""
-    if isinstance(padding, tuple):
-        return "repeating across and along" if padding[0].wraps else "free ends"
-    return padding_text(repr(padding))
 
 
 def _worst(answer: Answer, request: Request) -> tuple[float, str]:

@@ -16,6 +16,7 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.identity import digest
 from contactstudy.io.scene_files.scene_writer import scene_text, settings_text
 from studies.reference.line_contact import HERTZ, SCENE, WIDTH
+from studies.reference.paddings import padding_text
 
 # A setting within this factor of the time of the fastest counts as equally fast.
 TIE = 1.1
@@ -45,12 +46,18 @@ ATTRIBUTES = {
 
 @dataclass(frozen=True)
 class Setting:
-    """Way to solve a scene: name and value of the padding, cells (across, along), tolerance of the solver."""
+    """Way to solve a scene: padding, cells (across, along), tolerance of the solver."""
 
-    label: str
     padding: cs.Padding | cs.Paddings
     cells: tuple[int, int]
     tolerance: float
+
+    @property
+    def label(self) -> str:
+        """Name of the padding."""
+        if isinstance(self.padding, tuple):
+            return "repeating across and along" if self.padding[0].wraps else "free ends"
+        return padding_text(repr(self.padding))
 
 
 @dataclass(frozen=True)
@@ -245,8 +252,8 @@ def from_dataset(dataset: xr.Dataset) -> Verdict:
     """Return the verdict in a Dataset."""
     rows = zip(*(dataset[name].values.tolist() for name in COLUMNS), strict=True)
     settings = tuple(
-        Measured(Setting(label, _padding(padding), (across, along), tolerance), *measured)
-        for label, padding, across, along, tolerance, *measured in rows
+        Measured(Setting(_padding(padding), (across, along), tolerance), *measured)
+        for _, padding, across, along, tolerance, *measured in rows
     )
     found: dict[str, Any] = {name: dataset.attrs[key] for key, name in ATTRIBUTES.items()}
     found["extent"] = tuple(np.asarray(found["extent"], float).tolist())

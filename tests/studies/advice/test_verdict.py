@@ -132,10 +132,8 @@ def test_a_window_that_is_too_short_keeps_the_error_on_no_grid(cylinder: Verdict
 def one(
     padding: cs.Padding = EXACT, cells: int = 32, bound: float = 0.02, seconds: float = 1.0, difference: float = 0.01
 ) -> Measured:
-    label = {EXACT: "exact", COPIED: "duplicated"}[padding]
-    return Measured(
-        Setting(label, padding, (cells, cells), 1e-4), bound, 2 * bound, "in the contact area", difference, seconds
-    )
+    setting = Setting(padding, (cells, cells), 1e-4)
+    return Measured(setting, bound, 2 * bound, "in the contact area", difference, seconds)
 
 
 def of(*settings: Measured, error: float = 0.03, measure: str = PRESSURE) -> Verdict:

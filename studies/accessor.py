@@ -70,9 +70,7 @@ class StudyAccessor(InNotebook):
         x, y = line[axis].values, line.values
         is_there = np.isfinite(y) & (y > 0) & (x > 0)
         if is_there.sum() < 3:
-            raise InvalidInput(
-                f"order of {error!r} has {int(is_there.sum())} points along {axis!r}: give three or more."
-            )
+            raise InvalidInput(f"order of {error!r} along {axis!r} has {is_there.sum()} points: give three or more.")
         fit = linregress(np.log(x[is_there].astype(float)), np.log(y[is_there]))
         return ConvergenceOrder(-float(fit.slope), float(fit.stderr), int(is_there.sum()))
 

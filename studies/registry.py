@@ -149,9 +149,7 @@ def module_in(path: Path) -> ModuleType:
         exec(compile(source, str(path.absolute()), "exec"), vars(module))
     look()
     if not isinstance(getattr(module, "study", None), Study):
-        raise InvalidInput(
-            f"Study file {quoted(path)} has no study: define study = studies.Study(...) at its top level."
-        )
+        raise InvalidInput(f"Study file {quoted(path)} has no study: define study = studies.Study(...) in it.")
     # worker processes cannot import this file: its functions are pickled by value
     from cloudpickle import register_pickle_by_value
 

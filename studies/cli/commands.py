@@ -58,10 +58,7 @@ def report(
     """
     if scene is not None:
         if chapter:
-            raise InvalidInput(
-                f"Chapter {chapter[0]!r} is given beside --scene: give one of them, because chapters are about a "
-                "steel cylinder of R = 10 mm under 100 N/mm."
-            )
+            raise InvalidInput(f"Chapter {chapter[0]!r} is given beside --scene: give one of them.")
         refuse(context, "chapters, and not for --scene", "workers")
         from studies.advice.trials import verdict_of
         from studies.advice.verdict import scene_in

@@ -180,10 +180,7 @@ def contents(dataset: "xr.Dataset", name: str) -> dict[str, Any]:
         axes = set(dataset["case_status"].dims)
         fields = {key: field for key, field in fields.items() if set(field.dims) <= axes}
     if not fields:
-        raise InvalidInput(
-            f"{name} holds no numbers over an axis: give a file that contactstudy solve or run wrote, and run the "
-            "cases of a study first."
-        )
+        raise InvalidInput(f"{name} holds no numbers over an axis: give a file that contactstudy solve or run wrote.")
     title = str(dataset.attrs.get("title", "contact"))
     dims = {str(dim): field for field in fields.values() for dim in field.dims}
     first = (*NUMBERS, *FIELDS) if is_study else (*FIELDS, *NUMBERS)

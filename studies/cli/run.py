@@ -91,16 +91,11 @@ def with_reference(study: "Study", name: str, reference: str) -> "Study":
 
     field, equals, value = (part.strip() for part in reference.partition("="))
     if not name.endswith(".toml") or not equals or not field or not value:
-        raise InvalidInput(
-            f"--reference is {reference!r}: give a varied field of a scene file and one of its values, such as "
-            "padding=ExactPeriodicity."
-        )
+        raise InvalidInput(f"--reference is {reference!r}: give a varied field of a scene file and its value.")
     (axis,) = axes_of(Path(name), {field: value})
     values = {varied.name: varied.values for varied in study.axes}.get(axis.name, ())
     if len(axis.values) != 1 or axis.values[0] not in values:
-        raise InvalidInput(
-            f"--reference is {reference!r}, which is not one of the values that are varied: add it to --vary."
-        )
+        raise InvalidInput(f"--reference is {reference!r}, not one of the values that are varied: add it to --vary.")
     return against(study, axis.name, axis.values[0])
 
 

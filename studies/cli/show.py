@@ -40,7 +40,9 @@ FORMATS = (*PICTURES, "vtk", "html", "excel")
 @click.option(
     "--sizes",
     type=click.Choice(["checked", "confirmed"]),
-    help="Whether sizes, units and heights of a surface that are not plausible are refused.  [default: checked]",
+    default="checked",
+    show_default=True,
+    help="Whether sizes, units and heights of a surface that are not plausible are refused.",
 )
 @click.pass_context
 def show(
@@ -52,11 +54,7 @@ def show(
     formats: str,
     plot: str,
     as_table: bool,  # noqa: FBT001 (click's own way)
-    unit: str | None,
-    extent: str | None,
-    invalid: float | None,
-    decimal: str | None,
-    sizes: str | None,
+    **reading: Any,  # of a measured surface
 ) -> None:
     """Draw what is in FILE, or its NAMES: a solution, a study, or a measured surface.
 
@@ -67,15 +65,13 @@ def show(
 
     chosen, named = formats_in(formats, FORMATS), (*names_in(plot), *names)
     pictures = [name for name in chosen if name in PICTURES]
-    keys = {"unit": unit, "invalid": invalid, "decimal": decimal, "sizes": sizes or "checked"}
-    if surfaces := surfaces_of(file, extent, **keys):
+    if surfaces := surfaces_of(file, **reading):
         refuse(context, "a study, and not for a surface", "as_table")
         if set(named) - {"raw"}:
             raise InvalidInput(f"{named[0]!r} is no picture of a surface: give raw, or no name.")
-        drawn = drawn_surfaces(surfaces, with_raw=bool(named))
-        _save(drawn, open_folder(out or file.parent), pictures)
+        _save(drawn_surfaces(surfaces, with_raw=bool(named)), open_folder(out or file.parent), pictures)
         return
-    refuse(context, "a measured surface", "unit", "extent", "invalid", "decimal", "sizes")
+    refuse(context, "a measured surface", *reading)
     dataset = read_any(file)
     if as_table:
         if is_given(context, "formats") and set(chosen) != {"excel"}:
@@ -106,15 +102,17 @@ def show(
 def _figures(context: click.Context, dataset: "xr.Dataset", file: Path, names: Sequence[str]) -> "dict[str, Figure]":
     """Return the figures of a dataset in a file by the stems of their files."""
     if "case_status" not in dataset:
-        return {file.stem: _picture(dataset, file)}
+        from contactstudy.io.pictures.picture import picture_of
+
+        if (picture := picture_of(dataset)) is not None:
+            return {file.stem: picture}
+        raise InvalidInput(f"{str(file)!r} is no solution and no study: give what contactstudy solve or run wrote.")
     from studies.registry import BUILT_IN, default_drawing, load_drawing
 
     name = str(dataset.attrs.get("study", file.stem))
     if name in BUILT_IN:
         refuse(context, "a study without figures of its own", "plot", "names")
-        figures_of = load_drawing(name)
-    else:
-        figures_of = default_drawing(tuple(names))
+    figures_of = load_drawing(name) if name in BUILT_IN else default_drawing(names)
     return {f"{file.stem}-{item.name}": item.figure for item in figures_of.figure(dataset)}
 
 
@@ -133,7 +131,7 @@ def _tabulate(dataset: "xr.Dataset", file: Path, out: Path | None, names: Sequen
         click.echo(f"{file}: {left_out} further columns, such as iterations: name them, or all", err=True)
 
 
-def surfaces_of(file: Path, extent: str | None, **keys: Any) -> dict[str, MeasuredSurface]:
+def surfaces_of(file: Path, extent: str | None, **reading: Any) -> dict[str, MeasuredSurface]:
     """Return the measured surfaces of a file or of a scene by the stems of their pictures; none for another file."""
     if file.suffix == ".toml":
         shapes = enumerate(cs.read_scene(file).scene.shapes)
@@ -141,16 +139,13 @@ def surfaces_of(file: Path, extent: str | None, **keys: Any) -> dict[str, Measur
             f"{file.stem}-shapes-{number}": shape for number, shape in shapes if isinstance(shape, MeasuredSurface)
         }
         if not found:
-            raise InvalidInput(
-                f"{str(file)!r} has no measured surface: give one that has, or the .nc file of its solve."
-            )
+            raise InvalidInput(f"{str(file)!r} has no measured surface: give one that has, or the .nc of its solve.")
         return found
     if not file.is_file() or (file.suffix == ".nc" and not _holds_heights(file)):
         return {}
     sides: Any = None if extent is None else [side.strip() for side in extent.split(",")]
-    missing = cs.HarmonicFill(up_to=0.5)
-    given: Any = {"extent": sides, "missing": missing, "seam": cs.AsMeasured(), **keys}
-    return {file.stem: MeasuredSurface.read(file, **given)}
+    missing, seam = cs.HarmonicFill(up_to=0.5), cs.AsMeasured()
+    return {file.stem: MeasuredSurface.read(file, extent=sides, missing=missing, seam=seam, **reading)}
 
 
 def _holds_heights(file: Path) -> bool:
@@ -202,17 +197,6 @@ def _save(drawn: "dict[str, Figure]", folder: Path, formats: list[str]) -> None:
             click.echo(f"wrote {path}")
 
 
-def _picture(dataset: "xr.Dataset", file: Path) -> "Figure":
-    """Return the picture of a solution: a contact, a film, either in time, or repeated rolling."""
-    from contactstudy.io.pictures.picture import picture_of
-
-    if (picture := picture_of(dataset)) is not None:
-        return picture
-    raise InvalidInput(
-        f"{str(file)!r} is neither a solution nor a study: give a file that contactstudy solve or run wrote."
-    )
-
-
 @click.command()
 @click.argument("first", metavar="A", type=click.Path(path_type=Path))
 @click.argument("second", metavar="B", type=click.Path(path_type=Path))
@@ -241,5 +225,5 @@ def compare(context: click.Context, /, first: Path, second: Path, out: Path | No
             click.echo(line)
     else:
         raise InvalidInput(
-            f"{str(first)!r} and {str(second)!r} are of different kinds: give two solutions or two runs of a study."
+            f"{str(first)!r} and {str(second)!r} are of different kinds: give two solutions or two runs."
         )

@@ -128,7 +128,5 @@ def pressure_in(path: Path) -> Array:
 
     dataset = read_any(path)
     if "pressure" not in dataset or dataset["pressure"].dims != ("x", "y"):
-        raise cs.InvalidInput(
-            f"--start is {str(path)!r}, which has no pressure over (x, y): give a file that contactstudy solve wrote."
-        )
+        raise cs.InvalidInput(f"--start is {str(path)!r}, which has no pressure over (x, y): give a solution.")
     return np.asarray(dataset["pressure"].values, dtype=np.float64)

@@ -181,9 +181,7 @@ def _path(raw: Table, document: SceneDocument, name: str) -> tuple[str, ...]:
         several = ", ".join(f"shapes.{k}.{name}" for k in owners)
         raise InvalidInput(f"Field {name!r} is one of several shapes: give one of {several}.")
     hint = suggestion(path[0], sorted([*keys, *SHORT_NAMES]))
-    raise InvalidInput(
-        f"Field {name!r} is not in the scene: {hint}, or a path such as load.per_length or shapes.0.radius."
-    )
+    raise InvalidInput(f"Field {name!r} is not in the scene: {hint}, or a path such as shapes.0.radius.")
 
 
 def _described(shape: object) -> Any:
@@ -236,12 +234,10 @@ def _surface_path(document: SceneDocument, what: str) -> tuple[str, ...]:
     """Return the path of the file of the only measured surface of the scene, or of its tile."""
     kinds = MeasuredSurface, MeasuredSurfaceTable
     found = [str(k) for k, shape in enumerate(document.shapes) if isinstance(shape, kinds)]
+    key = "tile" if what == "tiles" else "file"
     if len(found) != 1:
-        raise InvalidInput(
-            f"{what} are varied, but the scene has {len(found)} shapes of the kind MeasuredSurface: give it one"
-            + (f", or vary one by its path, such as shapes.{found[0]}.file." if found else ".")
-        )
-    return "shapes", found[0], "tile" if what == "tiles" else "file"
+        raise InvalidInput(f"{what} vary the one MeasuredSurface of a scene with {len(found)}: give shapes.N.{key}.")
+    return "shapes", found[0], key
 
 
 def _tiles(path: tuple[str, ...], given: object) -> Varied:
@@ -423,9 +419,7 @@ def _labels(
     labels = _own_labels(group[0], position, count, documents)
     first = {label: j for j, label in reversed(list(enumerate(labels)))}
     if len(group) > 1 and len(first) < len(labels):
-        raise InvalidInput(
-            f"{group[0].name} has a value twice, and others change with it: give different values of it."
-        )
+        raise InvalidInput(f"{group[0].name} has a value twice, and others change with it: give different values.")
     is_rising = len(group) == 1 and not any(isinstance(label, str) for label in labels)
     chosen = sorted(first) if is_rising else list(dict.fromkeys(labels))
     return {first[label]: label for label in chosen}

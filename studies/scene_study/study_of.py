@@ -267,9 +267,7 @@ def case_at(names: Sequence[str], cases: Mapping[tuple[Value, ...], Computation]
     """Return the case at a point of the axes with these names; raise InvalidInput for one that the study lacks."""
     values = tuple(point[name] for name in names)
     if values not in cases:
-        raise InvalidInput(
-            f"The point {dict(point)!r} is not one of the study: give its values when the study is made."
-        )
+        raise InvalidInput(f"{dict(point)!r} is not a point of the study: give its values when the study is made.")
     return cases[values]
 
 

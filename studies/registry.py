@@ -37,7 +37,7 @@ FAMILIES = {
     "effects": (
         "coating", "friction", "sliding", "creep", "wear", "plastic", "films", "roughness", "rough-paddings"
     ),
-    "stability": ("stability",),
+    "hard_cases": ("stability",),
 }  # fmt: skip
 # Scene files whose [vary] is a study, with the value of an axis against which errors are, if any.
 SCENES = dict.fromkeys(FAMILIES["effects"], "") | {"rough-paddings": "ExactPeriodicity"}

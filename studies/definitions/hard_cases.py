@@ -1,18 +1,24 @@
 """Hard cases: contacts that are difficult to solve, and the statuses in which a solve may end.
 
-The study `stability` solves those that are named here; the tests have more of each kind.
+The study `stability` solves those that are named here, with every padding and by two solvers; the tests have more of
+each kind.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from math import inf
 
 import numpy as np
+import xarray as xr
 
 import contactstudy as cs
 from contactstudy.accuracy.error_terms import residual_errors
 from contactstudy.domain.fields import Array
-from studies.reference.line_contact import HERTZ_HEIGHT, P_H, SCENE, STEEL, A
+from contactstudy.io.dataset import flags
+from studies.model.axis import Axis, one_of
+from studies.model.case import dimensionless, recorded
+from studies.model.study import Point, Study
+from studies.reference.line_contact import HERTZ_HEIGHT, P_H, SCENE, STEEL, A, relative_l1
 
 Start = Callable[[cs.Problem, cs.Solver], Array]
 ENDED = frozenset({cs.Status.CONVERGED})
@@ -43,6 +49,8 @@ class HardCase:
         Options of a solve.
     start
         Function of problem and solver that returns the pressure to start from.
+    padding
+        That of the study.
     """
 
     scene: cs.Scene
@@ -50,6 +58,19 @@ class HardCase:
     ends: frozenset[cs.Status] = ENDED
     options: cs.SolveOptions = field(default_factory=lambda: cs.SolveOptions(1e-10))
     start: Start | None = None
+    padding: cs.Padding | cs.Paddings = field(default_factory=cs.ExactPeriodicity)
+
+    def prepare(self) -> cs.Problem:
+        """Return the problem."""
+        return self.scene.problem(self.grid, self.padding)
+
+    def run(self, prepared: cs.Problem) -> list[cs.Contact]:
+        """Return the solution by each solver."""
+        return [self.solve(prepared, solver) for solver in SOLVERS.values()]
+
+    def record(self, result: list[cs.Contact]) -> Mapping[str, xr.Variable]:
+        """Return the numbers of the first solver."""
+        return recorded(result[0])
 
     def solve(self, problem: cs.Problem, solver: cs.Solver) -> cs.Contact:
         """Return the solution of ``problem`` with this case's settings."""
@@ -156,3 +177,53 @@ CASES: dict[str, HardCase] = {
     "one iteration": replace(START, options=cs.SolveOptions(1e-10, 1), ends=frozenset({cs.Status.ITERATION_LIMIT})),
     "start at a wrong corner": replace(START, start=_corner),
 }
+
+
+# The study
+
+PADDINGS: dict[str, cs.Padding | cs.Paddings] = {
+    "zero": cs.ZeroPadding(),
+    "superposed": cs.Superposition(2),
+    "exact": cs.ExactPeriodicity(),
+    "exact on both": (cs.ExactPeriodicity(), cs.ExactPeriodicity()),
+}
+AXES = (
+    Axis("case", tuple(CASES), "hard case"),
+    Axis("padding", tuple(PADDINGS), "treatment of both directions (padding)"),
+)
+WITHIN, EXPLAINED, NEITHER = range(3)
+VERDICTS = "within_stated_error", "explained_by_status", "neither"
+
+
+def case_at(point: Point) -> HardCase:
+    """Return a case by its name."""
+    padding = PADDINGS[one_of("padding", point["padding"], PADDINGS)]
+    return replace(CASES[one_of("case", point["case"], CASES)], padding=padding)
+
+
+def measures(case: HardCase, solutions: list[cs.Contact]) -> Mapping[str, xr.Variable]:
+    """Return the L1 difference of the pressures, the sum of the errors stated for their residuals, and the verdict."""
+    first, second = solutions
+    expected = all(case.expects(one, case.padding) for one in solutions)
+    difference, stated = inf, inf
+    if all(one.status in UNFINISHED for one in solutions):
+        verdict = EXPLAINED if expected else NEITHER
+    else:
+        difference = relative_l1(second.pressure, first.pressure)
+        stated = sum(map(stated_error, solutions))
+        is_within = expected and difference <= stated and case.is_useful(stated)
+        verdict = WITHIN if is_within else NEITHER
+    what = "relative L1 {} of the pressure{}, infinite where there is no answer"
+    return {
+        "pressure_difference_l1": dimensionless(difference, what.format("difference", " by two solvers")),
+        "stated_error": dimensionless(stated, what.format("error", " that the program states for both")),
+        "verdict": flags((), np.asarray(verdict), VERDICTS, "verdict on the case"),
+    }
+
+
+# the grids are small, and their times are not reported
+stability = Study(
+    "stability",
+    "Hard cases: whether two solvers give one answer within the errors that they state, with every padding.",
+    AXES, case_at, measures, "none",
+)  # fmt: skip

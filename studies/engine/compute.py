@@ -11,15 +11,16 @@ import numpy as np
 import xarray as xr
 
 from contactstudy.domain.reuse import ArrayCache, caching
-from studies.model import measured
+from studies.model import outcome as outcomes
 from studies.model.case import Computation
-from studies.model.measured import check_size, measured_variables
 from studies.model.outcome import (
     RESERVED_NAMES,
     CaseStatus,
     Outcome,
     RunSettings,
     TimedRun,
+    check_size,
+    measured_variables,
 )
 from studies.model.plain_text import one_line, place_of
 from studies.store.stop import StopRun
@@ -108,7 +109,7 @@ def time_once(case: Computation) -> TimedRun:
 def failed(error: BaseException, seconds: float = 0.0) -> Outcome:
     """Return the outcome of a case that raised `error`, with its place in the study's code."""
     name = one_line(type(error).__name__, 100)
-    place = place_of(error, __file__, measured.__file__)
+    place = place_of(error, __file__, outcomes.__file__)
     return Outcome(CaseStatus.FAILED, {}, f"{name}{place}: {one_line(error)}", seconds)
 
 

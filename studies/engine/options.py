@@ -5,8 +5,8 @@ from typing import Annotated, Literal
 
 from contactstudy import InvalidInput
 from contactstudy.domain.validation import ABOVE_ZERO, at_least, validated
+from studies.model.axis import MAX_VALUES
 from studies.model.outcome import CaseStatus
-from studies.model.values import MAX_VALUES
 
 # Statuses whose cases are computed again, by the name of the retry.
 RETRIES = {

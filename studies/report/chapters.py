@@ -126,23 +126,14 @@ def chapters(names: Sequence[str]) -> Sequence[Chapter]:
 
     Raises :class:`~contactstudy.InvalidInput` for a name that is neither.
     """
-    if not names:
-        return (MAIN,)
-    pages = chain.from_iterable(CHAPTERS if name == "all" else (name,) for name in names)
-    return [_chapter(name) for name in dict.fromkeys(pages)]
+    chosen = dict.fromkeys(chain.from_iterable(CHAPTERS if name == "all" else (name,) for name in names))
+    for name in chosen:
+        if name not in (*CHAPTERS, *BUILT_IN):
+            choices = ["all", *CHAPTERS, *BUILT_IN]
+            raise InvalidInput(f"Chapter {name!r} is not known: {suggestion(name, choices)}.")
+    return [CHAPTERS.get(name) or chapter_of_study(name) for name in chosen or (MAIN.name,)]
 
 
 def chapter_of_study(name: str) -> Chapter:
     """Return a study as a chapter of its own."""
     return Chapter(name, outline(name)[0].rstrip("."), (Part(name, repeats=2),))
-
-
-def _chapter(name: str) -> Chapter:
-    """Return the chapter of a name, which may also be a study."""
-    if name in CHAPTERS:
-        return CHAPTERS[name]
-    studies = BUILT_IN
-    if name not in studies:
-        choices = dict.fromkeys(["all", *CHAPTERS, *studies])
-        raise InvalidInput(f"Chapter {name!r} is not known: {suggestion(name, choices)}.")
-    return chapter_of_study(name)

@@ -20,9 +20,8 @@ from contactstudy.io.scene_files.scene_schema import MeasuredSurfaceTable, Scene
 from contactstudy.scene.shapes.shape import curvature_of
 from contactstudy.scene.surfaces.text_surface import Reading
 from contactstudy.scene_file import SceneFile, document_from, scene_file_from
-from studies.model.axis import Axis, Value
+from studies.model.axis import Axis, Value, check_count, parse_values
 from studies.model.plain_text import one_line, shortened
-from studies.model.values import check_count, parse_values
 
 Table = Mapping[str, Any]
 # Points of a sweep, of which each has a document.

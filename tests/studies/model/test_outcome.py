@@ -9,8 +9,16 @@ import xarray as xr
 import contactstudy as cs
 from contactstudy import InvalidInput
 from studies.model.case import Case, solver_status
-from studies.model.measured import MAX_CASE_BYTES, MeasuredNaNError, check_size, measured_variables
-from studies.model.outcome import CaseStatus, TimedRun, summary_messages, timing_variables
+from studies.model.outcome import (
+    MAX_CASE_BYTES,
+    CaseStatus,
+    MeasuredNaNError,
+    TimedRun,
+    check_size,
+    measured_variables,
+    summary_messages,
+    timing_variables,
+)
 from studies.model.plain_text import one_line
 from studies.scene_study.measures import measures
 from studies.scene_study.study_of import study_of

@@ -2,8 +2,7 @@
 
 import xarray as xr
 
-from studies.definitions.hard_cases import CASES
-from studies.definitions.stability import EXPLAINED, NEITHER, WITHIN
+from studies.definitions.hard_cases import CASES, EXPLAINED, NEITHER, WITHIN
 from studies.report.claims import Claim, drawing
 from studies.report.plots import Law, Plot
 

@@ -23,7 +23,7 @@ from studies.registry import BUILT_IN, outline
 MAX_LISTED = 60  # characters of the values of an axis
 
 
-@click.group(context_settings={"help_option_names": ["-h", "--help"]})
+@click.group(context_settings={"help_option_names": ["-h", "--help"], "show_default": True})
 @click.version_option(__version__)
 def cli() -> None:
     """Rough line contacts, periodic along their length: accuracy and cost."""
@@ -34,13 +34,11 @@ def cli() -> None:
 @click.option(
     "--scene",
     type=click.Path(path_type=Path),
-    help="Compare paddings, numbers of images n, grids and tolerances for the scene in this TOML file, in "
-    "one process: --workers is for chapters.",
+    help="Compare paddings, grids and tolerances for the scene in this file.",
 )
 @click.option(
     "--error",
     default="1 %",
-    show_default=True,
     callback=lambda _context, _option, value: checked_errors("--error", value),
     help="With --scene: relative error of every number, such as '3 %', or of some: 'peak_pressure = 2 %'.",
 )

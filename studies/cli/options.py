@@ -19,12 +19,7 @@ SCENE = click.argument("scene", type=click.Path(path_type=Path))
 JSON = click.option("--json", "as_json", is_flag=True, help="Print one JSON object, for scripts.")
 PICTURES = ("png", "pdf", "svg")
 FORMAT = click.option(
-    "--format",
-    "formats",
-    default="png",
-    show_default=True,
-    help="Files to write: png, pdf, svg; of show also html, an interactive page, and vtk for ParaView. Several with "
-    "commas.",
+    "--format", "formats", default="png", help="png, pdf, svg, with commas; of show also html and vtk (for ParaView)."
 )
 
 
@@ -39,24 +34,14 @@ def formats_in(text: str, known: Sequence[str]) -> list[str]:
 
 def out_option(text: str, default: str | None = "outputs") -> Decorator:
     """Return the option --out, a folder, with a help text."""
-    folder, is_shown = click.Path(path_type=Path), default is not None
-    return click.option("--out", type=folder, default=default, show_default=is_shown, help=text)
+    return click.option("--out", type=click.Path(path_type=Path), default=default, help=text)
 
 
 OUT = out_option("Folder for netCDF files, figures and report.")
 WORKERS = click.option(
-    "--workers",
-    type=click.IntRange(min=0, max=1024),
-    default=2,
-    show_default=True,
-    help="Worker processes, driven by threads of dask; 0 computes in this process alone.",
+    "--workers", type=click.IntRange(min=0, max=1024), default=2, help="Worker processes; 0 computes in this process."
 )
-PLOT = click.option(
-    "--plot",
-    default="",
-    metavar="NAMES",
-    help="Variables to draw of a scene's sweep, such as central_film,minimum_film.  [default: the main ones]",
-)
+PLOT = click.option("--plot", metavar="NAMES", help="Variables of a scene's sweep to draw in place of the main ones.")
 
 
 def echo(text: str, *, err: bool = False) -> None:
@@ -81,9 +66,9 @@ def is_given(context: click.Context, name: str) -> bool:
     return context.get_parameter_source(name) is ParameterSource.COMMANDLINE
 
 
-def names_in(text: str) -> tuple[str, ...]:
+def names_in(text: str | None) -> tuple[str, ...]:
     """Return the names in a text, which commas separate."""
-    return tuple(filter(None, (name.strip() for name in text.split(","))))
+    return tuple(filter(None, (name.strip() for name in (text or "").split(","))))
 
 
 def write_text(text: str, path: Path) -> None:

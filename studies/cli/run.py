@@ -25,24 +25,13 @@ VARY = click.option(
     "such as load.per_length=50:400:8 N/mm (8 values), 50:400:8:log N/mm (in equal ratios) or surfaces=measured/*.x3p.",
 )
 REFERENCE = click.option(
-    "--reference",
-    metavar="FIELD=VALUE",
-    help="One of the values of a varied field, against which errors are drawn, such as padding=ExactPeriodicity; with "
-    "--repeats also over the times.",
+    "--reference", metavar="FIELD=VALUE", help="Varied value that errors are drawn against: padding=ExactPeriodicity."
 )
 REPEATS = click.option(
-    "--repeats",
-    type=click.IntRange(min=0),
-    default=2,
-    show_default=True,
-    help="Timed runs of each case, one at a time on one thread; the least time counts. 0 takes no times.",
+    "--repeats", type=click.IntRange(min=0), default=2, help="Timed runs of each case, one at a time; 0 takes no times."
 )
 SENSITIVITY = click.option(
-    "--sensitivity",
-    "vary_every",
-    is_flag=True,
-    help="Raise and lower each number of the scene file alone, by the tolerance behind it, as in '10 mm +- 0.05 mm', or "
-    "by 1 %; print and draw what the quantities change by.",
+    "--sensitivity", "vary_every", is_flag=True, help="Vary each number by its tolerance, as 10 mm +- 50 um, or by 1 %."
 )
 
 
@@ -108,27 +97,19 @@ def with_reference(study: "Study", name: str, reference: str) -> "Study":
 @WORKERS
 @REPEATS
 @click.option(
-    "--scheduler",
-    metavar="ADDRESS",
-    help="dask scheduler whose workers compute the cases, such as tcp://127.0.0.1:8786, instead of --workers.",
+    "--scheduler", metavar="ADDRESS", help="dask scheduler in place of --workers, such as tcp://127.0.0.1:8786."
 )
 @click.option(
-    "--time-limit",
-    type=click.FloatRange(min=0, min_open=True),
-    metavar="SECONDS",
-    help="Longest time of one case; a longer case is stopped.  [default: none]",
+    "--time-limit", type=click.FloatRange(min=0, min_open=True), metavar="SECONDS", help="Longest time of a case."
 )
 @click.option(
     "--retry",
     type=click.Choice(["failed", "timeout", "killed", "times"]),
     multiple=True,
-    help="Compute again the cases that failed (in any way), timed out, or were killed; take all times again.",
+    help="Compute again the cases that failed (in any way), timed out or were killed; take all times again.",
 )
 @click.option(
-    "--fields",
-    flag_value="kept",
-    default="none",
-    help="Store the fields of every case, such as pressure and gap, as groups of the netCDF file.",
+    "--fields", flag_value="kept", default="none", help="Store the fields of every case, such as pressure and gap."
 )
 @VARY
 @SENSITIVITY
@@ -145,7 +126,7 @@ def run(
     retry: tuple[Any, ...],
     vary: tuple[str, ...],
     vary_every: bool,  # noqa: FBT001 (click gives it by name)
-    plot: str,
+    plot: str | None,
     dry_run: bool,  # noqa: FBT001 (click gives it by name)
     reference: str | None,
     **settings: Any,  # further options of a run

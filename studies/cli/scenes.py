@@ -32,11 +32,7 @@ THREADS = click.option(
     "--threads", type=click.IntRange(min=1), help="Threads to solve on.  [default: the cores there are]"
 )
 DEVICE = click.option(
-    "--device",
-    type=click.Choice(["cpu", "gpu"]),
-    default="cpu",
-    show_default=True,
-    help="What to solve on: this machine's CPU, or its GPU (extra gpu).",
+    "--device", type=click.Choice(["cpu", "gpu"]), default="cpu", help="This machine's CPU, or its GPU (extra gpu)."
 )
 REQUEST = click.option(
     "--error",
@@ -147,9 +143,7 @@ def plan(
 @DEVICE
 @REQUEST
 @click.option(
-    "--start",
-    type=click.Path(path_type=Path),
-    help="A file with a pressure to start from, such as that of a stopped solve.",
+    "--start", type=click.Path(path_type=Path), help="File with a pressure to start from, as of a stopped solve."
 )
 @FORMAT
 @JSON

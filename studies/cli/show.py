@@ -30,8 +30,7 @@ FORMATS = (*PICTURES, "vtk", "html", "excel")
     "--csv",
     "as_table",
     is_flag=True,
-    help="A table as CSV instead, units in its header: the quantities of a solution, or of each point of a study; with "
-    "NAMES or --plot those variables, also fields, or all. --format excel marks it for Excel.",
+    help="A table as CSV: the quantities, NAMES or all; --format excel is for Excel.",
 )
 @click.option("--unit", help="Unit of the heights of a measured surface, of a file without one.")
 @click.option("--extent", help="Width and length of a measured surface without sizes, such as '1 mm, 2 mm'.")
@@ -41,7 +40,6 @@ FORMATS = (*PICTURES, "vtk", "html", "excel")
     "--sizes",
     type=click.Choice(["checked", "confirmed"]),
     default="checked",
-    show_default=True,
     help="Whether sizes, units and heights of a surface that are not plausible are refused.",
 )
 @click.pass_context
@@ -52,7 +50,7 @@ def show(
     names: tuple[str, ...],
     out: Path | None,
     formats: str,
-    plot: str,
+    plot: str | None,
     as_table: bool,  # noqa: FBT001 (click's own way)
     **reading: Any,  # of a measured surface
 ) -> None:

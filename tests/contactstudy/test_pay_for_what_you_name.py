@@ -1,8 +1,9 @@
 import subprocess
 import sys
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 from importlib.util import find_spec
 from math import inf
 from typing import Any
@@ -32,18 +33,14 @@ def counted(monkeypatch: pytest.MonkeyPatch) -> Iterator[Counter[str]]:
     """Calls of every transform there is, from here on; nothing of one solve is kept for the next."""
     calls: Counter[str] = Counter()
 
-    def counting(name: str, transform: Callable[..., Any]) -> Callable[..., Any]:
-        def call(*arguments: Any, **named: Any) -> Any:
-            calls[name] += 1
-            return transform(*arguments, **named)
+    def call(name: str, transform: Any, *arguments: Any, **named: Any) -> Any:
+        calls[name] += 1
+        return transform(*arguments, **named)
 
-        return call
-
-    for name in ("fft", "ifft", "fft2", "ifft2", "rfft", "irfft", "dct", "dctn"):
-        monkeypatch.setattr(fft, name, counting(name, getattr(fft, name)))
-
-    for name in ("forward", "backward", "cosines"):
-        monkeypatch.setattr(TRANSFORMS, name, counting(name, getattr(TRANSFORMS, name)))
+    names = {fft: ("fft", "ifft", "fft2", "ifft2", "rfft", "irfft", "dct", "dctn")}
+    for of, each in (names | {TRANSFORMS: ("forward", "backward", "cosines")}).items():
+        for name in each:
+            monkeypatch.setattr(of, name, partial(call, name, getattr(of, name)))
     with caching(None):
         yield calls
 

@@ -1,13 +1,12 @@
 from dataclasses import replace
 from itertools import pairwise
-from math import inf, pi, sin
+from math import pi, sin
 from typing import Any
 
 import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.elasticity.coefficients import BoussinesqCoefficients
 from tests.conftest import STEEL, LineContact
 
 
@@ -110,25 +109,6 @@ def test_the_length_is_that_of_the_shortest_roller() -> None:
     roller = cs.Scene(cs.TotalLoad(100.0), (STEEL, STEEL), shapes)
     assert roller.largest_load == 1e5
     assert replace(roller, shapes=(*shapes, cs.FiniteLength(5e-4))).largest_load == 2e5
-
-
-# E / (1 - nu^2): 80, 75 and 64 GPa
-FIRST = cs.HalfSpace(60e9, 0.5)
-SECOND = cs.HalfSpace(72e9, 0.2)
-YIELDS = cs.ElasticPlasticHalfSpace(60e9, 0.25, 300e6)
-CREEPS = cs.ViscoelasticHalfSpace(10e9, 0.5, ((20e9, 1.0), (30e9, 7.0)))
-RIGID = cs.HalfSpace(inf, -0.5)
-
-
-@pytest.mark.parametrize(
-    ("body", "modulus"),
-    [(FIRST, 80e9), (SECOND, 75e9), (YIELDS, 64e9), (CREEPS, 80e9), (RIGID, inf)],
-)
-def test_a_body_gives_way_by_its_plane_modulus(body: cs.Body, modulus: float) -> None:
-    """A viscoelastic one by that of an instantaneous load; the displacement is that over pi."""
-    assert body.compliance == pytest.approx(1 / modulus, rel=1e-15)
-    response = {} if modulus == inf else {BoussinesqCoefficients(0.5): 1 / (pi * modulus)}
-    assert body.response(0.5) == pytest.approx(response, rel=1e-15)
 
 
 @pytest.mark.parametrize(

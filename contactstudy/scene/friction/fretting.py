@@ -40,12 +40,7 @@ class FrettingHistory(PiecewiseLinear):
     """Forces [N/m] or displacements [m] along x at instants [s], linear between them."""
 
     times: tuple[float, ...]
-    along_x: tuple[float, ...]
-
-    @property
-    def values(self) -> tuple[float, ...]:
-        """Force [N/m] or displacement [m] at each instant."""
-        return self.along_x
+    values: tuple[float, ...]
 
     def compared_with(self, load: object) -> list[float]:
         """Return the times [s] at which this is compared with `load`: equal intervals, and the instants of both."""

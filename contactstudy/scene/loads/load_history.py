@@ -71,11 +71,7 @@ class PiecewiseLinear:
     """
 
     times: tuple[float, ...]
-
-    @property
-    def values(self) -> tuple[float, ...]:
-        """Value at each instant."""
-        raise NotImplementedError
+    values: tuple[float, ...]
 
     @property
     def start(self) -> float:
@@ -167,7 +163,7 @@ class LoadHistory(PiecewiseLinear):
             raise InvalidInput(f"LoadHistory.per_length is {throughout} throughout: give a load above 0 N/m.")
 
     @property
-    def values(self) -> tuple[float, ...]:
+    def values(self) -> tuple[float, ...]:  # type: ignore[override]
         """Load [N/m] at each instant."""
         return self.per_length
 

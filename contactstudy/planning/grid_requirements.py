@@ -66,7 +66,7 @@ class GridRequirements:
     coatings
         Coated bodies.
     friction
-        A sentence on friction; empty where it changes nothing.
+        Law of friction, or None.
     given_padding
         Boundary conditions that are given, or None.
     stress_cell
@@ -79,7 +79,7 @@ class GridRequirements:
     length_scales: tuple[LengthScales, ...]
     hardness: float
     coatings: tuple[Layered, ...] = ()
-    friction: str = ""
+    friction: object = None
     given_padding: Padding | Paddings | None = None
     stress_cell: float = inf
     body: str = "roller"
@@ -257,7 +257,7 @@ class GridRequirements:
         return ""
 
     def reasons(self, grid: Grid) -> tuple[str, ...]:
-        """Return a sentence each on width, cells, dimension, padding, coatings and friction on `grid`."""
+        """Return a sentence each on width, cells, dimension, padding and coatings on `grid`."""
         a = self.hertz.half_width
         width = (
             f"width {readable(grid.extent[0])}: {grid.extent[0] / 2 / a:.3g} half-widths of Hertz (a = {readable(a)}) "
@@ -287,7 +287,7 @@ class GridRequirements:
                 "transform is half as long as with zero padding."
             )
         coatings = (self._coating(coating, grid) for coating in self.coatings)
-        return width, cell, dimension, padding, *coatings, *filter(None, (self.friction,))
+        return width, cell, dimension, padding, *coatings
 
     def _coating(self, coating: Layered, grid: Grid) -> str:
         """Return a sentence on the effect of a coating on the plan."""
@@ -361,7 +361,7 @@ def grid_requirements(scene: Scene, padding: Padding | Paddings | None = None) -
         length_scales,
         scene.hardness,
         coatings,
-        friction="" if scene.friction is None else scene.friction.explanation(scene),
+        friction=scene.friction,
         given_padding=padding,
         stress_cell=thickness * ONE_GRID.cell_at_interface,
         body="roller" if scene.ellipse is None else "point contact",

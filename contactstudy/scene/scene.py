@@ -84,9 +84,6 @@ class Friction(Protocol):
     def solver(self, scene: "Scene", gap: Array, grid: Grid, paddings: Paddings, datum: float) -> FrictionSolver:
         """Return the solver of this scene with friction, on a grid."""
 
-    def explanation(self, scene: "Scene") -> str:
-        """Return a sentence on how traction is solved and why."""
-
 
 # Least approach over the width of the grid, for the scales of a scene without another scale.
 MIN_APPROACH_RATIO = 1e-6
@@ -187,6 +184,8 @@ class Scene(InNotebook):
 
     def _check_hardness(self) -> None:
         """Refuse a hardness where pressures fall: yielding under it is not remembered."""
+        if self.hardness == inf:
+            return
         falling = isinstance(self.load, PullOff) or (isinstance(self.load, ChangingLoad) and falls(self.load))
         changing = {
             "Scene.load, which falls": falling,
@@ -195,7 +194,7 @@ class Scene(InNotebook):
             "a body that creeps": any(map(creeps, self.solids)),
         }
         for name, changes in changing.items():
-            if changes and self.hardness < inf:
+            if changes:
                 raise InvalidInput(
                     f"Scene.hardness is {self.hardness!r} together with {name}: a hardness does not remember the dent "
                     "where pressures fall, give an ElasticPlasticHalfSpace, or leave the hardness out."

@@ -232,14 +232,6 @@ class Fretting:
         """Return the displacement of both bodies of `scene` under tangential traction."""
         return shear_response(shearable(scene.solids), grid, paddings, datum)
 
-    def explanation(self, scene: SceneContext) -> str:
-        """Return a sentence on the solves of the traction."""
-        count = len(self.forces or self.displacements or ())
-        return (
-            f"friction: fretting by Newton's method, {count} steps of 20 to 60 applications of the "
-            "response, four transforms each, in addition to the normal solve."
-        )
-
 
 @validated
 class PartialSlip:
@@ -301,10 +293,3 @@ class PartialSlip:
         stresses = (self.bulk_stress,) if self.bulk_stress else None
         fretting = Fretting(self.coefficient, (force,), bulk_stresses=stresses, bulk_body=self.bulk_body)
         return PartialSlipShear(fretting.solver(scene, gap, grid, paddings, datum))
-
-    def explanation(self, scene: SceneContext) -> str:
-        """Return a sentence on the solves of the traction."""
-        return (
-            "friction: partial slip by Newton's method, 20 to 60 applications of the response to both components of "
-            "traction, four transforms each, in addition to the normal solve."
-        )

@@ -1,7 +1,7 @@
 """Full sliding by Coulomb's law, and what laws of friction share."""
 
 from itertools import product
-from math import inf, log
+from math import inf
 from typing import Annotated, Any
 
 from contactstudy.domain.checks import InvalidInput
@@ -284,21 +284,3 @@ class Sliding:
             return FullSliding(self.coefficient, None)
         coupling = shear_coupling(scene.solids, "x", grid, paddings, datum)
         return FullSliding(self.coefficient, coupling[0] if coupling else None)
-
-    def explanation(self, scene: SceneContext) -> str:
-        """Return a sentence on the solves: one if the bodies are elastically similar, else a sequence of them."""
-        beta = dundurs(scene.solids)
-        if are_similar(scene.solids) or self.coefficient == 0:
-            return (
-                "friction: full sliding of elastically similar bodies, so the pressure is that without "
-                "friction, in one solve."
-            )
-        return (
-            f"friction: full sliding of dissimilar bodies (Dundurs' beta {beta:.3g}), solved with the traction of "
-            f"the previous solve, in about {_outer_iterations(abs(beta) * self.coefficient)} outer iterations."
-        )
-
-
-def _outer_iterations(product: float) -> int:
-    """Return the outer iterations to a tolerance of 1e-8, each of which leaves about the product of beta and mu."""
-    return max(2, round(log(1e-8) / log(min(max(1.1 * product, 1e-8), 0.9))))

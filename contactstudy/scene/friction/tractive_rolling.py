@@ -15,7 +15,6 @@ from contactstudy.domain.validation import ANY_SIGN, validated
 from contactstudy.elasticity.tangential import shear_response
 from contactstudy.scene.friction.friction_law import (
     FrictionCoefficient,
-    are_similar,
     check_force,
     check_tangential_response,
     force_per_length,
@@ -26,7 +25,7 @@ from contactstudy.scene.friction.friction_law import (
 from contactstudy.scene.loads.load_history import ChangingLoad, loads_between
 from contactstudy.scene.rolling import check_slow, check_standing
 from contactstudy.scene.shapes.shape import LengthScales, Shape, gap_of, length_scales_of
-from contactstudy.scene.solids.bodies import SceneContext, yields
+from contactstudy.scene.solids.bodies import SceneContext
 from contactstudy.scene.solids.viscoelastic import rolling_bodies
 from contactstudy.solvers.friction.traction import Creepage
 from contactstudy.solvers.friction.tractive_rolling import ShearPressureCoupling, TractiveShear
@@ -97,11 +96,6 @@ class TractiveRolling:
 
     def check(self, scene: SceneContext) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if steady rolling is not defined in this scene."""
-        if any(map(yields, scene.solids)):
-            raise InvalidInput(
-                f"Scene.friction is {self!r}, which is steady, together with a body that yields, whose strain grows "
-                "from pass to pass: give Rolling its passes, without traction, or elastic bodies."
-            )
         check_tangential_response(scene, "TractiveRolling")
         if scene.rolling is not None:
             raise InvalidInput(
@@ -132,6 +126,7 @@ class TractiveRolling:
             )
         solids = rolling_bodies(scene.solids, (self.speed, self.speed))
         bodies, force = shearable(solids), force_per_length(self, scene)
+        has_waves = any(not isinf(scales.shortest_wavelengths[0]) for scales in length_scales_of(scene.shapes))
         coupling = shear_coupling(solids, "xy", grid, paddings, datum)
         return TractiveShear(
             self.coefficient,
@@ -140,7 +135,7 @@ class TractiveRolling:
             self.speed,
             cache(lambda on: shear_response(bodies, on, paddings, datum)),
             ShearPressureCoupling(*coupling) if coupling else None,
-            STATIONARY_HEIGHTS if self._has_moving_roughness(scene) else "",
+            STATIONARY_HEIGHTS if has_waves else "",  # which would travel with a real surface
         )
 
     def _refuse_endless(self, rollers: Sequence[Any]) -> None:
@@ -150,18 +145,6 @@ class TractiveRolling:
                 f"TractiveRolling.spin is {self.spin!r} in a contact without end, where its slip grows along the length "
                 "without limit: give a roller that ends or is crowned on the grid, such as a FiniteLength or a Crown."
             )
-
-    @staticmethod
-    def _has_moving_roughness(scene: SceneContext) -> bool:
-        """Return whether a shape has waves across, which would travel with a real surface."""
-        return any(not isinf(scales.shortest_wavelengths[0]) for scales in length_scales_of(scene.shapes))
-
-    def explanation(self, scene: SceneContext) -> str:
-        """Return a sentence on the solves of the traction."""
-        sentence = "friction: tractive rolling by Newton's method, 10 to 60 applications of the tangential compliance"
-        if not are_similar(scene.solids):
-            sentence += ", and again with the pressure under this traction until neither changes"
-        return f"{sentence}." + f" {STATIONARY_HEIGHTS}" * self._has_moving_roughness(scene)
 
 
 def _rollers(scene: SceneContext) -> list[Shape]:

@@ -130,10 +130,10 @@ class CoatedHalfSpace:
 
     def check_together(self) -> None:
         """Check that every layer has a thickness and a stiffness that the coefficients are verified for."""
-        names = [f"interlayers[{number}]" for number in range(len(self.interlayers))]
-        solids = self.coating, *self.interlayers, self.substrate
-        for name, solid in zip(("coating", *names, "substrate"), solids, strict=True):
-            field = f"CoatedHalfSpace.{name}"
+        names = "coating", *(f"interlayers[{number}]" for number in range(len(self.interlayers))), "substrate"
+        solids, softest = (self.coating, *self.interlayers, self.substrate), math.inf
+        for name, solid in reversed(list(zip(names, solids, strict=True))):
+            field, shear = f"CoatedHalfSpace.{name}", _shear_modulus(solid)
             if solid.free_faces < math.inf:
                 raise InvalidInput(
                     f"{field} is {solid!r}: free faces of a coated body are not computed, leave free_faces out, or the "
@@ -143,19 +143,17 @@ class CoatedHalfSpace:
                 raise InvalidInput(
                     f"{field} has a hardness_profile, which is that of an uncoated body: give it a yield_stress."
                 )
-            if name in names and math.isinf(solid.thickness):
+            if name in names[1:-1] and math.isinf(solid.thickness):
                 raise InvalidInput(f"{field} is {solid!r}, without a thickness: give it one [m].")
-            if name != "substrate" and math.isinf(solid.youngs_modulus):
+            if name != "substrate" and math.isinf(shear):
                 raise InvalidInput(
                     f"{field} is rigid: give it a finite Young's modulus, or a rigid HalfSpace as the body."
                 )
-        softest = math.inf
-        for name, shear in list(zip(("coating", *names, "substrate"), map(_shear_modulus, solids), strict=True))[::-1]:
             softest = min(softest, shear)
-            if (ratio := shear / softest) > LARGEST_RATIO and name != "substrate":
+            if name != "substrate" and (ratio := shear / softest) > LARGEST_RATIO:
                 raise InvalidInput(
-                    f"CoatedHalfSpace.{name} is {ratio:.3g} times as stiff as what is below: give a ratio of shear "
-                    f"moduli up to {LARGEST_RATIO:g}."
+                    f"{field} is {ratio:.3g} times as stiff as what is below: give a ratio of shear moduli up to "
+                    f"{LARGEST_RATIO:g}."
                 )
 
     @property

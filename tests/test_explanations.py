@@ -47,14 +47,6 @@ def test_the_error_by_cells_is_between_the_factors_of_its_page() -> None:
     assert max(factors) / factors[0] == pytest.approx(5, abs=0.6)
 
 
-def test_one_cell_along_has_the_error_of_its_page() -> None:
-    one, many = said("periodicity", r"has an error of ([\d.]+) % in place of ([\d.]+) %")
-    for along, number in ((1, one), (64, many)):
-        grid = cs.Grid((129, along), (WIDTH * A, WIDTH * A))
-        error = pressure(grid, cs.DuplicatedPadding())[64].mean() / P_H - 1
-        assert 100 * error == pytest.approx(number, abs=0.05)
-
-
 def test_the_rules_of_a_verdict_have_the_numbers_of_their_page() -> None:
     [lower] = said("price", r"load that is (\d+) % lower")
     assert lower == pytest.approx(100 * (1 - trials.LOWER_LOAD))

@@ -5,8 +5,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 import contactstudy as cs
 from contactstudy import InvalidInput
@@ -14,13 +12,6 @@ from contactstudy.domain.identity import Memo, digest
 from studies.definitions.settings import case_at
 
 CASE = case_at({"padding": "superposed", "images": 2, "period": 0.3, "grid": 16})
-
-
-@given(st.floats(allow_nan=False), st.floats(allow_nan=False))
-def test_numbers_are_one_to_the_last_bit_or_two(one: float, other: float) -> None:
-    is_one = np.float64(one).tobytes() == np.float64(other).tobytes()
-    assert (digest(one) == digest(other)) is is_one
-    assert digest(one) != digest(float(np.nextafter(one, 0.5 if one != 0.5 else 1.0)))
 
 
 def enclosing(number: float, default: int = 1) -> object:
@@ -31,7 +22,8 @@ def test_different_values_have_different_digests() -> None:
     square = np.arange(4.0).reshape(2, 2)
     values = [
         1, 1.0, True, "1", "1.0", np.float32(1), np.float64(1), np.int64(1), 1 + 0j, b"1", None, "None",
-        0.0, -0.0, (1, 2), [1, 2], {1, 2}, {1: 2}, {"1": 2}, (), "", math.nan, Path("u"), "u", cs.Status.STALLED,
+        0.0, -0.0, 0.3, 3 * 0.1, (1, 2), [1, 2], {1, 2}, {1: 2}, {"1": 2}, (), "", math.nan,
+        Path("u"), "u", cs.Status.STALLED,
         np.array([1.0]), np.array([1]), np.arange(4.0), np.arange(4.0)[::-1], square,
         np.asfortranarray(square),  # a sum may differ in its last bit
         enclosing(1.0), enclosing(2.0), enclosing(1.0, 2), partial(max, 1), partial(min, 1), lambda x: 2 * x,
@@ -79,13 +71,3 @@ def test_objects_with_hidden_state_are_refused() -> None:
     ):
         with pytest.raises(InvalidInput, match=said):
             digest(value)
-
-
-def test_an_attribute_beside_the_fields_of_a_dataclass_counts() -> None:
-    @dataclass
-    class Plain:
-        factor: float = 1.0
-
-    one, other = Plain(), Plain()
-    other.further = 2.0  # type: ignore[attr-defined]
-    assert digest(one) != digest(other)

@@ -88,14 +88,6 @@ def test_grids_of_one_scene_differ_by_no_more_than_the_estimate_says(line_contac
     assert len(found.plot().axes) == 1
 
 
-def test_contacts_of_two_kinds_are_refused(line_contact: LineContact) -> None:
-    grid = line_contact.grid((16, 4), 1.4)
-    paddings = cs.ExactPeriodicity(), cs.ZeroPadding()
-    endless, ended = (cs.solve(line_contact.scene, grid, padding) for padding in paddings)
-    with pytest.raises(cs.InvalidInput, match=r"of different kinds: b ends at both ends of its grid"):
-        cs.compare(endless, ended)
-
-
 def test_keys_in_which_the_scenes_differ_are_said_and_numbers_are_in_per_cent(line_contact: LineContact) -> None:
     grid = line_contact.grid((16, 1), 1.6)
     heavier = replace(line_contact.scene, load=cs.LineLoad(1.21 * line_contact.scene.largest_load))
@@ -115,15 +107,3 @@ def test_evolutions_are_compared_at_the_instant_of_the_highest_pressure() -> Non
     jump = over_time([[9], [9]], [[4], [4]], times=(1, 1))  # a load that jumps is recorded twice
     assert cs.compare(over_time([[1], [1]], [[4], [2]], times=(0, 1)), jump).largest == 2
     assert cs.compare(over_time([[4], [2]], [[1], [1]], times=(1, 1)), jump).largest == 7
-
-
-def test_quantities_of_films_are_compared_too() -> None:
-    a, b = (
-        contact([[1], [1]]).assign(
-            film=((), 1e-7), central_film=((), film, {"long_name": "central film thickness"}), central_film_bound=0.0
-        )
-        for film in (2e-7, 3e-7)
-    )
-    found = cs.compare(a, b)
-    assert found.quantities == {"central film thickness": pytest.approx(0.5)}
-    assert "contact area" not in str(found)  # a film has none

@@ -51,14 +51,6 @@ def test_a_surface_read_from_a_file_is_named_by_it(tmp_path: Path) -> None:
         assert "ground.nc" in (tmp_path / "scene.toml").read_text(encoding="utf-8")
 
 
-def test_no_heights_are_overwritten_that_another_shape_is_read_from(tmp_path: Path) -> None:
-    first = scene(cs.Cylinder(0.01), cs.MeasuredSurface(SURFACE, (1e-4, 2e-4)))
-    kept = read_back(first, tmp_path).scene.shapes[1]
-    for heights, extent in ((2 * SURFACE, (1e-4, 2e-4)), (SURFACE, (1e-4, 3e-4))):
-        written = scene(cs.Cylinder(0.01), cs.MeasuredSurface(heights, extent), kept)
-        assert read_back(written, tmp_path).scene == written
-
-
 def test_a_shape_of_ones_own_is_refused_by_name(tmp_path: Path) -> None:
     flat = Own(lambda grid: np.zeros(grid.cells))
     with pytest.raises(cs.InvalidInput, match=r"^Scene\.shapes\[1\] is a Own, which no scene file"):

@@ -20,7 +20,6 @@ from contactstudy.elasticity.kernels.displacement_periodic import (
     boussinesq_cell_doubly_periodic,
     boussinesq_cell_periodic,
 )
-from tests.fifty_digits import over_decades, stored
 
 Corner = Callable[[mp.mpf, mp.mpf], mp.mpf]
 
@@ -57,18 +56,22 @@ def love_derivatives(x: mp.mpf, y: mp.mpf) -> mp.mpf:
     return mp.fsum(weight * taylor[n - 2] for n, weight in MIDPOINT_WEIGHTS)
 
 
+def over_decades(rng: np.random.Generator, low: float, high: float, size: int) -> np.ndarray:
+    """Numbers from ``10**low`` to ``10**high``, as many in each octave, the same on every processor."""
+    octaves = [int(decade * np.log2(10)) for decade in (low, high)]
+    return np.ldexp(1 + rng.random(size), rng.integers(octaves[0], max(octaves[1], octaves[0] + 1), size))
+
+
 def corners(f: Corner, x: mp.mpf, y: mp.mpf, dx: mp.mpf, dy: mp.mpf) -> mp.mpf:
     right, left, upper, lower = x + dx / 2, x - dx / 2, y + dy / 2, y - dy / 2
     return f(right, upper) - f(left, upper) - f(right, lower) + f(left, lower)
 
 
-@stored
 def judged_cell(*arguments: float) -> mp.mpf:
     with mp.workdps(TOLERANCE_DIGITS):
         return corners(love, *(mp.mpf(a) for a in arguments))
 
 
-@stored
 def judged_lattice(*arguments: float) -> mp.mpf:
     """A row: images summed one by one and the rest as an integral and its Euler-Maclaurin corrections.
 
@@ -89,7 +92,6 @@ def judged_lattice(*arguments: float) -> mp.mpf:
         return period * (total - 2 * dx * dy * mp.log(period))
 
 
-@stored
 def judged_double_lattice(x: float, y: float, dx: float, dy: float, width: float, period: float) -> mp.mpf:
     """Rows one by one, and the logarithms of all others as an integral of Gamma functions."""
     rows = int(np.ceil(7 * period / width)) + 1  # exp(-14 pi) is left
@@ -99,8 +101,7 @@ def judged_double_lattice(x: float, y: float, dx: float, dy: float, width: float
         def others(u: mp.mpf) -> mp.mpf:
             return mp.loggamma(rows + 1 + u / width) + mp.loggamma(rows + 1 - u / width)
 
-        row = judged_lattice.__wrapped__  # its places are in fifty digits, and none is stored
-        total = mp.fsum(row(x + m * width, y, dx, dy, period) for m in range(-rows, rows + 1))
+        total = mp.fsum(judged_lattice(x + m * width, y, dx, dy, period) for m in range(-rows, rows + 1))
         mean = mp.quad(others, [x - dx / 2, x + dx / 2]) / dx
         shift = (2 * rows + 1) * mp.log(width) - mp.log(2 * mp.pi)
         return total + 2 * mp.mpf(dx) * dy / period * (shift + mean)

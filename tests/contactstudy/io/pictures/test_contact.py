@@ -3,7 +3,7 @@ import pytest
 import xarray as xr
 
 import contactstudy as cs
-from contactstudy.io.pictures.contact import contact_picture, film_picture
+from contactstudy.io.pictures.contact import contact_picture
 
 X = np.array([-1e-4, 0.0, 1e-4])
 Y = np.array([0.0, 1e-3, 2e-3, 3e-3])
@@ -62,22 +62,3 @@ def test_the_drop_is_drawn_beside_the_pressure_at_the_ends_and_what_was_met_belo
     assert max(dropped.get_ydata()) == pytest.approx(1e6 * drop[on_roller].max())
     (legend,) = figure.legends
     assert "".join(legend.get_title().get_text().split()) == "".join(found.accuracy.split())
-
-
-def test_pressure_film_and_temperature_are_drawn_in_one() -> None:
-    x = np.linspace(-3e-4, 3e-4, 61)
-    fields = {
-        "film": ("m", 1e-7 + 100 * x**2),
-        "film_temperature_rise": ("K", 20 * np.exp(-((x / 1e-4) ** 2))),
-        "pressure": ("Pa", 1e9 * np.clip(1 - (x / 1e-4) ** 2, 0, None)),
-    }
-    film = xr.Dataset(
-        {name: (("x", "y"), values[:, None], {"units": unit}) for name, (unit, values) in fields.items()}
-        | {"hertz_half_width": 1e-4, "hertz_peak_pressure": 1e9},
-        {"x": x, "y": [0.0]},
-    )
-    axes = film_picture(film).axes
-    drawn = {ax.get_ylabel(): ax.get_lines()[0].get_ydata() for ax in axes if ax.get_xlim() == axes[0].get_xlim()}
-    assert np.nanmax(drawn["pressure [GPa]"]) == pytest.approx(1)
-    assert np.nanmin(drawn["film [nm]"]) == pytest.approx(100)
-    assert np.nanmax(drawn["temperature rise [K]"]) == pytest.approx(20)

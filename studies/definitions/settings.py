@@ -63,7 +63,7 @@ def preset(name: str) -> Study:
     if name == "pareto":
         axes += [
             Axis("along", tuple(ALONG), "cells along the length: square ones, or one alone"),
-            Axis("solver_tolerance", (1e-2, 1e-4), "residual to which the solver goes"),
+            Axis("solver_tolerance", (1e-4, 1e-2), "residual to which the solver goes"),
         ]
     return Study(
         name,

@@ -9,7 +9,7 @@ import xarray as xr
 
 from studies.model.drawing import CaptionedFigure, Drawing, Finding, Table
 from studies.model.outcome import CaseStatus
-from studies.report.plots import Law, Plot, draw, percent
+from studies.report.plots import Law, Plot, draw, percent, with_total_time
 
 # Function of a stored study: a fraction, or a text or a count that is written as it is.
 Measurement = Callable[[xr.Dataset], SupportsFloat | str]
@@ -38,6 +38,16 @@ class Claim:
     needs: Mapping[str, tuple[object, ...]] = field(default_factory=dict)
 
 
+def number(measure: str, *first: str, **at: object) -> Callable[[xr.Dataset], float]:
+    """Return a function for a measure `at` values of axes; of others at the last one, of those named `first` at that."""
+
+    def of(dataset: xr.Dataset) -> float:
+        part = dataset[measure].sel(at)
+        return float(part.isel({name: 0 if name in first else -1 for name in part.dims}))
+
+    return of
+
+
 def largest_error(law: Law, x: str = "") -> Measurement:
     """Return a function for the largest relative difference of a measure to its law, which is over the axis `x`."""
 
@@ -56,10 +66,10 @@ def stated(claim: Claim, dataset: xr.Dataset) -> Finding | None:
         has = dataset[name].values.tolist() if name in dataset.dims else [dataset.attrs.get(name)]
         if not set(values) <= set(has):
             return None
-    texts = {}
-    for name, number in claim.numbers.items():
+    texts, dataset = {}, with_total_time(dataset)
+    for name, measured in claim.numbers.items():
         try:
-            value = number(dataset)
+            value = measured(dataset)
         except KeyError:  # such as a time, where none was taken
             return None
         if not isinstance(value, str | int):

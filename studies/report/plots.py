@@ -116,7 +116,7 @@ def draw(dataset: xr.Dataset, plot: Plot) -> CaptionedFigure | None:
     good = dataset
     if "case_status" in dataset:
         good = dataset.where(dataset["case_status"] == CaseStatus.OK)
-    found = good.assign(total_time=total_time(good)) if "solve_time_cpu" in good else good
+    found = with_total_time(good)
     measures = [found.get(name) for name in (plot.x, *plot.y)]
     if not all(one is not None and bool(one.notnull().any()) for one in measures):
         return None
@@ -129,6 +129,11 @@ def draw(dataset: xr.Dataset, plot: Plot) -> CaptionedFigure | None:
     for ax, y in zip(axes, plot.y, strict=True):
         panel(ax, found, y, plot)
     return captioned(plot.name, figure, plot.caption)
+
+
+def with_total_time(dataset: xr.Dataset) -> xr.Dataset:
+    """Return a stored study with the processor time of its cases, where times were taken."""
+    return dataset.assign(total_time=total_time(dataset)) if "solve_time_cpu" in dataset else dataset
 
 
 def panel(ax: Axes, part: xr.Dataset, y: str, plot: Plot) -> None:

@@ -1,6 +1,6 @@
 """Figures, claims and tables of the studies of settings, as data."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 
 import numpy as np
 import xarray as xr
@@ -8,7 +8,7 @@ import xarray as xr
 from studies.model.drawing import CaptionedFigure, Table
 from studies.reference.line_contact import total_time
 from studies.reference.paddings import HAS_IMAGES, padding_label
-from studies.report.claims import Claim, drawing
+from studies.report.claims import Claim, drawing, number
 from studies.report.plots import LAW_STYLE, WIDTH, Law, Plot, captioned, padding_style, panels, percent, seconds_text
 
 ERROR = "pressure_error_l1"
@@ -54,17 +54,12 @@ def from_then_on(meets: Iterable[bool], values: np.ndarray) -> str:
     return str(values[enough[0]]) if enough.size else f"> {values[-1]}"
 
 
-def finest(dataset: xr.Dataset) -> xr.Dataset:
-    """Return a dataset on its finest grid, at its smallest tolerance."""
-    return dataset.isel({name: place for name, place in FINEST.items() if name in dataset.dims})
-
-
 def needed_images(dataset: xr.Dataset) -> Table | None:
     """Return the least n of a moving window from which on its own error stays below some errors, for each period."""
     names = dataset["padding"].values.tolist()
     if not {"circular", "exact"} <= {*names} or dataset.sizes["images"] < 3:
         return None
-    single, errors, rows = [name for name in names if name not in HAS_IMAGES], finest(dataset)[ERROR], []
+    single, errors, rows = [name for name in names if name not in HAS_IMAGES], dataset[ERROR].isel(grid=-1), []
     for period in errors["period"].values:
         part = errors.sel(period=period)
         added = part.sel(padding="circular").values - float(part.sel(padding="exact").min())
@@ -78,15 +73,17 @@ def needed_images(dataset: xr.Dataset) -> Table | None:
     )
 
 
-def _rate(dataset: xr.Dataset) -> float:
-    """Return the exponent with which the error of exact periodicity falls with the cells."""
-    exact = _exact(dataset)
-    return float(np.polyfit(np.log(exact["grid"].values), np.log(exact.values), 1)[0])
-
-
 def _exact(dataset: xr.Dataset) -> xr.DataArray:
     """Return the error of exact periodicity over the grids."""
     return dataset[ERROR].sel(padding="exact").isel(images=-1, period=-1).sortby("grid")
+
+
+def _power(dataset: xr.Dataset) -> str | float:
+    """Return the exponent with which the error of exact periodicity falls with the cells."""
+    errors = _exact(dataset)
+    if errors.size < 2:
+        return np.nan
+    return f"{np.polyfit(np.log(errors['grid']), np.log(errors), 1)[0]:.2f}".replace("-", "−")
 
 
 WHICH_N = Claim(
@@ -95,10 +92,10 @@ WHICH_N = Claim(
     "A window of n periods leaves out an error of a²/(2π(n + ½)²L²), so that a short period needs many (the table): "
     "with n = {n} the largest error of a circular window is {worst}. One copy (duplicated) is as n = ½.",
     {
-        "exact": lambda d: finest(d)[ERROR].sel(padding="exact").max(),
+        "exact": lambda d: d[ERROR].isel(grid=-1).sel(padding="exact").max(),
         "grid": lambda d: int(d["grid"][-1]),
         "n": lambda d: int(d["images"][-1]),
-        "worst": lambda d: finest(d)[ERROR].sel(padding="circular").isel(images=-1).max(),
+        "worst": lambda d: d[ERROR].sel(padding="circular").isel(grid=-1, images=-1).max(),
     },
     {"padding": ("circular", "duplicated", "exact")},
 )
@@ -110,27 +107,22 @@ WHICH_GRID = Claim(
     "peak pressure at {fine} cells.",
     {
         "enough": lambda d: from_then_on(_exact(d).values <= 1e-2, _exact(d)["grid"].values),
-        "power": lambda d: f"{_rate(d):.2f}".replace("-", "−") if d.sizes["grid"] > 1 else np.nan,
-        "first": lambda d: _exact(d)[0],
-        "last": lambda d: _exact(d)[-1],
+        "power": _power,
+        "first": number(ERROR, "grid", padding="exact"),
+        "last": number(ERROR, padding="exact"),
         "coarse": lambda d: int(d["grid"].min()),
         "fine": lambda d: int(d["grid"].max()),
-        "largest": lambda d: d["pressure_error_max"].sel(padding="exact").isel(images=-1, period=-1, grid=-1),
+        "largest": number("pressure_error_max", padding="exact"),
     },
     {"padding": ("exact",)},
 )
 
 
-def _of_square(measure: str, along: str) -> Callable[[xr.Dataset], float]:
-    """Return a function for a measure of exact periodicity with square cells, or with one cell along."""
-
-    def of(dataset: xr.Dataset) -> float:
-        part = dataset.assign(total_time=total_time(dataset))[measure].sel(padding="exact", along=along)
-        return float(part.isel(dict.fromkeys(part.dims, -1)))
-
-    return of
-
-
+QUICK, SLOW, ONE, SQUARE = (
+    number(measure, "solver_tolerance", padding="exact", along=along)
+    for measure in ("total_time", ERROR)
+    for along in ("one", "square")
+)
 ONE_CELL_ALONG = Claim(
     "How many cells along?",
     "One, for a smooth cylinder: with exact periodicity it takes {less} of the time of square cells.",
@@ -138,19 +130,15 @@ ONE_CELL_ALONG = Claim(
     "with square ones, in {quick} and {slow} of processor time. The figures below"
     " have square cells, as the paper.",
     {
-        "less": lambda d: _of_square("total_time", "one")(d) / _of_square("total_time", "square")(d),
+        "less": lambda d: QUICK(d) / SLOW(d),
         "grid": lambda d: int(d["grid"][-1]),
-        "one": _of_square(ERROR, "one"),
-        "square": _of_square(ERROR, "square"),
-        "quick": lambda d: seconds_text(_of_square("total_time", "one")(d)),
-        "slow": lambda d: seconds_text(_of_square("total_time", "square")(d)),
+        "one": ONE,
+        "square": SQUARE,
+        "quick": lambda d: seconds_text(QUICK(d)),
+        "slow": lambda d: seconds_text(SLOW(d)),
     },
     {"padding": ("exact",), "along": ("one", "square")},
 )  # fmt: skip
-
-
-def _on_axis(padding: str, end: int) -> Callable[[xr.Dataset], xr.DataArray]:
-    return lambda d: finest(d)["axis_pressure_error"].sel(padding=padding, images=6).sortby("period")[end]
 
 
 LENGTH_CLAIM = Claim(
@@ -163,9 +151,9 @@ LENGTH_CLAIM = Claim(
         "short": lambda d: f"{float(d['period'].min()):g}",
         "long": lambda d: f"{float(d['period'].max()):g}",
         **{
-            f"{name}_{word}": _on_axis(name, end)
+            f"{name}_{word}": number("axis_pressure_error", *first, padding=name, images=6)
             for name in ("duplicated", "superposed", "exact")
-            for word, end in (("short", 0), ("long", -1))
+            for word, first in (("short", ("period",)), ("long", ()))
         },
     },
     {"padding": ("duplicated", "superposed", "exact"), "images": (6,)},
@@ -229,17 +217,7 @@ def errors_of_paddings(dataset: xr.Dataset) -> Table:
     )
 
 
-def _paper(padding: str, measure: str) -> Callable[[xr.Dataset], xr.DataArray]:
-    return lambda d: d[measure].sel(padding=padding, images=6).isel(period=-1, grid=-1)
-
-
-def _factor(dataset: xr.Dataset) -> str:
-    """Return the error of duplicated padding beside the axis over that with n = 6."""
-    names = ("duplicated", "superposed")
-    copied, counted = (float(_paper(name, "axis_pressure_error")(dataset)) for name in names)
-    return f"{abs(copied / counted):.0f}"
-
-
+COPIED, COUNTED = (number("axis_pressure_error", padding=name, images=6) for name in ("duplicated", "superposed"))
 SIMILAR_CLAIM = Claim(
     "What does the paper say of n?",
     "“n ≥ 6 gives very similar results to duplicated padding”: the errors differ by a factor of {factor}.",
@@ -248,10 +226,10 @@ SIMILAR_CLAIM = Claim(
     "pressure of a uniform cylinder varies by {variation} of the peak. In a plot such as the paper's Fig. 5 neither is "
     "visible.",
     {
-        "factor": _factor,
-        "duplicated": _paper("duplicated", "axis_pressure_error"),
-        "superposed": _paper("superposed", "axis_pressure_error"),
-        "variation": _paper("superposed", "length_variation"),
+        "factor": lambda d: f"{abs(COPIED(d) / COUNTED(d)):.0f}",
+        "duplicated": COPIED,
+        "superposed": COUNTED,
+        "variation": number("length_variation", padding="superposed", images=6),
     },
     {"padding": ("duplicated", "superposed"), "images": (6,)},
 )

@@ -87,17 +87,6 @@ def test_a_kill_loses_nothing_but_what_is_being_computed(workers: int, start: St
     np.testing.assert_array_equal(dataset["square"], dataset["number"] ** 2)
 
 
-def test_growing_reruns_nothing_and_keeps_every_bit(tmp_path: Path) -> None:
-    log = tmp_path / "log"
-    few = [0.1, 0.3, 1 / 7]
-    before = run(trouble.study(few, str(log)), tmp_path, options=ALONE, log=quiet)
-    count = len(lines(log))
-    more = [0.1, 0.3, 1 / 7, 1e10, 5.0]
-    after = run(trouble.study(more, str(log)), tmp_path, options=ALONE, log=quiet)
-    assert set(lines(log)[count:]) == {"10000000000.0", "5.0"}
-    xr.testing.assert_identical(before.drop_attrs(), after.isel(number=slice(3)).drop_attrs().reset_coords(drop=True))
-
-
 def test_failures_are_kept_until_those_of_their_kind_are_to_be_tried_again(tmp_path: Path) -> None:
     log = tmp_path / "log"
     study = trouble.study([1, trouble.RAISES], str(log))

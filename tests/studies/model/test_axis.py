@@ -2,7 +2,7 @@ import pytest
 
 from contactstudy import InvalidInput
 from studies.model.axis import Axis, Value
-from studies.registry import BUILT_IN, load
+from studies.registry import load
 
 WHOLE = Axis("images", (6,), "n")
 REAL = Axis("period", (2.4,), "L")
@@ -46,13 +46,6 @@ def test_whole_numbers_are_those_that_a_double_holds() -> None:
     assert Axis("a", (2**53,), "a").values == (2**53,)
     with pytest.raises(InvalidInput, match=r"give whole numbers up to 2\^53\.$"):
         Axis("a", (2**53 + 1,), "a")
-
-
-@pytest.mark.parametrize("name", BUILT_IN)
-def test_built_in_studies_have_a_title_and_cases(name: str) -> None:
-    study = load(name)
-    assert study.title.endswith(".")
-    assert len(study.cases()) > 1
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,3 @@
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +20,6 @@ from studies.model.outcome import (
 )
 from studies.model.plain_text import one_line
 from studies.scene_study.measures import measures
-from studies.scene_study.study_of import study_of
 from studies.store.netcdf import read, write
 
 OIL = Path(__file__).parents[3] / "examples" / "oil.toml"
@@ -36,19 +34,6 @@ def test_what_is_recorded_of_a_film_is_that_of_its_contact() -> None:
     assert float(measured["moes_film"]) == film.scales.expected_film * film.scales.film
     assert int(case.record(film)["solver_status"]) == list(cs.Status).index(film.status)
     assert float(measured["central_film_bound"]) == pytest.approx(film.error.central_film.total * film.central_film)
-
-
-def test_a_film_that_changes_in_time_is_marched_at_every_point() -> None:
-    oil = cs.read_scene(OIL)
-    history = cs.SpeedHistory((0.0, 1e-4), (0.5, 1.0))
-    scene = replace(oil.scene, lubrication=replace(oil.scene.lubrication, mean_speed=history))
-    file = cs.SceneFile(scene, grid=cs.Grid((64, 1), (1e-3, 1e-4)), time_steps=cs.TimeSteps(instants=3))
-    study = study_of(file, {"load.per_length": "80 N/mm,100 N/mm"})
-    case = study.case_at({"load_per_length": 1e5})
-    evolution = case.run(case.prepare())
-    measured = study.measures(case, evolution)
-    assert float(measured["final_central_film"]) == evolution.frames[-1].central_film > evolution.frames[0].central_film
-    assert float(measured["minimum_film"]) == min(frame.minimum_film for frame in evolution.frames)
 
 
 def test_a_run_names_what_did_not_converge_what_misses_its_accuracy_and_what_has_no_bound() -> None:

@@ -114,11 +114,3 @@ def test_the_pressure_of_fig_5_is_that_in_the_middle_of_the_length() -> None:
     # pressure is constant in each cell, whose borders stand beside its centre
     borders = found[found["x"].attrs["bounds"]].values
     assert borders[:, 0] == pytest.approx(found["x"].values - 1.2 / 128, abs=1e-12)
-
-
-def test_every_padding_may_have_one_cell_along_a_contact_that_does_not_vary() -> None:
-    study = load("pareto")
-    for padding in study.axes[0].values:
-        point = {"padding": padding, "images": 1, "period": 2.4, "grid": 48}
-        for along, cells in (("one", 1), ("square", 48)):
-            assert study.case_at(point | {"along": along}).grid.cells == (48, cells)  # type: ignore[attr-defined]

@@ -36,15 +36,17 @@ def test_fields_are_groups_by_the_key_of_the_case(out: Path) -> None:
         assert load_per_length == pytest.approx(1e5, rel=1e-8)
 
 
-def test_a_damaged_file_of_fields_is_set_aside_and_its_case_recomputed(tmp_path: Path) -> None:
+def test_a_case_is_computed_again_where_its_fields_lack_or_are_damaged(tmp_path: Path) -> None:
     study = load("grid").override({"padding": "exact", "grid": "16,24"})
+    said: list[str] = []
+    first = run(study, tmp_path, options=ONE, log=quiet)
     run(study, tmp_path, options=KEPT, log=quiet)
     (one, _) = sorted((tmp_path / "grid.fields").iterdir())
     one.write_bytes(one.read_bytes()[:-9])
-    said: list[str] = []
-    run(study, tmp_path, options=KEPT, log=said.append)
+    again = run(study, tmp_path, options=KEPT, log=said.append)
     assert any(f"set aside as {one.name}.damaged" in line for line in said)
     assert any("1 case is stored, 1 to compute" in line for line in said)
+    np.testing.assert_array_equal(first["residual"], again["residual"])
     with xr.open_datatree(tmp_path / "grid.nc") as tree:
         assert len(tree["fields"].children) == 2
 
@@ -61,19 +63,6 @@ def test_a_damaged_study_file_is_set_aside_and_made_again(tmp_path: Path, place:
     after = run(study, tmp_path, options=ONE, log=said.append)
     assert any("set aside as grid.nc.damaged" in line for line in said)
     xr.testing.assert_equal(before, after)
-
-
-@pytest.mark.whole
-def test_what_lacks_its_fields_is_computed_for_them_and_nothing_else(tmp_path: Path) -> None:
-    study = load("grid").override({"padding": "exact", "grid": "16"})
-    run(study, tmp_path, options=ONE, log=quiet)
-    grown = study.override({"grid": "16,24"})
-    first = run(grown, tmp_path, options=KEPT, log=quiet)
-    assert len(list((tmp_path / "grid.fields").iterdir())) == 2
-    said: list[str] = []
-    again = run(grown, tmp_path, options=KEPT, log=said.append)
-    assert any("2 cases are stored, 0 to compute" in line for line in said)
-    np.testing.assert_array_equal(first["residual"], again["residual"])
 
 
 @pytest.mark.whole

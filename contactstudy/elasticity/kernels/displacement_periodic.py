@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from functools import cache
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,11 +21,6 @@ IMAGE_RATIO = 0.46
 # Relative error of a quadrature by Gauss points, and of a truncated series of multipoles.
 QUADRATURE_ERROR = 1e-17
 
-# A cell wider than the period is cut into strips narrower than it. Their number is odd, so that no border lies on the
-# axis: a border that is off by one rounding near a field point costs 1e-10 of a thin cell. They end beyond
-# FOURIER_END, where the rest of the cell adds its logarithm alone.
-STRIPS, STRIPS_END = 15, 7.2
-
 
 def boussinesq_cell_periodic(x: ArrayLike, y: ArrayLike, dx: float, dy: float, period: float) -> Array:
     """Return the integral of 1/r over a cell repeated infinitely along y, less its divergent rigid-body motion.
@@ -41,7 +35,7 @@ def boussinesq_cell_periodic(x: ArrayLike, y: ArrayLike, dx: float, dy: float, p
     Parameters
     ----------
     x, y
-        Offsets from the centre of a cell.
+        Offsets from the centre of a cell: every x with every y.
     dx, dy
         Sides of the cell, ``dy <= period``.
     period
@@ -50,64 +44,37 @@ def boussinesq_cell_periodic(x: ArrayLike, y: ArrayLike, dx: float, dy: float, p
     Returns
     -------
     Array
-        The sum S. Offsets broadcast; lengths are in one unit, and the result is in that unit.
+        The sum S (x, y). Lengths are in one unit, and the result is in that unit.
     """
-    x, y = (np.asarray(a, dtype=np.float64) for a in (x, y))
-    shape = np.broadcast_shapes(x.shape, y.shape)
+    x, y = column_and_row(x, y)
     # fmod is exact; rounding a quotient y / period would move the field point by many cells, where these are smallest
     x, y = np.abs(x), np.fmod(np.abs(y), period)
     y = np.minimum(y, period - y)
     if dy == period:  # nothing varies along y: plane strain
-        return np.asarray(_log_mean(*np.broadcast_arrays(x + 0.0 * y, dx / 2)) * (-2 * dx * dy / period))
-    x, y = column_and_row(x, y)
-    mean = _mean_over_cell(x, y, np.full((1,) * x.ndim, dx / 2), dy / 2, period)
-    mean *= dx * dy / period
-    return mean.reshape(shape)
-
-
-def column_and_row(x: Array, y: Array) -> tuple[Array, Array]:
-    """Return x as a column and y as a row if all axes of x precede the axes of y, else both flat.
-
-    Functions of x or of y alone are then evaluated once for each value.
-    """
-    shape = np.broadcast_shapes(x.shape, y.shape)
-    last_x = max((k + len(shape) - x.ndim for k, n in enumerate(x.shape) if n != 1), default=-1)
-    first_y = min((k + len(shape) - y.ndim for k, n in enumerate(y.shape) if n != 1), default=len(shape))
-    if last_x < first_y:
-        return x.reshape(-1, 1), y.reshape(1, -1)
-    flat_x, flat_y = (np.broadcast_to(a, shape).ravel() for a in (x, y))
-    return flat_x, flat_y
-
-
-def _mean_over_cell(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> Array:
-    """Return the sum S of :func:`boussinesq_cell_periodic` in units of ``dx dy / period``.
-
-    `x` and `y` are both flat, or a column and a row.
-    """
-    result = np.empty(np.broadcast_shapes(x.shape, y.shape))
-    inner = (x - half_x).reshape(len(x)) / period
-    beyond = inner >= FOURIER_END
-    wide = ~beyond & (half_x.ravel() > period / 2)
-    fourier = ~beyond & ~wide & (inner >= FOURIER_START)
-    forms: dict[Callable[[Array, Array, Array, float, float], Array], NDArray[np.bool_]] = {
+        return np.asarray(_log_mean(x, dx / 2) * (-2 * dx * dy / period) * np.ones_like(y))
+    result = np.empty((x.size, y.size))
+    inner = (x.ravel() - dx / 2) / period
+    beyond, near = inner >= FOURIER_END, inner < FOURIER_START
+    forms: dict[Callable[[Array, Array, float, float, float], Array], NDArray[np.bool_]] = {
         # -2 ln |x|, averaged over a cell that does not reach the axis
         lambda x, y, half_x, *_: -2 * _log_mean(x, half_x) * np.ones_like(y): beyond,
-        _strips: wide,
-        _fourier: fourier,
-        _images: ~beyond & ~wide & ~fourier,
+        _fourier: ~beyond & ~near,
+        _images: near,
     }
     for form, rows in forms.items():
         if rows.any():
-            result[rows] = form(x[rows], _for_rows(y, rows), _for_rows(half_x, rows), half_y, period)
+            result[rows] = form(x[rows], y, dx / 2, dy / 2, period)
+    result *= dx * dy / period
     return result
 
 
-def _for_rows(lengths: Array, rows: NDArray[np.bool_]) -> Array:
-    """Return the `lengths` of the `rows` of x that a mask selects; a single length holds for all rows."""
-    return lengths[rows] if len(lengths) == len(rows) else lengths
+def column_and_row(x: ArrayLike, y: ArrayLike) -> tuple[Array, Array]:
+    """Return `x` as a column and `y` as a row, both of floats."""
+    column, row = (np.asarray(a, dtype=np.float64) for a in (x, y))
+    return column.reshape(-1, 1), row.reshape(1, -1)
 
 
-def _images(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> Array:
+def _images(x: Array, y: Array, half_x: float, half_y: float, period: float) -> Array:
     """Return the sum S of :func:`boussinesq_cell_periodic` near the axis.
 
     The nearest images are summed one by one, and all further ones together as multipoles.
@@ -125,17 +92,17 @@ def _images(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> 
     total *= period / (4 * half_x * half_y)
     terms = int(np.log(QUADRATURE_ERROR) / (2 * np.log(reach / (images + 1)))) + 1
     powers_x = even_powers(x / period, half_x / period, images, terms)
-    powers_y = even_powers(y / period, np.array(half_y / period), images, terms).T
-    total += sum_of_products(powers_x, matrix_product(further_images(images, terms), powers_y), total.shape)
+    powers_y = even_powers(y / period, half_y / period, images, terms).T
+    total += matrix_product(powers_x, matrix_product(further_images(images, terms), powers_y))
     total -= 2 * np.log(2 * period)
     return total
 
 
-def even_powers(x: Array, half: Array, images: int, terms: int) -> Array:
+def even_powers(x: Array, half: float, images: int, terms: int) -> Array:
     """Return ``1, x^2, x^4 ...`` averaged over segments about each x, in periods, shape (x, terms)."""
     # smallest distance between the ends of a cell and the further images, in half-lengths
-    nodes, weights = np.array(gauss_points(images / float(half.max()))).T
-    squares = (x.reshape(-1, 1) + half.reshape(-1, 1) * nodes) ** 2
+    nodes, weights = np.array(gauss_points(images / half)).T
+    squares = (x.reshape(-1, 1) + half * nodes) ** 2
     powers = np.vander(squares.ravel(), terms, increasing=True)
     return np.asarray(np.einsum("p,xpt->xt", weights, powers.reshape(*squares.shape, terms)))
 
@@ -162,35 +129,25 @@ def gauss_points(away: float) -> tuple[tuple[float, float], ...]:
     return mean_gauss_rule(1 + int(np.log(QUADRATURE_ERROR) / (-2 * np.arccosh(away))))
 
 
-def sum_of_products(across: Array, along: Array, shape: tuple[int, ...]) -> Array:
-    """Return the sum over terms of `across` (x, terms) times `along` (terms, y).
-
-    `shape` is that of the offsets as :func:`column_and_row` returns them.
-    """
-    both = matrix_product(across, along) if len(shape) == 2 else (across * along.T).sum(axis=1)
-    return np.asarray(both)
-
-
-def _fourier(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> Array:
+def _fourier(x: Array, y: Array, half_x: float, half_y: float, period: float) -> Array:
     """Return the sum S of :func:`boussinesq_cell_periodic` away from the axis.
 
     It is the plane-strain logarithm and harmonics of the period, which decay like exp(-2 pi j x / L).
     """
     across = harmonics_across(x, half_x, period)
-    along = harmonics_along(y, half_y, period, across.shape[1])
-    total = sum_of_products(across, along, np.broadcast_shapes(x.shape, y.shape))
+    total = matrix_product(across, harmonics_along(y, half_y, period, across.shape[1]))
     total -= 2 * _log_mean(x, half_x)
     return total
 
 
-def harmonics_across(x: Array, half_x: Array | float, period: float) -> Array:
+def harmonics_across(x: Array, half_x: float, period: float) -> Array:
     """Return ``4 K0(2 pi j x / L)`` averaged over a segment about each x, shape (x, j = 1, 2 ...)."""
     # fewer harmonics are left farther from the axis
     inner = float(np.fmin.reduce((x - half_x) / period, axis=None, initial=FOURIER_END))
     wave = 2 * np.pi / period * np.arange(1, int(np.ceil(FOURIER_TERMS * FOURIER_START / inner)) + 1)
     away = float(np.fmin.reduce(x / half_x, axis=None, initial=np.inf))
     nodes, weights = np.array(gauss_points(away)).T
-    places = x.reshape(-1, 1) + np.reshape(half_x, (-1, 1)) * nodes
+    places = x.reshape(-1, 1) + half_x * nodes
     argument = places[:, :, None] * wave
     decaying = argument < NEGLIGIBLE_K0
     waves = np.zeros(argument.shape)
@@ -205,34 +162,16 @@ def harmonics_along(y: Array, half_y: float, period: float, count: int) -> Array
     return np.asarray(waves * np.sinc(2 * j * half_y / period))
 
 
-def _log_mean(x: Array, half: Array) -> Array:
+def _log_mean(x: Array, half: float) -> Array:
     """Return the mean of ``ln |x|`` over a segment of half-length `half` whose centre is ``x >= 0`` away."""
-    x, half = np.broadcast_arrays(x, half)
-    mean = np.empty(x.shape)
-    aside = x >= half
+    mean, aside = np.empty(x.shape), x >= half
     # Neither end cancels the other, for a narrow segment (t -> 0) or one next to the axis (1).
-    t = half[aside] / x[aside]
+    t = half / x[aside]
     ends = (1 + t) * np.log1p(t) - xlog1py(1 - t, -t)
     mean[aside] = np.log(x[aside]) - 1 + ends / (2 * t)
-    t = x[~aside] / half[~aside]
-    mean[~aside] = np.log(half[~aside]) - 1 + ((1 + t) * np.log1p(t) + (1 - t) * np.log1p(-t)) / 2
+    t = x[~aside] / half
+    mean[~aside] = np.log(half) - 1 + ((1 + t) * np.log1p(t) + (1 - t) * np.log1p(-t)) / 2
     return mean
-
-
-def _strips(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> Array:
-    """Return the sum S of :func:`boussinesq_cell_periodic` for a cell wider than the period.
-
-    The cell is cut into strips at fixed distances from the axis, and what lies beyond them on either side.
-    """
-    breakpoints = np.linspace(-STRIPS_END, STRIPS_END, STRIPS + 1) * period
-    total = np.zeros(np.broadcast_shapes(x.shape, y.shape))
-    for start, end in pairwise((-np.inf, *breakpoints.tolist(), np.inf)):
-        low, high = np.maximum(x - half_x, start), np.minimum(x + half_x, end)
-        rows = (low < high).reshape(len(x))
-        if rows.any():
-            middle, half = np.abs(low + high)[rows] / 2, (high - low)[rows] / 2
-            total[rows] += _mean_over_cell(middle, _for_rows(y, rows), half, half_y, period) * half
-    return total / half_x
 
 
 def boussinesq_cell_doubly_periodic(
@@ -247,7 +186,7 @@ def boussinesq_cell_doubly_periodic(
     Parameters
     ----------
     x, y
-        Offsets from the centre of a cell, which broadcast.
+        Offsets from the centre of a cell: every x with every y.
     dx, dy
         Sides of the cell, ``dx <= width`` and ``dy <= period``.
     width, period
@@ -256,19 +195,16 @@ def boussinesq_cell_doubly_periodic(
     Returns
     -------
     Array
-        The sum S. Lengths are in one unit, and the result is in that unit.
+        The sum S (x, y). Lengths are in one unit, and the result is in that unit.
     """
-    x = np.asarray(x, dtype=np.float64)
-    y = np.asarray(y, dtype=np.float64)
     if period > width:  # the harmonics of the shorter period vanish sooner
-        ndim = max(x.ndim, y.ndim)
-        swapped = np.array(y, ndmin=ndim).T, np.array(x, ndmin=ndim).T
-        return boussinesq_cell_doubly_periodic(*swapped, dy, dx, period, width).T
+        return boussinesq_cell_doubly_periodic(y, x, dy, dx, period, width).T
+    x, y = column_and_row(x, y)
     folded = np.fmod(np.abs(x), width)
     x = np.asarray(np.minimum(folded, width - folded))
     total = boussinesq_cell_periodic(x - width, y, dx, dy, period)
     total += boussinesq_cell_periodic(x, y, dx, dy, period)
-    total += dx * dy / period * _further_rows(x, y, dx, dy, width, period).reshape(total.shape)
+    total += dx * dy / period * _further_rows(x, y, dx, dy, width, period)
     return total
 
 
@@ -277,7 +213,6 @@ def _further_rows(x: Array, y: Array, dx: float, dy: float, width: float, period
 
     No cell of these rows reaches the axis.
     """
-    x, y = column_and_row(x, y)
     # further rows are more than FOURIER_END periods from any cell, where only the logarithms remain
     rows = int(np.ceil(FOURIER_END * period / width)) + 1
     waves = [
@@ -290,7 +225,7 @@ def _further_rows(x: Array, y: Array, dx: float, dy: float, width: float, period
     for wave in waves:
         across[:, : wave.shape[1]] += wave
     along = harmonics_along(y, dy / 2, period, across.shape[1])
-    total = sum_of_products(across, along, np.broadcast_shapes(x.shape, y.shape))
+    total = matrix_product(across, along)
     # ln |x (W - x)| less ln |2 sin(pi x / W)|, by the sine's product
     logarithms = 2 * np.log(width) - np.log(2 * np.pi)
     for node, weight in gauss_points(2 * width / dx):

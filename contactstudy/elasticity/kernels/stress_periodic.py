@@ -10,6 +10,7 @@ from scipy.linalg import eigh_tridiagonal
 
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.kernels.displacement_cell import mean_gauss_rule
+from contactstudy.elasticity.kernels.displacement_periodic import column_and_row
 from contactstudy.elasticity.kernels.stress_cell import CellKernel, Strip, sign, stress_cell, strip
 
 # Distance from the axis, in periods, beyond which the stress does not vary along it: exp(-2 pi 6) ~ 1e-17.
@@ -56,7 +57,7 @@ def stress_cell_periodic(
     poisson_ratio
         Poisson's ratio of the half-space.
     """
-    x, y = _column_and_row(x, y)
+    x, y = column_and_row(x, y)
     y = y - period * np.round(y / period)
     outer, inner = (np.maximum(np.abs(x.ravel()) + side * dx / 2, 0) for side in (1, -1))
     far = (np.hypot(inner, z) >= PLANE_STRAIN_PERIODS * period) | (dy == period)
@@ -87,12 +88,6 @@ def stress_cell_periodic(
 def plane_strain(component: CellKernel, loaded_strip: Strip, poisson_ratio: float) -> Array:
     """Return a component of stress under unit pressure on a strip."""
     return np.asarray(component.plane(loaded_strip, poisson_ratio) / np.pi + 0 * loaded_strip.angle)
-
-
-def _column_and_row(x: ArrayLike, y: ArrayLike) -> tuple[Array, Array]:
-    """Return `x` as a column and `y` as a row, both of floats."""
-    column, row = (np.asarray(a, dtype=np.float64) for a in (x, y))
-    return column.reshape(-1, 1), row.reshape(1, -1)
 
 
 def _smooth(
@@ -194,7 +189,7 @@ def stress_cell_doubly_periodic(
     poisson_ratio
         Poisson's ratio of the half-space.
     """
-    x, y = _column_and_row(x, y)
+    x, y = column_and_row(x, y)
     if period > width:  # the harmonics of the shorter period vanish sooner
         swapped = component.swap_axes()
         arguments = y.T, x.T, z, dy, dx, period, width, poisson_ratio

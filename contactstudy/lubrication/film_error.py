@@ -30,9 +30,9 @@ NUMBERS = (
     "meniscus",
 )
 # Numbers of a film with temperatures.
-OF_HEAT = "flash_temperature", "film_temperature", "thermal_reduction"
+OF_HEAT = "flash_temperature", "film_temperature", "thermal_reduction", "heated_film"
 # Numbers that are no fields of ErrorEstimate.
-FURTHER = "power_loss", "rolling_resistance", "meniscus", "thermal_reduction"
+FURTHER = "power_loss", "rolling_resistance", "meniscus", "thermal_reduction", "heated_film"
 # Attributes of a film for numbers of other names.
 ATTRIBUTES = {"friction_coefficient": "friction", "thermal_reduction": "temperatures.reduction"}
 # A number that changes by more than this from half the cells, and by more than from a quarter to half, may grow with the
@@ -180,7 +180,7 @@ def _compared(
         edge = AREA_FLOOR * edge_fraction(contact.contact_pressure > 0)
         errors["contact_load_fraction"] = of_number("contact_load_fraction", untouched)
         errors["contact_area_ratio"] = of_number("contact_area_ratio", untouched, edge)
-    said = dict.fromkeys(one.reason for one in (l1, *errors.values()) if one.reason)
+    said = dict.fromkeys(part.reason for part in (l1, *errors.values()) if part.reason)
     numbers = {name: errors.pop(name) for name in names if name in FURTHER}
     fields: Any = errors
     return ErrorEstimate(l1, **fields, numbers=numbers, warnings=tuple(said))
@@ -195,8 +195,7 @@ def _reasons(contact: FilmSolution) -> dict[str, str]:
         "peak_pressure": OF_SPIKE if of_spike else "",
         "friction_coefficient": of_friction,
         "power_loss": of_friction if contact.scales.lubrication.slide_roll_ratio else "",
-        "flash_temperature": of_heat,
-        "film_temperature": of_heat,
+        **dict.fromkeys(OF_HEAT, of_heat),
     }
 
 

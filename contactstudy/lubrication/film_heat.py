@@ -148,7 +148,7 @@ def _of_coating(grid: Grid, body: ThermalBody, coating: ThermalBody, speed: floa
     (nx, _), (cell, _) = grid.cells, grid.cell_size
     fine = FINE_CELLS * FINE_PERIODS * nx
     # the rise times exp(-shift x), so that what the period wraps is small
-    slowest = min(abs(speed) * one.heat_capacity / one.conductivity for one in (body, coating))
+    slowest = min(abs(speed) * material.heat_capacity / material.conductivity for material in (body, coating))
     shift = np.sign(speed) * min(1 / (nx * cell), slowest / 4)
     wave = 2 * np.pi * np.fft.rfftfreq(fine, cell / FINE_CELLS) - 1j * shift
 

@@ -238,6 +238,11 @@ class FilmSolution:
         return 0.0 if self.temperatures is None else float(self.temperatures.surface.max())
 
     @property
+    def heated_film(self) -> float:
+        """Central film thickness with a heated inlet [m]; the isothermal one without heat."""
+        return self.central_film * (1.0 if self.temperatures is None else self.temperatures.reduction)
+
+    @property
     def film_temperature(self) -> float:
         """Mean temperature rise of the film by sliding, weighted by the pressure [K]; 0 without heat."""
         if self.temperatures is None:

@@ -7,7 +7,6 @@ from math import ceil, inf
 from typing import Literal
 
 import numpy as np
-from scipy.linalg import solve_banded
 
 from contactstudy.domain.checks import InvalidInput, NotDefined
 from contactstudy.domain.device import Precision
@@ -50,8 +49,6 @@ MIN_WIDTH = 1.2
 # A gap that varies along the length by more than CROWNED [a^2 / R] is that of a crowned roller, by more than SHARP_END
 # that of a roller with a sharp end.
 CROWNED, SHARP_END = 0.5, 300.0
-# The inlet, whose pressures balance the flow on a finer grid, ends where the film has fallen by this factor.
-INLET_FALL = 8.0
 # Least cells of the coarsest grid: across in plane strain, else across and along. Cells across are a multiple of the
 # last.
 COARSEST, COARSEST_ROUGH, COARSEST_ALONG, ROW_MULTIPLE = 200, 48, 16, 8
@@ -311,8 +308,8 @@ def pose(scene: Scene, grid: Grid, padding: Padding | Paddings, outlet: float = 
     if displacement.odd is not None:
         of_bodies: dict[Coefficients, float] = defaultdict(float)
         for body, speed in zip(bodies, scales.lubrication.contact_speeds, strict=True):
-            for one, weight in response((body,), problem.scales.length).items():
-                of_bodies[one] -= weight * speed
+            for coefficients, weight in response((body,), problem.scales.length).items():
+                of_bodies[coefficients] -= weight * speed
         (creep,) = general_convolutions([by_symmetry(of_bodies)[1]], grid, paddings)
     boundary, supply = scales.lubrication.boundary, scales.lubrication.supply
     upstream = Grid((rows, grid.cells[1]), (rows * grid.cell_size[0], grid.length))
@@ -345,8 +342,7 @@ def linear_solver(posed: PosedFilm) -> LinearSolver:
 def prolongated(equation: FilmEquation, coarse: FilmIteration) -> tuple[Film, Mask]:
     """Return a film on a finer grid and its cavitated cells.
 
-    It is raised to half the minimum thickness on the coarse grid. Cavitated cells keep the content of the coarser ones,
-    and the flow through each row of the inlet is the same.
+    It is raised to half the minimum thickness on the coarse grid. Cavitated cells keep the content of the coarser ones.
     """
     shape = equation.gap.shape
     blocks = [fine // wide for fine, wide in zip(shape, coarse.film.pressure.shape, strict=True)]
@@ -360,29 +356,7 @@ def prolongated(equation: FilmEquation, coarse: FilmIteration) -> tuple[Film, Ma
         content = _prolongated_field((1 - coarse.film.void) * coarse.film.thickness, shape)
         void = np.maximum(1 - content / film.thickness, 0)
     film = replace(film, void=np.where(cavitated, void, 0))
-    return _with_inlet_flow(equation, film), cavitated
-
-
-def _with_inlet_flow(equation: FilmEquation, film: Film) -> Film:
-    """Return the film with inlet pressures that balance the flow, in the mean over the length.
-
-    The first cells, which have no pressure, are narrower than on the coarser grid. As the film is thick there, the
-    imbalance would exceed all others, and hide what the iteration has to solve.
-    """
-    height = film.thickness.mean(axis=1)
-    end = int(np.argmax(height < height[0] / INLET_FALL))
-    rows = slice(2, end)
-    if end < 4 or film.void[rows].any():
-        return film
-    linear = equation.linearise(film)
-    banded = np.zeros((3, end - 2))
-    for (across, _), coefficient in linear.pressure.items():
-        if across > -2:  # the second cell upstream acts by its density alone
-            banded[1 - across] += np.roll(coefficient.mean(axis=1)[rows], across)
-    change = solve_banded((1, 1), banded, -linear.residual.mean(axis=1)[rows])
-    pressure = film.pressure.copy()
-    pressure[rows] = np.maximum(pressure[rows] + change[:, None], 0)
-    return equation.film_of(pressure, film.void, film.separation)
+    return film, cavitated
 
 
 def _prolongated_field(values: Array, shape: tuple[int, ...]) -> Array:

@@ -25,8 +25,9 @@ from contactstudy.lubrication.posed_film import (
 from contactstudy.scene.scene import Scene
 from contactstudy.solvers.solution import Status
 
-# The inlet pressure sweep over the half-width is (H / SWEEP)^(2/3) with the film thickness H in Hertz units. An inlet of
-# x_a half-widths gives a film that is too thin by the fraction INLET_ERROR H / x_a^2.
+# The inlet pressure sweep over the half-width is (H / SWEEP)^(2/3) with the film thickness H in Hertz units: there the
+# gap beside Hertz's contact, (2 sqrt(2) / 3) x^(3/2), is the film. An inlet of x_a half-widths gives a film that is too
+# thin by the fraction INLET_ERROR H / x_a^2, as at M = 2, L = 0; heavier loads lose less.
 SWEEP, INLET_ERROR = 0.94, 0.9
 # An inlet whose length makes the film thinner by more than the fraction STARVED counts as starved. A film is unresolved
 # on cells wider than the inlet sweep, or if it rises by more than UNRESOLVED_RISE of itself from its lowest cell to the
@@ -189,10 +190,10 @@ def _from_lower_heights(posed: PosedFilm, controls: FilmControls) -> FilmIterati
     return last
 
 
-def _differs(posed: PosedFilm, one: FilmIteration, other: FilmIteration) -> bool:
+def _differs(posed: PosedFilm, last: FilmIteration, other: FilmIteration) -> bool:
     """Return whether two films have distinct mean thicknesses in the Hertzian zone, or asperity loads."""
     inside = np.abs(posed.x) < 1
-    films = one.film, other.film
+    films = last.film, other.film
     first, second = (film.thickness[inside].mean() for film in films)
     load, other_load = (film.asperity_pressure.sum() for film in films)
     of_load = abs(load - other_load) / films[0].total_pressure.sum()

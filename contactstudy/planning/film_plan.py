@@ -11,6 +11,7 @@ from contactstudy.lubrication.solve_lubricated import (
     MAX_CELLS,
     MAX_REQUESTED_CELLS,
     PERIOD,
+    expected_error,
     film_grid,
 )
 from contactstudy.planning.grid_requirements import grid_requirements
@@ -73,7 +74,8 @@ def plan_of_film(
         )
         if grid.cells[0] >= most_cells:
             warnings.append(
-                f"plan.error is {error:.2g}: a film has {most_cells} cells across at most, which may not reach it."
+                f"plan.error is {error:.2g}: a film has {most_cells} cells across at most, give about "
+                f"{expected_error(scene, grid):.1g}, which they reach."
             )
     (nx, ny), width = grid.cells, grid.extent[0]
     check_film_padding(padding, ny)

@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from contactstudy.scene.lubrication.lubrication import Lubrication
 
 ISOTHERMAL = ", isothermal"
-OF_HEATED_INLET = "No bound: the factor of the heated inlet is that of a formula."
 
 
 # Attribute of a film, unit and label by the name of each number: of any film, on asperities, and heated.
@@ -80,13 +79,13 @@ def film_quantities(contact: "FilmSolution", estimate: ErrorEstimate) -> dict[st
         reduction, label = contact.temperatures.reduction, "central film thickness with a heated inlet"
         quantities |= read(OF_HEAT) | {
             "thermal_reduction": Quantity(reduction, "1", "film with a heated inlet over the isothermal one"),
-            "heated_film": Quantity(reduction * contact.central_film, "m", label, reason=OF_HEATED_INLET),
+            "heated_film": Quantity(contact.heated_film, "m", label),
         }
     paddings = across_and_along(contact.padding)
     quantities |= stress_quantities(contact.scene, contact.derived, contact.grid, estimate, paddings)
     errors = {"load_per_length": ErrorParts(residual=contact.residual)} | dict(estimate) | dict(estimate.numbers)
-    if "lambda_ratio" in quantities and quantities["lambda_ratio"].reason != OF_HEATED_INLET:
-        errors["lambda_ratio"] = errors["central_film"]
+    if "lambda_ratio" in quantities:
+        errors["lambda_ratio"] = errors["central_film" if contact.temperatures is None else "heated_film"]
     # the loss by sliding is that of the friction, at a known speed
     if "friction_coefficient" in errors:
         slides = motion.slide_roll_ratio
@@ -124,12 +123,8 @@ def _lambda_ratio(contact: "FilmSolution") -> dict[str, Quantity]:
     heights = sum((shape.gap(contact.grid) for shape in rough), start=np.zeros((1, 1)))
     if not rough or not (rms := float(np.std(heights))):
         return {}
-    film, temperatures = contact.central_film, contact.temperatures
     detail = f", central film over the rms height of {readable(rms, digits=3)}"
-    ratio = Quantity(film / rms, "1", "lambda ratio", detail=detail)
-    if temperatures is not None and temperatures.reduction < 1:
-        ratio = replace(ratio, value=temperatures.reduction * film / rms, reason=OF_HEATED_INLET)
-    return {"lambda_ratio": ratio}
+    return {"lambda_ratio": Quantity(contact.heated_film / rms, "1", "lambda ratio", detail=detail)}
 
 
 def _rough(shape: object) -> bool:

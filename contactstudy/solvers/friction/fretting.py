@@ -243,8 +243,8 @@ class FrettingShear:
             shear = traction.shears[step - 1] if step else np.zeros_like(traction.shear)
             for force in np.linspace(forces[step], forces[step + 1], LOOP_PARTS + 1)[1:-1]:
                 total = np.array([force / problem.grid.cell_area, 0.0])
-                found = slip_step(self.response, limit, shear, LOOP_TOLERANCE, LOOP_APPLICATIONS, total=total)
-                points.append((force, rigid[step] + float(found.rigid[0])))
+                step_to = slip_step(self.response, limit, shear, LOOP_TOLERANCE, LOOP_APPLICATIONS, total=total)
+                points.append((force, rigid[step] + float(step_to.rigid[0])))
             points.append((forces[step + 1], rigid[step + 1]))
         forces, rigid = np.transpose(points)
         slip, largest = np.zeros_like(rigid), float(np.abs(forces).max())
@@ -265,11 +265,9 @@ class PartialSlipShear:
     def solve(self, problem: Problem, options: SolveOptions, start: Array | None, device: Device) -> Solution:
         """Return the normal contact with the tangential traction after the last force."""
         solution = self.fretting.solve(problem, options, start, device)
-        found = solution.traction
-        assert found is not None
-        traction = TangentialTraction(
-            found.shear, found.stick, "partial slip, Newton", found.iterations, bulk=found.bulk
-        )
+        last = solution.traction
+        assert last is not None
+        traction = TangentialTraction(last.shear, last.stick, "partial slip, Newton", last.iterations, bulk=last.bulk)
         return replace(solution, traction=traction)
 
 

@@ -144,7 +144,7 @@ def test_temperatures_have_bounds() -> None:
     scene = heated(shear=cs.Carreau(5e6, 0.6))
     contact = cs.solve(scene, grid(200, 4.5))
     fine = solve_lubricated(scene, grid(800, 4.5))
-    for name in ("flash_temperature", "film_temperature"):
+    for name in ("flash_temperature", "film_temperature", "heated_film"):
         quantity = contact.quantities[name]
         assert abs(quantity.value - getattr(fine, name)) <= quantity.bound < np.inf
 

@@ -2,9 +2,8 @@
 
 The squeeze term is a backward difference over two steps (BDF2 with steps of varying length), and each step is solved by
 the iteration of a steady film. It starts from a predictor, the polynomial through the last instants, three at most. The
-difference between predictor and solution estimates the error of the step (Gear 1971).
-
-Films at instants, and estimates of their time-discretisation errors.
+difference between predictor and solution estimates the error of the step (Gear 1971), and a second evolution with steps
+twice as long the error at an instant.
 """
 
 from collections import Counter

@@ -22,8 +22,14 @@ from contactstudy.evolution.integration.dry_steps import DrySteps, Errors
 from contactstudy.evolution.integration.time_stepper import Instant, TimeStepper
 from contactstudy.evolution.march import Control, March, all_recorded, schedule
 from contactstudy.evolution.states.fretting_state import FrettingState
-from contactstudy.evolution.states.state_variables import CreepState, StateVariable, WearState, least_eigenvalue
-from contactstudy.evolution.time_steps import ErrorEstimator, Scheme, solved_or_unloaded
+from contactstudy.evolution.states.state_variables import (
+    CreepState,
+    StateVariable,
+    WearState,
+    least_eigenvalue,
+    solved_or_unloaded,
+)
+from contactstudy.evolution.time_steps import ErrorEstimator, Scheme
 from contactstudy.evolution.trajectory import Frame, Trajectory
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.friction.fretting import Fretting

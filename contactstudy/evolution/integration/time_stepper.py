@@ -23,9 +23,12 @@ from contactstudy.evolution.states.state_variables import (
     State,
     StateVariable,
     Step,
+    WarmStartedContact,
     WearState,
+    solved_or_unloaded,
+    with_added_gap,
 )
-from contactstudy.evolution.time_steps import STAGES, Scheme, WarmStartedContact, solved_or_unloaded, with_added_gap
+from contactstudy.evolution.time_steps import STAGES, Scheme
 from contactstudy.problem.constraint import PrescribedLoad
 from contactstudy.problem.problem import Problem, Scales
 from contactstudy.scene.loads.load_history import ChangingLoad

@@ -22,7 +22,7 @@ from contactstudy.evolution.rolling.track import (
     with_zero_layers,
 )
 from contactstudy.evolution.states.plastic import YieldingBody, check_paddings, embedded, layers, step_solution
-from contactstudy.evolution.time_steps import solved_or_unloaded
+from contactstudy.evolution.states.state_variables import solved_or_unloaded
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.loads.constant_load import ConstantLoad
 from contactstudy.scene.scene import PosedScene, Scene

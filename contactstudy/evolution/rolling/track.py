@@ -11,7 +11,7 @@ from contactstudy.domain.fields import Array
 from contactstudy.elasticity.eigenstrain.plane_strain_operator import OuterStrain, PlaneStrainOperator
 from contactstudy.elasticity.eigenstrain.volume import Volume
 from contactstudy.evolution.states.plastic import embedded, enlarged
-from contactstudy.evolution.time_steps import WarmStartedContact, with_added_gap
+from contactstudy.evolution.states.state_variables import WarmStartedContact, with_added_gap
 from contactstudy.solvers.plasticity import (
     ContactTangent,
     ElastoplasticStep,

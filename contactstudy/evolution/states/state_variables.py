@@ -1,7 +1,7 @@
-"""Internal variables of bodies and interfaces, and their update in a time step."""
+"""Internal variables of bodies and interfaces, their update in a time step, and the contacts on the way."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import exp, expm1
 from typing import ClassVar, Protocol
 
@@ -10,10 +10,14 @@ import numpy as np
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.coefficients import Coefficients
 from contactstudy.elasticity.viscoelastic import Creep
-from contactstudy.problem.problem import Field
+from contactstudy.problem.problem import Field, Problem
+from contactstudy.solvers.solution import Solution, unloaded
+from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # The arrays that a state variable keeps, by name: all that a checkpoint needs of it.
 State = Mapping[str, Array]
+# Factor on the tolerance of a contact that is solved together with a state variable, into which its error goes.
+COUPLED_TOLERANCE_FACTOR = 0.01
 
 
 @dataclass(frozen=True)
@@ -271,3 +275,46 @@ def least_eigenvalue(contact_modulus: float, cell: float) -> float:
     also short along the length have a smaller one.
     """
     return 0.742 * cell / contact_modulus
+
+
+def solved_or_unloaded(options: SolveOptions, problem: Problem, start: Array | None = None) -> Solution:
+    """Return the solution of `problem`; without load, the undeformed bodies that just touch.
+
+    Parameters
+    ----------
+    options
+        How the problem is solved.
+    problem
+        The contact.
+    start
+        Pressure (x, y) [Pa] to begin with; None or zero begins on coarser grids.
+    """
+    if problem.adhesion is None and problem.control.uniform(1) == 0:
+        return unloaded(problem)
+    begin = start if start is not None and start.any() else None
+    return solve_contact(problem, options, begin)
+
+
+@dataclass(eq=False)
+class WarmStartedContact:
+    """The contact of `problem` with a field added to its gap, each time solved from the `last` pressure (x, y) [Pa].
+
+    Its tolerance is that of `options` times `COUPLED_TOLERANCE_FACTOR`.
+    """
+
+    problem: Problem
+    options: SolveOptions
+    last: Array
+
+    def __call__(self, added_gap: Array) -> Solution:
+        """Return the contact with `added_gap` (x, y) [m] added to its gap."""
+        tolerance = COUPLED_TOLERANCE_FACTOR * self.options.tolerance
+        options = replace(self.options, tolerance=tolerance)
+        solution = solved_or_unloaded(options, with_added_gap(self.problem, added_gap), self.last)
+        self.last = solution.pressure
+        return solution
+
+
+def with_added_gap(problem: Problem, added_gap: Array) -> Problem:
+    """Return `problem` with `added_gap` (x, y) [m] added to its undeformed gap."""
+    return replace(problem, undeformed_gap=problem.undeformed_gap + added_gap)

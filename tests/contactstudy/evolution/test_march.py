@@ -72,6 +72,19 @@ def test_a_march_ends_with_a_step_that_has_no_solution_at_its_own_time() -> None
     assert [record.state.change for record in marched(Decay(change=inf), 1.0)] == [inf]
 
 
+class Summed(Heun):
+    def accept(self, before: Decay, middle: Decay, after: tuple[Decay, Decay | None]) -> float:
+        return abs(after[0].value - after[1].value)
+
+
+def test_a_march_whose_error_of_all_steps_is_too_large_starts_again_with_shorter_ones() -> None:
+    march = March(Summed(), Decay(), [Breakpoint(2.0, times_recorded=1)], Control(1e-2, 2, 2.0, allowed=1e-4))
+    *_, (last,) = march.run()
+    assert march.total["restarts"] > 0
+    assert last.work == march.total  # with that of the marches given up
+    assert abs(last.state.value - exp(-2.0)) < 1e-4
+
+
 def test_every_pair_is_recorded_and_steps_end_at_kinks_and_are_no_longer_than_allowed() -> None:
     every = marched(Decay(), 1.0, error=1e99, longest=0.2, kinks=(0.25,), recorded="pairs")
     times = [0.0, *(record.state.time for record in every)]

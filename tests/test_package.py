@@ -1,10 +1,15 @@
 import re
+import sys
 import tomllib
+from dataclasses import fields
 from pathlib import Path
 
 import contactstudy as cs
+from contactstudy.io.scene_files.scene_schema import KINDS, PlanSettings, SceneDocument
 
 ROOT = Path(__file__).parent.parent
+sys.path.insert(0, str(ROOT / "docs" / "_ext"))
+from key_meanings import meanings  # noqa: E402
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 
@@ -20,22 +25,12 @@ def test_the_page_on_installing_says_what_each_dependency_and_extra_is_for() -> 
     assert set(PROJECT["optional-dependencies"]) - peers <= named
 
 
-def test_links_and_pictures_of_the_readme_work_in_a_clone() -> None:
-    text = (ROOT / "README.md").read_text(encoding="utf-8")
-    found = re.findall(r"(!?)\[[^\]]*\]\(([^)\s]+)\)", text)
-    assert {"!", ""} == {mark for mark, _ in found}
-    for _, link in found:
-        assert (ROOT / link).is_file(), link
-    for link in PROJECT["urls"].values():
-        assert (ROOT / link.removeprefix(PROJECT["urls"]["Repository"]).removeprefix("/blob/main/")).exists(), link
-
-
 def test_the_citation_is_of_this_version_and_this_place() -> None:
     citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
-    fields = dict(re.findall(r"^([\w-]+): *([^#\n]*?) *(?:#.*)?$", citation, flags=re.MULTILINE))
-    assert fields["version"] == PROJECT["version"] == cs.__version__
-    assert fields["repository-code"] == PROJECT["urls"]["Repository"]
-    assert fields["license"] == PROJECT["license"]
+    said = dict(re.findall(r"^([\w-]+): *([^#\n]*?) *(?:#.*)?$", citation, flags=re.MULTILINE))
+    assert said["version"] == PROJECT["version"] == cs.__version__
+    assert said["repository-code"] == PROJECT["urls"]["Repository"]
+    assert said["license"] == PROJECT["license"]
 
 
 # The one place of the core and the one of the studies that find a module by a name.
@@ -61,3 +56,11 @@ def test_the_files_that_contributors_are_led_to_are_there() -> None:
         assert (ROOT / path).exists(), path
     for name, path in re.findall(r"`(\w+)` (?:in|of) `([\w/]+\.py)`", text):
         assert re.search(rf"\b{name}\b", (ROOT / path).read_text(encoding="utf-8")), (name, path)
+
+
+def test_every_key_of_a_scene_file_has_a_meaning() -> None:
+    described = (kind for kinds in KINDS.values() for kind in kinds.values())
+    for kind in (SceneDocument, PlanSettings, *described):
+        found = meanings(kind)
+        assert not [one.name for one in fields(kind) if one.init and not found.get(one.name)], kind
+    assert meanings(SceneDocument)["hardness"].startswith("Largest pressure [Pa]")

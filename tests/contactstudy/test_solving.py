@@ -38,11 +38,6 @@ def test_a_solve_reports_its_progress_on_the_threads_of_its_device(kind: str) ->
     assert threads() == 1
 
 
-def test_a_smooth_film_has_the_period_that_is_given() -> None:
-    scene, _ = KINDS["film"]
-    assert cs.solve(scene, error=0.3, period=7e-3).grid.length == 7e-3
-
-
 def test_an_elastic_contact_in_a_load_history_has_the_bounds_of_that_contact_alone() -> None:
     grid = cs.Grid((48, 1), (4e-4, 1e-4))
     history = cs.LoadHistory((0.0, 1.0), (1e5, 5e4))

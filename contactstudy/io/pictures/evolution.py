@@ -114,7 +114,7 @@ def _lines(ax: Axes, evolved: xr.Dataset, name: str, scale: tuple[float, str] | 
     scale = scale or display_unit_of(abs(evolved[name]), evolved[name].attrs["units"])
     middle = in_the_middle(evolved[name])
     x, across = in_display_unit(evolved["x"], "m", "across")
-    chosen = _instants(evolved, middle.values)
+    chosen = _instants(middle.values)
     colors: Any = mpl.colormaps["viridis"](np.linspace(0, 0.9, len(chosen)))
     for number, color in zip(chosen, colors, strict=True):
         instant = middle.isel(time=number)
@@ -125,29 +125,12 @@ def _lines(ax: Axes, evolved: xr.Dataset, name: str, scale: tuple[float, str] | 
     ax.legend(**BESIDE)
 
 
-def _instants(evolved: xr.Dataset, values: Any) -> list[int]:
-    """Return the numbers of the instants to draw of values (time, x): peaks of the load and the end are among them.
-
-    An instant at which all is zero is left out; others are evenly spaced.
-    """
+def _instants(values: Any) -> list[int]:
+    """Return the numbers of the instants to draw of values (time, x), evenly spaced without those that are all zero."""
     drawn = np.flatnonzero(values.any(axis=1))
     if not len(drawn):
         return [len(values) - 1]
-    even = set(drawn[np.linspace(0, len(drawn) - 1, PROFILES).round().astype(int)].tolist())
-    required = {int(drawn[-1])}
-    if "load" in evolved:
-        load = evolved["load"].values
-        rises, falls = np.diff(load, prepend=-np.inf) > 0, np.diff(load, append=-np.inf) < 0
-        required |= set(np.flatnonzero(rises & falls).tolist()) & set(drawn.tolist())
-    if len(required) > PROFILES:  # the first peaks and the last
-        indices = np.linspace(0, len(required) - 1, PROFILES).round().astype(int)
-        required = {sorted(required)[index] for index in indices}
-    for number in sorted(required - even):
-        filling = sorted(even - required)
-        if len(even) >= PROFILES and filling:  # replace the nearest one
-            even.remove(filling[int(np.abs(np.subtract(filling, number)).argmin())])
-        even.add(number)
-    return sorted(even)
+    return sorted(set(drawn[np.linspace(0, len(drawn) - 1, PROFILES).round().astype(int)].tolist()))
 
 
 def _dent(ax: Axes, evolved: xr.Dataset, name: str) -> None:

@@ -12,7 +12,6 @@ from contactstudy.accuracy.coarser import contact_area_in_cells, with_ends
 from contactstudy.accuracy.contact_edge import StraightEdges, straight_edges
 from contactstudy.accuracy.error_terms import NO_LIMIT
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
-from contactstudy.domain.fields import Array
 from contactstudy.domain.units import readable
 from contactstudy.io.quantities.quantity import Quantity, per_length, roller_length, with_bound
 from contactstudy.io.quantities.stress_quantities import fall_beside, largest_place, stress_quantities
@@ -137,9 +136,8 @@ def contact_quantities(
     is_point = scene is not None and scene.ellipse is not None
     solved = ErrorParts(residual=solution.residual)
     width_note = "" if wraps[0] else f", over the grid's width of {readable(grid.extent[0], 'm')}"
-    mirrored = _mirrored(pressure, grid.y, place)
     label = f"peak {'net ' * edges_are_steep}pressure"
-    highest = Quantity(peak, "Pa", label, position=place, detail=mirrored)
+    highest = Quantity(peak, "Pa", label, position=place)
     highest = with_bound(highest, estimate.peak_pressure, fallback_reasons)
     quantities = {"peak_pressure": highest}
     quantities |= stress_quantities(scene, derived, grid, estimate, solution.problem.paddings)
@@ -282,11 +280,3 @@ def _half_extent(cells: NDArray[np.bool_], axis: int, size: float) -> float:
     """Return half the distance between the outer edges of the outermost of some cells (x, y) along an axis [m]."""
     at = np.flatnonzero(cells.any(axis=1 - axis))
     return float((at[-1] - at[0] + 1) * size / 2) if len(at) else 0.0
-
-
-def _mirrored(values: Array, y: Array, position: Mapping[str, float]) -> str:
-    """Return the mirrored place along the length as text, empty unless the value there is as large to a thousandth."""
-    if abs(at := position.get("y", 0.0)) <= 0.1 * float(np.ptp(y)):
-        return ""
-    mirrored = values[:, int(np.abs(y + at).argmin())].max()
-    return f", as high at y = {readable(-at, 'm', 3)}" if mirrored > 0.999 * values.max() else ""

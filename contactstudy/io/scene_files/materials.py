@@ -91,9 +91,8 @@ def _material_named(field: str, name: object) -> Material:
 def with_materials(table: Mapping[str, Any]) -> dict[str, Any]:
     """Return tables of a scene file with the constants of each ``material`` beside the keys given there.
 
-    A hardness in HV or HRC also gives the yield stress, where neither that nor a material is named. Free faces of a body
-    other than a HalfSpace, and a material of a body without elastic constants of its own, are refused here, where the
-    file is known, with what to give instead.
+    A hardness in HV or HRC also gives the yield stress, where neither that nor a material is named. A material of a body
+    without elastic constants of its own is refused here, where the file is known, with what to give instead.
     """
 
     def solid(value: Any, path: str) -> Any:
@@ -102,11 +101,6 @@ def with_materials(table: Mapping[str, Any]) -> dict[str, Any]:
         if not isinstance(value, Mapping):
             return value
         inner = {key: solid(entry, f"{path}.{key}") for key, entry in value.items()}
-        if "free_faces" in inner and inner.get("kind", "HalfSpace") != "HalfSpace":
-            raise InvalidInput(
-                f"{path}.free_faces is given to a {inner['kind']}: they are known of a HalfSpace alone, leave it out "
-                "and end the contact by a FiniteLength among the shapes."
-            )
         hardness = str(inner.get("hardness", ""))
         if hardness.endswith(("HV", "HRC")) and not {"material", "yield_stress"} & set(inner):
             # a third of the hardness is about the yield stress of a metal (Tabor 1951)

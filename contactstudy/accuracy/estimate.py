@@ -14,11 +14,7 @@ from contactstudy.accuracy.bound import (
     is_pull_off,
     over_net,
 )
-from contactstudy.accuracy.coarser import (
-    DiscretisationErrors,
-    coarse_solution,
-    comparable,
-)
+from contactstudy.accuracy.coarser import DiscretisationErrors, coarse_solution, comparable
 from contactstudy.accuracy.error_terms import (
     IMAGES_REMEDY,
     L1_OVER_NARROWING,
@@ -217,10 +213,7 @@ NO_RETARDED_IMAGES = (
 
 
 def error_estimate(
-    solution: Solution,
-    *,
-    coarse: Solution | None = None,
-    heights: HiddenHeights | None = None,
+    solution: Solution, *, coarse: Solution | None = None, heights: HiddenHeights | None = None
 ) -> ErrorEstimate:
     """Return the estimated errors of `solution`, by quantity and by cause.
 

@@ -293,11 +293,7 @@ def _off_lines(problem: Problem) -> tuple[Array, Array, Array]:
     assert source is not None
     assert problem.paddings is not None
     heights = getattr(source, "gap_without_scales", source.gap)
-    missed, squares, lowest = (
-        np.zeros(grid.cells),
-        np.zeros(grid.cells),
-        np.full(grid.cells, np.inf),
-    )
+    missed, squares, lowest = (np.zeros(grid.cells), np.zeros(grid.cells), np.full(grid.cells, np.inf))
     if heights(grid).shape[1] == 1:  # the lines across have examined it
         return missed, missed, missed
     centres = np.broadcast_to(heights(grid), grid.cells)

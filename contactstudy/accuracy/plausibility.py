@@ -17,13 +17,7 @@ from contactstudy.problem.problem import Field
 from contactstudy.scene.scene import PosedScene, Scene, scene_of
 from contactstudy.scene.shapes.roller import Crown, EndRelief, LundbergProfile, ProfilePoints
 from contactstudy.scene.shapes.shape import curvatures_of, length_scales_of
-from contactstudy.scene.solids.bodies import (
-    Body,
-    HalfSpace,
-    in_part,
-    is_layered,
-    modulus_at_own_width,
-)
+from contactstudy.scene.solids.bodies import Body, HalfSpace, in_part, is_layered, modulus_at_own_width
 from contactstudy.scene.solids.free_faces import FreeFaces
 from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.solve import SolveOptions, solve_contact
@@ -324,10 +318,7 @@ def _beyond_varying_strength(solution: Solution, number: int, body: Any, shear: 
     largest = (solution.peak_pressure + 2 * shear) * max(moduli) / min(moduli)
     if parts and largest < min(min(one.yield_stress, one.hardness) for _, one, *_ in parts):
         return ""
-    from contactstudy.scene.stress import (
-        SubsurfaceStress,
-        von_mises,
-    )  # imported only where it is needed
+    from contactstudy.scene.stress import SubsurfaceStress, von_mises  # imported only where it is needed
 
     problem = solution.problem
     assert problem.paddings is not None

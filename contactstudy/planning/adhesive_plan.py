@@ -4,11 +4,7 @@ from dataclasses import replace
 from math import sqrt
 
 from contactstudy.domain.grid import Grid, Padding, Paddings
-from contactstudy.planning.grid_requirements import (
-    GridRequirements,
-    grid_requirements,
-    halvable_count,
-)
+from contactstudy.planning.grid_requirements import GridRequirements, grid_requirements, halvable_count
 from contactstudy.planning.planned import Plan, memory
 from contactstudy.planning.refinement import first_grids, with_width
 from contactstudy.planning.transient_requirements import TransientRequirements

@@ -187,12 +187,7 @@ def _plan_static(
         bytes=needed,
         period_check=requirements.period_check(grid.length),
         reasons=(*requirements.reasons(grid), *reasons),
-        warnings=(
-            *of_grid,
-            *filter(None, (beyond_half_space(scene),)),
-            *left_out(scene.shapes, grid),
-            *warnings,
-        ),
+        warnings=(*of_grid, *filter(None, (beyond_half_space(scene),)), *left_out(scene.shapes, grid), *warnings),
         device=device,
     )
 

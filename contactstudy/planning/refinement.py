@@ -20,11 +20,7 @@ from contactstudy.domain.grid import Grid, Padding, Paddings, on_cells
 from contactstudy.domain.imports import loaded
 from contactstudy.domain.reuse import cache_of, caching
 from contactstudy.planning.grid_requirements import CONSTANTS as GRID
-from contactstudy.planning.grid_requirements import (
-    GridRequirements,
-    halvable_count,
-    with_requirements,
-)
+from contactstudy.planning.grid_requirements import GridRequirements, halvable_count, with_requirements
 from contactstudy.scene.scene import Scene
 from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.solve import SolveOptions, solve_contact
@@ -83,10 +79,7 @@ MOST_CELLS = 2_000_000
 # Causes of the error other than the cells, in words, and their remedies.
 OTHER_CAUSES = {
     "images": ("the images that the padding omits contribute", IMAGES_REMEDY),
-    "range": (
-        "the range of the attraction that the grid chooses contributes",
-        "give Adhesion.range, or finer cells",
-    ),
+    "range": ("the range of the attraction that the grid chooses contributes", "give Adhesion.range, or finer cells"),
     "residual": ("the residual of the solver contributes", "give a smaller tolerance"),
 }
 
@@ -198,14 +191,7 @@ def solve_to(
     """
     scene, requirements = with_requirements(scene, padding, period)
     refinement = GridRefinement(
-        scene,
-        requirements,
-        error,
-        period,
-        options or SolveOptions(),
-        device,
-        most_cells,
-        progress,
+        scene, requirements, error, period, options or SolveOptions(), device, most_cells, progress
     )
     last = refinement.solve_levels(start=start)[-1]
     reason = refinement.reason_not_met(last) if last.bound > error else ""

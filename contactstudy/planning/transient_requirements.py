@@ -191,11 +191,7 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
     # forces in time do not change the grid, and belong to loads of other times
     friction = None if getattr(scene.friction, "times", None) else scene.friction
     elastic = replace(
-        scene.under(scene.largest_load),
-        solids=instantaneous(scene.solids),
-        wear=None,
-        rolling=None,
-        friction=friction,
+        scene.under(scene.largest_load), solids=instantaneous(scene.solids), wear=None, rolling=None, friction=friction
     )
     start = getattr(scene.load, "start", 0.0)
     ends = [history.end for history in scene.histories]

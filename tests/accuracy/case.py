@@ -51,12 +51,7 @@ class Finer:
             problem = case.scene.problem(grid, self.padding)
         solution = cs.solve(problem, tolerance=self.tolerance)
         blocks = solution.pressure.reshape(nx, kx, ny, ky).mean(axis=(1, 3))
-        return Truth(
-            blocks,
-            float(solution.pressure.max()),
-            touching_fraction(solution),
-            solution.mean_gap,
-        )
+        return Truth(blocks, float(solution.pressure.max()), touching_fraction(solution), solution.mean_gap)
 
 
 @dataclass(frozen=True)

@@ -10,16 +10,7 @@ import contactstudy as cs
 from contactstudy.analytic import Westergaard
 from contactstudy.domain.fields import Array
 from studies.reference.line_contact import HERTZ, HERTZ_HEIGHT, P_H, SCENE, A
-from tests.accuracy.case import (
-    EXACT,
-    FREE,
-    MODULUS,
-    AccuracyCase,
-    ClosedForm,
-    Finer,
-    Pressure,
-    scene,
-)
+from tests.accuracy.case import EXACT, FREE, MODULUS, AccuracyCase, ClosedForm, Finer, Pressure, scene
 
 STEEL = SCENE.solids
 
@@ -128,10 +119,7 @@ def full() -> Iterator[AccuracyCase]:
         ((36, 36), 0.25, 1, 1), ((50, 80), 0.4, 2, 1), ((96, 64), 0.3, 1, 2), ((48, 1), 0.35, 2, 0),
     ):  # fmt: skip
         wave = 2 * pi / length * np.hypot(across, along)
-        height, lengths = (
-            2 * fraction * mean / (MODULUS * wave),
-            (length / across, length / along if along else inf),
-        )
+        height, lengths = (2 * fraction * mean / (MODULUS * wave), (length / across, length / along if along else inf))
         shape = cs.Waviness(height, across=lengths[0], along=lengths[1])
         phase = 2 * pi / length
         pressure = _flat(mean, fraction, phase * across, phase * along)

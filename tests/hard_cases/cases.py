@@ -116,11 +116,4 @@ def _solver() -> dict[str, HardCase]:
     }
 
 
-CASES: dict[str, HardCase] = {
-    **NAMED,
-    **_discretisation(),
-    **_load(),
-    **_material(),
-    **_surface(),
-    **_solver(),
-}
+CASES: dict[str, HardCase] = {**NAMED, **_discretisation(), **_load(), **_material(), **_surface(), **_solver()}

@@ -38,12 +38,7 @@ class DenseAnswer:
     error: float
 
 
-def answer(
-    scene: cs.Scene,
-    grid: cs.Grid,
-    paddings: cs.Paddings,
-    solution: cs.Solution,
-) -> DenseAnswer:
+def answer(scene: cs.Scene, grid: cs.Grid, paddings: cs.Paddings, solution: cs.Solution) -> DenseAnswer:
     """Return the pressure that meets all conditions of contact to rounding, by pivoting from `solution`.
 
     Source: Hintermüller, Ito & Kunisch (2003), Algorithm 2.1, for two limits.
@@ -133,12 +128,7 @@ def _coefficients(x: Array, y: Array, grid: cs.Grid, paddings: cs.Paddings, datu
     if along.window is None:
         shift = 2 * dx * dy / period * np.log(datum)
         return _images(lambda a: shift + boussinesq_cell_periodic(a, y, dx, dy, period), across, x, width)
-    return _images(
-        lambda a: _images(lambda b: boussinesq_cell(a, b, dx, dy), along, y, period),
-        across,
-        x,
-        width,
-    )
+    return _images(lambda a: _images(lambda b: boussinesq_cell(a, b, dx, dy), along, y, period), across, x, width)
 
 
 def _images(at: Callable[[Array], Array], padding: cs.Padding, d: Array, period: float) -> Array:

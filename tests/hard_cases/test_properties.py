@@ -41,9 +41,7 @@ solvers = st.sampled_from(list(SOLVERS.values()))
 
 @EXAMPLES
 @given(problems())
-def test_the_pressure_is_within_its_stated_error(
-    posed: tuple[cs.Scene, cs.Grid, cs.Padding | cs.Paddings],
-) -> None:
+def test_the_pressure_is_within_its_stated_error(posed: tuple[cs.Scene, cs.Grid, cs.Padding | cs.Paddings]) -> None:
     scene, on, padding = posed
     solution = cs.solve(scene.problem(on, padding), tolerance=TOLERANCE)
     unit = solution.problem.scales.pressure

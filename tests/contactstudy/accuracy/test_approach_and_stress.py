@@ -121,9 +121,7 @@ def test_the_approach_has_no_bound_where_images_are_left_out(line_contact: LineC
     assert "ExactPeriodicity" in found.reason
 
 
-def test_at_a_given_approach_nothing_has_a_bound_where_images_are_left_out(
-    line_contact: LineContact,
-) -> None:
+def test_at_a_given_approach_nothing_has_a_bound_where_images_are_left_out(line_contact: LineContact) -> None:
     """The load is 0.74 of that with all images with ten, and 1.5 times as high with one."""
     scene = replace(line_contact.scene, load=cs.Approach(2e-6))
     grid = line_contact.grid((96, 1), 1.0, width=8.0)

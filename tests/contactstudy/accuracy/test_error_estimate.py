@@ -179,9 +179,7 @@ def test_the_bound_holds_under_soft_and_stiff_coatings(ratio: float, wide: float
 def jkr_line(load: float, work: float, modulus: float, radius: float, edges: Array) -> tuple[float, Array]:
     """Return half-width and forces between `edges` of a cylinder with adhesion (Barquins 1988)."""
     half = brentq(
-        lambda a: pi * modulus * a**2 / (4 * radius) - math.sqrt(2 * pi * modulus * a * work) - load,
-        1e-5,
-        1e-2,
+        lambda a: pi * modulus * a**2 / (4 * radius) - math.sqrt(2 * pi * modulus * a * work) - load, 1e-5, 1e-2
     )
     t = np.clip(edges / half, -1, 1)
     hertz = modulus * half**2 / (4 * radius) * (t * np.sqrt(1 - t**2) + np.arcsin(t))
@@ -303,9 +301,7 @@ def test_the_load_of_bodies_that_only_attract_has_the_bound_of_the_attraction() 
 
 
 @pytest.mark.parametrize("hardness", [5e8, 5e9])
-def test_a_hardness_caps_what_an_adhesive_contact_transmits_and_its_peak_pressure_is_that(
-    hardness: float,
-) -> None:
+def test_a_hardness_caps_what_an_adhesive_contact_transmits_and_its_peak_pressure_is_that(hardness: float) -> None:
     steel = cs.HalfSpace(210e9, 0.3, hardness=hardness)
     scene = cs.Scene(cs.LineLoad(1e5), (steel, steel), (cs.Cylinder(0.01),), adhesion=cs.Adhesion(2000.0, 1e-6))
     grid = cs.Grid((192, 1), (1.2e-3, 1e-3))
@@ -339,9 +335,7 @@ def test_the_pull_off_of_a_surface_that_is_pressed_flat_has_no_limit() -> None:
 
 
 @pytest.mark.parametrize("approach", [-4.0, 3.0])
-def test_the_load_at_a_given_approach_has_a_part_for_the_range_that_the_grid_chooses(
-    approach: float,
-) -> None:
+def test_the_load_at_a_given_approach_has_a_part_for_the_range_that_the_grid_chooses(approach: float) -> None:
     unit = (0.1 * 0.01**2 * (1 - 0.49**2) / (pi * 1e6)) ** (1 / 3)
     branch = "from full contact" if approach < 0 else "from afar"
     load = cs.Approach(approach * unit**2 / 0.01, datum=16 * unit)

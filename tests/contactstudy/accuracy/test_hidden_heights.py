@@ -188,9 +188,7 @@ def test_the_peak_at_an_apex_is_bounded_by_all_rises_to_come(
     assert limit / peak - 1 <= error_estimate(coarse).peak_pressure.total < 0.6
 
 
-def test_hidden_heights_weigh_less_where_a_step_of_wear_softens_the_contact(
-    line_contact: LineContact,
-) -> None:
+def test_hidden_heights_weigh_less_where_a_step_of_wear_softens_the_contact(line_contact: LineContact) -> None:
     """Bodies wear under a pressure as if each cell had a soft layer, under which waves are flat at less pressure."""
     grid = line_contact.grid((96, 1), 1.0, width=3.0)
     wave = cs.Waviness(1e-8, across=4 * grid.cell_size[0])

@@ -16,9 +16,7 @@ def solved(line_contact: LineContact, cells: tuple[int, int], period: float, pad
 
 
 @pytest.mark.parametrize(
-    "padding",
-    [cs.DuplicatedPadding(), cs.CircularSuperposition(1), cs.CircularSuperposition(5)],
-    ids=str,
+    "padding", [cs.DuplicatedPadding(), cs.CircularSuperposition(1), cs.CircularSuperposition(5)], ids=str
 )
 def test_uniform_window_s_error_is_found_to_second_order(padding: cs.Padding, line_contact: LineContact) -> None:
     for period in (2.4, 4.8):
@@ -57,11 +55,7 @@ def test_images_left_out_beside_a_roller_that_ends_are_bounded(
 
 
 @pytest.mark.parametrize(("period", "width"), [(0.3, 2.05), (3.0, 8.0), (10.0, 2.4)])
-@pytest.mark.parametrize(
-    "padding",
-    [cs.CircularSuperposition(0), cs.Superposition(2), FREE],
-    ids=str,
-)
+@pytest.mark.parametrize("padding", [cs.CircularSuperposition(0), cs.Superposition(2), FREE], ids=str)
 def test_every_number_of_a_contact_that_lacks_images_is_within_its_bound(
     padding: cs.Padding, period: float, width: float, line_contact: LineContact
 ) -> None:

@@ -40,18 +40,14 @@ def of_strength(contact: LineContact, **strength: float) -> list[str]:
     return [one for one in solution.error.warnings if one.startswith("The peak")]
 
 
-def test_a_pressure_beyond_the_hardness_of_a_body_is_said_with_the_remedy(
-    line_contact: LineContact,
-) -> None:
+def test_a_pressure_beyond_the_hardness_of_a_body_is_said_with_the_remedy(line_contact: LineContact) -> None:
     (warning,) = of_strength(line_contact, hardness=0.5, yield_stress=0.2)
     assert "2 times the hardness of Scene.solids[0]" in warning
     assert "give Scene.hardness, or a body that yields" in warning
     assert of_strength(line_contact, hardness=1.1) == []
 
 
-def test_a_pressure_beyond_first_yield_is_said_with_the_load_of_first_yield(
-    line_contact: LineContact,
-) -> None:
+def test_a_pressure_beyond_first_yield_is_said_with_the_load_of_first_yield(line_contact: LineContact) -> None:
     (warning,) = of_strength(line_contact, yield_stress=0.5)
     load = line_contact.scene.largest_load * (0.5 / 0.5577) ** 2
     assert f"first yields in a smooth line contact at {load / 1e3:.3g} N/mm" in warning

@@ -29,9 +29,7 @@ def test_a_planned_smooth_contact_meets_its_error(error: float, line_contact: Li
     assert error / 8 < np.abs(solution.pressure - exact).sum() / exact.sum() < 2 * error
 
 
-def test_images_that_a_padding_omits_are_in_the_error_of_its_plan(
-    line_contact: LineContact,
-) -> None:
+def test_images_that_a_padding_omits_are_in_the_error_of_its_plan(line_contact: LineContact) -> None:
     request = {"error": 1e-3, "period": 5 * line_contact.hertz.half_width}
     few = cs.plan(line_contact.scene, **request, padding=cs.Superposition(1))
     solved = cs.solve(line_contact.scene, **request, padding=cs.Superposition(1)).error.l1
@@ -89,11 +87,7 @@ def test_a_plan_of_a_film_counts_the_steps_that_are_given() -> None:
 
 def test_a_plan_says_which_texture_has_a_sharp_edge(line_contact: LineContact) -> None:
     a, gap = line_contact.hertz.half_width, line_contact.hertz.half_width**2 / 0.01 / 2
-    for profile, is_sharp in (
-        ("parabolic", True),
-        ("flat", True),
-        ("cosine", False),
-    ):
+    for profile, is_sharp in (("parabolic", True), ("flat", True), ("cosine", False)):
         groove = cs.Groove(0.1 * gap, 0.2 * a, profile)
         scene = line_contact.with_shapes(cs.Texture(groove, (0.4 * a, inf)))
         assert any("sharp edge" in said for said in cs.plan(scene, error=0.03).warnings) == is_sharp
@@ -190,9 +184,7 @@ def test_a_film_is_planned_on_the_padding_that_is_given() -> None:
             cs.plan(films.by_moes(20, 2), padding=refused)
 
 
-def test_a_measured_surface_is_solved_on_its_own_points_unless_an_error_is_asked_for(
-    line_contact: LineContact,
-) -> None:
+def test_a_measured_surface_is_solved_on_its_own_points_unless_an_error_is_asked_for(line_contact: LineContact) -> None:
     a = line_contact.hertz.half_width
     surface = cs.MeasuredSurface(1e-8 * np.random.default_rng(0).standard_normal((60, 40)), extent=(6 * a, 4 * a))
     found = cs.plan(line_contact.with_shapes(surface))

@@ -37,11 +37,7 @@ def test_a_plan_is_wide_enough_for_the_end_and_keeps_to_its_error() -> None:
         # of another program, Q / (mu P) = 0.6
         (cs.Fretting(0.3, (0.0, 0.18, -0.18), times=(0.0, 1.0, 2.0)), ONE, 1.2214),
         # Q / (mu P) = 0.9 at the smallest load, between the instants of the forces; sinh(4.5) / 4.5 = 10
-        (
-            cs.Fretting(0.3, (0.054, 0.054), times=(0.0, 1.0)),
-            cs.SineLoad(0.6, 0.4, 1.0),
-            0.1**0.5 * cosh(2.25),
-        ),
+        (cs.Fretting(0.3, (0.054, 0.054), times=(0.0, 1.0)), cs.SineLoad(0.6, 0.4, 1.0), 0.1**0.5 * cosh(2.25)),
         # a^3 = 1.5 R k s P of 200 half cycles, beyond Hertz's
         pytest.param(
             cs.Fretting(0.3, displacements=(3.0, -3.0), times=(0.0, 100.0), period=1.0),

@@ -6,7 +6,6 @@ from math import inf, log, prod
 from time import process_time
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from contactstudy.accuracy.bound import SHARP_EDGE
@@ -60,8 +59,6 @@ class ForecastConstants:
         Largest factor on the cells of a contact with adhesion, whose cohesive zone coarse cells do not hold.
     progress_powers
         Least and largest power of the seconds with which the fraction that is done is expected to grow.
-    orders
-        Least and largest order of convergence that is expected of scenes that change in time or roll.
     most_error
         Largest error to which a coarse film is solved.
     """
@@ -77,7 +74,6 @@ class ForecastConstants:
     powers: tuple[float, float] = (0.3, 2.5)
     coarsest_with_adhesion: int = 2
     progress_powers: tuple[float, float] = (0.75, 4.0)
-    orders: tuple[float, float] = (1.0, 1.5)
     most_error: float = 0.3
 
 
@@ -142,7 +138,6 @@ def plan(
         reason = f"seconds: unknown, since {refused}"
         return replace(planned, seconds=inf, reasons=(*planned.reasons, reason))
     last, seconds, reason = request.end(levels)
-    reasons, warnings = request.said_of(levels)
     found = planned
     if last != planned.grid:  # what is said of the last grid, and its bytes
         found = plan_grid(planned.scene, error=error, grid=last, padding=padding, times=times, device=device)
@@ -158,8 +153,8 @@ def plan(
         error=planned.error if scene.lubrication else request.error_on(last, levels),
         seconds=seconds / request.speedup,
         solves=solves if solves and scene.method is not methods.STATIC else planned.solves,
-        reasons=(*found.reasons, *reasons, reason),
-        warnings=(*found.warnings, *warnings),
+        reasons=(*found.reasons, reason),
+        warnings=(*found.warnings, *request.warnings_of(levels)),
     )
 
 
@@ -262,19 +257,14 @@ class _Request:
 
     def first_levels(self, first: FirstGrids) -> list[Level]:
         """Return the solves of a static contact with which its own begins, the last one with its stress."""
-        levels = [
-            Level(
-                level.grid,
-                level.seconds,
-                0,
-                contact_answer(level.solution, estimate=level.estimate, requested=self.error),
-            )
-            for level in first.levels
-        ]
+        levels = []
+        for one in first.levels:
+            answer = contact_answer(one.solution, estimate=one.estimate, requested=self.error)
+            levels.append(Level(one.grid, one.seconds, 0, answer))
         begin = process_time()
         len(levels[-1].answer.quantities)
-        last = replace(levels[-1], seconds=levels[-1].seconds + process_time() - begin)
-        return [*levels[:-1], last]
+        levels[-1] = replace(levels[-1], seconds=levels[-1].seconds + process_time() - begin)
+        return levels
 
     def error_on(self, grid: Grid, levels: list[Level]) -> float:
         """Return the error of the pressure to expect on a grid, without that of steps in time; infinite if not known."""
@@ -291,44 +281,33 @@ class _Request:
         if "discretisation" in parts:
             coarser = prod(last.grid.cells) / prod(grid.cells)
             axes = 1 if grid.cells[1] == 1 else 2
-            parts["discretisation"] *= coarser ** (order_of(solved) / axes)
+            parts["discretisation"] *= coarser ** (REFINEMENT.order / axes)
         return parts
 
-    def said_of(self, levels: list[Level]) -> tuple[tuple[str, ...], tuple[str, ...]]:
-        """Return reasons and warnings that follow from the last solve."""
-        answer, hertz = levels[-1].answer, self.scene.hertz
+    def warnings_of(self, levels: list[Level]) -> tuple[str, ...]:
+        """Return warnings that follow from the last solve."""
+        answer = levels[-1].answer
         if answer is None or self.scene.lubrication is not None:
-            return (), ()
-        reasons, warnings = [], [text for text in answer.error.warnings if SHARP_EDGE in text]
-        grid, width = answer.grid, answer.grid.extent[0]
-        touching = answer.pressure.reshape(-1, *grid.cells).any(axis=(0, 2))
-        if hertz is not None and touching.any():
-            half_width = np.abs(grid.x[touching]).max() + grid.cell_size[0] / 2
-            reasons.append(
-                f"contact: within {half_width / hertz.half_width:.3g} half-widths of Hertz, on {cells_text(grid.cells)}."
-            )
-            if touching[0] or touching[-1]:
-                requirements = grid_requirements(self.scene)
-                known = requirements.known_width
-                wider = max(REFINEMENT.widening * width, requirements.width_of_contact)
-                remedy = "give a width of "
-                if wider > known:
-                    remedy = (
-                        f"the surface is known over {readable(known)} only; give a smaller load, or a surface as wide "
-                        "as "
-                    )
-                warnings.append(
-                    f"Grid.extent[0] is {readable(width)}: the contact is wider, {remedy}{readable(wider)}."
-                )
-        parts = answer.error.l1.by_cause
-        least = min(self.target or inf, parts.get("discretisation", inf))
+            return ()
+        warnings = [text for text in answer.error.warnings if SHARP_EDGE in text]
+        width, parts = answer.grid.extent[0], answer.error.l1.by_cause
         if answer.status is Status.CONTACT_AT_EDGE:
             parts = {}  # which has no bound, whatever its causes
+        touching = answer.pressure.reshape(-1, *answer.grid.cells).any(axis=(0, 2))
+        if self.scene.hertz is not None and (touching[0] or touching[-1]):
+            requirements = grid_requirements(self.scene)
+            known, wider = requirements.known_width, max(REFINEMENT.widening * width, requirements.width_of_contact)
+            remedy = "give a width of "
+            if wider > known:
+                only = f"the surface is known over {readable(known)} only"
+                remedy = f"{only}; give a smaller load, or a surface as wide as "
+            warnings.append(f"Grid.extent[0] is {readable(width)}: the contact is wider, {remedy}{readable(wider)}.")
+        least = min(self.target or inf, parts.get("discretisation", inf))
         for cause, (sentence, remedy) in OTHER_CAUSES.items():
             if (part := parts.get(cause, 0.0)) > least:
                 amount = "an amount not known" if part == inf else f"{100 * part:.2g} %"
                 warnings.append(f"plan.error: {sentence} {amount} to the error, {remedy}.")
-        return tuple(reasons), tuple(warnings)
+        return tuple(warnings)
 
     def levels(self) -> list[Level]:
         """Return solves on ever finer grids, up to the planned one, as long as their seconds allow.
@@ -417,16 +396,6 @@ class _Request:
         wider = found.extent[0] / first.extent[0]
         across = round(planned.cells[0] * found.cells[0] / first.cells[0])
         return Grid((across, planned.cells[1]), (planned.extent[0] * wider, planned.length))
-
-
-def order_of(solved: list[Level]) -> float:
-    """Return the order of convergence of the error by the cells, from the last two levels that are solved."""
-    cells = [level.grid.cells[0] for level in solved[-2:]]
-    errors = [level.answer.error.l1.discretisation or 0.0 for level in solved[-2:]]
-    order = sum(CONSTANTS.orders) / 2
-    if len(cells) > 1 and cells[1] > cells[0] and 0 < errors[1] < errors[0] < inf:
-        order = log(errors[0] / errors[1]) / log(cells[1] / cells[0])
-    return min(max(order, CONSTANTS.orders[0]), CONSTANTS.orders[1])
 
 
 class _TimeLimitReached(Exception):

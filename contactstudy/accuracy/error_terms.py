@@ -10,7 +10,7 @@ from contactstudy.domain.checks import NotDefined
 from contactstudy.domain.device import Precision
 from contactstudy.domain.errors import ErrorParts
 from contactstudy.domain.fields import MIN_COMPILED_CELLS, Array, in_blocks, inner
-from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
+from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.domain.units import readable
 from contactstudy.problem.constraint import cell_violation
 from contactstudy.scene.scene import PosedScene, scene_of
@@ -83,12 +83,6 @@ def image_errors(pressure: Array, grid: Grid, paddings: Paddings, *, ends_along:
     narrowing = margin * _narrowing(half_width, period, pressure.shape[1], along)
     peak, mean = _end_errors(pressure, along, half_width / period)
     return float((1 + narrowing) * (1 + peak) - 1), float(L1_OVER_NARROWING * narrowing + mean)
-
-
-def with_all_images(paddings: Paddings) -> Paddings:
-    """Return `paddings` with infinitely many images along the axis whose errors :func:`image_errors` finds."""
-    across, along = paddings
-    return (ExactPeriodicity(), along) if _counts_images(across) else (across, ExactPeriodicity())
 
 
 def _counts_images(padding: Padding) -> bool:

@@ -26,14 +26,13 @@ from contactstudy.accuracy.error_terms import (
     range_warning,
     residual_errors,
     root_of_pull_off,
-    with_all_images,
 )
 from contactstudy.accuracy.hidden_heights import HiddenHeights
 from contactstudy.accuracy.plausibility import beyond_strength, implausible
 from contactstudy.domain.checks import NotDefined
 from contactstudy.domain.errors import MARGIN, ErrorEstimate, ErrorParts
 from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid, Paddings
+from contactstudy.domain.grid import Grid
 from contactstudy.domain.reuse import cache_of, caching
 from contactstudy.scene.scene import scene_of
 from contactstudy.scene.shapes_source import left_out, standing_heights
@@ -50,6 +49,7 @@ NO_DATUM = (
 )
 ZERO_APPROACH = "No bound for the approach: it is zero, and its error is relative to it."
 TOO_FEW_CELLS = "No bound for the stress: too few cells in contact are neighbours, give more cells."
+NO_STRESS_OF_IMAGES = f"No bound for the stress: that of the images that the padding leaves out lacks, {IMAGES_REMEDY}."
 NO_STRESS_LIMIT = (
     "No bound for the stress: in the JKR limit it grows without limit towards the edges of the contact, give "
     "Adhesion.range."
@@ -99,10 +99,9 @@ def stress_error(solution: Solution, von_mises: Array, depths: Array, estimate: 
     """Return the relative error of largest stresses that their changes between grids do not show.
 
     The error of the peak pressure counts at the surface, where it has no bound by as much as the peak itself, and falls
-    like the stress of a wave of two cells along the axis with the longer ones (Johnson 1985, sect. 13.2). Images that
-    the padding leaves out lack with their own stress. The error is infinite, with the reason, where too few cells in
-    contact are neighbours, where the grid cuts the contact off, and where the range of an attraction was chosen for the
-    grid.
+    like the stress of a wave of two cells along the axis with the longer ones (Johnson 1985, sect. 13.2). It is
+    infinite, with the reason, where too few cells in contact are neighbours, where the grid cuts the contact off, where
+    images are left out, whose own stress lacks, and where the range of an attraction was chosen for the grid.
 
     Parameters
     ----------
@@ -119,6 +118,8 @@ def stress_error(solution: Solution, von_mises: Array, depths: Array, estimate: 
         return ErrorParts(discretisation=inf, reason=TOO_FEW_CELLS)
     if solution.status is Status.CONTACT_AT_EDGE:
         return ErrorParts(discretisation=inf, reason=next(iter(estimate.warnings), ""))
+    if estimate.l1.images:
+        return ErrorParts(images=inf, reason=NO_STRESS_OF_IMAGES)
     if solution.regularised:
         return ErrorParts(range=inf, reason=NO_STRESS_LIMIT)
     grid, largest = solution.problem.grid, von_mises.max(axis=(1, 2))
@@ -126,13 +127,7 @@ def stress_error(solution: Solution, von_mises: Array, depths: Array, estimate: 
     peak = min(estimate.peak_pressure.total, 1.0)
     decay = np.pi * depths / _longest_cell(grid)
     at_depths = largest * (1 + peak * (1 + decay) * np.exp(-decay))
-    cells, images = float(at_depths.max() / largest.max()) - 1, 0.0
-    if estimate.l1.images:
-        assert solution.problem.paddings is not None
-        every_image = with_all_images(solution.problem.paddings)
-        whole = [_largest_at(solution, float(depth), every_image) for depth in depths]
-        images = float(np.abs(whole - largest).max() / largest.max())
-    return ErrorParts(images, cells)
+    return ErrorParts(discretisation=float(at_depths.max() / largest.max()) - 1)
 
 
 def unbounded_by_peak(estimate: ErrorEstimate, depths: Array, grid: Grid) -> ErrorParts | None:
@@ -174,21 +169,6 @@ def interface_shear(stress: Array) -> Array:
 def _longest_cell(grid: Grid) -> float:
     """Return the longer side [m] of a cell, along axes of several cells."""
     return max(size for size, count in zip(grid.cell_size, grid.cells, strict=True) if count > 1)
-
-
-def _largest_at(solution: Solution, depth: float, paddings: Paddings) -> float:
-    """Return the largest von Mises stress [Pa] at a `depth` [m] in the first body with one, with other `paddings`."""
-    from contactstudy.scene.stress import (  # imported only where it is named
-        SubsurfaceStressOperator,
-        von_mises,
-    )
-
-    outputs = solution.problem.outputs
-    operator = next(each for each in outputs if isinstance(each, SubsurfaceStressOperator))
-    below = replace(operator, depths=(depth,), paddings=paddings)
-    if solution.traction is not None:
-        below = below.with_shear(solution.traction.shear, solution.traction.bulk)
-    return float(von_mises(below(solution.net_pressure)[:, 0]).max())
 
 
 # Relative change of an attraction that its last outer iteration may leave at least, and the largest one from cells of

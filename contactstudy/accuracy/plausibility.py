@@ -10,15 +10,14 @@ from numpy.typing import NDArray
 
 from contactstudy.analytic import first_yield, first_yield_of_ball
 from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.fields import BLOCK_CELLS, Array
+from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import ExactPeriodicity
 from contactstudy.domain.units import readable
 from contactstudy.problem.problem import Field
-from contactstudy.scene.scene import PosedScene, Scene, scene_of
+from contactstudy.scene.scene import Scene, scene_of
 from contactstudy.scene.shapes.roller import Crown, EndRelief, LundbergProfile, ProfilePoints
 from contactstudy.scene.shapes.shape import curvatures_of, length_scales_of
 from contactstudy.scene.solids.bodies import Body, HalfSpace, in_part, is_layered, modulus_at_own_width
-from contactstudy.scene.solids.free_faces import FreeFaces
 from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
@@ -128,33 +127,19 @@ PROFILES = Crown, LundbergProfile, EndRelief, ProfilePoints
 
 
 def end_of_half_space(solution: Solution) -> str:
-    """Return a sentence if a roller's ends carry more than its middle without free faces, else ``""``.
-
-    It says by how much free faces lower the pressure there, where the contact is quickly solved with them.
-    """
-    problem, posed = solution.problem, solution.problem.description
-    if not isinstance(posed, PosedScene) or problem.source is None or not problem.source.ends_along:
+    """Return a sentence if a roller's ends carry more than its middle without free faces, else ``""``."""
+    if (roller := _roller_of(solution)) is None:
         return ""
-    scene, length = posed.scene, posed.scene.roller_length
-    on_roller = problem.covered_fractions
-    rows = np.arange(problem.grid.cells[1]) if on_roller is None else np.flatnonzero(on_roller)
+    scene, rows = roller
     middle = solution.pressure[:, rows[len(rows) // 2]].max()
-    if scene.free_length < np.inf or length is None or _at_ends(solution.pressure, rows) <= middle:
+    if scene.free_length < np.inf or solution.pressure[:, rows[[0, -1]]].max() <= middle:
         return ""
     number = next(number for number, body in enumerate(scene.solids) if body.compliance)
-    key = f'free_faces = "{readable(length)}" of Scene.solids[{number}]'
-    remedy = f"{key} ends the body too"
-    if solution.pressure.size <= MOST_CELLS:
-        try:
-            ended = FreeFaces(scene.solids[number], length)  # type: ignore[arg-type]
-            solids = (ended, scene.solids[1]) if number == 0 else (scene.solids[0], ended)
-            with_faces = replace(scene, solids=solids, outputs=()).problem(problem.grid, posed.padding)
-            softer = solve_contact(with_faces, SolveOptions(TOLERANCE), solution.pressure)
-            lower = _at_ends(softer.pressure, rows) / _at_ends(solution.pressure, rows)
-            remedy = f"with {key} it is {1 - lower:.0%} lower on this grid"
-        except InvalidInput:  # an effect of the scene that is not computed with them
-            remedy = f"{remedy}, where its other effects allow it"
-    return f"A roller's end is stiffer as a part of a half-space, and its pressure an upper estimate: {remedy}."
+    key = f'free_faces = "{readable(scene.roller_length or 0.0)}" of Scene.solids[{number}]'
+    return (
+        f"A roller's end is stiffer as a part of a half-space, and its pressure an upper estimate: {key} ends the body "
+        "too, where its other effects allow it."
+    )
 
 
 def unrelieved_ends(solution: Solution) -> str:
@@ -163,28 +148,26 @@ def unrelieved_ends(solution: Solution) -> str:
     The suggested drop is that of the profile which Lundberg (1939) makes for the load and the length, or one and a half
     or more times as large where a solve with it finds that the ends still carry more.
     """
-    problem, posed = solution.problem, solution.problem.description
-    if not isinstance(posed, PosedScene) or problem.source is None or not problem.source.ends_along:
+    if (roller := _roller_of(solution)) is None:
         return ""
-    scene, hertz, length = posed.scene, posed.scene.hertz, posed.scene.roller_length
-    scales = length_scales_of(scene.shapes)
-    if hertz is None or length is None or any(each.height for each in scales):
+    scene, rows = roller
+    hertz, length, paddings = scene.hertz, scene.roller_length, solution.problem.paddings
+    is_rough = any(each.height for each in length_scales_of(scene.shapes))
+    if hertz is None or length is None or paddings is None or is_rough:
         return ""
-    on_roller = problem.covered_fractions
-    rows = np.arange(problem.grid.cells[1]) if on_roller is None else np.flatnonzero(on_roller)
     excess = _excess(solution.pressure, rows)
     if excess <= RELIEVED or length < 2 * hertz.half_width or solution.pressure.size > MOST_CELLS:
         return ""
     said = f"The ends carry up to {excess:.2f} times as much as the rest of the roller"
     even = LundbergProfile.for_load(
         hertz.load_per_length, contact_modulus=hertz.contact_modulus, radius=hertz.radius, length=length
-    )  # fmt: skip
+    )
     kept = tuple(shape for shape in scene.shapes if not isinstance(shape, PROFILES))
     for part in PARTS:
         amplitude, drop = part * even.amplitude, part * even.end_drop
         shapes = (*kept, LundbergProfile(amplitude, drop, length))
         try:
-            problem = replace(scene, shapes=shapes, outputs=()).problem(posed.grid, posed.padding)
+            problem = replace(scene, shapes=shapes, outputs=()).problem(solution.problem.grid, paddings)
             relieved = solve_contact(problem, SolveOptions(TOLERANCE))
         except InvalidInput:  # an effect of the scene that is not computed with it
             break
@@ -198,17 +181,21 @@ def unrelieved_ends(solution: Solution) -> str:
     return f"{said}, and Lundberg's profile for this load does not relieve them: lower the load or the tilt."
 
 
+def _roller_of(solution: Solution) -> tuple[Scene, NDArray[np.intp]] | None:
+    """Return the scene and the rows along y of a roller of a known length that ends; None of another contact."""
+    problem, scene = solution.problem, scene_of(solution.problem)
+    if scene is None or scene.roller_length is None or problem.source is None or not problem.source.ends_along:
+        return None
+    lengths = problem.covered_fractions
+    return scene, np.arange(problem.grid.cells[1]) if lengths is None else np.flatnonzero(lengths)
+
+
 def _excess(pressure: Array, rows: NDArray[np.intp]) -> float:
     """Return the highest pressure in the outer tenths of the `rows` along y over that between them."""
     along = pressure.max(axis=0)[rows]
     count = max(len(rows) // 10, 1)
     between = along[count:-count].max(initial=0.0)
     return float(max(along[:count].max(), along[-count:].max()) / between) if between else 0.0
-
-
-def _at_ends(pressure: Array, rows: NDArray[np.intp]) -> float:
-    """Return the larger of the peak pressures in the first and the last of `rows` along y."""
-    return float(pressure[:, rows[[0, -1]]].max())
 
 
 # Beyond these a contact is not one of elastic half-spaces: peak pressure over E*, slope of the heights, approach over
@@ -412,22 +399,10 @@ def _slope(solution: Solution) -> float:
     gap, touching = solution.problem.undeformed_gap, solution.pressure > 0
     largest = 0.0
     for axis, step in enumerate(solution.problem.grid.cell_size):
-        if gap.shape[axis] < 3:
-            continue
-        if _steepest(gap, axis) <= MAX_SLOPE * step:  # as are median and rms
-            continue
         slopes = np.abs(np.diff(gap, axis=axis)) / step
+        if gap.shape[axis] < 3 or slopes.max() <= MAX_SLOPE:  # as are median and rms
+            continue
         both = np.take(touching, range(1, gap.shape[axis]), axis) & np.take(touching, range(gap.shape[axis] - 1), axis)
         within = sqrt(float((slopes[both] ** 2).mean())) if both.any() else 0.0
         largest = max(largest, float(np.median(slopes)), within)
-    return largest
-
-
-def _steepest(field: Array, axis: int) -> float:
-    """Return the largest difference between neighbours along an axis, by blocks of rows that share one."""
-    rows = max(1, BLOCK_CELLS // field.shape[1])
-    largest = 0.0
-    for begin in range(0, len(field) - 1, rows):
-        differences = np.diff(field[begin : begin + rows + 1], axis=axis)
-        largest = max(largest, float(differences.max()), -float(differences.min()))
     return largest

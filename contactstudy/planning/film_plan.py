@@ -6,14 +6,7 @@ from contactstudy.domain.errors import DEFAULT_ERROR
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings, across_and_along
 from contactstudy.domain.units import readable
 from contactstudy.lubrication.posed_film import check_film_padding, lubricated_scales
-from contactstudy.lubrication.solve_lubricated import (
-    CELLS_PER_WAVE,
-    MAX_CELLS,
-    MAX_REQUESTED_CELLS,
-    PERIOD,
-    expected_error,
-    film_grid,
-)
+from contactstudy.lubrication.solve_lubricated import MAX_CELLS, MAX_REQUESTED_CELLS, PERIOD, expected_error, film_grid
 from contactstudy.planning.grid_requirements import grid_requirements
 from contactstudy.planning.planned import Plan
 from contactstudy.scene.scene import Scene
@@ -54,7 +47,7 @@ def plan_of_film(
     """
     padding = padding or ExactPeriodicity()
     requirements, scales = grid_requirements(scene, padding), lubricated_scales(scene)
-    is_chosen, warnings = grid is None, []
+    warnings = []
     most_cells = MAX_CELLS if error is None else MAX_REQUESTED_CELLS
     error = error or DEFAULT_ERROR
     if grid is not None:
@@ -84,21 +77,14 @@ def plan_of_film(
             f"padding is {padding!r}: the error of a film by the images that it leaves out is not predicted, give "
             "ExactPeriodicity()."
         )
-    inlet = width / 2 / scales.hertz.half_width
     reasons = [
         f"the formula of Moes gives a film of {readable(scales.expected_film * scales.film)} at "
         f"M = {scales.load_parameter:.3g}, L = {scales.viscosity_parameter:.3g}",
-        f"the inlet begins {inlet:.2g} half-widths from the axis: the error of cutting it off there "
-        "falls with the square of the distance",
+        f"the inlet begins {width / 2 / scales.hertz.half_width:.2g} half-widths from the axis: the error of cutting it "
+        "off there falls with the square of the distance",
     ]
-    if is_chosen:
-        reasons.append(f"cells of {readable(grid.cell_size[0])} across resolve the pressure's rise in the inlet")
     floats = LINE_MATRICES * nx**2
     if ny > 1:
-        if is_chosen:
-            waves = requirements.shortest_wavelengths[1] < inf
-            what = f"{CELLS_PER_WAVE} cells or more for the shortest wavelength"
-            reasons.append(what if waves else f"{ny} cells along the roller, towards whose ends the film falls")
         warnings.append(
             "The error of a film that varies along its length is not predicted: solve, and read answer.error."
         )

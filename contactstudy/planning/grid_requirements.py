@@ -269,42 +269,19 @@ class GridRequirements:
             steps = zip(self.shortest_wavelengths, grid.cell_size, strict=True)
             cell += f", {min(wave / step for wave, step in steps):.3g} in the shortest wavelength"
         cell += "."
-        if self.varies and ny == 1:
-            dimension = "plane strain as requested: one cell along, though the gap varies along the length."
-        elif self.varies:
-            dimension = "three-dimensional: the gap varies along the length."
-        elif ny == 1:
-            dimension = "plane strain: nothing varies along the length, so one cell along suffices."
-        else:
-            dimension = "three-dimensional as requested: nothing varies along the length; one cell along would suffice."
+        varies = "varies" if self.varies else "does not vary"
+        dimension = f"{'plane strain' if ny == 1 else 'three-dimensional'}: the gap {varies} along the length."
+        padding = "padding exact: all images are summed in closed form, so that none is left out."
         if self.given_padding is not None:
             padding = f"padding {self.given_padding!r}: the one given."
         elif self.roller_length:
             padding = f"padding zero along both axes: the {self.body} ends, so there is no pressure beyond."
-        else:
-            padding = (
-                "padding exact: all images are summed in closed form, so that none is left out; the "
-                "transform is half as long as with zero padding."
-            )
-        coatings = (self._coating(coating, grid) for coating in self.coatings)
-        return width, cell, dimension, padding, *coatings
-
-    def _coating(self, coating: Layered, grid: Grid) -> str:
-        """Return a sentence on the effect of a coating on the plan."""
-        coating_modulus, substrate_compliance = 1 / coating.compliance, coating.substrate.compliance
-        substrate = "infinite, a rigid substrate"
-        if substrate_compliance:
-            substrate = readable(1 / substrate_compliance, "Pa", 3)
-        modulus = 1 / coating.compliance_at(self.hertz.half_width)
-        below = [readable(layer.thickness) for layer in coating.layers[1:]]
-        further = f", above {', '.join(below)} of other materials" if below else ""
-        return (
-            f"coating {readable(coating.thickness)}: {coating.thickness / self.hertz.half_width:.3g} half-widths and "
-            f"{coating.thickness / grid.cell_size[0]:.3g} cells across thick{further}. Its coefficients are exact at "
-            f"any thickness; the effective modulus of a smooth contact is about {readable(modulus, 'Pa', 3)}, between "
-            f"{readable(coating_modulus, 'Pa', 3)} of the coating and {substrate}. Width and error are those of "
-            "solutions on coarse grids with the coating."
+        coatings = (
+            f"coating {readable(coating.thickness)}: {coating.thickness / a:.3g} half-widths and "
+            f"{coating.thickness / grid.cell_size[0]:.3g} cells across thick."
+            for coating in self.coatings
         )
+        return width, cell, dimension, padding, *coatings
 
     def warnings(self, grid: Grid) -> tuple[str, ...]:
         """Return a sentence for each fault of `grid`."""

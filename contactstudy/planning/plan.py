@@ -109,9 +109,7 @@ def _plan_of_flat(
             f"plan.error is {error:.2g}: no shape is curved, so that the error is not predicted, solve, and read "
             "answer.error."
         )
-    reason = "the grid is the one given"
-    if grid is None:
-        grid, reason = flat_grid(scales, period), "the points of the measured surface are the cells"
+    grid = grid or flat_grid(scales, period)
     padding = padding or (ExactPeriodicity(), ExactPeriodicity())
     if fault := period_fault(grid.length, (scales,)):
         warnings.append(fault)
@@ -121,9 +119,7 @@ def _plan_of_flat(
         padding=padding,
         bytes=memory(grid, padding),
         period_check=fault or f"The surface repeats over the length {readable(grid.length)}.",
-        reasons=(
-            f"points: no shape is curved, so that {reason}, with padding {padding!r}; the solve estimates the error.",
-        ),
+        reasons=(f"points: those of the surface, which is not curved, or of a given grid, with padding {padding!r}.",),
         warnings=tuple(warnings),
         device=device,
     )

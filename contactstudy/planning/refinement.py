@@ -16,7 +16,7 @@ from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.domain.device import Cpu, Device
 from contactstudy.domain.errors import ErrorEstimate
 from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid, Padding, Paddings, on_cells
+from contactstudy.domain.grid import Grid, Padding, Paddings, cells_text, on_cells
 from contactstudy.domain.imports import loaded
 from contactstudy.domain.reuse import cache_of, caching
 from contactstudy.planning.grid_requirements import CONSTANTS as GRID
@@ -67,12 +67,6 @@ class BoundedSolution:
         fraction = across / (across + along) if across + along else 1.0
         return fraction, 1 - fraction
 
-    @property
-    def is_sharp(self) -> bool:
-        """Whether the peak has no bound, as at a corner or a roller's end, so that convergence is of first order."""
-        peak = self.estimate.peak_pressure
-        return peak is not None and peak.discretisation == inf
-
 
 # Cells of a grid at most.
 MOST_CELLS = 2_000_000
@@ -96,9 +90,8 @@ class RefinementConstants:
         Minimum number of cells in the shortest wavelength.
     max_first_cells, max_planned_cells
         Maximum number of cells of the first grid, and of those that are solved for a plan.
-    smooth_order, step_order, order
-        Order of convergence that is expected in plane strain where all edges are smooth, and at corners; and of what
-        varies along the length.
+    order
+        Order of convergence that is expected: it is 1.5 in plane strain where all edges are smooth, and 1 at corners.
     safety
         Fraction of the requested error for which the next grid is chosen, whose bound is only expected.
     growth
@@ -126,8 +119,6 @@ class RefinementConstants:
     cells_per_wave: int = 2
     max_first_cells: int = 2**14
     max_planned_cells: int = 2**15
-    smooth_order: float = 1.5
-    step_order: float = 1.0
     order: float = 1.25
     safety: float = 0.9
     growth: tuple[float, float] = (1.1, 2.6)
@@ -153,14 +144,13 @@ def solve_to(
     options: SolveOptions | None = None,
     start: Array | None = None,
     device: Device = Cpu(),  # noqa: B008 (a frozen value)
-    most_cells: int = MOST_CELLS,
     progress: Callable[[Solution, float], object] | None = None,
 ) -> BoundedSolution:
     """Solve a dry scene that neither changes in time nor rolls, to a relative L1 error of the pressure.
 
     Coarse grids come first. Each gives the start of the next, and contributes to its bound; the errors by the cells'
     pressure along each axis determine which axis to refine. It ends at the first grid whose bound meets the error, or
-    where finer cells would change the bound little beside its other causes, or at `most_cells`; the L1 error of the
+    where finer cells would change the bound little beside its other causes, or at `MOST_CELLS`; the L1 error of the
     answer then says why in its reason.
 
     Parameters
@@ -179,8 +169,6 @@ def solve_to(
         Pressure (x, y) [Pa] of a similar contact of the same extent, on any grid.
     device
         Device.
-    most_cells
-        Cells of a grid at most.
     progress
         Called with the solution on each grid and its bound in L1.
 
@@ -190,9 +178,7 @@ def solve_to(
         If the scene does not determine a grid, see :func:`~contactstudy.plan`.
     """
     scene, requirements = with_requirements(scene, padding, period)
-    refinement = GridRefinement(
-        scene, requirements, error, period, options or SolveOptions(), device, most_cells, progress
-    )
+    refinement = GridRefinement(scene, requirements, error, period, options or SolveOptions(), device, progress)
     last = refinement.solve_levels(start=start)[-1]
     reason = refinement.reason_not_met(last) if last.bound > error else ""
     l1 = replace(last.estimate.l1, reason=reason)
@@ -225,18 +211,12 @@ class FirstGrids:
     @property
     def reasons(self) -> tuple[str, ...]:
         """A sentence for each choice of cells."""
-        last, reasons = self.levels[-1], []
-        if self.between:
-            reasons.append(
-                f"refinement: the cells are those expected from {last.grid.cells[0]} x {last.grid.cells[1]}; a solve "
-                "refines until its bound meets the error, and may end on somewhat fewer or more."
-            )
-        if last.grid.cells[1] > 1 and 0 < last.discretisation_error < inf:
-            across, along = last.fractions
-            reasons.append(
-                f"axes: {across:.0%} of the error by the cells falls with those across, {along:.0%} with those along."
-            )
-        return tuple(reasons)
+        if not self.between:
+            return ()
+        return (
+            f"refinement: the cells are those expected from {cells_text(self.levels[-1].grid.cells)}; a solve refines "
+            "until its bound meets the error, and may end on somewhat fewer or more.",
+        )
 
 
 def first_grids(scene: Scene, requirements: GridRequirements, error: float, period: float | None) -> FirstGrids:
@@ -271,8 +251,6 @@ class GridRefinement:
         Length of the grid [m]; chosen if None.
     options, device
         How and on what device each grid is solved.
-    most_cells
-        Maximum number of cells of a grid.
     progress
         Called with the solution on each grid and its bound in L1.
     """
@@ -283,7 +261,6 @@ class GridRefinement:
     period: float | None
     options: SolveOptions = field(default_factory=SolveOptions)
     device: Device = Cpu()  # noqa: RUF009 (a frozen value)
-    most_cells: int = MOST_CELLS
     progress: Callable[[Solution, float], object] | None = None
 
     def solve_levels(self, most_solved: int = MOST_CELLS, start: Array | None = None) -> list[BoundedSolution]:
@@ -300,7 +277,7 @@ class GridRefinement:
         coarse: Solution | None = None
         grid: Grid | None = self.first_grid(self.requirements.extent(self.period))
         widths, begin = 0, process_time()
-        with caching(cache_of(32 * self.most_cells)):
+        with caching(cache_of(32 * MOST_CELLS)):
             while grid is not None and (not levels or prod(grid.cells) <= most_solved):
                 if coarse is None:
                     coarse = self._solve_on(halved(grid), start)
@@ -383,10 +360,10 @@ class GridRefinement:
         after
             Grid, finer than that, after which the next is expected; that of the last solution if None.
         """
-        present, most = prod((after or last.grid).cells), self.most_cells
+        present, most = prod((after or last.grid).cells), MOST_CELLS
         required = self.required_cells(last)
         axes = 1 if required[1] == 1 else 2
-        missed = (prod(required) / most) ** (_order(last) / axes)
+        missed = (prod(required) / most) ** (CONSTANTS.order / axes)
         if CONSTANTS.out_of_reach < missed and last.discretisation_error < inf:
             most = min(CONSTANTS.max_cells_out_of_reach, most)
         is_enough = self.meets_error(last) if after is None else present >= prod(required)
@@ -401,7 +378,7 @@ class GridRefinement:
             factor = (cells / prod(required)) ** (1 / axes)
             across, along = (count * factor for count in required)
             grid = self.grid_of_fast_lengths(across, along, last.grid.extent)
-            if prod(grid.cells) <= self.most_cells:
+            if prod(grid.cells) <= MOST_CELLS:
                 return grid if prod(grid.cells) > present else None
             cells *= CONSTANTS.safety
 
@@ -427,7 +404,7 @@ class GridRefinement:
         grown = [
             CONSTANTS.growth_without_bound
             if error == inf
-            else max((axes * factor * fraction) ** (1 / _order(last)), 0.5)
+            else max((axes * factor * fraction) ** (1 / CONSTANTS.order), 0.5)
             for fraction in last.fractions
         ]
         return max(nx * grown[0], across), max(ny * grown[1], along) if ny > 1 else 1
@@ -440,14 +417,7 @@ class GridRefinement:
             if cause in OTHER_CAUSES and fraction >= self.error:
                 return f"{OTHER_CAUSES[cause][0]} {100 * fraction:.2g} %: {OTHER_CAUSES[cause][1]}."
         cells = f"{prod(self.required_cells(last)):.1g}"
-        return f"the error needs about {cells} cells; at most {self.most_cells:,} are allowed."
-
-
-def _order(level: BoundedSolution) -> float:
-    """Return the order with which the error by the cells is expected to fall."""
-    if level.grid.cells[1] > 1:
-        return CONSTANTS.order
-    return CONSTANTS.step_order if level.is_sharp else CONSTANTS.smooth_order
+        return f"the error needs about {cells} cells; at most {MOST_CELLS:,} are allowed."
 
 
 def contact_width(solution: Solution) -> float:

@@ -59,17 +59,17 @@ def test_images_left_out_beside_a_roller_that_ends_are_bounded(
 def test_every_number_of_a_contact_that_lacks_images_is_within_its_bound(
     padding: cs.Padding, period: float, width: float, line_contact: LineContact
 ) -> None:
-    """The gap beside a contact is small on a narrow grid, and the stress falls with one power of the distance alone."""
-    a = line_contact.hertz.half_width
-    outputs = (cs.SubsurfaceStress((0.05 * a, 0.7 * a, 2 * a)),)
-    scene = replace(line_contact.scene, outputs=outputs)
+    """The gap beside a contact is small on a narrow grid; the stress of the images lacks."""
+    scene = replace(line_contact.scene, outputs=(cs.SubsurfaceStress((0.7 * line_contact.hertz.half_width,)),))
     cut, whole = (
         cs.solve(scene, line_contact.grid((96, along), period, width), one)
         for along, one in ((1 if padding.wraps else 16, padding), (1, EXACT))
     )
-    for name in ("peak_pressure", "contact_area", "half_width", "mean_gap", "largest_von_mises"):
+    for name in ("peak_pressure", "contact_area", "half_width", "mean_gap"):
         ours, true = cut.quantities[name], whole.quantities[name]
         assert abs(ours.value - true.value) <= ours.bound + true.bound
+    if cut.error.l1.images:
+        assert "ExactPeriodicity" in cut.quantities["largest_von_mises"].reason
 
 
 @pytest.mark.parametrize("friction", [cs.Sliding(0.9), cs.TractiveRolling(0.3, longitudinal=5e-3)], ids=str)

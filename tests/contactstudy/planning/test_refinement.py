@@ -42,12 +42,15 @@ def test_the_error_that_is_asked_for_is_kept(kind: str, line_contact: LineContac
     assert true_error(refined, scene) <= refined.estimate.l1.total <= 2e-2
 
 
-def test_an_error_out_of_reach_ends_with_what_stands_in_the_way(line_contact: LineContact) -> None:
+def test_an_error_out_of_reach_ends_with_what_stands_in_the_way(
+    line_contact: LineContact, monkeypatch: pytest.MonkeyPatch
+) -> None:
     refined = solve_to(line_contact.scene, 1e-12)
     assert refined.estimate.l1.total > 1e-12
     assert "residual" in refined.estimate.l1.reason
     rough = line_contact.with_shapes(*shapes(line_contact)["rough"])
-    refined = solve_to(rough, 1e-3, most_cells=5000)
+    monkeypatch.setattr("contactstudy.planning.refinement.MOST_CELLS", 5000)
+    refined = solve_to(rough, 1e-3)
     assert refined.estimate.l1.total > 1e-3
     assert prod(refined.grid.cells) <= 5000
     assert "5,000 are allowed" in refined.estimate.l1.reason

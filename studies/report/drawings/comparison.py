@@ -1,7 +1,7 @@
 """The verdict on a scene's settings, in words for page and command, and the figure and the tables of its page."""
 
 from collections.abc import Iterator, Sequence
-from math import isfinite
+from math import inf, isfinite
 from typing import Any
 
 import numpy as np
@@ -31,9 +31,8 @@ def tolerance_text(tolerance: float) -> str:
 
 def setting_text(one: Measured) -> str:
     """Return a setting in words."""
-    setting = one.setting
-    tolerance = tolerance_text(setting.tolerance)
-    return f"{padding_name(setting.label)}, {cells_text(setting.cells)}, tolerance {tolerance}"
+    padding, cells = padding_name(one.setting.label), cells_text(one.setting.cells)
+    return f"{padding}, {cells}, tolerance {tolerance_text(one.setting.tolerance)}"
 
 
 def bound_text(verdict: Verdict, one: Measured) -> str:
@@ -73,24 +72,21 @@ def explanation(verdict: Verdict) -> Iterator[str]:
             yield f"Duplicated padding has {copied}, since its window is off centre on fewer."
             yield "The period is free too: over 100 half-widths every padding has the cells' error alone."
     if best is not None:
-        fastest = {one.setting.label: one for one in reversed(meeting)}
-        others = sorted(
-            (one for one in fastest.values() if one.setting.label != best.setting.label), key=lambda one: one.seconds
-        )  # fmt: skip
-        ratios = [(padding_name(one.setting.label), one.seconds / best.seconds) for one in others]
+        fastest: dict[str, Measured] = {}
+        for one in meeting:
+            fastest.setdefault(one.setting.label, one)
+        ratios = [(padding_name(label), one.seconds / best.seconds) for label, one in fastest.items()]
+        ratios = [pair for pair in ratios if pair[0] != padding_name(best.setting.label)]
         if ties := [name for name, ratio in ratios if ratio <= TIE]:
             whose = ", which goes to the scene's own padding" * (best.setting.label == verdict.own)
             yield f"As fast within {percent(TIE - 1)}, or but for the set-up, a tie{whose}: {', '.join(ties)}."
         if slower := [f"{name} ({ratio:.2g} times)" for name, ratio in ratios if ratio > TIE]:
             yield f"Slower: {', '.join(slower)}."
-    least: dict[str, Measured] = {}
-    for one in verdict.settings:
-        known = least.setdefault(one.setting.label, one)
-        least[one.setting.label] = min(known, one, key=verdict.bound)
     kept = {one.setting.label for one in meeting}
-    if missed := [
-        f"{padding_name(label)} ({percent(verdict.bound(one))})" for label, one in least.items() if label not in kept
-    ]:  # fmt: skip
+    bounds: dict[str, float] = {}
+    for one in verdict.settings:
+        bounds[one.setting.label] = min(verdict.bound(one), bounds.get(one.setting.label, inf))
+    if missed := [f"{padding_name(label)} ({percent(of)})" for label, of in bounds.items() if label not in kept]:
         yield f"Not kept on any grid that was tried, with the least bound: {', '.join(missed)}."
     if verdict.own in ("free ends", "repeating across and along"):
         yield f"The scene has {verdict.own}: no other padding is that contact, and none was tried."
@@ -110,9 +106,8 @@ def lines(verdict: Verdict) -> Iterator[str]:
 def sections(verdict: Verdict) -> Sequence[Section]:
     """Return the price of accuracy, and what each padding does."""
     answer = Finding(claim(verdict), " ".join(explanation(verdict)), "Which padding, at what cost?")
-    price = Section(SETTINGS, "The price of accuracy", [answer], [_front(verdict)], [_fastest(verdict)])
     return [
-        price,
+        Section(SETTINGS, "The price of accuracy", [answer], [_front(verdict)], [_fastest(verdict)]),
         Section("paddings", "What each padding does", [], [], [_paddings(verdict)], file=SETTINGS),
     ]
 

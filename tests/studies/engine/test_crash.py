@@ -4,7 +4,7 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -18,9 +18,9 @@ from studies.engine.run import run
 from studies.model.outcome import CaseStatus
 from studies.store.journal import Journal
 from studies.store.provenance import machine
-from tests.studies.conftest import python, quiet
+from tests.studies.conftest import quiet
 from tests.studies.engine import trouble
-from tests.studies.engine.trouble import Square, lines
+from tests.studies.engine.trouble import lines
 
 resource = pytest.importorskip("resource", reason="this system has no limits of POSIX")
 ROOT = Path(__file__).parents[3]
@@ -136,29 +136,3 @@ def test_ctrl_c_keeps_what_is_done_and_says_how_to_go_on(start: Start, tmp_path:
     assert "8 of 30 cases are stored; run the same command to go on" in out
     status = xr.load_dataset(tmp_path / "trouble.nc")["case_status"].values.tolist()
     assert status == [CaseStatus.OK] * 8 + [CaseStatus.NOT_RUN] * 22
-
-
-@dataclass(frozen=True)
-class Forking(Square):
-    def run(self, prepared: float) -> float:
-        if self.number == 10:
-            os.fork()
-        return super().run(prepared)
-
-
-FORKS = """
-import sys
-from pathlib import Path
-from studies.engine.run import run
-from tests.studies.engine.test_crash import ALONE, Forking, trouble
-run(trouble.study_of(Forking, range(8, 28)), Path(sys.argv[1]), options=ALONE)
-"""
-
-
-@pytest.mark.whole
-def test_a_case_that_forks_without_workers_does_not_make_two_runs(tmp_path: Path) -> None:
-    done = python(FORKS, tmp_path)
-    assert (done.returncode, done.stdout.count("wrote")) == (0, 1), done.stderr
-    dataset = xr.load_dataset(tmp_path / "trouble.nc")
-    np.testing.assert_array_equal(dataset["square"], dataset["number"] ** 2)
-    assert journalled(tmp_path) == 20

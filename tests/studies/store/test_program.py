@@ -138,20 +138,15 @@ def test_a_file_that_has_changed_since_it_was_loaded_is_refused(work: Work, file
     assert f"{changed} changed since this program loaded it: start the program" in text
 
 
-def test_a_worker_with_another_program_is_refused_by_name() -> None:
-    right = program.own_digests()
-    others = {"studies/model/case.py": "0", "numpy": "1.0", "tamaas": "9.0", "studies/more.py": "1"}
-    there = program.Program({**right, **others}, {})
-    refusal = r"^numpy, studies/model/case.py, studies/more.py, tamaas on worker tcp://a:1 is not what the run"
-    with pytest.raises(InvalidInput, match=refusal):
-        there.check("worker tcp://a:1")
-    program.Program(right, {}).check()
-
-
-def test_a_worker_whose_files_changed_since_it_loaded_them_is_refused(
+def test_a_worker_with_another_program_or_files_changed_since_it_loaded_them_is_refused_by_name(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    here = program.Program(program.own_digests(), {})
+    right = program.own_digests()
+    program.Program(right, {}).check()
+    others = {"studies/model/case.py": "0", "numpy": "1.0", "tamaas": "9.0", "studies/more.py": "1"}
+    refusal = r"^numpy, studies/model/case.py, studies/more.py, tamaas on worker tcp://a:1 is not what the run"
+    with pytest.raises(InvalidInput, match=refusal):
+        program.Program({**right, **others}, {}).check("worker tcp://a:1")
     monkeypatch.setattr(program, "LOADED", 0.0)
     with pytest.raises(InvalidInput, match=r"^contactstudy/.* on worker tcp://a:1 is not what the"):
-        here.check("worker tcp://a:1")
+        program.Program(right, {}).check("worker tcp://a:1")

@@ -96,7 +96,15 @@ class Adhesion:
                 "part behind with more work than they join with ahead, which is not computed, give elastic bodies "
                 "without passes, or leave one of them out."
             )
-        self._check_friction(scene.friction)
+        if scene.friction is not None and self.range is None:
+            raise InvalidInput(
+                "Adhesion.range is None together with Scene.friction: in the limit of short ranges the attraction, and "
+                "with it the friction, grows without limit as the cells get smaller, give a range."
+            )
+        if getattr(scene.friction, "times", None) is not None:
+            raise InvalidInput(
+                "Fretting.times are given together with Adhesion, whose contact jumps: give forces without times."
+            )
         if self.range is None and any(map(yields, scene.solids)):
             raise InvalidInput(
                 "Adhesion.range is None together with a body that yields: in the limit of short ranges the attraction "
@@ -111,18 +119,6 @@ class Adhesion:
                     "not touch without a load, give a first load above 0 N/m, an Approach, or Adhesion.branch = "
                     "'from full contact'."
                 )
-
-    def _check_friction(self, friction: object) -> None:
-        """Raise InvalidInput for friction that the attraction leaves without a limit, or that follows a path."""
-        if friction is not None and self.range is None:
-            raise InvalidInput(
-                "Adhesion.range is None together with Scene.friction: in the limit of short ranges the attraction, and "
-                "with it the friction, grows without limit as the cells get smaller, give a range."
-            )
-        if getattr(friction, "times", None) is not None:
-            raise InvalidInput(
-                "Fretting.times are given together with Adhesion, whose contact jumps: give forces without times."
-            )
 
     def reference_load(self, scene: SceneContext) -> float:
         """Return a load [N/m] for the scales of an adhesive contact at zero load; 0 if flat.

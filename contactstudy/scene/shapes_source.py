@@ -27,7 +27,7 @@ class ShapesSource:
         Shapes that add up.
     ends_along
         Whether one of them ends a roller within the grid.
-    make
+    problem
         Function that makes the problem on a grid.
     sampled
         A grid with the gap on it, which a problem holds anyway; None to sample every grid.
@@ -35,7 +35,7 @@ class ShapesSource:
 
     shapes: tuple[Shape, ...]
     ends_along: bool
-    make: Callable[[Grid], Problem]
+    problem: Callable[[Grid], Problem]
     sampled: tuple[Grid, Array] | None = None
 
     @property
@@ -64,13 +64,9 @@ class ShapesSource:
         shortest = min(rollers, key=np.sum, default=None)
         return None if shortest is None or not shortest.any() or (shortest == 1).all() else shortest
 
-    def problem(self, grid: Grid) -> Problem:
-        """Return the problem on `grid`."""
-        return self.make(grid)
-
     def with_problem_step(self, step: Callable[[Problem], Problem]) -> "ShapesSource":
         """Return this source with `step` applied to each problem that it makes."""
-        return replace(self, make=lambda grid: step(self.make(grid)))
+        return replace(self, problem=lambda grid: step(self.problem(grid)))
 
 
 def summed_gap(shapes: Iterable[Shape], grid: Grid) -> Array:

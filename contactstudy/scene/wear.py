@@ -80,12 +80,8 @@ class Wear:
                 "Wear.speed is 0, and nothing else in the scene gives a sliding, so that nothing wears: give a speed "
                 "above 0 m/s, Fretting with times, TractiveRolling or a film, or leave wear out."
             )
-        if turns or film is not None:
-            self._check_steady(scene)
-
-    @staticmethod
-    def _check_steady(scene: SceneContext) -> None:
-        """Raise InvalidInput for what is not steady while a body turns or a film wears."""
+        if not turns and film is None:
+            return
         changing = "load" if isinstance(scene.load, ChangingLoad) else ""
         if getattr(scene.friction, "times", None) is not None:
             changing = "friction"

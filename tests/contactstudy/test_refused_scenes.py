@@ -81,7 +81,7 @@ BESIDE: list[tuple[str, Callable[[], cs.Scene]]] = [
     ("*travel through the contact", lambda: smooth(friction=DRIVEN, shapes=(CYLINDER, cs.MovingShape(WAVES)))),
     ("PartialSlip.tangential", lambda: smooth(friction=cs.PartialSlip(0.3, 3e4))),
     ("Fretting.forces[1]", lambda: smooth(friction=cs.Fretting(0.3, (1e4, -3e4)))),
-    ("Fretting.forces are *N/mm at * s, where friction transmits",
+    ("Fretting.forces at * s is *N/mm, where friction transmits",
      lambda: smooth(friction=cs.Fretting(0.3, (0.0, 4e4), times=(0.0, 1.0)))),
     ("*give Fretting.forces", lambda: smooth(
         friction=cs.Fretting(0.3, displacements=(0.0, 1e-7), times=(0.0, 1.0)), load=HISTORY)),

@@ -1,5 +1,6 @@
 """Fretting: partial slip under a sequence of tangential forces or displacements, or under one."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
@@ -117,24 +118,18 @@ class Fretting:
             check_not_decreasing("Fretting.times", self.times)
         elif self.displacements is not None:
             raise InvalidInput("Fretting.times is None together with displacements: give times [s].")
-        if self.bulk_stresses is not None:
-            self._check_bulk()
-        if self.period is not None and self.times is None:
-            raise InvalidInput(
-                "Fretting.period is given without times: give the times [s] of the forces, or leave period out."
-            )
-
-    def _check_bulk(self) -> None:
-        """Raise InvalidInput for bulk stresses of another number, or beside times."""
-        assert self.bulk_stresses is not None
-        if self.times is not None:
+        if self.bulk_stresses is not None and self.times is not None:
             raise InvalidInput(
                 "Fretting.bulk_stresses are given together with times: leave the times out, or the stresses."
             )
-        if len(self.bulk_stresses) != len(self.forces or ()):
+        if self.bulk_stresses is not None and len(self.bulk_stresses) != len(values):
             raise InvalidInput(
-                f"Fretting.bulk_stresses has {len(self.bulk_stresses)} stresses and Fretting.forces "
-                f"{len(self.forces or ())}: give one for each force."
+                f"Fretting.bulk_stresses has {len(self.bulk_stresses)} stresses and Fretting.forces {len(values)}: give "
+                "one for each force."
+            )
+        if self.period is not None and self.times is None:
+            raise InvalidInput(
+                "Fretting.period is given without times: give the times [s] of the forces, or leave period out."
             )
 
     @property
@@ -169,24 +164,6 @@ class Fretting:
 
     def check(self, scene: SceneContext) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if the contact cannot stick, or its traction is not supported."""
-        self._check_motion(scene)
-        check_tangential_response(scene, "Fretting")
-        check_similar(scene, "Fretting")
-        if self.bulk_stresses is not None:
-            bulk_compliance(scene, self.bulk_body, "Fretting.bulk_stresses")
-        if self.times is not None:
-            self._check_forces(scene)
-            return
-        limit = transmitted_force(scene, self.coefficient, scene.largest_load)
-        for number, force in enumerate(self.forces or ()):
-            if not abs(force) < limit:
-                raise InvalidInput(
-                    f"Fretting.forces[{number}] is {force!r}: friction transmits less than "
-                    f"{readable(limit, 'N m-1')}, above which the contact slides fully: give a smaller force."
-                )
-
-    def _check_motion(self, scene: SceneContext) -> None:
-        """Raise InvalidInput for another motion, or changes while the forces name no times."""
         if self.times is None or scene.rolling is not None:
             check_static(scene, "Fretting")
         if scene.wear is not None and scene.wear.speed != 0:
@@ -194,27 +171,34 @@ class Fretting:
                 f"Wear.speed is {scene.wear.speed!r} together with Fretting: wear then follows from the slip of "
                 "the contact, give a speed of 0 m/s."
             )
-        load = scene.load
-        if self.displacements is not None and isinstance(load, ChangingLoad):
+        if self.displacements is not None and isinstance(scene.load, ChangingLoad):
             raise InvalidInput(
                 "Scene.load changes in time together with Fretting.displacements: the traction locked in by a rising "
                 "pressure follows from forces only, give Fretting.forces, or a LineLoad."
             )
+        check_tangential_response(scene, "Fretting")
+        check_similar(scene, "Fretting")
+        if self.bulk_stresses is not None:
+            bulk_compliance(scene, self.bulk_body, "Fretting.bulk_stresses")
+        for place, force, load in self._forces_and_loads(scene):
+            limit = transmitted_force(scene, self.coefficient, load)
+            if force and not abs(force) < limit:
+                raise InvalidInput(
+                    f"Fretting.forces{place} is {readable(force, 'N m-1')}, where friction transmits less than "
+                    f"{readable(limit, 'N m-1')}: the contact would slide fully, give a smaller force, or displacements."
+                )
 
-    def _check_forces(self, scene: SceneContext) -> None:
-        """Raise InvalidInput where a force in time is more than friction transmits."""
-        history, load = self.history, scene.load
-        if self.forces is None or history is None:
+    def _forces_and_loads(self, scene: SceneContext) -> Iterator[tuple[str, float, float]]:
+        """Yield an index or a time in words, the force and the load there [N/m]."""
+        load, history = scene.load, self.history
+        if self.forces is None:
+            return
+        if history is None:
+            yield from ((f"[{number}]", force, scene.largest_load) for number, force in enumerate(self.forces))
             return
         for time in history.compared_with(load):
             pressed = load.at(time) if isinstance(load, ChangingLoad) else scene.largest_load
-            limit = transmitted_force(scene, self.coefficient, pressed)
-            force = history.at(time)
-            if abs(force) > 0 and not abs(force) < limit:
-                raise InvalidInput(
-                    f"Fretting.forces are {readable(force, 'N m-1')} at {time:g} s, where friction transmits less than "
-                    f"{readable(limit, 'N m-1')}: the contact would slide fully, give smaller forces, or displacements."
-                )
+            yield f" at {time:g} s", history.at(time), pressed
 
     def solver(self, scene: SceneContext, gap: Array, grid: Grid, paddings: Paddings, datum: float) -> FrettingShear:
         """Return the solver of this scene on a grid."""

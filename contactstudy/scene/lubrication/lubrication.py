@@ -156,25 +156,21 @@ class Lubrication:
 
     def check_together(self) -> None:
         """Check fields against each other."""
-        if self.thermal is not None:
-            self._check_thermal()
         for name in ("supply", "boundary"):
             if getattr(self, name) is not None and not isinstance(self.cavitation, ElrodAdams):
                 raise InvalidInput(
                     f"Lubrication.{name} is supported with ElrodAdams() only, which conserves the lubricant: "
                     "leave one out."
                 )
-
-    def _check_thermal(self) -> None:
-        """Raise :class:`~contactstudy.InvalidInput` where temperatures have no meaning."""
+        if self.thermal is None:
+            return
         if self.lubricant.viscosity <= LEAST_VISCOSITY:
             raise InvalidInput(
                 f"Lubricant.viscosity is {self.lubricant.viscosity:g} Pa s, where Roelands' law has no temperature: "
                 f"give one above {LEAST_VISCOSITY:.4g}, or leave Lubrication.thermal out."
             )
-        law = self.lubricant.viscosity_law
+        oil, law = self.lubricant, self.lubricant.viscosity_law
         if isinstance(law, Roelands) and law.exponent is not None:
-            oil = self.lubricant
             consistent = law.consistent_exponent(oil.viscosity, oil.pressure_viscosity)
             if abs(law.exponent - consistent) > EXPONENT_TOLERANCE * law.exponent:
                 raise InvalidInput(

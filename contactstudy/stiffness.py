@@ -109,8 +109,8 @@ def _with_longer_range(contact: Contact) -> Contact:
         return contact
     adhesion = replace(scene.adhesion, range=LONGER_RANGE * traction.range)
     longer = replace(scene, adhesion=adhesion).problem(contact.grid, contact.padding)
-    found = solve(longer, start=contact)
-    return found if found.status.has_converged else contact
+    answer = solve(longer, start=contact)
+    return answer if answer.status.has_converged else contact
 
 
 def stiffness_error(contact: Contact, stiffness: float) -> float:
@@ -211,7 +211,7 @@ def distant_approach(
         raise NotDefined(
             "The approach of axes is not defined: images are left out, give ExactPeriodicity along the length."
         )
-    curvature = sum(1 / one for one in given)
+    curvature = sum(1 / radius for radius in given)
     if scene.radius and not isclose(curvature, 1 / scene.radius, rel_tol=1e-6):
         raise InvalidInput(
             f"radii are {radii!r}, which make an equivalent radius of {readable(1 / curvature) if curvature else inf}, "
@@ -245,12 +245,12 @@ def distant_approach(
             of_load = float((contact.net_pressure * weights).sum()) / per_length
             shift += material.compliance / pi * of_load
     detail = f", between {' and '.join(places)}"
-    near, found = contact.quantities["approach"], contact_stiffness(contact)
+    near, stiffness = contact.quantities["approach"], contact_stiffness(contact)
     at_axes = near.bound + shift_bound * abs(per_length)
     approach = replace(near, value=near.value - shift * per_length, bound=at_axes, detail=detail)
-    value = 1 / (1 / found.value - shift)
-    bound = found.bound * (value / found.value) ** 2 + shift_bound * value**2
-    return DistantApproach(approach, replace(found, value=value, bound=bound, detail=detail))
+    value = 1 / (1 / stiffness.value - shift)
+    bound = stiffness.bound * (value / stiffness.value) ** 2 + shift_bound * value**2
+    return DistantApproach(approach, replace(stiffness, value=value, bound=bound, detail=detail))
 
 
 def _of_line(body: CoatedHalfSpace, datum: float) -> float:

@@ -367,9 +367,11 @@ class Scene(InNotebook):
             check_width(self.shapes, grid.extent[0])
         heights = summed_gap(self.ended_shapes, grid)
         gap = heights if heights.shape == grid.cells else np.broadcast_to(heights, grid.cells).copy()
-        datum, control = self.datum(grid), self._control(grid, padding)
+        datum = self.datum(grid)
+        control: Control = PrescribedLoad(self.mean_load(grid, padding) * grid.length / grid.cell_area)
         if isinstance(self.load, Approach):
             self.load.check_on(gap, grid, paddings, datum)
+            control = PrescribedApproach(self.load.approach)
         if adhesion_solver is None and self.adhesion is not None:
             adhesion_solver = self.adhesion.solver_on(self, heights, grid)
         attraction = 0.0 if adhesion_solver is None else adhesion_solver.law.strength
@@ -462,12 +464,6 @@ class Scene(InNotebook):
         if isinstance(self.load, TotalLoad) and (length := self.roller_length):
             return replace(self, load=replace(self.load, total=load * length))
         return replace(self, load=LineLoad(load))
-
-    def _control(self, grid: Grid, padding: Padding | Paddings) -> Control:
-        """Return the condition on the pressures of all cells of `grid`."""
-        if isinstance(self.load, Approach):
-            return PrescribedApproach(self.load.approach)
-        return PrescribedLoad(self.mean_load(grid, padding) * grid.length / grid.cell_area)
 
     def _adhesion_solver(self, solver: "AdhesiveSolver | None") -> AdhesionSolver | None:
         """Return the solver of the attraction, or the search for the pull-off with it."""

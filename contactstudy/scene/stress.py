@@ -68,9 +68,12 @@ class SubsurfaceStress:
 
     def check(self, solids: tuple[Body, ...]) -> None:
         """Raise :class:`~contactstudy.InvalidInput` for a rigid body, or one that is no half-space."""
-        body = solids[self.body]
+        self._medium(solids[self.body])
+
+    def _medium(self, body: Body) -> StressModel:
+        """Return the stress in `body`; raises InvalidInput if none is known."""
         if isinstance(body, HasStressModel):
-            return
+            return body.stress_model
         if not isinstance(body, Homogeneous):
             raise InvalidInput(
                 f"SubsurfaceStress.body is {self.body}, a {type(body).__name__}: "
@@ -80,15 +83,12 @@ class SubsurfaceStress:
             raise InvalidInput(
                 f"SubsurfaceStress.body is {self.body}, a rigid body: give {1 - self.body}, the elastic one."
             )
+        return HalfSpaceStress(body.poisson_ratio)
 
     def of(self, solids: tuple[Body, ...], grid: Grid, paddings: Paddings) -> "SubsurfaceStressOperator":
         """Return the stress of these bodies on `grid`."""
         body = solids[self.body]
-        if isinstance(body, HasStressModel):
-            medium = body.stress_model
-        else:
-            assert isinstance(body, Homogeneous)
-            medium = HalfSpaceStress(body.poisson_ratio)
+        medium = self._medium(body)
         depths = None if isinstance(self.depths, str) else self.depths
         below = SubsurfaceStressOperator(
             grid,
@@ -206,13 +206,13 @@ class SubsurfaceStressOperator:
                 around = on_padded_grid(terms, self.grid, self.paddings)
                 waves = TRANSFORMS.forward(around, padded, buffer)
                 waves *= spectrum
-                found = TRANSFORMS.backward(waves, self.grid.cells, padded)
+                field = TRANSFORMS.backward(waves, self.grid.cells, padded)
                 if self._lacks_mean:
                     # the stress under a uniform load, as the sum over the two halves of the domain
                     halves, exact = Grid((2, 1), self.grid.extent), ExactPeriodicity()
                     uniform = float(on_padded_grid(terms, halves, (exact, exact)).sum())
-                    found += uniform * float(values.mean()) - found.mean()
-                stress[number, level] = found
+                    field += uniform * float(values.mean()) - field.mean()
+                stress[number, level] = field
         return stress
 
     @property
@@ -223,7 +223,7 @@ class SubsurfaceStressOperator:
     @property
     def _lacks_mean(self) -> bool:
         """True where the mean stress would depend on the order or the number of images that are summed."""
-        return self._repeats and any(one.window is not None for one in self.paddings)
+        return self._repeats and any(padding.window is not None for padding in self.paddings)
 
     def searched_depths(self, width: float) -> list[float]:
         """Return the depths [m] from the surface to below a contact of this `width` [m] at which a search begins."""
@@ -265,15 +265,15 @@ class SubsurfaceStressOperator:
         weights: list[Weight] = [lambda _: 1.0]
         if (profile := self.profile) is not None:
             weights.append(lambda depth: float(1 / profile.yield_stress(np.array(depth))))
-        found = []
+        deciding = []
         for weight in weights:
             best = depth_of_largest(self.searched_depths(width), weight)
             if best > 0:
                 best = depth_of_largest((best * factor for factor in FINE_STEPS), weight)
-            found.append(best)
+            deciding.append(best)
         depths = sorted(largest)
         if len(stress) < len(depths):
-            indices = [depths.index(best) for best in found]
+            indices = [depths.index(best) for best in deciding]
             near = {depth for n in indices for depth in depths[max(n - 1, 0) : n + 2]}
             depths = sorted({*near, *self.medium.faces})
         return {depth: stress[depth] if depth in stress else at(depth) for depth in depths}
@@ -308,7 +308,7 @@ def surface_beyond(
     The tractions are those of the `stress` (component, x, y) at the surface on `grid`, as means over larger cells. An
     axis whose images count, or of one cell, stays as it is; there are no grids where both do.
     """
-    widens = [is_free(one) and count > 1 for one, count in zip(paddings, grid.cells, strict=True)]
+    widens = [is_free(padding) and count > 1 for padding, count in zip(paddings, grid.cells, strict=True)]
     # pressure -zz on the surface of this body, and the tractions -xz across and -yz along on it
     tractions = -stress[[2, 4, 3]]
     while any(widens):

@@ -92,10 +92,10 @@ def are_similar(solids: tuple[Body, ...]) -> bool:
     first, second = solids
     if first == second:
         return True
-    one, other = (body.shear_compliance(1.0)["x"] for body in shearable(solids))
+    of_first, of_second = (body.shear_compliance(1.0)["x"] for body in shearable(solids))
     if any(map(creeps, solids)):  # equal at first, and then no more
-        return not any((*one.values(), *other.values()))
-    return not summed_responses(-1, one, other)
+        return not any((*of_first.values(), *of_second.values()))
+    return not summed_responses(-1, of_first, of_second)
 
 
 def shearable(solids: tuple[Body, ...]) -> tuple[ShearableBody, ...]:

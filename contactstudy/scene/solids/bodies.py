@@ -156,7 +156,7 @@ def layers_of(solids: Iterable[object]) -> Iterator[tuple[HalfSpace, float]]:
     for body in filter(is_layered, solids):
         materials = *body.layers, body.substrate
         for number, layer in enumerate(body.layers, 1):
-            softest = max(one.compliance for one in materials[number:])
+            softest = max(material.compliance for material in materials[number:])
             yield layer, softest / layer.compliance
 
 

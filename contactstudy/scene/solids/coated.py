@@ -58,17 +58,17 @@ class CoatedStress:
         """Return coefficients with their weights of a stress `component` at a `depth` [m] under a surface `traction`."""
         # the interface above the depth, whose lower material that is; the first one for a depth in the outer layer
         above = max(sum(face < depth for face in self.depths) - 1, 0)
-        found: dict[Coefficients, float] = {}
+        terms: dict[Coefficients, float] = {}
 
         def half_space(name: str, depth: float, ratio: float, weight: float) -> None:
             coefficients = StressCoefficients(FAMILIES[traction][name], depth, ratio)
-            found[coefficients] = found.get(coefficients, 0.0) + weight
+            terms[coefficients] = terms.get(coefficients, 0.0) + weight
 
         for interface in range(above, len(self.depths)):
             thickness = self.depths[interface]
             stress = LayerStress(self.responses[interface], depth / thickness)
             waves = StressWaves(stress, traction)
-            found[WaveCoefficients(waves, thickness, component)] = 1.0
+            terms[WaveCoefficients(waves, thickness, component)] = 1.0
             if interface == above:
                 half_space(component, depth, stress.poisson_ratio, 1.0)
             if stress.in_layer and component in ("xx", "yy", "xy"):
@@ -77,7 +77,7 @@ class CoatedStress:
                     shear_ratio, here, ratio_below = stress.ratios(below)
                     for name, weight in _strained(component, shear_ratio, here, ratio_below).items():
                         half_space(name, image, ratio_below, sign * weight)
-        return tuple(item for item in found.items() if abs(item[1]) > LEAST_WEIGHT)
+        return tuple(item for item in terms.items() if abs(item[1]) > LEAST_WEIGHT)
 
 
 def _strained(name: str, ratio: float, nu1: float, nu2: float) -> dict[str, float]:
@@ -165,12 +165,12 @@ class CoatedHalfSpace:
     def parts(self) -> dict[str, tuple[str, HalfSpace, float, float]]:
         """Words, material, and depths from and to [m] of each layer and the substrate, by the names of numbers."""
         names = [f"interlayer_{number}" for number in range(len(self.interlayers))]
-        found: dict[str, tuple[str, HalfSpace, float, float]] = {}
+        parts: dict[str, tuple[str, HalfSpace, float, float]] = {}
         depth = 0.0
         for name, layer in zip(("coating", *names), self.layers, strict=True):
             said = f"interlayers[{name[11:]}]" if name in names else "the coating"
-            found[name] = said, layer, depth, (depth := depth + layer.thickness)
-        return found | {"substrate": ("the substrate", self.substrate, depth, math.inf)}
+            parts[name] = said, layer, depth, (depth := depth + layer.thickness)
+        return parts | {"substrate": ("the substrate", self.substrate, depth, math.inf)}
 
     @property
     def compliance(self) -> float:
@@ -233,8 +233,8 @@ class CoatedHalfSpace:
             if (material := replace(below, thickness=math.inf)) != materials[-1]:
                 materials.append(material)
                 depths.append(depth)
-        ratios = [_shear_modulus(self.coating) / _shear_modulus(one) for one in materials[1:]]
-        poisson_ratios = [one.poisson_ratio for one in materials]
+        ratios = [_shear_modulus(self.coating) / _shear_modulus(material) for material in materials[1:]]
+        poisson_ratios = [material.poisson_ratio for material in materials]
         return tuple(
             (
                 LayerResponse(

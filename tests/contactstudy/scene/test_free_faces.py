@@ -85,10 +85,6 @@ def test_a_scene_file_names_free_faces_beside_a_material(tmp_path: Path) -> None
     assert scene.solids[0] == cs.FreeFaces(cs.material("steel"), 0.01)
     cs.write_scene(scene, tmp_path / "written.toml")
     assert cs.read_scene(tmp_path / "written.toml").scene == scene
-    coated = 'kind = "CoatedHalfSpace"\nthickness = "1 um"\ncoating.material = "DLC"\nsubstrate.material'
-    file.write_text(text.replace("material", coated, 1))
-    with pytest.raises(cs.InvalidInput, match=r"solids\[0\].free_faces is given to a Coated"):
-        cs.read_scene(file)
 
 
 def test_stress_below_leaves_the_faces_free_and_is_the_pressure_at_the_surface() -> None:
@@ -110,13 +106,10 @@ def test_stress_below_leaves_the_faces_free_and_is_the_pressure_at_the_surface()
     assert np.abs(middle).max() < 0.05 * HERTZ.peak_pressure
 
 
-def test_without_faces_the_first_warning_says_how_much_they_lower_the_end() -> None:
+def test_without_faces_the_first_warning_names_them_for_the_end_of_a_half_space() -> None:
     ended = cs.Scene(LOAD, (STEEL, STEEL), (CYLINDER, cs.FiniteLength(LENGTH)))
-    with_faces, without = (cs.solve(scene, cs.Grid((16, 80), GRID.extent), FREE) for scene in (ROLLER, ended))
-    first = without.error.warnings[0]
-    lower = float(first.split("it is ")[1].split("%")[0]) / 100
+    first = cs.solve(ended, cs.Grid((16, 80), GRID.extent), FREE).error.warnings[0]
     assert f'free_faces = "{LENGTH * 1e3:.4g} mm" of Scene.solids[0]' in first
-    assert lower == pytest.approx(1 - with_faces.pressure[:, 0].max() / without.pressure[:, 0].max(), abs=0.01)
 
 
 def test_ends_that_a_profile_does_not_relieve_are_told_a_drop_that_does() -> None:

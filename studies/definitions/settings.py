@@ -11,7 +11,7 @@ from contactstudy.domain.validation import ABOVE_ZERO, at_least, valid
 from contactstudy.io.scene_files.scene_writer import scene_text
 from studies.model.axis import Axis, one_of
 from studies.model.case import Case, dimensionless
-from studies.model.study import Point, Study
+from studies.model.study import Measures, Point, Study
 from studies.reference.line_contact import HERTZ, SCENE, WIDTH, measures
 from studies.reference.paddings import PADDINGS, padding_at
 
@@ -22,57 +22,12 @@ HALF_WIDTHS = "position across the contact over Hertz half-width"
 TOLERANCE = 1e-8
 # Cells across the grids, two to an octave; the study of cost leaves out the first two.
 GRIDS = (12, 18, 24, 36, 48, 72, 96, 144)
-PAPER_CELLS = 128
-TITLES = {
-    "padding": "Paddings side by side",
-    "period": "Accuracy against the period",
-    "images": "Accuracy against the number n of superposed periods",
-    "grid": "Accuracy against the number of cells",
-    "pareto": "Cost of accuracy: paddings, n, grids and tolerances",
-    "paper": "The paper's comparison: pressure across the contact with every padding",
-}
-# Numbers of images by preset.
-IMAGES = {"padding": (1, 6, 20), "images": (0, 1, 2, 3, 4, 6, 8, 10, 20), "pareto": (1, 6), "paper": (1, 6)}
 # Period of the paper's point contacts over Hertz half-width, the only one that it names.
 PERIOD_OF_PAPER = 3.0
-# Periods by preset, over Hertz half-width.
-PERIODS = {
-    "padding": (0.6, 2.4),
-    "period": (0.15, 0.3, 0.6, 1.2, 2.4, 4.8, 9.6),
-    "images": (0.6, PERIOD_OF_PAPER, 9.6),
-    "pareto": (0.6, 2.4),
-    "paper": (PERIOD_OF_PAPER,),
-}
-
-
-def preset(name: str) -> Study:
-    """Return the study of the cylinder's settings with the axes of a preset.
-
-    Parameters
-    ----------
-    name
-        padding, period, images, grid, pareto or paper.
-    """
-    grids = {"grid": GRIDS, "pareto": GRIDS[2:], "paper": (PAPER_CELLS,)}
-    axes = [
-        Axis("padding", tuple(PADDINGS), "treatment of the periodic direction (padding)"),
-        Axis("images", IMAGES.get(name, (6,)), "periods superposed on each side"),
-        Axis("period", PERIODS.get(name, (WIDTH,)), "period length over Hertz half-width"),
-        Axis("grid", grids.get(name, GRIDS[-1:]), "cells across the width"),
-    ]
-    if name == "pareto":
-        axes += [
-            Axis("along", tuple(ALONG), "cells along the length: square ones, or one alone"),
-            Axis("solver_tolerance", (1e-4, 1e-2), "residual to which the solver goes"),
-        ]
-    return Study(
-        name,
-        f"{TITLES[name]}, for the paper's cylinder.",
-        tuple(axes),
-        case_at,
-        profile_measures if name == "paper" else measures,
-        attributes={"scene": scene_text(SCENE)},
-    )
+COST = (
+    Axis("along", tuple(ALONG), "cells along the length: square ones, or one alone"),
+    Axis("solver_tolerance", (1e-4, 1e-2), "residual to which the solver goes"),
+)
 
 
 def case_at(point: Point) -> Case:
@@ -113,4 +68,30 @@ def profile_measures(case: Case, contact: cs.Contact) -> Mapping[str, xr.Variabl
     return {**measures(case, contact), "x": x, "x_bounds": bounds, **profiles}
 
 
-padding, period, images, grid, pareto, paper = (preset(name) for name in TITLES)
+def _study(
+    name: str, title: str, images: tuple[int, ...] = (6,), period: tuple[float, ...] = (WIDTH,),
+    grid: tuple[int, ...] = GRIDS[-1:], more: tuple[Axis, ...] = (), measures: Measures = measures,
+) -> Study:  # fmt: skip
+    """Return a study of the cylinder's settings: all paddings, and some n, periods over Hertz half-width and grids."""
+    axes = (
+        Axis("padding", tuple(PADDINGS), "treatment of the periodic direction (padding)"),
+        Axis("images", images, "periods superposed on each side"),
+        Axis("period", period, "period length over Hertz half-width"),
+        Axis("grid", grid, "cells across the width"),
+    )
+    scene = {"scene": scene_text(SCENE)}
+    return Study(name, f"{title}, for the paper's cylinder.", axes + more, case_at, measures, attributes=scene)
+
+
+padding = _study("padding", "Paddings side by side", (1, 6, 20), (0.6, 2.4))
+period = _study("period", "Accuracy against the period", period=(0.15, 0.3, 0.6, 1.2, 2.4, 4.8, 9.6))
+images = _study(
+    "images", "Accuracy against the number n of superposed periods", (0, 1, 2, 3, 4, 6, 8, 10, 20),
+    (0.6, PERIOD_OF_PAPER, 9.6),
+)  # fmt: skip
+grid = _study("grid", "Accuracy against the number of cells", grid=GRIDS)
+pareto = _study("pareto", "Cost of accuracy: paddings, n, grids and tolerances", (1, 6), (0.6, 2.4), GRIDS[2:], COST)
+paper = _study(
+    "paper", "The paper's comparison: pressure across the contact with every padding", (1, 6), (PERIOD_OF_PAPER,),
+    (128,), measures=profile_measures,
+)  # fmt: skip

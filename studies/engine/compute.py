@@ -93,17 +93,13 @@ def _timed(task: Task, _: RunSettings) -> Outcome:
     if type(case) not in WARM and expected < MAX_WARM_UP:
         WARM.add(type(case))
         case.run(case.prepare())
-    return Outcome(CaseStatus.OK, sample=time_once(case))
-
-
-def time_once(case: Computation) -> TimedRun:
-    """Return the wall and CPU time of one run of a case."""
     wall, cpu = perf_counter(), process_time()
     prepared = case.prepare()
     ready, ready_cpu = perf_counter(), process_time()
     case.run(prepared)
     finished, finished_cpu = perf_counter(), process_time()
-    return TimedRun(ready - wall, finished - ready, ready_cpu - cpu, finished_cpu - ready_cpu)
+    sample = TimedRun(ready - wall, finished - ready, ready_cpu - cpu, finished_cpu - ready_cpu)
+    return Outcome(CaseStatus.OK, sample=sample)
 
 
 def failed(error: BaseException, seconds: float = 0.0) -> Outcome:

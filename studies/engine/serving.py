@@ -23,7 +23,7 @@ from threadpoolctl import threadpool_limits
 from contactstudy import InvalidInput
 from studies.engine.compute import failed, perform, warm_up
 from studies.model.outcome import RunSettings
-from studies.store.program import Program, look, own_digests
+from studies.store.program import look, own_digests
 
 IDLE_TIMEOUT = 120.0  # seconds without a request after which it ends
 BATCH_SECONDS = 0.25  # seconds of work after which no further task of a batch is begun
@@ -80,7 +80,11 @@ def _serve(connection: Connection, settings: bytes, where: str) -> None:
     while not problem and connection.poll(IDLE_TIMEOUT):
         tasks, first, end = connection.recv()
         _perform(connection, run, tasks, first, end)
-        connection.send(_refusal(program, where))
+        try:
+            program.check(where)
+            connection.send("")
+        except InvalidInput as refusal:
+            connection.send(str(refusal))
 
 
 def _perform(connection: Connection, run: RunSettings, pickled: bytes, first: int, end: int) -> None:
@@ -104,15 +108,6 @@ def _perform(connection: Connection, run: RunSettings, pickled: bytes, first: in
             return
 
 
-def _refusal(program: Program, where: str) -> str:
-    """Return why this process has another program; empty if it has the same."""
-    try:
-        program.check(where)
-    except InvalidInput as refusal:
-        return str(refusal)
-    return ""
-
-
 def _keep_child(connection: Connection) -> None:
     """Fork; return in the child, and in this process end as the child does, with all that it started.
 
@@ -125,7 +120,7 @@ def _keep_child(connection: Connection) -> None:
     os.set_blocking(write, False)
     signal.set_wakeup_fd(write)
     for number in (signal.SIGCHLD, signal.SIGTERM):
-        signal.signal(number, _do_nothing)
+        signal.signal(number, lambda *_: None)  # it wakes the keeper
     child = os.fork()
     if child == 0:
         system.prctl(PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
@@ -153,10 +148,6 @@ def _keep_child(connection: Connection) -> None:
             break
         statuses[pid] = status
     _end_as(os.waitstatus_to_exitcode(statuses[child]))
-
-
-def _do_nothing(*_: object) -> None:
-    """Handle a signal, which wakes the keeper."""
 
 
 def _reap(statuses: dict[int, int]) -> None:

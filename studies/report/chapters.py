@@ -56,7 +56,7 @@ class Section:
     """The part of a page that shows a study or answers a question.
 
     `name` is its anchor on the page, and `axes_text` names the axes that vary with their values. `file` is the netCDF
-    file beside the page, without its ending, and the folder of the figures; the `name` if it is empty.
+    file beside the page, without its ending, and the folder of the figures.
     """
 
     name: str
@@ -64,13 +64,8 @@ class Section:
     findings: Sequence[Finding]
     figures: Sequence[CaptionedFigure]
     tables: Sequence[Table]
+    file: str
     axes_text: str = ""
-    file: str = ""
-
-    @property
-    def data(self) -> str:
-        """Name of the netCDF file beside the page, without its ending."""
-        return self.file or self.name
 
     @property
     def answers(self) -> Sequence[Finding]:

@@ -69,7 +69,7 @@ def section(part: Part, dataset: xr.Dataset) -> Section:
     study, drawing = part.study(), load_drawing(part.name)
     if not (dataset["case_status"] == CaseStatus.OK).any():
         drawing = NOTHING_TO_DRAW
-    figures = drawing.figure(dataset)
+    figures = drawing.figure(dataset) if part.figures != () else ()
     shown = [item for item in figures if part.figures is None or item.name in part.figures]
     return Section(
         name=part.name,
@@ -77,6 +77,7 @@ def section(part: Part, dataset: xr.Dataset) -> Section:
         findings=drawing.findings(dataset),
         figures=shown,
         tables=drawing.tables(dataset),
+        file=part.name,
         axes_text=axes_text(dataset),
     )
 
@@ -142,7 +143,7 @@ def write_page(
         main_is_there=(out / MAIN.page).is_file(),
         explored={path.name for path in out.glob("*-explore.html")},
         sections=sections,
-        figures={part.name: [_embedded(figure, part.data, out) for figure in part.figures] for part in sections},
+        figures={part.name: [_embedded(figure, part.file, out) for figure in part.figures] for part in sections},
         made=_made(datasets),
         others=_others(chapter, out) if chapter.parts else (),
     )

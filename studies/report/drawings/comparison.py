@@ -107,8 +107,8 @@ def sections(verdict: Verdict) -> Sequence[Section]:
     """Return the price of accuracy, and what each padding does."""
     answer = Finding(claim(verdict), " ".join(explanation(verdict)), "Which padding, at what cost?")
     return [
-        Section(SETTINGS, "The price of accuracy", [answer], [_front(verdict)], [_fastest(verdict)]),
-        Section("paddings", "What each padding does", [], [], [_paddings(verdict)], file=SETTINGS),
+        Section(SETTINGS, "The price of accuracy", [answer], [_front(verdict)], [_fastest(verdict)], SETTINGS),
+        Section("paddings", "What each padding does", [], [], [_paddings(verdict)], SETTINGS),
     ]
 
 

@@ -16,8 +16,9 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.units import Metres
 from contactstudy.domain.validation import at_least, validated
 
-# Largest ratio of the sides of a cell.
-LARGEST_ASPECT_RATIO = 1e9
+# Largest length of a cell over its width, and largest width over its length. A row of cells wider than their period is
+# summed image by image.
+LONGEST_CELL, WIDEST_CELL = 1e9, 1e6
 
 
 @validated
@@ -39,7 +40,8 @@ class Grid:
     ------
     InvalidInput
         If there are fewer than two cells across or none along, if the extent is no positive length, or if the
-        aspect ratio of a cell exceeds 1e9, where its influence coefficients would be lost in rounding.
+        cells are more than 1e9 times as long as wide, where influence coefficients would be lost in rounding, or more
+        than 1e6 times as wide as long, where they would take minutes.
     """
 
     cells: tuple[Annotated[int, at_least(2)], Annotated[int, at_least(1)]]
@@ -48,10 +50,10 @@ class Grid:
     def check_together(self) -> None:
         """Check the ratio of the sides of a cell."""
         aspect_ratio = self.cell_size[1] / self.cell_size[0]
-        if not 1 / LARGEST_ASPECT_RATIO <= aspect_ratio <= LARGEST_ASPECT_RATIO:
+        if not 1 / WIDEST_CELL <= aspect_ratio <= LONGEST_CELL:
             raise InvalidInput(
-                f"Grid.extent is {self.extent!r}: give lengths whose cells are at most {LARGEST_ASPECT_RATIO:g} times "
-                f"as long as wide, or as wide as long; these are {aspect_ratio:g} times as long."
+                f"Grid.extent is {self.extent!r}: give lengths whose cells are at most {LONGEST_CELL:g} times as long "
+                f"as wide, and {WIDEST_CELL:g} times as wide as long; these are {aspect_ratio:g} times as long."
             )
 
     @property

@@ -17,7 +17,6 @@ kernel falls like ``r^-3`` beyond the width of the holes in the contact, and mor
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property
 from math import ceil, log2, prod
 
@@ -28,35 +27,18 @@ from contactstudy.domain.device import Cpu, arrays, device
 from contactstudy.domain.fields import Array, compiled_loops, device_loops, first_cells, in_blocks
 from contactstudy.elasticity.transforms import ComplexField, transforms
 
-
-@dataclass(frozen=True)
-class InverseConstants:
-    """Constants of the preconditioner.
-
-    Attributes
-    ----------
-    single_range
-        Largest ratio of the spectrum's values for single precision, whose round-off is the same in all wave numbers.
-    holes
-        Length of the smoothing kernel over the width of a hole; of 1, 1.5, 2 and 3 this takes the fewest iterations on
-        sparse contacts, and of 1, 2 and 4 the fewest in the sum over 15 contacts.
-    noise
-        Multiple of the machine epsilon and the largest weight below which a weight is round-off of a transform.
-    aspect_ratio
-        Ratio of the sides of a cell above which cells are not merged into blocks of 2 x 2. Merging them makes solves 1.1
-        to 2 times as fast.
-    min_gpu_cells
-        Number of cells from which on they are merged on a GPU.
-    """
-
-    single_range: float = 1e4
-    holes: float = 2.0
-    noise: float = 100.0
-    aspect_ratio: float = 4.0
-    min_gpu_cells: int = 2**22
-
-
-CONSTANTS = InverseConstants()
+# Largest ratio of the spectrum's values for single precision, whose round-off is the same in all wave numbers.
+SINGLE_RANGE = 1e4
+# Length of the smoothing kernel over the width of a hole; of 1, 1.5, 2 and 3 this takes the fewest iterations on sparse
+# contacts, and of 1, 2 and 4 the fewest in the sum over 15 contacts.
+HOLES = 2.0
+# Multiple of the machine epsilon and the largest weight below which a weight is round-off of a transform.
+NOISE = 100.0
+# Ratio of the sides of a cell above which cells are not merged into blocks of 2 x 2. Merging them makes solves 1.1 to 2
+# times as fast.
+ASPECT_RATIO = 4.0
+# Number of cells from which on they are merged on a GPU.
+MIN_GPU_CELLS = 2**22
 # Cells beyond a free end of the grid, over its own. With 1/16, 1/8, 1/4 or 1, spheres, rough spheres and rough flats
 # that reach the ends of 64 x 64 to 1024 x 1024 cells take as many iterations.
 MARGIN = 1 / 16
@@ -129,7 +111,7 @@ class SpectralInverse:
         xp = arrays()
         inverse = 1 / spectrum
         inverse[0, 0] = 0.0
-        if float(xp.max(inverse)) * float(xp.max(spectrum)) > CONSTANTS.single_range:
+        if float(xp.max(inverse)) * float(xp.max(spectrum)) > SINGLE_RANGE:
             real = spectrum.dtype
         self._inverse, self.real = xp.astype(inverse, real, copy=False), real
         self._cells, self._work_array = cells, work_array
@@ -152,7 +134,7 @@ class SpectralInverse:
         width = hole_width(active)
         if not width:
             return CoveringExtension(active, self.pressure)
-        width = 2.0 ** round(log2(CONSTANTS.holes * width))
+        width = 2.0 ** round(log2(HOLES * width))
         if width != self._smoothing[0]:
             stretch = width * np.pi / self._stiffest
             self._smoothing = width, 1 / arrays().sqrt(1 + stretch * self._inverse)
@@ -169,11 +151,11 @@ class SpectralInverse:
         compiled loops.
         """
         xp, (nx, ny) = arrays(), self._cells
-        too_few = not isinstance(device(), Cpu) and nx * ny < CONSTANTS.min_gpu_cells
+        too_few = not isinstance(device(), Cpu) and nx * ny < MIN_GPU_CELLS
         if compiled_loops(self._cells) is None or too_few or nx % 4 or ny % 4:
             return None
         aspect_ratio = float(spectrum[0, -1]) / float(spectrum[nx // 2, 0])
-        if not 1 / CONSTANTS.aspect_ratio < aspect_ratio < CONSTANTS.aspect_ratio:
+        if not 1 / ASPECT_RATIO < aspect_ratio < ASPECT_RATIO:
             return None
         low = xp.concat([spectrum[: nx // 4, :], spectrum[nx - nx // 4 :, :]])
         low = first_cells(low, (nx // 2, ny // 4 + 1))
@@ -291,7 +273,7 @@ class SmoothedExtension(CoveringExtension):
         xp = arrays()
         self._smoothed = smoothed
         self._outside = weights = smoothed(active)
-        noise = CONSTANTS.noise * float(xp.finfo(active.dtype).eps)
+        noise = NOISE * float(xp.finfo(active.dtype).eps)
         if (loops := device_loops()) is not None:
             loops.outside(active, weights, noise)
             return

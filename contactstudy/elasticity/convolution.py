@@ -41,29 +41,15 @@ from contactstudy.elasticity.transforms import TRANSFORMS, ComplexField, even_tr
 NEGLIGIBLE_ENERGY = 1e-28
 
 
-@dataclass(frozen=True)
-class OperatorConstants:
-    """Constants of coarser grids and of the inverse in plane strain (ny = 1).
-
-    Attributes
-    ----------
-    min_coarsened
-        Least number of cells along an axis of a coarser grid. If it is 64, contacts take up to 1.2 times as many
-        convolutions; if it is 8, they take as many as now.
-    direct_cells
-        Largest number of cells in plane strain for which the preconditioner solves the equations of the contact
-        directly. It saves half of the convolutions there, and up to a quarter of the time.
-    mean_compliance
-        Constant that is added to the coefficients of these equations, over the largest of them. It makes the equations
-        positive definite. From 1 to 1000 it changes nothing.
-    """
-
-    min_coarsened: int = 32
-    direct_cells: int = 64
-    mean_compliance: float = 10.0
-
-
-CONSTANTS = OperatorConstants()
+# Least number of cells along an axis of a coarser grid. If it is 64, contacts take up to 1.2 times as many convolutions;
+# if it is 8, they take as many as now.
+MIN_COARSENED = 32
+# Largest number of cells in plane strain for which the preconditioner solves the equations of the contact directly. It
+# saves half of the convolutions there, and up to a quarter of the time.
+DIRECT_CELLS = 64
+# Constant that is added to the coefficients of these equations, over the largest of them. It makes the equations
+# positive definite. From 1 to 1000 it changes nothing.
+MEAN_COMPLIANCE = 10.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -183,7 +169,7 @@ class Convolution:
     def blocks(self) -> tuple[int, int]:
         """Number of cells (across, along) that are merged, 2 along an axis that can be halved, else 1."""
         across, along = (
-            2 if cells % 2 == 0 and padded % 2 == 0 and cells >= 2 * CONSTANTS.min_coarsened else 1
+            2 if cells % 2 == 0 and padded % 2 == 0 and cells >= 2 * MIN_COARSENED else 1
             for cells, padded in zip(self.cells, self.padded, strict=True)
         )
         return across, along
@@ -209,7 +195,7 @@ class Convolution:
         another `precision` is given and can hold the spectrum's range. For few cells in plane strain it solves the
         equations of the contact exactly.
         """
-        if self.cells[1] == 1 and self.cells[0] <= CONSTANTS.direct_cells and isinstance(device(), Cpu):
+        if self.cells[1] == 1 and self.cells[0] <= DIRECT_CELLS and isinstance(device(), Cpu):
             return ExactInverse(self._compliance())
         real = self.spectrum.dtype if precision is None else precision.real
 
@@ -239,7 +225,7 @@ class Convolution:
         unit = np.zeros(self.cells, dtype=self.spectrum.dtype)
         unit[0] = 1
         by_distance = self(unit)[:, 0]
-        by_distance += CONSTANTS.mean_compliance * np.abs(by_distance).max()
+        by_distance += MEAN_COMPLIANCE * np.abs(by_distance).max()
         index = np.arange(len(by_distance))
         return np.asarray(by_distance[np.abs(index[:, None] - index)])
 

@@ -38,38 +38,19 @@ from contactstudy.elasticity.convolution import Convolution, coarsened_spectrum,
 from contactstudy.elasticity.kernels.stress_cell import COMPONENTS, CellKernel
 from contactstudy.elasticity.transforms import ComplexField, transforms
 
-
-@dataclass(frozen=True)
-class FaceConstants:
-    """Constants of the table and of its use on a grid.
-
-    Attributes
-    ----------
-    ratio, stride
-        Ratio of neighbouring distances in the table, every how many of which are used on a grid.
-    nearest, farthest
-        First and last distance of the table, in units of 1 / k.
-    first_node
-        First distance from the face on a grid, over the length of a cell.
-    coupling
-        Length and power p. What a load adds at its own face, it takes from the other face in the ratio ``exp(-(k L /
-        length)^p)``, in a body of the length L. So both faces together sink over the middle as finite elements of such
-        bodies under waves do, within 6 % for Poisson's ratio 0.3 and k L from 0.4 to 10, where two quarter-spaces sink
-        1 to 6 times as much.
-    widths
-        Widths of the grid after which the response across repeats where it is summed from waves.
-    """
-
-    ratio: float = 1.1
-    stride: int = 3
-    nearest: float = 1e-8
-    farthest: float = 30.0
-    first_node: float = 0.0625
-    coupling: tuple[float, float] = 2.0, 1.15
-    widths: int = 8
-
-
-CONSTANTS = FaceConstants()
+# Ratio of neighbouring distances in the table, every how many of which are used on a grid, and the first and last
+# distance, in units of 1 / k.
+RATIO, STRIDE = 1.1, 3
+NEAREST, FARTHEST = 1e-8, 30.0
+# First distance from the face on a grid, over the length of a cell.
+FIRST_NODE = 0.0625
+# Length and power p. What a load adds at its own face, it takes from the other face in the ratio ``exp(-(k L /
+# length)^p)``, in a body of the length L. So both faces together sink over the middle as finite elements of such bodies
+# under waves do, within 6 % for Poisson's ratio 0.3 and k L from 0.4 to 10, where two quarter-spaces sink 1 to 6 times
+# as much.
+COUPLING = 2.0, 1.15
+# Widths of the grid after which the response across repeats where it is summed from waves.
+WIDTHS = 8
 # Rows of waves that are multiplied at once.
 ROWS = 8
 
@@ -96,9 +77,8 @@ def face_table(poisson_ratio: float) -> FaceTable:
     """
     from scipy.special import iti0k0, k0, k1  # imported late, since it is slow
 
-    ratio = CONSTANTS.ratio
-    count = int(np.ceil(np.log(CONSTANTS.farthest / CONSTANTS.nearest) / np.log(ratio)))
-    edges = CONSTANTS.nearest * ratio ** np.arange(count + 1)
+    count = int(np.ceil(np.log(FARTHEST / NEAREST) / np.log(RATIO)))
+    edges = NEAREST * RATIO ** np.arange(count + 1)
     widths = np.diff(edges)
     nodes, _ = np.polynomial.legendre.leggauss(2)
     points = (edges[:-1, None] + widths[:, None] * (nodes + 1) / 2).ravel()
@@ -112,7 +92,7 @@ def face_table(poisson_ratio: float) -> FaceTable:
 
     # the integral of K0(sqrt(y^2 + t^2)) over t from z on
     finer, finer_weights = np.polynomial.legendre.leggauss(4)
-    ends = np.append(points, 2 * CONSTANTS.farthest)
+    ends = np.append(points, 2 * FARTHEST)
     t = ends[:-1, None] + np.diff(ends)[:, None] * (finer + 1) / 2
     panels = k0(np.hypot(points[:, None, None], t)) @ (finer_weights / 2) * np.diff(ends)
     beyond = np.cumsum(panels[:, ::-1], axis=1)[:, ::-1].T
@@ -294,12 +274,11 @@ def faces_on(body: FreeFaceCoefficients, grid: Grid, across: int, added: str = "
 
     At a distance x across it is the cosine transform of the table over wave numbers, which are summed in equal steps,
     and whose values lie between those of the table. Of waves longer than the body, a load at one face also acts on the
-    other, see `FaceConstants.coupling`.
+    other, see `COUPLING`.
     """
     to_face = (body.length - grid.length) / 2
     (nx, ny), (dx, dy) = grid.cells, grid.cell_size
-    stride = CONSTANTS.stride
-    step = stride * np.log(CONSTANTS.ratio)
+    step = STRIDE * np.log(RATIO)
     first = first_distance(body, grid)
     # means over the cells of functions that are cubic in the logarithm of the distance
     fine = (np.arange(16) + 0.5) / 16
@@ -309,12 +288,12 @@ def faces_on(body: FreeFaceCoefficients, grid: Grid, across: int, added: str = "
     weights = cardinal(index.ravel(), count).reshape(ny, len(fine), count).mean(axis=1)
 
     def kernel() -> Array:
-        points = 2 * CONSTANTS.widths * nx
+        points = 2 * WIDTHS * nx
         k = 2 * np.pi / (points * dx) * np.arange(points // 2 + 1)
         k[0] = k[1] / (2 * e)  # the mean of a logarithm over half a step is its value there
         of_material = face_table(body.poisson_ratio)
         distances, table = of_material.distances, getattr(of_material, added)
-        index = np.log(k * first / distances[0]) / np.log(CONSTANTS.ratio) - stride
+        index = np.log(k * first / distances[0]) / np.log(RATIO) - STRIDE
         lowest = int(index[0]) - 1
         levels = int(index[-1]) + 3 - lowest
         of_load = np.sinc(k * dx / (2 * np.pi))[:, None] * cardinal(index - lowest, levels)
@@ -323,11 +302,11 @@ def faces_on(body: FreeFaceCoefficients, grid: Grid, across: int, added: str = "
         waves = fft.dct(response[np.minimum(offsets, nx - 1)], 1, axis=0)
         # rows and columns of the table at each level, zero beyond it
         steps = lowest + np.arange(levels)
-        last = steps[-1] + 1 + stride * count
+        last = steps[-1] + 1 + STRIDE * count
         whole = np.pad(table, (0, max(last - len(table), 0)))
-        blocks = np.stack([whole[n:last:stride, n:last:stride][:count, :count] for n in steps])
-        levels_of_k = distances[0] / first * CONSTANTS.ratio ** (steps + stride)
-        length, power = CONSTANTS.coupling
+        blocks = np.stack([whole[n:last:STRIDE, n:last:STRIDE][:count, :count] for n in steps])
+        levels_of_k = distances[0] / first * RATIO ** (steps + STRIDE)
+        length, power = COUPLING
         equal = -np.expm1(-((levels_of_k * body.length / length) ** power))
         share = np.stack([equal, 2 - equal], axis=1)
         if added != "displacement":
@@ -340,7 +319,7 @@ def faces_on(body: FreeFaceCoefficients, grid: Grid, across: int, added: str = "
 
 def first_distance(body: FreeFaceCoefficients, grid: Grid) -> float:
     """Return the first distance [m] from the faces of `body` that is used on `grid`."""
-    return max((body.length - grid.length) / 2, 0.0) + CONSTANTS.first_node * grid.cell_size[1]
+    return max((body.length - grid.length) / 2, 0.0) + FIRST_NODE * grid.cell_size[1]
 
 
 def cardinal(index: Array, count: int) -> Array:
@@ -450,7 +429,7 @@ class StressByFaces:
 
     def _interpolation(self, distance: Array, count: int) -> Array:
         """Return the weights (distances, count) of the nodes at some `distance` [m] from the surface."""
-        step = CONSTANTS.stride * np.log(CONSTANTS.ratio)
+        step = STRIDE * np.log(RATIO)
         index = np.log(np.maximum(distance / first_distance(self.body, self.grid), 1)) / step + 1
         return cardinal(np.minimum(index, count - 2), count)
 
@@ -461,7 +440,7 @@ class StressByFaces:
         surface and at `count` nodes, distances from the face. It is real: of a component that is odd along x it is the
         sine transform, and the Fourier transform is -i times that.
         """
-        dx, step = self.grid.cell_size[0], CONSTANTS.ratio**CONSTANTS.stride
+        dx, step = self.grid.cell_size[0], RATIO**STRIDE
         nodes = first_distance(self.body, self.grid) * step ** (np.arange(count) - 1.0)
         x = (np.arange(self._across // 2 + 1) - 0.5) * dx
         u, v, y = np.broadcast_arrays(x[:, None, None], (depth - edges)[:, None], nodes)

@@ -318,9 +318,15 @@ class LayerStress:
     def plane(self, k: RealOrComplex) -> RealOrComplex:
         """Return (s_zz, s_xz, s_xx) under a unit pressure and a unit shear (load, component, k).
 
-        `k` is the wave number times the depth of the deepest interface, on the real or the imaginary axis.
+        `k` is the wave number times the depth of the deepest interface, on the real or the imaginary axis. s_xx follows
+        from s_zz and the strain along x: ``(1 - nu) s_xx = 2 G du/dx + nu s_zz``.
         """
-        return _plane(self.materials, self.depth, k)
+        compliance, traction = self.materials.plane(k, self.depth)
+        nu = self.poisson_ratio
+        # the stress at the surface is -P and -Q
+        normal, shear = -np.moveaxis(traction, 0, -1)
+        strain = -np.moveaxis(compliance @ traction, 0, -1)[0]  # 2 G du/dx
+        return np.stack([normal, shear, (strain + nu * normal) / (1 - nu)], axis=1)
 
     def remainder(self, k: RealOrComplex) -> RealOrComplex:
         """Return the change of :meth:`plane` less what is known in closed form.
@@ -342,7 +348,7 @@ class LayerStress:
         if not self.in_layer:
             return np.asarray(self.plane(k) - np.array(half_space(k * self.depth)))
         above, image = self.materials.above, np.array(half_space(k * self.decay_rate))
-        change: RealOrComplex = self.plane(k) - _plane(above, self.depth, k)
+        change: RealOrComplex = self.plane(k) - LayerStress(above, self.depth).plane(k)
         for sign, below in ((1, self.materials), (-1, above)):
             change[:, 2] = change[:, 2] - sign * self._strained(below, image[:, 0], image[:, 2])
         return change
@@ -364,32 +370,18 @@ class LayerStress:
 
         With the stress proportional to exp(i k x) and y along the crests, they are s_yz and the imaginary part of s_xy.
         """
-        down, around = _antiplane(self.materials, self.depth, k)
+        down, around = self._antiplane(k)
         if not self.in_layer:
             decay = np.exp(-k * self.depth)
             return decay - down, around - decay
-        without = _antiplane(self.materials.above, self.depth, k)
+        without = LayerStress(self.materials.above, self.depth)._antiplane(k)
         contrast = self.ratios(self.materials)[0] - self.ratios(self.materials.above)[0]
         return without[0] - down, around - without[1] - contrast * np.exp(-k * self.decay_rate)
 
-
-def _plane(materials: LayerResponse, depth: float, k: RealOrComplex) -> RealOrComplex:
-    """Return (s_zz, s_xz, s_xx) under a unit pressure and a unit shear (load, component, k).
-
-    s_xx follows from s_zz and the strain along x: ``(1 - nu) s_xx = 2 G du/dx + nu s_zz``.
-    """
-    compliance, traction = materials.plane(k, depth)
-    nu = materials.poisson_ratios[materials.index(depth)]
-    # the stress at the surface is -P and -Q
-    normal, shear = -np.moveaxis(traction, 0, -1)
-    strain = -np.moveaxis(compliance @ traction, 0, -1)[0]  # 2 G du/dx
-    return np.stack([normal, shear, (strain + nu * normal) / (1 - nu)], axis=1)
-
-
-def _antiplane(materials: LayerResponse, depth: float, k: RealOrComplex) -> tuple[RealOrComplex, RealOrComplex]:
-    """Return the shear along the crests over that at the surface, and G times the slope of the displacement."""
-    compliance, traction = materials.antiplane(k, depth)
-    return traction, compliance * traction
+    def _antiplane(self, k: RealOrComplex) -> tuple[RealOrComplex, RealOrComplex]:
+        """Return the shear along the crests over that at the surface, and G times the slope of the displacement."""
+        compliance, traction = self.materials.antiplane(k, self.depth)
+        return traction, compliance * traction
 
 
 @lru_cache(maxsize=64)

@@ -133,8 +133,7 @@ def test_a_given_approach_is_the_same_and_its_report_gets_numpy_arrays(
 def test_the_coarser_grids_of_large_contacts_on_a_gpu_give_the_same(
     grid: str, line_contact: LineContact, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    smaller = replace(approximate_inverse.CONSTANTS, min_gpu_cells=1)
-    monkeypatch.setattr(approximate_inverse, "CONSTANTS", smaller)
+    monkeypatch.setattr(approximate_inverse, "MIN_GPU_CELLS", 1)
     monkeypatch.setattr(preconditioned_cg, "MAX_DIRECT_GPU_CELLS", 256)
     posed = problem(line_contact, 64, "30 %", GRIDS[grid][1])
     ours = cs.solve(posed, tolerance=1e-10)

@@ -103,7 +103,7 @@ def follow_load(
             else:
                 last = _next_solution(_problem_under(largest, elastic, value, adhesive_solver), last, options)
                 if speed is not None:  # elastic bodies, which roll without resistance
-                    lagged = LaggedSolution(last, 0.0, 1, last.iterations, last.convolutions)
+                    lagged = LaggedSolution(last, 0.0, 1)
                     rolling = SteadyRolling(lagged, {}, partial(solve_rolling, scene, padding=padding))
             solves = 1 if rolling is None else rolling.lagged.outer_iterations
             if last.adhesion is not None:

@@ -119,15 +119,14 @@ class Deflection:
 class PosedFilm:
     """Film equation in Hertz units on the ``upstream`` part of a grid, beyond which the outlet is cavitated throughout.
 
-    ``x`` are the positions across of its cells over a, ``deflection`` is in Hertz units, and ``operator_on`` makes that
-    on another grid. ``problem`` is the dry contact on the whole grid, with the even part of ``displacement`` [m] under a
+    ``x`` are the positions across of its cells over a, and ``operator_on`` makes the deflection in Hertz units on
+    another grid. ``problem`` is the dry contact on the whole grid, with the even part of ``displacement`` [m] under a
     pressure [Pa]; ``dry_pressure`` (x, y) [Pa] is its pressure. ``instant`` are the scales of this load and speed, where
-    ``scales`` are those of the largest. ``creep`` is the odd part of the displacement, that of each body times the
-    speed [m/s] of its surface; None without creep.
+    ``scales`` are those of the largest. ``creep`` is the odd part of the displacement, that of each body times the speed
+    [m/s] of its surface; None without creep.
     """
 
     equation: FilmEquation
-    deflection: Deflection
     upstream: Grid
     x: Array
     scales: FilmScales
@@ -220,15 +219,14 @@ class PosedFilm:
             return None
         nx, ny = nx // across, ny // along
         grid = Grid((nx, ny), self.upstream.extent)
-        deflection = self.operator_on(grid)
         coarse = replace(
             equation,
             gap=equation.gap.reshape(nx, across, ny, along).mean(axis=(1, 3)),
-            deflection=deflection,
+            deflection=self.operator_on(grid),
             cell=(equation.cell[0] * across, equation.cell[1] * along),
         )
         x = self.x.reshape(nx, across).mean(axis=1)
-        return replace(self, equation=coarse, deflection=deflection, upstream=grid, x=x)
+        return replace(self, equation=coarse, upstream=grid, x=x)
 
 
 def check_film_padding(padding: Padding | Paddings, cells_along: int) -> Paddings:
@@ -313,10 +311,9 @@ def pose(scene: Scene, grid: Grid, padding: Padding | Paddings, outlet: float = 
         (creep,) = general_convolutions([by_symmetry(of_bodies)[1]], grid, paddings)
     boundary, supply = scales.lubrication.boundary, scales.lubrication.supply
     upstream = Grid((rows, grid.cells[1]), (rows * grid.cell_size[0], grid.length))
-    deflection = operator_on(upstream)
     equation = FilmEquation(
         gap=problem.undeformed_gap[:rows] / scales.film,
-        deflection=deflection,
+        deflection=operator_on(upstream),
         cell=(grid.cell_size[0] / hertz.half_width, grid.cell_size[1] / hertz.half_width),
         speed_parameter=scales.speed_parameter,
         load=scene.mean_load(grid, paddings) / (hertz.half_width * peak),
@@ -327,16 +324,16 @@ def pose(scene: Scene, grid: Grid, padding: Padding | Paddings, outlet: float = 
         supplied_film=inf if supply is None else supply / scales.film,
     )
     x = grid.x[:rows] / hertz.half_width
-    return PosedFilm(
-        equation, deflection, upstream, x, scales, operator_on, problem, displacement, dry_pressure, scales, creep
-    )
+    return PosedFilm(equation, upstream, x, scales, operator_on, problem, displacement, dry_pressure, scales, creep)
 
 
 def linear_solver(posed: PosedFilm) -> LinearSolver:
     """Return the solver of the linear systems: direct in plane strain, else GMRES."""
     if posed.upstream.cells[1] == 1:
         return DirectSolver.for_equation(posed.equation)
-    return KrylovSolver(posed.deflection.even)
+    deflection = posed.equation.deflection
+    assert isinstance(deflection, Deflection)
+    return KrylovSolver(deflection.even)
 
 
 def prolongated(equation: FilmEquation, coarse: FilmIteration) -> tuple[Film, Mask]:

@@ -1,12 +1,11 @@
 """Steady lubricated contacts: the grid for an error of the film thickness, and the solve to that error."""
 
 from collections.abc import Callable
-from dataclasses import replace
 from math import ceil, inf, isfinite, sqrt
 
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
-from contactstudy.domain.units import Metres, readable
+from contactstudy.domain.units import Metres
 from contactstudy.domain.validation import valid
 from contactstudy.lubrication.film_equation import FilmScales
 from contactstudy.lubrication.film_error import with_error
@@ -170,34 +169,21 @@ def solve_lubricated(
         )
         contact = start = with_error(scene, fitting, padding, controls, start)
         assert contact.estimate is not None
-        estimate = contact.estimate
-        errors = contact.requested_errors(estimate)
+        errors = contact.requested_errors(contact.estimate)
         bounded = [errors["central_film"], errors["minimum_film"]]
         if finer < REFINED_FOR_MOTION:
             bounded += [parts for parts in errors.values() if isfinite(parts.total)]
         inlet = max(parts.by_cause["inlet"] for parts in bounded)
         cells = max(parts.by_cause["discretisation"] for parts in bounded)
         if inlet + cells <= error:
-            return contact
+            break
         # on a given extent the error of the inlet remains
         remaining = error if grid is None or inlet > error / 2 else 2 * (error - inlet)
         if fitting.cells[0] >= most_cells or (grid and (cells <= remaining / 2 or grid.cells[1] > 1)):
             break
         longer *= min(max(1.0, sqrt(2 * inlet / error)), 2.0)
         finer *= min(max(1.0, sqrt(2.5 * cells / remaining)), 2.0)
-    if not isfinite(inlet + cells):
-        return contact  # with the reason in the estimate
-    shape = "{} x {}".format(*contact.grid.cells)
-    if grid is None:
-        reason = f"The error of {error:g} is not reached on {shape} cells, the most that are taken: give a larger one."
-    else:
-        cause = (
-            f"the width of {readable(grid.extent[0])} leaves an error of {inlet:.2g} to the inlet, give a larger one"
-            if inlet > error / 2
-            else f"{shape} cells leave an error of {cells:.2g}, give more"
-        )
-        reason = f"The error of {error:g} is not reached on the grid that is given: {cause}."
-    return replace(contact, estimate=replace(estimate, warnings=(*estimate.warnings, reason)))
+    return contact
 
 
 def _on_extent(grid: Grid, finer: float, most_cells: int) -> Grid:

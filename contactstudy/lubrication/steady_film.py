@@ -77,39 +77,25 @@ def solve_on(
 ) -> FilmSolution:
     """Return the film on one grid, from another contact where that converges, else from a cold start.
 
-    Where its pressure reaches the outlet, the outlet is moved to the end of the grid.
+    Where its pressure reaches the outlet, the outlet is moved to the end of the grid. In plane strain, where the rms
+    height is more than `SteadyTuning.relative_roughness` times the film, a second film is sought, and the status says if
+    it exists.
     """
     posed = pose(scene, grid, padding, outlet)
-    contact = _solved(posed, scene, grid, padding, controls, start)
-    is_cut = contact.status is Status.CONTACT_AT_EDGE
-    if is_cut and posed.upstream.cells[0] < grid.cells[0]:
-        return solve_on(scene, grid, padding, controls, start, outlet=inf)
-    return contact
-
-
-def _solved(
-    posed: PosedFilm,
-    scene: Scene,
-    grid: Grid,
-    padding: Padding | Paddings,
-    controls: FilmControls,
-    start: FilmSolution | None,
-) -> FilmSolution:
-    """Return the film of a posed equation, from another contact where that converges, else from a cold start.
-
-    In plane strain, where the rms height is more than `SteadyTuning.relative_roughness` times the film, a second film is
-    sought, and the status says if it exists.
-    """
-    before = None
-    if start is not None and start.status is not Status.FILM_NOT_CONVERGED:
-        before = start
+    before = None if start is None or start.status is Status.FILM_NOT_CONVERGED else start
     if posed.equation.boundary_film:
         last, is_cold = _mixed_film(posed, controls, before), before is None
     else:
         last, is_cold = _full_film(posed, grid, controls, before)
     contact = film_solution(scene, grid, padding, posed, last, controls.tolerance)
-    others = _other_films(posed, controls, is_cold=is_cold)
-    return _with_other_films(contact, posed, last, others, controls)
+    is_cut = contact.status is Status.CONTACT_AT_EDGE
+    if is_cut and posed.upstream.cells[0] < grid.cells[0]:
+        return solve_on(scene, grid, padding, controls, start, outlet=inf)
+    if last.converged(controls.tolerance) and posed.relative_roughness > TUNING.relative_roughness:
+        others = _other_films(posed, controls, is_cold=is_cold)
+        if any(other.converged(controls.tolerance) and _differs(posed, last, other) for other in others):
+            return replace(contact, status=Status.SEVERAL_FILMS)
+    return contact
 
 
 def _full_film(
@@ -133,9 +119,8 @@ def _mixed_film(posed: PosedFilm, controls: FilmControls, before: FilmSolution |
         return solve_mixed(posed, controls)
     # on nested grids: on the finest alone it took ten times as long, or did not converge between high places
     alone = _nested(replace(posed, equation=replace(posed.equation, boundary_film=0.0)), controls)
-    film = with_minimum_film(
-        posed.equation, alone.film.pressure, alone.film.void, alone.film.separation, posed.equation.boundary_film
-    )
+    full = alone.film
+    film = with_minimum_film(posed.equation, full.pressure, full.void, full.separation, posed.equation.boundary_film)
     mixed = solve_mixed(posed, controls, (film, alone.cavitated))
     return replace(
         mixed,
@@ -153,21 +138,6 @@ def _other_films(posed: PosedFilm, controls: FilmControls, *, is_cold: bool) -> 
         yield from other_films(posed, controls)
     elif followed := _from_lower_heights(posed, controls):
         yield followed
-
-
-def _with_other_films(
-    contact: FilmSolution,
-    posed: PosedFilm,
-    last: FilmIteration,
-    others: Iterator[FilmIteration],
-    controls: FilmControls,
-) -> FilmSolution:
-    """Return a contact with the status of several films where heights are well above the film and another is found."""
-    is_rough = posed.relative_roughness > TUNING.relative_roughness
-    if not (last.converged(controls.tolerance) and is_rough):
-        return contact
-    has_second_film = any(other.converged(controls.tolerance) and _differs(posed, last, other) for other in others)
-    return replace(contact, status=Status.SEVERAL_FILMS) if has_second_film else contact
 
 
 def _from_lower_heights(posed: PosedFilm, controls: FilmControls) -> FilmIteration | None:

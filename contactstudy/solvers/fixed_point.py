@@ -145,20 +145,16 @@ class LaggedSolution:
     Parameters
     ----------
     solution
-        The last solution.
+        The last solution, with the iterations and convolutions of all.
     change
         Change of the pressure in the last outer iteration, relative in L1.
     outer_iterations
         Number of solves.
-    iterations, convolutions
-        Sums over all solves.
     """
 
     solution: Solution
     change: float
     outer_iterations: int
-    iterations: int
-    convolutions: float
 
 
 def solve_with_mixing(
@@ -200,7 +196,7 @@ def solve_with_mixing(
         solution = solve_contact(problem, options)
         if progress is not None:
             progress(0.0, change)
-        return LaggedSolution(solution, 0.0, 1, solution.iterations, solution.convolutions)
+        return LaggedSolution(solution, 0.0, 1)
     mixing, guess = AndersonMixing(DEPTH), np.zeros_like(problem.undeformed_gap)
     start: Array | None = None
     last_change, outer, iterations, convolutions = np.inf, 0, 0, 0.0
@@ -213,8 +209,9 @@ def solve_with_mixing(
         iterations += solution.iterations
         convolutions += solution.convolutions
         start = solution.pressure
+        solution = replace(solution, iterations=iterations, convolutions=convolutions)
         if not np.isfinite(solution.residual):
-            return LaggedSolution(solution, np.inf, outer, iterations, convolutions)
+            return LaggedSolution(solution, np.inf, outer)
         step = solution.pressure - guess
         distance = float(np.abs(step).sum())
         last_change = distance / float(solution.pressure.sum()) if distance else 0.0
@@ -226,6 +223,6 @@ def solve_with_mixing(
             if not converged:
                 residual = largest_of(solution.residual, last_change)
                 solution = replace(solution, status=Status.NOT_CONVERGED, residual=residual)
-            return LaggedSolution(solution, last_change, outer, iterations, convolutions)
+            return LaggedSolution(solution, last_change, outer)
         mixing.record(guess, step)
         guess = mixing.mixed_iterate()

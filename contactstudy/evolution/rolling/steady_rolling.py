@@ -228,16 +228,14 @@ def solve_rolling(
         last = lagged.solution
         with_shear = replace(last.problem, friction=friction_solver)
         sheared = solve_contact(with_shear, options, last.pressure)
-        status = worst([last.status, sheared.status])
-        lagged = replace(
-            lagged,
-            solution=replace(sheared, status=status, residual=largest_of(last.residual, sheared.residual)),
-            outer_iterations=lagged.outer_iterations + 1,
-            iterations=lagged.iterations + sheared.iterations,
-            convolutions=lagged.convolutions + sheared.convolutions,
+        both = replace(
+            sheared,
+            status=worst([last.status, sheared.status]),
+            residual=largest_of(last.residual, sheared.residual),
+            iterations=last.iterations + sheared.iterations,
+            convolutions=last.convolutions + sheared.convolutions,
         )
-    counted = replace(lagged.solution, iterations=lagged.iterations, convolutions=lagged.convolutions)
+        lagged = replace(lagged, solution=both, outer_iterations=lagged.outer_iterations + 1)
     coarse = replace(options, tolerance=COARSE_CHANGE / 10)
     solve_on = partial(solve_rolling, scene, padding=padding, options=coarse, change=COARSE_CHANGE, max_outer=max_outer)
-    lagged = replace(lagged, solution=counted)
     return SteadyRolling(lagged, antisymmetric_weights, solve_on, -1 if speed < 0 else 1)

@@ -42,11 +42,10 @@ def test_an_error_refines_the_cells_of_a_given_extent() -> None:
     assert contact.estimate.minimum_film.total <= 4e-2
 
 
-def test_an_error_that_the_most_cells_or_the_width_miss_is_named() -> None:
-    few = solve_lubricated(by_moes(5, 0), error=2e-3, most_cells=256)
-    assert "0.002 is not reached on 256 x 1 cells" in " ".join(few.estimate.warnings)
-    narrow = solve_lubricated(by_moes(5, 0), grid(96, 2.5), error=1e-3)
-    assert "give a larger one" in " ".join(narrow.estimate.warnings)
+def test_an_error_that_the_width_misses_names_the_inlet() -> None:
+    narrow = cs.solve(by_moes(5, 0), grid(96, 2.5), error=1e-2)
+    assert "not met" in narrow.accuracy
+    assert "inlet: give a wider grid" in narrow.accuracy
 
 
 def test_friction_that_no_lubricant_bears_has_no_bound_and_names_the_limit() -> None:

@@ -57,22 +57,7 @@ OF_SPIKE = (
 STEEP_FALL = 0.3
 
 
-def with_error(
-    scene: Scene, grid: Grid, padding: Padding | Paddings, controls: FilmControls, start: FilmSolution | None
-) -> FilmSolution:
-    """Return the contact on ``grid`` with an error estimate; each of its grids starts from a coarser one."""
-    if (reason := _without_estimate(scene, grid, padding)) is not None:
-        return replace(solve_on(scene, grid, padding, controls, start), estimate=_unknown(reason))
-    scene = replace(scene, shapes=with_extent_of(scene.shapes, grid))
-    quarter, half, longer = _grids_of_estimate(grid)
-    coarsest = solve_on(scene, quarter, padding, controls, start)
-    coarse = solve_on(scene, half, padding, controls, coarsest)
-    contact = solve_on(scene, grid, padding, controls, coarse)
-    long = solve_on(scene, longer, padding, controls, coarse)
-    return replace(contact, estimate=_compared(contact, coarsest, coarse, long))
-
-
-def film_error(contact: FilmSolution) -> ErrorEstimate:
+def film_error(contact: FilmSolution, controls: FilmControls = FilmControls()) -> ErrorEstimate:  # noqa: B008 (frozen)
     """Return an estimate of the errors of ``contact``, from solutions on three further grids.
 
     These have half the cells along both axes, a quarter, and half the cells over twice the width. The error of each
@@ -90,9 +75,7 @@ def film_error(contact: FilmSolution) -> ErrorEstimate:
     if contact.status is Status.FILM_NOT_CONVERGED:
         return _unknown(f"The error is unknown: {contact.status}")
     scene = replace(contact.scene, shapes=with_extent_of(contact.scene.shapes, contact.grid))
-    films = (
-        solve_on(scene, grid, contact.padding, FilmControls(), contact) for grid in _grids_of_estimate(contact.grid)
-    )
+    films = (solve_on(scene, grid, contact.padding, controls, contact) for grid in _grids_of_estimate(contact.grid))
     return _compared(contact, *films)
 
 

@@ -284,9 +284,12 @@ class FilmSolution:
         No lubricant is known to carry a shear stress above 10 MPa plus 0.15 of the pressure (Bair & Winer 1979, 1992).
         A :class:`~contactstudy.LimitingShear` names a limit of its own.
         """
-        if isinstance(self.scales.lubrication.lubricant.shear, LimitingShear):
+        motion = self.scales.lubrication
+        if isinstance(motion.lubricant.shear, LimitingShear):
             return ""
-        stress = np.abs(self.shear) - _asperity_friction(self.scales, self.contact_pressure)
+        stress = np.abs(self.shear)
+        if self.contact_pressure is not None and motion.boundary is not None:
+            stress = stress - motion.boundary.coefficient * self.contact_pressure
         limit = SHEAR_LIMIT + SHEAR_LIMIT_OVER_PRESSURE * self.lubricant_pressure
         total = np.abs(self.shear).sum()
         excess = np.clip(stress - limit, 0, None).sum()
@@ -463,11 +466,3 @@ class ShearedFilm:
             if np.abs(change).max() <= SHEAR_TOLERANCE * np.abs(shear).max():
                 break
         return shear, np.maximum(sliding - rate * np.diff(shear, axis=0, prepend=0), 0)
-
-
-def _asperity_friction(scales: FilmScales, contact: Array | None) -> Array | float:
-    """Return the shear stress (x, y) [Pa] of asperities that slip under a pressure ``contact`` [Pa]; 0 if None."""
-    motion = scales.lubrication
-    if contact is None or motion.boundary is None:
-        return 0.0
-    return np.asarray(motion.boundary.coefficient * contact)

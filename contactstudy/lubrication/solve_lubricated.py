@@ -1,6 +1,7 @@
 """Steady lubricated contacts: the grid for an error of the film thickness, and the solve to that error."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from math import ceil, inf, isfinite, sqrt
 
 from contactstudy.domain.checks import InvalidInput
@@ -8,7 +9,7 @@ from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
 from contactstudy.domain.units import Metres
 from contactstudy.domain.validation import valid
 from contactstudy.lubrication.film_equation import FilmScales
-from contactstudy.lubrication.film_error import with_error
+from contactstudy.lubrication.film_error import film_error
 from contactstudy.lubrication.lubricated_contact import FilmSolution
 from contactstudy.lubrication.newton.pseudo_time import FilmControls, FilmIteration
 from contactstudy.lubrication.posed_film import ROW_MULTIPLE, dry_reach, lubricated_scales
@@ -167,9 +168,10 @@ def solve_lubricated(
             if grid
             else film_grid(scene, error, period, longer=longer, finer=finer, most_cells=most_cells)
         )
-        contact = start = with_error(scene, fitting, padding, controls, start)
-        assert contact.estimate is not None
-        errors = contact.requested_errors(contact.estimate)
+        contact = solve_on(scene, fitting, padding, controls, start)
+        estimate = film_error(contact, controls)
+        contact = start = replace(contact, estimate=estimate)
+        errors = contact.requested_errors(estimate)
         bounded = [errors["central_film"], errors["minimum_film"]]
         if finer < REFINED_FOR_MOTION:
             bounded += [parts for parts in errors.values() if isfinite(parts.total)]

@@ -1,7 +1,7 @@
 """Progress of a solve, and what turns the reports of each method into it."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import isfinite, log
 from typing import TYPE_CHECKING
 
@@ -38,85 +38,61 @@ class Progress:
     grid: Grid | None = None
 
 
-Report = Callable[[Progress], object]
+@dataclass
+class Reporter:
+    """What turns the reports of each method into :class:`Progress`.
 
+    Parameters
+    ----------
+    report
+        Function that gets the progress.
+    target
+        Residual, or relative error in L1, to reach.
+    problem
+        Problem of the iterations that are reported.
+    """
 
-def of_iterations(report: Report, problem: Problem, tolerance: float) -> Callable[[float, Array], None]:
-    """Return a function of residual and dimensionless pressure (x, y), for the iterations of one contact."""
-    fraction = fraction_of_fall()
+    report: Callable[[Progress], object]
+    target: float = 0.0
+    problem: Problem | None = None
+    first_residual: float = field(default=0.0, init=False)
 
-    def report_residual(residual: float, pressure: Array) -> None:
-        text = f"residual {residual:.1e} of {tolerance:.1e}"
-        field = np.array(pressure, dtype=np.float64) * problem.scales.pressure
-        report(Progress(fraction(residual, tolerance), text, field, problem.grid))
+    def iteration(self, residual: float, pressure: Array) -> None:
+        """Report residual and dimensionless pressure (x, y) of an iteration of one contact."""
+        assert self.problem is not None
+        text = f"residual {residual:.1e} of {self.target:.1e}"
+        dimensional = np.array(pressure, dtype=np.float64) * self.problem.scales.pressure
+        self.report(Progress(self._fallen(residual, self.target), text, dimensional, self.problem.grid))
 
-    return report_residual
-
-
-def of_grids(report: Report, error: float) -> "Callable[[Solution, float], None]":
-    """Return a function of the solution on each grid of a refinement to a relative L1 `error`, and of its bound."""
-
-    def report_grid(solution: "Solution", bound: float) -> None:
+    def grid(self, solution: "Solution", bound: float) -> None:
+        """Report the solution on a grid of a refinement, and the bound of its error in L1."""
         grid = solution.problem.grid
         text = f"{cells_text(grid.cells)}: {100 * bound:.2g} % in L1"
-        report(Progress(min(error / bound, 1.0), text, solution.pressure, grid))
+        self.report(Progress(min(self.target / bound, 1.0), text, solution.pressure, grid))
 
-    return report_grid
-
-
-def of_changes(report: Report) -> Callable[[float, float], None]:
-    """Return a function of the last change of the pressure and the allowed one, for outer iterations."""
-    fraction = fraction_of_fall()
-
-    def report_change(change: float, allowed: float) -> None:
+    def change(self, change: float, allowed: float) -> None:
+        """Report the last change of the pressure in outer iterations, and the allowed one."""
         text = f"change of the pressure {change:.1e} of {allowed:.1e}"
-        report(Progress(fraction(change, allowed), text))
+        self.report(Progress(self._fallen(change, allowed), text))
 
-    return report_change
+    def passes(self, done: float, passes: int) -> None:
+        """Report the number of passes done, and that of all."""
+        self.report(Progress(done / passes, f"{done:.3g} of {passes} passes"))
 
+    def time(self, done: float, whole: float) -> None:
+        """Report the time since the start, and that of the whole [s]."""
+        self.report(Progress(done / whole if whole else 1.0, f"{done:.3g} s of {whole:.3g} s"))
 
-def of_passes(report: Report) -> Callable[[float, int], None]:
-    """Return a function of the number of passes done and the number in all, for repeated rolling."""
-
-    def report_passes(done: float, passes: int) -> None:
-        report(Progress(done / passes, f"{done:.3g} of {passes} passes"))
-
-    return report_passes
-
-
-def of_time(report: Report) -> Callable[[float, float], None]:
-    """Return a function of the time since the start and that of the whole [s], for a scene that changes in time."""
-
-    def report_time(done: float, whole: float) -> None:
-        report(Progress(done / whole if whole else 1.0, f"{done:.3g} s of {whole:.3g} s"))
-
-    return report_time
-
-
-def of_film_steps(report: Report, tolerance: float) -> "Callable[[FilmIteration], None]":
-    """Return a function of the iteration of a steady film after each of its steps."""
-    fraction = fraction_of_fall()
-
-    def report_step(last: "FilmIteration") -> None:
-        nonlocal fraction
+    def film_step(self, last: "FilmIteration") -> None:
+        """Report the iteration of a steady film after one of its steps."""
         if last.iterations == 1:  # the first step on another grid
-            fraction = fraction_of_fall()
-        cells = cells_text(last.film.pressure.shape)
-        text = f"{cells}: residual {last.residual:.1e} of {tolerance:.1e}"
-        report(Progress(fraction(last.residual, tolerance), text))
+            self.first_residual = 0.0
+        text = f"{cells_text(last.film.pressure.shape)}: residual {last.residual:.1e} of {self.target:.1e}"
+        self.report(Progress(self._fallen(last.residual, self.target), text))
 
-    return report_step
-
-
-def fraction_of_fall() -> Callable[[float, float], float]:
-    """Return a function of a residual and its target: how far it has fallen from the first one, in logarithms."""
-    first = 0.0
-
-    def fraction(residual: float, target: float) -> float:
-        nonlocal first
+    def _fallen(self, residual: float, target: float) -> float:
+        """Return how far a residual has fallen from the first one to its target, in logarithms."""
         if not isfinite(residual) or residual <= 0:
             return float(residual == 0)
-        first = first or max(residual, 10 * target)
+        first = self.first_residual = self.first_residual or max(residual, 10 * target)
         return min(max(log(first / residual) / log(first / target), 0.0), 1.0)
-
-    return fraction

@@ -18,7 +18,7 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings, on_cells
 from contactstudy.domain.validation import checked_errors
 from contactstudy.problem.problem import Problem
-from contactstudy.progress import Progress, of_changes, of_film_steps, of_grids, of_iterations, of_passes, of_time
+from contactstudy.progress import Progress, Reporter
 from contactstudy.scene import methods
 from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.scene.solids.bodies import is_layered, yields
@@ -258,7 +258,7 @@ class _Request:
         if self.progress is not None:
             options = replace(
                 options,
-                solver=ReportingSolver(of_iterations(self.progress, problem, options.tolerance), options.solver),
+                solver=ReportingSolver(Reporter(self.progress, options.tolerance, problem).iteration, options.solver),
             )
         return contact_answer(solve_contact(problem, options, self.first_pressure, self.device))
 
@@ -282,7 +282,7 @@ class _Request:
             options=self.options,
             start=self.first_pressure,
             device=self.device,
-            progress=self.progress and of_grids(self.progress, target),
+            progress=self.progress and Reporter(self.progress, target).grid,
         )
         answer = contact_answer(refined.solution, estimate=refined.estimate, requested=self.requested)
         posed = refined.solution.problem.description  # with the extent of random surfaces
@@ -306,7 +306,11 @@ class _Request:
                 return replace(solve_on(halved_grid(grid, level)), is_coarse=True)
 
             rolling = solve_rolling(
-                self.scene, grid, padding, options=self.options, progress=self.progress and of_changes(self.progress)
+                self.scene,
+                grid,
+                padding,
+                options=self.options,
+                progress=self.progress and Reporter(self.progress).change,
             )
             return contact_answer(rolling.solution, rolling=rolling, coarser=coarser)
 
@@ -321,7 +325,7 @@ class _Request:
 
         grid, padding = self.planned()
         rolled = roll_repeatedly(
-            self.scene, grid, padding, options=self.options, progress=self.progress and of_passes(self.progress)
+            self.scene, grid, padding, options=self.options, progress=self.progress and Reporter(self.progress).passes
         )
         return passes_answer(rolled, self.requested)
 
@@ -366,7 +370,7 @@ class _Request:
             if level:
                 scene = with_random_extents(scene, first.extent)
             else:
-                arguments["progress"] = self.progress and of_time(self.progress)
+                arguments["progress"] = self.progress and Reporter(self.progress).time
                 if self.folder is not None:  # frames of a finer grid beside those before
                     finer = "" if grid == first else "{} x {} cells".format(*grid.cells)
                     arguments["folder"] = Path(self.folder, finer)
@@ -445,7 +449,7 @@ class _Request:
             tolerance=self.options.tolerance,
             max_iterations=self._film_options.max_iterations,
             start=self.start,
-            progress=self.progress and of_film_steps(self.progress, self.options.tolerance),
+            progress=self.progress and Reporter(self.progress, self.options.tolerance).film_step,
             most_cells=MAX_CELLS if self.error is None else MAX_REQUESTED_CELLS,
         )
         return film_answer(contact, requested=self.requested)

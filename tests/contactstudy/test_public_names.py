@@ -73,11 +73,6 @@ def test_completion_lists_the_public_names_and_nothing_else() -> None:
         cs.solvee  # noqa: B018
 
 
-def test_a_grid_takes_an_array_of_two_numbers() -> None:
-    taken = cs.Grid(cells=np.array([64, 32]), extent=np.array([1e-4, 2e-4]))  # type: ignore[arg-type]
-    assert taken == cs.Grid((64, 32), (1e-4, 2e-4))
-
-
 def test_a_question_without_an_answer_is_told_from_bad_input() -> None:
     flat = cs.Scene(cs.LineLoad(1.0), (STEEL, STEEL), (cs.Waviness(1e-6, across=1e-4),))
     with pytest.raises(cs.NotDefined, match="no curvature"):

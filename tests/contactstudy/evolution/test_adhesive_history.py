@@ -60,8 +60,8 @@ def test_the_net_work_is_the_integral_of_load_over_approach() -> None:
 
 
 def test_a_limit_that_stops_a_contact_between_two_instants_is_said_of_the_next() -> None:
-    scene = replace(SCENE, load=cs.LoadHistory((0.0, 1.0, 2.0), (pi, 20 * pi, pi)))
-    found = cs.solve(scene, COARSE, EXACT, times=(0.0, 2.0))
+    sine = cs.SineLoad(10.5 * pi, 9.5 * pi, 0.5, -pi / 2)  # pi at the instants, and 20 pi between them
+    found = cs.solve(replace(SCENE, load=sine), COARSE, EXACT, times=(0.0, 2.0))
     at_turn = cs.solve(replace(SCENE, load=cs.LineLoad(20 * pi)), COARSE, EXACT).status
     assert at_turn is not cs.Status.CONVERGED
     assert [frame.status for frame in found.frames] == [cs.Status.CONVERGED, at_turn]

@@ -64,10 +64,6 @@ def test_without_times_elastic_bodies_are_recorded_where_the_load_turns_or_jumps
     np.testing.assert_allclose(found.over_time("load_per_length"), loads, rtol=1e-12)
 
 
-class KilledError(Exception):
-    """The process is gone."""
-
-
 @pytest.mark.parametrize("error", [3e-2, None], ids=["chosen steps", "given steps"])
 def test_a_killed_integration_goes_on_to_the_same_bits(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, error: float | None
@@ -84,11 +80,11 @@ def test_a_killed_integration_goes_on_to_the_same_bits(
             write(*arguments)
             written.append(arguments[1])
             if len(written) == files:
-                raise KilledError
+                raise KeyboardInterrupt
 
         folder = tmp_path / str(files)
         monkeypatch.setattr(checkpoint.Checkpoint, "write", killed)
-        with pytest.raises(KilledError):
+        with pytest.raises(KeyboardInterrupt):
             integrated(folder=folder)
         monkeypatch.undo()
         seen: list[float] = []
@@ -169,10 +165,11 @@ def test_a_march_stops_without_a_bound_where_no_pressure_carries_the_load(named:
         (STIFF, cs.LoadHistory((0, 1), (0.1 * LOAD, LOAD)), [0, 0.25, 0.5, 0.75, 1]),
         (SOLID, None, [0, 1e-3, 1]),
         (SOLID, None, [0, 1 / 3, 2 / 3, 1]),
+        (replace(STIFF, relaxation=((0.6, 0.036),)), None, [0, 10 / 22, 20 / 22, 21 / 22, 1]),
         # whole periods, which are cut
         (SOLID, cs.SineLoad(LOAD, 0.7 * LOAD, 1.0, 0.7), [0, 1, 2, 3]),
     ],
-    ids=["jump", "stiff", "short and long", "odd number", "periods"],
+    ids=["jump", "stiff", "short and long", "odd number", "short after long", "periods"],
 )
 def test_the_error_of_given_steps_is_bounded_for_any_lengths_of_them(
     body: cs.ViscoelasticHalfSpace, load: cs.LoadHistory | cs.SineLoad | None, times: list[float]

@@ -1,5 +1,5 @@
 from dataclasses import replace
-from math import inf, pi
+from math import pi
 
 import numpy as np
 import pytest
@@ -15,6 +15,7 @@ RISING = rolling_cylinder(cs.HalfSpace(1.0, 0.0), cs.LoadHistory((0.0, 3.0), (LO
 FRETTING = replace(LINE, friction=cs.Fretting(MU, (0.0, 0.12, -0.12, 0.12), times=(0.0, 1.0, 2.0, 3.0)))
 PULLED = replace(ADHESIVE, load=cs.LoadHistory((0.0, 1.0, 3.0), (pi, pi, -2 * pi)))
 PRESSED = replace(pressed(3), solids=(cs.HalfSpace(YOUNG, NU), RIGID))
+STRONG = replace(PRESSED, solids=(cs.ElasticPlasticHalfSpace(YOUNG, NU, 1e3 * YIELD, 2e10), RIGID))
 WORN = cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL), (cs.Cylinder(0.01),), wear=cs.Wear(1e-15, 6.0))
 STRIP, WIDE, WIDTHS, STEELS = (
     cs.Grid((cells, 1), (width, 1.0)) for cells, width in ((128, 0.9), (128, 24.0), (220, 2.2), (48, 8e-4))
@@ -29,15 +30,10 @@ def crept(scene: cs.Scene, fraction: float, delay: float) -> cs.Scene:
     return replace(scene, solids=tuple(body if one == solid else one for one in scene.solids))
 
 
-def yields_at(stress: float, hardening: float = 0.0) -> cs.Scene:
-    return replace(PRESSED, solids=(cs.ElasticPlasticHalfSpace(YOUNG, NU, stress, hardening), RIGID))
-
-
 # a scene without an effect, the same with one of no strength, where and when; the difference that the solvers leave
 CASES = {
     "no wear": (RISING, replace(RISING, wear=cs.Wear(0.0, 1.0)), STRIP, (0.0, 1.0), 0.0),
-    "infinite yield stress": (PRESSED, yields_at(inf), grid_of(3, 0.1), (0.0, 0.5, 1.0, 2.0), 0.0),
-    "yield stress not reached": (PRESSED, yields_at(1e3 * YIELD, 2e10), grid_of(3, 0.1), (0.0, 0.5, 1.0, 2.0), 1e-6),
+    "yield stress not reached": (PRESSED, STRONG, grid_of(3, 0.1), (0.0, 0.5, 1.0, 2.0), 1e-6),
     "coating of the same material": (
         WORN, replace(WORN, solids=(cs.CoatedHalfSpace(STEEL, 5e-5, STEEL), STEEL)), STEELS, (0.0, 0.5, 1.0), 1e-5,
     ),

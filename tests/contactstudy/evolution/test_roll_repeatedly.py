@@ -39,7 +39,6 @@ def test_first_yield_and_shakedown_are_those_of_hertz_and_melan() -> None:
     """First yield is at 1.79 Y, 3.1 k, as at rest; 4 k is further from 3.8 k than cells of a fifth are wrong."""
     for peak, yields in ((3.0, [False]), (3.8, [True, False])):
         found = rolled(peak * K, len(yields))
-        assert (found.plastic_strain_increment > 0.1 * Y / E).tolist() == yields
         assert (found.plastic_strain_increment > 0).tolist() == yields
         assert found.forward_displacement[-1] == 0.0
         assert found.shakedown_pass == len(yields)
@@ -57,6 +56,11 @@ def test_a_pass_over_a_distance_says_whether_what_it_leaves_is_steady(
     assert found.status is status
     left = found.plastic_strain_increment[0] / rolled(4.4 * K, 3).plastic_strain_increment[0]
     assert left == pytest.approx(part, abs=2e-2)
+
+
+def test_yield_that_reaches_an_edge_of_the_grid_is_said() -> None:
+    found = roll(scene(4.4 * K), 12, 2.4, passes=1, distance=1.0, pressure="elastic", steady=2e-2)
+    assert found.status is cs.Status.YIELD_AT_EDGE
 
 
 def test_what_a_pass_leaves_is_residual_stress_of_its_plastic_strain() -> None:

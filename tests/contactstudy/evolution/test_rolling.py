@@ -21,17 +21,15 @@ def strip(cells: int, width: float = 0.6) -> cs.Grid:
     return cs.Grid((cells, 1), (width, 1.0))
 
 
-@pytest.mark.parametrize(
-    ("solids", "cells", "shift"), [((SOLID, RIGID), 200, 6e-5), ((HALF, HALF), 100, 2e-4)], ids=["one", "two bodies"]
-)
-def test_a_rolling_cylinder_has_its_known_shift_and_pressure(solids: Any, cells: int, shift: float) -> None:
+@pytest.mark.parametrize("solids", [(SOLID, RIGID), (HALF, HALF)], ids=["one body", "two bodies"])
+def test_a_rolling_cylinder_has_its_known_shift_and_pressure(solids: Any) -> None:
     """J1 / J0 = 1.5, v lambda = a: centroid 0.35338 a ahead, p_max = 0.7643 p_H, by two other solvers."""
-    found = solve_rolling(replace(rolling(SOLID, A), solids=solids), strip(cells), EXACT)
+    found = solve_rolling(replace(rolling(SOLID, A), solids=solids), strip(200), EXACT)
     assert found.solution.status is cs.Status.CONVERGED
-    assert found.shift / A == pytest.approx(0.35338, abs=shift)
+    assert found.shift / A == pytest.approx(0.35338, abs=6e-5)
     assert found.solution.pressure.max() / P == pytest.approx(0.7643, abs=2e-4)
     # a cylinder of 1 m: the moment of its pressure does the work that is lost
-    assert found.resistance_coefficient == pytest.approx(found.shift, abs=shift * A)
+    assert found.resistance_coefficient == pytest.approx(found.shift, abs=6e-5 * A)
 
 
 @pytest.mark.parametrize(("speed", "modulus"), [(0.0, 0.4), (inf, 1.0)])
@@ -97,7 +95,6 @@ def test_rolling_under_a_load_that_changes_slowly_is_steady_at_each_instant() ->
     load = cs.LoadHistory((0.0, 300.0, 500.0), (LOAD, 0.4 * LOAD, 0.0))
     scene, grid, times = replace(rolling(SOLID, A), load=load), strip(48), [0.0, 300.0, 500.0]
     found = cs.solve(scene, grid, EXACT, times=times)
-    assert found.error.l1.total < 0.05
     assert not found.frames[-1].pressure.any()
     for frame, part in zip(found.frames[:2], (1.0, 0.4), strict=True):
         alone = cs.solve(replace(scene, load=cs.LineLoad(part * LOAD)), grid, EXACT)

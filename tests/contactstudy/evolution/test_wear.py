@@ -66,7 +66,6 @@ def test_the_wear_volume_is_that_of_archard_to_rounding(scheme: Scheme) -> None:
     impulse = sum((end - start) * load.mean(start, end) for start, end in pairwise(breakpoints))
     worn = found.frames[-1].fields["wear_depth"].values
     assert worn.sum() * grid.cell_size[0] == pytest.approx(1e-3 * impulse, rel=1e-13)
-    assert worn.min() >= 0
 
 
 def test_errors_of_two_stage_steps_bound_the_pressure_and_the_peak_of_a_rounded_punch() -> None:

@@ -16,7 +16,7 @@ from contactstudy.domain.files import replacing
 Decorator = Callable[[Any], Any]
 
 SCENE = click.argument("scene", type=click.Path(path_type=Path))
-JSON = click.option("--json", "as_json", is_flag=True, help="Print one JSON object, for scripts.")
+JSON = click.option("--json", "form", flag_value="json", default="text", help="Print one JSON object, for scripts.")
 PICTURES = ("png", "pdf", "svg")
 FORMAT = click.option(
     "--format", "formats", default="png", help="png, pdf, svg, with commas; of show also html and vtk (for ParaView)."

@@ -84,13 +84,7 @@ def templates(name: str = "templates") -> dict[str, str]:
 @THREADS
 @DEVICE
 @JSON
-def plan(
-    scene: Path,
-    error: Request | None,
-    threads: int | None,
-    device: str,
-    as_json: bool,  # noqa: FBT001 (click's own way)
-) -> None:
+def plan(scene: Path, error: Request | None, threads: int | None, device: str, form: str) -> None:
     """Print the grid and padding that SCENE needs, and the cost.
 
     SCENE is a TOML file.
@@ -100,19 +94,13 @@ def plan(
     described = _with_error(cs.read_scene(scene), error)
     with SolveProgress(str(scene)):
         planned = described.plan(device=_device(device, threads))
-    if as_json:
-        texts = {"padding": repr(planned.padding), "device": repr(planned.device)}
-        others = {"grid": asdict(planned.grid)}
-        values = {
-            name: None if value == inf else value  # JSON has no infinity
-            for name, value in (vars(planned) | texts | others).items()
-            if name not in {"scene", "first_grids"}
-        }
-        click.echo(json.dumps(values))
+    if form == "json":
+        fields = {name: value for name, value in vars(planned).items() if name not in {"scene", "first_grids"}}
+        fields |= {name: repr(fields[name]) for name in ("padding", "device")} | {"grid": asdict(planned.grid)}
+        # JSON has no infinity
+        click.echo(json.dumps({name: None if value == inf else value for name, value in fields.items()}))
         return
-    extent = planned.grid.extent
-    size = f"{readable(extent[0])} x {readable(extent[1])}"
-    echo(f"{scene}: {cells_text(planned.grid.cells)} over {size}")
+    echo(f"{scene}: {cells_text(planned.grid.cells)} over {' x '.join(map(readable, planned.grid.extent))}")
     for reason in planned.reasons:
         echo(f"  {reason}")
     echo(f"  period: {planned.period_check}")
@@ -148,14 +136,7 @@ def plan(
 @FORMAT
 @JSON
 def solve(
-    scene: Path,
-    out: Path,
-    threads: int | None,
-    device: str,
-    error: Request | None,
-    start: Path | None,
-    formats: str,
-    as_json: bool,  # noqa: FBT001 (click's own way)
+    scene: Path, out: Path, threads: int | None, device: str, error: Request | None, start: Path | None, **shown: str
 ) -> None:
     """Solve SCENE; write its fields as netCDF and a picture.
 
@@ -167,7 +148,7 @@ def solve(
     chosen = _device(device, threads)
     described = _with_error(cs.read_scene(scene), error)
     text = scene.read_text(encoding="utf-8-sig")
-    formats_in(formats, PICTURES)  # refused before anything is solved
+    formats = formats_in(shown["formats"], PICTURES)  # refused before anything is solved
     check_kind(out / f"{scene.stem}.nc", "solution")
     with SolveProgress(str(scene)) as show:
         if isinstance(chosen, cs.Cpu):  # the solve reports whether another device can solve the scene
@@ -175,24 +156,22 @@ def solve(
         begin = perf_counter()
         answer = solve_with_progress(described, scene, out, start, chosen, show)
         path = open_folder(out) / f"{scene.stem}.nc"
-        files = _stored(answer, path, formats_in(formats, PICTURES), text)
+        files = _stored(answer, path, formats, text)
         seconds = perf_counter() - begin
-    if as_json:
+    if shown["form"] == "json":
         click.echo(_as_json(scene, answer, seconds, surface_notes(described.scene), files))
     else:
         echo(f"{scene}: {answer.summary()}")
-        wrote = f"wrote {', '.join(map(str, files))}"
-        for line in (f"{cells_text(answer.grid.cells)}, {two_digits(seconds)} s", wrote):
-            echo(f"  {line}")
+        echo(f"  {cells_text(answer.grid.cells)}, {two_digits(seconds)} s")
+        echo(f"  wrote {', '.join(map(str, files))}")
     if answer.status.name != "CONVERGED":
         sys.exit(1)
 
 
 def _with_error(described: cs.SceneFile, error: Request | None) -> cs.SceneFile:
     """Return a scene file with the error of the command line, if one is given, in place of its own."""
-    if error is None:
-        return described
-    return replace(described, plan_settings=replace(described.plan_settings, error=error))
+    settings = described.plan_settings
+    return replace(described, plan_settings=replace(settings, error=error or settings.error))
 
 
 def _announce(scene: Path, described: cs.SceneFile, device: cs.Cpu | cs.Gpu) -> None:

@@ -27,10 +27,7 @@ FORMATS = (*PICTURES, "vtk", "html", "excel")
 @FORMAT
 @PLOT
 @click.option(
-    "--csv",
-    "as_table",
-    is_flag=True,
-    help="A table as CSV: the quantities, NAMES or all; --format excel is for Excel.",
+    "--csv", "as_table", is_flag=True, help="A table as CSV: the quantities, NAMES or all; --format excel is for Excel."
 )
 @click.option("--unit", help="Unit of the heights of a measured surface, of a file without one.")
 @click.option("--extent", help="Width and length of a measured surface without sizes, such as '1 mm, 2 mm'.")

@@ -43,19 +43,14 @@ def pressure_error(case: Case, answer: Answer) -> Mapping[str, xr.Variable]:
     )
     if not (nests and np.allclose(grid.extent, reference.grid.extent, 1e-9, 0.0)):
         return {}
-    error = relative_l1(last_of(answer).pressure, last_of(answer_of(reference)).pressure)
+    true = answer_of(reference)
+    error = relative_l1(last_of(answer).pressure, last_of(true).pressure)
     measured = {"pressure_error_l1": dimensionless(error, "relative L1 error of the pressure")}
     # a film would take further solves
-    if isinstance(answer_of(reference), cs.Contact) and isfinite(_bound_of(reference)):
+    if isinstance(true, cs.Contact) and isfinite(true.error.l1.total):
         what = "bound of the relative L1 error of the reference, which the error of the pressure may be off by"
-        measured["reference_error_l1"] = dimensionless(_bound_of(reference), what)
+        measured["reference_error_l1"] = dimensionless(float(true.error.l1.total), what)
     return measured
-
-
-@lru_cache(maxsize=8)
-def _bound_of(reference: Case) -> float:
-    """Return the bound of the L1 error of a reference, infinite where it has none."""
-    return float(answer_of(reference).error.l1.total)
 
 
 def against(study: Study, axis: str, value: Value) -> Study:

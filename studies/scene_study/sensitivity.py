@@ -152,11 +152,8 @@ def sensitivity(
     xarray.Dataset
         See :func:`changes_in`.
     """
-    study = sensitivity_study(scene)
-    if out is not None:
-        return changes_in(run(study, out, options=options, log=log))
     with TemporaryDirectory() as folder:
-        return changes_in(run(study, Path(folder), options=options, log=log))
+        return changes_in(run(sensitivity_study(scene), out or Path(folder), options=options, log=log))
 
 
 def changes_in(sweep: xr.Dataset) -> xr.Dataset:

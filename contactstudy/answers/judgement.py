@@ -44,8 +44,8 @@ NO_COARSER = "No bound: there is no solution on half the cells to compare with, 
 # In the names of largest stresses, and at the beginning of those of numbers that plastic strain alone leaves behind.
 OF_STRESS = "von_mises", "safety_factor", "shear_stress", "orthogonal_shear"
 BY_YIELD = "dent_depth", "shoulder_height", "highest_residual_stress", "lowest_residual_stress"
-# Numbers that lie at an edge, of the plastic zone, the contact or its stick zone, beside which fields fall like the
-# square root of the distance.
+# Ends of the names of numbers that lie at an edge, of the plastic zone, the contact or its stick zone, beside which
+# fields fall like the square root of the distance.
 AT_EDGE = "highest_residual_stress", "surface_tension", "largest_shear"
 # In the name of a depth, before the index of a body where it has one.
 DEPTH = re.compile(r"_depth(?=(_\d)?$)")
@@ -164,8 +164,8 @@ def with_nested_bounds(
 
 
 def _is_at_edge(name: str) -> bool:
-    """Return whether a number lies at an edge."""
-    return name.startswith(AT_EDGE) and not name.startswith("largest_shear_stress")
+    """Return whether a number lies at an edge; the name may end with the index of a body."""
+    return re.sub(r"_\d$", "", name).endswith(AT_EDGE)
 
 
 def l1_bound(pressures: Sequence[Array]) -> float:
@@ -180,10 +180,8 @@ def l1_bound(pressures: Sequence[Array]) -> float:
 # Ends of the names of numbers for which finer cells are no remedy: the depth of a largest stress is known only to the
 # distance between the depths at which stress is computed.
 NOT_BY_CELLS = "safety_factor_depth", "von_mises_depth", "shear_stress_depth", "orthogonal_shear_depth"
-# Ends of the names of numbers at an edge, whose bounds fall only like the square root of the cell size.
-OF_HALF_ORDER = "surface_tension", "largest_shear"
 # What is in the names of numbers for which no grid is refined unless they are named.
-NOT_REFINED = "shear_stress", "orthogonal_shear", "_safety_factor", *OF_HALF_ORDER
+NOT_REFINED = "shear_stress", "orthogonal_shear", "_safety_factor", *AT_EDGE
 # Names of components, with the whole quantity: the error of a component is relative to the whole, if that is larger.
 WHOLE = {"lateral_traction_coefficient": "traction_coefficient"}
 
@@ -285,7 +283,7 @@ def _judged(name: str, quantities: Quantities, requested: float) -> Judged:
     scale = 1.0 if quantity.is_fraction else max(abs(quantity.value), abs(whole.value))
     bound = quantity.bound / scale if scale else inf
     label = quantity.label.split(" (")[0] + (" (absolute)" if quantity.is_fraction else "")
-    order = 0.5 if name.endswith(OF_HALF_ORDER) else float(not name.endswith(NOT_BY_CELLS))
+    order = 0.5 if _is_at_edge(name) else float(not name.endswith(NOT_BY_CELLS))
     return Judged(label, bound, requested, quantity.reason, order)
 
 

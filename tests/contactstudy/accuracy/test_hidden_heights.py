@@ -16,16 +16,6 @@ from tests.contactstudy.scene.shapes.test_shapes import Own
 Pair = tuple[float, float]
 
 
-def lands(pitch: float, land: float, phase: float) -> Own:
-    """Lands with deep grooves between them, of a shape that does not say how fine it is."""
-
-    def heights(grid: cs.Grid) -> np.ndarray:
-        t = np.abs((grid.x / pitch + phase + 0.5) % 1 - 0.5) * pitch
-        return np.where(t < land / 2, 0.0, 2e-6)[:, None]
-
-    return Own(heights)
-
-
 def spike(place: float, width: float) -> Own:
     """One narrow peak between two cell centres."""
     return Own(lambda grid: -3e-7 * np.exp(-(((grid.x - place) / width) ** 2))[:, None])
@@ -43,17 +33,6 @@ def test_lands_narrower_than_a_cell_leave_no_bound(cells: int, land: float, line
     estimate = estimate_of(scene, line_contact.grid((cells, 1), 1.0, width=3.0))
     assert estimate.l1.total == estimate.peak_pressure.total == inf
     assert "do not resolve lengths" in estimate.warnings[0]
-
-
-@pytest.mark.parametrize(("land", "phase"), [(0.03, 0.01), (0.01, 0.33)])
-def test_heights_of_an_unknown_shape_that_protrude_between_centres_have_no_bound(
-    land: float, phase: float, line_contact: LineContact
-) -> None:
-    pitch = line_contact.hertz.half_width / 4
-    scene = line_contact.with_shapes(lands(pitch, land * pitch, phase))
-    estimate = estimate_of(scene, line_contact.grid((96, 1), 1.0, width=3.0))
-    assert estimate.l1.total == estimate.contact_area.total == inf
-    assert "between the cell centres" in estimate.warnings[0]
 
 
 @pytest.mark.parametrize("moving", [lambda shape: shape, cs.MovingShape], ids=["at rest", "moving"])

@@ -30,13 +30,6 @@ def test_uniform_window_s_error_is_found_to_second_order(padding: cs.Padding, li
         assert moved == pytest.approx(l1, abs=8 * peak * l1 + (2.4 / 128) ** 1.5)
 
 
-def test_paddings_without_missing_images_have_no_image_error(line_contact: LineContact) -> None:
-    whole = solved(line_contact, (24, 6), 1.2, EXACT)
-    for paddings in ((FREE, EXACT), (EXACT, EXACT), (EXACT, FREE)):
-        pressure = np.pad(whole.pressure[:, :4], ((0, 0), (1, 1)))
-        assert image_errors(pressure, whole.problem.grid, paddings) == (0.0, 0.0)
-
-
 @pytest.mark.parametrize(("padding", "times"), [(cs.Superposition(1), 1), (cs.CircularSuperposition(1), 2)])
 def test_images_left_out_beside_a_roller_that_ends_are_bounded(
     padding: cs.Padding, times: int, line_contact: LineContact

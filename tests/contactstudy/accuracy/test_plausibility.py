@@ -1,7 +1,6 @@
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
 import pytest
 
 import contactstudy as cs
@@ -93,26 +92,3 @@ def test_a_coating_or_the_substrate_below_it_beyond_its_strength_is_said(
     said = of_solids(steel, coated)
     assert (strength.replace("_", " ") in said) is is_beyond
     assert ("Scene.solids[1]" in said) is is_beyond
-
-
-@pytest.mark.parametrize(("friction", "is_beyond"), [(None, False), (cs.Sliding(0.5), True)])
-def test_friction_lowers_the_pressure_of_first_yield(friction: Any, *, is_beyond: bool) -> None:
-    steel = cs.HalfSpace(210e9, 0.3, yield_stress=4e8)
-    said = of_solids(steel, steel, friction=friction)  # 0.6 GPa: 1.79 times, in sliding 1.03
-    assert ("first yields" in said) is is_beyond
-
-
-def test_of_a_contact_that_its_grid_cuts_off_that_is_said_first_and_then_that_it_is_beyond_strength(
-    line_contact: LineContact,
-) -> None:
-    """Every number but the load has that first reason."""
-    bodies = tuple(replace(body, hardness=1e6, yield_stress=1e6) for body in line_contact.scene.solids)  # type: ignore[type-var]
-    scene = replace(line_contact.scene, solids=bodies, outputs=(cs.SubsurfaceStress(),))
-    cut = cs.solve(scene, line_contact.grid((32, 1), 1.0, width=0.5), EXACT)
-    assert cut.status is cs.Status.CONTACT_AT_EDGE
-    warning, *others = cut.error.warnings
-    assert "cut off at the edge of the grid" in warning
-    assert "times the hardness" in " ".join(others)
-    unbounded = [number for number in cut.quantities.values() if number.bound == np.inf]
-    assert {number.reason for number in unbounded} == {warning}
-    assert cut.quantities["mean_gap"].value == 0

@@ -59,15 +59,6 @@ def test_a_plan_runs_as_it_stands_for_every_kind_of_shape(line_contact: LineCont
         assert plan.bytes > 8 * 12 * solution.pressure.size
 
 
-def test_shapes_that_repeat_share_a_period(line_contact: LineContact) -> None:
-    a = line_contact.hertz.half_width
-    waves = (cs.Waviness(1e-8, along=0.5 * a), cs.Waviness(1e-8, along=0.75 * a))
-    assert cs.plan(line_contact.with_shapes(*waves), error=0.1).grid.length == pytest.approx(1.5 * a)
-    stranger = cs.Waviness(1e-8, along=0.5 * np.pi * a)
-    with pytest.raises(cs.InvalidInput, match="share no period"):
-        cs.plan(line_contact.with_shapes(*waves, stranger))
-
-
 def test_the_error_of_a_film_beyond_its_most_cells_is_not_promised() -> None:
     """The grid is no coarser, and no narrower, than that of an error which they reach."""
     scene = films.by_moes(20, 2)
@@ -83,14 +74,6 @@ def test_a_plan_of_a_film_counts_the_steps_that_are_given() -> None:
     loaded = replace(films.by_moes(20, 2), load=cs.LoadHistory((0.0, 1.0), (1.0, 2.0)))
     planned = cs.plan(loaded, times=cs.TimeSteps(step=1e-3))
     assert planned.solves == pytest.approx(1000, rel=0.2)  # from the first of them
-
-
-def test_a_plan_says_which_texture_has_a_sharp_edge(line_contact: LineContact) -> None:
-    a, gap = line_contact.hertz.half_width, line_contact.hertz.half_width**2 / 0.01 / 2
-    for profile, is_sharp in (("parabolic", True), ("flat", True), ("cosine", False)):
-        groove = cs.Groove(0.1 * gap, 0.2 * a, profile)
-        scene = line_contact.with_shapes(cs.Texture(groove, (0.4 * a, inf)))
-        assert any("sharp edge" in said for said in cs.plan(scene, error=0.03).warnings) == is_sharp
 
 
 def test_a_solve_that_the_width_of_its_surface_cuts_off_is_not_refined(line_contact: LineContact) -> None:

@@ -77,12 +77,6 @@ def test_a_plan_makes_room_for_a_worn_ball_along_both_axes() -> None:
     assert "Grid.extent[1] is" in " ".join(plan_grid(scene, grid=short, times=(0.0, 1.0)).warnings)
 
 
-def test_a_crowned_roller_that_wears_is_as_long_as_its_total_load_says() -> None:
-    shapes = (cs.Cylinder(0.01), cs.Crown(10.0))
-    roller = cs.Scene(cs.TotalLoad(1e2, 1e-3), (STEEL, STEEL), shapes, wear=cs.Wear(1e-18, 1.0))
-    assert plan_grid(roller, error="40 %", times=(0.0, 1.0)).grid.length == 1e-3
-
-
 def test_rolling_takes_passes() -> None:
     scene = rolling_cylinder(SOLID, rolling=cs.Rolling(0.1))
     plan = cs.plan(scene, error={"pressure": 1e-2})

@@ -26,6 +26,10 @@ UNKNOWN_HEIGHTS = (
     "No bound for the discretisation error: Problem.source does not say the heights on other grids, so nothing is "
     "known of them between the cell centres; make the problem from a Scene."
 )
+NO_AREA = (
+    "No bound for the contact area: the contact is one or two cells wide, or may open in every cell, give more cells."
+)
+NO_GAP = "No bound for the mean gap: the bodies touch everywhere, and what is left of it is the solver's residual."
 PROTRUDING = (
     "No bound for the discretisation error: between the cell centres the surface protrudes further than "
     "the contact flattens it; give more cells, or the shape's `length_scales`."
@@ -166,16 +170,9 @@ def discretisation_bound(
             load += heights.mean / solution.mean_gap
             if not adheres:  # the level of the pressure beside its shape, which its edges show
                 l1, peak = l1 + load, peak + load
-    return _with_reasons(
-        DiscretisationErrors(
-            l1,
-            peak,
-            max(area, changes.contact_area, hidden_area),
-            gap,
-            load if load_is_result else None,
-            warnings=(reason,) if reason else (),
-        )
-    )
+    area = max(area, changes.contact_area, hidden_area)
+    reasons = reason, NO_AREA if area == inf else "", NO_GAP if gap == inf else ""
+    return DiscretisationErrors(l1, peak, area, gap, load if load_is_result else None, tuple(filter(None, reasons)))
 
 
 def dundurs_of_shear(solution: Solution) -> float:
@@ -309,21 +306,6 @@ def _no_peak(solution: Solution, inside: HiddenEffect) -> str:
     elif has_isolated_cells(solution):
         reason = "too few cells in contact are neighbours: give more cells"
     return f"No bound for the peak pressure: {reason}." if reason else ""
-
-
-def _with_reasons(cells: DiscretisationErrors) -> DiscretisationErrors:
-    """Return `cells`, with the reasons if the contact area or the mean gap has no bound."""
-    reasons = list(cells.warnings)
-    if cells.contact_area == inf:
-        reasons.append(
-            "No bound for the contact area: the contact is one or two cells wide, or may open in every cell, give more "
-            "cells."
-        )
-    if cells.mean_gap == inf:
-        reasons.append(
-            "No bound for the mean gap: the bodies touch everywhere, and what is left of it is the solver's residual."
-        )
-    return replace(cells, warnings=tuple(reasons))
 
 
 def _at_hardness(solution: Solution) -> bool:

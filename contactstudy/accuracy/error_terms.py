@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from contactstudy.accuracy.coarser import ADHESIVE_TOLERANCE, contact_perimeter, halved, relative_loss
+from contactstudy.accuracy.coarser import ADHESIVE_TOLERANCE, TRAPPED_WORK, contact_perimeter, halved, relative_loss
 from contactstudy.domain.checks import NotDefined
 from contactstudy.domain.device import Precision
 from contactstudy.domain.errors import ErrorParts
@@ -172,12 +172,7 @@ def residual_errors(solution: Solution, change: float = 0.0) -> ResidualErrors:
     # single precision takes half the time
     inverse = operator.approximate_inverse(Precision.SINGLE if pressure.size >= MIN_COMPILED_CELLS else None)
     cells = solution.problem.constraint.active(pressure).astype(inverse.real, copy=False)
-    correction, level = np.empty_like(cells), 0.0
-
-    def of_cells(height: Array, gap: Array, cells: Array) -> None:
-        np.multiply(gap / scales.gap, cells, out=height, casting="same_kind")
-
-    in_blocks(of_cells, correction, gap, cells)
+    correction, level = (gap / scales.gap).astype(cells.dtype) * cells, 0.0
     if count := np.count_nonzero(cells):  # not where all pressures are at a limit
         extension = inverse.extension(cells)
         correction = extension.pressure(extension(correction))
@@ -246,10 +241,8 @@ FLAT_GAP = 2.0
 # most 0.015 for cylinders on 96 to 384 cells, before and after contact is made by the load.
 LOAD_BY_RANGE = 0.03
 ZERO_PULL_OFF = "No bound for the pull-off load: it is zero, and its error is relative to it."
-# Least number of cells in the cohesive zone, and the fraction of the pull-off load that coarse cells may add there, as
-# they trap the edge of the contact. With the exponential law it was at most 0.2 % on 5 cells and more, 1 % on 2.7 cells
-# and 3 % on 1.3 cells.
-TRAPPED_FRACTION = ((5.0, 2e-3), (2.7, 1e-2), (0.0, 3e-2))
+# Power of the work of adhesion in the pull-off load of a cylinder.
+POWER_OF_WORK = 2 / 3
 
 
 class RangeErrors(NamedTuple):
@@ -328,7 +321,8 @@ def pull_off_error(solution: Solution, discretisation: float, reason: str) -> Er
     adhesion, pull_off = solution.adhesion, solution.load_per_length
     assert adhesion is not None
     assert adhesion.first_unstable_load is not None
-    trapped = next(fraction for cells, fraction in TRAPPED_FRACTION if adhesion.cells_in_zone >= cells)
+    search: Any = solution.problem.adhesion
+    trapped = POWER_OF_WORK * TRAPPED_WORK[type(search.solver.law)] / adhesion.cells_in_zone
     is_flat = adhesion.regularised and _is_pressed_flat(solution)
     by_range = inf if is_flat else _pull_off_range_error(solution, adhesion, pull_off)
     if is_flat:

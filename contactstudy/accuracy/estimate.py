@@ -14,7 +14,7 @@ from contactstudy.accuracy.bound import (
     is_pull_off,
     over_net,
 )
-from contactstudy.accuracy.coarser import DiscretisationErrors, coarse_solution, comparable
+from contactstudy.accuracy.coarser import coarse_solution, comparable
 from contactstudy.accuracy.error_terms import (
     IMAGES_REMEDY,
     L1_OVER_NARROWING,
@@ -279,7 +279,9 @@ def error_estimate(
         area = replace(area, range=by_range.area)
         gap = replace(gap, range=gap_error(solution, by_range.l1, 0.0, 0.0))
         load = load and replace(load, range=load_range_error(solution))
-    pull_off = _at_pull_off(solution, cells)
+    pull_off = None
+    if cells.load is not None and is_pull_off(solution):
+        pull_off = pull_off_error(solution, cells.load, cells.warnings[0] if cells.load == inf else "")
     if solution.adhesion is not None and (root := root_of_pull_off(pull_off)):
         highest = root * max(solution.pressure.max(), solution.adhesion.attraction.max())
         by_state = float(highest) / abs(solution.peak_pressure) if solution.peak_pressure else inf
@@ -345,11 +347,3 @@ def _gap_by_images(solution: Solution, l1: float) -> float:
     gap, mean = solution.gap, solution.mean_gap
     edges = max(float(line.mean()) for line in (gap[0], gap[-1], gap[:, 0], gap[:, -1]))
     return l1 / L1_OVER_NARROWING * max(edges / mean, 1.0) if mean > 0 else inf
-
-
-def _at_pull_off(solution: Solution, cells: DiscretisationErrors) -> ErrorParts | None:
-    """Return the error of the pull-off load; None where it was not sought."""
-    if cells.load is None or not is_pull_off(solution):
-        return None
-    reason = cells.warnings[0] if cells.load == inf else ""
-    return pull_off_error(solution, cells.load, reason)

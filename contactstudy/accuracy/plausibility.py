@@ -310,12 +310,12 @@ def _beyond_varying_strength(solution: Solution, number: int, body: Any, shear: 
     problem = solution.problem
     assert problem.paddings is not None
     width = np.count_nonzero(solution.pressure.any(axis=1)) * problem.grid.cell_size[0]
-    found = {0.0}
+    found = {0.0, 0.1 * width, 0.2 * width, 0.35 * width, 0.7 * width, width}
     if not parts:
-        found |= {0.1 * width, 0.2 * width, 0.7 * width, width, *body.hardness_profile.points[0]}
+        found |= {*body.hardness_profile.points[0]}
     for _, _, top, bottom in parts[:-1]:
         found |= {(top + bottom) / 2, bottom, bottom * BELOW_INTERFACE}
-    depths = tuple(sorted({*found, max(*found, 0.35 * width) if parts else 0.35 * width}))
+    depths = tuple(sorted(found))
     # neighbours hardly matter at these depths, and each image of a window takes a second
     paddings = problem.paddings[0], ExactPeriodicity()
     operator = SubsurfaceStress(depths, number).of((body, body), problem.grid, paddings)

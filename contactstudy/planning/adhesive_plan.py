@@ -11,7 +11,7 @@ from contactstudy.planning.transient_requirements import TransientRequirements
 from contactstudy.scene.adhesion import ZONE_CELLS
 from contactstudy.scene.loads.constant_load import LineLoad
 from contactstudy.scene.scene import Scene
-from contactstudy.scene.solids.bodies import contact_modulus, instantaneous
+from contactstudy.scene.solids.bodies import instantaneous
 from contactstudy.solvers.cohesive_law import tabor_length, zone_length
 
 # Tabor parameter taken as the JKR limit: of a contact that does not vary along its length, where
@@ -65,15 +65,10 @@ def plan_of_adhesion(
         grid = _grid(with_width(base, width), requirements, zone / ZONE_CELLS, decay_distance)
     cell = max(grid.cell_size) if requirements.varies else grid.cell_size[0]
     cells = zone / cell
-    if adhesion.range is None:
-        modulus = contact_modulus(bodies, ZONE_CELLS * cell)
-        attraction_range, cells = adhesion.cohesive(modulus, cell).range, ZONE_CELLS
-    tabor = tabor_length(radius, adhesion.work, modulus) / attraction_range
+    if adhesion.range is None:  # it is chosen for the grid
+        cells = ZONE_CELLS
     padding = requirements.padding()
-    reason = (
-        f"adhesion: {cells:.3g} cells in the cohesive zone at a Tabor parameter of {tabor:.3g}, and room for the "
-        f"attraction beside the contact."
-    )
+    reason = f"adhesion: {cells:.3g} cells in the cohesive zone, and room for the attraction beside the contact."
     warnings = requirements.warnings(grid)
     if cells < ZONE_CELLS * (1 - 1e-9):
         axis = grid.cell_size.index(cell)

@@ -155,7 +155,6 @@ def _plan_static(
         error = error or DEFAULT_ERROR
         first = first_grids(scene, requirements, error, period)
         grid = within_memory(first.grid, padding, limit)
-        reasons = first.reasons
         if prod(grid.cells) < 0.99 * first.required < inf:
             gigabytes = memory(grid, padding) * first.required / prod(grid.cells) / 1e9
             warnings = (
@@ -196,18 +195,13 @@ def _with_states(planned: Plan, transient: "TransientRequirements") -> Plan:
     if plastic is not None:
         bytes_of_states += plastic.bytes(grid)
         reasons = (*reasons, plastic.reason(grid))
-    if transient.least_width > grid.extent[0] * (1 + 1e-9):
-        warnings = (
-            *warnings,
-            f"Grid.extent[0] is {readable(grid.extent[0])}: the contact, as it grows or rolls, or its plastic zone "
-            f"may need {readable(transient.least_width)}, give a grid or a measured surface of that width.",
-        )
-    if transient.length > grid.length * (1 + 1e-9):
-        warnings = (
-            *warnings,
-            f"Grid.extent[1] is {readable(grid.length)}: the contact, as it grows, may need "
-            f"{readable(transient.length)}, give a grid of that length.",
-        )
+    for axis, least in enumerate((transient.least_width, transient.length)):
+        if least > grid.extent[axis] * (1 + 1e-9):
+            warnings = (
+                *warnings,
+                f"Grid.extent[{axis}] is {readable(grid.extent[axis])}: the contact, as it grows or rolls, or its "
+                f"plastic zone may need {readable(least)}, give a grid or a measured surface of that size.",
+            )
     return replace(
         planned,
         bytes=planned.bytes + bytes_of_states,

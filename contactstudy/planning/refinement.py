@@ -16,7 +16,7 @@ from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.domain.device import Cpu, Device
 from contactstudy.domain.errors import ErrorEstimate
 from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid, Padding, Paddings, cells_text, on_cells
+from contactstudy.domain.grid import Grid, Padding, Paddings, on_cells
 from contactstudy.domain.imports import loaded
 from contactstudy.domain.reuse import cache_of, caching
 from contactstudy.planning.grid_requirements import CONSTANTS as GRID
@@ -207,16 +207,6 @@ class FirstGrids:
     def grid(self) -> Grid:
         """Grid on which the solve is expected to end."""
         return self.between[-1] if self.between else self.levels[-1].grid
-
-    @property
-    def reasons(self) -> tuple[str, ...]:
-        """A sentence for each choice of cells."""
-        if not self.between:
-            return ()
-        return (
-            f"refinement: the cells are those expected from {cells_text(self.levels[-1].grid.cells)}; a solve refines "
-            "until its bound meets the error, and may end on somewhat fewer or more.",
-        )
 
 
 def first_grids(scene: Scene, requirements: GridRequirements, error: float, period: float | None) -> FirstGrids:

@@ -58,3 +58,5 @@ def test_a_period_is_checked_against_what_it_has_to_hold() -> None:
     assert "the length, 500 mm, is no period" in roller.period_check(0.5)
     assert "shorter than the roller" in roller.period_check(0.4)
     assert roller.warnings(cs.Grid((64, 64), (8.0, 0.4)))[-1] == roller.period_check(0.4)
+    with pytest.raises(cs.InvalidInput, match="share no period"):
+        requirements(replace(WAVES, period=0.25), replace(WAVES, period=0.25 * pi)).length(None, 1.0)

@@ -192,10 +192,10 @@ class EndedConvolution(Convolution):
             rows = np.arange(start, min(start + ROWS, half))
             spectrum, mirrored = self.spectrum[rows], self._mirrored_with_phase[rows]
             opposite = -rows % px
-            these, those = waves[rows], waves[opposite]
+            own, mirror = waves[rows], waves[opposite]
             # the transform of a field that is mirrored along y is the conjugate one of the opposite wave across
-            waves[rows] = these * spectrum + those.conj() * mirrored
-            waves[opposite] = those * spectrum + these.conj() * mirrored
+            waves[rows] = own * spectrum + mirror.conj() * mirrored
+            waves[opposite] = mirror * spectrum + own.conj() * mirrored
         displacement = pair.backward(waves, self.cells, self.padded)
         for faces in self.faces:
             displacement += faces(pressure, self.padded[0])

@@ -84,8 +84,8 @@ class PointField:
         chosen = [at for at, (field, _) in enumerate(self._parts) if field == name]
         radial = np.empty((len(chosen), *s.shape))
         for number in np.unique(piece).tolist():
-            here = piece == number
-            radial[:, here] = chebyshev.chebval(local[here], self._piece(number)[:, chosen])
+            on_piece = piece == number
+            radial[:, on_piece] = chebyshev.chebval(local[on_piece], self._piece(number)[:, chosen])
         total = np.zeros(s.shape)
         for at, values in zip(chosen, radial, strict=True):
             turned = direction ** self._parts[at][1]

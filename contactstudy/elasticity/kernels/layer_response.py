@@ -147,11 +147,11 @@ class LayerResponse:
         nu, unity = self.poisson_ratios[-1], np.ones((k.size, 1, 1), k.dtype)
         compliance = unity * np.array([[1 - 2 * nu, 2 * nu - 2], [2 * nu - 2, 1 - 2 * nu]])
         traction = unity * np.eye(2)
-        found = compliance
+        at_depth = compliance
         for material, factor, top, bottom in self._slabs(depth):
             compliance, t = compliance * factor, k * (bottom - top)
             if bottom == depth:
-                found = compliance
+                at_depth = compliance
             if bottom > depth:
                 t = t / np.maximum(np.abs(t) / DEEP, 1)
             steps = max(1, int(np.ceil(np.abs(t).max(initial=0.0) / LONGEST_STEP)))
@@ -161,7 +161,7 @@ class LayerResponse:
                 compliance = (up[:, :2, :2] @ compliance + up[:, :2, 2:]) @ inverse
                 if bottom <= depth:
                     traction = traction @ inverse
-        return found if depth else compliance, traction
+        return at_depth if depth else compliance, traction
 
     def antiplane(self, k: RealOrComplex, depth: float = 0.0) -> tuple[RealOrComplex, RealOrComplex]:
         """Return compliance and traction at a depth along the crests of the wave, each of the shape of `k`.
@@ -169,16 +169,16 @@ class LayerResponse:
         The compliance is G k W over the shear, with displacement W along the crests; the traction is the shear over
         that at the surface.
         """
-        compliance = through = found = np.ones_like(k)
+        compliance = through = at_depth = np.ones_like(k)
         for _, factor, top, bottom in self._slabs(depth):
             compliance, t = compliance * factor, k * (bottom - top)
             if bottom == depth:
-                found = compliance
+                at_depth = compliance
             if bottom <= depth:
                 through = through / (np.cosh(t) + compliance * np.sinh(t))
             tanh = np.tanh(t)
             compliance = (compliance + tanh) / (1 + compliance * tanh)
-        return found if depth else compliance, through
+        return at_depth if depth else compliance, through
 
     def compliances(self, k: RealOrComplex) -> RealOrComplex:
         """Return displacements by pressure and by shear along the wave, their coupling, and across (4, k).
@@ -355,9 +355,8 @@ class LayerStress:
 
     def ratios(self, below: LayerResponse) -> tuple[float, float, float]:
         """Return the shear modulus here over that of a half-space `below`, and Poisson's ratios here and there."""
-        here = self.materials.all_shear_ratios[self.materials.index(self.depth)]
-        ratio = below.all_shear_ratios[-1] / here
-        return ratio, self.poisson_ratio, below.poisson_ratios[-1]
+        own_ratio = self.materials.all_shear_ratios[self.materials.index(self.depth)]
+        return below.all_shear_ratios[-1] / own_ratio, self.poisson_ratio, below.poisson_ratios[-1]
 
     def _strained(self, below: LayerResponse, normal: RealOrComplex, across: RealOrComplex) -> RealOrComplex:
         """Return s_xx here under the strain of a half-space `below`, whose s_zz and s_xx are `normal` and `across`."""

@@ -257,9 +257,9 @@ def _summed(
         chosen = slice(start, start + at_once)
         columns = int(np.searchsorted(ky, np.sqrt(max(last**2 - kx[start] ** 2, 0.0)), "right"))
         weight = np.multiply.outer(weights[0][chosen], weights[1][:columns])
-        found = amplitudes(waves, kx[chosen, None] * thickness, ky[:columns] * thickness)
+        fields_of_waves = amplitudes(waves, kx[chosen, None] * thickness, ky[:columns] * thickness)
         where = np.arange(start, start + weight.shape[0]) % cells[0]
-        for name, amplitude in found.items():
+        for name, amplitude in fields_of_waves.items():
             folded = np.zeros((where.size, -(-(first + columns) // points) * points), amplitude.dtype)
             np.multiply(amplitude, weight, out=folded[:, first : first + columns])
             total = summed.setdefault(name, np.zeros((cells[0], points), amplitude.dtype))

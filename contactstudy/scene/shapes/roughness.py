@@ -170,7 +170,7 @@ class Roughness:
     def left_out(self, grid: Grid) -> str:
         """Return a sentence if the waves that fit the extent hold less than most of the height; else ``""``."""
         extent = self.extent or grid.extent
-        waves = (side / one for side, one in zip(extent, self._longest_wavelengths, strict=True))
+        waves = (side / wavelength for side, wavelength in zip(extent, self._longest_wavelengths, strict=True))
         if not self.rms or min(waves) >= 2:  # of which 97 % of the height or more is held
             return ""
         held = float(np.sqrt(self._fractions(extent).sum()))
@@ -239,7 +239,7 @@ class Roughness:
         # stretched along the lay, so that no wave is shorter than the cut-off
         kx, ky = kx * self._stretches[0], ky * self._stretches[1]
         k = np.hypot(kx, ky)
-        cell = [one / side for one, side in zip(self._stretches, extent, strict=True)]
+        cell = [stretch / side for stretch, side in zip(self._stretches, extent, strict=True)]
         fractions = self._density(k)
         # the density varies within the cells of the longest waves: their mean
         rows, columns = np.nonzero((k > 0) & (k < NEAR * max(cell)))

@@ -137,11 +137,11 @@ def surface_of_text(name: str, text: TextTable, reading: Reading) -> FileContent
                 if abs(header.steps[axis] * count - header.sizes[axis]) > 1.5 * header.steps[axis]
             ]
         _check_header(name, text, header, unit, reading, is_matrix=not columns)
-    said = header.counts.get("x", 0) * header.counts.get("y", 0)
-    if said not in (0, content.values.size) and not columns and reading.sizes == "checked":
+    stated = header.counts.get("x", 0) * header.counts.get("y", 0)
+    if stated not in (0, content.values.size) and not columns and reading.sizes == "checked":
         raise InvalidInput(
-            f"path is {name!r}, of {content.values.size} numbers, where its header says {said}: give the whole file, or "
-            'sizes = "confirmed" if the header is wrong.'
+            f"path is {name!r}, of {content.values.size} numbers, where its header says {stated}: give the whole file, "
+            'or sizes = "confirmed" if the header is wrong.'
         )
     if columns:
         for place, own_unit in (columns[axis] for axis in "xy" if axis in columns):
@@ -221,30 +221,30 @@ def _matrix(text: TextTable, header: Header, unit: float) -> FileContent:
     rows, columns = values.shape
     counts, notes = {"x": columns, "y": rows}, []
     assumed = f"sizes of the header, which have no unit, count in {unit_name(unit)}" * bool(header.is_bare)
-    found: dict[str, float] = {}
+    lengths: dict[str, float] = {}
     for axis, count in counts.items():
         bare = unit if axis in header.is_bare else 1.0
         step = abs(np.diff(places[axis]).mean()) if len(places[axis]) else 0.0
         if step and (step != 1 or places[axis][0] not in (0, 1)):
-            found[axis] = float(step) * count * header.units.get(axis, unit)
+            lengths[axis] = float(step) * count * header.units.get(axis, unit)
         elif axis in header.steps or axis in header.sizes:
-            found[axis] = header.steps.get(axis, 0.0) * count * bare or header.sizes[axis] * bare
-        if step and axis not in found:
+            lengths[axis] = header.steps.get(axis, 0.0) * count * bare or header.sizes[axis] * bare
+        if step and axis not in lengths:
             notes.append(f"numbers that count the points in {axis} are left out")
-    if columns == 1 and found:  # a profile, whose places may be called x
-        size = found.get("x", 0.0) * (rows if "x" in header.steps else 1) or found["y"]
-        found = {"y": size, "x": size / rows}
-    if len(found) == 2 and found["x"] == found["y"] and rows != columns and not header.steps:
+    if columns == 1 and lengths:  # a profile, whose places may be called x
+        size = lengths.get("x", 0.0) * (rows if "x" in header.steps else 1) or lengths["y"]
+        lengths = {"y": size, "x": size / rows}
+    if len(lengths) == 2 and lengths["x"] == lengths["y"] and rows != columns and not header.steps:
         notes.append("the one size of the header counts both ways")
-    ratio = [found["x"] / found["y"] * rows / columns] if len(found) == 2 and not header.steps else []
+    ratio = [lengths["x"] / lengths["y"] * rows / columns] if len(lengths) == 2 and not header.steps else []
     if ratio and abs(ratio[0] - 1) > 0.05 and abs(ratio[0] * (columns / rows) ** 2 - 1) < 0.01:
-        found = {"x": found["y"], "y": found["x"]}  # points are square for x from row to row
-    if len(found) == 1:  # a lone width or length may be that of the part
-        steps = [found[axis] / counts[axis] for axis in found if axis in header.steps or any(places[axis])]
-        found = {axis: step * count for step in steps for axis, count in counts.items()}
+        lengths = {"x": lengths["y"], "y": lengths["x"]}  # points are square for x from row to row
+    if len(lengths) == 1:  # a lone width or length may be that of the part
+        steps = [lengths[axis] / counts[axis] for axis in lengths if axis in header.steps or any(places[axis])]
+        lengths = {axis: step * count for step in steps for axis, count in counts.items()}
         assumed = SQUARE * len(steps)
-    sizes = (found["y"], found["x"]) if found else None
-    return FileContent(values, unit, sizes, tuple(notes), assumed=assumed * bool(found))
+    sizes = (lengths["y"], lengths["x"]) if lengths else None
+    return FileContent(values, unit, sizes, tuple(notes), assumed=assumed * bool(lengths))
 
 
 def _without_margins(values: Array, above: Array) -> tuple[Array, dict[str, Array]]:

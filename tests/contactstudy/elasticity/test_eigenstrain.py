@@ -74,7 +74,7 @@ def test_a_pressed_cell_makes_the_stress_of_its_point_formulas_where_it_varies_a
     operator = PeriodicOperator(Volume(grid, 5, 11, edges), STEEL)
     pressure = np.zeros(grid.cells)
     pressure[7, 3] = 1
-    found = operator.stress_of_pressure(pressure)
+    computed = operator.stress_of_pressure(pressure)
     points, weights = np.polynomial.legendre.leggauss(5)
     points, weights = points / 2, weights / 2
     x = ((grid.x[5:11] - grid.x[7])[:, None] + points).ravel()
@@ -89,7 +89,7 @@ def test_a_pressed_cell_makes_the_stress_of_its_point_formulas_where_it_varies_a
                 mean[number] += weight * np.einsum("iajb,a,b->ij", cells, weights, weights)
         # short waves: exp(-pi z / dx) of the third in the first layer, nothing of them below
         accuracy = 2e-3 if layer == 0 else 1e-6
-        assert np.abs(found[:, layer] - deviator(operator, mean)).max() < accuracy
+        assert np.abs(computed[:, layer] - deviator(operator, mean)).max() < accuracy
 
 
 @pytest.mark.parametrize(("varies", "part"), [(False, 5), (True, 3)])
@@ -126,8 +126,8 @@ def test_a_deep_sphere_keeps_the_stress_of_eshelby() -> None:
         strain = np.zeros((5, *volume.shape))
         strain[component] = squared < radius**2
         stress = operator.negative_residual_stress(strain)
-        found = stress[:, squared < (radius / 2) ** 2].mean(axis=1) / 2
-        assert np.abs(found - fraction * np.eye(5)[component]).max() < 0.03
+        computed = stress[:, squared < (radius / 2) ** 2].mean(axis=1) / 2
+        assert np.abs(computed - fraction * np.eye(5)[component]).max() < 0.03
 
 
 def test_half_lines_of_strain_are_the_limit_of_finite_strips() -> None:
@@ -156,11 +156,11 @@ def test_what_does_not_vary_along_the_length_is_plane_strain() -> None:
     strain = noise(plane)
     along, shear = np.zeros((2, 5, *operator.volume.shape))
     along[:3], shear[3:] = strain, strain[:2]
-    found = operator.negative_residual_stress(along)
-    assert np.abs(found[:3] - plane.negative_residual_stress(strain)).max() < 1e-13
-    assert np.abs(found[3:]).max() < 1e-13
-    found = operator.negative_residual_stress(shear)
-    assert np.abs(found[3:, ..., 0] - antiplane(strain[:2, ..., 0])).max() < 1e-13
+    computed = operator.negative_residual_stress(along)
+    assert np.abs(computed[:3] - plane.negative_residual_stress(strain)).max() < 1e-13
+    assert np.abs(computed[3:]).max() < 1e-13
+    computed = operator.negative_residual_stress(shear)
+    assert np.abs(computed[3:, ..., 0] - antiplane(strain[:2, ..., 0])).max() < 1e-13
     displacement = operator.residual_displacement(along) - plane.residual_displacement(strain)
     assert np.abs(displacement).max() < 1e-13
     pressure = np.random.default_rng(1).normal(size=(9, 1))
@@ -175,12 +175,12 @@ def test_waves_add_up_to_the_closed_forms_of_an_infinite_axis() -> None:
     x, z = volume.grid.x[:, None], volume.depths[:, None, None]
     shape = np.exp(-((x / 3) ** 2) - ((z - 2) / 1.5) ** 2)
     strain = np.array([0.3, -0.5, 0.8, 0.6, -0.4])[:, None, None, None] * shape
-    found = -np.fft.ifft(waves.stress(np.fft.fft(strain, period, axis=2), Components.DEVIATOR), axis=2)
-    found = found[:, :, :cells].real
+    computed = -np.fft.ifft(waves.stress(np.fft.fft(strain, period, axis=2), Components.DEVIATOR), axis=2)
+    computed = computed[:, :, :cells].real
     plane, antiplane = PlaneStrainOperator(volume, STEEL), AntiplaneOperator(volume, STEEL)
     # short waves between layers further apart than the next: a per mille; the period: 1 / X
-    assert np.abs(found[:3] - plane.negative_residual_stress(strain[:3])).max() < 2e-3
-    assert np.abs(found[3:, ..., 0] - antiplane(strain[3:, ..., 0])).max() < 2e-3
+    assert np.abs(computed[:3] - plane.negative_residual_stress(strain[:3])).max() < 2e-3
+    assert np.abs(computed[3:, ..., 0] - antiplane(strain[3:, ..., 0])).max() < 2e-3
     blocks = waves.diagonal_blocks(np.array([1 / period]))
     assert np.abs(blocks[:, :3, :3] - plane.diagonal_blocks).max() < 1e-3
     assert np.abs(blocks[:, 3:, 3:] - antiplane.diagonal_blocks).max() < 1e-3

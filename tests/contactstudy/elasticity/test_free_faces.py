@@ -41,9 +41,9 @@ def test_a_patch_beside_a_face_sinks_as_in_a_quarter_space(poisson_ratio: float)
     displacement = ended(grid, (40.0, poisson_ratio))(pressure)
     line = between(displacement, 16)
     at_face = 1.5 * line[0] - 0.5 * line[1]
-    found = np.array([at_face, *(between(line[:, None], k)[0] for k in (8, 16, 48))])
+    computed = np.array([at_face, *(between(line[:, None], k)[0] for k in (8, 16, 48))])
     expected = np.array(QUARTER_SPACE[poisson_ratio])
-    error = (found - between(line[:, None], 32)[0] - expected) / expected[0]
+    error = (computed - between(line[:, None], 32)[0] - expected) / expected[0]
     assert np.abs(error[1:]).max() < 5e-4
     assert abs(error[0]) < 2e-3
 
@@ -68,8 +68,8 @@ def test_a_grid_within_the_faces_is_a_part_of_one_up_to_them() -> None:
     pressure = np.random.default_rng(2).random(whole.cells)
     pressure[:, :4] = pressure[:, 44:] = 0
     expected = ended(whole, (3.0, 0.3))(pressure)[:, 4:44]
-    found = ended(part, (3.0, 0.3))(pressure[:, 4:44])
-    assert_allclose(found, expected, rtol=2e-4)
+    computed = ended(part, (3.0, 0.3))(pressure[:, 4:44])
+    assert_allclose(computed, expected, rtol=2e-4)
 
 
 def test_far_from_its_faces_a_body_is_a_half_space() -> None:

@@ -24,11 +24,11 @@ CASES = {
 def test_creep_times_relaxation_is_one_in_laplace_space(name: str) -> None:
     """``E(s) J(s) = 1`` for both times s: each factor is a sum of few terms, so to some machine epsilons."""
     equilibrium, relaxation = CASES[name]
-    found = creep_from_relaxation(equilibrium, relaxation)
+    computed = creep_from_relaxation(equilibrium, relaxation)
     for s in np.geomspace(1e-8, 1e9, 40):
-        stiffness = equilibrium + sum(one * s / (s + 1 / time) for one, time in relaxation)
-        compliance = found.instantaneous + found.fluidity / s
-        compliance += sum(size / (1 + s * time) for size, time in found.terms)
+        stiffness = equilibrium + sum(modulus * s / (s + 1 / time) for modulus, time in relaxation)
+        compliance = computed.instantaneous + computed.fluidity / s
+        compliance += sum(size / (1 + s * time) for size, time in computed.terms)
         assert stiffness * compliance == pytest.approx(1, rel=1e-13)
 
 
@@ -50,8 +50,8 @@ def test_trailing_coefficients_are_their_integral(name: str, inner: Coefficients
 
     def slope(values: np.ndarray) -> np.ndarray:
         """Of sixth order, in the middle of the points."""
-        one, two, three = (values[3 + n : -3 + n or None] - values[3 - n : -3 - n] for n in (1, 2, 3))
-        return (45 * one - 9 * two + three) / (60 * dx)
+        near, next_to, farthest = (values[3 + n : -3 + n or None] - values[3 - n : -3 - n] for n in (1, 2, 3))
+        return (45 * near - 9 * next_to + farthest) / (60 * dx)
 
     for total, sign in ((even + odd, 1), (even - odd, -1)):
         # V(-x) is the same forwards: its slope has the other sign
@@ -69,6 +69,6 @@ def test_an_odd_trail_is_odd_in_every_padding() -> None:
     zero = cs.ZeroPadding()
     for padding in ((zero, zero), exact, (exact, exact), (cs.CircularSuperposition(1), exact), (exact, zero)):
         (lagged,) = general_convolutions([odd], grid, padding)
-        one, other = generator.random((2, 24, 12))
-        scale = np.abs(lagged(one)).max() * other.sum()
-        assert abs((lagged(one) * other + lagged(other) * one).sum()) < 1e-11 * scale
+        pressure, other = generator.random((2, 24, 12))
+        scale = np.abs(lagged(pressure)).max() * other.sum()
+        assert abs((lagged(pressure) * other + lagged(other) * pressure).sum()) < 1e-11 * scale

@@ -217,5 +217,5 @@ def test_a_lattice_is_exact_and_repeats(width: float, period: float, nx: int, ny
     cell = width / nx, period / ny, width, period
     x, y = np.array([0, 0.5, 0.21, 0.5]) * width, np.array([0, 0.1, 0.37, 0.5]) * period
     assert error(boussinesq_cell_doubly_periodic, judged_double_lattice, x, y, *cell) < EXACT
-    found = boussinesq_cell_doubly_periodic(x, y, *cell)
-    assert_allclose(boussinesq_cell_doubly_periodic(-x - 2 * width, y - period, *cell), found, rtol=1e-12)
+    computed = boussinesq_cell_doubly_periodic(x, y, *cell)
+    assert_allclose(boussinesq_cell_doubly_periodic(-x - 2 * width, y - period, *cell), computed, rtol=1e-12)

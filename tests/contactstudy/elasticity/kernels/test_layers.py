@@ -41,13 +41,13 @@ def test_layers_respond_as_the_boundary_value_problem_of_all_says(name: str, k: 
         def state(number: int, z: mpf) -> list[list[mpf]]:
             """s_zz, s_xz, s_xx, and 2 G1 k times the displacements, for each function of a material."""
             ratio, nu = mpf(ratios[number]), mpf(layers.poisson_ratios[number])
-            found = []
+            computed = []
             for sign, power in ((-1, 0), (-1, 1), (1, 0), (1, 1))[: 2 if number == len(ends) - 1 else 4]:
                 e = mp_exp(sign * z)
                 f = [mpf(sign) ** n * e * (z**power + (n * sign if power else 0)) for n in range(4)]
                 along = ratio * ((1 - nu) * f[2] + nu * f[0])
-                found.append([-f[0], f[1], f[2], along, ratio * ((1 - nu) * f[3] - (2 - nu) * f[1])])
-            return found
+                computed.append([-f[0], f[1], f[2], along, ratio * ((1 - nu) * f[3] - (2 - nu) * f[1])])
+            return computed
 
         size = 4 * len(layers.interfaces) + 2
         system, right = matrix(size), matrix(size, 2)
@@ -67,8 +67,8 @@ def test_layers_respond_as_the_boundary_value_problem_of_all_says(name: str, k: 
 
         stiff = 2 * (1 - layers.poisson_ratios[0])
         wanted = at(0, 0, 0, 4) / stiff, at(1, 0, 0, 3) / stiff, -at(0, 0, 0, 3)
-        found = layers.compliances(np.array([k]))[:3, 0]
-        np.testing.assert_allclose(found, wanted, rtol=1e-12, atol=1e-13)
+        computed = layers.compliances(np.array([k]))[:3, 0]
+        np.testing.assert_allclose(computed, wanted, rtol=1e-12, atol=1e-13)
         changes = np.multiply.outer(layers.contrasts, np.exp(-2 * np.array([k])))
         parts = layers.above.compliances(np.array([k])) + changes + layers.remainders(np.array([k]))
         np.testing.assert_allclose(parts[:3, 0], wanted, rtol=1e-12, atol=1e-13)
@@ -93,15 +93,15 @@ def by_quadrature(waves: WaveResponse, cell: tuple[float, float, float, float]) 
     bessel = [j0(phase), j1(phase)]
     for m in (1, 2):
         bessel.append(2 * m / phase * bessel[m] - bessel[m - 1])
-    found = {}
+    computed = {}
     for name, parts in waves.harmonics(k).items():
         field = np.zeros(s.size)
         for m, part in parts.items():
             radial = bessel[m] @ np.real(part * 1j**m * k * weight)
             field += radial * ((turn**m).real if waves.parity(name)[1] > 0 else (turn**m).imag)
         over_cell = weights @ field.reshape(points.shape) @ weights
-        found[name] = float(over_cell * dx * dy / (2 * np.pi))
-    return found
+        computed[name] = float(over_cell * dx * dy / (2 * np.pi))
+    return computed
 
 
 def responses(name: str) -> list[WaveResponse]:
@@ -119,8 +119,8 @@ def test_a_cell_is_the_integral_over_it_and_over_all_waves(name: str) -> None:
         for cell in CELLS:
             x, y, dx, dy = cell
             for field, wanted in by_quadrature(waves, cell).items():
-                found = cell_alone(waves, field, np.array(x), np.array(y), dx, dy)
-                assert abs(float(found) - wanted) <= 1e-11 * own
+                computed = cell_alone(waves, field, np.array(x), np.array(y), dx, dy)
+                assert abs(float(computed) - wanted) <= 1e-11 * own
 
 
 @pytest.mark.parametrize("name", LAYERS)

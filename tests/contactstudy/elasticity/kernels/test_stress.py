@@ -20,7 +20,7 @@ from tests.contactstudy.elasticity.kernels.test_displacement import over_decades
 NU = 0.3
 EXACT = 1e-12  # what the docstrings promise, of the largest component, up to an aspect of 10
 NAMES = list(COMPONENTS)
-SHEARED = {one.name: one for family in (CERRUTI_ACROSS, CERRUTI_ALONG) for one in family.values()}
+SHEARED = {kernel.name: kernel for family in (CERRUTI_ACROSS, CERRUTI_ALONG) for kernel in family.values()}
 # h -> 0 by a polynomial through sums of 200 ... 6400 images: what is left is of order h^6
 IMAGES = 200 * 2 ** np.arange(6)
 
@@ -72,12 +72,12 @@ def judged_stress(component: float, *arguments: float) -> mp.mpf:
         return mp.fsum(signed) / (2 * mp.pi)
 
 
-def by_quadrature(one: CellKernel, x: float, y: float, z: float, dx: float, dy: float) -> float:
+def by_quadrature(kernel: CellKernel, x: float, y: float, z: float, dx: float, dy: float) -> float:
     """The integral over a cell of point loads."""
     nodes, weights = leggauss(60)
     u, v = x + dx / 2 * nodes[:, None], y + dy / 2 * nodes
     r = np.sqrt(u * u + v * v + z * z)
-    return float((weights[:, None] * weights * one.point(u, v, z, r, NU)).sum() * dx * dy / (8 * np.pi))
+    return float((weights[:, None] * weights * kernel.point(u, v, z, r, NU)).sum() * dx * dy / (8 * np.pi))
 
 
 def test_stress_under_a_pressed_cell_is_exact_at_any_distance_depth_and_aspect() -> None:
@@ -91,20 +91,20 @@ def test_stress_under_a_pressed_cell_is_exact_at_any_distance_depth_and_aspect()
 
 @pytest.mark.parametrize("name", SHEARED)
 def test_stress_under_a_sheared_cell_is_the_integral_of_point_loads(name: str) -> None:
-    one, chance = SHEARED[name], np.random.default_rng(1)
+    kernel, chance = SHEARED[name], np.random.default_rng(1)
     for _ in range(8):
         x, y, z, dx, dy = chance.uniform((-2, -2, 0.5, 0.3, 0.3), 2)
         largest = max(abs(by_quadrature(other, 0.3, 0.2, z, dx, dy)) for other in SHEARED.values())
-        found = float(stress_cell(one, x, y, z, dx, dy, NU))
-        assert abs(found - by_quadrature(one, x, y, z, dx, dy)) <= EXACT * largest
+        computed = float(stress_cell(kernel, x, y, z, dx, dy, NU))
+        assert abs(computed - by_quadrature(kernel, x, y, z, dx, dy)) <= EXACT * largest
 
 
 @pytest.mark.parametrize("name", SURFACE)
 def test_fields_on_the_surface_are_integrals_of_point_loads(name: str) -> None:
     for x, y in ((0.9, 0.2), (0.1, 1.7), (3.0, -2.0)):
         wanted = 2 * np.pi * by_quadrature(SURFACE[name], x, y, 0.0, 0.5, 0.4)
-        found = CerrutiCoefficients(name, 1.0).cell(np.array(x), np.array(y), 0.5, 0.4)
-        assert float(found) == pytest.approx(wanted, rel=1e-12)
+        computed = CerrutiCoefficients(name, 1.0).cell(np.array(x), np.array(y), 0.5, 0.4)
+        assert float(computed) == pytest.approx(wanted, rel=1e-12)
 
 
 def test_stress_on_the_surface_is_that_of_love_with_its_parity() -> None:
@@ -116,7 +116,7 @@ def test_stress_on_the_surface_is_that_of_love_with_its_parity() -> None:
     beside = six(0.8, 0.2, 0.0, 1.0, 1.0)
     assert_allclose(beside[[2, 3, 4]], 0, atol=1e-16)
     assert beside[0] + beside[1] == pytest.approx(0, abs=1e-15)
-    across, along = np.array([one.parity for one in COMPONENTS.values()]).T
+    across, along = np.array([kernel.parity for kernel in COMPONENTS.values()]).T
     assert_array_equal(six(-7.0, 0.7, 0.4, 1.0, 0.7), across * six(7.0, 0.7, 0.4, 1.0, 0.7))
     assert_array_equal(six(7.0, -0.7, 0.4, 1.0, 0.7), along * six(7.0, 0.7, 0.4, 1.0, 0.7))
 
@@ -132,11 +132,11 @@ def test_row_is_the_sum_of_its_images(row: tuple[float, float, float, float], fa
     """Also of those six periods and more from the axis, where nothing varies along it."""
     x, z, dx, dy = row
     kernels = FAMILIES[family].values()
-    expected = np.stack([summed_images(one, *row, 1.3) for one in kernels])
-    found = [stress_cell_periodic(one, x, Y, z, dx, dy, 1.3, NU)[0] for one in kernels]
+    expected = np.stack([summed_images(kernel, *row, 1.3) for kernel in kernels])
+    computed = [stress_cell_periodic(kernel, x, Y, z, dx, dy, 1.3, NU)[0] for kernel in kernels]
     # far away images cancel that are each as large as the nearest of them
     largest = max(np.abs(expected).max(), np.abs(six(x, 0.0, z, dx, dy)).max())
-    assert_allclose(found, expected, rtol=0, atol=EXACT * largest)
+    assert_allclose(computed, expected, rtol=0, atol=EXACT * largest)
 
 
 def test_cells_of_one_period_are_a_strip_with_its_textbook_stress() -> None:
@@ -163,7 +163,7 @@ def test_lattice_is_the_sum_of_rows_but_for_its_mean(name: str) -> None:
     """Under uniform pressure the body does not spread, ``xx = yy = -nu / (1 - nu)``, at any depth."""
     width, period, cell = 2.0, 1.3, (0.2, 0.3, 0.2)
     x, y = np.array([0.1, 0.7]), np.array([0.2, 0.6])
-    found = stress_cell_doubly_periodic(COMPONENTS[name], x, y, *cell, width, period, NU)
+    computed = stress_cell_doubly_periodic(COMPONENTS[name], x, y, *cell, width, period, NU)
     strips, rows = np.array([20, 40, 80, 160, 320]), np.arange(1, 321)
     images = np.stack(
         [
@@ -176,7 +176,7 @@ def test_lattice_is_the_sum_of_rows_but_for_its_mean(name: str) -> None:
     summed = own + to_the_limit([running[n - 1] for n in strips], 1 / (strips + 0.5))
     fraction = 0.3 * 0.2 / (width * period)
     held = {"xx": fraction * (1 - 2 * NU) / (1 - NU), "yy": NU * fraction * (1 - 2 * NU) / (1 - NU)}
-    assert_allclose(found, summed + held.get(name, 0.0), rtol=0, atol=1e-11 * 0.3 * 0.2)
+    assert_allclose(computed, summed + held.get(name, 0.0), rtol=0, atol=1e-11 * 0.3 * 0.2)
     mean = {"xx": -NU / (1 - NU), "yy": -NU / (1 - NU), "zz": -1.0}.get(name, 0.0)
     deep = stress_cell_doubly_periodic(COMPONENTS[name], x, y, 1e3, *cell[1:], width, period, NU)
     assert_allclose(deep, mean * fraction, rtol=0, atol=1e-12 * fraction)
@@ -189,10 +189,10 @@ def test_a_sheared_lattice_is_in_equilibrium_and_turns_with_its_axes(family: dic
     cells, extent, depth = (2, 3), (2.0, 5.0), 0.6
     dx, dy = (a / n for a, n in zip(extent, cells, strict=True))
     x, y = np.arange(cells[0])[:, None] * dx, np.arange(cells[1]) * dy
-    for name, one in family.items():
-        lattice = stress_cell_doubly_periodic(one, x, y, depth, dx, dy, *extent, NU)
+    for name, kernel in family.items():
+        lattice = stress_cell_doubly_periodic(kernel, x, y, depth, dx, dy, *extent, NU)
         turned = stress_cell_doubly_periodic(
-            one.swap_axes(), y.reshape(-1, 1), x.reshape(1, -1), depth, dy, dx, *extent[::-1], NU
+            kernel.swap_axes(), y.reshape(-1, 1), x.reshape(1, -1), depth, dy, dx, *extent[::-1], NU
         )
         assert_allclose(lattice, turned.T, atol=1e-12)
         carried = -1.0 if name == ("xz" if family is CERRUTI_ACROSS else "yz") else 0.0
@@ -206,7 +206,7 @@ def test_a_lattice_of_fields_on_the_surface_has_their_transforms(name: str, exte
     cells, aliases = (16, 20), 60
     dx, dy = (a / n for a, n in zip(extent, cells, strict=True))
     x, y = np.arange(cells[0])[:, None] * dx, np.arange(cells[1]) * dy
-    found = np.fft.fft2(CerrutiCoefficients(name, 1.0).lattice(x, y, dx, dy, *extent))
+    computed = np.fft.fft2(CerrutiCoefficients(name, 1.0).lattice(x, y, dx, dy, *extent))
     for wave in ((1, 0), (0, 2), (3, 5), (2, -1)):
         i = np.arange(-aliases, aliases + 1)
         kx = 2 * np.pi / extent[0] * (wave[0] + i[:, None] * cells[0])
@@ -221,4 +221,4 @@ def test_a_lattice_of_fields_on_the_surface_has_their_transforms(name: str, exte
         }[name]
         size = np.sinc(kx * dx / (2 * np.pi)) * np.sinc(ky * dy / (2 * np.pi))
         # sinc sinc / q, or sinc sinc, summed beyond the last alias
-        assert abs(found[wave] - (2 * np.pi * shape * size).sum()) <= 2e-4 * np.abs(found).max()
+        assert abs(computed[wave] - (2 * np.pi * shape * size).sum()) <= 2e-4 * np.abs(computed).max()

@@ -40,8 +40,8 @@ def test_each_wave_has_the_density_of_the_formula() -> None:
     heights = ROUGH.gap(cs.Grid((128, 96), extent))
     powers = np.abs(np.fft.fft2(heights, norm="forward")) ** 2
     kx, ky, fractions = plane(ROUGH, extent)
-    found = powers[np.round(kx * extent[0]).astype(int), np.round(ky * extent[1]).astype(int)]
-    np.testing.assert_allclose(found / 2e-7**2, fractions, rtol=0.03, atol=1e-12)
+    computed = powers[np.round(kx * extent[0]).astype(int), np.round(ky * extent[1]).astype(int)]
+    np.testing.assert_allclose(computed / 2e-7**2, fractions, rtol=0.03, atol=1e-12)
     assert heights.std() == pytest.approx(2e-7 * np.sqrt(fractions.sum()), rel=1e-3)
     assert abs(heights.mean()) < 1e-20
 
@@ -71,10 +71,10 @@ def test_an_answer_says_what_part_of_the_height_its_extent_holds() -> None:
 @pytest.mark.parametrize(("cut_off", "same"), [(1e-5 * (1 - 1e-12), 1 - 1e-12), (5e-6, 0.98)])
 def test_a_shorter_cut_off_adds_detail_to_the_same_surface(cut_off: float, same: float) -> None:
     fine = grid(128, 64)
-    found = [surface.gap(fine).ravel() for surface in (ROUGH, replace(ROUGH, cut_off=cut_off))]
-    assert same <= np.corrcoef(*found)[0, 1]
+    computed = [surface.gap(fine).ravel() for surface in (ROUGH, replace(ROUGH, cut_off=cut_off))]
+    assert same <= np.corrcoef(*computed)[0, 1]
     other = replace(ROUGH, seed=2**70).gap(fine).ravel()
-    assert abs(np.corrcoef(found[0], other)[0, 1]) < 0.3
+    assert abs(np.corrcoef(computed[0], other)[0, 1]) < 0.3
 
 
 @pytest.mark.parametrize(("cells", "times"), [((64, 48), 3), ((16, 12), 9)])

@@ -23,7 +23,7 @@ def height_and_slope(shape: Any) -> tuple[float, float]:
     """The highest above the mean, and the rms slope, of heights (a gap counts the other way)."""
     heights = -np.broadcast_to(shape.gap(FINE), FINE.cells)
     slopes = [(np.roll(heights, -1, axis) - heights) / step for axis, step in enumerate(FINE.cell_size)]
-    return float(heights.max() - heights.mean()), float(np.sqrt(sum((one**2).mean() for one in slopes)))
+    return float(heights.max() - heights.mean()), float(np.sqrt(sum((slope**2).mean() for slope in slopes)))
 
 
 def test_round_bodies_have_their_heights_and_curvatures_across_add() -> None:

@@ -162,10 +162,10 @@ def test_a_cylinder_is_taken_off_with_its_radius_and_its_axis(angle: float, radi
     extent = 8e-4 * 50 / 49, 1e-3 * 60 / 59
     surface = cs.MeasuredSurface(form + rough, extent, trend="cylinder")
     np.testing.assert_allclose(surface.prepared, rough, atol=2e-9)
-    found = re.search(r"a cylinder of radius (\S+) mm, its axis at (\S+) degrees", surface.description)
-    assert found is not None, surface.description
-    assert float(found[1]) == pytest.approx(1e3 * radius, rel=1e-3)
-    assert (float(found[2]) - angle + 90) % 180 == pytest.approx(90, abs=0.1)  # an axis has no direction
+    computed = re.search(r"a cylinder of radius (\S+) mm, its axis at (\S+) degrees", surface.description)
+    assert computed is not None, surface.description
+    assert float(computed[1]) == pytest.approx(1e3 * radius, rel=1e-3)
+    assert (float(computed[2]) - angle + 90) % 180 == pytest.approx(90, abs=0.1)  # an axis has no direction
 
 
 @pytest.mark.parametrize("wavelength", [20e-6, 80e-6])

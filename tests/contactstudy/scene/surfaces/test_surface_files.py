@@ -40,9 +40,9 @@ def surface(folder: Path, text: str | bytes, name: str = "map.txt", **keys: Any)
     return cs.MeasuredSurface.read(folder / name, trend="none", **keys)
 
 
-def assert_is_map(found: cs.MeasuredSurface, heights: np.ndarray = MAP, extent: Any = EXTENT) -> None:
-    np.testing.assert_allclose(found.heights, heights * 1e-6, atol=1e-14)
-    assert found.extent == pytest.approx(extent, rel=1e-6)
+def assert_is_map(computed: cs.MeasuredSurface, heights: np.ndarray = MAP, extent: Any = EXTENT) -> None:
+    np.testing.assert_allclose(computed.heights, heights * 1e-6, atol=1e-14)
+    assert computed.extent == pytest.approx(extent, rel=1e-6)
 
 
 GWYDDION = "# Channel: Topography\n# Width: 36.00 µm\n# Height: 24.00 µm\n# Value units: m\n"
@@ -115,9 +115,9 @@ def test_points_that_were_not_measured_are_missing(tmp_path: Path, mark: str) ->
     holed = matrix(";").split("\n")
     holed[4] = ";".join([mark, *holed[4].split(";")[1:]])
     text = "NODATA_value 7.5\n" * (mark == "7.5") + "\n".join(holed)
-    found = surface(tmp_path, text, missing=cs.HarmonicFill(), **SIZED)
-    assert np.argwhere(np.isnan(found.heights)).tolist() == [[4, 0]]
-    assert "1 missing points (0.93%) filled by Laplace's equation" in found.description
+    computed = surface(tmp_path, text, missing=cs.HarmonicFill(), **SIZED)
+    assert np.argwhere(np.isnan(computed.heights)).tolist() == [[4, 0]]
+    assert "1 missing points (0.93%) filled by Laplace's equation" in computed.description
 
 
 @pytest.mark.parametrize(("height", "cells"), [(-77.0, 2), (0.0, 30)])
@@ -215,10 +215,10 @@ def test_a_file_that_is_no_surface_or_two_is_refused_in_a_sentence(tmp_path: Pat
 
 
 def test_points_near_a_grid_are_put_onto_it_and_a_missing_one_is_missing(tmp_path: Path) -> None:
-    found = surface(tmp_path, "x [um],y [um],z [um]\n" + columns(jitter=0.08))
-    np.testing.assert_allclose(found.heights, MAP * 1e-6, atol=1e-14)
-    assert found.extent == pytest.approx(EXTENT, rel=0.02)
-    assert "points moved by up to" in found.description
+    computed = surface(tmp_path, "x [um],y [um],z [um]\n" + columns(jitter=0.08))
+    np.testing.assert_allclose(computed.heights, MAP * 1e-6, atol=1e-14)
+    assert computed.extent == pytest.approx(EXTENT, rel=0.02)
+    assert "points moved by up to" in computed.description
     holed = "\n".join(columns().split("\n")[1:])
     missing = surface(tmp_path, holed, unit="um", missing=cs.HarmonicFill()).heights
     assert np.argwhere(np.isnan(missing)).tolist() == [[0, 0]]
@@ -228,8 +228,8 @@ def test_the_length_of_a_part_is_no_size_of_the_map_and_what_is_not_used_is_said
     text = "Roller, diameter 10 mm, length 12 mm\n" + matrix()
     assert surface(tmp_path, text, unit="um").extent is None
     assert surface(tmp_path, "Pixel size: 2 µm\n" + text, unit="um").extent == pytest.approx((24e-6, 18e-6))
-    found = surface(tmp_path, "Sample: 10 mm wide\n" + IN_METRES)
-    assert "these lines of the header were not used: 'Sample: 10 mm wide'" in found.description
+    computed = surface(tmp_path, "Sample: 10 mm wide\n" + IN_METRES)
+    assert "these lines of the header were not used: 'Sample: 10 mm wide'" in computed.description
 
 
 def test_sizes_that_were_assumed_give_way_to_an_extent(tmp_path: Path) -> None:
@@ -243,19 +243,19 @@ def test_sizes_that_were_assumed_give_way_to_an_extent(tmp_path: Path) -> None:
 
 def test_a_stylus_trace_runs_across_and_transposed_along(tmp_path: Path) -> None:
     text = trace("Lateral um\tRaw Micrometer")
-    found = surface(tmp_path, text)
-    np.testing.assert_allclose(found.heights, MAP[:, :1] * 1e-6, atol=1e-14)
-    assert found.extent is not None
-    assert found.extent[0] == pytest.approx(6e-4)
+    computed = surface(tmp_path, text)
+    np.testing.assert_allclose(computed.heights, MAP[:, :1] * 1e-6, atol=1e-14)
+    assert computed.extent is not None
+    assert computed.extent[0] == pytest.approx(6e-4)
     assert surface(tmp_path, text, transpose=True).heights.shape == (1, 12)
 
 
 def test_a_surface_is_transposed_and_flipped_as_it_is_read_and_written_so(tmp_path: Path) -> None:
-    found = surface(tmp_path, IN_METRES, transpose=True, flip="across")
-    assert_is_map(found, MAP.T[::-1], EXTENT[::-1])
-    assert "exchanged (transpose); reversed (flip across)" in found.description
+    computed = surface(tmp_path, IN_METRES, transpose=True, flip="across")
+    assert_is_map(computed, MAP.T[::-1], EXTENT[::-1])
+    assert "exchanged (transpose); reversed (flip across)" in computed.description
     steel = cs.HalfSpace(210e9, 0.3)
-    scene = cs.SceneFile(cs.Scene(cs.LineLoad(1e3), (steel, steel), (found,)))
+    scene = cs.SceneFile(cs.Scene(cs.LineLoad(1e3), (steel, steel), (computed,)))
     cs.write_scene(scene, tmp_path / "scene.toml")
     assert cs.read_scene(tmp_path / "scene.toml").scene == scene.scene
 
@@ -289,9 +289,9 @@ def test_an_x3p_file_has_its_sizes_its_unit_and_its_missing_points(tmp_path: Pat
         surfaces = pytest.importorskip("SurfaceTopography")
     path = tmp_path / "surface.x3p"
     surfaces.Topography(np.ma.masked_greater(MAP, 0.5), (24.0, 36.0), unit="µm").to_x3p(str(path))
-    found = cs.MeasuredSurface.read(path, missing=cs.HarmonicFill())
-    np.testing.assert_allclose(found.heights, np.where(MAP > 0.5, np.nan, MAP * 1e-6), atol=1e-14)
-    assert found.extent == pytest.approx(EXTENT)
+    computed = cs.MeasuredSurface.read(path, missing=cs.HarmonicFill())
+    np.testing.assert_allclose(computed.heights, np.where(MAP > 0.5, np.nan, MAP * 1e-6), atol=1e-14)
+    assert computed.extent == pytest.approx(EXTENT)
     for keys in ({"extent": (24e-6, 9e-6)}, {"unit": "nm"}):
         with pytest.raises(cs.InvalidInput, match=r"^MeasuredSurface\.(extent|unit) .*: leave it out"):
             cs.MeasuredSurface.read(path, missing=cs.HarmonicFill(), **keys)  # type: ignore[arg-type]

@@ -159,9 +159,10 @@ def test_what_a_scene_names_changes_a_number_is_refused_or_is_named_as_left_out(
             continue
         try:
             found = answer(named, 4)
+            numbers = numbers_of(found)
         except cs.InvalidInput:
             continue
-        changed = any(value != before.get(name) for name, value in numbers_of(found).items())
+        changed = any(value != before.get(name) for name, value in numbers.items())
         if not changed and not any(map(SAID.search, found.error.warnings)):
             silent.append(part)
     assert silent == []

@@ -97,7 +97,8 @@ def _of_force(
     area = estimate.contact_area
     if area is not None and touching:
         at_boundary = np.count_nonzero(_at_stick_slip_boundary(solution, traction)) / touching
-        stick = _with_slip_bound(stick, at_boundary + area.total * stick.value, estimate)
+        of_area = area.total * stick.value if stick.value else 0.0  # the bound of the area may be infinite
+        stick = _with_slip_bound(stick, at_boundary + of_area, estimate)
     if _net_load(solution) == pressed:
         return forces | {"stick_fraction": stick}
     over = float(traction.shear[0].sum()) / pressed if pressed else 0.0

@@ -1,6 +1,6 @@
 """Labelled datasets (xarray) of an evolution, of films in time and of repeated rolling."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -108,6 +108,20 @@ def over_time(times: Array, instants: Sequence[xr.Dataset]) -> xr.Dataset:
     return dataset
 
 
+# What each pass leaves behind, by attribute: dimensions beside that of the passes, unit and label.
+OF_PASSES: Mapping[str, tuple[tuple[str, ...], str, str]] = {
+    "plastic_strain": (("component", "z"), "1", "plastic strain"),
+    "equivalent_plastic_strain": (("z",), "1", "equivalent plastic strain"),
+    "residual_stress": (("component", "z"), "Pa", "stress far behind the contact, tension positive"),
+    "shear_strain_increment": (("z",), "1", "engineering plastic shear strain added by the pass"),
+    "forward_displacement": (
+        (), "m", "forward displacement of the surface, opposite to the travel of the contact, by the pass",
+    ),
+    "plastic_strain_increment": ((), "1", "largest equivalent plastic strain added by the pass"),
+    "peak_pressure": ((), "Pa", "peak pressure at the end of the pass"),
+}  # fmt: skip
+
+
 def passes_dataset(rolling: "RepeatedRolling") -> xr.Dataset:
     """Return the state after each pass over (pass_number, component, z), and the last window over (component, z, x)."""
     passes, track, volume = rolling.passes, rolling.track, rolling.track.operator.volume
@@ -117,48 +131,21 @@ def passes_dataset(rolling: "RepeatedRolling") -> xr.Dataset:
     below = "plastic strain below the contact in the last pass"
     stress = rolling.unloaded.residual_stress()[..., 0]
     unloaded = "residual stress after unloading, tension positive"
-    return xr.Dataset(
-        {
-            **_pass_variables(rolling),
-            "pressure": labelled("x", pressure, "Pa", "contact pressure in the last pass"),
-            "window_plastic_strain": labelled(window, strain, "1", below),
-            "window_residual_stress": labelled(window, stress, "Pa", unloaded),
-        },
-        coords={
-            "pass_number": ("pass_number", np.arange(1, len(passes) + 1), {"long_name": "number of the pass"}),
-            "component": ("component", list(COMPONENTS)),
-            "z": ("z", volume.depths, Z),
-            "x": ("x", volume.grid.x, X),
-        },
-        attrs=title_attributes("repeated rolling of a line contact") | scene_attributes(rolling.description),
-    )
-
-
-def _pass_variables(rolling: "RepeatedRolling") -> dict[str, xr.Variable]:
-    """Return strain, stress and displacement after each pass."""
-
-    def after(*labels: tuple[str, ...]) -> dict[str, xr.Variable]:
-        return {
-            name: labelled(("pass_number", *dimensions), getattr(rolling, name), units, long_name)
-            for name, units, long_name, *dimensions in labels
-        }
-
-    stress = "stress far behind the contact, tension positive"
-    distances = [each_pass.distance for each_pass in rolling.passes]
-    states = [each_pass.status for each_pass in rolling.passes]
-    return after(
-        ("plastic_strain", "1", "plastic strain", "component", "z"),
-        ("equivalent_plastic_strain", "1", "equivalent plastic strain", "z"),
-        ("residual_stress", "Pa", stress, "component", "z"),
-        ("shear_strain_increment", "1", "engineering plastic shear strain added by the pass", "z"),
-        (
-            "forward_displacement",
-            "m",
-            "forward displacement of the surface, opposite to the travel of the contact, by the pass",
-        ),
-        ("plastic_strain_increment", "1", "largest equivalent plastic strain added by the pass"),
-        ("peak_pressure", "Pa", "peak pressure at the end of the pass"),
-    ) | {
-        "distance": labelled("pass_number", np.array(distances), "m", "distance rolled"),
-        "status": _statuses("pass_number", states, "worst status of the steps"),
+    variables = {
+        name: labelled(("pass_number", *dimensions), getattr(rolling, name), unit, label)
+        for name, (dimensions, unit, label) in OF_PASSES.items()
+    } | {
+        "distance": labelled("pass_number", np.array([one.distance for one in passes]), "m", "distance rolled"),
+        "status": _statuses("pass_number", [one.status for one in passes], "worst status of the steps"),
+        "pressure": labelled("x", pressure, "Pa", "contact pressure in the last pass"),
+        "window_plastic_strain": labelled(window, strain, "1", below),
+        "window_residual_stress": labelled(window, stress, "Pa", unloaded),
     }
+    coordinates = {
+        "pass_number": ("pass_number", np.arange(1, len(passes) + 1), {"long_name": "number of the pass"}),
+        "component": ("component", list(COMPONENTS)),
+        "z": ("z", volume.depths, Z),
+        "x": ("x", volume.grid.x, X),
+    }
+    attributes = title_attributes("repeated rolling of a line contact") | scene_attributes(rolling.description)
+    return xr.Dataset(variables, coordinates, attributes)

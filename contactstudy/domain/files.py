@@ -5,7 +5,6 @@ All differences between operating systems in opening, reading, locking and synci
 
 import errno
 import hashlib
-import json
 import os
 import re
 import shutil
@@ -21,6 +20,8 @@ from typing import Any, BinaryIO
 
 from contactstudy.domain.checks import InvalidInput
 
+# What a lock file says of its holder.
+HOLDER = re.compile(r"process (\d+) on (.*) \(since .*\)")
 PARTIAL = re.compile(r"^\..+\.(\d+)\.partial(\.\w+)?$")
 # With less free space [bytes], an unspecific error of a library means that the disk is full.
 MIN_FREE_BYTES = 2**20
@@ -201,8 +202,8 @@ def locked(path: Path, what: str) -> Iterator[None]:
         # a holder that ends removes the file, which may be between the opening and the locking of it
         if _is_held(descriptor, holder) or not _is_at(descriptor, path):
             raise InvalidInput(
-                f"{what} is locked by {_holder_name(holder)}: run again when that has ended, or give another folder; "
-                f"if it does not run, remove {str(path)!r}."
+                f"{what} is locked by {holder or 'another process'}: run again when that has ended, or give another "
+                f"folder; if it does not run, remove {str(path)!r}."
             )
         _write_holder(descriptor)
         try:
@@ -216,14 +217,18 @@ def locked(path: Path, what: str) -> Iterator[None]:
         os.close(descriptor)
 
 
-def _is_held(descriptor: int, holder: dict[str, object] | None) -> bool:
-    """Lock the open file, and return whether another process holds it, that of its content if there are no locks."""
+def _is_held(descriptor: int, holder: str) -> bool:
+    """Lock the open file, and return whether another process holds it; without locks, its `holder` by the content.
+
+    Whether one on another machine still runs is not known, so that it holds the lock.
+    """
     try:
         lock_descriptor(descriptor, wait=False)
     except BlockingIOError:
         return True
     except OSError:
-        return holder is not None and _may_be_alive(holder)
+        named = HOLDER.fullmatch(holder)
+        return named is not None and (named[2] != socket.gethostname() or is_alive(int(named[1])))
     return False
 
 
@@ -248,41 +253,22 @@ def lock_descriptor(descriptor: int, *, wait: bool) -> None:
 
 def _is_at(descriptor: int, path: Path) -> bool:
     """Return whether the open file is the one at ``path``."""
-    try:
-        at_path, opened = path.lstat(), os.fstat(descriptor)
-    except OSError:
-        return False
-    return (at_path.st_ino, at_path.st_dev) == (opened.st_ino, opened.st_dev)
+    with suppress(OSError):
+        return os.path.samestat(path.lstat(), os.fstat(descriptor))
+    return False
 
 
 def _write_holder(descriptor: int) -> None:
     """Write this process, its machine and the time as the whole content of the open file."""
     now = datetime.now(UTC).isoformat(timespec="seconds")
-    holder = {"pid": os.getpid(), "host": socket.gethostname(), "since": now}
     with suppress(OSError):  # on a full disk the file is a lock without a name
         os.ftruncate(descriptor, 0)
         os.lseek(descriptor, 0, os.SEEK_SET)
-        os.write(descriptor, json.dumps(holder).encode())
+        os.write(descriptor, f"process {os.getpid()} on {socket.gethostname()} (since {now})".encode())
 
 
-def _read_holder(descriptor: int) -> dict[str, object] | None:
-    """Return process, machine and time from the open lock file; None for a new file."""
-    try:
-        signed = json.loads(read_at(descriptor, 1000, 0))
-        return {"pid": int(signed["pid"]), "host": str(signed["host"]), "since": str(signed["since"])}
-    except (OSError, ValueError, KeyError, TypeError):
-        return None
-
-
-def _holder_name(holder: dict[str, object] | None) -> str:
-    """Return the name of the process that holds a lock."""
-    if holder is None:
-        return "another process"
-    return f"process {holder['pid']} on {holder['host']} (since {holder['since']})"
-
-
-def _may_be_alive(holder: dict[str, object]) -> bool:
-    """Return whether the process in a lock file may be running; on another machine this is unknown, so True."""
-    if holder["host"] != socket.gethostname():
-        return True
-    return is_alive(int(str(holder["pid"])))
+def _read_holder(descriptor: int) -> str:
+    """Return process, machine and time from the open lock file; empty for a new file."""
+    with suppress(OSError, UnicodeDecodeError):
+        return read_at(descriptor, 1000, 0).decode()
+    return ""

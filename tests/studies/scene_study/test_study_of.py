@@ -190,6 +190,10 @@ def test_a_common_grid_is_no_wider_than_the_narrowest_measured_surface(smooth: P
     wide = cs.SceneFile(rough, grid=cs.Grid((32, 32), (4e-3, 1e-4)))
     with pytest.raises(cs.InvalidInput, match="no wider than that"):
         studies.study_of(wide, {"load.per_length": [1e4, 2e4]})
+    # but where the surface repeats across
+    mirrored = replace(rough, shapes=(rough.shapes[0], replace(surfaces[0], seam_across=cs.Mirrored())))
+    repeats = cs.SceneFile(mirrored, grid=cs.Grid((32, 8), (2e-3, 1e-4)))
+    assert len(studies.study_of(repeats, {"load.per_length": [1e4, 2e4]}).cases()) == 2
 
 
 def test_tiles_of_a_surface_are_an_axis(smooth: Path) -> None:

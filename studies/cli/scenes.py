@@ -148,7 +148,7 @@ def solve(
     chosen = _device(device, threads)
     described = _with_error(cs.read_scene(scene), error)
     text = scene.read_text(encoding="utf-8-sig")
-    formats = formats_in(shown["formats"], PICTURES)  # refused before anything is solved
+    formats, form = formats_in(shown["formats"], PICTURES), shown["form"]  # refused before anything is solved
     check_kind(out / f"{scene.stem}.nc", "solution")
     with SolveProgress(str(scene)) as show:
         if isinstance(chosen, cs.Cpu):  # the solve reports whether another device can solve the scene
@@ -158,7 +158,7 @@ def solve(
         path = open_folder(out) / f"{scene.stem}.nc"
         files = _stored(answer, path, formats, text)
         seconds = perf_counter() - begin
-    if shown["form"] == "json":
+    if form == "json":
         click.echo(_as_json(scene, answer, seconds, surface_notes(described.scene), files))
     else:
         echo(f"{scene}: {answer.summary()}")

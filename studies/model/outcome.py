@@ -1,7 +1,7 @@
 """Outcomes of computations, checked so that netCDF returns what was stored, and their times."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import astuple, dataclass, field
 from enum import IntEnum
 from typing import Any
 
@@ -157,24 +157,19 @@ def timing_variables(
     repeats = max((len(runs) for runs in samples), default=0)
     if not repeats:
         return {}
-    data = {}
-
-    def seconds(attribute: str) -> np.ndarray:
-        rows = [[getattr(sample, attribute) for sample in runs] for runs in samples]
-        filled = [row + [np.nan] * (repeats - len(row)) for row in rows]
-        return np.array(filled, dtype=float).reshape(len(samples), repeats)
+    times = np.full((len(samples), repeats, 4), np.nan)
+    for case, runs in enumerate(samples):
+        times[case, : len(runs)] = [astuple(run) for run in runs] or np.nan
+    least, data = np.fmin.reduce(times, axis=1), {}
 
     def variable(values: np.ndarray, what: str, *further_dims: str) -> xr.Variable:
         return xr.Variable(names + further_dims, values[index], {"units": "s", "long_name": what})
 
-    for part, what in PARTS.items():
-        wall, cpu = seconds(part), seconds(f"{part}_cpu")
-        name = f"{part}_time"
+    for place, (part, what) in enumerate(PARTS.items()):
         about = f"wall time {what}, one case at a time, least of the repeats"
-        data[name] = variable(np.fmin.reduce(wall, axis=1), about)
-        about = f"processor time {what}, least of the repeats"
-        data[f"{name}_cpu"] = variable(np.fmin.reduce(cpu, axis=1), about)
-        data[f"{name}_all"] = variable(wall, f"wall time {what}, every repeat", "repeat")
+        data[f"{part}_time"] = variable(least[:, place], about)
+        data[f"{part}_time_cpu"] = variable(least[:, place + 2], f"processor time {what}, least of the repeats")
+        data[f"{part}_time_all"] = variable(times[:, :, place], f"wall time {what}, every repeat", "repeat")
     return data
 
 

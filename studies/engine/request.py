@@ -64,4 +64,4 @@ class Request:
                 number = number * len(axis.values) + axis.values.index(first["point"][axis.name])
         except (ValueError, KeyError):
             return False
-        return self.keys[number] != first.get("case")
+        return bool(self.keys[number] != first.get("case", self.keys[number]))

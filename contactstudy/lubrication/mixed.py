@@ -5,9 +5,8 @@ carry a pressure ``P_c >= 0``. Lubricant flows in every cell, by its own pressur
 iteration of :mod:`contactstudy.lubrication.newton.pseudo_time` solves both together.
 
 Transverse ridges may have two solutions at one speed: ridges in a thick film, or flattened by contact. The film at a
-higher speed leads to the first where it exists, the dry contact to the second.
-
-Continuation in speed: where cold starts fail, a film is followed from a higher speed down.
+higher speed leads to the first where it exists, the dry contact to the second. Where cold starts fail, any film is
+followed from a higher speed down.
 """
 
 from collections.abc import Callable, Iterator

@@ -1,8 +1,6 @@
-"""Anderson's mixing of a fixed-point iteration, and a contact solved by it whose displacement follows from its pressure.
+"""A contact with a displacement that follows from its own pressure, by fixed-point (Picard) iteration or with mixing.
 
-Source: Anderson (1965), in the form of Walker & Ni (2011), eq. 2.2.
-
-A contact with a displacement that follows from its own pressure, solved by fixed-point (Picard) iteration.
+The mixing is that of Anderson (1965), in the form of Walker & Ni (2011), eq. 2.2.
 """
 
 from collections.abc import Callable

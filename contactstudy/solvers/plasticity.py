@@ -1,11 +1,8 @@
 """Pressure and plastic strain at the end of a load step, together: a semismooth Newton method.
 
 S maps pressure to deviatoric stress, B plastic strain to minus its residual stress, and C is the number of independent
-components of a deviator.
-
-Tangent operator of a contact under a fixed load: minus the derivative of the pressure with respect to the gap.
-
-Von Mises plasticity with linear hardening, and the yielding volumes of both bodies as one list of cells.
+components of a deviator. The bodies yield by von Mises' criterion, with linear hardening; their yielding volumes are one
+list of cells. The contact acts by its tangent operator, minus the derivative of the pressure with respect to the gap.
 """
 
 from collections.abc import Callable, Sequence

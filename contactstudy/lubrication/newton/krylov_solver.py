@@ -3,12 +3,8 @@
 The Fourier stage inverts the system averaged over the length, one harmonic at a time: it has the elasticity of long
 range. In its average, the equation of a touching cell is that of its film thickness. The local stage solves for what
 that leaves, with the coefficients of a cell and its neighbours and a small fraction of the elasticity: it has the
-variation of the conductance by orders of magnitude. The equations of touching cells have the preconditioner of the dry
-contact there.
-
-Local stage of the preconditioner of a film: the coefficients of a cell and its neighbours, with little elasticity.
-
-Lines in turn along the shorter sides of the cells, or sparse LU factors where cells touch.
+variation of the conductance by orders of magnitude. It takes lines in turn along the shorter sides of the cells, or
+sparse LU factors where cells touch. The equations of touching cells have the preconditioner of the dry contact there.
 """
 
 from collections.abc import Callable

@@ -1,9 +1,7 @@
-"""Fretting: tangential traction under an oscillating tangential force, each step from the traction before it.
+"""Fretting and partial slip: tangential traction under one or more tangential forces, each step from the one before.
 
 Under a constant pressure a step from one reversal of the force to the next is exact in plane strain, as slip does not
 reverse within it. Source: Mindlin & Deresiewicz (1953), J. Appl. Mech. 20, 327.
-
-One step of partial slip: the tangential traction after a change of the tangential force or displacement.
 
 A step from the traction r to q on the first body slips by ``s = A (q - r) - d``, the slip of the first against the
 second body, with the displacement ``A q`` under traction and the rigid one d of the second against the first body.

@@ -46,7 +46,7 @@ def test_traction_rises_with_sliding_and_falls_again_as_the_film_heats_up() -> N
     law = {"viscosity_law": cs.Roelands(0.6, reference_pressure=2.63e8)}
     hot = [solve_lubricated(_at(heated(slide, **law), 40.0), grid(160, 8)) for slide in (0.02, 0.2, 1.9)]
     cold = solve_lubricated(_at(heated(1.9, heat=None, **law), 40.0), grid(160, 8))
-    small, middle, large = (one.friction for one in hot)
+    small, middle, large = (contact.friction for contact in hot)
     assert small < middle
     assert large < 0.95 * middle < 0.95 * cold.friction
     assert hot[0].flash_temperature < hot[1].flash_temperature < hot[2].flash_temperature

@@ -113,7 +113,7 @@ def test_a_film_is_that_before_a_jump_of_the_load_until_the_next_step() -> None:
     times = tuple(n * passage for n in (0, 3, 3, 6))
     jump = replace(scene, load=cs.LoadHistory(times, (1e5, 1e5, 1.5e5, 1.5e5)))
     evolution = evolve_lubricated(jump, grid(64, 4.0), error=1e-2)
-    loads = [one.load_per_length for one in evolution.contacts]
+    loads = [contact.load_per_length for contact in evolution.contacts]
     after = [1e5 if time <= times[1] else 1.5e5 for time in evolution.times]
     np.testing.assert_allclose(loads, after, rtol=1e-5)
     assert times[1] in evolution.times
@@ -154,6 +154,6 @@ def test_the_error_by_the_steps_does_not_depend_on_the_instants_recorded() -> No
     for times in (None, [0.0, end]):
         evolution = evolve_lubricated(starting, grid(96, 3.0), times=times, error=1e-2)
         for name, bounds in evolution.time_discretisation_errors.items():
-            value, reference = (getattr(one.contacts[-1], name) for one in (evolution, exact))
+            value, reference = (getattr(films.contacts[-1], name) for films in (evolution, exact))
             error = np.sum(np.abs(value - reference)) / np.sum(reference)
             assert 0 < error < bounds[-1] + exact.time_discretisation_errors[name][-1], name

@@ -70,12 +70,6 @@ def test_several_films_between_high_ridges_are_reported() -> None:
     assert contact.status is cs.Status.SEVERAL_FILMS
 
 
-def test_a_total_load_is_spread_over_the_length_of_the_roller_at_any_period() -> None:
-    scene = replace(at(1.0, 1.0), load=cs.TotalLoad(100.0, length=1e-3))
-    contact = solve_lubricated(scene, cs.Grid((100, 1), (10 * A, 2e-3)))
-    assert contact.load_per_length == pytest.approx(1e5, rel=1e-7)
-
-
 def test_a_film_starts_from_one_on_another_grid() -> None:
     waves = by_moes(20, 5, cs.Waviness(2e-8, across=A, along=A))
     for scene, first, second in (

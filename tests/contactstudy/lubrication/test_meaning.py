@@ -84,7 +84,7 @@ def test_the_lambda_ratio_is_that_of_the_starved_film() -> None:
     flooded = cs.solve(by_moes(20, 5, waves), grid(240, 4.0))
     layer = 0.2 * flooded.flow / flooded.mean_speed
     starved = cs.solve(with_motion(flooded.scene, supply=layer), grid(240, 4.0))
-    ratios = [one.quantities["lambda_ratio"].value for one in (flooded, starved)]
+    ratios = [film.quantities["lambda_ratio"].value for film in (flooded, starved)]
     assert ratios[1] / ratios[0] == pytest.approx(0.2, rel=0.05)
 
 

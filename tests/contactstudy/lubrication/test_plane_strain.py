@@ -103,7 +103,7 @@ def test_limiting_shear_begins_at_a_stress_at_ambient_pressure_and_grows_with_pr
 def test_power_is_lost_in_pure_rolling_too() -> None:
     scene = by_moes(20, 5)
     rolling = with_motion(scene, slide_roll_ratio=0.0)
-    sliding, still = (solve_lubricated(one, grid(200, 4.5)) for one in (scene, rolling))
+    sliding, still = (solve_lubricated(motion, grid(200, 4.5)) for motion in (scene, rolling))
     assert still.friction == 0
     assert still.power_loss > 0
     assert film_answer(still).quantities["friction_coefficient"].bound == 0

@@ -49,9 +49,9 @@ def test_a_stiff_cylinder_separates_as_a_rigid_one() -> None:
 
 
 def test_the_law_of_dugdale_has_the_pull_off_load_of_baney_and_hui() -> None:
-    found = pulled(cylinder(1.0, 0.5, "dugdale"), cs.Grid((2048, 1), (36.0, 1.0)), 2e-4)
+    last = pulled(cylinder(1.0, 0.5, "dugdale"), cs.Grid((2048, 1), (36.0, 1.0)), 2e-4)
     # the fall of the attraction over a fifth of its range takes up to 2.1e-4
-    assert -force(found) / UNIT == pytest.approx(1.11303, rel=6e-4)
+    assert -force(last) / UNIT == pytest.approx(1.11303, rel=6e-4)
 
 
 @pytest.mark.parametrize(
@@ -77,12 +77,12 @@ def test_a_pull_that_does_not_converge_at_some_load_returns_the_last_stable_stat
 ) -> None:
     monkeypatch.setattr(pull_off, "ITERATION_FACTOR", 1)
     scene = replace(cylinder(2.0, 0.5), load=cs.PullOff(0.5 * UNIT, 1e-4))
-    found = cs.solve(scene, cs.Grid((128, 1), (24.0, 1.0)), LINE, tolerance=1e-9, max_iterations=80)
-    assert found.status is cs.Status.ITERATION_LIMIT
-    assert "search for the pull-off load ended at" in found.note
-    assert found.residual <= 1e-9
+    last = cs.solve(scene, cs.Grid((128, 1), (24.0, 1.0)), LINE, tolerance=1e-9, max_iterations=80)
+    assert last.status is cs.Status.ITERATION_LIMIT
+    assert "search for the pull-off load ended at" in last.note
+    assert last.residual <= 1e-9
     # both loads still enclose that of fine grids
-    assert found.adhesion.first_unstable_load / UNIT < -1.14064 < force(found) / UNIT
+    assert last.adhesion.first_unstable_load / UNIT < -1.14064 < force(last) / UNIT
 
 
 def test_a_wave_separates_as_johnson_says_of_short_ranges() -> None:

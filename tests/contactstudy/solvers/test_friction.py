@@ -17,26 +17,26 @@ NONE = np.zeros((2, *GRID.cells))
 
 
 def step(reference: np.ndarray = NONE, limit: np.ndarray = LIMIT, **given: np.ndarray) -> SlipStep:
-    found = slip_step(RESPONSE, limit, reference, 1e-9, 400, **given)
-    assert found.residual <= 1e-9
-    return found
+    after = slip_step(RESPONSE, limit, reference, 1e-9, 400, **given)
+    assert after.residual <= 1e-9
+    return after
 
 
 def forced(fraction: float) -> np.ndarray:
     return np.array([fraction * LIMIT.sum(), 0.0])
 
 
-def check_coulombs_law(found: SlipStep, reference: np.ndarray, limit: np.ndarray) -> None:
+def check_coulombs_law(after: SlipStep, reference: np.ndarray, limit: np.ndarray) -> None:
     """The slip is that of the displacement, none where cells stick, and against the shear elsewhere."""
-    slip = RESPONSE(found.shear - reference) - found.rigid[:, None, None]
+    slip = RESPONSE(after.shear - reference) - after.rigid[:, None, None]
     unit = np.abs(slip).max()
     touching = limit > 0
-    np.testing.assert_allclose(found.slip[:, touching], slip[:, touching], atol=1e-7 * unit)
-    assert np.abs(slip[:, found.stick]).max(initial=0) <= 1e-6 * unit
-    slips = touching & ~found.stick
-    size = np.hypot(*found.shear)
+    np.testing.assert_allclose(after.slip[:, touching], slip[:, touching], atol=1e-7 * unit)
+    assert np.abs(slip[:, after.stick]).max(initial=0) <= 1e-6 * unit
+    slips = touching & ~after.stick
+    size = np.hypot(*after.shear)
     np.testing.assert_allclose(size[slips], limit[slips], atol=2e-6 * limit.max())
-    against = -np.einsum("cxy,cxy->xy", found.shear, slip)
+    against = -np.einsum("cxy,cxy->xy", after.shear, slip)
     np.testing.assert_allclose(against[slips], (size * np.hypot(*slip))[slips], atol=1e-6 * unit)
 
 
@@ -51,9 +51,9 @@ def test_a_step_of_force_leaves_a_state_of_coulombs_law() -> None:
 
 def test_the_displacement_of_a_force_gives_its_shear() -> None:
     known = step(total=forced(0.6))
-    found = step(rigid=known.rigid)
-    np.testing.assert_allclose(found.shear, known.shear, atol=1e-6 * LIMIT.max())
-    check_coulombs_law(found, NONE, LIMIT)
+    after = step(rigid=known.rigid)
+    np.testing.assert_allclose(after.shear, known.shear, atol=1e-6 * LIMIT.max())
+    check_coulombs_law(after, NONE, LIMIT)
 
 
 def test_a_contact_converges_whose_newton_steps_fail_far_from_the_solution() -> None:

@@ -91,10 +91,10 @@ def test_a_solution_is_its_own_start(solver: cs.Solver, line_contact: LineContac
     hard = replace(line_contact.scene, hardness=0.8 * line_contact.hertz.peak_pressure)
     for scene in (line_contact.scene, hard):
         problem = scene.problem(grid, cs.ExactPeriodicity())
-        found = cs.solve(problem, solver=solver)
-        again = cs.solve(problem, solver=solver, start=found.pressure)
+        solution = cs.solve(problem, solver=solver)
+        again = cs.solve(problem, solver=solver, start=solution.pressure)
         assert again.iterations == 0
-        np.testing.assert_allclose(again.pressure, found.pressure, rtol=1e-14)
+        np.testing.assert_allclose(again.pressure, solution.pressure, rtol=1e-14)
 
 
 def test_threads_give_the_same_answer(line_contact: LineContact, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -15,17 +15,17 @@ def stressed(law: VonMisesPlasticity, deviators: list[float]) -> tuple[float, fl
         # dead weights: the strain that makes the trial stress come back to this stress
         guess = strain
         for _ in range(200):
-            found = law.return_mapping(stress, guess, strain, equivalent)
-            if np.abs(found.strain - guess).max() < 1e-15:
+            mapped = law.return_mapping(stress, guess, strain, equivalent)
+            if np.abs(mapped.strain - guess).max() < 1e-15:
                 break
-            guess = found.strain
+            guess = mapped.strain
         equivalent = equivalent + (2 / 3) ** 0.5 * np.abs(guess - strain).max(axis=0) * 1.0
         strain = guess
     return float((2 / 3) ** 0.5 * strain[0, 0]), float(equivalent[0])
 
 
 def law(isotropic: float, kinematic: float) -> VonMisesPlasticity:
-    return VonMisesPlasticity(*(np.array([one]) for one in (TWICE_SHEAR, YIELD, isotropic, kinematic)))
+    return VonMisesPlasticity(*(np.array([modulus]) for modulus in (TWICE_SHEAR, YIELD, isotropic, kinematic)))
 
 
 def test_a_bar_in_tension_hardens_by_both_moduli_together() -> None:

@@ -47,6 +47,17 @@ def test_the_error_by_cells_is_between_the_factors_of_its_page() -> None:
     assert max(factors) / factors[0] == pytest.approx(5, abs=0.6)
 
 
+def test_one_cell_along_has_the_error_of_its_page() -> None:
+    [one] = said("periodicity", r"has an error of ([\d.]+) % in place of")
+    found = pressure(cs.Grid((129, 1), (WIDTH * A, WIDTH * A)), cs.DuplicatedPadding())
+    assert 100 * (found[64, 0] / P_H - 1) == pytest.approx(one, abs=0.05)
+
+
+def test_a_window_over_three_periods_reaches_as_far_as_its_page_says() -> None:
+    [images] = said("price", r"with n = 1 reaches as far as n = (\d+) over one")
+    assert cs.CircularSuperposition(1).reach(3.0) == cs.CircularSuperposition(int(images)).reach(1)
+
+
 def test_the_rules_of_a_verdict_have_the_numbers_of_their_page() -> None:
     [lower] = said("price", r"load that is (\d+) % lower")
     assert lower == pytest.approx(100 * (1 - trials.LOWER_LOAD))

@@ -89,7 +89,7 @@ def test_grids_of_one_scene_differ_by_no_more_than_the_estimate_says(line_contac
 
 
 def test_keys_in_which_the_scenes_differ_are_said_and_numbers_are_in_per_cent(line_contact: LineContact) -> None:
-    grid = line_contact.grid((16, 1), 1.6)
+    grid = line_contact.grid((64, 1), 1.6)
     heavier = replace(line_contact.scene, load=cs.LineLoad(1.21 * line_contact.scene.largest_load))
     a, b = (cs.solve(scene, grid, cs.ExactPeriodicity()) for scene in (line_contact.scene, heavier))
     found = cs.compare(a, b)
@@ -97,7 +97,10 @@ def test_keys_in_which_the_scenes_differ_are_said_and_numbers_are_in_per_cent(li
     assert "load: +21 %\n" in text
     assert f"peak pressure: {100 * found.peak_pressure:+.3g} %" in text
     assert "scenes differ in load.per_length: 100000 and 121000" in text
+    assert found.quantities["half-width (outermost edges)"] == pytest.approx(0.1, abs=2e-3)
     assert cs.compare(a, a).differing == ()
+    with pytest.raises(cs.InvalidInput, match=r"of different kinds: b ends at both ends of its grid"):
+        cs.compare(a, cs.solve(line_contact.scene, grid, cs.ZeroPadding()))
 
 
 def test_evolutions_are_compared_at_the_instant_of_the_highest_pressure() -> None:

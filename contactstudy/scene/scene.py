@@ -182,6 +182,19 @@ class Scene(InNotebook):
                     "Cylinder."
                 )
 
+    def _check_outputs(self) -> None:
+        """Check the outputs, of each kind of which there may be one, in a contact at rest one of each body."""
+        for number, output in enumerate(self.outputs):
+            alike = [other for other in self.outputs[:number] if type(other) is type(output)]
+            at_rest = self.method is STATIC
+            bodies = {getattr(other, "body", None) for other in (*alike, output)}
+            if alike and not (at_rest and len(bodies) > len(alike)):
+                raise InvalidInput(
+                    f"Scene.outputs[{number}] is {output!r}, the second of its kind: give one, or in a contact at rest "
+                    "one of each body."
+                )
+            output.check(self.solids)
+
     def _check_hardness(self) -> None:
         """Refuse a hardness where pressures fall: yielding under it is not remembered."""
         if self.hardness == inf:
@@ -200,47 +213,11 @@ class Scene(InNotebook):
                     "where pressures fall, give an ElasticPlasticHalfSpace, or leave the hardness out."
                 )
 
-    def _check_outputs(self) -> None:
-        """Check the outputs, of each kind of which there may be one, in a contact at rest one of each body."""
-        for number, output in enumerate(self.outputs):
-            alike = [other for other in self.outputs[:number] if type(other) is type(output)]
-            at_rest = self.method is STATIC
-            bodies = {getattr(other, "body", None) for other in (*alike, output)}
-            if alike and not (at_rest and len(bodies) > len(alike)):
-                raise InvalidInput(
-                    f"Scene.outputs[{number}] is {output!r}, the second of its kind: give one, or in a contact at rest "
-                    "one of each body."
-                )
-            output.check(self.solids)
-
     @property
     def radius(self) -> float | None:
         """Equivalent radius R [m] of the shapes, 1/R the sum of their curvatures; None unless that is above zero."""
         curvature = sum(map(curvature_of, self.shapes))
         return 1 / curvature if curvature > 0 else None
-
-    @property
-    def roller_length(self) -> float | None:
-        """Length of the roller [m], None if it is endless.
-
-        It is that of the shortest body with free faces, else that of its total load, or of the shortest that the
-        shapes end. Of a point contact it is the length of the grid that it needs.
-        """
-        shortest = self._shortest_roller
-        if (ellipse := self.ellipse) is not None:
-            # where the undeformed gap is larger than the heights beside the contact
-            heights = sum(scales.height for scales in length_scales_of(self.shapes))
-            reach = ellipse.semi_axes[1] ** 2 + 2 * heights / ellipse.curvature_along
-            return 2 * LENGTH_OVER_ELLIPSE * sqrt(reach)
-        return self.load.length_on(shortest) if isinstance(self.load, TotalLoad) else shortest
-
-    @property
-    def _shortest_roller(self) -> float | None:
-        """Length [m] of the shortest body with free faces, else of the shortest that the shapes end; None if endless."""
-        if self.free_length < inf:
-            return self.free_length
-        lengths = [d.roller for d in length_scales_of(self.shapes) if 0 < d.roller < inf]
-        return min(lengths, default=None)
 
     @property
     def curvatures(self) -> tuple[float, float]:
@@ -279,6 +256,29 @@ class Scene(InNotebook):
         return (*self.shapes, FiniteLength(self.free_length))
 
     @property
+    def _shortest_roller(self) -> float | None:
+        """Length [m] of the shortest body with free faces, else of the shortest that the shapes end; None if endless."""
+        if self.free_length < inf:
+            return self.free_length
+        lengths = [d.roller for d in length_scales_of(self.shapes) if 0 < d.roller < inf]
+        return min(lengths, default=None)
+
+    @property
+    def roller_length(self) -> float | None:
+        """Length of the roller [m], None if it is endless.
+
+        It is that of the shortest body with free faces, else that of its total load, or of the shortest that the
+        shapes end. Of a point contact it is the length of the grid that it needs.
+        """
+        shortest = self._shortest_roller
+        if (ellipse := self.ellipse) is not None:
+            # where the undeformed gap is larger than the heights beside the contact
+            heights = sum(scales.height for scales in length_scales_of(self.shapes))
+            reach = ellipse.semi_axes[1] ** 2 + 2 * heights / ellipse.curvature_along
+            return 2 * LENGTH_OVER_ELLIPSE * sqrt(reach)
+        return self.load.length_on(shortest) if isinstance(self.load, TotalLoad) else shortest
+
+    @property
     def largest_load(self) -> float:
         """Largest load over time [N/m], a total load over the length of its roller; 0 where an approach is given."""
         if not isinstance(self.load, TotalLoad):
@@ -286,6 +286,27 @@ class Scene(InNotebook):
         length = self.roller_length
         assert length is not None
         return self.load.total / length
+
+    def loaded_length(self, grid: Grid, padding: Padding | Paddings) -> float:
+        """Return the length [m] on which loads and forces per length act: that of a roller, else the period of `grid`.
+
+        A roller that periodic images continue without end has no other length than the period. Of one that `grid` cuts
+        off, only the part on it is loaded, but by the whole of a total load.
+        """
+        length = self.roller_length
+        if length is None or self.repeats(padding):
+            return grid.length
+        return length if isinstance(self.load, TotalLoad) else min(length, grid.length)
+
+    def repeats(self, padding: Padding | Paddings) -> bool:
+        """Return whether `padding` makes a roller infinite: it repeats the length, and no shape may end or crown it."""
+        scales = [getattr(shape, "length_scales", None) for shape in self.shapes]
+        is_free_along = is_free(across_and_along(padding)[1])
+        return not is_free_along and all(of_shape and not of_shape.roller for of_shape in scales)
+
+    def mean_load(self, grid: Grid, padding: Padding | Paddings) -> float:
+        """Return the largest load, over the period of `grid` [N/m]."""
+        return self.largest_load * self.loaded_length(grid, padding) / grid.length
 
     @property
     def reference_load(self) -> float:
@@ -299,6 +320,12 @@ class Scene(InNotebook):
                 largest = self.load.estimated_load(modulus, self.radius)
         adhesion = self.adhesion
         return largest if adhesion is None else max(largest, adhesion.reference_load(self))
+
+    def under(self, load: float) -> "Scene":
+        """Return the scene under a constant load [N/m], on the same length."""
+        if isinstance(self.load, TotalLoad) and (length := self.roller_length):
+            return replace(self, load=replace(self.load, total=load * length))
+        return replace(self, load=LineLoad(load))
 
     @property
     def contact_modulus(self) -> float:
@@ -338,6 +365,84 @@ class Scene(InNotebook):
                 pressure = max(pressure, self.adhesion.reference_pressure(self, length))
         gap = pressure * length / contact_modulus(self.solids, length)
         return Scales(length, 2.0 ** round(log2(pressure)), gap)
+
+    def datum(self, grid: Grid) -> float:
+        """Return the distance [m] that displacements count from where infinitely many images leave that open.
+
+        It is that of an Approach that gives one, else twice the radius, at any load and on any grid; without a curved
+        shape the width of `grid`.
+        """
+        of_radius = DATUM_OVER_RADIUS * self.radius if self.radius else grid.extent[0]
+        return getattr(self.load, "datum", None) or of_radius
+
+    @property
+    def method(self) -> Method:
+        """Method by which :func:`~contactstudy.solve` solves the scene, with the keywords that it takes."""
+        return method_of(self)
+
+    @property
+    def time_dependent_field(self) -> str | None:
+        """Name of the first field that changes in time by itself, such as a body that creeps; None if there is none.
+
+        In steady :class:`~contactstudy.Rolling` the contact with such a body is steady all the same.
+        """
+        if not isinstance(self.load, ConstantLoad | Approach | PullOff):
+            return "Scene.load"
+        if self.wear is not None:
+            return "Scene.wear"
+        if getattr(self.friction, "times", None) is not None:
+            return "Scene.friction"
+        # what rolls or passes through a film steadily has crept
+        steady = self.lubrication is not None or (self.rolling is None and self.rolls)
+        for number, solid in enumerate(self.solids):
+            if yields(solid) or (creeps(solid) and not steady):
+                return f"Scene.solids[{number}]"
+        if self.lubrication is None:
+            return None
+        if not isinstance(self.lubrication.mean_speed, float):
+            return "Scene.lubrication.mean_speed"
+        moving = [hasattr(shape, "gap_after") for shape in self.shapes]
+        return f"Scene.shapes[{moving.index(True)}]" if any(moving) else None
+
+    @property
+    def histories(self) -> tuple[Any, ...]:
+        """Load, speed of a film and friction, as far as they have a history with an end."""
+        speed = getattr(self.lubrication, "mean_speed", None)
+        given = self.load, speed, getattr(self.friction, "history", None)
+        return tuple(history for history in given if hasattr(history, "end"))
+
+    @property
+    def rolls(self) -> bool:
+        """True for `Rolling`, and for `TractiveRolling` of a body that creeps, which take more than one problem."""
+        return self.rolling is not None or self.rolling_speed is not None
+
+    @property
+    def has_tractive_rolling(self) -> bool:
+        """True if friction transmits a traction in steady rolling."""
+        return bool(getattr(self.friction, "is_steady", False))
+
+    @property
+    def rolling_speed(self) -> float | None:
+        """Speed [m/s] along x of steady `Rolling`, or of `TractiveRolling` of a body that creeps; None for others."""
+        if self.rolling is not None:
+            return self.rolling.speed
+        drives = self.has_tractive_rolling and any(map(creeps, self.solids))
+        return self.friction.speed if drives else None  # type: ignore[union-attr]
+
+    @property
+    def contact_speeds(self) -> tuple[float, float]:
+        """Speed [m/s] along x of a steady contact over each body; 0 over the one on which it stands still in sliding."""
+        standing, speed = getattr(self.friction, "standing", None), self.rolling_speed or 0.0
+        return 0.0 if standing == 0 else speed, 0.0 if standing == 1 else speed
+
+    @property
+    def has_approach(self) -> bool:
+        """False for bodies that creep as they roll.
+
+        Points far behind the contact relax, while those ahead do not. Their approach falls without limit with the
+        logarithm of the speed.
+        """
+        return not (self.rolls and any(map(creeps, self.solids)))
 
     def problem(
         self, grid: Grid, padding: Padding | Paddings, adhesion_solver: "AdhesiveSolver | None" = None
@@ -429,42 +534,6 @@ class Scene(InNotebook):
             )
         return between_faces(weights, grid, paddings)
 
-    def datum(self, grid: Grid) -> float:
-        """Return the distance [m] that displacements count from where infinitely many images leave that open.
-
-        It is that of an Approach that gives one, else twice the radius, at any load and on any grid; without a curved
-        shape the width of `grid`.
-        """
-        of_radius = DATUM_OVER_RADIUS * self.radius if self.radius else grid.extent[0]
-        return getattr(self.load, "datum", None) or of_radius
-
-    def repeats(self, padding: Padding | Paddings) -> bool:
-        """Return whether `padding` makes a roller infinite: it repeats the length, and no shape may end or crown it."""
-        scales = [getattr(shape, "length_scales", None) for shape in self.shapes]
-        is_free_along = is_free(across_and_along(padding)[1])
-        return not is_free_along and all(of_shape and not of_shape.roller for of_shape in scales)
-
-    def mean_load(self, grid: Grid, padding: Padding | Paddings) -> float:
-        """Return the largest load, over the period of `grid` [N/m]."""
-        return self.largest_load * self.loaded_length(grid, padding) / grid.length
-
-    def loaded_length(self, grid: Grid, padding: Padding | Paddings) -> float:
-        """Return the length [m] on which loads and forces per length act: that of a roller, else the period of `grid`.
-
-        A roller that periodic images continue without end has no other length than the period. Of one that `grid` cuts
-        off, only the part on it is loaded, but by the whole of a total load.
-        """
-        length = self.roller_length
-        if length is None or self.repeats(padding):
-            return grid.length
-        return length if isinstance(self.load, TotalLoad) else min(length, grid.length)
-
-    def under(self, load: float) -> "Scene":
-        """Return the scene under a constant load [N/m], on the same length."""
-        if isinstance(self.load, TotalLoad) and (length := self.roller_length):
-            return replace(self, load=replace(self.load, total=load * length))
-        return replace(self, load=LineLoad(load))
-
     def _adhesion_solver(self, solver: "AdhesiveSolver | None") -> AdhesionSolver | None:
         """Return the solver of the attraction, or the search for the pull-off with it."""
         if solver is None or not isinstance(self.load, PullOff):
@@ -472,75 +541,6 @@ class Scene(InNotebook):
         from contactstudy.solvers.pull_off import PullOffSearch  # imported only where it is named
 
         return PullOffSearch(solver, self.load.error)
-
-    @property
-    def time_dependent_field(self) -> str | None:
-        """Name of the first field that changes in time by itself, such as a body that creeps; None if there is none.
-
-        In steady :class:`~contactstudy.Rolling` the contact with such a body is steady all the same.
-        """
-        if not isinstance(self.load, ConstantLoad | Approach | PullOff):
-            return "Scene.load"
-        if self.wear is not None:
-            return "Scene.wear"
-        if getattr(self.friction, "times", None) is not None:
-            return "Scene.friction"
-        # what rolls or passes through a film steadily has crept
-        steady = self.lubrication is not None or (self.rolling is None and self.rolls)
-        for number, solid in enumerate(self.solids):
-            if yields(solid) or (creeps(solid) and not steady):
-                return f"Scene.solids[{number}]"
-        if self.lubrication is None:
-            return None
-        if not isinstance(self.lubrication.mean_speed, float):
-            return "Scene.lubrication.mean_speed"
-        moving = [hasattr(shape, "gap_after") for shape in self.shapes]
-        return f"Scene.shapes[{moving.index(True)}]" if any(moving) else None
-
-    @property
-    def histories(self) -> tuple[Any, ...]:
-        """Load, speed of a film and friction, as far as they have a history with an end."""
-        speed = getattr(self.lubrication, "mean_speed", None)
-        given = self.load, speed, getattr(self.friction, "history", None)
-        return tuple(history for history in given if hasattr(history, "end"))
-
-    @property
-    def has_tractive_rolling(self) -> bool:
-        """True if friction transmits a traction in steady rolling."""
-        return bool(getattr(self.friction, "is_steady", False))
-
-    @property
-    def rolling_speed(self) -> float | None:
-        """Speed [m/s] along x of steady `Rolling`, or of `TractiveRolling` of a body that creeps; None for others."""
-        if self.rolling is not None:
-            return self.rolling.speed
-        drives = self.has_tractive_rolling and any(map(creeps, self.solids))
-        return self.friction.speed if drives else None  # type: ignore[union-attr]
-
-    @property
-    def contact_speeds(self) -> tuple[float, float]:
-        """Speed [m/s] along x of a steady contact over each body; 0 over the one on which it stands still in sliding."""
-        standing, speed = getattr(self.friction, "standing", None), self.rolling_speed or 0.0
-        return 0.0 if standing == 0 else speed, 0.0 if standing == 1 else speed
-
-    @property
-    def rolls(self) -> bool:
-        """True for `Rolling`, and for `TractiveRolling` of a body that creeps, which take more than one problem."""
-        return self.rolling is not None or self.rolling_speed is not None
-
-    @property
-    def has_approach(self) -> bool:
-        """False for bodies that creep as they roll.
-
-        Points far behind the contact relax, while those ahead do not. Their approach falls without limit with the
-        logarithm of the speed.
-        """
-        return not (self.rolls and any(map(creeps, self.solids)))
-
-    @property
-    def method(self) -> Method:
-        """Method by which :func:`~contactstudy.solve` solves the scene, with the keywords that it takes."""
-        return method_of(self)
 
     def source_with(self, grid: Grid, padding: Padding | Paddings, solver: "AdhesiveSolver | None") -> ShapesSource:
         """Return the source from which the problem is made on other grids, with a solver that all its problems share."""

@@ -319,9 +319,7 @@ def _fretting_state(scene: Scene, problem: Problem, options: SolveOptions) -> St
         period=inf if fretting.period is None else fretting.period,
         least_eigenvalue=least_eigenvalue(scene.contact_modulus, min(problem.grid.cell_size)),
         gap_scale=problem.scales.gap,
-        compliances_proportional=has_proportional_compliances(
-            scene.solids, varies=bool((gap != gap[:, :1]).any()), paddings=paddings
-        ),
+        compliances_proportional=has_proportional_compliances(scene.solids, gap, paddings),
         creep=_relative_creep(scene, scene.datum(problem.grid)),
         grid=problem.grid,
         loaded_length=scene.loaded_length(problem.grid, paddings),

@@ -34,8 +34,8 @@ FrictionCoefficient = Annotated[Number, BELOW_ONE]
 SAMPLES = 201
 
 
-def has_proportional_compliances(solids: tuple[Body, ...], *, varies: bool, paddings: Paddings) -> bool:
-    """Return whether the tangential compliance is in proportion to the normal one.
+def has_proportional_compliances(solids: tuple[Body, ...], gap: Array, paddings: Paddings) -> bool:
+    """Return whether the tangential compliance is in proportion to the normal one, under an undeformed `gap` (x, y).
 
     Tangential traction along x then displaces the surface along x as pressure does along z. That is so of bodies
     without coating in plane strain, and for a Poisson's ratio of 0.
@@ -45,7 +45,7 @@ def has_proportional_compliances(solids: tuple[Body, ...], *, varies: bool, padd
     materials = (material for solid in solids for material in _materials(solid))
     if all(material.compliance * material.poisson_ratio == 0 for material in materials):
         return True
-    return not varies and paddings[1].window is None
+    return paddings[1].window is None and bool((gap == gap[:, :1]).all())
 
 
 def dundurs(solids: tuple[Body, ...]) -> float:

@@ -51,9 +51,9 @@ class FilmTrajectory:
         Time [s] of each contact.
     contacts
         The contacts.
-    steps, iterations, linear_iterations
-        Number of steps in time, and of iterations of the film and of its linear systems, those of rejected steps and of
-        steps twice as long too.
+    work
+        Number of ``steps`` in time, of ``iterations`` of the film and of ``linear_iterations`` of its linear systems,
+        those of rejected steps and of steps twice as long too.
     time_discretisation_errors
         Estimates (time,) of the relative time-discretisation errors of :data:`NUMBERS`, of the peak pressure and of the
         pressure in L1, of all steps together, from a second evolution with steps twice as long; infinite if one of the
@@ -62,9 +62,7 @@ class FilmTrajectory:
 
     times: tuple[float, ...]
     contacts: tuple[FilmSolution, ...]
-    steps: int
-    iterations: int
-    linear_iterations: int
+    work: Counter[str]
     time_discretisation_errors: Mapping[str, Array]
 
     @property
@@ -72,9 +70,9 @@ class FilmTrajectory:
         """Number of instants, and of steps and iterations."""
         return {
             "instants": (len(self.contacts), "instants recorded"),
-            "steps": (self.steps, "steps in time"),
-            "iterations": (self.iterations, "iterations of all steps"),
-            "linear_iterations": (self.linear_iterations, "iterations of linear systems"),
+            "steps": (self.work["steps"], "steps in time"),
+            "iterations": (self.work["iterations"], "iterations of all steps"),
+            "linear_iterations": (self.work["linear_iterations"], "iterations of linear systems"),
         }
 
 
@@ -146,14 +144,7 @@ def film_trajectory(
     """Return the films that a march recorded, with errors estimated from differences to films after longer steps."""
     work = sum((record.work for record in records), Counter())
     times = tuple(record.state.time for record in records)
-    return FilmTrajectory(
-        times,
-        tuple(films),
-        work["steps"],
-        work["iterations"],
-        work["linear_iterations"],
-        time_discretisation_errors(times, films, compared),
-    )
+    return FilmTrajectory(times, tuple(films), work, time_discretisation_errors(times, films, compared))
 
 
 @dataclass(frozen=True)

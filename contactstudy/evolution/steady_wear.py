@@ -143,13 +143,6 @@ class _Wearing(Method[_Worn[Contact]]):
     counted: Callable[[Contact], Counter[str]]
     first_depth: float
 
-    def unworn(self, cells: tuple[int, int], time: float) -> _Worn[Contact]:
-        """Return the contact of so many `cells` (x, y) before it wears, at a `time` [s]."""
-        depth = np.zeros(cells)
-        contact = self.solved(depth, None)
-        change = inf if contact.status.is_failure else 0.0
-        return _Worn(time, contact, depth, (contact.status,), self.counted(contact), change)
-
     def step(self, state: _Worn[Contact], end: float) -> _Worn[Contact]:
         """Return the contact after a step to `end` [s], with the change from Euler's predictor to it."""
         rate, duration = self.rate(state.contact), end - state.time
@@ -178,8 +171,10 @@ class _Wearing(Method[_Worn[Contact]]):
         if times is None:
             raise InvalidInput("solve.times is None, and wear has no end: give times [s].")
         instants = ascending(times)
-        start = self.unworn(cells, min(0.0, instants[0]))
-        rate = float(self.rate(start.contact).max())
+        unworn = np.zeros(cells)
+        contact = self.solved(unworn, None)
+        rate, change = float(self.rate(contact).max()), inf if contact.status.is_failure else 0.0
+        start = _Worn(min(0.0, instants[0]), contact, unworn, (contact.status,), self.counted(contact), change)
         first = 2 * self.first_depth / rate if rate else inf
         control = Control(STEP_ERROR if error is None else error, self.order, first)
         points = [Breakpoint(time, times_recorded=1) for time in instants]

@@ -14,7 +14,6 @@ from numpy.typing import ArrayLike
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.device import Precision
 from contactstudy.domain.grid import Grid, Padding, Paddings
-from contactstudy.domain.validation import RelativeError, valid
 from contactstudy.elasticity.coefficients import BoussinesqCoefficients
 from contactstudy.elasticity.viscoelastic import Creep
 from contactstudy.evolution.integration.checkpoint import Checkpoint
@@ -134,11 +133,15 @@ def evolve(
     Raises
     ------
     InvalidInput
-        If times decrease, the error is out of reach, or the folder belongs to another integration.
+        If times decrease, the error is too close to the tolerance of the solver, or the folder is of another integration.
     """
     load = _load(scene, times)
     end = schedule(load, times)[-1].time
-    control = None if error is None else _control(error, options.tolerance, end - load.start)
+    if error is not None and error < MIN_ERROR_OVER_TOLERANCE * options.tolerance:
+        raise InvalidInput(
+            f"solve.error or TimeSteps.error leaves {error!r} to the steps in time: give at least "
+            f"{MIN_ERROR_OVER_TOLERANCE} times the tolerance of the contacts, or a smaller tolerance."
+        )
     stepper = _time_stepper(scene, grid, padding, load, end - load.start, scheme, options)
     keeps_states = bool(stepper.all_state_variables)
     turns = stepper.depends_on_path or (times is None and not keeps_states)
@@ -150,9 +153,12 @@ def evolve(
         # steps of whole periods would meet the load at the same place of each, and not see that it changes
         longest=getattr(load, "period", inf) / PER_PERIOD if keeps_states else inf,
     )
-    if not keeps_states:
-        control = None
-        breakpoints = all_recorded(breakpoints) if times is None else breakpoints
+    control = None
+    if keeps_states and error is not None:
+        limit, first = INITIAL_TOLERANCE_FRACTION * error, INITIAL_STEP * (end - load.start)
+        control = Control(limit, DrySteps.order, first, allowed=error)
+    if times is None and not keeps_states:
+        breakpoints = all_recorded(breakpoints)
     steps = DrySteps(stepper, error_estimator if keeps_states else "none")
     recorded: Any = "pairs" if keeps_states and times is None else "points"
     start = stepper.start(breakpoints[0].time)
@@ -182,9 +188,9 @@ class _Saved:
     fine: Instant
     coarse: Instant | None
     march: Mapping[str, Any]
-    errors: Mapping[str, Any]
-    statuses: tuple[str, ...]
-    limit: float
+    control: Control | None
+    statuses: tuple[Status, ...]
+    errors: Errors
     frames: int
 
 
@@ -209,9 +215,9 @@ def _frames(march: March[Instant], steps: DrySteps, checkpoint: Checkpoint | Non
                 fine,
                 coarse,
                 {name: getattr(march, name) for name in SAVED},
-                vars(steps.errors),
-                tuple(status.name for status in march.statuses),
-                inf if march.control is None else march.control.limit,
+                march.control,
+                tuple(march.statuses),
+                steps.errors,
                 len(frames),
             )
             checkpoint.write(STATE_FILE, saved)
@@ -223,42 +229,12 @@ def _restored(march: March[Instant], steps: DrySteps, checkpoint: Checkpoint) ->
     if not (checkpoint.folder / STATE_FILE).exists():
         return []
     saved = checkpoint.read(STATE_FILE, _Saved)
-    march.fine, march.coarse = saved.fine, saved.coarse
-    march.statuses = [Status[name] for name in saved.statuses]
-    if march.control is not None:
-        march.control = replace(march.control, limit=saved.limit)
+    march.fine, march.coarse, march.control = saved.fine, saved.coarse, saved.control
+    march.statuses, steps.errors = list(saved.statuses), saved.errors
     for name, value in saved.march.items():
         setattr(march, name, Counter(value) if isinstance(value, dict) else value)
-    steps.errors = Errors(**saved.errors)
     frames = (checkpoint.read(FRAME_FILE.format(n), Frame) for n in range(saved.frames))
     return [replace(frame, problem=steps.stepper.problem) for frame in frames]
-
-
-def _control(error: float, tolerance: float, duration: float) -> Control:
-    """Return the control of steps whose time-discretisation error is at most a relative `error` in L1.
-
-    Parameters
-    ----------
-    error
-        Allowed error.
-    tolerance
-        Tolerance of the solver.
-    duration
-        Duration [s] of all steps.
-
-    Raises
-    ------
-    InvalidInput
-        If the error is not between 0 and 1, or too close to the tolerance for steps to meet it.
-    """
-    error = valid("TimeSteps.error", error, RelativeError)
-    if error < MIN_ERROR_OVER_TOLERANCE * tolerance:
-        raise InvalidInput(
-            f"solve.error or TimeSteps.error leaves {error!r} to the steps in time: give at least "
-            f"{MIN_ERROR_OVER_TOLERANCE} times the tolerance of the contacts, or a smaller tolerance."
-        )
-    limit, first = INITIAL_TOLERANCE_FRACTION * error, INITIAL_STEP * duration
-    return Control(limit, DrySteps.order, first, allowed=error)
 
 
 def _time_stepper(

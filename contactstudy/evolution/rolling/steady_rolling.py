@@ -155,7 +155,6 @@ def solve_rolling(
     *,
     options: SolveOptions = SolveOptions(),  # noqa: B008 (a frozen value)
     change: float = 1e-6,
-    max_outer: int = 100,
     progress: Callable[[float, float], object] | None = None,
 ) -> SteadyRolling:
     """Solve `scene` moving at its speed of rolling or tractive rolling, in the frame of the contact.
@@ -174,8 +173,6 @@ def solve_rolling(
     change
         Relative L1 change of the pressure below which outer iterations end, see
         :func:`~contactstudy.solvers.fixed_point.solve_with_mixing`.
-    max_outer
-        Largest number of outer iterations.
     progress
         Called after each outer iteration with the change of the pressure in it, and with `change`.
 
@@ -221,7 +218,6 @@ def solve_rolling(
         next(iter(general_convolutions(odd, grid, padding)), None),
         options,
         change=change,
-        max_outer=max_outer,
         progress=progress,
     )
     if friction_solver is not None and not is_coupled:
@@ -237,5 +233,5 @@ def solve_rolling(
         )
         lagged = replace(lagged, solution=both, outer_iterations=lagged.outer_iterations + 1)
     coarse = replace(options, tolerance=COARSE_CHANGE / 10)
-    solve_on = partial(solve_rolling, scene, padding=padding, options=coarse, change=COARSE_CHANGE, max_outer=max_outer)
+    solve_on = partial(solve_rolling, scene, padding=padding, options=coarse, change=COARSE_CHANGE)
     return SteadyRolling(lagged, antisymmetric_weights, solve_on, -1 if speed < 0 else 1)

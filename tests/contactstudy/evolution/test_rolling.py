@@ -1,4 +1,5 @@
 from dataclasses import replace
+from functools import partial
 from math import inf, pi
 from typing import Any
 
@@ -6,7 +7,9 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
+from contactstudy.evolution.rolling import steady_rolling
 from contactstudy.evolution.rolling.steady_rolling import solve_rolling
+from contactstudy.solvers.fixed_point import solve_with_mixing
 from tests.contactstudy.evolution.creeping import EXACT, LOAD, RIGID, SOLID, rolling_cylinder
 
 A, P = 0.1, 0.05  # Hertz's half-width and peak pressure for a sudden load
@@ -47,15 +50,14 @@ def test_a_soft_body_far_from_elastic_settles_by_mixing() -> None:
     assert found.solution.status is cs.Status.CONVERGED
 
 
-def test_the_last_change_of_the_pressure_is_part_of_its_error() -> None:
-    found, exact, few = (
-        solve_rolling(rolling(SOLID, A), strip(50), EXACT, change=change, max_outer=outer)
-        for change, outer in ((1e-3, 100), (1e-10, 100), (1e-3, 2))
-    )
+def test_the_last_change_of_the_pressure_is_part_of_its_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    scene, grid = rolling(SOLID, A), strip(50)
+    found, exact = (solve_rolling(scene, grid, EXACT, change=change) for change in (1e-3, 1e-10))
     true = exact.solution.pressure
     error = np.abs(found.solution.pressure - true).sum() / true.sum()
     assert error <= found.error_estimate().l1.residual <= 2e-3
-    l1 = few.error_estimate().l1
+    monkeypatch.setattr(steady_rolling, "solve_with_mixing", partial(solve_with_mixing, max_outer=2))
+    l1 = solve_rolling(scene, grid, EXACT, change=1e-3).error_estimate().l1
     assert (l1.residual, l1.reason) == (inf, f"No bound: {cs.Status.NOT_CONVERGED}")
 
 

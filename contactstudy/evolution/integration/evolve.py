@@ -133,7 +133,7 @@ def evolve(
     Raises
     ------
     InvalidInput
-        If times decrease, the error is too close to the tolerance of the solver, or the folder is of another integration.
+        If times decrease, the error is too close to the solver's tolerance, or the folder is of another integration.
     """
     load = _load(scene, times)
     end = schedule(load, times)[-1].time

@@ -1,5 +1,6 @@
 """The verdict on a scene's settings, in words for page and command, and the figure and the tables of its page."""
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from math import inf, isfinite
 from typing import Any
@@ -112,15 +113,6 @@ def sections(verdict: Verdict) -> Sequence[Section]:
     ]
 
 
-def _lines(verdict: Verdict) -> dict[str, list[Measured]]:
-    """Return the settings of each padding that have a bound, by their time."""
-    found: dict[str, list[Measured]] = {}
-    for one in sorted(verdict.settings, key=lambda one: one.setting.cells):
-        if isfinite(verdict.bound(one)):
-            found.setdefault(one.setting.label, []).append(one)
-    return found
-
-
 def _front(verdict: Verdict) -> CaptionedFigure:
     """Draw the bounds of all settings over their times."""
     of = "bound of the L1 error" if verdict.measure == PRESSURE else "the largest bound of a number"
@@ -131,15 +123,16 @@ def _front(verdict: Verdict) -> CaptionedFigure:
     unit, across = scaled(seconds)
     fig, (ax,) = panels(1, width=WIDTH, height=5.0)
     styles = ("-", "--", ":", "-.", (0, (1, 3)), (0, (5, 1, 1, 1, 1, 1)))
-    seen: dict[str, int] = {}
-    best = verdict.best()
-    for label, line in _lines(verdict).items():
+    lines: dict[str, list[Measured]] = {}
+    for one in sorted(verdict.settings, key=lambda one: one.setting.cells):
+        if isfinite(verdict.bound(one)):
+            lines.setdefault(one.setting.label, []).append(one)
+    seen, best = Counter[str](), verdict.best()
+    for label, line in lines.items():
         name = label.partition(",")[0]
-        style: dict[str, Any] = padding_style(name) | {"ls": styles[seen.get(name, 0) % len(styles)]}
-        seen[name] = seen.get(name, 0) + 1
-        width = {"lw": 1.0, "ms": 4}
-        if label == verdict.own:
-            width = {"lw": 3.0, "ms": 7, "zorder": 4}
+        style: dict[str, Any] = padding_style(name) | {"ls": styles[seen[name] % len(styles)]}
+        seen[name] += 1
+        width = {"lw": 3.0, "ms": 7, "zorder": 4} if label == verdict.own else {"lw": 1.0, "ms": 4}
         times = np.array([one.seconds for one in line]) / unit
         bounds = 100 * np.array([verdict.bound(one) for one in line])
         shown = {*pareto_front(times, bounds), *(k for k, one in enumerate(line) if one is best)}

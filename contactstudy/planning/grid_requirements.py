@@ -16,7 +16,7 @@ from contactstudy.domain.units import Metres, readable
 from contactstudy.domain.validation import valid
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.shapes.shape import LengthScales, Shape, length_scales_of
-from contactstudy.scene.solids.bodies import Layered, layers_of
+from contactstudy.scene.solids.bodies import Layered, is_layered
 
 
 @dataclass(frozen=True)
@@ -332,7 +332,8 @@ def grid_requirements(scene: Scene, padding: Padding | Paddings | None = None) -
         length_scales += (LengthScales(roller=length or inf),)
     coatings = tuple(solid for solid in scene.solids if isinstance(solid, Layered))
     asked = (scene.solids[output.body] for output in scene.outputs if hasattr(output, "body"))
-    thickness = min((layer.thickness for layer, _ in layers_of(tuple(asked))), default=inf)
+    layers = (layer for body in filter(is_layered, asked) for layer in body.layers)
+    thickness = min((layer.thickness for layer in layers), default=inf)
     return GridRequirements(
         scene.hertz,
         length_scales,

@@ -2,7 +2,7 @@
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Annotated, Any, Protocol, TypeGuard, runtime_checkable
 
 import numpy as np
@@ -149,15 +149,6 @@ class Layered(Protocol):
 
     def compliance_at(self, half_width: float) -> float:
         """Return the contribution to 1/E* [1/Pa] in a contact of `half_width` [m]."""
-
-
-def layers_of(solids: Iterable[object]) -> Iterator[tuple[HalfSpace, float]]:
-    """Yield each layer of the bodies, with how many times it is as stiff as the softest material below it."""
-    for body in filter(is_layered, solids):
-        materials = *body.layers, body.substrate
-        for number, layer in enumerate(body.layers, 1):
-            softest = max(material.compliance for material in materials[number:])
-            yield layer, softest / layer.compliance
 
 
 def in_part(depths: Array, top: float, bottom: float) -> NDArray[np.bool_]:

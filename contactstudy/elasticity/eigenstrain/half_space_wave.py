@@ -61,14 +61,7 @@ class Sources:
         f = -half * (zz + nu * tt)
         g = (half / 2) * (nn - zz)
         h = -half * nz
-        down, up = np.empty((3, *nn.shape)), np.empty((3, *nn.shape))
-        for number, coefficient in enumerate((f, g)):
-            np.add(h, coefficient, out=down[number])
-            np.subtract(h, coefficient, out=up[number])
-        np.subtract(nt, tz, out=down[2])
-        down[2] *= shear
-        np.add(nt, tz, out=up[2])
-        up[2] *= -shear
+        down, up = np.stack((h + f, h + g, shear * (nt - tz))), np.stack((h - f, h - g, -shear * (nt + tz)))
         return cls(down, up, 2 * f, (2 * nu) * f - moduli.youngs_modulus * tt, (-2 * shear) * tz)
 
 
@@ -229,12 +222,8 @@ def _wave_stress(down: Array, up: Array, layer_means: tuple[Array, Array], nu: f
     m0, m1 = layer_means
     sums, differences = down + up, down - up
     # nn, tt, zz and nt do not depend on the direction of decay; nz and tz, with one index z, change their signs with it
-    b = m0 * sums[1]
-    zz = m0 * sums[0]
-    zz += m1 * sums[1]
-    differences[0] -= differences[1]
-    nz = m0 * differences[0]
-    nz += m1 * differences[1]
+    b, zz = m0 * sums[1], m0 * sums[0] + m1 * sums[1]
+    nz = m0 * (differences[0] - differences[1]) + m1 * differences[1]
     return zz - 2 * b, (-2 * nu) * b, -zz, nz, -m0 * sums[2], -m0 * differences[2]
 
 
@@ -286,25 +275,11 @@ class WaveDirection:
         """Return the chosen `components` (components, ..., waves) of a stress `tensor`."""
         c, s = self.c, self.s
         nn, tt, zz, nz, nt, tz = tensor
-        difference, twice = nn - tt, 2 * c * s
-        shape = np.broadcast_shapes(nn.shape, c.shape)
-        stress = np.empty((len(components.value), *shape))
-        xx = (c * c) * difference
-        xx += tt
-        xx -= twice * nt
-        xy = (twice / 2) * difference
-        xy += (c * c - s * s) * nt
+        xx = (c * c) * (nn - tt) + tt - (2 * c * s) * nt
+        xy = (c * s) * (nn - tt) + (c * c - s * s) * nt
         xz, yz = c * nz - s * tz, s * nz + c * tz
         if components is Components.TENSOR:
-            stress[0], stress[1], stress[2] = xx, nn + tt - xx, zz
-            stress[3], stress[4], stress[5] = yz, xz, xy
-            return stress
-        np.subtract(xx, zz, out=stress[0])
-        xx *= -3
-        xx += 2 * (nn + tt)
-        xx -= zz
-        stress[0] /= 2**0.5
-        np.divide(xx, 6**0.5, out=stress[1])
-        for number, shear in ((2, xz), (3, xy), (4, yz)):
-            np.multiply(shear, 2**0.5, out=stress[number])
-        return stress
+            return np.stack(np.broadcast_arrays(xx, nn + tt - xx, zz, yz, xz, xy))
+        lateral = 2 * (nn + tt) - 3 * xx - zz
+        shears = (2**0.5 * shear for shear in (xz, xy, yz))
+        return np.stack(np.broadcast_arrays((xx - zz) / 2**0.5, lateral / 6**0.5, *shears))

@@ -1,216 +1,113 @@
-# The public names, each with the module that defines it: what `import contactstudy` offers, imported on first use.
-from . import analytic
-from .answers.contact import Contact
-from .answers.evolution import Evolution
-from .answers.lubricated_contact import LubricatedContact
-from .domain.checks import InvalidInput, NotDefined
-from .domain.device import Cpu, Gpu
-from .domain.errors import ErrorEstimate
-from .domain.grid import (
-    CircularSuperposition,
-    DuplicatedPadding,
-    ExactPeriodicity,
-    Grid,
-    Padding,
-    Paddings,
-    Superposition,
-    ZeroPadding,
-)
-from .elasticity.coefficients import Coefficients
-from .elasticity.convolution import Convolution, convolution
-from .evolution.time_steps import TimeSteps
-from .forecast import plan
-from .io.compare import compare
-from .io.scene_files.materials import material
-from .problem.bare_problem import BareProblem
-from .problem.constraint import (
-    Compressive,
-    Constraint,
-    HardnessLimited,
-    PrescribedLoad,
-)
-from .problem.problem import Problem, Scales
-from .progress import Progress
-from .scene.adhesion import Adhesion
-from .scene.friction.fretting import Fretting, PartialSlip
-from .scene.friction.friction_law import Sliding
-from .scene.friction.tractive_rolling import TractiveRolling
-from .scene.loads.constant_load import Approach, LineLoad, PullOff, TotalLoad
-from .scene.loads.load_history import LoadHistory, SineLoad
-from .scene.lubrication.lubricant import (
-    Barus,
-    Carreau,
-    ConstantDensity,
-    DowsonHigginson,
-    Eyring,
-    FilmHeat,
-    LimitingShear,
-    Lubricant,
-    Newtonian,
-    Roelands,
-    ThermalBody,
-)
-from .scene.lubrication.lubrication import (
-    Boundary,
-    ElrodAdams,
-    Lubrication,
-    ReynoldsCavitation,
-    SpeedHistory,
-)
-from .scene.rolling import Rolling
-from .scene.scene import (
-    Scene,
-)
-from .scene.shapes.moving_shape import MovingShape
-from .scene.shapes.roller import (
-    Crown,
-    Cylinder,
-    Ellipsoid,
-    EndRelief,
-    FiniteLength,
-    LundbergProfile,
-    ProfilePoints,
-    Sphere,
-)
-from .scene.shapes.roughness import RmsSlope, Roughness, Sa
-from .scene.shapes.shape import LengthScales, Shape, Tilt
-from .scene.shapes.texture import Dimple, Groove, Texture, Waviness
-from .scene.solids.bodies import Body, HalfSpace
-from .scene.solids.coated import CoatedHalfSpace
-from .scene.solids.elastic_plastic import ElasticPlasticHalfSpace
-from .scene.solids.free_faces import FreeFaces
-from .scene.solids.hardness_profile import HardnessProfile
-from .scene.solids.viscoelastic import ViscoelasticHalfSpace
-from .scene.stress import SubsurfaceStress
-from .scene.surfaces.measured_surface import MeasuredSurface
-from .scene.surfaces.preparation import (
-    AsMeasured,
-    GaussianFilter,
-    HarmonicFill,
-    Mirrored,
-    RefuseMissing,
-    Tapered,
-    Tile,
-)
-from .scene.wear import Wear
-from .scene_file import SceneFile, read_scene, write_scene
-from .solvers.conjugate_gradients import Iterate, PolonskyKeer, PreconditionedCG
-from .solvers.solution import Solution, Status
-from .solvers.solve import SolveOptions, Solver
-from .solving import solve
-from .stiffness import contact_stiffness, distant_approach
+# The public names, each with the module that defines it and as itself: what `import contactstudy` offers, on first use.
+from . import analytic as analytic
+from .answers.contact import Contact as Contact
+from .answers.evolution import Evolution as Evolution
+from .answers.lubricated_contact import LubricatedContact as LubricatedContact
+from .domain.checks import InvalidInput as InvalidInput
+from .domain.checks import NotDefined as NotDefined
+from .domain.device import Cpu as Cpu
+from .domain.device import Gpu as Gpu
+from .domain.errors import ErrorEstimate as ErrorEstimate
+from .domain.grid import CircularSuperposition as CircularSuperposition
+from .domain.grid import DuplicatedPadding as DuplicatedPadding
+from .domain.grid import ExactPeriodicity as ExactPeriodicity
+from .domain.grid import Grid as Grid
+from .domain.grid import Padding as Padding
+from .domain.grid import Paddings as Paddings
+from .domain.grid import Superposition as Superposition
+from .domain.grid import ZeroPadding as ZeroPadding
+from .elasticity.coefficients import Coefficients as Coefficients
+from .elasticity.convolution import Convolution as Convolution
+from .elasticity.convolution import convolution as convolution
+from .evolution.time_steps import TimeSteps as TimeSteps
+from .forecast import plan as plan
+from .io.compare import compare as compare
+from .io.scene_files.materials import material as material
+from .problem.bare_problem import BareProblem as BareProblem
+from .problem.constraint import Compressive as Compressive
+from .problem.constraint import Constraint as Constraint
+from .problem.constraint import HardnessLimited as HardnessLimited
+from .problem.constraint import PrescribedLoad as PrescribedLoad
+from .problem.problem import Problem as Problem
+from .problem.problem import Scales as Scales
+from .progress import Progress as Progress
+from .scene.adhesion import Adhesion as Adhesion
+from .scene.friction.fretting import Fretting as Fretting
+from .scene.friction.fretting import PartialSlip as PartialSlip
+from .scene.friction.friction_law import Sliding as Sliding
+from .scene.friction.tractive_rolling import TractiveRolling as TractiveRolling
+from .scene.loads.constant_load import Approach as Approach
+from .scene.loads.constant_load import LineLoad as LineLoad
+from .scene.loads.constant_load import PullOff as PullOff
+from .scene.loads.constant_load import TotalLoad as TotalLoad
+from .scene.loads.load_history import LoadHistory as LoadHistory
+from .scene.loads.load_history import SineLoad as SineLoad
+from .scene.lubrication.lubricant import Barus as Barus
+from .scene.lubrication.lubricant import Carreau as Carreau
+from .scene.lubrication.lubricant import ConstantDensity as ConstantDensity
+from .scene.lubrication.lubricant import DowsonHigginson as DowsonHigginson
+from .scene.lubrication.lubricant import Eyring as Eyring
+from .scene.lubrication.lubricant import FilmHeat as FilmHeat
+from .scene.lubrication.lubricant import LimitingShear as LimitingShear
+from .scene.lubrication.lubricant import Lubricant as Lubricant
+from .scene.lubrication.lubricant import Newtonian as Newtonian
+from .scene.lubrication.lubricant import Roelands as Roelands
+from .scene.lubrication.lubricant import ThermalBody as ThermalBody
+from .scene.lubrication.lubrication import Boundary as Boundary
+from .scene.lubrication.lubrication import ElrodAdams as ElrodAdams
+from .scene.lubrication.lubrication import Lubrication as Lubrication
+from .scene.lubrication.lubrication import ReynoldsCavitation as ReynoldsCavitation
+from .scene.lubrication.lubrication import SpeedHistory as SpeedHistory
+from .scene.rolling import Rolling as Rolling
+from .scene.scene import Scene as Scene
+from .scene.shapes.moving_shape import MovingShape as MovingShape
+from .scene.shapes.roller import Crown as Crown
+from .scene.shapes.roller import Cylinder as Cylinder
+from .scene.shapes.roller import Ellipsoid as Ellipsoid
+from .scene.shapes.roller import EndRelief as EndRelief
+from .scene.shapes.roller import FiniteLength as FiniteLength
+from .scene.shapes.roller import LundbergProfile as LundbergProfile
+from .scene.shapes.roller import ProfilePoints as ProfilePoints
+from .scene.shapes.roller import Sphere as Sphere
+from .scene.shapes.roughness import RmsSlope as RmsSlope
+from .scene.shapes.roughness import Roughness as Roughness
+from .scene.shapes.roughness import Sa as Sa
+from .scene.shapes.shape import LengthScales as LengthScales
+from .scene.shapes.shape import Shape as Shape
+from .scene.shapes.shape import Tilt as Tilt
+from .scene.shapes.texture import Dimple as Dimple
+from .scene.shapes.texture import Groove as Groove
+from .scene.shapes.texture import Texture as Texture
+from .scene.shapes.texture import Waviness as Waviness
+from .scene.solids.bodies import Body as Body
+from .scene.solids.bodies import HalfSpace as HalfSpace
+from .scene.solids.coated import CoatedHalfSpace as CoatedHalfSpace
+from .scene.solids.elastic_plastic import ElasticPlasticHalfSpace as ElasticPlasticHalfSpace
+from .scene.solids.free_faces import FreeFaces as FreeFaces
+from .scene.solids.hardness_profile import HardnessProfile as HardnessProfile
+from .scene.solids.viscoelastic import ViscoelasticHalfSpace as ViscoelasticHalfSpace
+from .scene.stress import SubsurfaceStress as SubsurfaceStress
+from .scene.surfaces.measured_surface import MeasuredSurface as MeasuredSurface
+from .scene.surfaces.preparation import AsMeasured as AsMeasured
+from .scene.surfaces.preparation import GaussianFilter as GaussianFilter
+from .scene.surfaces.preparation import HarmonicFill as HarmonicFill
+from .scene.surfaces.preparation import Mirrored as Mirrored
+from .scene.surfaces.preparation import RefuseMissing as RefuseMissing
+from .scene.surfaces.preparation import Tapered as Tapered
+from .scene.surfaces.preparation import Tile as Tile
+from .scene.wear import Wear as Wear
+from .scene_file import SceneFile as SceneFile
+from .scene_file import read_scene as read_scene
+from .scene_file import write_scene as write_scene
+from .solvers.conjugate_gradients import Iterate as Iterate
+from .solvers.conjugate_gradients import PolonskyKeer as PolonskyKeer
+from .solvers.conjugate_gradients import PreconditionedCG as PreconditionedCG
+from .solvers.solution import Solution as Solution
+from .solvers.solution import Status as Status
+from .solvers.solve import SolveOptions as SolveOptions
+from .solvers.solve import Solver as Solver
+from .solving import solve as solve
+from .stiffness import contact_stiffness as contact_stiffness
+from .stiffness import distant_approach as distant_approach
 
 __version__: str
-
-__all__ = [
-    "Adhesion",
-    "Approach",
-    "AsMeasured",
-    "BareProblem",
-    "Barus",
-    "Body",
-    "Boundary",
-    "Carreau",
-    "CircularSuperposition",
-    "CoatedHalfSpace",
-    "Coefficients",
-    "Compressive",
-    "ConstantDensity",
-    "Constraint",
-    "Contact",
-    "Convolution",
-    "Cpu",
-    "Crown",
-    "Cylinder",
-    "Dimple",
-    "DowsonHigginson",
-    "DuplicatedPadding",
-    "ElasticPlasticHalfSpace",
-    "Ellipsoid",
-    "ElrodAdams",
-    "EndRelief",
-    "ErrorEstimate",
-    "Evolution",
-    "ExactPeriodicity",
-    "Eyring",
-    "FilmHeat",
-    "FiniteLength",
-    "FreeFaces",
-    "Fretting",
-    "GaussianFilter",
-    "Gpu",
-    "Grid",
-    "Groove",
-    "HalfSpace",
-    "HardnessLimited",
-    "HardnessProfile",
-    "HarmonicFill",
-    "InvalidInput",
-    "Iterate",
-    "LengthScales",
-    "LimitingShear",
-    "LineLoad",
-    "LoadHistory",
-    "Lubricant",
-    "LubricatedContact",
-    "Lubrication",
-    "LundbergProfile",
-    "MeasuredSurface",
-    "Mirrored",
-    "MovingShape",
-    "Newtonian",
-    "NotDefined",
-    "Padding",
-    "Paddings",
-    "PartialSlip",
-    "PolonskyKeer",
-    "PreconditionedCG",
-    "PrescribedLoad",
-    "Problem",
-    "ProfilePoints",
-    "Progress",
-    "PullOff",
-    "RefuseMissing",
-    "ReynoldsCavitation",
-    "RmsSlope",
-    "Roelands",
-    "Rolling",
-    "Roughness",
-    "Sa",
-    "Scales",
-    "Scene",
-    "SceneFile",
-    "Shape",
-    "SineLoad",
-    "Sliding",
-    "Solution",
-    "SolveOptions",
-    "Solver",
-    "SpeedHistory",
-    "Sphere",
-    "Status",
-    "SubsurfaceStress",
-    "Superposition",
-    "Tapered",
-    "Texture",
-    "ThermalBody",
-    "Tile",
-    "Tilt",
-    "TimeSteps",
-    "TotalLoad",
-    "TractiveRolling",
-    "ViscoelasticHalfSpace",
-    "Waviness",
-    "Wear",
-    "ZeroPadding",
-    "analytic",
-    "compare",
-    "contact_stiffness",
-    "convolution",
-    "distant_approach",
-    "material",
-    "plan",
-    "read_scene",
-    "solve",
-    "write_scene",
-]

@@ -1,7 +1,7 @@
 """Checks of user input; the message of each error is one sentence."""
 
 from collections.abc import Iterable
-from dataclasses import fields
+from dataclasses import MISSING, Field, fields
 from difflib import get_close_matches
 from typing import Any
 
@@ -24,6 +24,12 @@ class NotDefined(InvalidInput):
 def parameters(cls: Any) -> list[str]:
     """Return the names of the parameters of a dataclass."""
     return [field.name for field in fields(cls) if field.init]
+
+
+def is_default(field: Field[Any], value: object) -> bool:
+    """Return whether the value of a field of a dataclass is its default; False of an array."""
+    default = field.default if field.default_factory is MISSING else field.default_factory()
+    return default is not MISSING and not getattr(value, "ndim", 0) and bool(value == default)
 
 
 def whole_quotient(field: str, length: float, period: float) -> int:

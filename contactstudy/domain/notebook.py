@@ -1,12 +1,14 @@
 """What a notebook shows of a value: a few rows in a fixed-width font."""
 
 from collections.abc import Mapping
-from dataclasses import MISSING, Field, fields, is_dataclass
+from dataclasses import Field, fields, is_dataclass
 from enum import Enum
 from html import escape
 from typing import Any
 
 import numpy as np
+
+from contactstudy.domain.checks import is_default
 
 # Letters of a value in a row, and rows of a field that holds several.
 WIDTH, ROWS = 90, 6
@@ -29,17 +31,8 @@ def _given(value: Any) -> list[Field[Any]]:
     return [
         field
         for field in fields(value)
-        if field.repr
-        and not (
-            callable(entry := getattr(value, field.name))
-            or (field.default is not MISSING and _is(entry, field.default))
-            or (field.default_factory is not MISSING and _is(entry, field.default_factory()))
-        )
+        if field.repr and not callable(entry := getattr(value, field.name)) and not is_default(field, entry)
     ]
-
-
-def _is(value: object, default: object) -> bool:
-    return not isinstance(value, np.ndarray) and bool(value == default)
 
 
 def _entries(value: Any, field: Field[Any]) -> list[tuple[str, str]]:

@@ -1,13 +1,13 @@
 """A scene as TOML that :func:`~contactstudy.read_scene` reads back."""
 
 from collections.abc import Mapping
-from dataclasses import MISSING, Field, fields, is_dataclass
+from dataclasses import fields, is_dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from contactstudy.domain.checks import InvalidInput
+from contactstudy.domain.checks import InvalidInput, is_default
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.domain.imports import import_for
 from contactstudy.scene.scene import Scene
@@ -59,14 +59,8 @@ def _fields(value: Any, name: str, scene_path: Path | None) -> dict[str, Any]:
     return {
         member.name: _toml_value(getattr(value, member.name), f"{name}.{member.name}", scene_path)
         for member in fields(value)
-        if member.init and not _is_default(member, getattr(value, member.name))
+        if member.init and not is_default(member, getattr(value, member.name))
     }
-
-
-def _is_default(field: Field[Any], value: object) -> bool:
-    if field.default is not MISSING:
-        return bool(value == field.default)
-    return field.default_factory is not MISSING and bool(value == field.default_factory())
 
 
 def _toml_value(value: object, name: str, scene_path: Path | None = None) -> Any:

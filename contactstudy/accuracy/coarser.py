@@ -346,11 +346,9 @@ def _with_trapping(errors: DiscretisationErrors, solution: Solution) -> Discreti
     for sign in signs:
         factor = 1 + sign * fraction
         law = replace(solver.law, work=factor * solver.law.work, range=factor * solver.law.range)
-        other = solve_contact(
-            replace(problem, friction=None, adhesion=replace(solver.continued(adhesion.attraction), law=law)),
-            SolveOptions(ADHESIVE_TOLERANCE),
-            solution.pressure,
-        )
+        adhesive = replace(solver.continued(adhesion.attraction), law=law)
+        posed = replace(problem, friction=None, adhesion=adhesive)
+        other = solve_contact(posed, SolveOptions(ADHESIVE_TOLERANCE), solution.pressure)
         if comparable(other) is None or not other.pressure.any():
             reason = (
                 f"No bound for the discretisation error: the cells hold the edge of the contact as a work of adhesion "

@@ -291,7 +291,7 @@ def error_estimate(
         peak,
         area,
         gap,
-        load=load,
+        load=pull_off or load,
         pull_off=pull_off,
         warnings=(
             *cells.warnings,  # the first is why a bound is infinite

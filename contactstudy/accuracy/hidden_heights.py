@@ -259,19 +259,14 @@ def _slope_changes(inside: Array, step: float, *, wraps: bool) -> Array:
     return np.asarray(changes / step)
 
 
-def _pairs(slope_changes: Array) -> Array:
-    """Return the outward slope changes of each point and the next one."""
-    outward = np.maximum(slope_changes, 0)
-    return np.asarray(outward + np.roll(outward, -1, axis=0))
-
-
 def _corners(slope_changes: Array, points: int) -> Array:
     """Return the slope of the corner in each cell (n, lines), 0 where its bend is that of a smooth surface.
 
     A corner bends between two neighbouring points alone, and more than the mean of its cell; a smooth surface bends as
     much on either side.
     """
-    pairs, size = _pairs(slope_changes), np.abs(slope_changes)
+    outward, size = np.maximum(slope_changes, 0), np.abs(slope_changes)
+    pairs = outward + np.roll(outward, -1, axis=0)  # of each point and the next one
     slope = pairs - np.roll(size, 1, axis=0) - np.roll(size, -2, axis=0)
     slope[slope <= CONSTANTS.corner_fraction * pairs] = 0.0
     steepest, usual = (field.reshape(-1, points, size.shape[1]) for field in (slope, size))

@@ -35,15 +35,12 @@ class GridConstants:
         Minimum number of cells along an axis. With half or twice as many, plans change by 2 % of the cells at most.
     cell_fraction
         Fraction of the requested error for the cells; the rest is for the time steps.
-    max_cells_for_stress
-        Maximum number of cells across for the stress in a thin coating.
     """
 
     width_factor: float = 1.2
     waves_per_period: int = 4
     min_cells: int = 32
     cell_fraction: float = 0.5
-    max_cells_for_stress: int = 2**14
 
 
 CONSTANTS = GridConstants()
@@ -167,10 +164,6 @@ class GridRequirements:
         crown_factor = 1.5 if self.roller_length else 1.0
         hardness_limited = hertz.load_per_length / (2 * self.hardness)
         return max(hertz.half_width * relative_half_width * crown_factor, hardness_limited)
-
-    def cells_for_stress(self, width: float) -> float:
-        """Return the cells across a `width` [m] that resolve the stress at the interface of a coating."""
-        return min(width / self.stress_cell, CONSTANTS.max_cells_for_stress)
 
     @property
     def width_of_contact(self) -> float:

@@ -75,7 +75,7 @@ def plan_grid(
     if scene.hertz is None and scales is not None:
         planned = _plan_of_flat(scene, scales, error, period, grid, padding, device)
         if transient is not None:  # the cells are the points of the surface under any load
-            transient = replace(transient, reasons=(), warnings=())
+            transient = replace(transient, warnings=())
     elif scene.adhesion is not None:
         # imported only for scenes with adhesion
         from contactstudy.planning.adhesive_plan import plan_of_adhesion
@@ -191,10 +191,9 @@ def _with_states(planned: Plan, transient: "TransientRequirements") -> Plan:
     """Return a plan with the bytes of what a contact keeps in time, and what is said of it."""
     grid, plastic = planned.grid, transient.plastic
     bytes_of_states = 8 * transient.fields * prod(grid.cells)
-    reasons, warnings = transient.reasons, transient.warnings
+    warnings = (*planned.warnings, *transient.warnings)
     if plastic is not None:
         bytes_of_states += plastic.bytes(grid)
-        reasons = (*reasons, plastic.reason(grid))
     for axis, least in enumerate((transient.least_width, transient.length)):
         if least > grid.extent[axis] * (1 + 1e-9):
             warnings = (
@@ -202,9 +201,4 @@ def _with_states(planned: Plan, transient: "TransientRequirements") -> Plan:
                 f"Grid.extent[{axis}] is {readable(grid.extent[axis])}: the contact, as it grows or rolls, or its "
                 f"plastic zone may need {readable(least)}, give a grid or a measured surface of that size.",
             )
-    return replace(
-        planned,
-        bytes=planned.bytes + bytes_of_states,
-        reasons=(*planned.reasons, *reasons),
-        warnings=(*planned.warnings, *warnings),
-    )
+    return replace(planned, bytes=planned.bytes + bytes_of_states, warnings=warnings)

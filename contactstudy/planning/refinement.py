@@ -304,7 +304,7 @@ class GridRefinement:
         across, along = (max(least, CONSTANTS.cells_per_wave * length / wave) for least, length, wave in axes)
         if self.requirements.roller_length:
             along = max(along, extent[1] / self.requirements.hertz.half_width)
-        across = max(across, self.requirements.cells_for_stress(extent[0]))
+        across = max(across, min(extent[0] / self.requirements.stress_cell, CONSTANTS.max_first_cells))
         return ceil(across), ceil(along) if self.requirements.varies else 1
 
     def grid_of_fast_lengths(self, across: float, along: float, extent: tuple[float, float]) -> Grid:

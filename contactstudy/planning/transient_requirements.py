@@ -120,16 +120,6 @@ class PlasticZone:
             numbers = CONSTANTS.strain_fields_along * 5 * prod(volume.shape)
         return 8 * self.bodies * numbers * (CONSTANTS.rolled_operators if self.rolls else 1)
 
-    def reason(self, grid: Grid) -> str:
-        """Return a sentence on the layers chosen for yielding on `grid`."""
-        volume = self.volume(grid)
-        count, across, _ = volume.shape
-        return (
-            f"yield: Hertz's peak pressure is {self.ratio:.3g} times the lowest yield stress; some {count} layers down "
-            f"to {readable(volume.edges[-1])} below {across} cells across, as thick as a cell is wide at the surface "
-            "and thicker with depth."
-        )
-
 
 def expected_plastic_zone(scene: Scene) -> PlasticZone | None:
     """Return the expected plastic zone under the largest load of `scene`.
@@ -160,8 +150,6 @@ class TransientRequirements:
         Bodies once they have crept.
     fields
         Fields held between solves, in addition to one solve.
-    reasons
-        A sentence for each choice.
     warnings
         A sentence for each fault.
     plastic
@@ -175,7 +163,6 @@ class TransientRequirements:
     least_width: float
     relaxed: tuple[Body, Body]
     fields: int
-    reasons: tuple[str, ...]
     warnings: tuple[str, ...] = ()
     plastic: PlasticZone | None = None
     length: float = 0.0
@@ -215,7 +202,7 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
             for widening in (CONSTANTS.rolling_widening, 1.0)
         )
         fields = CONSTANTS.rolling_fields
-        return TransientRequirements(elastic, width, least_width, bodies, fields, (), plastic=plastic)
+        return TransientRequirements(elastic, width, least_width, bodies, fields, plastic=plastic)
     if plastic is not None:
         half_width = max(half_width, plastic.half_extent / GRID.width_factor)
     wear = scene.wear
@@ -234,7 +221,6 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
             worn_area = wear.coefficient * elastic.largest_load * slid
             half_width = float(np.cbrt(half_width**3 + 1.5 * hertz.radius * worn_area))
     narrow = elastic
-    reasons: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
     if plastic is None:  # else errors are relative to the pressure of the largest load
         least, warnings = _smallest_load(scene, last)
@@ -242,7 +228,6 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
             narrow = replace(elastic, load=LineLoad(least))
             if hertz is not None:  # no solve tells how heights, a crown or the hardness widen it
                 half_width *= grid_requirements(elastic).half_width / hertz.half_width
-            reasons = (f"load: the cells are for loads from {readable(least, 'N m-1')} on.",)
     width, length = 2 * GRID.width_factor * half_width, 0.0
     if ellipse is not None:
         assert scene.roller_length is not None
@@ -250,7 +235,7 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
         across, along = scene.curvatures
         longest = worn_semi_axis(crept * semi_axis, along, across, worn_volume)
         length = scene.roller_length * longest / semi_axis
-    return TransientRequirements(narrow, width, width, bodies, fields, reasons, warnings, plastic, length)
+    return TransientRequirements(narrow, width, width, bodies, fields, warnings, plastic, length)
 
 
 def worn_semi_axis(semi_axis: float, curvature: float, other: float, volume: float) -> float:

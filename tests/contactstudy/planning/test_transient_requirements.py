@@ -104,11 +104,8 @@ def test_what_is_expected_to_yield_holds_what_yields_and_not_much_more() -> None
     yielded = (found.frames[-1].coupled_state["equivalent0"] > 0).any(axis=(0, 2))
     half_extent = yielded.sum() * grid.cell_size[0] / 2
     assert half_extent < expected_plastic_zone(scene).half_extent < 1.5 * half_extent
-    reasons = plan_grid(scene, grid=grid, times=(0.0, 1.0)).reasons
-    [said] = [reason for reason in reasons if reason.startswith("yield:")]
-    assert "4 times the lowest yield stress" in said
     taken = found.frames[-1].coupled_state["equivalent0"].shape[0]
-    assert 0.7 < int(said.split("some ")[1].split()[0]) / taken < 1.4
+    assert 0.7 < expected_plastic_zone(scene).volume(grid).shape[0] / taken < 1.4
 
 
 def test_a_rough_contact_under_a_growing_load_fits_on_its_grid(line_contact: LineContact) -> None:

@@ -202,6 +202,8 @@ def relative_loss(fraction: float) -> float:
 COARSE_TOLERANCE = 1e-6
 # That of one with adhesion, whose states near separation differ by slow changes alone.
 ADHESIVE_TOLERANCE = 1e-7
+# Errors of a solution by its cells.
+OF_NUMBERS = "l1", "peak_pressure", "contact_area", "mean_gap", "load"
 # Error of the work of adhesion by which cells trap the edge of a contact, times the cells in the cohesive zone.
 TRAPPED_WORK: dict[type, float] = {Exponential: 0.06, Dugdale: 0.16}
 
@@ -317,14 +319,8 @@ def error_by_change(solution: Solution, coarse: Solution | None) -> Discretisati
     change = change_between_grids(solution, coarse)
     if solution.adhesion is None and solution.problem.control.approach is None:
         return change
-    assert change.load is not None
-    errors = DiscretisationErrors(
-        MARGIN * change.l1,
-        MARGIN * change.peak_pressure,
-        max(MARGIN * change.contact_area, edge_fraction(solution.pressure > 0)),
-        MARGIN * change.mean_gap,
-        MARGIN * change.load,
-    )
+    errors = replace(change, **{name: MARGIN * getattr(change, name) for name in OF_NUMBERS})
+    errors = replace(errors, contact_area=max(errors.contact_area, edge_fraction(solution.pressure > 0)))
     return errors if solution.adhesion is None else _with_trapping(errors, solution)
 
 
@@ -356,13 +352,8 @@ def _with_trapping(errors: DiscretisationErrors, solution: Solution) -> Discreti
             )
             return DiscretisationErrors.unbounded(reason, load=inf)
         changes.append(change_between_grids(solution, other))
-    return replace(
-        errors,
-        **{
-            name: getattr(errors, name) + max(getattr(change, name) for change in changes)
-            for name in ("l1", "peak_pressure", "contact_area", "mean_gap", "load")
-        },
-    )
+    grown = {name: getattr(errors, name) + max(getattr(change, name) for change in changes) for name in OF_NUMBERS}
+    return replace(errors, **grown)
 
 
 def coarse_solution(

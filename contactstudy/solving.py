@@ -159,46 +159,37 @@ class _Request:
     def answer(self) -> "Contact | LubricatedContact | Evolution":
         """Refuse the keywords that this scene cannot use, and solve it by its method."""
         scene = self.scene
-        if isinstance(scene, Problem):
-            self.refuse_unused(PROBLEM)
-            if self.grid is not None or self.padding is not None:
-                argument = "padding" if self.grid is None else "grid"
-                raise InvalidInput(f"solve.{argument} is for a scene: leave it out, a problem has its own.")
-            return replace(self.solve_problem(scene), requested=self.error)
-        if not isinstance(scene, Scene):
+        if not isinstance(scene, Scene | Problem):
             raise InvalidInput(f"solve.scene is {scene!r}: give a Scene, or scene.problem(grid, padding).")
-        self.refuse_unused(scene.method)
-        return SOLVED_BY[scene.method](self)
+        method = scene.method if isinstance(scene, Scene) else PROBLEM
+        self.refuse_unused(method)
+        return SOLVED_BY[method](self)
 
     def refuse_unused(self, method: methods.Method) -> None:
         """Raise InvalidInput for a keyword, an option or a setting of the steps that a `method` does not use."""
+        is_problem, grid, period = method is PROBLEM, self.grid, self.period
         arguments = {
+            "grid": is_problem and grid is not None,
+            "padding": is_problem and self.padding is not None,
             "times": self.times is not None,
             "start": self.start is not None,
             "folder": self.folder is not None,
             "device": not isinstance(self.device, Cpu),
-            "period": self.period is not None
-            and (
-                isinstance(self.scene, Problem)
-                or (self.grid is not None and not isclose(self.period, self.grid.length))
-            ),
+            "period": period is not None and (is_problem or (grid is not None and not isclose(period, grid.length))),
         }
+        own = {"grid": "a problem has its own", "padding": "a problem has its own"}
+        why = own | {"period": "the grid has its own", "device": f"{method.kind} is solved on the CPU"}
         for name, is_given in arguments.items():
             if is_given and name not in method.keywords:
-                why = {
-                    "period": "the grid has a period of its own",
-                    "device": f"{method.kind} is solved on the CPU",
-                }.get(name, f"{method.kind} has no use for it")
-                raise InvalidInput(f"solve.{name} is given, and {why}: leave it out.")
+                reason = why.get(name, f"{method.kind} has no use for it")
+                raise InvalidInput(f"solve.{name} is given, and {reason}: leave it out.")
         settings: list[tuple[str, Any, tuple[str, ...]]] = [("solve", self.options, methods.OPTIONS)]
         if self.times is not None:
-            steps = "error", "scheme", "step", "error_estimator"
-            settings.append(("TimeSteps", self.steps, steps))
+            settings.append(("TimeSteps", self.steps, ("error", "scheme", "step", "error_estimator")))
         for place, given, names in settings:
-            default = type(given)()
             for name in names:
                 value = getattr(given, name)
-                if name not in method.keywords and value != getattr(default, name):
+                if name not in method.keywords and value != getattr(type(given)(), name):
                     raise InvalidInput(
                         f"{place}.{name} is {value!r}, and {method.kind} has no use for it: leave it out."
                     )
@@ -248,6 +239,10 @@ class _Request:
     def first_pressure(self) -> Any:
         """Pressure (x, y) [Pa] to begin with, that of the answer if one was given; None if nothing was."""
         return getattr(self.start, "pressure", self.start)
+
+    def problem(self) -> Contact:
+        """Solve a problem of the user's own."""
+        return replace(self.solve_problem(self.scene), requested=self.error)
 
     def solve_problem(self, problem: Problem) -> Contact:
         """Solve one problem, and report its progress."""
@@ -480,7 +475,8 @@ class _Request:
         return answer
 
 
-# Methods of a request, by those of scenes; and what a problem is solved with.
+# What a problem is solved with, and methods of a request by those of scenes.
+PROBLEM = methods.Method("a problem", methods.STATIC.keywords)
 SOLVED_BY: Mapping[methods.Method, Callable[[_Request], "Contact | LubricatedContact | Evolution"]] = {
     methods.STATIC: _Request.contact,
     methods.STEADY_ROLLING: _Request.steady_rolling,
@@ -491,8 +487,8 @@ SOLVED_BY: Mapping[methods.Method, Callable[[_Request], "Contact | LubricatedCon
     methods.FILM: _Request.film,
     methods.FILM_IN_TIME: _Request.time_dependent_film,
     methods.FILM_WEAR: _Request.film_wear,
+    PROBLEM: _Request.problem,
 }
-PROBLEM = methods.Method("a problem", methods.STATIC.keywords)
 
 
 def grid_for_numbers(answer: Any, *, is_default: bool) -> Grid | None:

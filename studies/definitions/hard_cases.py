@@ -134,18 +134,6 @@ def _corner(problem: cs.Problem, solver: cs.Solver) -> Array:
     return pressure
 
 
-def _needle() -> Array:
-    heights = np.zeros((32, 32))
-    heights[16, 8] = 100.0
-    return heights
-
-
-def _step() -> Array:
-    heights = np.zeros(CELLS)
-    heights[:, 6:] = 0.5
-    return heights
-
-
 WAVY = replace(FLAT, shapes=(cs.Waviness(1e-3 * HERTZ_HEIGHT, along=1.2 * A),))
 PUNCH = np.where(np.abs(grid().x)[:, None] < 0.5 * A, 0.0, -1e4) * np.ones(CELLS)
 YIELDING = replace(with_heights(ROUGH), hardness=0.33 * P_H)  # 0.327 carries the load
@@ -164,8 +152,8 @@ CASES: dict[str, HardCase] = {
     "hardness below the mean pressure": HardCase(
         TOO_SOFT, grid(width=4.8), frozenset({cs.Status.NO_ADMISSIBLE_PRESSURE})
     ),
-    "a needle": _rough(_needle()),
-    "a step": _rough(_step()),
+    "a needle": _rough(100 * np.eye(1, 1024, 16 * 32 + 8).reshape(32, 32)),
+    "a step": _rough(np.where(np.arange(12) < 6, 0.0, 0.5) * np.ones(CELLS)),
     "a flat punch": _rough(PUNCH, FLAT),
     "white noise": _rough(noise()),
     "tolerance 1e-14": replace(START, options=cs.SolveOptions(1e-14), ends=EXACT_TO_ROUNDING | AT_EDGE),

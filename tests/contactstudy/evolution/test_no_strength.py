@@ -56,7 +56,6 @@ def test_an_effect_of_no_strength_leaves_the_contact_as_it_is_without_it(name: s
     )
     for one, other in zip(wanted, found, strict=True):
         assert other.status is one.status is cs.Status.CONVERGED
-        assert other.load_per_length == pytest.approx(one.load_per_length)
         np.testing.assert_allclose(other.pressure, one.pressure, atol=off * one.pressure.max())
         if one.traction is not None:
             np.testing.assert_allclose(other.shear, one.shear, atol=off * np.abs(one.shear).max())

@@ -11,6 +11,8 @@ from contactstudy.planning.grid_requirements import grid_requirements
 from contactstudy.planning.planned import Plan
 from contactstudy.scene.scene import Scene
 
+# Factor on the error that the most cells reach, which is then said in two digits.
+ROUNDED_UP = 1.1
 # Matrices (x, x) held in plane strain, and of a film that varies along its length in the Fourier stage.
 LINE_MATRICES, FOURIER_MATRICES = 6, 50
 # Floats held per cell, mostly the basis of the Krylov space.
@@ -68,7 +70,7 @@ def plan_of_film(
         if grid.cells[0] >= most_cells:
             warnings.append(
                 f"plan.error is {error:.2g}: a film has {most_cells} cells across at most, give about "
-                f"{expected_error(scene, grid):.1g}, which they reach."
+                f"{ROUNDED_UP * expected_error(scene, grid):.2g}, which they reach."
             )
     (nx, ny), width = grid.cells, grid.extent[0]
     check_film_padding(padding, ny)

@@ -106,19 +106,6 @@ class Aliases:
         weight = (np.sinc(x * dx / (2 * pi)) * np.sinc(y * dy / (2 * pi))) ** 2
         return WaveDirection(q, x / q, y / q, weight)
 
-    def stress_of_traction(self, traction: "SurfaceLoad") -> Array:
-        """Return the deviatoric stress (5, layers, waves) by a unit traction in the short waves."""
-        volume = self.volume
-        total = np.zeros((5, volume.shape[0], len(self.x)))
-        for number, top in enumerate(volume.edges[:-1]):
-            if top >= DEEP * max(volume.grid.cell_size):
-                break
-            for direction in self._directions():
-                layer = CellLayer.from_ratio(direction.q * volume.thicknesses[number])
-                tensor = traction.stress(direction, top, layer, self.moduli.poisson_ratio)
-                total[:, number] += direction.weight * direction.stress(tensor, Components.DEVIATOR)
-        return total
-
     def couplings(self, components: Components) -> Iterator[LayerCoupling]:
         """Yield the stress in each layer by strain in itself and in layers near to it, by short waves."""
         edges = self.volume.edges
@@ -152,7 +139,7 @@ class Aliases:
     def _self_stress(self, thickness: float, top: float, components: Components) -> Array:
         """Return the stress (components, 5, waves) in a layer by its own unit strains."""
         total = np.zeros((len(components.value), 5, len(self.x)))
-        for direction in self._directions():
+        for direction in self.directions():
             layer = CellLayer.from_ratio(direction.q * thickness)
             total += direction.weight * own_stress(direction, layer, top, self.moduli, components)
         return total
@@ -163,7 +150,7 @@ class Aliases:
         """Return the stress (components, 5, waves) in the second of two layers by unit strains in the first."""
         total = np.zeros((len(components.value), 5, len(self.x)))
         nu = self.moduli.poisson_ratio
-        for direction in self._directions():
+        for direction in self.directions():
             source, layer = (CellLayer.from_ratio(direction.q * thickness) for thickness in thicknesses)
             begin, end = (direction.q * top for top in tops)
             sources = _unit_strains(direction, self.moduli)
@@ -171,7 +158,7 @@ class Aliases:
             total += direction.weight * direction.stress(tensor, components)
         return total
 
-    def _directions(self) -> Iterator[WaveDirection]:
+    def directions(self) -> Iterator[WaveDirection]:
         """Yield the short waves of the first `SUMMED_ORDERS`, then waves that represent all shorter ones together.
 
         The weights ``sinc^2`` of all aliases along an axis, the resolved wave among them, add up to 1. What the first
@@ -326,12 +313,14 @@ class Waves:
 
     def _stress_of_unit(self, traction: SurfaceLoad) -> Array:
         """Return the deviatoric stress (5, layers, waves) by a unit of a traction."""
-        direction = self._direction
-        total = self._short.stress_of_traction(traction)
-        for number, layer in enumerate(self._layers):
-            top = self.volume.edges[number]
-            tensor = traction.stress(direction, top, layer, self.moduli.poisson_ratio)
-            total[:, number] += direction.weight * direction.stress(tensor, Components.DEVIATOR)
+        volume = self.volume
+        total = np.zeros((5, volume.shape[0], len(self._direction.q)))
+        for number, (top, thickness) in enumerate(zip(volume.edges, volume.thicknesses, strict=False)):
+            is_near = top < DEEP * max(volume.grid.cell_size)
+            for direction in (*(self._short.directions() if is_near else ()), self._direction):
+                layer = CellLayer.from_ratio(direction.q * thickness)
+                tensor = traction.stress(direction, top, layer, self.moduli.poisson_ratio)
+                total[:, number] += direction.weight * direction.stress(tensor, Components.DEVIATOR)
         return total
 
 

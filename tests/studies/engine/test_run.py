@@ -23,7 +23,6 @@ from tests.studies.engine import trouble
 from tests.studies.engine.trouble import RAISES, lines
 
 ONE = RunOptions(workers=0, repeats=0)
-AXES = {"padding": "exact,zero", "images": "1", "period": "2.4"}
 
 
 # What is stored
@@ -55,8 +54,9 @@ def test_the_file_says_where_its_numbers_come_from(dataset: xr.Dataset) -> None:
 @pytest.mark.whole
 def test_a_case_that_another_study_in_the_folder_has_is_not_computed_again(tmp_path: Path) -> None:
     said: list[str] = []
-    first = run(load("padding").override(AXES | {"grid": "16,24"}), tmp_path, workers=0, repeats=1, log=quiet)
-    other = load("grid").override(AXES | {"grid": "16,24,32"})
+    axes = {"padding": "exact,zero", "images": "1", "period": "2.4"}
+    one, other = (load(name).override(axes | {"grid": on}) for name, on in (("padding", "16,24"), ("grid", "16,24,32")))
+    first = run(one, tmp_path, workers=0, repeats=1, log=quiet)
     second = run(other, tmp_path, workers=0, repeats=1, log=said.append)
     assert "grid: 4 cases are stored, 2 to compute" in said
     for name in ("pressure_error_l1", "residual", "setup_time_all"):  # to the last bit, and the very same times

@@ -79,12 +79,8 @@ class Unsendable(Trouble):
 
 
 def measures(case: Trouble, result: float) -> Mapping[str, xr.Variable | float]:
-    label = {"units": "1", "long_name": "its powers"}
-    return {
-        "square": np.nan if case.number == NAN else result,
-        "third": result / 3,
-        "powers": xr.Variable(("power",), result ** np.arange(3) / 7, label),
-    }
+    powers = xr.Variable(("power",), result ** np.arange(3) / 7)
+    return {"square": np.nan if case.number == NAN else result, "powers": powers}
 
 
 def study(numbers: Iterable[float] = range(20), log: str = "", **given: Any) -> Study:

@@ -79,7 +79,8 @@ def hertz_errors(hertz: cs.analytic.HertzLine, grid: cs.Grid, pressure: Array) -
     l1 = relative_l1(pressure, means)
     pressure, means = pressure / hertz.peak_pressure, means / hertz.peak_pressure
     true = hertz.pressure(grid.x)[:, None] / hertz.peak_pressure
-    half_width = contact_area_in_cells(pressure, (False, True)) / grid.cells[1] * grid.cell_size[0] / 2
+    widths = [contact_area_in_cells(row[:, None], (False, False)) for row in pressure.T]
+    half_width = np.mean(widths) * grid.cell_size[0] / 2
     axis = np.abs(grid.x) < 0.75 * grid.cell_size[0]
     return {
         "axis_pressure_error": pressure[axis].mean() / means[axis].mean() - 1,

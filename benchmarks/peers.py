@@ -22,11 +22,7 @@ from studies.reference.line_contact import HERTZ, HERTZ_HEIGHT, P_H, SCENE, A
 
 MODULUS = HERTZ.contact_modulus
 FREE, EXACT = cs.ZeroPadding(), cs.ExactPeriodicity()
-PADDINGS: dict[str, cs.Paddings] = {
-    "semi-periodic": (FREE, EXACT),
-    "free": (FREE, FREE),
-    "periodic": (EXACT, EXACT),
-}
+PADDINGS: dict[str, cs.Paddings] = {"semi-periodic": (FREE, EXACT), "free": (FREE, FREE), "periodic": (EXACT, EXACT)}
 # a cylinder, a sphere whose contact fills the grid but for its corners, and a rough flat with a seventh in contact
 SHAPES: dict[str, cs.Shape] = {
     "semi-periodic": cs.Cylinder(0.01),

@@ -93,11 +93,7 @@ class HertzLine:
 
 
 def first_yield(
-    radius: float,
-    contact_modulus: float,
-    yield_stress: float,
-    poisson_ratio: float,
-    friction: float = 0.0,
+    radius: float, contact_modulus: float, yield_stress: float, poisson_ratio: float, friction: float = 0.0
 ) -> HertzLine:
     """Return the line contact in which a half-space first yields, after von Mises.
 

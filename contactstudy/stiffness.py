@@ -154,14 +154,7 @@ def contact_stiffness(contact: Contact) -> Quantity:
     error = stiffness_error(contact, per_grid)
     reason = "" if error < inf else "No bound: none is known with adhesion, or where no cell carries more."
     unit = "N m-1" if is_point else "N m-2"
-    return Quantity(
-        value,
-        unit,
-        "normal stiffness",
-        error * abs(value) if error < inf else inf,
-        reason,
-        detail=detail,
-    )
+    return Quantity(value, unit, "normal stiffness", error * abs(value) if error < inf else inf, reason, detail=detail)
 
 
 @dataclass(frozen=True)

@@ -58,10 +58,7 @@ nitpick_ignore_regex = [
     ("py:class", r"(numpy|xarray|matplotlib|collections\.abc|os)\.[\w.]+"),
     ("py:obj", r"typing\.Annotated\[float"),
     # parts of answers and of scenes, whose classes have no page of their own
-    (
-        "py:class",
-        r"SteadyRolling|RepeatedRolling|Trajectory|FilmTrajectory|StressModel|AdhesiveSolver|ShearCompliance",
-    ),
+    ("py:class", r"SteadyRolling|RepeatedRolling|Trajectory|FilmTrajectory|StressModel|AdhesiveSolver|ShearCompliance"),
 ]
 
 sphinx_gallery_conf = {

@@ -12,22 +12,9 @@ from contactstudy.domain.validation import validated
 from contactstudy.scene.loads.constant_load import Approach
 from contactstudy.scene.loads.load_history import ChangingLoad
 from contactstudy.scene.shapes.roller import Sphere
-from contactstudy.scene.solids.bodies import (
-    Body,
-    SceneContext,
-    contact_modulus,
-    creeps,
-    modulus_at_own_width,
-    yields,
-)
+from contactstudy.scene.solids.bodies import Body, SceneContext, contact_modulus, creeps, modulus_at_own_width, yields
 from contactstudy.solvers.adhesion import AdhesiveSolver
-from contactstudy.solvers.cohesive_law import (
-    CohesiveLaw,
-    Dugdale,
-    Exponential,
-    tabor_length,
-    zone_length,
-)
+from contactstudy.solvers.cohesive_law import CohesiveLaw, Dugdale, Exponential, tabor_length, zone_length
 from contactstudy.solvers.solution import Branch
 
 LAWS = "exponential", "dugdale"

@@ -34,8 +34,7 @@ STEADY_ROLLING = Method("a contact that rolls", OPTIONS)
 PASSES = Method("a contact that rolls in passes", OPTIONS)
 QUASI_STATIC = Method("a load history with adhesion or rolling", ("times", *OPTIONS))
 TIME_DEPENDENT = Method(
-    "a scene that changes in time",
-    ("times", "folder", "error", "scheme", "error_estimator", *OPTIONS),
+    "a scene that changes in time", ("times", "folder", "error", "scheme", "error_estimator", *OPTIONS)
 )
 STEADY_WEAR = Method("a contact that rolls and wears", ("times", "error", *OPTIONS))
 FILM = Method("a steady film", ("start", "max_iterations"))
@@ -58,10 +57,7 @@ def method_of(scene: SceneContext) -> Method:
         (rolls_at_speed and isinstance(scene.load, ChangingLoad), QUASI_STATIC),
         (rolls_at_speed, STEADY_ROLLING),
         (scene.rolling is not None, PASSES),
-        (
-            changes and (scene.has_tractive_rolling or (scene.adhesion is not None and not keeps_states)),
-            QUASI_STATIC,
-        ),
+        (changes and (scene.has_tractive_rolling or (scene.adhesion is not None and not keeps_states)), QUASI_STATIC),
         (changes, TIME_DEPENDENT),
         (True, STATIC),
     )

@@ -15,13 +15,7 @@ from contactstudy.domain.notebook import InNotebook
 from contactstudy.domain.units import Hardness
 from contactstudy.domain.validation import OR_INFINITE, Example, valid, validated
 from contactstudy.elasticity.convolution import Convolution, superposed
-from contactstudy.problem.constraint import (
-    Compressive,
-    Control,
-    HardnessLimited,
-    PrescribedApproach,
-    PrescribedLoad,
-)
+from contactstudy.problem.constraint import Compressive, Control, HardnessLimited, PrescribedApproach, PrescribedLoad
 from contactstudy.problem.memory import refuse_too_large
 from contactstudy.problem.problem import AdhesionSolver, Derived, FrictionSolver, Problem, Scales
 from contactstudy.scene.loads.constant_load import (
@@ -133,10 +127,7 @@ class Scene(InNotebook):
     """
 
     load: AnyLoad
-    solids: tuple[
-        Annotated[Body, Example("HalfSpace(210e9, 0.3)")],
-        Annotated[Body, Example("HalfSpace(210e9, 0.3)")],
-    ]
+    solids: tuple[Annotated[Body, Example("HalfSpace(210e9, 0.3)")], Annotated[Body, Example("HalfSpace(210e9, 0.3)")]]
     shapes: tuple[Annotated[Shape, Example("Cylinder(radius=0.01)")], ...] = ()
     hardness: Annotated[Hardness, OR_INFINITE] = inf
     outputs: tuple[Annotated[Output, Example("SubsurfaceStress(depths=(1e-4,))")], ...] = ()

@@ -91,12 +91,7 @@ class SubsurfaceStress:
         medium = self._medium(body)
         depths = None if isinstance(self.depths, str) else self.depths
         below = SubsurfaceStressOperator(
-            grid,
-            paddings,
-            medium,
-            depths,
-            self.body,
-            profile=getattr(body, "hardness_profile", None),
+            grid, paddings, medium, depths, self.body, profile=getattr(body, "hardness_profile", None)
         )
         if (length := getattr(body, "free_faces", inf)) == inf:
             return below
@@ -231,12 +226,7 @@ class SubsurfaceStressOperator:
         kinks = self.profile.points[0] if self.profile else ()
         deepest = max(width, 2 * cell, min(max(kinks, default=0.0), DEEPEST * width))
         count = 2 + int(np.ceil(np.log(2 * deepest / cell) / np.log(COARSE_STEP)))
-        return [
-            0.0,
-            *np.geomspace(cell / 2, deepest, count).tolist(),
-            *self.medium.faces,
-            *kinks[1:],
-        ]
+        return [0.0, *np.geomspace(cell / 2, deepest, count).tolist(), *self.medium.faces, *kinks[1:]]
 
     def at_chosen_depths(self, pressure: Array) -> dict[float, Array]:
         """Return the stress (component, x, y) by ascending depths [m] that include the largest von Mises stress, to 1 %.
@@ -297,11 +287,7 @@ class SubsurfaceStressOperator:
 
 
 def surface_beyond(
-    output: SubsurfaceStress,
-    solids: tuple[Body, ...],
-    grid: Grid,
-    paddings: Paddings,
-    stress: Array,
+    output: SubsurfaceStress, solids: tuple[Body, ...], grid: Grid, paddings: Paddings, stress: Array
 ) -> Iterator[tuple[Grid, Array]]:
     """Yield grids 3, 9 ... times as wide as `grid`, of as many cells, with the stress (component, x, y) at the surface.
 

@@ -10,15 +10,7 @@ from sphinx.util import logging
 
 # The theme gives captions of the navigation the role of a heading without its level.
 CAPTION = ('role="heading">', 'role="heading" aria-level="2">')
-SPELLED = (
-    "README.md",
-    "CONTRIBUTING.md",
-    "CHANGELOG.md",
-    "docs",
-    "contactstudy",
-    "studies",
-    "examples",
-)
+SPELLED = ("README.md", "CONTRIBUTING.md", "CHANGELOG.md", "docs", "contactstudy", "studies", "examples")
 
 
 def check(app: Sphinx, exception: Exception | None) -> None:

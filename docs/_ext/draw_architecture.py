@@ -76,13 +76,7 @@ def draw() -> None:
     for folder, (x, y) in place.items():
         color = "#CFE3F5" if folder.startswith("contactstudy") else "#F7E0C3"
         boxes[folder] = FancyBboxPatch(
-            (x - 0.055, y - 0.2),
-            0.11,
-            0.4,
-            boxstyle="round,pad=0.01",
-            facecolor=color,
-            linewidth=0.6,
-            zorder=2,
+            (x - 0.055, y - 0.2), 0.11, 0.4, boxstyle="round,pad=0.01", facecolor=color, linewidth=0.6, zorder=2
         )
         ax.add_patch(boxes[folder])
         ax.text(x, y, folder.replace("/", "/\n"), ha="center", va="center", fontsize=9, zorder=3)

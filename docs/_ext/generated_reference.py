@@ -160,14 +160,7 @@ def names() -> str:
 
 def inner_names() -> list[str]:
     """The part of the page with the types that are seen in signatures alone."""
-    text = [
-        "## Types in signatures",
-        "",
-        "They need not be imported.",
-        "",
-        "```{eval-rst}",
-        *ARRAYS,
-    ]
+    text = ["## Types in signatures", "", "They need not be imported.", "", "```{eval-rst}", *ARRAYS]
     for name in INNER:
         module, _, last = name.rpartition(".")
         kind = "class" if isclass(getattr(import_module(f"contactstudy.{module}"), last)) else "function"
@@ -280,22 +273,10 @@ def variables(study: Study) -> list[str]:
 
 def studies() -> str:
     """A page with every study and its axes, and the variables of those that are no scene file."""
-    text = [
-        "# Studies",
-        "",
-        "Every axis can be varied: `contactstudy run STUDY --vary AXIS=VALUES`.",
-        "",
-    ]
+    text = ["# Studies", "", "Every axis can be varied: `contactstudy run STUDY --vary AXIS=VALUES`.", ""]
     for name in BUILT_IN:
         study = load(name)
-        text += [
-            f"## `{name}`",
-            "",
-            study.title,
-            "",
-            "| axis | values | meaning |",
-            "|---|---|---|",
-        ]
+        text += [f"## `{name}`", "", study.title, "", "| axis | values | meaning |", "|---|---|---|"]
         for axis in study.axes:
             values = ", ".join(str(value) for value in axis.values)
             unit = f" [{axis.units}]" if getattr(axis, "units", "1") not in ("", "1") else ""
@@ -393,13 +374,7 @@ PLAINER = (
 
 
 def shorten(
-    app: Sphinx,
-    what: str,
-    name: str,
-    obj: object,
-    options: object,
-    signature: str | None,
-    returns: str | None,
+    app: Sphinx, what: str, name: str, obj: object, options: object, signature: str | None, returns: str | None
 ) -> tuple[str | None, str | None]:
     """Signatures as a person reads them; a protocol is not called."""
     if what == "class" and getattr(obj, "_is_protocol", False):

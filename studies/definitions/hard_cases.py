@@ -29,10 +29,7 @@ UNFINISHED = frozenset({cs.Status.ITERATION_LIMIT, cs.Status.STALLED, cs.Status.
 # Stated errors above this, or this many tolerances, are worth nothing: a residual times the condition number of some
 # dozen long cells is smaller.
 WORTHLESS, WORTHLESS_TOLERANCES = 1e-4, 100
-SOLVERS: dict[str, cs.Solver] = {
-    "preconditioned CG": cs.PreconditionedCG(),
-    "Polonsky-Keer": cs.PolonskyKeer(),
-}
+SOLVERS: dict[str, cs.Solver] = {"preconditioned CG": cs.PreconditionedCG(), "Polonsky-Keer": cs.PolonskyKeer()}
 
 
 @dataclass(frozen=True)
@@ -158,9 +155,7 @@ CASES: dict[str, HardCase] = {
     "white noise": _rough(noise()),
     "tolerance 1e-14": replace(START, options=cs.SolveOptions(1e-14), ends=EXACT_TO_ROUNDING | AT_EDGE),
     "single precision": replace(
-        START,
-        options=cs.SolveOptions(1e-10, precision="single"),
-        ends=frozenset({cs.Status.PRECISION_LIMIT}),
+        START, options=cs.SolveOptions(1e-10, precision="single"), ends=frozenset({cs.Status.PRECISION_LIMIT})
     ),
     "one iteration": replace(START, options=cs.SolveOptions(1e-10, 1), ends=frozenset({cs.Status.ITERATION_LIMIT})),
     "start at a wrong corner": replace(START, start=_corner),

@@ -22,14 +22,7 @@ from studies.engine.compute import Task, failed, perform, warm_up
 from studies.engine.options import RETRIES, RunOptions
 from studies.engine.progress import progress_of
 from studies.engine.request import Request
-from studies.model.outcome import (
-    CaseStatus,
-    Outcome,
-    RunSettings,
-    TimedRun,
-    is_time,
-    summary_messages,
-)
+from studies.model.outcome import CaseStatus, Outcome, RunSettings, TimedRun, is_time, summary_messages
 from studies.model.plain_text import Log, counted, one_line, two_digits
 from studies.model.study import Study
 from studies.store.journal import Journal, Key
@@ -231,10 +224,7 @@ class Run:
         journal, request = self.journal, self.request
         for note in (*journal.notes(), *self.study.notes):
             self.log(note)
-        points, cases = (
-            counted(len(request.keys), "point"),
-            counted(len(request.cases), "distinct case"),
-        )
+        points, cases = (counted(len(request.keys), "point"), counted(len(request.cases), "distinct case"))
         self.log(f"{points}, {cases}")
         first = journal.firsts.get(self.study.name)
         differs = first is not None and request.differs(self.study, first)

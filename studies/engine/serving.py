@@ -36,11 +36,7 @@ own_digests()
 
 
 def main(
-    connection: Connection,
-    path: Sequence[str],
-    environment: Mapping[str, str],
-    settings: bytes,
-    where: str,
+    connection: Connection, path: Sequence[str], environment: Mapping[str, str], settings: bytes, where: str
 ) -> None:
     """Unpickle the settings, and answer requests of the supervisor until it is gone or none comes for a long time.
 

@@ -140,10 +140,7 @@ def is_time(name: str) -> bool:
     return name.startswith(("setup_time", "solve_time", "wall_time"))
 
 
-PARTS = {
-    "setup": "to set up coefficients and transforms, where a solve does not do it itself",
-    "solve": "to solve",
-}
+PARTS = {"setup": "to set up coefficients and transforms, where a solve does not do it itself", "solve": "to solve"}
 
 
 def timing_variables(

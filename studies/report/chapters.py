@@ -80,13 +80,7 @@ MAIN = Chapter(
         Part(SETTINGS),
         Part(
             "pareto",
-            {
-                "padding": "exact",
-                "images": "6",
-                "period": "2.4",
-                "grid": "96",
-                "solver_tolerance": "1e-8",
-            },
+            {"padding": "exact", "images": "6", "period": "2.4", "grid": "96", "solver_tolerance": "1e-8"},
             (),
             repeats=10,
             title="How many cells along?",
@@ -94,12 +88,7 @@ MAIN = Chapter(
         Part("images", figures=("reach",), repeats=0, title="Which n, for which period?"),
         Part("grid", figures=("over_grid",), repeats=0, title="Which grid?"),
         Part("paper", figures=("pressure",), title="What the paper claims"),
-        Part(
-            "rough-paddings",
-            figures=("paddings",),
-            repeats=0,
-            title="Does roughness change the error of a padding?",
-        ),
+        Part("rough-paddings", figures=("paddings",), repeats=0, title="Does roughness change the error of a padding?"),
         Part("stability", figures=(), title="Is it stable?"),
     ),
 )

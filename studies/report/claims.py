@@ -84,9 +84,7 @@ Drawn = Plot | Callable[[xr.Dataset], CaptionedFigure | None]
 
 
 def drawing(
-    *figures: Drawn,
-    claims: Sequence[Claim] = (),
-    tables: Sequence[Callable[[xr.Dataset], Table | None]] = (),
+    *figures: Drawn, claims: Sequence[Claim] = (), tables: Sequence[Callable[[xr.Dataset], Table | None]] = ()
 ) -> Drawing:
     """Return a drawing: figures, claims and tables of a study, of which those that it has no data for are left out."""
 

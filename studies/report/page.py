@@ -36,8 +36,7 @@ SCENE_INTRODUCTION = (
 )
 
 NOTHING_TO_DRAW = Drawing(
-    lambda dataset: (),
-    lambda dataset: (Finding("No case gave numbers.", "See the variable `error` of the file."),),
+    lambda dataset: (), lambda dataset: (Finding("No case gave numbers.", "See the variable `error` of the file."),)
 )
 
 
@@ -123,12 +122,7 @@ def draw_and_write(chapter: Chapter, out: Path) -> Path:
     return write_page(chapter, sections, datasets, out)
 
 
-def write_page(
-    chapter: Chapter,
-    sections: Sequence[Section],
-    datasets: Mapping[str, xr.Dataset],
-    out: Path,
-) -> Path:
+def write_page(chapter: Chapter, sections: Sequence[Section], datasets: Mapping[str, xr.Dataset], out: Path) -> Path:
     """Save the figures of a chapter, write its page with the provenance of their files, and return its path."""
     environment = Environment(
         loader=PackageLoader("studies.report", "."),

@@ -167,12 +167,7 @@ class Journal:
     def start(self, study: str, history: str, program: str, digests: Mapping[str, str], first: Line) -> None:
         """Begin a run of a study: write time and command, its first point, and the program where it is new."""
         news = {} if program in self.programs else {"digests": dict(digests)}
-        about: dict[str, object] = {
-            "study": study,
-            "history": history,
-            "program": program,
-            "first": first,
-        }
+        about: dict[str, object] = {"study": study, "history": history, "program": program, "first": first}
         about |= {"damaged": self.damaged} if self.damaged else {}
         self.append(about | news)
 

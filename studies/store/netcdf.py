@@ -14,13 +14,7 @@ import numpy as np
 import xarray as xr
 
 from contactstudy import InvalidInput
-from contactstudy.domain.files import (
-    append_checksum,
-    is_damaged,
-    reason,
-    replacing,
-    set_aside,
-)
+from contactstudy.domain.files import append_checksum, is_damaged, reason, replacing, set_aside
 from studies.model.plain_text import Log, one_line, quoted
 from studies.store.stop import Stop
 

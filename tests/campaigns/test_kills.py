@@ -40,8 +40,7 @@ DRAWS = random.Random(1)
 KILLS = [
     (target, name, phase, 1 + DRAWS.randrange(1000) % most, workers)
     for (target, phase, most, workers), name in itertools.islice(
-        zip(itertools.cycle(PLACES), itertools.cycle(SIGNALS), strict=False),
-        case_count(whole=200, thin=4),
+        zip(itertools.cycle(PLACES), itertools.cycle(SIGNALS), strict=False), case_count(whole=200, thin=4)
     )
 ]
 SCRIPT = "import sys\nfrom tests.campaigns.test_kills import command\ncommand(*sys.argv[1:])"

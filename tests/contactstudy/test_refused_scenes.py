@@ -13,17 +13,7 @@ import pytest
 
 import contactstudy as cs
 from tests.conftest import STEEL
-from tests.contactstudy.test_refused_values import (
-    COATED,
-    EXACT,
-    FREE,
-    OIL,
-    RIGID,
-    SMOOTH,
-    YIELDING,
-    refused,
-    smooth,
-)
+from tests.contactstudy.test_refused_values import COATED, EXACT, FREE, OIL, RIGID, SMOOTH, YIELDING, refused, smooth
 
 CYLINDER, HISTORY = SMOOTH.shapes[0], cs.LoadHistory((0.0, 1.0), (1e5, 2e5))
 CREEPING = cs.ViscoelasticHalfSpace(1e11, 0.3, ((1e11, 0.5),))

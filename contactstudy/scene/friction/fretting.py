@@ -25,12 +25,7 @@ from contactstudy.scene.friction.friction_law import (
     shearable,
     transmitted_force,
 )
-from contactstudy.scene.loads.load_history import (
-    ChangingLoad,
-    PiecewiseLinear,
-    Times,
-    check_not_decreasing,
-)
+from contactstudy.scene.loads.load_history import ChangingLoad, PiecewiseLinear, Times, check_not_decreasing
 from contactstudy.scene.solids.bodies import SceneContext
 from contactstudy.solvers.friction.coulomb import BulkStress
 from contactstudy.solvers.friction.fretting import FrettingShear, PartialSlipShear
@@ -142,13 +137,7 @@ class Fretting:
         return FrettingHistory(self.times, values)
 
     @classmethod
-    def cycle(
-        cls,
-        coefficient: float,
-        amplitude: float,
-        steps: int = 1,
-        bulk_stress: float = 0.0,
-    ) -> "Fretting":
+    def cycle(cls, coefficient: float, amplitude: float, steps: int = 1, bulk_stress: float = 0.0) -> "Fretting":
         """Return one cycle of fretting, from 0 to the `amplitude` [N/m], to its opposite, and to the amplitude again.
 
         Each half cycle takes equal `steps`. One is exact where nothing varies along the length. A bulk stress with an

@@ -10,11 +10,7 @@ from contactstudy.domain.grid import Grid, Paddings, is_free
 from contactstudy.domain.units import Number, readable
 from contactstudy.domain.validation import BELOW_ONE, FROM_ZERO_BELOW_ONE, BodyIndex, validated
 from contactstudy.elasticity.convolution import GeneralConvolution
-from contactstudy.elasticity.tangential import (
-    ShearableBody,
-    normal_displacement,
-    summed_responses,
-)
+from contactstudy.elasticity.tangential import ShearableBody, normal_displacement, summed_responses
 from contactstudy.scene.loads.constant_load import Approach
 from contactstudy.scene.solids.bodies import (
     Body,

@@ -14,11 +14,7 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.domain.units import Hardness, Metres, Number, Pascals
 from contactstudy.domain.validation import OR_INFINITE, Limits, validated
-from contactstudy.elasticity.coefficients import (
-    BoussinesqCoefficients,
-    Coefficients,
-    FreeFaceCoefficients,
-)
+from contactstudy.elasticity.coefficients import BoussinesqCoefficients, Coefficients, FreeFaceCoefficients
 from contactstudy.scene.shapes.shape import Shape
 from contactstudy.scene.solids.hardness_profile import HardnessProfile
 

@@ -90,11 +90,7 @@ def _strained(name: str, ratio: float, nu1: float, nu2: float) -> dict[str, floa
     a, b = nu2 / (1 + nu2), nu1 / (1 - nu1)
     both = b * (1 - 2 * a) - a
     transverse = "yy" if name == "xx" else "xx"
-    return {
-        name: ratio * (1 + both),
-        transverse: ratio * both,
-        "zz": b - ratio * a * (1 + 2 * b),
-    }
+    return {name: ratio * (1 + both), transverse: ratio * both, "zz": b - ratio * a * (1 + 2 * b)}
 
 
 # Up to this ratio of shear moduli the coefficients are verified.

@@ -6,10 +6,7 @@ from typing import ClassVar, Protocol, runtime_checkable
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.coefficients import Coefficients
 from contactstudy.elasticity.kernels.stress_cell import COMPONENTS, CellKernel, stress_cell
-from contactstudy.elasticity.kernels.stress_periodic import (
-    stress_cell_doubly_periodic,
-    stress_cell_periodic,
-)
+from contactstudy.elasticity.kernels.stress_periodic import stress_cell_doubly_periodic, stress_cell_periodic
 
 
 class StressModel(Protocol):

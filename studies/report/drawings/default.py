@@ -30,10 +30,7 @@ RECORDED = (
 # Relative difference of values that are constant, within the residual of a solver.
 CONSTANT = 1e-6
 # Formulas that are drawn beside a measure.
-LAWS = (
-    Law("Moes", "central_film", "moes_film"),
-    Law("Dowson & Higginson", "minimum_film", "dowson_higginson_film"),
-)
+LAWS = (Law("Moes", "central_film", "moes_film"), Law("Dowson & Higginson", "minimum_film", "dowson_higginson_film"))
 MAX_PANELS, MAX_FIGURES = 6, 12
 L1 = "pressure_error_l1"
 NOT_NESTED = " No error of the pressure in L1: the grids differ in extent, or do not nest in the reference's."

@@ -92,11 +92,7 @@ def held_peak(time: Array) -> Array:
     return np.array([float(HELD.pressure(0.0, instant)) for instant in time])
 
 
-IN_TIME = {
-    "time_steps_end": "time",
-    "final_contact_area": "contact width",
-    "final_peak_pressure": "peak pressure",
-}
+IN_TIME = {"time_steps_end": "time", "final_contact_area": "contact width", "final_peak_pressure": "peak pressure"}
 LEE_RADOK = Law("Lee & Radok (1960)", "final_peak_pressure", lambda time, _: held_peak(time))
 CREEP = Plot(
     "creep", ("final_contact_area", "final_peak_pressure"), "time_steps_end", log="",

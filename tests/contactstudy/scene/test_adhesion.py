@@ -15,12 +15,7 @@ SCENE = cs.Scene(cs.LineLoad(2.0), (SOFT, RIGID), (cs.Cylinder(0.01),), adhesion
 GRID = cs.Grid((256, 1), (1.5e-3, 1.0))
 LINE = cs.ExactPeriodicity()
 # R = E* = 1 and w = pi: loads over pi have the unit of Johnson, Kendall & Roberts
-UNITS = cs.Scene(
-    cs.LineLoad(pi),
-    (cs.HalfSpace(1.0, 0.0), RIGID),
-    (cs.Cylinder(1.0),),
-    adhesion=cs.Adhesion(pi, 2.0),
-)
+UNITS = cs.Scene(cs.LineLoad(pi), (cs.HalfSpace(1.0, 0.0), RIGID), (cs.Cylinder(1.0),), adhesion=cs.Adhesion(pi, 2.0))
 WIDE = cs.Grid((256, 1), (24.0, 1.0))
 
 

@@ -64,10 +64,7 @@ def ground(ratio: float, wide: float) -> cs.CoatedHalfSpace:
 
 # Rigid cylinder, nu = 0.3 in coating and substrate, E1* = R = 1: P / (E1* a^2 / R), p0 / (E1* a / R).
 # Source: Chebyshev collocation of the layered problem, residual 3e-12
-CYLINDERS = (
-    (4, 1, 0.458102570999, 0.277768758153),
-    (1 / 4, 0.2, 0.800833019014, 0.509889180575),
-)
+CYLINDERS = ((4, 1, 0.458102570999, 0.277768758153), (1 / 4, 0.2, 0.800833019014, 0.509889180575))
 
 
 @pytest.mark.parametrize(("ratio", "wide", "load", "peak"), CYLINDERS)
@@ -85,10 +82,7 @@ def test_a_rigid_cylinder_on_a_coating(ratio: float, wide: float, load: float, p
 
 # Sphere on the same: P / (E1* a^3 / R), approach / (a^2 / R), pressure in the middle / (E1* a / R).
 # Source: a Fredholm equation of the second kind (Lebedev & Ufliand), to 1e-10
-SPHERES = (
-    (4, 2, 0.6865234111, 1.4181927454, 0.2677152978),
-    (1 / 4, 0.5, 1.3801110660, 0.8268072130, 0.6603836616),
-)
+SPHERES = ((4, 2, 0.6865234111, 1.4181927454, 0.2677152978), (1 / 4, 0.5, 1.3801110660, 0.8268072130, 0.6603836616))
 
 
 @pytest.mark.parametrize(("ratio", "wide", "load", "approach", "middle"), SPHERES)

@@ -69,9 +69,7 @@ def test_equal_moduli_give_the_half_space_with_every_padding(paddings: cs.Paddin
 
 @pytest.mark.cases(1)
 @pytest.mark.parametrize("paddings", ALL)
-def test_traction_is_continuous_at_the_bond_and_the_surface_bears_what_presses_it(
-    paddings: cs.Paddings,
-) -> None:
+def test_traction_is_continuous_at_the_bond_and_the_surface_bears_what_presses_it(paddings: cs.Paddings) -> None:
     shear = np.array(SHEAR) * (paddings != LATTICE)  # three times as many sums
     medium = CoatedStress((LayerResponse((5.0,), (0.2, 0.4)),), (0.5,))
     stress = SubsurfaceStressOperator(GRID, paddings, medium, (0.0, 0.5, 0.5 * BELOW)).with_shear(shear)(PRESSURE)

@@ -112,11 +112,7 @@ def test_the_length_is_that_of_the_shortest_roller() -> None:
 
 
 @pytest.mark.parametrize(
-    "shape",
-    [
-        cs.Waviness(1e-7, across=3e-4),
-        cs.Roughness(2e-7, 0.8, roll_off=3e-4, cut_off=1e-4, extent=(7e-4, 1e-3)),
-    ],
+    "shape", [cs.Waviness(1e-7, across=3e-4), cs.Roughness(2e-7, 0.8, roll_off=3e-4, cut_off=1e-4, extent=(7e-4, 1e-3))]
 )
 def test_what_does_not_fit_a_width_that_wraps_is_refused(shape: Any) -> None:
     scene = cs.Scene(cs.LineLoad(1e4), (STEEL, STEEL), (shape,))

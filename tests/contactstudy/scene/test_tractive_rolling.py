@@ -156,8 +156,7 @@ WIDE = replace(SMOOTH, solids=UNLIKE).hertz.half_width
 
 
 @pytest.mark.parametrize(
-    ("coefficient", "free", "stick"),
-    [(0.05, 0.8206, 0.383), (0.1, 0.7525, 0.607), (0.3, 0.6585, 0.943)],
+    ("coefficient", "free", "stick"), [(0.05, 0.8206, 0.383), (0.1, 0.7525, 0.607), (0.3, 0.6585, 0.943)]
 )
 def test_unlike_bodies_rolling_freely_creep(coefficient: float, free: float, stick: float) -> None:
     """In units of ``beta a / R``; ``2 / pi`` where all sticks. The elastic body is stretched, and so falls behind."""

@@ -75,10 +75,7 @@ def test_a_kill_loses_nothing_but_what_is_being_computed(workers: int, start: St
     wait_for(12, tmp_path, first)
     first.kill()
     first.communicate()
-    assert set(xr.load_dataset(tmp_path / "trouble.nc")["case_status"].values) <= {
-        CaseStatus.NOT_RUN,
-        CaseStatus.OK,
-    }
+    assert set(xr.load_dataset(tmp_path / "trouble.nc")["case_status"].values) <= {CaseStatus.NOT_RUN, CaseStatus.OK}
     log = tmp_path / "log"
     study = trouble.study([n + 0.5 for n in range(30)], str(log))
     dataset = run(study, tmp_path, options=ALONE, log=quiet)

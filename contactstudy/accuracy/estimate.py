@@ -197,10 +197,10 @@ def error_estimate(
 ) -> ErrorEstimate:
     """Return the estimated errors of `solution`, by quantity and by cause.
 
-    The causes are images that the padding leaves out (:mod:`~contactstudy.accuracy.image_errors`), the solver's residual
-    (:mod:`~contactstudy.accuracy.residual_errors`), and the cells
-    (:mod:`~contactstudy.accuracy.discretisation.bound`). Adhesion in the JKR limit adds its range
-    (:mod:`~contactstudy.accuracy.range_errors`).
+    The causes are images that the padding leaves out (:func:`~contactstudy.accuracy.error_terms.image_errors`), the
+    solver's residual (:func:`~contactstudy.accuracy.error_terms.residual_errors`), and the cells
+    (:func:`~contactstudy.accuracy.bound.discretisation_bound`). Adhesion in the JKR limit adds its range
+    (:func:`~contactstudy.accuracy.error_terms.range_errors`).
 
     Under a given load, where heights and edges are smooth, the solution alone determines them. Otherwise, with adhesion
     and at a given approach, the same contact is solved once more on cells of twice the size, with its heights sampled
@@ -216,7 +216,7 @@ def error_estimate(
         The solution.
     coarse
         The same contact on cells of twice the size, if at hand, see
-        :func:`~contactstudy.accuracy.discretisation.coarser.coarse_solution`.
+        :func:`~contactstudy.accuracy.coarser.coarse_solution`.
     heights
         The heights inside the cells, if at hand, such as those of an earlier instant on the same grid.
 
@@ -229,7 +229,7 @@ def error_estimate(
     ------
     NotDefined
         If the problem does not say its paddings, or no law is known for them, see
-        :func:`~contactstudy.accuracy.image_errors.image_errors`.
+        :func:`~contactstudy.accuracy.error_terms.image_errors`.
     """
     problem, scene = solution.problem, scene_of(solution.problem)
     if problem.paddings is None:

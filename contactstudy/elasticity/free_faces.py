@@ -1,22 +1,21 @@
-"""Stress below the surface of a body that ends along its length at two free faces.
+"""Displacement and stress of bodies that end along their length at two faces, which are free of traction.
 
-The body is taken for three half-spaces, whose stresses add up: one below the surface, one behind each face. The loads
-on them together leave the surface with its pressure and the faces without traction (Hetenyi 1970; Wang, Guo, Wong &
-Zhang 2017). The module `free_faces` finds these loads.
-
-Operator of bodies that end along the length, with faces that are free of traction.
-
-The load is continued evenly about both faces, which leaves no shear on them. What is left there is a normal stress. A
-load on the face that cancels it, mirrored about the surface, leaves the surface in place and a normal stress on it. Both
-stresses come from one operator S, since the geometry is the same seen from either plane (Hetenyi 1970; Wang, Guo, Wong &
-Zhang 2017)::
+A body is taken for three half-spaces, whose stresses add up: one below the surface, one behind each face. The loads on
+them together leave the surface with its pressure and the faces without traction (Hetenyi 1970; Wang, Guo, Wong & Zhang
+2017). The load P on the surface is continued evenly about both faces, which leaves no shear on them, but a normal
+stress. A load q on the face that cancels it, mirrored about the surface, leaves the surface in place and a normal stress
+on it, for which P differs from the pressure p. Both stresses come from one operator S, since the geometry is the same
+seen from either plane::
 
     P = p + S q,   q = S P   so that   u = K P = K p + K (I - S S)^-1 S S p,
 
-where K is the response of the half-space to an evenly continued load. Each face is that of a quarter-space.
+where u is the displacement, and K the response of the half-space to an evenly continued load. Each face is that of a
+quarter-space.
 
-Across the contact everything is a convolution. For waves of the wave number k the last term is a function of k y and
-k y' alone, the distances from the face, so that one table for each Poisson's ratio holds for all bodies and grids.
+:func:`between_faces` makes the operator from p to u, and :class:`StressByFaces` the stress below the surface by the
+loads q. Across the contact everything is a convolution. For waves of the wave number k the last term is a function of
+k y and k y' alone, with the distances y and y' from the face, so that one table for each Poisson's ratio holds for all
+bodies and grids.
 """
 
 from collections.abc import Mapping

@@ -1,1 +1,1 @@
-"""References for solutions: the smooth line contact, the dense solver, hard cases. May import `model`."""
+"""What studies refer to: the smooth line contact with its errors, and paddings by name. May import `model`."""

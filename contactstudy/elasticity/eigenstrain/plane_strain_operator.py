@@ -1,16 +1,14 @@
-"""Stress and displacement by plastic strain that is uniform beyond either side of a volume, in plane strain.
+"""Stress and surface displacement by plastic strain in plane strain, in a volume and uniform beyond either side of it.
 
-Stress by plastic strain in plane strain, on an infinite axis across the contact.
+Closed forms give the stress by a cell of plastic strain, or by one under traction. The former are means over cells of
+derivatives of the Airy stress function of a half-space free of traction, ``G = [r^2 ln(r / R) + 2 z z'] / (8 pi)``,
+which solves ``nabla^4 G = delta`` with G = dG/dz = 0 at z = 0; r is the distance from the source and R that from its
+mirror source. Every mean is a difference over edges of an integral of G.
 
-Fields are convolved across wave by wave, with a real matrix between all layers for each wave: one component is odd in
-x, the others are even, and multiplying the waves of the odd one by -i makes the matrices real. Transforms are padded so
-far that nothing wraps around.
-
-Closed forms of the stress in a half-space in plane strain, by a cell of plastic strain or a cell under traction.
-
-They are means over cells of the Airy stress function of a half-space free of traction,
-``G = [r^2 ln(r / R) + 2 z z'] / (8 pi)``, which solves ``nabla^4 G = delta`` with G = dG/dz = 0 at z = 0; r is the
-distance from the source and R that from its mirror source. Every mean is a difference over edges of an integral of G.
+:class:`PlaneStrainOperator` convolves fields in the volume across, wave by wave, with a real matrix between all layers
+for each wave: one component is odd in x, the others are even, and multiplying the waves of the odd one by -i makes the
+matrices real. Transforms are padded so far that nothing wraps around. :class:`OuterStrain` sums the closed forms over
+all cells on either side of the volume.
 """
 
 from collections.abc import Callable, Iterator, Mapping

@@ -1,9 +1,9 @@
-"""Stress in layers and in the half-space below them, under a wave of pressure and of tangential traction.
+"""Layers on a half-space under a wave of pressure or tangential traction: displacement of the surface, stress below it.
 
-With the wave number k, ``t = k z`` and Airy's stress function ``f(t) cos(k x) / k^2``, a pressure ``P cos`` and a
-traction ``Q sin`` along x give ``s_zz = -f cos``, ``s_xz = f' sin`` and ``s_xx = f'' cos``.
-
-Response of layers on a half-space to a wave of pressure or tangential traction, and its short-ranged remainder.
+The change by the layers has a closed form, but for a remainder. It is zero for the longest waves, and so short-ranged:
+:class:`LayerResponse` gives that of the displacement, :class:`LayerStress` that of the stress. With the wave number k,
+``t = k z`` and Airy's stress function ``f(t) cos(k x) / k^2``, a pressure ``P cos(k x)`` and a traction ``Q sin(k x)``
+along x give the stresses ``s_zz = -f cos(k x)``, ``s_xz = f' sin(k x)`` and ``s_xx = f'' cos(k x)``.
 """
 
 from collections.abc import Callable, Iterator
@@ -27,9 +27,9 @@ RealOrComplex = NDArray[np.inexact[Any]]
 LONGEST_STEP = 4.0
 # Wave number times thickness beyond which a layer is a half-space: exp(-2 * 20) is below rounding.
 DEEP = 20.0
-# Spline through a remainder. Largest length of a piece: over its wave number, and that of long waves.
+# Largest length of a piece of the spline through a remainder: over its wave number, and at long waves.
 SPLINE_PIECE, LONG_PIECE = 1 / 64, 0.25
-# Points on each piece, and degree.
+# Points on each piece of the spline, and its degree.
 SPLINE_POINTS, SPLINE_DEGREE = 48, 7
 # Wave number over the distance of the nearest pole up to which a remainder is its Taylor series to k^6. The error is of
 # the order of SERIES_END^7.
@@ -268,8 +268,8 @@ def composite(ends: Array) -> tuple[Array, Array]:
     return points.ravel(), (width[:, None] * weights).ravel()
 
 
-# Last wave number of the spline through the remainder, times the rate at which that decays. A wave with 34 along each
-# axis, where the remainder is below rounding, has 48 in all.
+# Last wave number of the spline through the remainder of a stress, times the rate at which that decays. A wave with 34
+# along each axis, where the remainder is below rounding, has 48 in all.
 LAST_STRESS_WAVE = 49.0
 # Wave numbers beyond which that spline is made: more than the integral over the waves of a strip takes. On a lattice it
 # is always made, since many sums read it.

@@ -1,15 +1,13 @@
 """Fretting and partial slip: tangential traction under one or more tangential forces, each step from the one before.
 
-Under a constant pressure a step from one reversal of the force to the next is exact in plane strain, as slip does not
-reverse within it. Source: Mindlin & Deresiewicz (1953), J. Appl. Mech. 20, 327.
-
 A step from the traction r to q on the first body slips by ``s = A (q - r) - d``, the slip of the first against the
 second body, with the displacement ``A q`` under traction and the rigid one d of the second against the first body.
 Coulomb's law, ``|q| <= mu p`` with s opposed to q where they are equal and ``s = 0`` elsewhere, makes q the traction of
 least complementary energy ``1/2 (q - r) A (q - r)`` among those with the resultant that is asked for, or less ``d
-sum(q)`` under a given d.
+sum(q)`` under a given d. Source: Kalker (1990), ch. 4.
 
-Source: Kalker (1990), ch. 4; Mindlin & Deresiewicz (1953).
+Under a constant pressure a step from one reversal of the force to the next is exact in plane strain, as slip does not
+reverse within it. Source: Mindlin & Deresiewicz (1953), J. Appl. Mech. 20, 327.
 """
 
 from collections.abc import Sequence

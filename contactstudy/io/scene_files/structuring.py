@@ -1,4 +1,7 @@
-"""Nested tables of a file as frozen dataclasses, texts with a unit as numbers in SI units, and times in cycles."""
+"""Nested tables of a file as frozen dataclasses, with texts with a unit as numbers in SI units.
+
+Before that, times in cycles are converted to seconds, and numbers are found that are likely in another unit than SI.
+"""
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -16,61 +19,33 @@ from contactstudy.domain.checks import InvalidInput, parameters, suggestion
 from contactstudy.domain.units import Metres, MetresPerSecond, PerSecond, Seconds
 from contactstudy.domain.validation import ANY_SIGN, kind_of, remedy, valid
 
-# A number and what it counts, such as "3 cycles" or "1e4 revolutions".
-COUNTED = re.compile(r"\s*(\d+\.?\d*(?:[eE]\+?\d+)?)\s*(cycle|rev|revolution|turn)s?\s*")
-SPEED = Annotated[MetresPerSecond, ANY_SIGN]
-
-
-def with_cycles(raw: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the tables of a scene file with the times of ``time_steps`` in seconds.
-
-    A cycle is that of a sinusoidal load or of fretting with a period. A revolution of the wearing body is its
-    circumference over the speed of rolling, friction or wear.
-    """
-    steps = raw.get("time_steps")
-    if not isinstance(steps, Mapping):
-        return dict(raw)
-
-    def seconds(name: str, value: object) -> object:
-        if isinstance(value, list):
-            return [seconds(f"{name}[{number}]", entry) for number, entry in enumerate(value)]
-        counted = COUNTED.fullmatch(value) if isinstance(value, str) else None
-        if counted is None:
-            return value
-        turn = _cycle(raw) if counted[2] == "cycle" else _revolution(raw)
-        if not turn:
-            needed = "load.frequency, or friction.period"
-            if counted[2] != "cycle":
-                needed = "wear.circumference, and a speed of rolling, friction or wear above 0 m/s"
-            raise InvalidInput(f"time_steps.{name} is {value!r}: give {needed}, or the time in s.")
-        return float(counted[1]) * turn
-
-    return dict(raw) | {"time_steps": {name: seconds(name, value) for name, value in steps.items()}}
-
-
-def _entry(raw: Mapping[str, Any], table: str, key: str, hint: Any) -> float:
-    """Return an entry of a table in SI, 0 where there is none."""
-    value = raw[table].get(key) if isinstance(raw.get(table), Mapping) else None
-    return 0.0 if value is None else float(valid(f"{table}.{key}", value, hint))
-
-
-def _cycle(raw: Mapping[str, Any]) -> float:
-    """Return the duration of a cycle [s]; 0 if it is not known."""
-    frequency = _entry(raw, "load", "frequency", PerSecond)
-    return 1 / frequency if frequency else _entry(raw, "friction", "period", Seconds)
-
-
-def _revolution(raw: Mapping[str, Any]) -> float:
-    """Return the duration of a revolution of the wearing body [s]; 0 if it is not known."""
-    speeds = (_entry(raw, table, "speed", SPEED) for table in ("rolling", "friction", "wear"))
-    speed = next(filter(None, speeds), 0.0)
-    return _entry(raw, "wear", "circumference", Metres) / abs(speed) if speed else 0.0
-
-
-# Classes that a table may describe, by the type of the field and their names; NO_KIND is the default.
-NO_KIND = ""
+# Classes that a table may describe: by the type of the field, and then by the name that the key `kind` gives.
 Kinds = Mapping[Any, Mapping[str, type]]
+# Name of the class of a table without the key `kind`, where a type has one.
+NO_KIND = ""
 Target = TypeVar("Target")
+# Symbols that books and drawings have for fields.
+SYMBOLS_OF_FIELDS = {
+    "E": "youngs_modulus", "nu": "poisson_ratio", "v": "poisson_ratio", "R": "radius", "r": "radius", "L": "length",
+    "F": "total", "P": "total", "w": "per_length", "W": "per_length", "mu": "coefficient", "k": "coefficient",
+    "t": "thickness", "h": "thickness", "eta": "viscosity", "eta0": "viscosity", "alpha": "pressure_viscosity",
+    "HV": "hardness", "HRC": "hardness", "diameter": "radius",
+}  # fmt: skip
+# Bare numbers that are likely in another unit: from where or up to where in SI, and the unit that was likely meant.
+LARGE = {
+    "radius": (3.0, "mm"), "length": (10.0, "mm"), "thickness": (0.1, "um"), "end_drop": (1e-2, "um"),
+    "amplitude": (1e-2, "um"), "rms": (1e-3, "um"),
+}  # fmt: skip
+SMALL = {
+    "youngs_modulus": (1e4, "Pa", "GPa"), "yield_stress": (1e4, "Pa", "MPa"), "hardness": (1e5, "Pa", "GPa"),
+    "per_length": (1e3, "N/m", "N/mm"),
+}  # fmt: skip
+# A time as a number and what it counts, such as "3 cycles" or "1e4 revolutions".
+COUNTED = re.compile(r"\s*(\d+\.?\d*(?:[eE]\+?\d+)?)\s*(cycle|rev|revolution|turn)s?\s*")
+# Speed of a motion, whose sign is its direction.
+SPEED = Annotated[MetresPerSecond, ANY_SIGN]
+# Converters by the id of the kinds, which each holds: one takes milliseconds to make.
+_STRUCTURES: "dict[int, _Structure]" = {}
 
 
 def structured(raw: object, target: type[Target], kinds: Kinds, source: str) -> Target:
@@ -190,47 +165,6 @@ class _Structure:
         return read
 
 
-# By the id of the kinds, which each holds: a converter takes milliseconds to make.
-_STRUCTURES: dict[int, _Structure] = {}
-
-
-# Symbols that books and drawings have for fields.
-SYMBOLS_OF_FIELDS = {
-    "E": "youngs_modulus", "nu": "poisson_ratio", "v": "poisson_ratio", "R": "radius", "r": "radius", "L": "length",
-    "F": "total", "P": "total", "w": "per_length", "W": "per_length", "mu": "coefficient", "k": "coefficient",
-    "t": "thickness", "h": "thickness", "eta": "viscosity", "eta0": "viscosity", "alpha": "pressure_viscosity",
-    "HV": "hardness", "HRC": "hardness", "diameter": "radius",
-}  # fmt: skip
-# Bare numbers that are likely in another unit: from where or up to where in SI, and the unit that was likely meant.
-LARGE = {
-    "radius": (3.0, "mm"), "length": (10.0, "mm"), "thickness": (0.1, "um"), "end_drop": (1e-2, "um"),
-    "amplitude": (1e-2, "um"), "rms": (1e-3, "um"),
-}  # fmt: skip
-SMALL = {
-    "youngs_modulus": (1e4, "Pa", "GPa"), "yield_stress": (1e4, "Pa", "MPa"), "hardness": (1e5, "Pa", "GPa"),
-    "per_length": (1e3, "N/m", "N/mm"),
-}  # fmt: skip
-
-
-def likely_units(raw: object, path: str = "") -> Iterator[str]:
-    """Yield a sentence for each number without a unit in the tables of a file that is likely in another one than SI."""
-    entries: Iterable[tuple[object, object]] = ()
-    if isinstance(raw, Mapping):
-        entries = ((f"{path}.{key}".lstrip("."), entry) for key, entry in raw.items())
-    elif isinstance(raw, list):
-        entries = ((f"{path}[{n}]", entry) for n, entry in enumerate(raw))
-    for name, entry in entries:
-        field = str(name).rpartition(".")[2]
-        if isinstance(entry, bool) or not isinstance(entry, int | float):
-            yield from likely_units(entry, str(name))
-            continue
-        largest, smaller = LARGE.get(field, (inf, ""))
-        least, si, larger = SMALL.get(field, (0.0, "m", ""))
-        is_light = field == "per_length" and not isinstance(entry, int)  # may well be meant
-        if largest <= abs(entry) < inf or (0 < entry < least and not is_light):
-            yield f"{name} is {entry!r}, which is {entry:g} {si}: was '{entry:g} {smaller or larger}' meant?"
-
-
 def _kind_of(table: Mapping[str, object], kinds: Mapping[str, type]) -> type:
     """Return the kind that `table` names, else the only one that has its keys, or those that are likely meant."""
     named = {name: kind for name, kind in kinds.items() if name != NO_KIND}
@@ -301,3 +235,68 @@ def _sentence(error: BaseException, target: type | None) -> str:
         is_class = isinstance(target, type) and target not in (int, float, str, bool)
         return f"it is missing: {'give a table' if is_class else remedy(target)}."
     return str(error)
+
+
+def likely_units(raw: object, path: str = "") -> Iterator[str]:
+    """Yield a sentence for each number without a unit in the tables of a file that is likely in another one than SI."""
+    entries: Iterable[tuple[object, object]] = ()
+    if isinstance(raw, Mapping):
+        entries = ((f"{path}.{key}".lstrip("."), entry) for key, entry in raw.items())
+    elif isinstance(raw, list):
+        entries = ((f"{path}[{n}]", entry) for n, entry in enumerate(raw))
+    for name, entry in entries:
+        field = str(name).rpartition(".")[2]
+        if isinstance(entry, bool) or not isinstance(entry, int | float):
+            yield from likely_units(entry, str(name))
+            continue
+        largest, smaller = LARGE.get(field, (inf, ""))
+        least, si, larger = SMALL.get(field, (0.0, "m", ""))
+        is_light = field == "per_length" and not isinstance(entry, int)  # may well be meant
+        if largest <= abs(entry) < inf or (0 < entry < least and not is_light):
+            yield f"{name} is {entry!r}, which is {entry:g} {si}: was '{entry:g} {smaller or larger}' meant?"
+
+
+def with_cycles(raw: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the tables of a scene file with the times of ``time_steps`` in seconds.
+
+    A cycle is that of a sinusoidal load or of fretting with a period. A revolution of the wearing body is its
+    circumference over the speed of rolling, friction or wear.
+    """
+    steps = raw.get("time_steps")
+    if not isinstance(steps, Mapping):
+        return dict(raw)
+
+    def seconds(name: str, value: object) -> object:
+        if isinstance(value, list):
+            return [seconds(f"{name}[{number}]", entry) for number, entry in enumerate(value)]
+        counted = COUNTED.fullmatch(value) if isinstance(value, str) else None
+        if counted is None:
+            return value
+        turn = _cycle(raw) if counted[2] == "cycle" else _revolution(raw)
+        if not turn:
+            needed = "load.frequency, or friction.period"
+            if counted[2] != "cycle":
+                needed = "wear.circumference, and a speed of rolling, friction or wear above 0 m/s"
+            raise InvalidInput(f"time_steps.{name} is {value!r}: give {needed}, or the time in s.")
+        return float(counted[1]) * turn
+
+    return dict(raw) | {"time_steps": {name: seconds(name, value) for name, value in steps.items()}}
+
+
+def _entry(raw: Mapping[str, Any], table: str, key: str, hint: Any) -> float:
+    """Return an entry of a table in SI, 0 where there is none."""
+    value = raw[table].get(key) if isinstance(raw.get(table), Mapping) else None
+    return 0.0 if value is None else float(valid(f"{table}.{key}", value, hint))
+
+
+def _cycle(raw: Mapping[str, Any]) -> float:
+    """Return the duration of a cycle [s]; 0 if it is not known."""
+    frequency = _entry(raw, "load", "frequency", PerSecond)
+    return 1 / frequency if frequency else _entry(raw, "friction", "period", Seconds)
+
+
+def _revolution(raw: Mapping[str, Any]) -> float:
+    """Return the duration of a revolution of the wearing body [s]; 0 if it is not known."""
+    speeds = (_entry(raw, table, "speed", SPEED) for table in ("rolling", "friction", "wear"))
+    speed = next(filter(None, speeds), 0.0)
+    return _entry(raw, "wear", "circumference", Metres) / abs(speed) if speed else 0.0

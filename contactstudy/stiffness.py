@@ -29,8 +29,8 @@ RTOL, MAXITER = 3e-2, 60
 ADHESIVE_RTOL, ADHESIVE_MAXITER = 1e-10, 1000
 # Factor on a range that was chosen for the grid: the zone grows with the square of the range, to 2^2 x 6 cells.
 LONGER_RANGE = 2.0
-# Bound of a stiffness over the error that the law of a line contact gives for its area: by 60 contacts at random,
-# smooth, wavy, rough, coated or as hard as their peak, the largest true error was 0.99 of that.
+# Bound of a stiffness over the error that the law of a line contact gives for its area: of 60 random contacts, smooth,
+# wavy, rough, coated or as hard as their peak, the largest true error was 0.99 of that.
 STIFFNESS_MARGIN = 1.25
 
 
@@ -68,13 +68,14 @@ def normal_stiffness(solution: Contact) -> float:
 
 
 def _adhesive_stiffness(contact: Contact, active: Array) -> float:
-    """Return the normal stiffness [N/m per m of length] of an adhesive contact, whose `active` cells (x, y) stay it.
+    """Return the normal stiffness [N/m per m of length] of an adhesive contact, with the `active` cells (x, y) fixed.
 
     Beside the contact the attraction rises by s = -d attraction / d gap as the gap closes: the increment q of the net
-    pressure under a unit of approach fulfils ``K q = 1`` in contact and ``K q - q / s = 1`` beside it. It is symmetric
-    in ``q / root(s)``, and indefinite: at pull-off the stiffness is zero, and where a given approach loses stability it
-    is infinite. Where the grid chose the range, six cells in the cohesive zone hold the edge between two cells for a
-    while, where the stiffness is up to a sixth too high: the contact is solved once more with a longer range.
+    pressure under a unit of approach fulfils ``K q = 1`` in contact and ``K q - q / s = 1`` beside it, with the operator
+    K from pressure to displacement. The system is symmetric in ``q / root(s)``, and indefinite: at pull-off the
+    stiffness is zero, and where a given approach loses stability it is infinite. Where the grid chose the range, six
+    cells in the cohesive zone hold the edge between two cells for a while, where the stiffness is up to a sixth too
+    high: the contact is solved once more with a longer range.
     """
     if contact.regularised:
         contact = _with_longer_range(contact)
@@ -136,7 +137,7 @@ def stiffness_error(contact: Contact, stiffness: float) -> float:
 
 
 def contact_stiffness(contact: Contact) -> Quantity:
-    """Return the normal stiffness d load / d approach of a dry contact with its bound, [N/m], of a line per length.
+    """Return the normal stiffness d load / d approach of a dry contact with its bound: [N/m], of a line contact [N/m^2].
 
     It counts from where the approach does, which the label says; see :func:`distant_approach` for that between the axes
     of cylinders. It is computed with the cells in contact fixed.

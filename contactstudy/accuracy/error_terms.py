@@ -26,8 +26,9 @@ IMAGES_REMEDY = (
 )
 # L1 change of Hertz's ellipse over the small fraction of its half-width by which it is made narrower, or shifted.
 L1_OVER_NARROWING = 4 / np.pi
-# The line load of a window centred on the domain varies by END_VARIATION (a / L)^0.7 / (2 n + 1)^2 in the mean
-# over the length: measured for L from 0.15 to 9.6 half-widths, on 32 to 288 cells.
+# With n images to each side, in a window centred on the domain, the line load varies by
+# END_VARIATION (a / L)^END_VARIATION_POWER / (2 n + 1)^2 in the mean over the length L, a being the half-width: measured
+# for L from 0.15 to 9.6 half-widths, on 32 to 288 cells.
 END_VARIATION, END_VARIATION_POWER = 0.5, 0.7
 # Bound over the errors of a roller that ends, by the law of an endless contact with the larger of the half-widths across
 # and along: they were at most 1.31 times that on 336 sharp and Lundberg rollers of 2.5 to 30 half-widths, on grids of 1
@@ -40,7 +41,8 @@ def image_errors(pressure: Array, grid: Grid, paddings: Paddings, *, ends_along:
 
     A window that reaches D to each side takes ``x^2 / (2 D^2)`` from the logarithm of each image row, and so makes the
     contact, of half-width ``a = 2 rms(x)``, too highly curved by the factor ``1 + a^2 / (4 D^2)``. A window centred on
-    the domain also misses more at its ends, by ``-ln(1 - (2 y / L)^2 / (2 n + 1)^2)``: under that kink the pressure
+    the domain, of length L with n images to each side, also misses more at its ends, by ``-ln(1 - (2 y / L)^2 / (2 n +
+    1)^2)``: under that kink the pressure
     rises, j cells from the end by the fraction ``(2 / pi) (a / L) ln(cells / (2 j + 1)) / (2 n + 1)^2``. Without any
     images the solution's own line load shows the error at the ends. The errors are zero where all images are summed, or
     a length without images holds the whole contact. A body that ends along the length is not uniform along it, so that

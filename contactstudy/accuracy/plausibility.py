@@ -1,4 +1,7 @@
-"""Warnings: implausible numbers, bodies too small to be half-spaces, ends of a roller that are not relieved."""
+"""Warnings: bodies too small to be half-spaces, unrelieved ends of a roller, implausible numbers, lack of strength.
+
+The margin to yield of an elastic body is here too.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace

@@ -121,7 +121,7 @@ class Evolution(Answer):
         by_pressure = sorted(touching or self.frames, key=lambda frame: -frame.pressure.max())
         estimates = [frame.error for frame in by_pressure]
         largest = max(estimates, key=lambda estimate: estimate.l1.total)
-        # a sentence that differs by its numbers alone is said of the highest pressure
+        # of sentences that differ by their numbers alone, only that of the highest pressure is kept
         sentences: dict[str, str] = {}
         for sentence in (text for estimate in estimates for text in estimate.warnings):
             sentences.setdefault(sub(r"[\d.]+", "", sentence), sentence)
@@ -336,7 +336,7 @@ def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
         reason = reason or "No bound: the time-discretisation error was not estimated."
     if l1.total == inf:
         l1 = replace(l1, reason=reason)
-    # of each cause the larger bound, that of the pressure in L1 or that of its peak; of the steps that of the peak
+    # the larger of two bounds by each cause: that of the pressure in L1 and that of its peak; by the steps, the latter
     of_peak = frame.peak_grid_error_parts.by_cause
     larger: dict[str, Any] = {cause: max(part, of_peak.get(cause, 0.0)) for cause, part in l1.by_cause.items()}
     larger["steps"] = frame.errors_by_steps["peak_pressure"]

@@ -120,8 +120,8 @@ class ShearResponse:
         return float((sums + np.abs(self.xy.spectrum)).max())
 
 
-# Compliance under traction by component of :class:`ShearResponse`, and "x" and "y" along the normal by it along each
-# axis: coefficients [m] with their weights [1/Pa].
+# Compliance under traction, as coefficients [m] with their weights [1/Pa]: along the surface by the components "xx",
+# "yy" and "xy", and along the normal by "x" and "y", the axis of the traction.
 ShearCompliance = Mapping[str, Mapping[Coefficients, float]]
 
 

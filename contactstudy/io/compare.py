@@ -1,4 +1,4 @@
-"""Comparison of two contacts on two grids: differences of pressure and numbers, and of their scenes."""
+"""Comparison of two contacts on two grids: differences of their pressures, quantities and scenes."""
 
 import tomllib
 from collections.abc import Iterable, Mapping
@@ -18,9 +18,10 @@ from contactstudy.io.dataset import labelled
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-
 # Relative differences up to this are rounding, and are not printed.
 ROUNDING = 1e-9
+# Quantities that a comparison prints separately.
+COMPARED = "peak_pressure", "contact_area", "approach", "load_per_length", "total_load"
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,10 +157,6 @@ def compare(a: Any, b: Any) -> Comparison:
 def _net_pressure(dataset: xr.Dataset) -> Array:
     """Return the pressure (x, y) [Pa] of a contact, with adhesion less the attraction."""
     return np.asarray((dataset["pressure"] - dataset.get("attraction", 0.0)).values)
-
-
-# Quantities that a comparison prints separately.
-COMPARED = "peak_pressure", "contact_area", "approach", "load_per_length", "total_load"
 
 
 def _quantities(first: xr.Dataset, second: xr.Dataset) -> dict[str, float]:

@@ -67,7 +67,9 @@ def from_higher_speeds(
 
 @dataclass(frozen=True)
 class MixedTuning:
-    """Tuning constants of the starts, chosen by what converges on ridges at M = 20 and 100, at 1 to 1e-6 times a speed.
+    """Tuning constants of the starts, chosen by what converges on ridges at 1 to 1e-6 times a speed.
+
+    At that speed Moes's load parameter M was 20 and 100.
 
     Attributes
     ----------

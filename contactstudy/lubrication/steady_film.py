@@ -27,7 +27,8 @@ from contactstudy.solvers.solution import Status
 
 # The inlet pressure sweep over the half-width is (H / SWEEP)^(2/3) with the film thickness H in Hertz units: there the
 # gap beside Hertz's contact, (2 sqrt(2) / 3) x^(3/2), is the film. An inlet of x_a half-widths gives a film that is too
-# thin by the fraction INLET_ERROR H / x_a^2, as at M = 2, L = 0; heavier loads lose less.
+# thin by the fraction INLET_ERROR H / x_a^2, as at Moes's load parameter M = 2 and material parameter L = 0; heavier
+# loads lose less.
 SWEEP, INLET_ERROR = 0.94, 0.9
 # An inlet whose length makes the film thinner by more than the fraction STARVED counts as starved. A film is unresolved
 # on cells wider than the inlet sweep, or if it rises by more than UNRESOLVED_RISE of itself from its lowest cell to the

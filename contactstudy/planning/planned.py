@@ -1,4 +1,4 @@
-"""A plan: grid and padding for a scene, with expected error and cost."""
+"""A plan: grid and padding for a scene, with expected error and cost, and the time and memory that a solve takes."""
 
 from dataclasses import dataclass, field
 from math import inf, pi
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 # Largest number of cells along an axis of the solve that is timed on a device, its tolerance, and the seconds for which
 # quick solves are repeated, since the first fills caches and other processes interrupt.
 LARGE_SAMPLE, TOLERANCE, MIN_TOTAL_SECONDS = 512, 1e-8, 0.02
+# Extent of that solve.
 SAMPLE_EXTENT = 2.4, 2.4
 # Fraction of the machine's free memory that a plan may take.
 MEMORY_FRACTION = 0.8

@@ -1,4 +1,4 @@
-"""Settings of a scene that were measured, the choice among them, and their netCDF file."""
+"""A scene, its settings that were measured, the choice among them, and the dataset of both."""
 
 import json
 import re
@@ -23,6 +23,7 @@ TIE = 1.1
 # Measures: what must meet the requested error. NAMED is for errors that are requested by the names of numbers.
 EVERY_NUMBER, PRESSURE = "every number", "the pressure in L1"
 NAMED = "every number that is named, in proportion to its own request"
+# Name of the study of settings, and of its netCDF file.
 SETTINGS = "settings"
 # Variables of a setting and of what was measured of it, in the order of their fields: units and long name.
 COLUMNS = {

@@ -133,7 +133,7 @@ def _corner(problem: cs.Problem, solver: cs.Solver) -> Array:
 
 WAVY = replace(FLAT, shapes=(cs.Waviness(1e-3 * HERTZ_HEIGHT, along=1.2 * A),))
 PUNCH = np.where(np.abs(grid().x)[:, None] < 0.5 * A, 0.0, -1e4) * np.ones(CELLS)
-YIELDING = replace(with_heights(ROUGH), hardness=0.33 * P_H)  # 0.327 carries the load
+YIELDING = replace(with_heights(ROUGH), hardness=0.33 * P_H)  # from 0.327 p_H on the load is carried
 TOO_SOFT = replace(SCENE, hardness=0.3 * P_H)
 START = _rough(3 * ROUGH)
 CASES: dict[str, HardCase] = {
@@ -162,7 +162,7 @@ CASES: dict[str, HardCase] = {
 }
 
 
-# The study
+# The study `stability`
 
 PADDINGS: dict[str, cs.Padding | cs.Paddings] = {
     "zero": cs.ZeroPadding(),

@@ -32,7 +32,7 @@ START_TIMEOUT = 120.0  # seconds in which a new process must be ready
 RESTART_DELAY = 0.5  # seconds after which the fork server is started again
 LONGEST_WAIT = 1e6  # seconds, twelve days: the system takes no more
 REMEDY = "; give more with --time-limit and --retry timeout"
-MAX_STARTS = 3  # processes that may end before their first case
+MAX_STARTS = 3  # processes in a row that may end before their first case
 # a process that has imported the libraries is forked, where the system can; a fork of macOS may not use its libraries
 METHOD = "forkserver" if sys.platform == "linux" and hasattr(os, "fork") else "spawn"
 PROCESSES: Any = multiprocessing.get_context(METHOD)
@@ -51,7 +51,7 @@ def pickled_settings(settings: RunSettings, program: Program) -> bytes:
 
 
 class Slot:
-    """A slot for tasks with pickled `settings`; `where` it is said to be in a message about its program.
+    """A slot for tasks with pickled `settings`; a message about its program names the place `where` it is.
 
     A process is started for the first task, and again after each death. The event `ended` is set by :meth:`end`.
     """
@@ -86,7 +86,7 @@ class Slot:
             first = len(outcomes)
             try:
                 self._connection.send((tasks, first, first + 1 if is_again else count))
-            except OSError:  # it had been idle for long, and ended
+            except OSError:  # the process ended while it was idle
                 self._discard()
                 continue
             while isinstance(answer := self._answer(limit), Outcome):
@@ -118,7 +118,7 @@ class Slot:
         """Return the next answer; where it is late or does not come, the error, the seconds and the exit code."""
         start, process = perf_counter(), self._process
         kind: type[Exception] = EOFError
-        with suppress(Exception):  # also where another thread has ended it, or the answer is no answer
+        with suppress(Exception):  # another thread may have ended the process, or its answer cannot be unpickled
             ready = wait([self._connection, process.sentinel], limit and min(limit, LONGEST_WAIT))
             # an answer may have come just before the process ended
             if self._connection in ready or self._connection.poll():
@@ -158,7 +158,7 @@ class Slot:
                 process = PROCESSES.Process(target=main, args=arguments)
                 process.start()
         except (EOFError, ConnectionError):
-            # or the next one is asked of the same fork server, while the system ends it
+            # without the delay the next process would be asked of this fork server too, which is ending
             self.ended.wait(RESTART_DELAY)
             return
         except OSError as error:
@@ -166,7 +166,7 @@ class Slot:
                 f"A worker process cannot be started ({error.strerror}): give fewer with --workers."
             ) from None
         self._process = process
-        if self.ended.is_set():  # meanwhile
+        if self.ended.is_set():  # while it was started
             self._discard()
 
     def _discard(self, wait: float = 0.0) -> int | None:

@@ -17,22 +17,25 @@ if TYPE_CHECKING:
     import xarray as xr
 
 Value = str | int | float
+# What to give for values of each type.
 FORMS = {
     int: "give whole numbers such as 0,1,6, a range such as 0:10, or n values of a range such as 32:1024:6:log",
     float: "give numbers such as 0.6,2.4, or n values of a range such as 0.6:2.4:4 or 1:100:3:log",
     str: "give names separated by commas",
 }
 MAX_VALUES = 1_000_000  # of an axis, and points of a study above which a user must confirm
+# A number; a number with a unit; a range such as "50:400:8:log N/mm", with its unit behind any of the numbers.
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 QUANTITY = re.compile(rf"({NUMBER})\s*(.*)")
 RANGE = re.compile(
     rf"({NUMBER})\s*([^:,\d]*):\s*({NUMBER})\s*([^:,\d][^:,]*)?(?::\s*(\d+)\s*(?::\s*(log))?\s*([^:]*))?"
 )
+# What to give for a text that lacks a value.
 EXAMPLES = (
     "give values separated by commas, such as 50 N/mm,100 N/mm, or a range with its number of values, such "
     "as 50:400:8 N/mm or, in equal ratios, 50:400:8:log N/mm"
 )
-OPEN, CLOSED = "[{", "]}"
+OPEN, CLOSED = "[{", "]}"  # brackets, in which a comma divides no values
 
 
 def one_of(field: str, value: object, names: Iterable[str]) -> str:

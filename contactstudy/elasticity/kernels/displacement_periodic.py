@@ -181,7 +181,8 @@ def boussinesq_cell_doubly_periodic(
 
     The error is below 1e-13 of ``max(|S|, dx dy / min(width, period))``. Source: the rows of
     ``boussinesq_cell_periodic``, whose harmonics vanish within a few of their periods and
-    whose logarithms together are that of a periodic line load, ``-2 ln |2 sin(pi x / W)|`` (Johnson 1985, sect. 13.2).
+    whose logarithms together are that of a line load of period W = `width`, ``-2 ln |2 sin(pi x / W)|`` (Johnson 1985,
+    sect. 13.2).
 
     Parameters
     ----------
@@ -209,7 +210,7 @@ def boussinesq_cell_doubly_periodic(
 
 
 def _further_rows(x: Array, y: Array, dx: float, dy: float, width: float, period: float) -> Array:
-    """Return the sum over all rows except the rows at 0 and at W, in units of ``dx dy / period``.
+    """Return the sum over all rows except the rows at 0 and at the `width`, in units of ``dx dy / period``.
 
     No cell of these rows reaches the axis.
     """
@@ -226,7 +227,7 @@ def _further_rows(x: Array, y: Array, dx: float, dy: float, width: float, period
         across[:, : wave.shape[1]] += wave
     along = harmonics_along(y, dy / 2, period, across.shape[1])
     total = matrix_product(across, along)
-    # ln |x (W - x)| less ln |2 sin(pi x / W)|, by the sine's product
+    # ln |x (W - x)| less ln |2 sin(pi x / W)|, with W the width, by the sine's product
     logarithms = 2 * np.log(width) - np.log(2 * np.pi)
     for node, weight in gauss_points(2 * width / dx):
         t = (x + node * dx / 2) / width

@@ -27,9 +27,8 @@ from contactstudy.problem.bare_problem import ApproximateInverse, Extension
 # Elasticity in the local stage: the coefficient of a change of pressure has the first times that of thickness, and on
 # the diagonal the second times the width of a cell. These, of lines ALONG the length and of others, and the PASSES over
 # every second line, were chosen by counts of iterations on 50 rough, crowned and mixed films of 64 x 16 to 864 x 128
-# cells, M = 20 and 100, L = 0 to 10.
+# cells, with Moes's load parameter M = 20 and 100 and his material parameter L = 0 to 10.
 ELASTICITY, ELASTICITY_ALONG, PASSES = (0.05, 0.1), (0.03, 0.03), 3
-
 # Function that solves for a right-hand side (x, y), approximately.
 LocalStage = Callable[[Array], Array]
 

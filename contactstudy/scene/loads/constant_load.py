@@ -1,4 +1,4 @@
-"""Constant loads that press the bodies together, and what may be given in place of one: an approach, separation."""
+"""Constant loads that press the bodies together, and what may be given in place of one: an approach, or a pull-off."""
 
 from math import e, exp, inf, isclose, pi
 from typing import Annotated, ClassVar
@@ -89,7 +89,6 @@ class TotalLoad:
 
 
 ConstantLoad = LineLoad | TotalLoad
-
 
 # Distance from the axis at which the surface does not move, over the equivalent radius, where none is given.
 DATUM_OVER_RADIUS = 2.0

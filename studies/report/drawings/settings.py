@@ -11,6 +11,7 @@ from studies.reference.paddings import HAS_IMAGES, padding_label
 from studies.report.claims import Claim, drawing, number
 from studies.report.plots import LAW_STYLE, WIDTH, Law, Plot, captioned, padding_style, panels, percent, seconds_text
 
+# The measure that most figures show, its label, and where a figure is taken on axes that it does not show.
 ERROR = "pressure_error_l1"
 LABELS = {ERROR: "L1 error of the pressure"}
 FINEST = {"grid": -1, "solver_tolerance": 0, "along": 0}
@@ -118,6 +119,7 @@ WHICH_GRID = Claim(
 )
 
 
+# Processor time with one cell along and with square cells, then the error with each.
 QUICK, SLOW, ONE, SQUARE = (
     number(measure, "solver_tolerance", padding="exact", along=along)
     for measure in ("total_time", ERROR)
@@ -160,7 +162,7 @@ LENGTH_CLAIM = Claim(
 )
 
 
-# The paper
+# The paper's figure and table
 
 
 def pressures(dataset: xr.Dataset) -> CaptionedFigure:
@@ -217,6 +219,7 @@ def errors_of_paddings(dataset: xr.Dataset) -> Table:
     )
 
 
+# Errors with duplicated padding and with superposition.
 COPIED, COUNTED = (number("axis_pressure_error", padding=name, images=6) for name in ("duplicated", "superposed"))
 SIMILAR_CLAIM = Claim(
     "What does the paper say of n?",
@@ -233,6 +236,8 @@ SIMILAR_CLAIM = Claim(
     },
     {"padding": ("duplicated", "superposed"), "images": (6,)},
 )
+
+# The drawings of the studies, by their names
 
 padding = drawing(SIDE_BY_SIDE, FRONT)
 period = drawing(REACH, OVER_PERIOD, FRONT)

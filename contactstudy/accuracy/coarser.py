@@ -1,4 +1,4 @@
-"""The same contact on coarser cells: its problem, its solution, what changes, and errors told from cells of one grid."""
+"""Errors due to the cells: from a pressure on one grid, and from the same contact solved on cells of twice the size."""
 
 from dataclasses import dataclass, replace
 from math import inf, log, pi
@@ -48,8 +48,6 @@ class DiscretisationConstants:
 
 
 CONSTANTS = DiscretisationConstants()
-
-
 # Uncertainty, in cells, of straight edges, beside the difference by two pairs of cells.
 STRAIGHT_UNCERTAINTY = 0.006
 
@@ -197,12 +195,12 @@ def relative_loss(fraction: float) -> float:
     return float(fraction / (1 - fraction)) if fraction < 1 else inf
 
 
-# Tolerance of the coarse solution. It begins with the means of the fine one, which on several hundred cells are within
-# 1e-4 of it, and would then be taken for it.
+# Tolerance of the coarse solution. It begins with the means of the fine one: on several hundred cells these are within
+# 1e-4 of it, and a larger tolerance would take them for it.
 COARSE_TOLERANCE = 1e-6
-# That of one with adhesion, whose states near separation differ by slow changes alone.
+# That of a coarse solution with adhesion, whose states near separation differ by slow changes alone.
 ADHESIVE_TOLERANCE = 1e-7
-# Errors of a solution by its cells.
+# Fields of `DiscretisationErrors` that hold an error.
 OF_NUMBERS = "l1", "peak_pressure", "contact_area", "mean_gap", "load"
 # Error of the work of adhesion by which cells trap the edge of a contact, times the cells in the cohesive zone.
 TRAPPED_WORK: dict[type, float] = {Exponential: 0.06, Dugdale: 0.16}

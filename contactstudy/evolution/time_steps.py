@@ -15,7 +15,6 @@ DEFAULT_INSTANTS = 41
 # gamma of the L-stable two-stage SDIRK scheme of order 2.
 SDIRK_GAMMA = 1 - 1 / sqrt(2)
 
-
 Scheme = Literal["two_stage", "implicit", "explicit"]
 # Stages of a step of sliding wear in the order of time: for each its fraction of the duration, and the fraction of the
 # stage that is explicit.

@@ -161,7 +161,8 @@ class PolonskyKeer:
                 delta, pressure = 0.0, problem.project(before - step * gap.height)
 
 
-# Constants of the iteration, chosen for few iterations on rough contacts with 9 % to 100 % of the area of Hertz.
+# Constants of the preconditioned iteration, chosen for few iterations on rough contacts with 9 % to 100 % of the area of
+# Hertz.
 # A step that a limit cut off is taken in whole where the complementary energy is least beyond this fraction of it: the
 # whole step then lowers that energy too, which is quadratic along it.
 LEAST_FRACTION = 0.5

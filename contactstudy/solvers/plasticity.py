@@ -207,7 +207,8 @@ RTOL, MAXITER = 1e-2, 200
 class ContactTangent:
     """Tangent operator ``-dp/dgap`` of a contact under a fixed load.
 
-    It is ``Pi = K^-1 - K^-1 1 1^T K^-1 / (1^T K^-1 1)``, applied by conjugate gradients that are preconditioned as the
+    It is ``Pi = K^-1 - K^-1 1 1^T K^-1 / (1^T K^-1 1)``, with the map K from pressure to displacement of the cells in
+    contact and the vector 1 of ones there, applied by conjugate gradients that are preconditioned as the
     contact is. `contact` (x, y) is 1 in the cells in contact and 0 elsewhere. Cells at a hardness count as the others,
     an approximation: in truth their pressure does not change.
     """

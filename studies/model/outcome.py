@@ -1,4 +1,4 @@
-"""Outcomes of computations, checked so that netCDF returns what was stored, and their times."""
+"""Outcomes of computations: sentences on them, their times, and checks that netCDF returns what is stored."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import astuple, dataclass, field
@@ -38,7 +38,7 @@ class CaseStatus(IntEnum):
     KILLED = 4
 
 
-# variables that the store adds to every case; and keywords of xarray's ``sel``, which no axis may have
+# Variables that the store adds to every case, and keywords of xarray's ``sel``: no axis may have these names.
 RESERVED_NAMES = frozenset((
     "case_status", "case_key", "error", "repeat", "wall_time",
     "tolerance", "method", "drop",
@@ -140,6 +140,7 @@ def is_time(name: str) -> bool:
     return name.startswith(("setup_time", "solve_time", "wall_time"))
 
 
+# Parts of a timed run, in the order of `TimedRun`, with what each does.
 PARTS = {"setup": "to set up coefficients and transforms, where a solve does not do it itself", "solve": "to solve"}
 
 

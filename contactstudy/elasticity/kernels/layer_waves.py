@@ -31,6 +31,7 @@ Window = tuple[tuple[float, float], ...]
 # The end effects of a window are negligible beyond 2 / width cells: those of the long waves within half of NEAR_CELLS,
 # those of the seen waves at the centre of a cell, half a cell from its edges.
 NEAR_CELLS = 24
+# The long waves, all waves that are seen at the centres of cells, and the latter without the former.
 LONG_WAVES: Window = ((0.9, 0.165),)
 SEEN_WAVES: Window = ((20.0, 3.5),)
 SHORT_WAVES = LONG_WAVES + SEEN_WAVES

@@ -141,7 +141,7 @@ def embedded(field: Array, first: int, volume: Volume) -> Array:
     return values
 
 
-# From a field (x, y) [m] added to the gap to the contact with it.
+# Function that returns the contact with a field (x, y) [m] added to its gap.
 Contact = Callable[[Array], Solution]
 # Yield sets in where a step adds more than this multiple of the plastic strain before it. A step that doubles the load
 # adds about 3 times the plastic strain.

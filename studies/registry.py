@@ -18,7 +18,7 @@ from importlib.resources import files
 from pathlib import Path
 from traceback import extract_tb
 from types import ModuleType
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
 from contactstudy import InvalidInput
 from contactstudy.domain.checks import suggestion
@@ -27,9 +27,6 @@ from studies.model.drawing import Drawing, no_items
 from studies.model.plain_text import one_line, quoted
 from studies.model.study import Study
 from studies.store.program import content, look
-
-if TYPE_CHECKING:
-    pass
 
 # Studies by family.
 FAMILIES = {

@@ -9,7 +9,6 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import ceil, inf, isfinite
-from re import sub
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
@@ -267,7 +266,7 @@ def judged_numbers(quantities: Quantities, request: Request | None) -> dict[str,
 
 def _is_named(name: str, key: str) -> bool:
     """Return whether `key` is the `name` of a number or its last words, before the index of a body where it has one."""
-    return sub(r"_\d$", "", name).endswith(f"_{key}") or name == key
+    return re.sub(r"_\d$", "", name).endswith(f"_{key}") or name == key
 
 
 def _is_uncertain(quantity: Quantity) -> bool:
@@ -294,7 +293,7 @@ def without_bound(numbers: Iterable[Judged]) -> str:
         return ""
     first, others = unknown[0], len(unknown) - 1
     beside = f" and {others} other{'s' if others > 1 else ''}" if others else ""
-    why = sub(r"^No bound[^:]*: ", "", first.reason).rstrip(".")
+    why = re.sub(r"^No bound[^:]*: ", "", first.reason).rstrip(".")
     return f"no bound for the {first.label}{beside}: {why}"
 
 

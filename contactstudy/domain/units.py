@@ -104,13 +104,13 @@ ONE: Scale = (0, (0, 0, 0, 0))
 KNOWN: dict[str, Scale] = {"": ONE, "1": ONE} | {
     prefix + unit: (power, powers) for prefix, power in PREFIXES.items() for unit, powers in UNITS.items()
 }
-
+# A number, and what stands behind it.
 NUMBER = re.compile(r"\s*([-+]?(?:inf|(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?))\s*(.*?)\s*")
 # What stands between a number and its tolerance.
 PLUS_MINUS = re.compile(r"\s*(?:\+/?-|±)\s*")
 # A number with its tolerance, whose unit stands behind brackets.
 IN_BRACKETS = re.compile(r"^\(([^()]*)\)(.*)")
-# Units: names, powers, products, quotients also of 1 and by products in brackets, and no other expressions.
+# Patterns of powers and products without signs, and how they are written with them.
 REPLACED = (
     (r"²", "^2"), (r"³", "^3"), (r"([mM])([23])(?![\d])", r"\1^\2"), (r"\b(m?)Pas\b", r"\1Pa*s"), (r"\bNm\b", "N*m"),
     (r"^°$", "degree"),
@@ -120,7 +120,8 @@ ROCKWELL = (
     (20, 238), (25, 266), (30, 302), (35, 345), (40, 392), (45, 446), (50, 513), (55, 595), (58, 653), (60, 697),
     (62, 746), (64, 800), (66, 865), (68, 940),
 )  # fmt: skip
-VICKERS = 9.80665e6  # Pa
+VICKERS = 9.80665e6  # [Pa], a kgf/mm^2
+# Units: names, powers, products, quotients also of 1 and by products in brackets, and no other expressions.
 POWER = r"°?[^\W\d_]+\d?(?:\s*(?:\*\*|\^)\s*-?\d)?"
 FACTOR = rf"(?:{POWER}|\(\s*{POWER}(?:\s*[*·]\s*{POWER}|\s+{POWER})*\s*\))"
 SYMBOLS = re.compile(rf"(?:1\s*/\s*)?{FACTOR}(?:\s*[*/·]\s*{FACTOR}|\s+{POWER})*")

@@ -70,7 +70,8 @@ class Reading:
 class FileContent(NamedTuple):
     """Numbers of a file (x, y), nan where one is missing, their unit [m], the sizes [m], and notes on them.
 
-    `assumed` is a note on sizes that the file leaves open, which a given extent replaces.
+    `invalid` is the number that stands for a missing one, if the file says so. `is_own` says whether this program wrote
+    the file. `assumed` is a note on sizes that the file leaves open, which a given extent replaces.
     """
 
     values: Array

@@ -139,7 +139,7 @@ def plan(
         return replace(planned, seconds=inf, reasons=(*planned.reasons, reason))
     last, seconds, reason = request.end(levels)
     found = planned
-    if last != planned.grid:  # what is said of the last grid, and its bytes
+    if last != planned.grid:  # the plan is to speak of the last grid, and of its memory
         found = plan_grid(planned.scene, error=error, grid=last, padding=padding, times=times, device=device)
         begins = f"refinement: a solve begins on {cells_text(planned.grid.cells)}."
         found = replace(
@@ -223,7 +223,7 @@ class _Request:
         """
         for level in levels:
             if level.answer is not None:
-                judged_numbers(level.answer.quantities, self.error)  # refuses names
+                judged_numbers(level.answer.quantities, self.error)  # refuses names of numbers that the answer lacks
         last, grids = levels[-1], self.grids_of_pressure(levels)
         seconds = sum(self.seconds_on(grid, levels) for grid in grids)
         if self.planned.first_grids is not None:
@@ -292,7 +292,7 @@ class _Request:
         warnings = [text for text in answer.error.warnings if SHARP_EDGE in text]
         width, parts = answer.grid.extent[0], answer.error.l1.by_cause
         if answer.status is Status.CONTACT_AT_EDGE:
-            parts = {}  # which has no bound, whatever its causes
+            parts = {}  # a contact that is cut off has no bound
         touching = answer.pressure.reshape(-1, *answer.grid.cells).any(axis=(0, 2))
         if self.scene.hertz is not None and (touching[0] or touching[-1]):
             requirements = grid_requirements(self.scene)
@@ -332,7 +332,7 @@ class _Request:
                 break
             try:
                 levels.append(self.solved(grid, factor))
-            except InvalidInput as fault:  # such as waves that so few cells do not resolve
+            except InvalidInput as fault:  # so few cells may not resolve the waves of a surface
                 refused = fault
         if not levels:
             raise refused
@@ -351,7 +351,7 @@ class _Request:
             answer: Any = None
             try:
                 answer = solve(self.scene, on, self.planned.padding, error=error, progress=watch, **named)
-                len(answer.quantities)  # with the stress
+                len(answer.quantities)  # computes the stress too
             except _TimeLimitReached:
                 answer = None
             if before == loaded():  # what is imported or compiled is not counted

@@ -85,7 +85,7 @@ class Reporter:
 
     def film_step(self, last: "FilmIteration") -> None:
         """Report the iteration of a steady film after one of its steps."""
-        if last.iterations == 1:  # the first step on another grid
+        if last.iterations == 1:  # a film on another grid begins
             self.first_residual = 0.0
         text = f"{cells_text(last.film.pressure.shape)}: residual {last.residual:.1e} of {self.target:.1e}"
         self.report(Progress(self._fallen(last.residual, self.target), text))

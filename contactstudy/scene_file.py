@@ -142,7 +142,7 @@ def tables_of(path: Path) -> tuple[dict[str, Any], tuple[Mapping[str, object], .
     except (OSError, UnicodeDecodeError) as error:
         reason = getattr(error, "strerror", None) or "it is not text in UTF-8"
         raise InvalidInput(f"{path} cannot be read ({reason}): give a scene in TOML.") from error
-    except (ValueError, RecursionError) as error:  # also a number of thousands of digits
+    except (ValueError, RecursionError) as error:  # Python refuses numbers of thousands of digits by a ValueError
         quotes = _missing_quotes(text, str(error))
         raise InvalidInput(f"{path} is not valid TOML: {error}{quotes}.") from error
     try:

@@ -172,7 +172,7 @@ def unrelieved_ends(solution: Solution) -> str:
         try:
             problem = replace(scene, shapes=shapes, outputs=()).problem(solution.problem.grid, paddings)
             relieved = solve_contact(problem, SolveOptions(TOLERANCE))
-        except InvalidInput:  # an effect of the scene that is not computed with it
+        except InvalidInput:  # an effect of the scene is not computed with such a profile
             break
         if _excess(relieved.pressure, rows) <= RELIEVED:
             highest = [readable(float(p.max()), "Pa") for p in (solution.pressure, relieved.pressure)]

@@ -261,7 +261,7 @@ def _is_at(descriptor: int, path: Path) -> bool:
 def _write_holder(descriptor: int) -> None:
     """Write this process, its machine and the time as the whole content of the open file."""
     now = datetime.now(UTC).isoformat(timespec="seconds")
-    with suppress(OSError):  # on a full disk the file is a lock without a name
+    with suppress(OSError):  # on a full disk the lock is held without saying by whom
         os.ftruncate(descriptor, 0)
         os.lseek(descriptor, 0, os.SEEK_SET)
         os.write(descriptor, f"process {os.getpid()} on {socket.gethostname()} (since {now})".encode())

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 OWN_PACKAGES = ("contactstudy", "studies")
-# name for pip, where it differs from the name of the package
+# What pip is asked for, where it differs from the name of the package.
 INSTALLS = {
     "SurfaceTopography": "'contactstudy[measured]'",
     "click": "contactstudy",  # the command needs more than this one

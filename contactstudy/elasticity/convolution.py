@@ -144,7 +144,7 @@ class Convolution:
         """
         px, py = self.padded
         of_x, of_y = np.abs(fft.fft(across, px)) ** 2, np.abs(fft.rfft(along, py)) ** 2
-        of_y[1 : (py + 1) // 2] *= 2  # stored once
+        of_y[1 : (py + 1) // 2] *= 2  # rfft keeps one of two conjugate waves
         waves = np.flatnonzero(of_y > NEGLIGIBLE_ENERGY * of_y.max())
         return float(np.einsum("x,xy,y", of_x, self.spectrum[:, waves], of_y[waves]) / self.transform_size)
 

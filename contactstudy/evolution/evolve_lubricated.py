@@ -408,7 +408,8 @@ class _FilmStepper:
         content = equation.content(last.film)
         instant = _Instant(end / self.time_unit, last.film, content, last, rate)
         from_axis = np.abs(now.x)
-        inside = (from_axis < 1) | (from_axis == from_axis.min())  # one of the coarsest cells at least
+        # on cells wider than the contact, the one at the axis
+        inside = (from_axis < 1) | (from_axis == from_axis.min())
         change = np.abs(last.film.thickness - self._extrapolated(end / self.time_unit, "thickness"))[inside].mean()
         error = 0.0
         if len(self.past) > 2:
@@ -433,7 +434,7 @@ class _FilmStepper:
         slide = scales.lubrication.slide_roll_ratio / 2
         gap = np.zeros(self.grid.cells)
         for shape in self.scene.shapes:
-            if hasattr(shape, "gap_after"):  # with the first body unless it names one
+            if hasattr(shape, "gap_after"):  # a shape that names no body moves with the first
                 shift = distance * (1 + slide * (1 - 2 * getattr(shape, "body", 0)))
                 gap += shape.gap_after(self.grid, shift)
             else:

@@ -104,7 +104,7 @@ def over_time(times: Array, instants: Sequence[xr.Dataset]) -> xr.Dataset:
         filled, xr.Variable("time", times, TIME), data_vars="all", coords="minimal",
         compat="override", join="exact", combine_attrs="override",
     )  # fmt: skip
-    dataset["status"].attrs.pop("comment", None)  # the sentence of the first instant
+    dataset["status"].attrs.pop("comment", None)  # it would be that of the first instant
     return dataset
 
 

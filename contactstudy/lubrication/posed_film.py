@@ -268,7 +268,7 @@ def pose(scene: Scene, grid: Grid, padding: Padding | Paddings, outlet: float = 
     problem = replace(problem, operator=displacement.even)
     opening = float(np.ptp(problem.undeformed_gap, axis=1).max())
     ends = any(lengths.roller > 0 for lengths in length_scales_of(scene.shapes))
-    if opening > SHARP_END * scales.film or (ends and not opening):  # ends that lie at those of the period
+    if opening > SHARP_END * scales.film or (ends and not opening):  # ends of a roller may lie at those of the period
         raise InvalidInput(
             "Scene.shapes have a roller's sharp end: a film that ends there is not supported, give a Crown or a "
             "LundbergProfile, and a longer period."

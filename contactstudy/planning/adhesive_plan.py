@@ -65,7 +65,7 @@ def plan_of_adhesion(
         grid = _grid(with_width(base, width), requirements, zone / ZONE_CELLS, decay_distance)
     cell = max(grid.cell_size) if requirements.varies else grid.cell_size[0]
     cells = zone / cell
-    if adhesion.range is None:  # it is chosen for the grid
+    if adhesion.range is None:  # the range is then chosen for the grid
         cells = ZONE_CELLS
     padding = requirements.padding()
     reason = f"adhesion: {cells:.3g} cells in the cohesive zone, and room for the attraction beside the contact."

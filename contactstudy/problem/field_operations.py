@@ -210,7 +210,7 @@ class ArrayOperations:
             buffer: Array, preconditioned: Array, active: Array, pressure: Array, height: Array
         ) -> tuple[float, ...]:
             if beta:
-                buffer -= pressure  # the last step, reversed
+                buffer -= pressure  # the buffer is then the last step, reversed
                 buffer *= -beta
                 buffer -= preconditioned
                 buffer += shift

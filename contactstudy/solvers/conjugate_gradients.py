@@ -329,7 +329,7 @@ class ContactPreconditioner:
         of_cells = first_cells(extended, active.shape)
         entered = operations.add_entering(pressure, gap.height, of_cells, step_length, active, gap_of_set)
         if entered:
-            self._extension = None  # that of the smaller set
+            self._extension = None  # free the extension of the smaller set before the next one is made
             del extended, of_cells
             self._extension = self._inverse.extension(active)
             extended = self._extension(gap_of_set)
@@ -357,7 +357,7 @@ def trial_step(state: ContactState, preconditioner: ContactPreconditioner, step_
     shift, beta = _shift_and_beta(problem, height, preconditioned, active, usable, uniform)
     direction = Direction(preconditioned, active, shift, beta)
     sums = operations.trial(pressure, height, direction, step_length, trial)
-    slope, rounding = sums.slope, 16 * float(arrays().finfo(pressure.dtype).eps)  # of a sum
+    slope, rounding = sums.slope, 16 * float(arrays().finfo(pressure.dtype).eps)  # rounding of a sum
     if sums.cut or control.error(sums.load) > rounding:
         slope = operations.project_to_load(trial, sums, active, control, pressure, height)
     return Trial(trial, slope, sums.cut)

@@ -236,7 +236,7 @@ def verdict_on(
     if not found:
         raise cs.InvalidInput(f"{described.name} has no answer: {' '.join(trials.notes.values())}")
     if trials.measure == EVERY_NUMBER and not any(map(trials.meets, found)):
-        trials.measure = PRESSURE  # which alone may keep the error
+        trials.measure = PRESSURE  # the pressure alone may keep the error
     finest = found[-1].setting
     # of grids on which the pressure meets the error, and no other number ever does, the coarsest
     coarsest = {one.setting.padding: one.setting.cells for one in reversed(found) if trials.meets(one)}

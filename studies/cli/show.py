@@ -49,7 +49,7 @@ def show(
     formats: str,
     plot: str | None,
     as_table: bool,  # noqa: FBT001 (click's own way)
-    **reading: Any,  # of a measured surface
+    **reading: Any,  # the options of a measured surface
 ) -> None:
     """Draw what is in FILE, or its NAMES: a solution, a study, or a measured surface.
 
@@ -73,7 +73,7 @@ def show(
             raise InvalidInput(f"--format is {formats!r}: give excel with --csv, or leave it out.")
         _tabulate(dataset, file, out, named, "\ufeff" * ("excel" in chosen))
         return
-    if "excel" in chosen:  # of a table alone
+    if "excel" in chosen:  # a figure has no such format
         raise InvalidInput("--format has excel, which is for a table: give --csv too.")
     if named and "case_status" not in dataset:
         option = "--plot" if plot else "a name"

@@ -55,7 +55,7 @@ def perform_batch(run: str, settings: bytes, limit: float | None, tasks: bytes, 
             slot.end()
         slot = THREAD.slot = Slot(settings, "" if run else f"worker {get_worker().address}")
         SLOTS.get(run, []).append(slot)
-    if run and run not in SLOTS:  # it is over
+    if run and run not in SLOTS:  # the run has ended meanwhile
         slot.end()
     return slot.perform(tasks, count, limit)
 
@@ -193,7 +193,7 @@ class _Batches:
         """Yield what has been performed when a run is stopped."""
         from distributed import wait
 
-        if self.address is None:  # its batches have ended with their processes
+        if self.address is None:  # on a cluster of its own, all batches have ended with their processes
             with suppress(Exception):
                 wait(list(self.batches), timeout=STOP_TIMEOUT)
         until = monotonic() + STOP_TIMEOUT
@@ -237,7 +237,7 @@ class _Batches:
             size = 1 if self.queue[0].key in self.alone else min(self.size, share)
             tasks = [self.queue.popleft() for _ in range(size)]
             try:
-                # together: a class of a study file is then written once, not with every case
+                # pickled together, they hold the class of a study file once and not with every case
                 pickled = cloudpickle.dumps(tasks)
             except Exception as error:  # noqa: BLE001 (a study's class may do anything)
                 yield from self._alone(tasks, failed(error))

@@ -306,7 +306,7 @@ class Run:
 
     def _outcomes(self, tasks: Sequence[Task]) -> Outcomes:
         """Return an iterator over the tasks with their outcomes, as the options ask for."""
-        untimed = self.journal.untimed  # grows meanwhile
+        untimed = self.journal.untimed  # the set grows while cases are computed
         timed = (task for task in tasks if self.key(task.key) not in untimed)
         if not (self.options.workers or self.options.scheduler):
             return self._here(timed if tasks[0].is_timed else tasks)

@@ -44,7 +44,7 @@ def with_edges_moved(grid: cs.Grid, half_width: float) -> tuple[cs.Grid, ...]:
     The number of cells in the `half_width` [m] changes by at most a half; grids too narrow for the contact are left out.
     """
     (width, length), count = grid.extent, grid.cells[0]
-    cells = half_width / grid.cell_size[0]  # per half-width
+    cells = half_width / grid.cell_size[0]  # cells in a half-width
     shifts = ((place - cells - count / 2 + 0.5) % 1 - 0.5 for place in EDGE_PLACES)
     moved = (cells + shift for shift in shifts if 0.5 <= cells + shift < count / 2)
     return grid, *(replace(grid, extent=(width * cells / other, length)) for other in moved)

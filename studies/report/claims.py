@@ -70,7 +70,7 @@ def stated(claim: Claim, dataset: xr.Dataset) -> Finding | None:
     for name, measured in claim.numbers.items():
         try:
             value = measured(dataset)
-        except KeyError:  # such as a time, where none was taken
+        except KeyError:  # a study whose times were not taken lacks them
             return None
         if not isinstance(value, str | int):
             if not isfinite(value):
@@ -93,7 +93,7 @@ def drawing(
         if figures and not any(made):
             wanted = [name for one in figures if isinstance(one, Plot) for name in one.y]
             missing = next((name for name in wanted if name not in dataset), wanted[0])
-            raise KeyError(f"No variable named {missing!r}, or no number of it")  # as of a dataset
+            raise KeyError(f"No variable named {missing!r}, or no number of it")  # the error that a dataset raises
         return tuple(one for one in made if one is not None)
 
     def findings(dataset: xr.Dataset) -> Sequence[Finding]:

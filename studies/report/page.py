@@ -26,7 +26,7 @@ from studies.report.chapters import CHAPTERS, MAIN, Chapter, Part, Section, chap
 from studies.report.drawings import comparison as settings
 from studies.store.netcdf import read
 
-MAX_LISTED = 10  # of an axis that a page lists
+MAX_LISTED = 10  # values of an axis that a page lists
 # Requested error of the pressure of the paper's cylinder.
 PAPER_ERROR = 1e-2
 SCENE_INTRODUCTION = (

@@ -91,12 +91,12 @@ def replaced(raw: Any, path: Sequence[str], value: object) -> Any:
         k = int(first)
         return [*raw[:k], replaced(raw[k], below, value), *raw[k + 1 :]]
     if is_dataclass(raw):
-        if not type(raw).__module__.startswith("contactstudy."):  # which no file can name
+        if not type(raw).__module__.startswith("contactstudy."):  # no file can name a class of the user
             if first not in parameters(raw):
                 raise InvalidInput(f"{raw!r} has no {first!r}: {suggestion(first, parameters(raw))}.")
             return replace(raw, **{first: replaced(getattr(raw, first), below, value)})  # type: ignore[type-var]
         raw = _table_of(raw)
-    if isinstance(raw, str):  # a kind by its name
+    if isinstance(raw, str):  # a kind may stand for its table
         raw = {"kind": raw}
     if not isinstance(raw, Mapping):
         raise InvalidInput(f"it is {raw!r}, which has no {first!r}: give a table.")
@@ -157,10 +157,10 @@ def varied(raw: Table, document: SceneDocument, name: str, given: object, folder
         try:
             values = parse_values(name, given, int if is_whole else float)
         except InvalidInput:
-            if annotation is not None:  # that of a part which the file leaves out is not known
+            if annotation is not None:  # the type of a part that the file leaves out is not known
                 raise
             values = parse_values(name, given, float)
-    # the load that a contact carries is a measure
+    # the name `load` is that of a measure, the load that a contact carries
     return Varied(path, values, "load_case" if path == ("load",) else "_".join(path))
 
 
@@ -170,7 +170,7 @@ def _path(raw: Table, document: SceneDocument, name: str) -> tuple[str, ...]:
         return _surface_path(document, name)
     keys = [key.name for key in fields(SceneDocument)]
     given = "grid.extent.1" if name == "period" and "grid" in raw else SHORT_NAMES.get(name, name)
-    path = tuple(given.replace("[", ".").replace("]", "").split("."))  # as messages write an entry
+    path = tuple(given.replace("[", ".").replace("]", "").split("."))  # messages write an entry as in solids[0]
     if path[0] in keys:
         return path
     owners = [k for k, shape in enumerate(document.shapes) if path[0] in parameters(_described(shape))]

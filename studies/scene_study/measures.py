@@ -21,7 +21,7 @@ NAMED_BY_AXES = ("load_per_length", "total_load")
 
 def measures(case: Case, answer: Answer) -> Mapping[str, xr.Variable]:
     """Return the quantities of an answer with their bounds, its error estimates, and further ones of a dry contact."""
-    if answer.status.is_failure:  # which has no numbers
+    if answer.status.is_failure:  # a failure has no numbers
         raise cs.NotDefined(f"{answer.status.name}: {answer.status}")
     measured: dict[str, xr.Variable] = {}
     recorded = {name: one for name, one in answer.quantities.items() if name not in NAMED_BY_AXES}

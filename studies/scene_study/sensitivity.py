@@ -68,7 +68,7 @@ def sensitivity_study(scene: Scene | SceneFile | str | PathLike[str]) -> Study:
     def file_of(tables: Mapping[str, Any]) -> SceneFile:
         document = with_surfaces(document_from(tables, source), folder, surfaces)
         file = scene_file_from(document, folder)
-        if file.grid is not None:  # which may not hold a surface of another size
+        if file.grid is not None:  # the grid may not hold a surface of another size
             on_shared_grids([file])
         return file
 
@@ -84,7 +84,7 @@ def sensitivity_study(scene: Scene | SceneFile | str | PathLike[str]) -> Study:
             continue
         found = [_or_refused(file_of, replaced(raw, path, end)) for end in ends]
         if all(isinstance(one, Refused) for one in found) and path[0] == "solids" and are_alike:
-            if path[1] == "1":  # changed with that of the first body
+            if path[1] == "1":  # it was changed together with that of the first body
                 continue
             name, other = f"solids.{'.'.join(path[2:])}", ("solids", "1", *path[2:])
             both = (replaced(replaced(raw, path, end), other, end) for end in ends)

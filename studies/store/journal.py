@@ -29,7 +29,7 @@ ENCODER = json.JSONEncoder(separators=(",", ":"))
 # errors that a line may raise which this version has not written
 MALFORMED = (LookupError, TypeError, ValueError, AttributeError)
 Line = Mapping[str, Any]
-Key = tuple[str, str]  # of a case, and of the program that computed it
+Key = tuple[str, str]  # the keys of a case and of the program that computed it
 
 
 class Journal:
@@ -73,7 +73,7 @@ class Journal:
             content = self._content()
         except OSError as error:
             raise self._cannot("read", error, "give another folder with --out") from None
-        # of a program that was killed, or of a full disk
+        # a program that was killed, or a full disk, leaves part of a line
         self._is_torn = bool(content) and not content.endswith(b"\n")
         lines = [raw for raw in content.split(b"\n") if raw]
         with without_garbage_collection():

@@ -164,7 +164,7 @@ def differences(before: Digests, now: Digests) -> str:
     names = [name for name in before.keys() | now.keys() if before.get(name) != now.get(name)]
     texts = {
         name: f"{name} {before[name]} -> {now.get(name, 'none')}" for name in names if "." in before.get(name, "")
-    }  # versions
+    }  # with their versions before and now
     return _listed([texts.get(name, name) for name in sorted(names)])
 
 

@@ -216,7 +216,7 @@ def trial(
             after = pressure[i, j] + change
             slope += height[i, j] * change
             cut += 1.0 if (after < 0) | (after > limit) else 0.0
-            after = 0.0 if after <= 0 else after  # and nan stays
+            after = 0.0 if after <= 0 else after  # a nan stays nan
             step[i, j] = after
             load += after
             loaded += 1.0 if after > 0 else 0.0

@@ -97,7 +97,7 @@ class SteadyRolling:
     @cached_property
     def coarse(self) -> "SteadyRolling | None":
         """This contact on cells of twice the size; None with adhesion, or where the scene has no such grid."""
-        if self.solution.adhesion is not None:  # whose range may belong to the grid
+        if self.solution.adhesion is not None:  # the range of the attraction may be that of the grid
             return None
         try:
             return self.solve_on(halved(self.solution.problem.grid))

@@ -151,7 +151,7 @@ def contact_quantities(
     if edges_are_steep and mean.value and area_error is not None:
         moved = moved_force(solution, estimate) * grid.cell_area + area_error.total * abs(total)
         mean_error = ErrorParts(discretisation=moved / abs(total), reason=area_error.reason)
-    if mean_error is not None and estimate.load is not None:  # at a given approach
+    if mean_error is not None and estimate.load is not None:  # at a given approach the load has an error too
         both = mean_error.total + estimate.load.total
         mean_error = ErrorParts(discretisation=both, reason=mean_error.reason)
     # a full contact has no gap but rounding

@@ -105,7 +105,7 @@ def _of_force(
     repulsive = Quantity(over, "1", "tangential force over repulsion")
     friction = getattr(scene_of(solution.problem), "friction", None)
     if friction is not None and not getattr(friction, "sticks", False):
-        repulsive = replace(repulsive, bound=0.0, reason="")  # it is the coefficient of friction
+        repulsive = replace(repulsive, bound=0.0, reason="")  # where it slips, the coefficient of friction
     of_load = forces if _net_load(solution) > 0 else {}
     return of_load | {"stick_fraction": stick, "traction_over_repulsion": repulsive}
 

@@ -204,7 +204,7 @@ class KrylovSolver:
             staged = self._with_fourier_stage(linear, cavitated, touching)
             assert staged.fourier is not None
             local = local_stage(linear, cavitated, touching)
-        except (np.linalg.LinAlgError, RuntimeError):  # singular
+        except (np.linalg.LinAlgError, RuntimeError):  # the system is singular
             return unsolved
         system = StepSystem(linear, cavitated, touching, staged.fourier, local)
         inverse = self.inverse
@@ -337,7 +337,7 @@ class StepSystem:
 
         tolerance = TUNING.tolerance_touching if self.touching.any() else TUNING.tolerance
         missing = right - self.product(start) if start.any() else right
-        if np.linalg.norm(missing) > norm:  # a start worse than none
+        if np.linalg.norm(missing) > norm:  # a start from zero is better
             start, missing = np.zeros_like(start), right
         system = LinearOperator(
             (right.size, right.size), matvec=lambda values: self.product(self.preconditioned(values)), dtype=float

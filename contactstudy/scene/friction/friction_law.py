@@ -89,7 +89,7 @@ def are_similar(solids: tuple[Body, ...]) -> bool:
     if first == second:
         return True
     of_first, of_second = (body.shear_compliance(1.0)["x"] for body in shearable(solids))
-    if any(map(creeps, solids)):  # equal at first, and then no more
+    if any(map(creeps, solids)):  # bodies that are equal at first differ once they have crept
         return not any((*of_first.values(), *of_second.values()))
     return not summed_responses(-1, of_first, of_second)
 

@@ -135,7 +135,7 @@ class TractiveRolling:
             self.speed,
             cache(lambda on: shear_response(bodies, on, paddings, datum)),
             ShearPressureCoupling(*coupling) if coupling else None,
-            STATIONARY_HEIGHTS if has_waves else "",  # which would travel with a real surface
+            STATIONARY_HEIGHTS if has_waves else "",  # heights of a real surface would travel with it
         )
 
     def _refuse_endless(self, rollers: Sequence[Any]) -> None:
@@ -149,7 +149,7 @@ class TractiveRolling:
 
 def _rollers(scene: SceneContext) -> list[Shape]:
     """Return the shapes that may end or crown a roller."""
-    unknown = LengthScales(roller=inf)  # of a shape that does not name its length scales
+    unknown = LengthScales(roller=inf)  # taken for a shape that does not name its length scales
     return [s for s in scene.shapes if getattr(s, "length_scales", unknown).roller]
 
 

@@ -143,7 +143,7 @@ class Roughness:
     @property
     def _rms(self) -> float:
         """Root mean square of the height [m], where it is given."""
-        assert not isinstance(self.rms, RmsSlope)  # whose height follows from the spectrum
+        assert not isinstance(self.rms, RmsSlope)  # from a slope, the height follows by the spectrum
         return self.rms.rms if isinstance(self.rms, Sa) else self.rms
 
     @property
@@ -171,7 +171,7 @@ class Roughness:
         """Return a sentence if the waves that fit the extent hold less than most of the height; else ``""``."""
         extent = self.extent or grid.extent
         waves = (side / wavelength for side, wavelength in zip(extent, self._longest_wavelengths, strict=True))
-        if not self.rms or min(waves) >= 2:  # of which 97 % of the height or more is held
+        if not self.rms or min(waves) >= 2:  # on two of the longest waves, 97 % of the height or more is held
             return ""
         held = float(np.sqrt(self._fractions(extent).sum()))
         if held >= MOST_OF_HEIGHT:

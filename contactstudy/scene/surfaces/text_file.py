@@ -107,7 +107,7 @@ class Header:
                 header.unused.append(" ".join(line.split())[:60])
         if "x" in header.units:
             header.units.setdefault("y", header.units["x"])
-        for name in header.is_bare & header.units.keys():  # a unit on a line of its own
+        for name in header.is_bare & header.units.keys():  # a line of its own has given the unit
             for values in (header.sizes, header.steps):
                 if name in values:
                     values[name] *= header.units[name]
@@ -124,7 +124,7 @@ class Header:
         end, before = 0, ""
         for number in NUMBER.finditer(line):
             key = line[end : number.start()]
-            if _words(key) == {"y"} and "x" in _words(before):  # of a pair
+            if _words(key) == {"y"} and "x" in _words(before):  # the second number of a pair, as in "X/Y: 2 um / 3 um"
                 key = re.sub(r"\bx\b", "y", before)
             following = UNIT.match(line, number.end())
             unit = length_unit(following[1]) if following else None
@@ -210,7 +210,7 @@ def _axes(words: frozenset[str]) -> list[str]:
         return ["z"]
     if "line" in words and words & {"per", "length"}:
         return ["x"]
-    named = words - WORDS_OF["size"] or words  # x in "x length"
+    named = words - WORDS_OF["size"] or words  # "x length" names x
     if words & {"lateral", "xy"} and not named & (WORDS_OF["x"] | WORDS_OF["y"]):
         return ["x", "y"]
     if not named & (WORDS_OF["x"] | WORDS_OF["y"]):
@@ -314,7 +314,7 @@ def table(name: str, text: str, decimal: str | None) -> TextTable:
                 break
     above = [value for value in values[first - 1] if value is not None] if first else []
     numbers = np.array(values[first : last + 1], dtype=float)
-    # a blank line within the table, where not every line has one after it
+    # a blank line separates parts of the table, unless one follows every line
     kept = [bool(line.strip()) for line in every]
     starts = (np.cumsum(kept) - 1)[1:][np.diff(np.array(kept, dtype=int)) > 0]
     blocks = 1 + int(((starts > first) & (starts <= last)).sum())

@@ -208,7 +208,7 @@ def _columns(name: str, text: TextTable) -> dict[str, tuple[int, float | None]]:
 def column_unit(label: str) -> float | None:
     """Return the last unit of length [m] in the name of a column, if any."""
     words = [word for word in re.split(r"[\s/\[\](),_]+", label) if word]
-    if words[-1:] != ["in"]:  # which is no unit between words
+    if words[-1:] != ["in"]:  # "in" is inches at the end alone
         words = [word for word in words if word != "in"]
     return next(filter(None, map(length_unit, reversed(words))), None)
 

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf, nan
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,6 +16,7 @@ MODULUS = SCENE.contact_modulus
 # At points (x, y) [m], in Pa.
 Pressure = Callable[[Array, Array], Array]
 EXACT, FREE = cs.ExactPeriodicity(), cs.ZeroPadding()
+METRICS = ("l1", "peak_pressure", "contact_area", "mean_gap")
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,35 +32,38 @@ class Truth:
     gap: float = nan
 
 
+@dataclass(frozen=True, eq=False)
+class AccuracyCase:
+    """A ``scene`` on a ``grid`` with a ``padding``, and the function that finds its truth."""
+
+    scene: cs.Scene
+    grid: cs.Grid
+    padding: cs.Padding | cs.Paddings
+    find_truth: Callable[["AccuracyCase"], Truth]
+
+
 @dataclass(frozen=True)
 class Finer:
-    """Reference solution of the same scene on a grid ``factor`` times finer along each axis, with a ``padding``."""
+    """Reference solution of a case on a grid ``factor`` times finer along each axis, with the ``padding`` given."""
 
     factor: tuple[int, int]
     padding: cs.Padding | cs.Paddings
-    tolerance: float = 1e-6
 
-    def __call__(self, case: "AccuracyCase") -> Truth:
+    def __call__(self, case: AccuracyCase) -> Truth:
         """Solve on the finer grid, and average over blocks of its cells."""
         (nx, ny), (kx, ky) = case.grid.cells, self.factor
         ky = ky if ny > 1 else 1
         grid = cs.Grid((kx * nx, ky * ny), case.grid.extent)
-        source = case.problem().source
-        assert source is not None
-        # heights given cell for cell are those of the case's own grid
-        problem = source.problem(grid)
-        if self.padding != case.padding:
-            problem = case.scene.problem(grid, self.padding)
-        solution = cs.solve(problem, tolerance=self.tolerance)
+        solution = cs.solve(case.scene.problem(grid, self.padding), tolerance=1e-8)
         blocks = solution.pressure.reshape(nx, kx, ny, ky).mean(axis=(1, 3))
         return Truth(blocks, float(solution.pressure.max()), touching_fraction(solution), solution.mean_gap)
 
 
 @dataclass(frozen=True)
 class ClosedForm:
-    """Closed-form reference: cell means of the ``pressure`` at ``points`` per axis of a cell, ``highest`` and ``area``.
+    """Closed form of the ``pressure``, its ``highest`` [Pa] and the fraction of the ``area`` in contact.
 
-    Attributes are those of :class:`Truth`. The means are scaled to the load.
+    Means over cells are by the midpoint rule at ``points`` per axis of a cell, scaled to the load.
     """
 
     pressure: Pressure
@@ -66,8 +71,8 @@ class ClosedForm:
     area: float
     points: int = 64
 
-    def __call__(self, case: "AccuracyCase") -> Truth:
-        """Return the truth on the cells of the case, with cell means by the midpoint rule."""
+    def __call__(self, case: AccuracyCase) -> Truth:
+        """Return the truth on the cells of the case."""
         (nx, ny), grid = case.grid.cells, case.grid
         along = 1 if ny == 1 else max(self.points // 8, 4)
         across = self.points if ny == 1 else along
@@ -79,46 +84,29 @@ class ClosedForm:
         return Truth(means * (load / means.sum()), self.highest, self.area)
 
 
-@dataclass(frozen=True, eq=False)
-class AccuracyCase:
-    """A ``scene`` on a ``grid`` with a ``padding``, of a ``kind`` of surface, and the function that finds its truth."""
+class Judged(NamedTuple):
+    """True relative error of a number, nan where it is not known, and its bound, or a reason where there is none."""
 
-    kind: str
-    scene: cs.Scene
-    grid: cs.Grid
-    padding: cs.Padding | cs.Paddings
-    find_truth: Callable[["AccuracyCase"], Truth]
-
-    def problem(self) -> cs.Problem:
-        """Return the problem of the scene on its grid."""
-        return self.scene.problem(self.grid, self.padding)
-
-    def truth(self) -> Truth:
-        """Return the true answer on the cells of the case."""
-        return self.find_truth(self)
+    metric: str
+    error: float
+    bound: float
+    has_reason: bool
 
 
-@dataclass(frozen=True)
-class Errors:
-    """True relative errors of the pressure in L1, the peak pressure, the contact area and the mean gap."""
-
-    l1: float
-    peak_pressure: float
-    contact_area: float
-    mean_gap: float
-
-
-def errors(solution: cs.Solution, truth: Truth) -> Errors:
-    """Return the relative errors of ``solution`` against the ``truth``."""
-    pressure = solution.pressure
-    area = touching_fraction(solution)
-    peak = inf if truth.highest == inf else abs(pressure.max() / truth.highest - 1)
-    return Errors(
-        float(np.abs(pressure - truth.pressure).sum() / truth.pressure.sum()),
-        float(peak),
-        abs(area / truth.area - 1),
-        abs(solution.mean_gap / truth.gap - 1),
-    )
+def judged(case: AccuracyCase) -> list[Judged]:
+    """Return the true errors and the bounds of the numbers of a case."""
+    solution = cs.solve(case.scene.problem(case.grid, case.padding))
+    truth, estimate = case.find_truth(case), solution.error
+    errors = {
+        "l1": float(np.abs(solution.pressure - truth.pressure).sum() / truth.pressure.sum()),
+        "peak_pressure": inf if truth.highest == inf else float(abs(solution.pressure.max() / truth.highest - 1)),
+        "contact_area": abs(touching_fraction(solution) / truth.area - 1),
+        "mean_gap": abs(solution.mean_gap / truth.gap - 1),
+    }
+    return [
+        Judged(metric, error, getattr(estimate, metric).total, bool(estimate.warnings))
+        for metric, error in errors.items()
+    ]
 
 
 def scene(*shapes: cs.Shape, hardness: float = inf) -> cs.Scene:

@@ -50,17 +50,11 @@ def test_what_is_admitted_is_right_however_small_or_large(
 # heights of shapes, and sizes that others follow from, in their own units
 SIZES: dict[str, Callable[[float], object]] = {
     "Crown end_drop": lambda size: cs.Crown.of_drop(size, A),
-    "Crown length": lambda size: cs.Crown.of_drop(1e-6, size),
-    "LundbergProfile.amplitude": lambda size: cs.LundbergProfile(size, 1e-6, 1.2 * A),
-    "LundbergProfile.end_drop": lambda size: cs.LundbergProfile(1e-7, size, 1.2 * A),
     "Waviness.amplitude": lambda size: cs.Waviness(-size, along=0.6 * A),
     "Dimple.depth": lambda size: cs.Texture(cs.Dimple(size, 0.3 * A), (0.6 * A, 0.6 * A)),
-    "Groove.depth": lambda size: cs.Texture(cs.Groove(size, 0.3 * A), (0.6 * A, math.inf)),
     "Texture.pitch[0]": lambda size: cs.Texture(cs.Groove(1e-6, 1e-60), (size, math.inf)),
-    "Texture along": lambda size: cs.Texture.of_density(cs.Dimple(1e-6, 0.1 * A), 0.1, size),
     "Roughness.rms": lambda size: cs.Roughness(size, 0.8, A, 0.3 * A),
     "RmsSlope.slope": lambda size: cs.Roughness(cs.RmsSlope(size), 0.8, A, 0.3 * A),
-    "Roughness.extent[0]": lambda size: cs.Roughness(1e-7, 0.8, A, 0.3 * A, extent=(size, A)),
     "MeasuredSurface.extent[1]": lambda size: cs.MeasuredSurface(np.zeros((8, 8)), (A, size)),
 }
 

@@ -32,6 +32,19 @@ def test_heights_without_sizes_stand_cell_for_cell_and_close_the_gap() -> None:
         np.testing.assert_array_equal(cs.MeasuredSurface(HEIGHTS[:, :1], extent).gap(GRID), -HEIGHTS[:, :1])
 
 
+def test_heights_are_the_same_in_any_form_of_an_array() -> None:
+    strided = np.full((48, 48), np.nan)
+    strided[::2, ::3] = HEIGHTS
+    read_only = HEIGHTS.copy()
+    read_only.setflags(write=False)
+    labelled = xr.DataArray(HEIGHTS, dims=("width", "length"))
+    for form in (
+        strided[::2, ::3], read_only, HEIGHTS.astype(">f8"), np.ma.asarray(HEIGHTS), HEIGHTS.tolist(),
+        labelled.transpose(), labelled.chunk({"width": 8, "length": 5}),
+    ):  # fmt: skip
+        np.testing.assert_array_equal(cs.MeasuredSurface(form).gap(GRID), -HEIGHTS)
+
+
 def test_finer_and_narrower_grids_show_the_same_surface() -> None:
     surface = cs.MeasuredSurface(HEIGHTS, GRID.extent, trend="quadratic", seam=cs.Tapered())
     fine = surface.gap(replace(GRID, cells=(72, 80)))

@@ -40,7 +40,7 @@ class Progress:
 
 @dataclass
 class Reporter:
-    """What turns the reports of each method into :class:`Progress`.
+    """Reporter that turns what each method reports into :class:`Progress`.
 
     Parameters
     ----------

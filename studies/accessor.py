@@ -101,6 +101,7 @@ class StudyAccessor(InNotebook):
         return flat.to_dataframe(dim_order=list(self.axes)).reset_index()
 
     def _rows(self) -> str:
+        """Return the title, and the table of the quantities that have bounds, or of all."""
         table = self.table()
         bounded = [name for name in table if f"{name}_bound" in table]
         if bounded:

@@ -144,6 +144,7 @@ class ErrorEstimate(InNotebook):
                 yield member.name, parts
 
     def _rows(self) -> str:
+        """Return a row for each quantity: its error, and the parts by cause or why it has no bound."""
         errors = {name: parts for name, parts in self if parts.by_cause} | dict(self.numbers)
         rows = [
             f"  {name:<24}{100 * parts.total:8.2g} %  "

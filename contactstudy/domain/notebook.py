@@ -52,6 +52,7 @@ def _short(text: str) -> str:
 
 
 def _text(value: object) -> str:
+    """Return a value in short: fields that differ from their defaults, arrays by their shapes."""
     if is_dataclass(value) and not isinstance(value, type):
         given = (f"{field.name}={_text(getattr(value, field.name))}" for field in _given(value))
         return f"{type(value).__name__}({', '.join(given)})"

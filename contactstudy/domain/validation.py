@@ -220,6 +220,7 @@ def remedy(hint: Any) -> str:
 
 
 def _accepted(hint: Any) -> Iterator[str]:
+    """Yield what each alternative of an annotation accepts, such as "None" or "a number above 0"."""
     origin, options = get_origin(hint), get_args(hint)
     unit, limits = notes(hint)
     kind = kind_of(hint)

@@ -182,6 +182,7 @@ def _scene(dataset: xr.Dataset, attribute: str = "scene") -> dict[str, object]:
 
 
 def _flattened(value: object, path: str) -> dict[str, object]:
+    """Return the values in nested tables at `path` by their paths, such as "shapes.0.radius", less those of a grid."""
     entries: Iterable[tuple[object, object]]
     if isinstance(value, dict):
         entries = value.items()
@@ -220,10 +221,12 @@ def _differing(first: Mapping[str, object], second: Mapping[str, object]) -> tup
 
 
 def _value_text(value: object) -> str:
+    """Return a value of a scene as a comparison prints it."""
     return "none" if value is None else f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
 def _labelled(name: str, contact: Any) -> xr.Dataset:
+    """Return the dataset of the contact `name`; raise InvalidInput if it has no pressure over (x, y)."""
     if hasattr(contact, "to_dataset"):
         contact = contact.to_dataset()
     if (
@@ -274,6 +277,7 @@ def _edges(dataset: xr.Dataset, axis: str) -> Array:
 
 
 def _one_period(first: xr.Dataset, second: xr.Dataset, a: Array, b: Array) -> tuple[Array, Array]:
+    """Return the edges `a` and `b` of the cells along y; a contact of one cell takes the period of the other."""
     if first.sizes["y"] == 1:
         a = np.array([b[0], b[-1]])
     if second.sizes["y"] == 1:
@@ -313,6 +317,7 @@ def _sums_over_larger_cells(values: Array, edges: Array, a: Array, b: Array, axi
 
 
 def _cell_indices(edges: Array, finer: Array) -> tuple[np.ndarray, np.ndarray]:
+    """Return the cell between `edges` that holds each of the `finer` cells, and whether there is one."""
     centres = (finer[1:] + finer[:-1]) / 2
     cell_indices = np.searchsorted(edges, centres) - 1
     on_grid = (cell_indices >= 0) & (cell_indices < len(edges) - 1)

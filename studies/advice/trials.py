@@ -164,6 +164,7 @@ class _Trials:
             return None
 
     def _measured(self, setting: Setting) -> Measured | None:
+        """Return what was measured of a setting on its variants; None, and a note, where one of them has no answer."""
         l1, difference = 0.0, 0.0 if self.is_line else nan
         error, seconds, worst = nan if self.measure == PRESSURE else 0.0, inf, ""
         for number, (scene, grid) in enumerate(self.variants(setting)):

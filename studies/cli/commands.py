@@ -1,4 +1,4 @@
-"""The ``contactstudy`` command."""
+"""The ``contactstudy`` command with its subcommands `report` and `studies`, and how it ends after an error."""
 
 import sys
 from contextlib import suppress

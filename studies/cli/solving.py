@@ -47,6 +47,7 @@ class SolveProgress:
         self.last, self.job = progress, progress.text
 
     def _show(self) -> None:
+        """Show the progress on a thread, until the block of the ``with`` statement ends."""
         first, interval = (FIRST, REFRESH) if is_terminal() else (LINE_INTERVAL, LINE_INTERVAL)
         if self._ended.wait(first):
             return

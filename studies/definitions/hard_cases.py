@@ -107,7 +107,7 @@ def noise(cells: tuple[int, int] = (24, 12), seed: int = 1) -> Array:
 
 
 FLAT = replace(SCENE, shapes=())
-CELLS = (24, 12)
+CELLS = (24, 12)  # of most cases
 ROUGH = 0.1 * noise()
 
 

@@ -44,7 +44,7 @@ class Task:
 
     @property
     def is_timed(self) -> bool:
-        """Whether it is a timed run."""
+        """True if the task is a timed run."""
         return self.expected is not None
 
 

@@ -48,6 +48,7 @@ class LockedCache(FunctionCache):
 
     @contextmanager
     def _locked(self) -> Iterator[None]:
+        """Hold the lock of the folder for compiled code in a block, without one where the file system has none."""
         self._impl.locator.ensure_cache_path()
         lock = Path(self.cache_path, ".compiled.lock")
         descriptor = open_descriptor(lock, os.O_RDWR | os.O_CREAT)

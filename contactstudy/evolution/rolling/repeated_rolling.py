@@ -30,6 +30,7 @@ from contactstudy.scene.solids.bodies import creeps, instantaneous
 from contactstudy.solvers.solution import Counts, Solution, Status, unloaded, worst
 from contactstudy.solvers.solve import SolveOptions
 
+# Numbers of these components in a symmetric tensor xx, yy, zz, yz, xz, xy.
 XX, YY, XZ = 0, 1, 4
 
 

@@ -191,6 +191,8 @@ class PlasticState:
         Contact under the largest load before anything has yielded.
     precision
         Precision of the contact's solver.
+    operators
+        Operator on the plastic strain of each body, in its present volume.
     """
 
     bodies: tuple[YieldingBody, ...]

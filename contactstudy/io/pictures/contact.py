@@ -46,6 +46,7 @@ def contact_picture(dataset: xr.Dataset) -> Figure:
 
 
 def _map(ax: Axes, dataset: xr.Dataset) -> None:
+    """Draw the pressure over the grid."""
     x, across = in_display_unit(dataset["x"], "m", "across")
     y, along = in_display_unit(dataset["y"], "m", "along")
     pressure, title = in_display_unit(dataset["pressure"], "Pa", "pressure")
@@ -55,6 +56,7 @@ def _map(ax: Axes, dataset: xr.Dataset) -> None:
 
 
 def _along(ax: Axes, dataset: xr.Dataset) -> None:
+    """Draw the pressure along the middle of the contact, and Hertz's peak pressure."""
     y, along = in_display_unit(dataset["y"], "m", "along")
     scale, unit = display_unit_of(dataset["pressure"], "Pa")
     axis = np.abs(dataset["x"]) <= np.abs(dataset["x"]).min() * (1 + 1e-9)
@@ -66,6 +68,7 @@ def _along(ax: Axes, dataset: xr.Dataset) -> None:
 
 
 def _across(ax: Axes, dataset: xr.Dataset) -> None:
+    """Draw the pressure across, with its range along the length, the attraction and Hertz's pressure."""
     x, across = in_display_unit(dataset["x"], "m", "across")
     scale, unit = display_unit_of(dataset["pressure"], "Pa")
     pressure = dataset["pressure"] / scale
@@ -85,6 +88,7 @@ def _across(ax: Axes, dataset: xr.Dataset) -> None:
 
 
 def _gap(ax: Axes, dataset: xr.Dataset) -> None:
+    """Draw the gap across the middle of the length."""
     x, across = in_display_unit(dataset["x"], "m", "across")
     gap, up = in_display_unit(in_the_middle(dataset["gap"]), "m", "gap")
     ax.plot(x, gap, color=GREEN)
@@ -92,6 +96,7 @@ def _gap(ax: Axes, dataset: xr.Dataset) -> None:
 
 
 def _shear(ax: Axes, dataset: xr.Dataset) -> None:
+    """Draw both components of the tangential traction across the middle of the length."""
     x, across = in_display_unit(dataset["x"], "m", "across")
     middle = in_the_middle(dataset)
     scale, unit = display_unit_of(abs(middle["shear_x"]) + abs(middle["shear_y"]), "Pa")
@@ -122,6 +127,7 @@ def _ends(ax: Axes, dataset: xr.Dataset) -> None:
 
 
 def _fretting_loop(ax: Axes, dataset: xr.Dataset) -> None:
+    """Draw the tangential force over the slip in a cycle."""
     slid, slip = in_display_unit(dataset["loop_slip"], "m", "slip")
     unit = dataset["loop_force"].attrs["units"]
     force, up = in_display_unit(dataset["loop_force"], unit, "tangential force")
@@ -130,6 +136,7 @@ def _fretting_loop(ax: Axes, dataset: xr.Dataset) -> None:
 
 
 def _stress(ax: Axes, dataset: xr.Dataset) -> None:
+    """Draw the von Mises stress below the middle of the length, over the depth where there are several."""
     middle = in_the_middle(dataset["von_mises"])
     x, across = in_display_unit(dataset["x"], "m", "across")
     z, down = in_display_unit(dataset["z"], "m", "depth")

@@ -42,6 +42,7 @@ def _places(surface: MeasuredSurface) -> tuple[Array, Array, tuple[float, str]]:
 
 
 def _map(ax: Axes, surface: MeasuredSurface, heights: Array, title: str) -> None:
+    """Draw the heights over the surface; those of a profile over its places."""
     across, along, (_, unit) = _places(surface)
     size, name = display_unit_of(heights, "m")
     if 1 in heights.shape:
@@ -53,6 +54,7 @@ def _map(ax: Axes, surface: MeasuredSurface, heights: Array, title: str) -> None
 
 
 def _profiles(ax: Axes, surface: MeasuredSurface) -> None:
+    """Draw the prepared heights across and along the middle of a surface."""
     across, along, (_, unit) = _places(surface)
     heights = surface.prepared
     size, name = display_unit_of(heights, "m")

@@ -138,6 +138,7 @@ class _Structure:
         return self.converter.structure(fields_of, _kind_of(value, kinds))
 
     def _dataclass(self, target: type) -> Any:
+        """Return the function that reads a table as the dataclass `target`."""
         base: Any = make_dict_structure_fn(target, self.converter)
 
         def read(value: object, _: Any) -> Any:
@@ -220,6 +221,7 @@ def _messages(source: str, error: cattrs.BaseValidationError) -> str:
 
 
 def _sentence(error: BaseException, target: type | None) -> str:
+    """Return what is wrong with one key, and what to give."""
     if isinstance(error, ForbiddenExtraKeysError):
         names = parameters(error.cl)
         unknown = sorted(error.extra_fields)

@@ -1,4 +1,4 @@
-"""Measured surfaces."""
+"""Measured surfaces: how their heights are prepared, and what they are on a grid."""
 
 from dataclasses import field, replace
 from functools import lru_cache

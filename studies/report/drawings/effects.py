@@ -81,7 +81,7 @@ sliding = drawing(SLIDING)
 # Creep and wear
 
 RUBBER = cs.ViscoelasticHalfSpace(1e6, 0.49, ((1.5e6, 0.4),))
-PLANE = 1 / (1 - 0.49**2)
+PLANE = 1 / (1 - 0.49**2)  # modulus in plane strain over that in tension
 HELD = cs.analytic.LeeRadok(
     500.0, 0.05, PLANE * 1e6, tuple((PLANE * modulus, time) for modulus, time in RUBBER.relaxation), RUBBER.creep
 )  # fmt: skip

@@ -12,7 +12,7 @@ from studies.model.drawing import CaptionedFigure, Table
 from studies.report.plots import COLORS, captioned, panels, percent
 from studies.scene_study.sensitivity import LOWERED, RAISED, changes_in
 
-MAX_BARS = 15
+MAX_BARS = 15  # numbers of a scene that a figure shows
 
 
 def figures(sweep: xr.Dataset, names: Sequence[str]) -> Sequence[CaptionedFigure]:

@@ -28,9 +28,10 @@ from studies.store.stop import StopRun
 # Arrays that cases of this process share, such as the coefficients of equal grids: up to so many bytes. Timed runs
 # compute their own.
 SHARED_ARRAYS = ArrayCache(2**26)
-# Seconds. A first timed run of a kind of case that takes less is preceded by an untimed one, so that imports and the
-# first allocation of memory are not timed; in a longer case they are negligible.
+# The first timed run of a kind of case that takes less [s] is preceded by an untimed one, so that imports and the first
+# allocation of memory are not timed; in a longer case they are negligible.
 MAX_WARM_UP = 0.3
+# Kinds of cases that have run in this process.
 WARM: set[type] = set()
 
 

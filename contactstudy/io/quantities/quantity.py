@@ -11,7 +11,6 @@ from contactstudy.scene.scene import PosedScene
 NO_ESTIMATE = "No bound: no estimate of its error is known."
 RELATIVE_TO_ZERO = "No bound: the value is 0, and its error is known relative to it alone."
 FORMULA = "No bound: the value is that of a formula."
-
 # Relative bound above which a number is zero beside its bound, which is then said as it is.
 MAX_RELATIVE = 10.0
 
@@ -145,6 +144,7 @@ def as_text(quantities: Quantities) -> str:
 
 
 def _position_text(axis: str, at: float) -> str:
+    """Return the coordinate of a value as text."""
     return f"{at:.3g} s" if axis == "time" else f"{axis} = {readable(at, 'm', 3)}"
 
 

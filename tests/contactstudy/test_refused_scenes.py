@@ -53,16 +53,12 @@ BESIDE: list[tuple[str, Callable[[], cs.Scene]]] = [
      lambda: smooth(load=cs.Approach(1e-6), hardness=1e9)),
     ("Scene.hardness is 1000000000.0 together with *falls*give an ElasticPlasticHalfSpace",
      lambda: smooth(hardness=1e9, load=cs.LoadHistory((0.0, 1.0, 2.0), (1e5, 2e5, 1.9e5)))),
-    ("Scene.hardness is 1000000000.0 together with *falls",
-     lambda: smooth(hardness=1e9, load=cs.SineLoad(1e5, 1e4, frequency=1.0))),
     # friction
     ("Scene.friction", lambda: smooth(friction=cs.Sliding)),
     ("*elastically dissimilar", lambda: smooth(friction=SLIP, solids=(STEEL, RIGID))),
-    ("*elastically dissimilar", lambda: smooth(friction=FRETS, solids=(CREEPING, cs.HalfSpace(2e11, 0.3)))),
     ("*one creeps: creep of their coupling",
      lambda: smooth(friction=cs.Sliding(0.3), solids=(CREEPING, cs.HalfSpace(2e11, 0.3)))),
     ("*or TractiveRolling", lambda: smooth(friction=cs.Sliding(0.3), rolling=ROLLS, solids=(STEEL, RIGID))),
-    ("*has 1 passes together with Sliding", lambda: smooth(friction=cs.Sliding(0.3), rolling=PASSES)),
     ("*rolls by * of its widths", lambda: smooth(friction=DRIVEN, load=cs.SineLoad(1e5, 1e4, 1e4))),
     ("TractiveRolling.tangential", lambda: smooth(
         load=cs.SineLoad(1e5, 5e4, 1.0), friction=cs.TractiveRolling(0.3, tangential=0.18e5))),
@@ -71,8 +67,6 @@ BESIDE: list[tuple[str, Callable[[], cs.Scene]]] = [
     ("*travel through the contact", lambda: smooth(friction=DRIVEN, shapes=(CYLINDER, cs.MovingShape(WAVES)))),
     ("PartialSlip.tangential", lambda: smooth(friction=cs.PartialSlip(0.3, 3e4))),
     ("Fretting.forces[1]", lambda: smooth(friction=cs.Fretting(0.3, (1e4, -3e4)))),
-    ("Fretting.forces at * s is *N/mm, where friction transmits",
-     lambda: smooth(friction=cs.Fretting(0.3, (0.0, 4e4), times=(0.0, 1.0)))),
     ("*give Fretting.forces", lambda: smooth(
         friction=cs.Fretting(0.3, displacements=(0.0, 1e-7), times=(0.0, 1.0)), load=HISTORY)),
     ("Scene.wear changes in time together with Fretting*give Fretting.times",
@@ -96,10 +90,8 @@ BESIDE: list[tuple[str, Callable[[], cs.Scene]]] = [
     ("Wear.speed is 0.1 together with Fretting*a speed of 0 m/s", lambda: smooth(friction=FRETS, wear=WEARS)),
     ("Wear.speed is 0.1 *gives the sliding: give a speed of 0 m/s", lambda: smooth(friction=DRIVEN, wear=TURNS)),
     ("*circumference is None, * turns by Scene.rolling", lambda: smooth(rolling=ROLLS, wear=WEARS)),
-    ("*turns by Scene.friction", lambda: smooth(friction=cs.Sliding(0.1, standing=1), wear=WEARS)),
     ("*does not turn: leave it out", lambda: smooth(friction=cs.Sliding(0.1, standing=0), wear=TURNS)),
     ("Scene.load changes in time * turns*give a LineLoad", lambda: smooth(load=HISTORY, rolling=ROLLS, wear=TURNS)),
-    ("Scene.solids changes in time * turns", lambda: smooth(solids=(CREEPING, RIGID), wear=TURNS)),
     ("*so that nothing wears, give Lubrication.boundary", lambda: oiled({}, wear=TURNS)),
     # adhesion
     ("Adhesion.range is None together with Scene.friction", lambda: adhesive(ADHESION, friction=cs.Sliding(0.1))),
@@ -111,7 +103,6 @@ BESIDE: list[tuple[str, Callable[[], cs.Scene]]] = [
     ("Scene.adhesion is given for a point contact, *: films, adhesion *, leave it out",
      lambda: adhesive(load=cs.TotalLoad(1.0), shapes=(cs.Sphere(0.01),))),
     ("Scene.load is a PullOff without adhesion", lambda: smooth(load=cs.PullOff(1.0))),
-    ("Scene.load is a PullOff together with Scene.rolling", lambda: adhesive(rolling=ROLLS, load=cs.PullOff(1.0))),
     ("*PullOff together with *solids* has a history",
      lambda: adhesive(solids=(YIELDING, RIGID), load=cs.PullOff(1.0))),
     # films
@@ -120,8 +111,6 @@ BESIDE: list[tuple[str, Callable[[], cs.Scene]]] = [
      lambda: oiled({}, solids=(CREEPING, STEEL), load=HISTORY)),
     ("Lubrication.boundary *steady film only, and *Scene.load changes in time",
      lambda: oiled({"boundary": cs.Boundary(5e-9)}, load=HISTORY)),
-    ("Lubrication.thermal *steady film only, and *mean_speed changes in time",
-     lambda: oiled({"thermal": cs.FilmHeat(), "mean_speed": cs.SpeedHistory((0, 1), (1.0, 2.0))})),
 ]  # fmt: skip
 
 
@@ -154,7 +143,6 @@ SOLVES: list[tuple[str, Callable[[], object]]] = [
      lambda: smooth(friction=SPINS, shapes=(CYLINDER, cs.FiniteLength(2.0))).problem(UNIT, EXACT)),
     ("Approach.datum is 0.0001: give at least half",
      lambda: smooth(load=cs.Approach(1e-6, datum=1e-4)).problem(UNIT, EXACT)),
-    ("Approach.datum is 1.0, and 2 axes", lambda: solve(smooth(load=cs.Approach(1e-6, 1.0)), SQUARE, (EXACT, EXACT))),
     ("Scene.load is Approach*mean undeformed gap",
      lambda: smooth(shapes=(replace(WAVES, along=1e-3),), load=cs.Approach(0.0)).problem(UNIT, (EXACT, EXACT))),
     ("FiniteLength.length is 0.001: give cells along",
@@ -166,12 +154,9 @@ SOLVES: list[tuple[str, Callable[[], object]]] = [
     # scenes that change
     ("Scene.solids[0] changes in time*: call contactstudy.solve",
      lambda: smooth(solids=(CREEPING, RIGID)).problem(UNIT, EXACT)),
-    ("Scene.rolling *call contactstudy.solve", lambda: smooth(rolling=ROLLS).problem(UNIT, EXACT)),
-    ("Scene.lubrication *call contactstudy.solve", lambda: OILED.problem(UNIT, EXACT)),
     ("solve.padding is ExactPeriodicity() across",
      lambda: solve(smooth(solids=(YIELDING, RIGID), load=HISTORY), UNIT, (EXACT, EXACT), times=(0, 1))),
     ("solve.times[0] is -1", lambda: held(times=(-1.0, 1.0))),
-    ("TimeSteps.times", lambda: held(times="soon")),
     ("TimeSteps.times[0]", lambda: held(times=((0.5, 1.0), (1.5, 2.0)))),
     ("solve.times", lambda: held(times=(0.5, 0.25))),
     ("TimeSteps.error is", lambda: held(times=(0.0, 1.0), error=1.0)),
@@ -184,8 +169,6 @@ SOLVES: list[tuple[str, Callable[[], object]]] = [
     ("solve.period is given, *: leave it out.", lambda: cs.solve(SMOOTH.problem(UNIT, EXACT), period=1.0)),
     ("solve.times is given, *: leave it out.", lambda: solve(SMOOTH, times=[0.0])),
     ("solve.precision is ", lambda: solve(OILED, WIDE, precision="single")),
-    ("solve.max_iterations is ", lambda: solve(oiled({}, load=HISTORY), WIDE, max_iterations=5)),
-    ("TimeSteps.step is *: leave it out.", lambda: held(step=1e-3)),
     # rolling
     ("*is a fluid", lambda: solve(smooth(rolling=ROLLS, solids=(FLUID, RIGID)))),
     ("Scene.shapes[1] moves with a body together with Scene.rolling",
@@ -193,7 +176,6 @@ SOLVES: list[tuple[str, Callable[[], object]]] = [
     ("*give one body that yields, * elastic or rigid HalfSpace", lambda: passing(solids=(YIELDING, CREEPING))),
     ("Scene.load changes in time", lambda: passing(load=HISTORY)),
     ("Grid.cells[1] is 2", lambda: passing(cs.Grid((24, 2), UNIT.extent))),
-    ("*give padding=ExactPeriodicity", lambda: passing(padding=(EXACT, EXACT))),
     # films
     ("*no inlet draws lubricant in", lambda: solve(replace(OILED, shapes=()), WIDE)),
     ("*periodic along the length", lambda: solve(OILED, WIDE, FREE)),
@@ -201,11 +183,9 @@ SOLVES: list[tuple[str, Callable[[], object]]] = [
     ("*two or more, ascending", lambda: solve(oiled({}, load=HISTORY), WIDE, times=cs.TimeSteps([1.0, 0.0]))),
     ("Scene.load is 0 at 1 s",
      lambda: solve(oiled({}, load=cs.LoadHistory((0, 1, 1), (1e5, 0, 1e5))), WIDE, times=[0, 3])),
-    ("Scene.load is 0 at 0.75 s", lambda: solve(oiled({}, load=cs.SineLoad(1e5, 1e5, 1.0)), WIDE, times=[0, 3])),
     ("TimeSteps.error_estimator is *: leave it out.",
      lambda: solve(oiled({}, load=HISTORY), WIDE, times=cs.TimeSteps(error_estimator="none"))),
     # plans
-    ("*no curvature", lambda: cs.plan(smooth(shapes=()))),
     ("*without a length", lambda: cs.plan(smooth(shapes=(CYLINDER, cs.Crown(1.0))))),
     ("*has no length scales",
      lambda: cs.plan(smooth(shapes=(CYLINDER, SimpleNamespace(gap=lambda grid: np.zeros(grid.cells), curvature=0.0))))),

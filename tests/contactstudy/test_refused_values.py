@@ -22,8 +22,7 @@ YIELDING = cs.ElasticPlasticHalfSpace(2e11, 0.3, 1e9)
 COATED = cs.CoatedHalfSpace(cs.HalfSpace(250e9, 0.22), 2e-6, STEEL)
 CASE = cs.HardnessProfile(surface=7e9, core=3e9, case_depth=1e-3)
 ROUGH = cs.Roughness(rms=2e-7, hurst=0.8, roll_off=5e-5, cut_off=1e-5)
-DIMPLE, GROOVE = cs.Dimple(5e-6, 1e-4), cs.Groove(2e-6, 4e-5)
-DIMPLES = cs.Texture(DIMPLE, (2e-4, 2.5e-4))
+DIMPLE = cs.Dimple(5e-6, 1e-4)
 OIL = cs.Lubricant(0.04, 2e-8)
 BELOW = cs.SubsurfaceStress((1e-4,))
 
@@ -63,12 +62,9 @@ VALUES: list[tuple[str, Callable[[], object]]] = [
     ("FreeFaces.length", lambda: cs.FreeFaces(STEEL, "10 mN")),
     ("FreeFaces.solid", lambda: cs.FreeFaces(COATED, 0.01)),
     ("CoatedHalfSpace.coating is rigid", lambda: replace(COATED, coating=RIGID)),
-    ("CoatedHalfSpace.coating is *free faces", lambda: replace(COATED, coating=cs.FreeFaces(STEEL, 0.01))),
-    ("CoatedHalfSpace.coating has a", lambda: replace(COATED, coating=replace(STEEL, hardness_profile=CASE))),
     ("CoatedHalfSpace.coating is *stiff", lambda: replace(COATED, substrate=replace(STEEL, youngs_modulus=1e3))),
     ("CoatedHalfSpace.interlayers[0] is *without a thickness", lambda: replace(COATED, interlayers=(STEEL,))),
     ("HardnessProfile has surface: give", lambda: cs.HardnessProfile(surface=7e9)),
-    ("HardnessProfile.depths", lambda: cs.HardnessProfile((0, 0), (7e9, 3e9))),
     ("HardnessProfile.surface", lambda: replace(CASE, surface=5e9)),
     # loads
     ("LineLoad.per_length is -0.0: give a load", lambda: smooth(load=cs.LineLoad(-0.0))),
@@ -76,7 +72,6 @@ VALUES: list[tuple[str, Callable[[], object]]] = [
     ("LoadHistory.per_length has 1 loads", lambda: cs.LoadHistory((0.0, 1.0), (1.0,))),
     ("LoadHistory.per_length is 0 throughout", lambda: cs.LoadHistory((0.0, 1.0), (0.0, 0.0))),
     ("LoadHistory.times[1]", lambda: cs.LoadHistory((1.0, 0.0), (1.0, 1.0))),
-    ("LoadHistory.times[2]", lambda: cs.LoadHistory((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))),
     # what a scene holds
     ("Scene.solids", lambda: smooth(solids=(STEEL,))),
     ("Scene.solids*all rigid", lambda: smooth(solids=(RIGID, RIGID))),
@@ -85,9 +80,6 @@ VALUES: list[tuple[str, Callable[[], object]]] = [
     ("*body is 1, a rigid", lambda: smooth(solids=(STEEL, RIGID), outputs=(replace(BELOW, body=1),))),
     ("SubsurfaceStress.depths is ()", lambda: cs.SubsurfaceStress(())),
     # shapes
-    ("Crown end_drop is *: give ", lambda: cs.Crown.of_drop(-1e-6, 0.01)),
-    ("LundbergProfile.length is *: give ",
-     lambda: cs.LundbergProfile.for_load(1e5, contact_modulus=1e11, radius=0.01, length=1e-5)),
     ("LundbergProfile.straight is 0.01", lambda: cs.LundbergProfile(1e-6, 1e-6, 0.01, straight=0.01)),
     ("Tilt.angle is *between -0.1 and 0.1 rad", lambda: cs.Tilt(0.2)),
     ("MovingShape.shape is *: give", lambda: cs.MovingShape(cs.Sphere(1.0))),
@@ -96,35 +88,23 @@ VALUES: list[tuple[str, Callable[[], object]]] = [
     ("Roughness.extent[1] is 7e-05: give a length", lambda: replace(ROUGH, extent=(2e-4, 7e-5)).gap(GRID)),
     ("Roughness.cut_off is 1e-40: give * waves", lambda: replace(ROUGH, cut_off=1e-40).gap(GRID)),
     ("Texture.pitch is *: give ", lambda: cs.Texture(DIMPLE, (0.9e-4, 2e-4))),
-    ("Texture.pitch[1] is *: give ", lambda: replace(DIMPLES, pitch=(2e-4, 1.5e-4)).gap(GRID)),
-    ("Texture.pitch is *: give ", lambda: cs.Texture(GROOVE, (1e-4, 1e-4))),
     ("Texture area_density is *: give ", lambda: cs.Texture.of_density(DIMPLE, 1.0, 2e-4)),
-    ("Texture along is *: give ", lambda: cs.Texture.of_density(GROOVE, 0.1, 2e-4)),
     ("MeasuredSurface.extent is *: give ", lambda: measured(extent=(1e-4, 1e-4))),
-    ("MeasuredSurface.extent is None*16 x 4 points", lambda: measured(HEIGHTS[:, :4])),
     ("MeasuredSurface.trend is *: did you mean 'plane'", lambda: measured(trend="plain")),
     ("MeasuredSurface.heights has *: give an array", lambda: measured([[1, 2], [3]])),
     ("*coordinates for 1 of its dimensions", lambda: measured(labelled(width=np.arange(6)))),
-    ("*width has coordinates that are not", lambda: measured(labelled(width=np.zeros(6), length=np.arange(4)))),
     ("*heights has the units 'nm': convert to m", lambda: measured(labelled().assign_attrs(units="nm"))),
     # motion and friction
     ("TractiveRolling has none of", lambda: cs.TractiveRolling(0.3)),
     ("TractiveRolling.speed", lambda: cs.TractiveRolling(0.3, longitudinal=1e-3, speed=0.0)),
     ("Fretting*give one of them", lambda: cs.Fretting(0.3)),
     ("Fretting*give times", lambda: cs.Fretting(0.3, displacements=(1.0,))),
-    ("Fretting.forces is ()", lambda: cs.Fretting(0.3, ())),
-    ("Fretting*2 stresses and", lambda: cs.Fretting(0.3, (0.1,), bulk_stresses=(1e7, 2e7))),
     ("Fretting*together with times", lambda: cs.Fretting(0.3, (0.1,), (1.0,), bulk_stresses=(1e7,))),
-    ("Fretting*give one time for each", lambda: cs.Fretting(0.3, (0.0, 0.1), times=(0.0,))),
     ("Rolling.speed is 1.0 with passes", lambda: cs.Rolling(1.0, passes=2)),
-    ("Rolling.distance is 0.1 without passes", lambda: cs.Rolling(1.0, distance=0.1)),
     ("TimeSteps.times is empty: give one instant", lambda: cs.TimeSteps(times=())),
     ("*give time_steps.end or time_steps.times", lambda: cs.TimeSteps().instants_of()),
-    ("TimeSteps*: leave one of them out.", lambda: cs.TimeSteps(times=(0.0, 5.0), end=5.0)),
     # lubricants and films
     ("SpeedHistory.mean_speed[0] is 0", lambda: cs.SpeedHistory((0, 1), (0, 1))),
-    ("SpeedHistory.mean_speed has 1 speeds", lambda: cs.SpeedHistory((0, 1), (1,))),
-    ("SpeedHistory.times", lambda: cs.SpeedHistory((1, 0), (1, 1))),
     ("Lubricant.pressure_viscosity is 7e-08 * exponent is", lambda: cs.Lubricant(0.04, 7e-8)),
     ("Roelands.exponent is 0.4, and heat and pressure * 0.608 alone",
      lambda: film(lubricant=cs.Lubricant(0.04, 2e-8, cs.Roelands(0.4)), thermal=cs.FilmHeat())),
@@ -135,7 +115,6 @@ VALUES: list[tuple[str, Callable[[], object]]] = [
      lambda: film(boundary=cs.Boundary(5e-9), cavitation=cs.ReynoldsCavitation())),
     # where and how it is solved
     ("Grid.cells[0] is 1: give ", lambda: cs.Grid((1, 8), (1.0, 1.0))),
-    ("Grid.cells is 8: give ", lambda: cs.Grid(8, (1.0, 1.0))),
     ("Grid.extent[0] is inf: give ", lambda: cs.Grid((8, 8), (inf, 1.0))),
     ("padding is *(across, along).", lambda: cs.convolution(1.0, GRID, (FREE, 6), 1.0)),
     ("grid is (8, 8): give a Grid.", lambda: SMOOTH.problem((8, 8), EXACT)),
@@ -150,9 +129,7 @@ VALUES: list[tuple[str, Callable[[], object]]] = [
     ("solve.folder is given, and a static contact has", lambda: solved(folder="frames")),
     ("solve.start has the shape (8, 16): give it (16, 8).", lambda: solved(start=np.ones((8, 16)))),
     ("solve.start is not finite in 128 cells: it must be at least", lambda: solved(start=np.full((16, 8), nan))),
-    ("solve.start is below 0 Pa in 128 cells", lambda: solved(start=np.full((16, 8), -1.0))),
     ("solve.start is at most 0 Pa: give a pressure that carries", lambda: solved(start=np.zeros((16, 8)))),
-    ("solve.start is no array of numbers: give a pressure in Pa", lambda: solved(start="so")),
 ]  # fmt: skip
 
 

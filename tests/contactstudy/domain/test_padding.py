@@ -140,16 +140,6 @@ def test_peak_error_follows_the_square_of_the_reach(line_contact: LineContact) -
         assert truncated - whole == pytest.approx(image_error(1.0, padding.reach(period)), rel=0.1)
 
 
-def test_l1_error_falls_as_the_three_halves_power_of_the_cell(line_contact: LineContact) -> None:
-    """Fitted over octaves, where the edge falls in its cell at 1/6 and 5/6 in turn.
-
-    Between other grids the error jumps with that place: up to a factor of 2.
-    """
-    cells = np.array([64, 128, 256, 512, 1024])
-    found = [errors(line_contact, cs.ExactPeriodicity(), (int(n), 1), 2.4)[3] for n in cells]
-    assert np.polyfit(np.log(cells), np.log(found), 1)[0] == pytest.approx(-1.5, abs=0.02)
-
-
 def test_cell_centres_are_symmetric_to_the_last_bit() -> None:
     grid = cs.Grid(cells=(7, 10), extent=(0.3, 0.7))
     assert (grid.x == -grid.x[::-1]).all()

@@ -36,15 +36,6 @@ def test_differences_are_those_computed_by_hand() -> None:
     assert found.difference["x"].values == pytest.approx((edges[1:] + edges[:-1]) / 2)
 
 
-def test_a_cell_that_differs_is_found_along_the_length_too() -> None:
-    a = contact([[1, 2], [3, 4]], width=2.0, period=4.0)
-    b = contact([[1, 1, 2, 6], [3, 3, 4, 4]], width=2.0, period=4.0)
-    found = cs.compare(a, b)
-    # of 4 Pa on a square metre; a bears 10 Pa on two
-    assert (found.l1, found.load, found.largest, *found.position) == pytest.approx((4 / 20, 4 / 20, 4, -0.5, 1.5))
-    assert found.difference["difference"].values.tolist() == [[0, 0, 0, 4], [0, 0, 0, 0]]
-
-
 def test_cells_count_by_their_area() -> None:
     for a, b, l1 in (
         # halves and thirds of a period of 6 m: cells of 2, 1, 1 and 2 m, of which two differ, by 4 and 3 Pa

@@ -56,15 +56,6 @@ def test_the_edges_of_a_smooth_contact_lie_inside_their_cells(
         assert abs(numbers[name].value - value) <= numbers[name].bound < within * value
 
 
-def test_the_mean_pressure_at_a_given_approach_has_the_errors_of_load_and_area(line_contact: LineContact) -> None:
-    pressed = replace(line_contact.scene, load=cs.Approach(2e-6))
-    contact = cs.solve(pressed, line_contact.grid((64, 1), 2.4), cs.ExactPeriodicity())
-    load, area = contact.error.load, contact.error.contact_area
-    assert load is not None
-    assert area is not None
-    assert contact.quantities["mean_pressure"].relative_bound == pytest.approx(load.total + area.total, rel=1e-12)
-
-
 def test_an_error_relative_to_zero_bounds_nothing() -> None:
     unknown = with_bound(Quantity(0.0, "1", "fraction"), ErrorParts(discretisation=0.1))
     assert unknown.bound == inf
@@ -85,15 +76,6 @@ def test_the_largest_in_time_has_no_bound_where_the_load_is_higher_between_insta
         peak = answer.quantities["peak_pressure"]
         assert (peak.bound == inf) == bool(said)
         assert said in peak.reason
-
-
-def test_the_load_of_a_roller_is_spread_over_its_length() -> None:
-    shapes = (cs.Cylinder(0.01), cs.FiniteLength(4e-3))
-    scene = cs.Scene(cs.TotalLoad(400.0), (STEEL, STEEL), shapes)
-    numbers = cs.solve(scene, cs.Grid((32, 10), (8e-4, 5e-3)), cs.ZeroPadding()).quantities
-    assert numbers["total_load"].value == pytest.approx(400.0, rel=1e-7)
-    assert numbers["load_per_length"].value == pytest.approx(1e5, rel=1e-7)
-    assert numbers["contact_area"].unit == "m2"
 
 
 ROWS = {
@@ -139,20 +121,3 @@ def test_a_film_stands_beside_its_formulas_and_the_roughness() -> None:
     assert numbers["dowson_higginson_film"].value == pytest.approx(dowson, rel=1e-9)
     assert numbers["elastic_piezoviscous_film"].value == pytest.approx(numbers["moes_film"].value, rel=0.1)
     assert numbers["sliding_loss"].value == 0  # pure rolling
-
-
-def test_wear_and_dent_are_what_is_left_at_the_last_instant() -> None:
-    worn = cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL), (cs.Cylinder(0.01),), wear=cs.Wear(1e-15, 1.0))
-    grid = cs.Grid((32, 1), (4e-4, 1e-3))
-    evolution = cs.solve(worn, grid, cs.ExactPeriodicity(), times=[0, 1, 2])
-    # Archard: the worn area is the coefficient times the load times the distance
-    volume = evolution.quantities["wear_volume"]
-    assert (volume.value, volume.unit) == (pytest.approx(1e-15 * 1e5 * 2, rel=1e-6), "m3 m-1")
-    assert abs(volume.value - 1e-15 * 1e5 * 2) <= volume.bound < 1e-6 * volume.value
-    assert evolution.quantities["peak_pressure"].value == evolution.over_time("peak_pressure").max()
-    body = cs.ElasticPlasticHalfSpace(210e9, 0.3, 1e9, 5e9)
-    history = cs.LoadHistory((0.0, 1.0, 2.0), (0.0, 8e5, 0.0))
-    dented = cs.Scene(history, (body, cs.HalfSpace(inf, 0.3)), (cs.Cylinder(0.01),))
-    left = cs.solve(dented, cs.Grid((32, 1), (2e-3, 1e-3)), cs.ExactPeriodicity(), times=[1, 2])
-    surface = left.to_dataset()["residual_displacement"].isel(time=-1)
-    assert left.quantities["dent_depth"].value == float(abs(surface).max())

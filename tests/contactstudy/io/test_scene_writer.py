@@ -76,6 +76,7 @@ EFFECTS: tuple[dict[str, object], ...] = (
     {"lubrication": cs.Lubrication(OIL, 1.0, 0.1, thermal=cs.FilmHeat())},
     {"load": cs.LoadHistory((0.0, 0.0, 2.0), (0.0, 1e4, 1e4))},
     {"load": cs.SineLoad(1e3, 5e2, frequency=2.0, phase=0.1)}, {"solids": (RUBBER, STEEL)},
+    {"solids": (cs.FreeFaces(STEEL, 0.01), STEEL)},
     {"wear": cs.Wear(1e-17, 0.1, body=1)}, {"solids": (RUBBER, STEEL), "rolling": cs.Rolling(2.0)},
 )  # fmt: skip
 

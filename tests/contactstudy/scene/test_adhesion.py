@@ -47,21 +47,6 @@ def test_a_range_that_the_grid_cannot_hold_names_the_range_and_the_cell_that_wou
     assert solution.adhesion.cells_in_zone == pytest.approx(2 * 1.001**2)
 
 
-def test_a_given_range_has_one_zone_and_tabor_parameter_on_any_grid() -> None:
-    """Between those of the substrate and of the coating, whose compliance is a fifth."""
-    coated = cs.CoatedHalfSpace(cs.HalfSpace(5e6, 0.5), 1e-5, SOFT)
-    scene = replace(SCENE, solids=(coated, RIGID), adhesion=cs.Adhesion(0.05, range=2e-6))
-    coarse, fine, bare = (
-        cs.solve(replace(scene, solids=(body, RIGID)), cs.Grid((cells, 1), (4e-3, 1.0)), LINE)
-        for body, cells in ((coated, 256), (coated, 512), (SOFT, 256))
-    )
-    assert fine.adhesion.tabor == pytest.approx(coarse.adhesion.tabor)
-    assert fine.adhesion.cells_in_zone == pytest.approx(2 * coarse.adhesion.cells_in_zone)
-    stiffer = coarse.adhesion.cells_in_zone / bare.adhesion.cells_in_zone
-    assert 1 < stiffer < 5
-    assert coarse.adhesion.tabor == pytest.approx(bare.adhesion.tabor / stiffer ** (2 / 3))
-
-
 @pytest.mark.cases(3)
 @pytest.mark.parametrize(
     ("adhesion", "solver"),

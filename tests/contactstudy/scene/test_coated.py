@@ -7,7 +7,6 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.elasticity.coefficients import influence_coefficients
-from contactstudy.elasticity.convolution import superposed
 from contactstudy.elasticity.tangential import shear_response
 from tests.conftest import STEEL
 
@@ -109,40 +108,6 @@ def test_the_modulus_of_its_hertz_contact_is_that_at_the_half_width(thickness: f
     # of an approach, the half-width is that of any modulus: Johnson (1985), sect. 5.6, from 0.2 m beside the axis
     turns = 2 * log(2 * 0.2 / hertz.half_width) + 1
     assert hertz.half_width == pytest.approx(sqrt(4 * 0.1 * 1e-4 / turns), rel=1e-6)
-
-
-@pytest.mark.parametrize(("coating", "wave"), [(DLC, (1, 0)), (cs.HalfSpace(20e9, 0.4), (2, 3))], ids=str)
-def test_a_wave_of_pressure_moves_a_coating_as_its_response_says(coating: cs.HalfSpace, wave: tuple[int, int]) -> None:
-    """Doubly periodic: beside a bare body's 2 / (k E*), what the substrate adds, on cells of a mean pressure."""
-    grid, thickness = cs.Grid((24, 20), (1.1e-3, 0.8e-3)), 0.25e-3
-    body = cs.CoatedHalfSpace(coating, thickness, STEEL)
-    kx, ky = (2 * np.pi * n / side for n, side in zip(wave, grid.extent, strict=True))
-    k = np.hypot(kx, ky)
-    pressure = np.cos(kx * grid.x[:, None] + ky * grid.y)
-    coated, bare = (superposed(one.response(1e-4), grid, PADDINGS["lattice"]) for one in (body, coating))
-    (layer, _), *_ = body.interfaces
-    rest = float(layer.remainders(np.array([k * thickness]))[0, 0])
-    below = layer.contrasts[0] * np.exp(-2 * k * thickness) + rest
-    mean = np.sinc(wave[0] / grid.cells[0]) * np.sinc(wave[1] / grid.cells[1])
-    expected = coating.compliance * 2 / k * below * mean * pressure
-    # shorter waves than the grid's, which it takes for this one, fall as exp(-2 k h): below 1e-11
-    found = coated(pressure) - bare(pressure)
-    assert np.abs(found - expected).max() < 1e-10 * np.abs(bare(pressure)).max()
-
-
-@pytest.mark.parametrize("fraction", [0.25, 2.0])
-@pytest.mark.parametrize(("ratio", "within"), [(1 / 3, 0.1), (8.0, 0.25)])
-def test_a_contact_is_about_as_wide_as_its_compliance_says(ratio: float, within: float, fraction: float) -> None:
-    """On coatings from a quarter of a half-width to two of them, which is where it is between the limits."""
-    half_width, radius = 1e-4, 0.01
-    coating = cs.HalfSpace(STEEL.youngs_modulus * ratio, 0.25)
-    body = cs.CoatedHalfSpace(coating, fraction * half_width, STEEL)
-    load = np.pi * half_width**2 / (4 * radius * body.compliance_at(half_width))
-    scene = cs.Scene(cs.LineLoad(load), (body, RIGID), (cs.Cylinder(radius),))
-    grid = cs.Grid((256, 1), (4 * half_width, half_width))
-    solution = cs.solve(scene, grid, EXACT)
-    wide = np.count_nonzero(solution.pressure) * grid.cell_size[0] / (2 * half_width)
-    assert wide == pytest.approx(1, abs=within)
 
 
 @pytest.mark.parametrize("padding", ["row", "free"])

@@ -1,4 +1,3 @@
-from dataclasses import replace
 from math import inf
 
 import numpy as np
@@ -105,22 +104,6 @@ def test_a_substrate_that_does_not_yield_holds_the_coating_in_its_plane() -> Non
     np.testing.assert_allclose(xx, 0.3 / 0.7 * zz, atol=1e-9)
 
 
-def test_numbers_of_a_coating_are_its_von_mises_stress_and_the_shear_at_its_bond() -> None:
-    """Materials that are nearly alike, under Hertz's pressure: 0.5575162 and 0.21796353 of its peak, by quadrature."""
-    plain = cs.Scene(cs.LineLoad(1e5), (cs.HalfSpace(inf, 0.3), STEEL), (cs.Cylinder(0.01),))
-    thickness, peak = plain.hertz.half_width, plain.hertz.peak_pressure
-    coated = cs.CoatedHalfSpace(replace(STEEL, youngs_modulus=210.0002e9), thickness, STEEL)
-    depths = tuple(part * thickness for part in (0.5, 0.70429, 1.0, 1.5))
-    scene = replace(plain, solids=(plain.solids[0], coated), outputs=(cs.SubsurfaceStress(depths, body=1),))
-    grid = cs.Grid((201, 1), (2.4 * thickness, 1e-3))
-    quantities = cs.solve(scene, grid, cs.ExactPeriodicity()).quantities
-    in_coating, interface = quantities["coating_von_mises"], quantities["interface_shear"]
-    assert in_coating.value / peak == pytest.approx(0.5575162, rel=1e-3)
-    assert in_coating.position["z"] == pytest.approx(0.70429 * thickness)
-    assert interface.value / peak == pytest.approx(0.21796353, rel=1e-3)
-    assert abs(interface.position["x"]) == pytest.approx(0.950175 * thickness, abs=2 * grid.cell_size[0])
-
-
 @pytest.mark.parametrize(("modulus", "shear"), [(250e9, 44.17e6), (50e9, 21.87e6)])
 def test_the_shear_at_the_interface_of_a_thin_coating_is_resolved_where_it_is_asked_for(
     modulus: float, shear: float
@@ -141,17 +124,3 @@ def test_the_shear_at_the_interface_of_a_thin_coating_is_resolved_where_it_is_as
     unresolved = coarse.quantities["interface_shear"]
     assert unresolved.bound == inf
     assert "cells in the coating" in unresolved.reason
-
-
-def test_the_stresses_of_both_coated_bodies_are_given_under_their_names() -> None:
-    hard, soft = (cs.CoatedHalfSpace(cs.HalfSpace(modulus, 0.25), 1e-5, STEEL) for modulus in (400e9, 100e9))
-    scene = cs.Scene(cs.LineLoad(1e5), (hard, soft), (cs.Cylinder(0.01),))
-    outputs = cs.SubsurfaceStress((5e-6, 1e-5)), cs.SubsurfaceStress((5e-6, 1e-5), body=1)
-    both, first, second = (
-        cs.solve(replace(scene, outputs=each), cs.Grid((48, 1), (2.6e-4, 1e-3)), cs.ExactPeriodicity())
-        for each in (outputs, outputs[:1], outputs[1:])
-    )
-    for one, suffix in ((first, ""), (second, "_1")):
-        for name in ("largest_von_mises", "coating_von_mises", "interface_shear"):
-            assert str(both.quantities[name + suffix]) == str(one.quantities[name])
-    assert both.to_dataset()["von_mises_1"].dims == ("z_1", "x", "y")

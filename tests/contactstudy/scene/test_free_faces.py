@@ -1,6 +1,5 @@
 import re
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -72,19 +71,6 @@ def test_a_plan_ends_at_the_faces_and_a_peak_has_a_bound_where_it_is_not_at_a_sh
     flush = cs.solve(replace(ROLLER, solids=(ENDED, ENDED)), error="4 %")
     assert flush.quantities["peak_pressure"].relative_bound < 0.05
     assert flush.error.l1.total < 0.04
-
-
-def test_a_scene_file_names_free_faces_beside_a_material(tmp_path: Path) -> None:
-    file = tmp_path / "roller.toml"
-    text = (
-        'load.per_length = "150 N/mm"\n[[solids]]\nmaterial = "steel"\nfree_faces = "10 mm"\n'
-        '[[solids]]\nmaterial = "steel"\n[[shapes]]\nkind = "Cylinder"\nradius = "5 mm"\n'
-    )
-    file.write_text(text)
-    scene = cs.read_scene(file).scene
-    assert scene.solids[0] == cs.FreeFaces(cs.material("steel"), 0.01)
-    cs.write_scene(scene, tmp_path / "written.toml")
-    assert cs.read_scene(tmp_path / "written.toml").scene == scene
 
 
 def test_stress_below_leaves_the_faces_free_and_is_the_pressure_at_the_surface() -> None:

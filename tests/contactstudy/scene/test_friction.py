@@ -134,23 +134,6 @@ def test_stress_below_sliding_is_as_in_closed_form(coefficient: float, wanted: f
     np.testing.assert_allclose(surface.sel(component="xz"), -coefficient * root, atol=1e-3)
 
 
-def test_the_second_body_feels_the_reaction() -> None:
-    below = cs.SubsurfaceStress((2e-5,)), cs.SubsurfaceStress((2e-5,), body=1)
-    dataset = solved(scene(cs.Sliding(0.3), outputs=below), (64, 1)).to_dataset()
-    first, second = (dataset[name].sel(component="xx").values for name in ("stress", "stress_1"))
-    np.testing.assert_allclose(first, second[:, ::-1])
-
-
-def test_a_solution_without_friction_has_no_shear() -> None:
-    plain = solved(scene(None))
-    for name in ("shear", "stick"):
-        with pytest.raises(cs.NotDefined, match=r"Scene\.friction"):
-            getattr(plain, name)
-    assert "shear_x" not in plain.to_dataset()
-    labelled = solved(scene(cs.PartialSlip(0.3, 1e4))).to_dataset()
-    assert set(labelled.variables) >= {"shear_x", "shear_y", "stick"}
-
-
 def test_dundurs_constant_of_bodies_that_differ_in_both_moduli() -> None:
     """Johnson (1985), eq. 5.3: by (1 - 2 nu) / G and (1 - nu) / G of either."""
     first, second = cs.HalfSpace(200e9, 0.2), cs.HalfSpace(50e9, 0.4)

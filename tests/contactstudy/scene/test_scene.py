@@ -7,16 +7,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from tests.conftest import STEEL, LineContact
-
-
-def test_shapes_add_up(line_contact: LineContact) -> None:
-    halves = replace(line_contact.scene, shapes=(cs.Cylinder(0.02), cs.Cylinder(0.02)))
-    grid = line_contact.grid((16, 4), 1.0)
-    whole = line_contact.scene.problem(grid, cs.ExactPeriodicity())
-    split = halves.problem(grid, cs.ExactPeriodicity())
-    np.testing.assert_allclose(split.undeformed_gap, whole.undeformed_gap, rtol=4e-16)
-    assert split.scales.length == pytest.approx(whole.scales.length, rel=1e-15)
+from tests.conftest import STEEL
 
 
 @pytest.mark.parametrize("kind", [np.int16, np.float32])

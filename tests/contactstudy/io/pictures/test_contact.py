@@ -34,16 +34,6 @@ def test_the_map_and_both_sections_show_each_number_in_its_unit() -> None:
     assert line.get_xydata() == pytest.approx(np.transpose([X * 1e6, [20, 60, 100]]))
 
 
-def test_stress_is_drawn_over_depth_or_across_at_a_single_depth() -> None:
-    stress = 1e9 * np.arange(1.0, 25.0).reshape(2, 3, 4)
-    stressed = labelled(von_mises=(("z", "x", "y"), stress))
-    [filled] = contact_picture(stressed).axes[4].collections
-    # the third row of four along the length
-    assert (filled.zmin, filled.zmax) == pytest.approx((3, 23))
-    single = contact_picture(stressed.isel(z=[1])).axes[4]
-    assert single.lines[0].get_xydata() == pytest.approx(np.transpose([X * 1e6, [15, 19, 23]]))
-
-
 def test_the_drop_is_drawn_beside_the_pressure_at_the_ends_and_what_was_met_below() -> None:
     crown = cs.Crown.of_drop(2e-6, 8e-3)
     scene = cs.Scene(

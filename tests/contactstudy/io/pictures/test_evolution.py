@@ -38,16 +38,3 @@ def test_profiles_map_numbers_and_known_errors_are_drawn_over_time() -> None:
     assert numbers.lines[0].get_xydata() == pytest.approx(np.transpose([TIME, [0.25, 0.5, 1, 1]]))
     [steps] = errors.lines
     assert steps.get_xydata() == pytest.approx(np.array([[1, 1e-3], [4, 1e-2]]))
-
-
-def test_yield_has_a_panel_of_its_dent_and_one_of_the_strain_under_the_middle_at_the_end() -> None:
-    dent = -1e-6 * np.arange(24.0).reshape(4, 3, 2)
-    strain = 1e-3 * np.arange(48.0).reshape(4, 2, 3, 2)
-    yielded = labelled(
-        residual_displacement=(("time", "x", "y"), dent, {"long_name": "dent", "units": "m"}),
-        equivalent_plastic_strain=(("time", "z", "x", "y"), strain, {"long_name": "strain"}),
-    ).assign_coords(z=[1e-3, 5e-3])
-    profiles, shown = evolution_picture(yielded).axes[4:6]
-    assert profiles.lines[-1].get_ydata() == pytest.approx([-19, -21, -23])
-    [mesh] = shown.collections
-    assert np.asarray(mesh.get_array()).reshape(-1) == pytest.approx(100 * strain[-1, :, :, 1].ravel())

@@ -97,13 +97,6 @@ def test_a_wider_grid_shows_the_same_surface_of_an_extent_of_its_own() -> None:
     np.testing.assert_allclose(heights[:64], heights[64:128], rtol=0, atol=1e-12 * 2e-7)
 
 
-def test_a_surface_without_room_for_a_wave_is_refused() -> None:
-    small = cs.Grid(cells=(32, 32), extent=(5e-6, 5e-6))
-    with pytest.raises(cs.InvalidInput, match=r"below the grid's extent"):
-        ROUGH.gap(small)
-    assert not replace(ROUGH, rms=0.0).gap(small).any()
-
-
 @pytest.mark.parametrize("peklenik", [0.2, 5.0])
 def test_lay_stretches_the_surface_along_itself_and_no_wave_is_shorter_than_the_cut_off(peklenik: float) -> None:
     """The ratio of rms slopes is that of the lengths."""

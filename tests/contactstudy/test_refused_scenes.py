@@ -167,7 +167,6 @@ SOLVES: list[tuple[str, Callable[[], object]]] = [
      lambda: solve(smooth(solids=(CREEPING, RIGID)))),
     # keywords that a scene cannot use
     ("solve.period is given, *: leave it out.", lambda: cs.solve(SMOOTH.problem(UNIT, EXACT), period=1.0)),
-    ("solve.times is given, *: leave it out.", lambda: solve(SMOOTH, times=[0.0])),
     ("solve.precision is ", lambda: solve(OILED, WIDE, precision="single")),
     # rolling
     ("*is a fluid", lambda: solve(smooth(rolling=ROLLS, solids=(FLUID, RIGID)))),
@@ -183,15 +182,12 @@ SOLVES: list[tuple[str, Callable[[], object]]] = [
     ("*two or more, ascending", lambda: solve(oiled({}, load=HISTORY), WIDE, times=cs.TimeSteps([1.0, 0.0]))),
     ("Scene.load is 0 at 1 s",
      lambda: solve(oiled({}, load=cs.LoadHistory((0, 1, 1), (1e5, 0, 1e5))), WIDE, times=[0, 3])),
-    ("TimeSteps.error_estimator is *: leave it out.",
-     lambda: solve(oiled({}, load=HISTORY), WIDE, times=cs.TimeSteps(error_estimator="none"))),
     # plans
     ("*without a length", lambda: cs.plan(smooth(shapes=(CYLINDER, cs.Crown(1.0))))),
     ("*has no length scales",
      lambda: cs.plan(smooth(shapes=(CYLINDER, SimpleNamespace(gap=lambda grid: np.zeros(grid.cells), curvature=0.0))))),
     ("plan.error is 0", lambda: cs.plan(SMOOTH, error=0)),
     ("plan.device is 2: give Cpu(threads=2) or Gpu()", lambda: cs.plan(SMOOTH, device=2)),
-    ("plan.period is *: leave it out", lambda: cs.plan(SMOOTH, grid=UNIT, period=2e-3)),
     ("plan.times is given, *: leave it out", lambda: cs.plan(OILED, times=(0.0, 1.0))),
     ("TimeSteps.instants is 1", lambda: cs.plan(oiled({}, load=HISTORY), times=cs.TimeSteps(instants=1))),
 ]  # fmt: skip

@@ -71,20 +71,6 @@ def test_a_single_cell_in_contact_converges(solver: cs.Solver) -> None:
     assert solution.residual <= 1e-8
 
 
-def test_a_sphere_on_a_free_surface_is_hertz_point_contact() -> None:
-    """Free along both axes; errors of the cell that holds the edge aside, of second order in the cell."""
-    hertz = cs.analytic.HertzPoint(load=100.0, radius=0.01, contact_modulus=1.15e11)
-    a, solid = hertz.contact_radius, cs.HalfSpace(youngs_modulus=2.3e11, poisson_ratio=0.0)
-    grid = cs.Grid(cells=(64, 64), extent=(2.5 * a, 2.5 * a))
-    scene = cs.Scene(cs.LineLoad(hertz.load / grid.length), (solid, solid), (cs.Sphere(0.01),))
-    solution = cs.solve(scene.problem(grid, (cs.ZeroPadding(), cs.ZeroPadding())))
-    step = (grid.cell_size[0] / a) ** 2
-    assert solution.approach == pytest.approx(hertz.approach, rel=step)
-    r = np.hypot(grid.x[:, None], grid.y)
-    error = np.abs(solution.pressure - hertz.pressure(r))[r < 0.8 * a].max()
-    assert error < 5 * step * hertz.peak_pressure
-
-
 @pytest.mark.parametrize("solver", [cs.PolonskyKeer(), cs.PreconditionedCG()], ids=str)
 def test_a_solution_is_its_own_start(solver: cs.Solver, line_contact: LineContact) -> None:
     grid = line_contact.grid((32, 8), 1.2)

@@ -165,31 +165,12 @@ def test_claims_are_of_the_finest_grid_and_of_cells_from_which_on_all_are_enough
     assert not any("Exact periodicity needs" in text for text in findings("images", unknown))
 
 
-def test_errors_stand_over_the_distance_that_a_padding_sees_whatever_its_n() -> None:
-    (over, *_) = load_drawing("images").figure(settings().isel(images=[1]))
-    lines = labelled(over.figure.axes[0])
-    for name, reach in (("zero", 0.5), ("duplicated", 1.0), ("circular", 1.5)):
-        seen, error = lines[name]
-        np.testing.assert_allclose(seen, reach * np.array(PERIODS))
-        (wanted,) = settings()["pressure_error_l1"].sel(padding=[name], images=1, grid=24).values
-        np.testing.assert_allclose(error, 100 * wanted)
-    reach, law = lines["law a²/(2πD²)"]
-    np.testing.assert_allclose(law, 100 / (2 * np.pi * reach**2))
-
-
 def test_a_front_joins_the_settings_that_no_other_beats() -> None:
     _, front = load_drawing("pareto").figure(settings().sel(padding=["exact"], period=[0.6]))
     times, errors = labelled(front.figure.axes[0])["exact"]
     # of 0.8, 1.2 and 0.2 % in rising time the second is beaten
     np.testing.assert_allclose(errors, [0.8, 0.2])
     assert (np.diff(times) > 0).all()
-
-
-def test_one_cell_along_says_what_it_saves() -> None:
-    dataset = settings().expand_dims(along=["square", "one"]).copy(deep=True)
-    dataset["solve_time_cpu"] = xr.ones_like(dataset["solve_time_cpu"])
-    dataset["solve_time_cpu"].loc[{"along": "one"}] = 0.25
-    assert "takes 25 % of the time of square cells" in findings("pareto", dataset)[0]
 
 
 def test_the_finding_on_hard_cases_is_of_all_and_says_which_are_wrong() -> None:

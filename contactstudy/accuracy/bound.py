@@ -124,7 +124,7 @@ def discretisation_bound(
     # where the grid chooses the range of an attraction, edges follow another law
     peak, edges = (0.0, (0.0, 0.0)) if solution.regularised else shown_errors(solution)
     l1, at_end, at_hardness = sum(edges), end_error(solution), _at_hardness(solution)
-    area = 0.0 if adheres else contact_area_error(pressure, wraps)
+    area = 0.0 if adheres else contact_area_error(solution.pressure, wraps)
     if at_end and (lengths := problem.covered_fractions) is not None:
         area += abs(np.count_nonzero(lengths) / float(lengths.sum()) - 1)
     load = CONSTANTS.load_error * max(0.0 if adheres else l1, inside.hidden_load)

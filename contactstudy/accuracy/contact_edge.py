@@ -19,8 +19,9 @@ CELLS = 80
 PLACES, STEPS = (-0.175, 0.83), 60
 # Distance in cells within which the largest error counts. Without it the error is up to 41 % smaller.
 JUMP_RANGE = 0.06
-# Cells that touch beside each other, and difference of the places by two pairs of cells, of a smooth edge.
-MIN_TOUCHING, MAX_DIFFERENCE = 12, 0.5
+# Cells that touch beside each other, those of the opening beyond, and difference of the places by two pairs of cells, of
+# a smooth edge.
+MIN_TOUCHING, MIN_OPEN, MAX_DIFFERENCE = 12, 3, 0.5
 
 
 class _EdgeLaw(NamedTuple):
@@ -132,13 +133,15 @@ class StraightEdges(NamedTuple):
 def straight_edges(pressure: Array) -> StraightEdges | None:
     """Return the edges of a contact across; None unless they are straight and smooth.
 
-    Each place along the length then touches in the same cells, a dozen and more without a gap, and the cells beside both
-    edges follow the law of this module.
+    Each place along the length then touches in the same cells, a dozen and more without a gap, some cells are open, and
+    those beside both edges follow the law of this module.
     """
     touching = np.flatnonzero(pressure[:, 0])
     first, last = (int(touching[0]), int(touching[-1])) if touching.size else (0, 0)
     is_straight = ((pressure > 0) == (pressure[:, :1] > 0)).all() and last - first == touching.size - 1
-    if not is_straight or touching.size < MIN_TOUCHING or first == 0 or last == len(pressure) - 1:
+    if not is_straight or touching.size < MIN_TOUCHING or len(pressure) - touching.size < MIN_OPEN:
+        return None
+    if first == 0 or last == len(pressure) - 1:
         return None
     sides = np.stack([pressure[last : last - 3 : -1], pressure[first : first + 3]])
     sides = sides / _narrowing(touching.size)[:, None]

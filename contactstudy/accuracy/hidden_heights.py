@@ -50,7 +50,7 @@ class HiddenHeightsConstants:
         Rise of the pressure where a hidden height h is pressed flat, over ``E* h / dx``. It is pi / 2 and pi for waves
         of two cells and of one, and pi / 2 for a bump ``exp(-r^2 / dx^2)``.
     further_rise
-        Rise on all finer cells over that, where a shape names no length scales: at most 2.1 under heights ``|x|^n`` with
+        Rise on all finer cells over that, where a shape names no length scales: at most 3.2 under heights ``|x|^n`` with
         n from 1.5 on.
     corner_fraction
         Fraction of the slope change between two neighbouring points that their neighbours do not have, from which it
@@ -64,7 +64,7 @@ class HiddenHeightsConstants:
     lines: int = 64
     sparse: int = 4
     pressure_rise: float = pi
-    further_rise: float = 2.0
+    further_rise: float = 3.5
     corner_fraction: float = 0.55
 
 

@@ -35,7 +35,7 @@ from contactstudy.solvers.solution import Solution, TangentialTraction, with_tra
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Fewest cells along an axis of a coarser grid.
-COARSEST = 24
+COARSEST = 8
 # Least relative refinement that the change between two grids is divided by: that between nearly equal ones vanishes by
 # chance.
 LEAST_REFINEMENT = 0.5

@@ -114,6 +114,17 @@ def test_the_area_of_alike_islands_lies_within_its_bound_on_every_grid() -> None
         assert abs(found.value - true) < found.bound < found.value
 
 
+@pytest.mark.parametrize(("cells", "load"), [(24, 0.9975), (30, 0.9778), (32, 0.99837), (64, 0.99837)])
+def test_the_area_of_a_wave_nearly_in_full_contact_is_known_to_its_narrow_openings(cells: int, load: float) -> None:
+    """Westergaard: the contact covers 2 / pi asin(sqrt(p / p*)) of a wave."""
+    modulus, wavelength, amplitude = 2e11, 1e-4, 1e-8
+    pressed = cs.LineLoad(load * np.pi * modulus * amplitude)
+    wave = cs.Waviness(amplitude, across=wavelength)
+    scene = cs.Scene(pressed, (cs.HalfSpace(modulus, 0.0), cs.HalfSpace(np.inf, 0.0)), (wave,))
+    found = cs.solve(scene, cs.Grid((cells, 1), (wavelength, 1e-4)), (EXACT, EXACT)).quantities["contact_fraction"]
+    assert abs(found.value - 2 / np.pi * np.arcsin(load**0.5)) < found.bound < 0.15
+
+
 def test_a_corner_raises_pressure_by_its_slope_at_each_halving(line_contact: LineContact) -> None:
     """By ``E* / (2 pi) slope ln 2`` of cells, whose waves of alternating pressure are stiffer than E* by pi / (4 G).
 

@@ -187,7 +187,8 @@ BALL = {"shapes": (cs.Sphere(RADIUS),), "load": cs.LineLoad(1e4)}
 @pytest.mark.parametrize(
     ("friction", "changes", "cells", "extent", "padding"),
     [
-        # forces along y beside a given one along x, spin of a sphere, unlike bodies
+        # little stick on few cells, forces along y beside a given one along x, spin of a sphere, unlike bodies
+        (rolling(longitudinal=0.9 * SATURATION), {}, ((24, 1), (240, 1)), (3 * A, 1e-3), EXACT),
         (cs.TractiveRolling(MU, tangential=0.5e4, lateral=-0.1 * SATURATION), {}, LINES, (3 * A, 1e-3), EXACT),
         (rolling(lateral=0.2 * SATURATION, spin=SATURATION / A), BALL, POINTS, (4e-4, 4e-4), FREE),
         (cs.TractiveRolling(1e-3, tangential=-80.0), {"solids": UNLIKE}, LINES, (3 * WIDE, 1e-3), EXACT),

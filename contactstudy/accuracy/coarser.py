@@ -50,6 +50,8 @@ class DiscretisationConstants:
 CONSTANTS = DiscretisationConstants()
 # Uncertainty, in cells, of straight edges, beside the difference by two pairs of cells.
 STRAIGHT_UNCERTAINTY = 0.006
+# Fraction of the grid in contact from which openings as narrow as a cell count.
+NEARLY_FULL = 0.9
 
 
 def with_ends(field: Array, count: int, *, wraps: bool) -> Array:
@@ -159,8 +161,8 @@ def contact_area_error(pressure: Array, wraps: tuple[bool, bool]) -> float:
 
     That of straight edges is their uncertainty. Others differ from where the pressures of the last two cells of each row
     put them (:mod:`~contactstudy.accuracy.contact_edge`), and lie anywhere in their cells beside that.
-    Each axis shows the whole error, so the larger of both counts. Openings as narrow as a cell may be there or not. The
-    error is infinite where no area may remain.
+    Each axis shows the whole error, so the larger of both counts. In a nearly full contact,
+    openings as narrow as a cell may be there or not. The error is infinite where no area may remain.
 
     Parameters
     ----------
@@ -196,8 +198,11 @@ def _narrow_openings(pressure: Array, wraps: tuple[bool, bool]) -> int:
     """Return the number of cells with openings that may be there or not: in line between two touching cells, or unseen.
 
     A parabola through zero half a cell beside a centre has an eighth of its second difference there; up to twice that
-    the contact may open between the centres.
+    the contact may open between the centres. Below `NEARLY_FULL` the number is 0: there the edges of wider openings
+    outweigh these.
     """
+    if np.count_nonzero(pressure) < NEARLY_FULL * pressure.size:
+        return 0
     enclosed, bends = np.zeros(pressure.shape, bool), np.zeros(pressure.shape)
     for axis, is_periodic in enumerate(wraps):
         if pressure.shape[axis] > 1:

@@ -161,8 +161,8 @@ def contact_area_error(pressure: Array, wraps: tuple[bool, bool]) -> float:
 
     That of straight edges is their uncertainty. Others differ from where the pressures of the last two cells of each row
     put them (:mod:`~contactstudy.accuracy.contact_edge`), and lie anywhere in their cells beside that.
-    Each axis shows the whole error, so the larger of both counts. In a nearly full contact,
-    openings as narrow as a cell may be there or not. The error is infinite where no area may remain.
+    Each axis shows the whole error, so the larger of both counts. In a nearly full contact, openings as narrow
+    as a cell may be there or not. The error is infinite where no area may remain.
 
     Parameters
     ----------
@@ -203,15 +203,14 @@ def _narrow_openings(pressure: Array, wraps: tuple[bool, bool]) -> int:
     """
     if np.count_nonzero(pressure) < NEARLY_FULL * pressure.size:
         return 0
-    enclosed, bends = np.zeros(pressure.shape, bool), np.zeros(pressure.shape)
+    bends = np.zeros(pressure.shape)
     for axis, is_periodic in enumerate(wraps):
         if pressure.shape[axis] > 1:
             padded = with_ends(axis_first(pressure, axis), 1, wraps=is_periodic)
             between = (padded[:-2] > 0) & (padded[2:] > 0)
             bend = np.maximum(padded[:-2] + padded[2:] - 2 * padded[1:-1], 0) * between
-            enclosed |= axis_first(between, axis)
             bends += axis_first(bend, axis)
-    return int(np.count_nonzero(enclosed & (pressure < bends / 4)))
+    return int(np.count_nonzero(pressure < bends / 4))
 
 
 def relative_loss(fraction: float) -> float:

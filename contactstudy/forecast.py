@@ -78,6 +78,10 @@ class ForecastConstants:
 
 
 CONSTANTS = ForecastConstants()
+NOT_PREDICTED = (
+    f"plan.error is not predicted, since no solve on coarse cells ended within {CONSTANTS.seconds:g} s: "
+    "solve, and read answer.error."
+)
 
 
 def plan(
@@ -287,8 +291,10 @@ class _Request:
     def warnings_of(self, levels: list[Level]) -> tuple[str, ...]:
         """Return warnings that follow from the last solve."""
         answer = levels[-1].answer
-        if answer is None or self.scene.lubrication is not None:
+        if self.scene.lubrication is not None:
             return ()
+        if answer is None:
+            return () if any(level.answer is not None for level in levels) else (NOT_PREDICTED,)
         warnings = [text for text in answer.error.warnings if SHARP_EDGE in text]
         width, parts = answer.grid.extent[0], answer.error.l1.by_cause
         if answer.status is Status.CONTACT_AT_EDGE:

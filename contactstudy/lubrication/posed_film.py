@@ -46,9 +46,9 @@ REACH_CELLS, MAX_REACH, LIGHTLY_LOADED = 256, 64, 1e-3
 MIDDLE, SMOOTH = 0.5, 1e-3
 # Least width of a grid over that of the pressure.
 MIN_WIDTH = 1.2
-# A gap that varies along the length by more than CROWNED [a^2 / R] is that of a crowned roller, by more than SHARP_END
-# that of a roller with a sharp end.
-CROWNED, SHARP_END = 0.5, 300.0
+# A gap that varies along the length by more than CROWNED [a^2 / R] is that of a crowned roller; by more than SHARP_END
+# [film], or the fraction CLIFF of its length, that of a roller with a sharp end.
+CROWNED, SHARP_END, CLIFF = 0.5, 300.0, 0.5
 # Least cells of the coarsest grid: across in plane strain, else across and along. Cells across are a multiple of the
 # last.
 COARSEST, COARSEST_ROUGH, COARSEST_ALONG, ROW_MULTIPLE = 200, 48, 16, 8
@@ -267,8 +267,9 @@ def pose(scene: Scene, grid: Grid, padding: Padding | Paddings, outlet: float = 
     displacement = Deflection.on(grid, paddings, weights, 1.0)
     problem = replace(problem, operator=displacement.even)
     opening = float(np.ptp(problem.undeformed_gap, axis=1).max())
-    ends = any(lengths.roller > 0 for lengths in length_scales_of(scene.shapes))
-    if opening > SHARP_END * scales.film or (ends and not opening):  # ends of a roller may lie at those of the period
+    lengths = [scale.roller for scale in length_scales_of(scene.shapes) if scale.roller > 0]
+    sharp = min(SHARP_END * scales.film, *(CLIFF * length for length in lengths), inf)
+    if opening > sharp or (lengths and not opening):  # ends may lie at those of the period
         raise InvalidInput(
             "Scene.shapes have a roller's sharp end: a film that ends there is not supported, give a Crown or a "
             "LundbergProfile, and a longer period."

@@ -18,7 +18,7 @@ from contactstudy.elasticity.convolution import on_padded_grid, padded_cells
 from contactstudy.elasticity.kernels.stress_cell import COMPONENTS
 from contactstudy.elasticity.transforms import TRANSFORMS
 from contactstudy.problem.problem import Field, ResidualStress
-from contactstudy.scene.solids.bodies import Body, Homogeneous
+from contactstudy.scene.solids.bodies import Body, Homogeneous, is_layered
 from contactstudy.scene.solids.hardness_profile import HardnessProfile
 from contactstudy.scene.solids.stress_model import HalfSpaceStress, HasStressModel, StressModel
 
@@ -27,6 +27,8 @@ Z = {"axis": "Z", "positive": "down"}
 COARSE_STEP, FINE_STEPS = 1.35, (1.1**-2, 1.1**-1, 1.1, 1.1**2)
 # Widths of the contact down to which the least safety is searched where the yield stress changes with depth.
 DEEPEST = 4.0
+# Relative difference of depths that is rounding, below that of the two sides of an interface.
+ROUNDING = 1e-13
 # Factor on the stress at a depth.
 Weight = Callable[[float], float]
 # Largest number of values in the result for all chosen depths: 256 MiB.
@@ -89,7 +91,7 @@ class SubsurfaceStress:
         """Return the stress of these bodies on `grid`."""
         body = solids[self.body]
         medium = self._medium(body)
-        depths = None if isinstance(self.depths, str) else self.depths
+        depths = None if isinstance(self.depths, str) else _at_interfaces(body, self.depths)
         below = SubsurfaceStressOperator(
             grid, paddings, medium, depths, self.body, profile=getattr(body, "hardness_profile", None)
         )
@@ -103,6 +105,14 @@ class SubsurfaceStress:
         assert isinstance(medium, HalfSpaceStress)
         coefficients = FreeFaceCoefficients.of(length, medium.poisson_ratio)
         return replace(below, ended=coefficients)
+
+
+def _at_interfaces(body: Body, depths: tuple[float, ...]) -> tuple[float, ...]:
+    """Return `depths` [m], those of an interface but for rounding as the sum of the thicknesses above it."""
+    if not is_layered(body):
+        return depths
+    bottoms = [bottom for *_, bottom in body.parts.values()]
+    return tuple(next((at for at in bottoms if isclose(at, depth, rel_tol=ROUNDING)), depth) for depth in depths)
 
 
 @dataclass(frozen=True, eq=False)

@@ -70,6 +70,8 @@ def csv_of(dataset: "xr.Dataset", file: Path, names: Sequence[str]) -> tuple[str
     if "solve_time" not in columns:
         columns = [name for name in columns if not is_time(name)]
     chosen = columns if ALL in names else [*names] or _default_columns(columns)
+    if not chosen:
+        raise InvalidInput(f"{str(file)!r} has no numbers for a table: give what contactstudy solve or run wrote.")
     if set(chosen) <= set(columns):
         return _csv_text(dataset, _rows(dataset, chosen, axes)), len(columns) - len(chosen)
     found: list[tuple[dict[str, Any], xr.Dataset]] = [({}, dataset)]

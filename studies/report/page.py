@@ -18,7 +18,7 @@ from studies.engine.options import RunOptions
 from studies.engine.run import run
 from studies.model.drawing import CaptionedFigure, Drawing, Finding, write_figure
 from studies.model.outcome import CaseStatus
-from studies.model.plain_text import Log
+from studies.model.plain_text import Log, one_line
 from studies.model.study import Study
 from studies.reference.paddings import padding_text
 from studies.registry import BUILT_IN, load_drawing
@@ -64,18 +64,23 @@ def stored(study: Study, out: Path) -> xr.Dataset:
 
 
 def section(part: Part, dataset: xr.Dataset) -> Section:
-    """Return the figures of a study that a chapter shows, with findings and tables."""
+    """Return the figures of a study that a chapter shows, with findings and tables; of what it lacks a finding."""
     study, drawing = part.study(), load_drawing(part.name)
     if not (dataset["case_status"] == CaseStatus.OK).any():
         drawing = NOTHING_TO_DRAW
-    figures = drawing.figure(dataset) if part.figures != () else ()
+    try:
+        figures = drawing.figure(dataset) if part.figures != () else ()
+        findings, tables = drawing.findings(dataset), drawing.tables(dataset)
+    except KeyError as missing:
+        lacks = f"The file lacks what is drawn of it: {one_line(str(missing.args[0]), 100)}."
+        findings, tables, figures = [Finding(lacks, "Run the study again.")], (), ()
     shown = [item for item in figures if part.figures is None or item.name in part.figures]
     return Section(
         name=part.name,
         title=part.title or study.title.rstrip("."),
-        findings=drawing.findings(dataset),
+        findings=findings,
         figures=shown,
-        tables=drawing.tables(dataset),
+        tables=tables,
         file=part.name,
         axes_text=axes_text(dataset),
     )

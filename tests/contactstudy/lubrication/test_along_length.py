@@ -89,6 +89,13 @@ def test_a_film_of_a_short_contact_is_as_wide_as_the_dry_contact() -> None:
         solve_lubricated(crowned, grid(48, 2.0, 16, period=20.0))
 
 
+@pytest.mark.parametrize("shapes", [(), (cs.Crown(0.01),)])
+def test_a_film_that_ends_at_a_sharp_end_is_refused_also_where_it_is_thick(shapes: tuple[cs.Shape, ...]) -> None:
+    fast = by_moes(1.0, 2, cs.FiniteLength(2 * A), *shapes)
+    with pytest.raises(cs.InvalidInput, match="sharp end"):
+        solve_lubricated(fast, grid(64, 8.0, 16, period=4.0))
+
+
 def test_a_film_between_rollers_is_solved_along_them_with_its_least_towards_an_end() -> None:
     plain = by_moes(20, 5)
     width = plain.hertz.half_width

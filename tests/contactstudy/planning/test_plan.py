@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
+from contactstudy.forecast import CONSTANTS
 from contactstudy.planning.plan import plan_grid
 from tests.conftest import LineContact
 from tests.contactstudy.lubrication import scenes as films
@@ -137,6 +138,15 @@ def test_seconds_count_nothing_that_is_compiled(monkeypatch: pytest.MonkeyPatch,
     monkeypatch.setattr("contactstudy.forecast.solve", solve)
     assert cs.plan(scene, grid=grid).seconds < 0.5
     assert len(spent) > 1
+
+
+def test_a_plan_whose_solves_do_not_end_in_time_says_that_its_error_is_not_predicted(
+    monkeypatch: pytest.MonkeyPatch, line_contact: LineContact
+) -> None:
+    monkeypatch.setattr("contactstudy.forecast.CONSTANTS", replace(CONSTANTS, seconds=0.0))
+    planned = cs.plan(replace(line_contact.scene, wear=cs.Wear(1e-13, 1.0)), error=0.1, times=(0.0, 1.0))
+    assert planned.error == inf
+    assert "error is not predicted" in " ".join(planned.warnings)
 
 
 def test_what_is_wrong_with_a_grid_is_said_before_anything_runs(line_contact: LineContact) -> None:

@@ -104,6 +104,15 @@ def test_a_substrate_that_does_not_yield_holds_the_coating_in_its_plane() -> Non
     np.testing.assert_allclose(xx, 0.3 / 0.7 * zz, atol=1e-9)
 
 
+def test_a_depth_given_as_the_sum_of_two_thicknesses_is_that_of_their_interface() -> None:
+    middle = cs.HalfSpace(100e9, 0.3, thickness=6e-6)
+    coated = cs.CoatedHalfSpace(cs.HalfSpace(300e9, 0.25), 4e-6, STEEL, (middle,))
+    for depth in (1e-5, 4e-6 + 6e-6, "10 um"):
+        below = cs.SubsurfaceStress((depth,), body=1)
+        scene = cs.Scene(cs.LineLoad(1e4), (STEEL, coated), (cs.Cylinder(0.01),), outputs=(below,))
+        assert "interlayer_0_shear" in cs.solve(scene, cs.Grid((64, 1), (2e-4, 1e-3))).quantities
+
+
 @pytest.mark.parametrize(("modulus", "shear"), [(250e9, 44.17e6), (50e9, 21.87e6)])
 def test_the_shear_at_the_interface_of_a_thin_coating_is_resolved_where_it_is_asked_for(
     modulus: float, shear: float

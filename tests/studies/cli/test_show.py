@@ -125,6 +125,7 @@ def test_no_file_makes_show_end_in_a_traceback(tmp_path: Path) -> None:
     odd = {
         "three axes": xr.Dataset({"pressure": (("x", "y", "z"), np.zeros((2, 1, 2)))}),
         "nothing": xr.Dataset(),
+        "no numbers": xr.Dataset({"a": ("x", [1, 2])}),
         "statuses": xr.Dataset({"case_status": ("load", [1, 1])}),
     }
     for name, dataset in odd.items():
@@ -132,3 +133,4 @@ def test_no_file_makes_show_end_in_a_traceback(tmp_path: Path) -> None:
         for words in ([], ["--csv"]):
             done = CliRunner().invoke(cli, ["show", str(tmp_path / f"{name}.nc"), *words])
             assert isinstance(done.exception, SystemExit | cs.InvalidInput | None), (name, words, done.exception)
+            assert "Error" not in done.output.replace("Error: ", ""), (name, words, done.output)

@@ -95,6 +95,12 @@ def test_a_failed_case_is_told_in_the_log_and_on_the_page(tmp_path: Path) -> Non
     assert "No case gave numbers." in page.read_text(encoding="utf-8")
 
 
+def test_a_figure_whose_variable_is_not_stored_is_told_on_the_page(out: Path) -> None:
+    dataset = report.stored(load("stability").override(OWN["stability"]), out).drop_vars("pressure_difference_l1")
+    (said,) = report.section(Part("stability"), dataset).findings
+    assert "pressure_difference_l1" in said.claim
+
+
 @pytest.fixture(scope="module")
 def stored(out: Path) -> Mapping[str, xr.Dataset]:
     """Datasets of few cases of each study, made when they are first asked for."""

@@ -37,7 +37,7 @@ def whole_quotient(field: str, length: float, period: float) -> int:
     times = period / length
     if abs(times - round(times)) > 1e-9 * max(times, 1):
         raise InvalidInput(
-            f"{field} is {length!r}: give a length that divides the period {period!r} m, or change the period."
+            f"{field} is {length:.10g} m: give a length that divides the period {period:.10g} m, or change the period."
         )
     return round(times)
 

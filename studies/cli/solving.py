@@ -103,7 +103,7 @@ def _kept(last: cs.Progress | None, scene: Path, folder: Path, frames: Path) -> 
     if last is None or last.pressure is None:
         return f"{at}; nothing of this scene is kept, and the same command begins anew"
     path = _keep_stopped(last, open_folder(folder) / f"{scene.stem}.stopped.nc")
-    return f"{at}; go on with contactstudy solve {scene} --start {path}"
+    return f"{at}; the same command with --start {path} goes on from there"
 
 
 def _keep_stopped(stopped: cs.Progress, path: Path) -> Path:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 from contactstudy.domain.units import Metres
-from contactstudy.domain.validation import at_least, validated
+from contactstudy.domain.validation import Limits, at_least, validated
 
 # Largest length of a cell over its width, and largest width over its length. A row of cells wider than their period is
 # summed image by image.
@@ -135,7 +135,12 @@ class DuplicatedPadding:
         return period
 
 
-Images = Annotated[int, at_least(0)]
+# More images than these, each of which is summed, are those of ExactPeriodicity to five digits, at no cost.
+MAX_IMAGES = 10_000
+Images = Annotated[
+    int,
+    Limits(f"from 0 to {MAX_IMAGES}, since each is summed; all are ExactPeriodicity()", lambda x: 0 <= x <= MAX_IMAGES),
+]
 
 
 class _Counted:
@@ -163,7 +168,7 @@ class Superposition(_Counted):
     Parameters
     ----------
     images
-        Number of periods on each side, at least 0; 0 is :class:`ZeroPadding`.
+        Number of periods on each side, from 0 to 10000; 0 is :class:`ZeroPadding`.
     """
 
     wraps: ClassVar[bool] = False
@@ -181,7 +186,7 @@ class CircularSuperposition(_Counted):
     Parameters
     ----------
     images
-        Number of periods on each side, at least 0.
+        Number of periods on each side, from 0 to 10000.
     """
 
     wraps: ClassVar[bool] = True

@@ -95,8 +95,9 @@ def test_a_failed_case_is_told_in_the_log_and_on_the_page(tmp_path: Path) -> Non
     assert "No case gave numbers." in page.read_text(encoding="utf-8")
 
 
-def test_a_figure_whose_variable_is_not_stored_is_told_on_the_page(out: Path) -> None:
-    dataset = report.stored(load("stability").override(OWN["stability"]), out).drop_vars("pressure_difference_l1")
+def test_a_figure_whose_variable_is_not_stored_is_told_on_the_page(tmp_path: Path) -> None:
+    run_few("stability", tmp_path)
+    dataset = report.stored(load("stability"), tmp_path).drop_vars("pressure_difference_l1")
     (said,) = report.section(Part("stability"), dataset).findings
     assert "pressure_difference_l1" in said.claim
 

@@ -124,8 +124,14 @@ def stress_quantities(
         amplitude = found[name_of_range]
         label = f"double amplitude of the {amplitude.label}"
         found[f"{name_of_range}_range"] = replace(amplitude, value=2 * amplitude.value, label=label)
-        if 0 < (found[name_of_mises].position or {}).get("z", 0.0) < grid.cell_size[0]:
+        *_, top, bottom = layers.get(before.removesuffix("_"), (0.0, inf))
+        unresolved = unresolved_interface(grid, bottom - top)
+        if unresolved is not None:
+            reason = unresolved.reason.replace("shear stress at the interface", "orthogonal shear stress")
+            unresolved = replace(unresolved, reason=reason)
+        elif 0 < (found[name_of_mises].position or {}).get("z", 0.0) < grid.cell_size[0]:
             unresolved = ErrorParts(discretisation=inf, reason=UNRESOLVED_SHEAR)
+        if unresolved is not None:
             found |= {key: with_bound(of, unresolved) for key, of in found.items() if key.startswith(name_of_range)}
         of_range = stress[4, inside][shear.max(axis=(1, 2)).argmax()]
         ends[name_of_range] = [largest_place(sign * of_range, coordinates)[1] for sign in (1, -1)]

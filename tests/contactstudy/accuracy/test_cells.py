@@ -125,6 +125,15 @@ def test_the_area_of_a_wave_nearly_in_full_contact_is_known_to_its_narrow_openin
     assert abs(found.value - 2 / np.pi * np.arcsin(load**0.5)) < found.bound < 0.15
 
 
+def test_edges_beside_a_layer_of_few_cells_are_known_less_than_those_of_a_half_space() -> None:
+    """Places by two pairs of cells agree by chance where a hard coat is 0.16 cells thick."""
+    coated = cs.CoatedHalfSpace(cs.HalfSpace(2.424e12, 0.4749), 4.934e-7, cs.HalfSpace(276.6e9, 0.2145))
+    scene = cs.Scene(cs.LineLoad(155458.0), (coated, cs.HalfSpace(np.inf, 0.3)), (cs.Cylinder(4.6924e-3),))
+    coarse, fine = (cs.solve(scene, cs.Grid((n, 1), (1.44248e-4, 1e-4)), EXACT).quantities for n in (48, 768))
+    for name in ("contact_area", "half_width"):
+        assert abs(coarse[name].value - fine[name].value) < coarse[name].bound < 0.03 * coarse[name].value
+
+
 def test_a_corner_raises_pressure_by_its_slope_at_each_halving(line_contact: LineContact) -> None:
     """By ``E* / (2 pi) slope ln 2`` of cells, whose waves of alternating pressure are stiffer than E* by pi / (4 G).
 

@@ -76,8 +76,8 @@ class OneGridConstants:
         as that pressure lies elsewhere, and more for what it moves. With both, bounds were 1.9 to 2.3 times the errors
         of 16 sharp rollers that fit their cells, and 1.1 to 10 times those of 41 that do not.
     layer_edge, cells_in_layer
-        Uncertainty, in cells, of both edges of a contact together beside a layer of fewer cells: differences were at most
-        0.2 where those by two pairs of cells agreed by chance.
+        Uncertainty, in cells, of both edges of a contact together beside a layer of fewer cells: they were off by up to
+        0.2 where their places by two pairs of cells agreed by chance.
     cell_at_interface
         Largest cell over the thickness of a coating with which the grid resolves the shear stress at its interface.
     """

@@ -189,22 +189,27 @@ class Answer(InNotebook):
     def summary(self) -> str:
         """Return accuracy, warnings, quantities with their bounds, status, extent, surfaces and work as text."""
         size = "  extent {} x {}".format(*map(readable, self.grid.extent))
-        reasons = {quantity.reason for quantity in self.quantities.values()}  # said below the table
-        others = (warning for warning in self.error.warnings if warning not in reasons)
-        warnings = (f"  warning: {warning}" for warning in others)
         surfaces = (f"  {note}" for note in surface_notes(getattr(self, "scene", None)))
         status = f"  {self.status}"
         return "\n".join(
-            (self.accuracy, *warnings, as_text(self.quantities), status, size, *surfaces, f"  {self.work}")
+            (self.accuracy, *self._warnings, as_text(self.quantities), status, size, *surfaces, f"  {self.work}")
         )  # fmt: skip
 
+    @property
+    def _warnings(self) -> list[str]:
+        """Line of each warning that is no reason below the table of quantities."""
+        reasons = {quantity.reason for quantity in self.quantities.values()}
+        return [f"  warning: {warning}" for warning in self.error.warnings if warning not in reasons]
+
     def __repr__(self) -> str:
-        """Return accuracy, status and the first quantities with their bounds, in at most ten lines."""
-        counts = range(SHOWN, 0, -1)  # with the reasons of those without a bound
+        """Return accuracy, up to two warnings, status and the first quantities with their bounds, in up to ten lines."""
+        warnings = self._warnings[:2]
+        shown = SHOWN - len(warnings)
+        counts = range(shown, 0, -1)  # with the reasons of those without a bound
         tables = (as_text(dict(islice(self.quantities.items(), count))) for count in counts)
-        table = next((text for text in tables if text.count("\n") < SHOWN), "")
+        table = next((text for text in tables if text.count("\n") < shown), "")
         head = f"{type(self).__name__}: {self.accuracy}"
-        return f"{head}\n  {self.status.name}, {cells_text(self.grid.cells)}\n{table}"
+        return "\n".join((head, *warnings, f"  {self.status.name}, {cells_text(self.grid.cells)}", table))
 
     def _rows(self) -> str:
         return repr(self)

@@ -53,6 +53,9 @@ def test_an_answer_is_shown_with_its_accuracy_first_and_a_picture(line_contact: 
     grid = line_contact.grid((32, 16), 1.2)
     contact = cs.solve(line_contact.scene, grid, cs.ExactPeriodicity(), error="2 %")
     assert contact.accuracy in repr(contact).splitlines()[0]
+    varying = line_contact.with_shapes(cs.Waviness(1e-7, along=grid.length))
+    on_one_row = cs.solve(varying, line_contact.grid((32, 1), 1.2), cs.ExactPeriodicity())
+    assert "along the length of a Waviness is left out" in repr(on_one_row).splitlines()[1]
     assert "data:image/png;base64," in contact._repr_html_()
     assert contact.plot()._repr_png_().startswith(b"\x89PNG")  # shown once, as pyplot does not know it
     for value, said in (

@@ -5,6 +5,7 @@ import json
 import tomllib
 from base64 import b64encode
 from collections.abc import Sequence
+from difflib import get_close_matches
 from importlib.resources import files
 from math import ceil
 from pathlib import Path
@@ -80,8 +81,11 @@ def csv_of(dataset: "xr.Dataset", file: Path, names: Sequence[str]) -> tuple[str
     known = dict.fromkeys([*columns, *(str(name) for _, one in found for name in one.data_vars)])
     for name in chosen:
         if name not in known or any(name not in one for _, one in found):
-            fields = "" if found else ", and run the study with --fields for its fields"
-            raise InvalidInput(f"--csv names {name!r}: {suggestion(name, known)}{fields}.")
+            if found or get_close_matches(name, known, n=1, cutoff=0.8):
+                raise InvalidInput(f"--csv names {name!r}: {suggestion(name, known)}.")
+            raise InvalidInput(
+                f"--csv names {name!r}, which is not stored: run the study with --fields for its fields."
+            )
     import pandas as pd
 
     dims = list(dict.fromkeys(str(dim) for name in chosen for dim in found[0][1][name].dims))

@@ -88,7 +88,7 @@ def figures(dataset: xr.Dataset, plot: Sequence[str] = ()) -> Sequence[Captioned
 def chosen(dataset: xr.Dataset, plot: Sequence[str]) -> Sequence[str]:
     """Return the measures `plot` of a stored study, or those of a contact if it is empty."""
     if plot:
-        return [one_of("plot", name, _numbers(dataset)) for name in plot]
+        return [one_of("The variable to draw", name, _numbers(dataset)) for name in plot]
     measures = _measures(dataset)
     preferred = [name for name in DRAWN if name in measures] if len(measures) > MAX_PANELS else []
     return (preferred or measures)[:MAX_PANELS]

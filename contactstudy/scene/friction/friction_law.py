@@ -184,10 +184,10 @@ def check_force(scene: SceneContext, law: Any, load: float, remedy: str) -> None
     if force is not None and not abs(force) < limit:
         name = "tangential" if law.total is None else "total"
         length = 1.0 if law.total is None else scene.roller_length or 1.0
-        most = readable(limit * length, "N m-1" if law.total is None else "N")
+        unit = "N m-1" if law.total is None else "N"
         raise InvalidInput(
-            f"{type(law).__name__}.{name} is {getattr(law, name)!r}: friction transmits less than {most}, give "
-            f"{remedy}."
+            f"{type(law).__name__}.{name} is {readable(getattr(law, name), unit)}: friction transmits less than "
+            f"{readable(limit * length, unit)}, give {remedy}."
         )
 
 

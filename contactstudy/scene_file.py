@@ -165,10 +165,10 @@ def document_from(raw: Mapping[str, Any], source: str) -> SceneDocument:
 
 
 def _with_named_errors(raw: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Return tables whose errors by the names of numbers, in a text such as ``peak_pressure = 2 %``, are a table."""
+    """Return tables whose error is a number, or a table where a text such as ``peak_pressure = 2 %`` has names."""
     plan = raw.get("plan")
     error = plan.get("error") if isinstance(plan, Mapping) else None
-    if not isinstance(plan, Mapping) or not isinstance(error, str) or "=" not in error:
+    if not isinstance(plan, Mapping) or not isinstance(error, str):
         return raw
     return {**raw, "plan": {**plan, "error": checked_errors("plan.error", error)}}
 

@@ -275,3 +275,5 @@ def test_a_file_requests_the_errors_of_some_numbers(tmp_path: Path) -> None:
     assert list(answer.judged) == ["peak_pressure", "half_width"]
     with pytest.raises(cs.InvalidInput, match=r"plan.error.*'much'"):
         read(text.replace("'2 %'", "'much'"), tmp_path)
+    with pytest.raises(cs.InvalidInput, match=r"plan.error is 'much': give a relative error, such as '1 %'"):
+        read(LINE.lstrip().replace("[load]", "plan.error = 'much'\n[load]"), tmp_path)

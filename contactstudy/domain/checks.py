@@ -32,16 +32,6 @@ def is_default(field: Field[Any], value: object) -> bool:
     return default is not MISSING and not getattr(value, "ndim", 0) and bool(value == default)
 
 
-def whole_quotient(field: str, length: float, period: float) -> int:
-    """Return ``period / length``, which must be a whole number, or raise :class:`InvalidInput`."""
-    times = period / length
-    if abs(times - round(times)) > 1e-9 * max(times, 1):
-        raise InvalidInput(
-            f"{field} is {length:.10g} m: give a length that divides the period {period:.10g} m, or change the period."
-        )
-    return round(times)
-
-
 def set_fields(instance: object, **values: object) -> None:
     """Replace values of a frozen dataclass by checked ones, in its ``__post_init__``."""
     for name, value in values.items():

@@ -85,7 +85,18 @@ def display_unit_of(values: ArrayLike, unit: str) -> tuple[float, str]:
 def readable(value: float, unit: str = "m", digits: int = 4) -> str:
     """Return a value as text in a unit with few digits, such as ``"0.5 GPa"``, by default a length."""
     size, name = display_unit(value, unit)
-    return f"{value / size:.{digits}g} {name}".strip()
+    return f"{value / size + 0.0:.{digits}g} {name}".strip()  # without the sign of -0.0
+
+
+def whole_quotient(field: str, length: float, period: float) -> int:
+    """Return ``period / length`` [m] of a grid, which must be a whole number, or raise :class:`InvalidInput`."""
+    times = period / length
+    if abs(times - round(times)) > 1e-9 * max(times, 1):
+        raise InvalidInput(
+            f"{field} is {readable(length, digits=10)}, and the grid's {readable(period, digits=10)} is no multiple of "
+            "it: give a multiple of it in grid.extent or plan.period, or another length."
+        )
+    return round(times)
 
 
 # SI units with decimal prefixes, which occur most: a table reads them faster than pint, whose import is slow.

@@ -6,10 +6,9 @@ from math import ceil, inf
 
 import numpy as np
 
-from contactstudy.domain.checks import whole_quotient
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
-from contactstudy.domain.units import readable
+from contactstudy.domain.units import readable, whole_quotient
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.shapes.shape import Shape, gap_of, length_scales_of
 

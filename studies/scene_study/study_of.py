@@ -9,11 +9,10 @@ from pathlib import Path
 import contactstudy as cs
 from contactstudy import InvalidInput, MeasuredSurface, Roughness, Scene
 from contactstudy.answers.answer import surface_notes
-from contactstudy.domain.checks import whole_quotient
 from contactstudy.domain.device import available_bytes
 from contactstudy.domain.errors import DEFAULT_ERROR, PRESSURE
 from contactstudy.domain.grid import cells_text
-from contactstudy.domain.units import readable
+from contactstudy.domain.units import readable, whole_quotient
 from contactstudy.io.scene_files.scene_writer import scene_text
 from contactstudy.planning.grid_requirements import (
     grid_requirements,

@@ -7,11 +7,11 @@ from typing import Annotated, Self
 import numpy as np
 from scipy import fft
 
-from contactstudy.domain.checks import InvalidInput, whole_quotient
+from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.reuse import cached_array
-from contactstudy.domain.units import Metres, Number, readable
+from contactstudy.domain.units import Metres, Number, readable, whole_quotient
 from contactstudy.domain.validation import AT_LEAST_ZERO, BELOW_ONE, at_least, validated
 from contactstudy.scene.shapes.shape import LengthScales, no_gap
 

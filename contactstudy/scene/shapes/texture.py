@@ -5,10 +5,10 @@ from typing import Annotated, Literal, Self
 
 import numpy as np
 
-from contactstudy.domain.checks import InvalidInput, whole_quotient
+from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
-from contactstudy.domain.units import Metres, Number, Radians
+from contactstudy.domain.units import Metres, Number, Radians, whole_quotient
 from contactstudy.domain.validation import ANY_SIGN, AT_LEAST_ZERO, BELOW_ONE, FINITE, OR_INFINITE, valid, validated
 from contactstudy.scene.shapes.shape import LengthScales, no_gap
 

@@ -10,10 +10,10 @@ from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 
-from contactstudy.domain.checks import InvalidInput, set_fields, whole_quotient
+from contactstudy.domain.checks import InvalidInput, set_fields
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
-from contactstudy.domain.units import Metres, readable
+from contactstudy.domain.units import Metres, readable, whole_quotient
 from contactstudy.domain.validation import Example, validated
 from contactstudy.scene.shapes.shape import LengthScales
 from contactstudy.scene.surfaces import measurement
@@ -267,7 +267,7 @@ class MeasuredSurface:
             heights = cell_means(heights, axis, extent=length, cells=points, width=piece, ends="not-a-knot")
             length = piece
         period = seam.lengths * length
-        whole_quotient("MeasuredSurface period", period, grid.extent[axis])
+        whole_quotient("The repeat length of a MeasuredSurface", period, grid.extent[axis])
         closed = seam.periodic(heights) if axis else seam.periodic(heights.T).T
         cells, width = grid.cells[axis], grid.extent[axis]
         return cell_means(closed, axis, extent=period, cells=cells, width=width, ends="periodic")

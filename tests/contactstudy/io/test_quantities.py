@@ -22,7 +22,7 @@ PRESSURE = np.array([[0.0, 0.0], [1e6, 0.0], [2e6, 5e6], [0.0, 0.0]])
 
 def test_a_value_is_shown_in_the_unit_that_is_read_most_easily() -> None:
     for value, units, text in (
-        (5.0e8, "Pa", "500 MPa"), (1.234567e9, "Pa", "1.235 GPa"), (-2.5e-3, "m", "-2.5 mm"), (0.0, "m", "0 nm"),
+        (5.0e8, "Pa", "500 MPa"), (1.234567e9, "Pa", "1.235 GPa"), (-2.5e-3, "m", "-2.5 mm"), (-0.0, "m", "0 nm"),
         (5.31e-8, "m2", "0.0531 mm²"), (1e5, "N m-1", "100 N/mm"), (0.125, "1", "0.125"), (3.0, "kg", "3 kg"),
     ):  # fmt: skip
         assert readable(value, units) == text

@@ -65,7 +65,8 @@ BESIDE: list[tuple[str, Callable[[], cs.Scene]]] = [
     ("TractiveRolling.spin is 5.0 in a contact without end",
      lambda: smooth(friction=SPINS, shapes=(CYLINDER, replace(WAVES, along=1e-4)))),
     ("*travel through the contact", lambda: smooth(friction=DRIVEN, shapes=(CYLINDER, cs.MovingShape(WAVES)))),
-    ("PartialSlip.tangential is 30 N/mm: friction transmits less than 30 N/mm", lambda: smooth(friction=cs.PartialSlip(0.3, 3e4))),
+    ("PartialSlip.tangential is 30 N/mm: friction transmits less than 30 N/mm",
+     lambda: smooth(friction=cs.PartialSlip(0.3, 3e4))),
     ("Fretting.forces[1]", lambda: smooth(friction=cs.Fretting(0.3, (1e4, -3e4)))),
     ("*give Fretting.forces", lambda: smooth(
         friction=cs.Fretting(0.3, displacements=(0.0, 1e-7), times=(0.0, 1.0)), load=HISTORY)),

@@ -1,8 +1,11 @@
 import re
+import runpy
 import sys
 import tomllib
 from dataclasses import fields
 from pathlib import Path
+
+import pytest
 
 import contactstudy as cs
 from contactstudy.io.scene_files.scene_schema import KINDS, PlanSettings, SceneDocument
@@ -64,3 +67,13 @@ def test_every_key_of_a_scene_file_has_a_meaning() -> None:
         found = meanings(kind)
         assert not [one.name for one in fields(kind) if one.init and not found.get(one.name)], kind
     assert meanings(SceneDocument)["hardness"].startswith("Largest pressure [Pa]")
+
+
+def test_the_package_is_the_command_when_it_is_run_and_not_when_it_is_imported(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(sys, "argv", ["contactstudy", "--version"])
+    runpy.run_module("contactstudy", run_name="imported")
+    assert capsys.readouterr().out == ""
+    runpy.run_module("contactstudy", run_name="__main__")
+    assert cs.__version__ in capsys.readouterr().out

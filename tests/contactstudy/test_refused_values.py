@@ -85,7 +85,7 @@ VALUES: list[tuple[str, Callable[[], object]]] = [
     ("MovingShape.shape is *: give", lambda: cs.MovingShape(cs.Sphere(1.0))),
     ("Waviness.along", lambda: cs.Waviness(0.01, along=3e-5).gap(GRID)),
     ("Roughness.roll_off is ", lambda: replace(ROUGH, roll_off=1e-6)),
-    ("Roughness.extent[1] is 7e-05: give a length", lambda: replace(ROUGH, extent=(2e-4, 7e-5)).gap(GRID)),
+    ("Roughness.extent[1] is 70 µm, and the grid", lambda: replace(ROUGH, extent=(2e-4, 7e-5)).gap(GRID)),
     ("Roughness.cut_off is 1e-40: give * waves", lambda: replace(ROUGH, cut_off=1e-40).gap(GRID)),
     ("Texture.pitch is *: give ", lambda: cs.Texture(DIMPLE, (0.9e-4, 2e-4))),
     ("Texture area_density is *: give ", lambda: cs.Texture.of_density(DIMPLE, 1.0, 2e-4)),

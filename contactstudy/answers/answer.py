@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from functools import cached_property
 from io import BytesIO
 from itertools import islice
-from math import inf, isfinite
+from math import inf, isfinite, prod
 from typing import TYPE_CHECKING
 
 from contactstudy.accuracy.error_terms import IMAGES_REMEDY
@@ -35,6 +35,8 @@ REMEDIES = {
 }
 # Lines on quantities in a representation, which has ten with the accuracy and the status.
 SHOWN = 8
+# Cells of a grid that a solve may be advised to take: their fields fill some 100 GB.
+MAX_CELLS = 10**9
 
 
 class Answer(InNotebook):
@@ -179,7 +181,10 @@ class Answer(InNotebook):
         factor = max(factor, self._l1_ratio)
         if cause != "discretisation" or factor <= 1:
             return f"most of it is by {REMEDIES[cause]}"
-        return f"about {cells_text(finer_grid(self.grid, factor).cells)} would meet it"
+        cells = finer_grid(self.grid, factor).cells
+        if prod(cells) > MAX_CELLS:
+            return "no grid in reach would meet it"
+        return f"about {cells_text(cells)} would meet it"
 
     @property
     def work(self) -> str:

@@ -15,8 +15,8 @@ from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.device import ONE_THREAD, Cpu, Device, using
 from contactstudy.domain.errors import DEFAULT_ERROR, Request, pressure_request
 from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings, check_grid, on_cells
-from contactstudy.domain.validation import checked_errors
+from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings, on_cells
+from contactstudy.domain.validation import checked_errors, valid
 from contactstudy.problem.problem import Problem
 from contactstudy.progress import Progress, Reporter
 from contactstudy.scene import methods
@@ -161,7 +161,7 @@ class _Request:
         scene = self.scene
         if not isinstance(scene, Scene | Problem):
             raise InvalidInput(f"solve.scene is {scene!r}: give a Scene, or scene.problem(grid, padding).")
-        check_grid(self.grid)
+        valid("grid", self.grid, Grid | None)
         if not (self.progress is None or callable(self.progress)):
             raise InvalidInput(f"solve.progress is {self.progress!r}: give a function of a Progress, or leave it out.")
         method = scene.method if isinstance(scene, Scene) else PROBLEM

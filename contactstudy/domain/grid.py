@@ -241,12 +241,6 @@ def across_and_along(padding: Padding | Paddings) -> Paddings:
     return both
 
 
-def check_grid(grid: object) -> None:
-    """Raise InvalidInput unless `grid` is a grid, or None."""
-    if not isinstance(grid, Grid | None):
-        raise InvalidInput(f"grid is {grid!r}: give Grid(cells, extent), or leave it out.")
-
-
 def cells_text(cells: tuple[int, ...]) -> str:
     """Return numbers of cells, across and along, such as "128 x 96 cells"."""
     return f"{' x '.join(map(str, cells))} cells"

@@ -10,7 +10,7 @@ from contactstudy.accuracy.plausibility import beyond_half_space
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.device import ONE_THREAD, Device, available_bytes, checked
 from contactstudy.domain.errors import DEFAULT_ERROR, Request, pressure_request
-from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings, check_grid
+from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
 from contactstudy.domain.units import Metres, readable
 from contactstudy.domain.validation import checked_errors, valid
 from contactstudy.planning.grid_requirements import CONSTANTS as GRID
@@ -48,9 +48,8 @@ def plan_grid(
     Its error and seconds are infinite. A dry scene without a grid is solved on coarse grids, to find the cells.
     """
     checked(device, "plan.device")
-    check_grid(grid)
-    if not isinstance(scene, Scene):
-        raise InvalidInput(f"plan.scene is {scene!r}: give a Scene.")
+    valid("plan.scene", scene, Scene)
+    valid("grid", grid, Grid | None)
     if error is not None:
         error = pressure_request(checked_errors("plan.error", error))
     if grid is not None and period is not None and not isclose(period, grid.length):

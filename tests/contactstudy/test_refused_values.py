@@ -123,7 +123,7 @@ VALUES: list[tuple[str, Callable[[], object]]] = [
     ("pressure has the shape (8, 16): give it (16, 8).",
      lambda: SMOOTH.problem(GRID, EXACT).operator(np.ones((8, 16)))),
     ("solve.scene is *: give a Scene, or scene.problem", lambda: cs.solve("rough.toml")),
-    ("grid is (24, 1): give Grid(cells, extent)", lambda: cs.solve(SMOOTH, (24, 1))),
+    ("grid is (24, 1): give a Grid, or None.", lambda: cs.solve(SMOOTH, (24, 1))),
     ("solve.progress is 5: give a function", lambda: solved(progress=5)),
     ("solve.tolerance is ", lambda: solved(tolerance=nan)),
     ("solve.solver is ", lambda: solved(solver=cs.PolonskyKeer)),

@@ -1,7 +1,7 @@
 """What every answer has: status, grid, error, quantities, and the ways to read them."""
 
 from base64 import b64encode
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import cached_property
 from io import BytesIO
 from itertools import islice
@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from contactstudy.accuracy.error_terms import IMAGES_REMEDY
 from contactstudy.answers.judgement import Judged, finer_grid, judged_numbers, without_bound
-from contactstudy.domain.checks import InvalidInput
+from contactstudy.domain.checks import InvalidInput, NotDefined
 from contactstudy.domain.errors import PRESSURE, ErrorEstimate, ErrorParts, Request
 from contactstudy.domain.grid import Grid, Padding, Paddings, cells_text
 from contactstudy.domain.imports import needed_for
@@ -222,6 +222,30 @@ class Answer(InNotebook):
     def _repr_html_(self) -> str:
         """Return the representation above a small picture, for notebooks."""
         return super()._repr_html_() + _image(self)
+
+
+# Function of a level k that solves the same scene on 1 / 2^k of the cells along each axis, in time with an error of
+# steps 4^k times as large, which are 2^k times as long; a film also over a multiple of the width.
+Coarser = Callable[..., Answer]
+
+
+def levels_below(coarser: Coarser) -> list[Answer]:
+    """Return the answers on half and on a quarter of the cells, as far as there are solutions."""
+    levels: list[Answer] = []
+    for level in (1, 2):
+        if (answer := solved_or_none(coarser, level)) is None:
+            break
+        levels.append(answer)
+    return levels
+
+
+def solved_or_none(coarser: Coarser, *arguments: int) -> Answer | None:
+    """Return an answer to compare with; None where there is no solution."""
+    try:
+        answer = coarser(*arguments)
+    except (InvalidInput, NotDefined):
+        return None
+    return None if answer.status.is_failure else answer
 
 
 def surface_notes(scene: Scene | None) -> list[str]:

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 from contactstudy.accuracy.coarser import coarse_solution, comparable
 from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.accuracy.plausibility import beyond_half_space
-from contactstudy.answers.answer import Answer
-from contactstudy.answers.judgement import Coarser, levels_below, with_nested_bounds
+from contactstudy.answers.answer import Answer, Coarser, levels_below
+from contactstudy.answers.judgement import with_nested_bounds
 from contactstudy.domain.checks import NotDefined
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts, Request
 from contactstudy.domain.grid import Grid, Padding, Paddings, edge_fraction

@@ -10,16 +10,9 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from contactstudy.accuracy.error_terms import NO_LIMIT
-from contactstudy.answers.answer import Answer
+from contactstudy.answers.answer import Answer, Coarser, levels_below, solved_or_none
 from contactstudy.answers.contact import Contact, contact_answer
-from contactstudy.answers.judgement import (
-    NO_COARSER,
-    Coarser,
-    l1_bound,
-    levels_below,
-    solved_or_none,
-    with_nested_bounds,
-)
+from contactstudy.answers.judgement import NO_COARSER, l1_bound, with_nested_bounds
 from contactstudy.domain.errors import INLET, ErrorEstimate, ErrorParts, Request
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings, edge_fraction

@@ -5,17 +5,16 @@ same scene on half and a quarter of the cells, with longer steps.
 """
 
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import ceil, inf, isfinite
 from types import MappingProxyType
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from contactstudy.accuracy.coarser import halved
-from contactstudy.domain.checks import InvalidInput, NotDefined
+from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.errors import (
     AREA_FLOOR,
     DEPTH_FLOOR,
@@ -33,12 +32,6 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, on_cells
 from contactstudy.io.quantities.quantity import RELATIVE_TO_ZERO, Quantities, Quantity, per_cent
 
-if TYPE_CHECKING:
-    from contactstudy.answers.answer import Answer
-
-# Function of a level k that solves the same scene on 1 / 2^k of the cells along each axis, in time with an error of
-# steps 4^k times as large, which are 2^k times as long; a film also over a multiple of the width.
-Coarser = Callable[..., "Answer"]
 NO_COARSER = "No bound: there is no solution on half the cells to compare with, give more."
 # In the names of largest stresses, and at the beginning of those of numbers that plastic strain alone leaves behind.
 OF_STRESS = "von_mises", "safety_factor", "shear_stress", "orthogonal_shear"
@@ -62,25 +55,6 @@ def widened(grid: Grid, factor: int) -> Grid:
     """Return a grid with the same cells over `factor` times the width."""
     (nx, ny), (width, length) = grid.cells, grid.extent
     return Grid((factor * nx, ny), (factor * width, length))
-
-
-def levels_below(coarser: Coarser) -> list["Answer"]:
-    """Return the answers on half and on a quarter of the cells, as far as there are solutions."""
-    levels: list[Answer] = []
-    for level in (1, 2):
-        if (answer := solved_or_none(coarser, level)) is None:
-            break
-        levels.append(answer)
-    return levels
-
-
-def solved_or_none(coarser: Coarser, *arguments: int) -> "Answer | None":
-    """Return an answer to compare with; None where there is no solution."""
-    try:
-        answer = coarser(*arguments)
-    except (InvalidInput, NotDefined):
-        return None
-    return None if answer.status.is_failure else answer
 
 
 def with_nested_bounds(

@@ -1,5 +1,6 @@
 """Errors due to the cells: from a pressure on one grid, and from the same contact solved on cells of twice the size."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import inf, log, pi
 from typing import Any
@@ -63,13 +64,19 @@ def with_ends(field: Array, count: int, *, wraps: bool) -> Array:
 
 def contact_perimeter(touching: NDArray[np.bool_], grid: Grid, paddings: Paddings | None) -> float:
     """Return the length [m] of the edges between cells in and out of contact, across the ends of a periodic axis too."""
-    total = 0.0
-    for axis in (0, 1):
-        edge = grid.cell_size[1 - axis]
-        total += edge * np.count_nonzero(np.diff(touching, axis=axis))
-        if paddings is not None and not is_free(paddings[axis]):
-            total += edge * np.count_nonzero(touching.take(0, axis) != touching.take(-1, axis))
-    return float(total)
+    wraps = (False, False) if paddings is None else tuple(not is_free(padding) for padding in paddings)
+    across, along = _sides(touching, wraps)
+    return across * grid.cell_size[1] + along * grid.cell_size[0]
+
+
+def _sides(touching: NDArray[np.bool_], wraps: Sequence[bool]) -> tuple[int, ...]:
+    """Return the number of sides between cells in and out of contact along each axis, across its ends if it wraps."""
+    counts = []
+    for axis, is_periodic in enumerate(wraps):
+        along = np.moveaxis(touching, axis, 0)
+        at_ends = np.count_nonzero(along[0] != along[-1]) if is_periodic else 0
+        counts.append(int(np.count_nonzero(np.diff(along, axis=0)) + at_ends))
+    return tuple(counts)
 
 
 def around_contact(pressure: Array) -> slice:
@@ -141,18 +148,12 @@ def contact_area_in_cells(pressure: Array, wraps: tuple[bool, bool]) -> float:
     """Return the contact area in cells, with its edges inside them.
 
     A cell in contact counts as a whole. Straight edges across follow from the pressure beside them
-    (:func:`~contactstudy.accuracy.contact_edge.straight_edges`); others are taken to lie inside their
-    cells by :data:`CONSTANTS.side_excess` in the mean (Yastrebov, Anciaux & Molinari 2017, Tribology International 114,
-    161).
+    (:func:`~contactstudy.accuracy.contact_edge.straight_edges`); others are taken to lie inside their cells by
+    :data:`CONSTANTS.side_excess` in the mean (Yastrebov, Anciaux & Molinari 2017, Tribology International 114, 161).
     """
     if (edges := straight_edges(pressure)) is not None:
         return float(edges.places.sum())
-    sides = 0
-    for axis, is_periodic in enumerate(wraps):
-        touching = axis_first(pressure, axis) > 0
-        if len(touching) > 1:
-            sides += int(np.count_nonzero(np.diff(touching, axis=0)))
-            sides += int(np.count_nonzero(touching[0] != touching[-1])) if is_periodic else 0
+    sides = sum(_sides(pressure > 0, wraps))
     return float(max(np.count_nonzero(pressure) - CONSTANTS.side_excess * sides, 0.0))
 
 

@@ -25,7 +25,7 @@ MIN_TOUCHING, MIN_OPEN, MAX_DIFFERENCE = 12, 3, 0.5
 
 
 class _EdgeLaw(NamedTuple):
-    """What cells make of an edge at several places, from inside outwards.
+    """Pressure of the cells beside an edge and its error, for places of the edge from inside outwards.
 
     Attributes
     ----------

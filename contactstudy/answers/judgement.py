@@ -161,7 +161,7 @@ WHOLE = {"lateral_traction_coefficient": "traction_coefficient"}
 
 @dataclass(frozen=True)
 class Judged:
-    """One number of an answer, as a request sees it.
+    """Bound of one number of an answer beside the error that is requested of it.
 
     Attributes
     ----------

@@ -46,6 +46,14 @@ def test_a_roller_wears_until_its_pressure_is_even_along_the_length() -> None:
     assert volume.bound < 0.01 * volume.value
 
 
+def test_wear_begins_at_the_first_time_before_zero_and_else_at_zero() -> None:
+    grid = cs.Grid((16, 4), (4e-4, LENGTH))
+    early, late = (depths(cs.solve(ROLLER, grid, EXACT, times=times)) for times in ((-3e3, 0.0), (3e3,)))
+    assert not early[0].any()
+    for worn in (early[-1], late[-1]):
+        assert worn.mean() == pytest.approx(1e-15 * 0.1 * 3e3 * LOAD / AROUND, rel=1e-6)
+
+
 def test_a_drive_wears_by_its_creepage() -> None:
     """Frictional power over the coefficient of friction is pressure times slip: the creepage where all slides."""
     drive = cs.TractiveRolling(0.3, longitudinal=0.05, speed=2.0)

@@ -140,6 +140,21 @@ def test_seconds_count_nothing_that_is_compiled(monkeypatch: pytest.MonkeyPatch,
     assert len(spent) > 1
 
 
+@pytest.mark.parametrize("power", [0.5, 2.0])
+def test_seconds_grow_with_the_power_of_the_cells_that_coarse_solves_show(
+    power: float, monkeypatch: pytest.MonkeyPatch, line_contact: LineContact
+) -> None:
+    clock = [0.0]
+
+    def solve(scene: cs.Scene, grid: cs.Grid, *arguments: Any, **options: Any) -> cs.Contact:
+        clock[0] += 2.0 * (np.prod(grid.cells) / 128**2) ** power
+        return cs.solve(scene, grid, *arguments, **options)
+
+    monkeypatch.setattr("contactstudy.forecast.solve", solve)
+    monkeypatch.setattr("contactstudy.forecast.process_time", lambda: clock[0])
+    assert cs.plan(line_contact.scene, grid=line_contact.grid((128, 128), 1.4)).seconds == pytest.approx(2.0, rel=0.1)
+
+
 def test_a_plan_whose_solves_do_not_end_in_time_says_that_its_error_is_not_predicted(
     monkeypatch: pytest.MonkeyPatch, line_contact: LineContact
 ) -> None:

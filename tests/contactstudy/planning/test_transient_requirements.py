@@ -1,3 +1,4 @@
+import tracemalloc
 from dataclasses import replace
 from math import cosh, pi
 
@@ -117,3 +118,26 @@ def test_a_rough_contact_under_a_growing_load_fits_on_its_grid(line_contact: Lin
     planned = plan_grid(history, error=0.2)
     at_rest = replace(planned.scene, load=largest.load, wear=None)
     assert cs.solve(at_rest, planned.grid, planned.padding).status is cs.Status.CONVERGED
+
+
+def test_the_memory_of_a_plan_grows_with_the_branches_of_a_body_as_that_of_its_solve() -> None:
+    """A fluid keeps what it has flowed in place of the branch that a solid has more."""
+    grid, times = cs.Grid((128, 64), (0.9, 1.0)), cs.TimeSteps((0.0, 0.5, 1.0), error_estimator="none")
+
+    def creeping(stiffness: float, branches: int) -> tuple[cs.Scene, int]:
+        terms = tuple((0.6 / branches, 0.1 * 3.0**number) for number in range(branches))
+        body = cs.ViscoelasticHalfSpace(stiffness, 0.0, terms)
+        scene = rolling_cylinder(body, cs.LoadHistory((0.0, 1.0), (LOAD, LOAD)))
+        return scene, plan_grid(scene, grid=grid).bytes
+
+    def taken(scene: cs.Scene) -> int:
+        tracemalloc.start()
+        cs.solve(scene, grid, cs.ExactPeriodicity(), times=times)
+        peak = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        return peak
+
+    (few, planned_few), (many, planned_many) = (creeping(0.4, branches) for branches in (2, 12))
+    taken(few)  # what is imported and kept for later solves is not counted
+    assert planned_many - planned_few == pytest.approx(taken(many) - taken(few), rel=0.25)
+    assert [creeping(0.0, branches)[1] for branches in (2, 12)] == [planned_few, planned_many]

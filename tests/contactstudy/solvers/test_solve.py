@@ -91,3 +91,14 @@ def test_threads_give_the_same_answer(line_contact: LineContact, monkeypatch: py
     assert by_two.residual <= 1e-10
     # another rounding of the transforms, times the operator's condition, up to 64 waves across
     assert np.abs(by_one.pressure - by_two.pressure).max() < 64 * 1e-10 * 10 * posed.scales.pressure
+
+
+def test_an_approach_below_the_mean_gap_is_reached_and_gives_the_load_that_gives_it() -> None:
+    """Of a wave that repeats along both axes, whose mean gap is 0: half open, and closed but for one per mille."""
+    scene = cs.Scene(cs.LineLoad(1.0), (STEEL, STEEL), (cs.Waviness(1e-6, across=1e-3),))
+    grid, padding = cs.Grid((32, 1), (1e-3, 1e-3)), (cs.ExactPeriodicity(),) * 2
+    for approach in (-5e-7, -1e-9):
+        near = cs.solve(replace(scene, load=cs.Approach(approach)), grid, padding)
+        loaded = cs.solve(replace(scene, load=cs.LineLoad(near.pressure.mean() * 1e-3)), grid, padding)
+        assert near.status is loaded.status is cs.Status.CONVERGED
+        assert (near.approach, loaded.approach) == pytest.approx((approach, approach), rel=1e-4)

@@ -1,6 +1,8 @@
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -12,10 +14,11 @@ from threadpoolctl import threadpool_info, threadpool_limits
 import contactstudy as cs
 from contactstudy import InvalidInput
 from studies.engine import cost, progress
+from studies.engine.compute import Task
 from studies.engine.cost import estimate_cost
 from studies.engine.options import RunOptions
 from studies.engine.run import run
-from studies.model.outcome import CaseStatus
+from studies.model.outcome import CaseStatus, Outcome
 from studies.registry import load
 from studies.store.netcdf import read
 from tests.studies.conftest import quiet
@@ -88,6 +91,18 @@ def test_workers_and_repeats_stand_above_the_options_and_options_are_checked(tmp
             RunOptions(**{name: value})
 
 
+def test_one_case_is_computed_on_one_worker_of_those_that_are_asked_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def on_workers(tasks: list[Task], *_: object, workers: int, **options: object) -> Iterator[tuple[Task, Outcome]]:
+        assert workers == len(tasks) == 1
+        yield tasks[0], Outcome(CaseStatus.OK, {"square": xr.Variable((), 4.0)})
+
+    monkeypatch.setattr("studies.engine.cluster.perform_on_workers", on_workers)
+    dataset = run(trouble.study([2]), tmp_path, options=RunOptions(workers=3, repeats=0), log=quiet)
+    assert dataset["square"].values.tolist() == [4.0]
+
+
 # What a run says
 
 
@@ -101,6 +116,15 @@ def test_a_run_counts_what_is_stored_what_is_to_compute_and_what_failed(tmp_path
         assert f"trouble: {stored} cases are stored, {missing} to compute" in said
         failures = [line for line in said if " failed" in line]
         assert [line.split()[1:4] for line in failures] == [["1", "of", str(len(numbers))]] * failed
+
+
+def test_a_run_says_how_many_stored_cases_it_computes_again_and_what_changed(tmp_path: Path) -> None:
+    run(trouble.study([1, 2]), tmp_path, options=ONE, log=quiet)
+    changed = trouble.study_of(trouble.Trouble, [1, 2, 4], partial(trouble.measures))
+    for again in (["trouble: 2 stored cases are computed again, since the study's measures changed"], []):
+        said: list[str] = []
+        run(changed, tmp_path, options=ONE, log=said.append)
+        assert [line for line in said if "computed again" in line] == again
 
 
 def test_a_dry_run_counts_the_timed_runs_that_are_missing_and_judges_many_points_by_some(

@@ -17,7 +17,7 @@ import numpy as np
 from threadpoolctl import ThreadpoolController
 
 import contactstudy as cs
-from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Array
 from studies.reference.line_contact import HERTZ, HERTZ_HEIGHT, P_H, SCENE, A
 
 MODULUS = HERTZ.contact_modulus

@@ -18,7 +18,7 @@ from contactstudy.domain.device import Precision, using
 from contactstudy.domain.validation import ABOVE_ZERO, BELOW_ONE, valid
 from contactstudy.elasticity.convolution import Convolution
 from contactstudy.elasticity.transforms import transforms
-from contactstudy.problem.bare_problem import Operator
+from contactstudy.problem.problem import Operator
 from studies.reference.line_contact import HERTZ_HEIGHT, SCENE, A
 
 LINE, SMOOTH, ROUGH, SELF_AFFINE = "line", "smooth", "rough", "self-affine"

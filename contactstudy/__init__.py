@@ -1,7 +1,7 @@
 """Rough line contacts, periodic along their length: how accurate the answer is, and what that costs."""
 
+from contactstudy.domain.imports import VERSION as _VERSION
 from contactstudy.domain.imports import names_on_first_use as _names_on_first_use
-from contactstudy.domain.version import VERSION as _VERSION
 
 __version__ = _VERSION
 # Names are listed in __init__.pyi. Each is imported on first use: an effect that no scene names costs nothing.

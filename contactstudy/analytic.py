@@ -9,9 +9,8 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contactstudy.domain.fields import Array
-from contactstudy.domain.units import Metres, Newtons, NewtonsPerMetre, Pascals, Unit
-from contactstudy.domain.validation import Limits, valid, validated
+from contactstudy.domain.grid import Array
+from contactstudy.domain.validation import Limits, Metres, Newtons, NewtonsPerMetre, Pascals, Unit, valid, validated
 
 # Points in a panel of a quadrature over time, panels to each end, and halvings of a time.
 GAUSS, PANELS, BISECTIONS = 10, 16, 60

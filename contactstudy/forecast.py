@@ -11,20 +11,17 @@ from numpy.typing import ArrayLike
 from contactstudy.accuracy.bound import SHARP_EDGE
 from contactstudy.answers.contact import contact_answer
 from contactstudy.answers.judgement import judged_numbers
-from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.device import ONE_THREAD, Device
 from contactstudy.domain.errors import DEFAULT_ERROR, Request, pressure_request
 from contactstudy.domain.grid import Grid, Padding, Paddings, cells_text
 from contactstudy.domain.imports import loaded
-from contactstudy.domain.units import readable
-from contactstudy.domain.validation import checked_errors
+from contactstudy.domain.validation import InvalidInput, checked_errors, readable
 from contactstudy.planning.grid_requirements import grid_requirements
-from contactstudy.planning.plan import plan_grid
-from contactstudy.planning.planned import Plan, speedup
+from contactstudy.planning.plan import Plan, plan_grid, speedup
 from contactstudy.planning.refinement import CONSTANTS as REFINEMENT
 from contactstudy.planning.refinement import OTHER_CAUSES, FirstGrids
 from contactstudy.progress import Progress
-from contactstudy.scene import methods
+from contactstudy.scene import scene as methods
 from contactstudy.scene.scene import Scene
 from contactstudy.solvers.solution import Status
 from contactstudy.solving import REFINEMENTS, grid_for_numbers, next_grid, refines, solve

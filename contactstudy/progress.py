@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid, cells_text
+from contactstudy.domain.grid import Array, Grid, cells_text
 from contactstudy.problem.problem import Problem
 
 if TYPE_CHECKING:

@@ -9,11 +9,10 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from contactstudy.domain.checks import InvalidInput, parameters
 from contactstudy.domain.device import Cpu, Device
+from contactstudy.domain.errors import InNotebook
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
-from contactstudy.domain.notebook import InNotebook
-from contactstudy.domain.validation import checked_errors
+from contactstudy.domain.validation import InvalidInput, checked_errors, parameters
 from contactstudy.evolution.time_steps import TimeSteps
 from contactstudy.forecast import plan
 from contactstudy.io.scene_files.materials import with_materials
@@ -31,13 +30,11 @@ from contactstudy.io.scene_files.scene_schema import (
 from contactstudy.io.scene_files.scene_writer import scene_text
 from contactstudy.io.scene_files.structuring import likely_units, structured, with_cycles
 from contactstudy.planning.grid_requirements import grid_of_waves
-from contactstudy.planning.planned import Plan
-from contactstudy.scene.loads.constant_load import ConstantLoad, TotalLoad
-from contactstudy.scene.loads.load_history import ChangingLoad
+from contactstudy.planning.plan import Plan
+from contactstudy.scene.loads import ChangingLoad, ConstantLoad, TotalLoad
 from contactstudy.scene.scene import Scene
-from contactstudy.scene.shapes.moving_shape import MovingShape
 from contactstudy.scene.shapes.roller import Ellipsoid, Sphere
-from contactstudy.scene.shapes.shape import LengthScales, Shape, curvature_of, length_scales_of
+from contactstudy.scene.shapes.shape import LengthScales, MovingShape, Shape, curvature_of, length_scales_of
 from contactstudy.solvers.solve import SolveOptions
 from contactstudy.solving import solve
 

@@ -11,15 +11,13 @@ from numpy.typing import ArrayLike
 
 from contactstudy.answers.contact import Contact, contact_answer
 from contactstudy.answers.judgement import finer_grid, halved_grid, widened
-from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.device import ONE_THREAD, Cpu, Device, using
 from contactstudy.domain.errors import DEFAULT_ERROR, Request, pressure_request
-from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings, on_cells
-from contactstudy.domain.validation import checked_errors, valid
+from contactstudy.domain.grid import Array, ExactPeriodicity, Grid, Padding, Paddings, on_cells
+from contactstudy.domain.validation import InvalidInput, checked_errors, valid
 from contactstudy.problem.problem import Problem
 from contactstudy.progress import Progress, Reporter
-from contactstudy.scene import methods
+from contactstudy.scene import scene as methods
 from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.scene.solids.bodies import is_layered, yields
 from contactstudy.solvers.solve import ReportingSolver, SolveOptions, solve_contact
@@ -295,7 +293,7 @@ class _Request:
 
     def steady_rolling(self) -> Contact:
         """Solve a contact that rolls steadily."""
-        from contactstudy.evolution.rolling.steady_rolling import solve_rolling
+        from contactstudy.evolution.steady_rolling import solve_rolling
 
         grid, padding = self.planned()
 
@@ -319,7 +317,7 @@ class _Request:
     def repeated_rolling(self) -> "Evolution":
         """Roll a contact over a body that yields, as often as its scene says."""
         from contactstudy.answers.evolution import passes_answer
-        from contactstudy.evolution.rolling.repeated_rolling import roll_repeatedly
+        from contactstudy.evolution.repeated_rolling import roll_repeatedly
 
         grid, padding = self.planned()
         rolled = roll_repeatedly(
@@ -330,7 +328,7 @@ class _Request:
     def time_dependent(self) -> "Evolution":
         """Follow a dry scene through time."""
         from contactstudy.answers.evolution import evolution_answer
-        from contactstudy.evolution.integration.evolve import evolve
+        from contactstudy.evolution.evolve import evolve
         from contactstudy.planning.grid_requirements import CONSTANTS as GRID
 
         steps, target, error = self.steps, self.target, self.steps.error
@@ -394,14 +392,14 @@ class _Request:
     def quasi_static(self) -> "Evolution":
         """Follow a contact that is in equilibrium at each instant through a history of loads."""
         from contactstudy.answers.evolution import evolution_answer
-        from contactstudy.evolution.quasi_static import follow_load
+        from contactstudy.evolution.stationary import follow_load
 
         return self._followed(follow_load, evolution_answer, options=self.options)
 
     def steady_wear(self) -> "Evolution":
         """Follow the wear of a contact in steady or tractive rolling."""
         from contactstudy.answers.evolution import evolution_answer
-        from contactstudy.evolution.steady_wear import follow_wear
+        from contactstudy.evolution.stationary import follow_wear
 
         step = self._error_of_a_step
         return self._followed(follow_wear, evolution_answer, step, options=self.options)
@@ -409,7 +407,7 @@ class _Request:
     def film_wear(self) -> "Evolution":
         """Follow the wear of asperities on a boundary film."""
         from contactstudy.answers.evolution import films_answer
-        from contactstudy.evolution.steady_wear import follow_film_wear
+        from contactstudy.evolution.stationary import follow_film_wear
 
         step = self._error_of_a_step
         return self._followed(follow_film_wear, films_answer, step, options=self._film_options)

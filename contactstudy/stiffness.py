@@ -10,14 +10,11 @@ from scipy.sparse.linalg import LinearOperator, minres
 
 from contactstudy.accuracy.coarser import contact_perimeter
 from contactstudy.answers.contact import Contact
-from contactstudy.domain.checks import InvalidInput, NotDefined
-from contactstudy.domain.fields import Array, inner
-from contactstudy.domain.grid import is_free
-from contactstudy.domain.units import Metres, readable
-from contactstudy.domain.validation import CURVED, valid
+from contactstudy.domain.grid import Array, inner, is_free
+from contactstudy.domain.validation import CURVED, InvalidInput, Metres, NotDefined, readable, valid
 from contactstudy.io.quantities.contact_quantities import approach_datum, datum_text
 from contactstudy.io.quantities.quantity import Quantity
-from contactstudy.scene.loads.constant_load import PullOff
+from contactstudy.scene.loads import PullOff
 from contactstudy.scene.solids.coated import CoatedHalfSpace
 from contactstudy.solvers.conjugate_gradients import conjugate_gradients
 from contactstudy.solving import solve

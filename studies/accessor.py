@@ -9,7 +9,7 @@ import xarray as xr
 from scipy.stats import linregress
 
 from contactstudy import InvalidInput
-from contactstudy.domain.notebook import InNotebook
+from contactstudy.domain.errors import InNotebook
 from studies.advice.verdict import pareto_front
 from studies.model.axis import one_of
 from studies.model.outcome import CaseStatus

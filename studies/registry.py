@@ -21,7 +21,7 @@ from types import ModuleType
 from typing import Any, cast
 
 from contactstudy import InvalidInput
-from contactstudy.domain.checks import suggestion
+from contactstudy.domain.validation import suggestion
 from studies.model.axis import Axis
 from studies.model.drawing import Drawing, no_items
 from studies.model.plain_text import one_line, quoted

@@ -14,10 +14,10 @@ from contactstudy.accuracy.coarser import (
     relative_loss,
 )
 from contactstudy.accuracy.hidden_heights import HiddenEffect, HiddenHeights
-from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Array
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.scene import scene_of
-from contactstudy.scene.shapes_source import unresolved
+from contactstudy.scene.shapes.shape import unresolved
 from contactstudy.solvers.solution import Solution
 
 SHARP_EDGE = "a sharp edge or corner"
@@ -194,7 +194,7 @@ def dundurs_of_shear(solution: Solution) -> float:
     scene = scene_of(solution.problem)
     if solution.traction is None or scene is None:
         return 0.0
-    from contactstudy.scene.friction.friction_law import dundurs  # imported only where it is named
+    from contactstudy.scene.friction import dundurs  # imported only where it is named
 
     return dundurs(scene.solids)
 

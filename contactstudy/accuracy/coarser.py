@@ -9,10 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactstudy.accuracy.contact_edge import edge_error, edge_position, straight_edges
-from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.errors import MARGIN
-from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid, Paddings, axis_first, edge_fraction, is_free, on_cells
+from contactstudy.domain.grid import Array, Grid, Paddings, axis_first, edge_fraction, is_free, on_cells
+from contactstudy.domain.validation import InvalidInput
 from contactstudy.problem.problem import Problem, Source
 from contactstudy.solvers.cohesive_law import Dugdale, Exponential
 from contactstudy.solvers.solution import Branch, Solution, Status

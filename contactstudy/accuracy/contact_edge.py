@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Array
 
 # Cells across the cylinder: with half or twice as many the errors change by 2 % and 1 %, places by 0.01 cells.
 CELLS = 80

@@ -6,12 +6,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from contactstudy.accuracy.coarser import ADHESIVE_TOLERANCE, TRAPPED_WORK, contact_perimeter, halved, relative_loss
-from contactstudy.domain.checks import NotDefined
 from contactstudy.domain.device import Precision
 from contactstudy.domain.errors import ErrorParts
-from contactstudy.domain.fields import MIN_COMPILED_CELLS, Array, in_blocks, inner
-from contactstudy.domain.grid import Grid, Padding, Paddings
-from contactstudy.domain.units import readable
+from contactstudy.domain.grid import MIN_COMPILED_CELLS, Array, Grid, Padding, Paddings, in_blocks, inner
+from contactstudy.domain.validation import NotDefined, readable
 from contactstudy.problem.constraint import cell_violation
 from contactstudy.scene.scene import PosedScene, scene_of
 from contactstudy.scene.solids.bodies import contact_modulus

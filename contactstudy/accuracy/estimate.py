@@ -29,13 +29,12 @@ from contactstudy.accuracy.error_terms import (
 )
 from contactstudy.accuracy.hidden_heights import HiddenHeights
 from contactstudy.accuracy.plausibility import beyond_strength, implausible
-from contactstudy.domain.checks import NotDefined
+from contactstudy.domain.device import cache_of, caching
 from contactstudy.domain.errors import MARGIN, ErrorEstimate, ErrorParts
-from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid
-from contactstudy.domain.reuse import cache_of, caching
+from contactstudy.domain.grid import Array, Grid
+from contactstudy.domain.validation import NotDefined
 from contactstudy.scene.scene import scene_of
-from contactstudy.scene.shapes_source import left_out, standing_heights
+from contactstudy.scene.shapes.shape import left_out, standing_heights
 from contactstudy.scene.solids.bodies import creeps
 from contactstudy.solvers.friction.traction import RollingTraction
 from contactstudy.solvers.solution import Solution, Status

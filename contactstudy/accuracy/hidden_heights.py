@@ -14,9 +14,8 @@ from math import log, pi
 import numpy as np
 
 from contactstudy.accuracy.coarser import around_contact, with_ends
-from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.fields import BLOCK_CELLS, Array
-from contactstudy.domain.grid import Grid, axis_first, on_cells
+from contactstudy.domain.grid import BLOCK_CELLS, Array, Grid, axis_first, on_cells
+from contactstudy.domain.validation import InvalidInput
 from contactstudy.elasticity.convolution import Convolution
 from contactstudy.problem.problem import Problem, Source
 

@@ -12,10 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactstudy.analytic import first_yield, first_yield_of_ball
-from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import ExactPeriodicity
-from contactstudy.domain.units import readable
+from contactstudy.domain.grid import Array, ExactPeriodicity
+from contactstudy.domain.validation import InvalidInput, readable
 from contactstudy.problem.problem import Field
 from contactstudy.scene.scene import Scene, scene_of
 from contactstudy.scene.shapes.roller import Crown, EndRelief, LundbergProfile, ProfilePoints

@@ -10,12 +10,10 @@ from typing import TYPE_CHECKING
 
 from contactstudy.accuracy.error_terms import IMAGES_REMEDY
 from contactstudy.answers.judgement import Judged, finer_grid, judged_numbers, without_bound
-from contactstudy.domain.checks import InvalidInput, NotDefined
-from contactstudy.domain.errors import PRESSURE, ErrorEstimate, ErrorParts, Request
+from contactstudy.domain.errors import PRESSURE, ErrorEstimate, ErrorParts, InNotebook, Request
 from contactstudy.domain.grid import Grid, Padding, Paddings, cells_text
 from contactstudy.domain.imports import needed_for
-from contactstudy.domain.notebook import InNotebook
-from contactstudy.domain.units import readable
+from contactstudy.domain.validation import InvalidInput, NotDefined, readable
 from contactstudy.io.quantities.quantity import Quantities, as_text, per_cent
 from contactstudy.scene.scene import Scene
 from contactstudy.solvers.solution import Counts, Status

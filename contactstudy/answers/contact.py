@@ -11,10 +11,10 @@ from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.accuracy.plausibility import beyond_half_space
 from contactstudy.answers.answer import Answer, Coarser, levels_below
 from contactstudy.answers.judgement import with_nested_bounds
-from contactstudy.domain.checks import NotDefined
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts, Request
 from contactstudy.domain.grid import Grid, Padding, Paddings, edge_fraction
 from contactstudy.domain.imports import needed_for
+from contactstudy.domain.validation import NotDefined
 from contactstudy.io.quantities.contact_quantities import contact_quantities
 from contactstudy.io.quantities.quantity import NO_ESTIMATE, Quantities, roller_length
 from contactstudy.io.quantities.stress_quantities import stress_quantities
@@ -25,7 +25,7 @@ from contactstudy.solvers.solution import Counts, Solution
 if TYPE_CHECKING:
     import xarray as xr
 
-    from contactstudy.evolution.rolling.steady_rolling import SteadyRolling
+    from contactstudy.evolution.steady_rolling import SteadyRolling
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -14,15 +14,14 @@ from contactstudy.answers.answer import Answer, Coarser, levels_below, solved_or
 from contactstudy.answers.contact import Contact, contact_answer
 from contactstudy.answers.judgement import NO_COARSER, l1_bound, with_nested_bounds
 from contactstudy.domain.errors import INLET, ErrorEstimate, ErrorParts, Request
-from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid, Padding, Paddings, edge_fraction
+from contactstudy.domain.grid import Array, Grid, Padding, Paddings, edge_fraction
 from contactstudy.domain.imports import needed_for
-from contactstudy.domain.units import readable
+from contactstudy.domain.validation import readable
 from contactstudy.io.quantities.evolution_quantities import cycle_quantities, evolution_quantities, passes_quantities
 from contactstudy.io.quantities.quantity import NO_ESTIMATE, Quantities, Quantity
 from contactstudy.problem.problem import DependsOnStrain, Field
 from contactstudy.scene.scene import PosedScene, Scene
-from contactstudy.scene.shapes_source import left_out, shortest_wavelengths, standing_heights, unresolved
+from contactstudy.scene.shapes.shape import left_out, shortest_wavelengths, standing_heights, unresolved
 from contactstudy.solvers.solution import Counts, Status, worst
 
 if TYPE_CHECKING:
@@ -30,7 +29,7 @@ if TYPE_CHECKING:
 
     from contactstudy.answers.lubricated_contact import LubricatedContact
     from contactstudy.evolution.evolve_lubricated import FilmTrajectory
-    from contactstudy.evolution.rolling.repeated_rolling import RepeatedRolling
+    from contactstudy.evolution.repeated_rolling import RepeatedRolling
     from contactstudy.evolution.trajectory import Frame, Trajectory
     from contactstudy.lubrication.lubricated_contact import FilmSolution
 
@@ -209,7 +208,7 @@ class Evolution(Answer):
             self.error.l1,
         )
         if self.trajectory is not None and self.posed.scene.adhesion is not None:
-            from contactstudy.evolution.quasi_static import changes_of_contact, net_work
+            from contactstudy.evolution.stationary import changes_of_contact, net_work
 
             frames, load = self.trajectory.frames, self.posed.scene.load
             errors = [frame.quantities["approach"].bound for frame in self.frames]
@@ -228,7 +227,7 @@ class Evolution(Answer):
     def to_dataset(self) -> "xr.Dataset":
         """Return fields over (time, x, y) and quantities with units, long names, bounds and the scene."""
         with needed_for("Evolution.to_dataset"):
-            from contactstudy.io import evolution_dataset as labels
+            from contactstudy.io import dataset as labels
             from contactstudy.io.dataset import with_quantities
 
         if self.passes is not None:

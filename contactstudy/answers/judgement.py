@@ -14,7 +14,6 @@ from types import MappingProxyType
 import numpy as np
 
 from contactstudy.accuracy.coarser import halved
-from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.errors import (
     AREA_FLOOR,
     DEPTH_FLOOR,
@@ -28,8 +27,8 @@ from contactstudy.domain.errors import (
     Request,
     largest_change,
 )
-from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid, on_cells
+from contactstudy.domain.grid import Array, Grid, on_cells
+from contactstudy.domain.validation import InvalidInput
 from contactstudy.io.quantities.quantity import RELATIVE_TO_ZERO, Quantities, Quantity, per_cent
 
 NO_COARSER = "No bound: there is no solution on half the cells to compare with, give more."

@@ -18,7 +18,7 @@ from pathlib import Path
 from time import sleep
 from typing import Any, BinaryIO
 
-from contactstudy.domain.checks import InvalidInput
+from contactstudy.domain.validation import InvalidInput
 
 # What a lock file says of its holder.
 HOLDER = re.compile(r"process (\d+) on (.*) \(since .*\)")

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from contactstudy.domain.checks import InvalidInput
+from contactstudy.domain.validation import InvalidInput
 
 # Digests of dataclasses by their id, with the object, so that the id stays its own; classes by their names.
 Memo = dict[int | str, tuple[object, str]]

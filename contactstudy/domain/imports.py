@@ -1,12 +1,34 @@
-"""Imports on first use: of public names, and of optional packages."""
+"""Version of this program, with a hash of its code, and what it imports on first use."""
 
 import ast
+import hashlib
 import sys
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import cache
 from importlib import import_module
 from pathlib import Path
 from typing import Any
+
+VERSION = "0.1.0"
+# instant at which its first module was loaded [s since the epoch]
+LOADED = time.time()
+# folders and modules of the core that cannot change a number
+NOT_NUMERICAL = ("io", "planning", "forecast.py")
+
+
+@cache
+def source_hash(core: Path = Path(__file__).parents[2]) -> str:
+    """Return a hash of the modules in the package ``core`` that can change a number."""
+    digest = hashlib.sha256()
+    for path in sorted(core.rglob("*.py")):
+        name = path.relative_to(core)
+        if name.parts[0] not in NOT_NUMERICAL:
+            source = path.read_bytes()
+            digest.update(f"{name} {len(source)} ".encode() + source)
+    return digest.hexdigest()[:12]
+
 
 OWN_PACKAGES = ("contactstudy", "studies")
 # What pip is asked for, where it differs from the name of the package.

@@ -1,7 +1,11 @@
-"""Frozen dataclasses whose annotations say what a field may be: its unit, limits and kind."""
+"""Checks of user input, each with a message of one sentence: types, limits, quantities in SI units or with a unit."""
 
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field, fields
+from contextlib import suppress
+from dataclasses import MISSING, Field, dataclass, field, fields
+from decimal import Decimal
+from difflib import get_close_matches
 from functools import cache, wraps
 from importlib import import_module
 from math import inf
@@ -9,8 +13,306 @@ from numbers import Integral, Real
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, TypeVar, Union, dataclass_transform, get_args, get_origin, get_type_hints
 
-from contactstudy.domain.checks import InvalidInput, UnknownField, parameters, suggestion
-from contactstudy.domain.units import Unit, in_si, remedy_of
+import numpy as np
+from numpy.typing import ArrayLike
+
+from contactstudy.domain.imports import import_for
+
+
+class InvalidInput(ValueError):
+    """Error for a value that cannot be used; the message names the field, the value and the remedy."""
+
+
+class UnknownField(InvalidInput, TypeError):
+    """Error for a keyword that a constructor does not have; the message names the most similar one."""
+
+
+class NotDefined(InvalidInput):
+    """Error for a quantity that this contact does not have, such as the Hertz half-width of a flat body.
+
+    The input is admissible; the message says what the contact lacks.
+    """
+
+
+def parameters(cls: Any) -> list[str]:
+    """Return the names of the parameters of a dataclass."""
+    return [field.name for field in fields(cls) if field.init]
+
+
+def is_default(field: Field[Any], value: object) -> bool:
+    """Return whether the value of a field of a dataclass is its default; False of an array."""
+    default = field.default if field.default_factory is MISSING else field.default_factory()
+    return default is not MISSING and not getattr(value, "ndim", 0) and bool(value == default)
+
+
+def set_fields(instance: object, **values: object) -> None:
+    """Replace values of a frozen dataclass by checked ones, in its ``__post_init__``."""
+    for name, value in values.items():
+        object.__setattr__(instance, name, value)
+
+
+def suggestion(name: str, known: Iterable[str]) -> str:
+    """Return a suggestion for an unknown `name`: a `known` one that begins so, the most similar one, or all of them."""
+    choices = list(known)
+    begun = [choice for choice in choices if len(name) > 3 and choice.startswith(name)]
+    close = begun or get_close_matches(name, choices, n=1)
+    return f"did you mean {close[0]!r}" if close else "choose from " + ", ".join(choices)
+
+
+@dataclass(frozen=True)
+class Unit:
+    """A unit: its symbol, the name of the quantity and an example, for error messages."""
+
+    symbol: str
+    quantity: str
+    example: str
+
+
+Metres = Annotated[float, Unit("m", "a length", "10 mm")]
+Pascals = Annotated[float, Unit("Pa", "a pressure", "1.2 GPa")]
+HARDNESS = Unit("Pa", "a hardness", "700 HV")
+Hardness = Annotated[float, HARDNESS]
+NewtonsPerMetre = Annotated[float, Unit("N/m", "a load per length", "100 N/mm")]
+JoulesPerSquareMetre = Annotated[float, Unit("J/m^2", "a work per area", "50 mJ/m^2")]
+Newtons = Annotated[float, Unit("N", "a load", "2 kN")]
+PerMetre = Annotated[float, Unit("1/m", "a spin", "0.5 1/m")]
+PerPascal = Annotated[float, Unit("1/Pa", "a specific wear rate", "1e-6 mm3/(N m)")]
+Compressibility = Annotated[float, Unit("1/Pa", "a compressibility", "0.6 1/GPa")]
+PressureViscosity = Annotated[float, Unit("1/Pa", "a pressure-viscosity coefficient", "20 1/GPa")]
+ThermalConductivity = Annotated[float, Unit("W/(m*K)", "a thermal conductivity", "46 W/(m*K)")]
+VolumetricHeatCapacity = Annotated[float, Unit("J/(m^3*K)", "a volumetric heat capacity", "3.6 MJ/(m^3*K)")]
+Kelvins = Annotated[float, Unit("K", "a temperature", "333 K")]
+PerKelvin = Annotated[float, Unit("1/K", "a temperature coefficient", "0.04 1/K")]
+PascalSeconds = Annotated[float, Unit("Pa*s", "a viscosity", "40 mPa*s")]
+MetresPerSecond = Annotated[float, Unit("m/s", "a speed", "100 mm/s")]
+Seconds = Annotated[float, Unit("s", "a time", "2 min")]
+PerSecond = Annotated[float, Unit("Hz", "a frequency", "50 Hz")]
+Radians = Annotated[float, Unit("rad", "an angle", "1 degree")]
+Number = Annotated[float, Unit("", "a number", "0.3")]
+
+# Units for display, by the SI unit, largest first: the first one in which the value is at least 1 is used,
+# of areas 1e-3 and of volumes 1e-4.
+DISPLAY_UNITS: Mapping[str, tuple[tuple[float, str], ...]] = {
+    "Pa": ((1e9, "GPa"), (1e6, "MPa"), (1e3, "kPa"), (1.0, "Pa")),
+    "m": ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm")),
+    "m2": ((1.0, "m²"), (1e-6, "mm²"), (1e-12, "µm²")),
+    "m3": ((1.0, "m³"), (1e-9, "mm³"), (1e-18, "µm³")),
+    "m2 m-1": ((1e-3, "mm²/mm"),),
+    "m3 m-1": ((1e-6, "mm³/mm"), (1e-15, "µm³/mm")),
+    "N": ((1e3, "kN"), (1.0, "N")),
+    "N m-1": ((1e3, "N/mm"), (1.0, "N/m")),
+    "N m-2": ((1e6, "N/mm per mm"),),
+    "W": ((1e3, "kW"), (1.0, "W"), (1e-3, "mW")),
+    "W m-1": ((1.0, "W/m"),),
+    "J m-1": ((1.0, "J/m"), (1e-3, "mJ/m"), (1e-6, "µJ/m"), (1e-9, "nJ/m")),
+    "1/Pa": ((1e-9, "1/GPa"), (1.0, "1/Pa")),
+    "rad": ((1.0, "rad"), (1e-3, "mrad")),
+    "1": ((1.0, ""),),
+}
+
+
+def display_unit(largest: float, unit: str) -> tuple[float, str]:
+    """Return size and name of the unit in which numbers up to `largest`, in the SI unit `unit`, are read best."""
+    scales = DISPLAY_UNITS.get(unit, ((1.0, unit),))
+    # successive units of areas and volumes differ by 1e6, 1e9 and more
+    least = {"m2": 1e-3, "m3": 1e-4}.get(unit[:2], 1.0)
+    return next((scale for scale in scales if abs(largest) >= least * scale[0]), scales[-1])
+
+
+def display_unit_of(values: ArrayLike, unit: str) -> tuple[float, str]:
+    """Return size and name of the unit in which the largest finite number of `values`, in SI units, is read best."""
+    sizes = np.abs(np.asarray(values))
+    return display_unit(float(np.max(sizes, where=np.isfinite(sizes), initial=0.0)), unit)
+
+
+def readable(value: float, unit: str = "m", digits: int = 4) -> str:
+    """Return a value as text in a unit with few digits, such as ``"0.5 GPa"``, by default a length."""
+    size, name = display_unit(value, unit)
+    return f"{value / size + 0.0:.{digits}g} {name}".strip()  # without the sign of -0.0
+
+
+def whole_quotient(field: str, length: float, period: float) -> int:
+    """Return ``period / length`` [m] of a grid, which must be a whole number, or raise :class:`InvalidInput`."""
+    times = period / length
+    if abs(times - round(times)) > 1e-9 * max(times, 1):
+        raise InvalidInput(
+            f"{field} is {readable(length, digits=10)}, and the grid's {readable(period, digits=10)} is no multiple of "
+            "it: give a multiple of it in grid.extent or plan.period, or another length."
+        )
+    return round(times)
+
+
+# SI units with decimal prefixes, which occur most: a table reads them faster than pint, whose import is slow.
+# Power of ten of each prefix. The micro sign and the Greek letter mu, two characters, both stand for micro.
+PREFIXES = {"G": 9, "M": 6, "k": 3, "": 0, "c": -2, "m": -3, "u": -6, "µ": -6, "μ": -6, "n": -9}
+# Powers of metre, kilogram, second and kelvin in each unit.
+UNITS = {
+    "m": (1, 0, 0, 0), "s": (0, 0, 1, 0), "K": (0, 0, 0, 1), "rad": (0, 0, 0, 0), "Hz": (0, 0, -1, 0),
+    "N": (1, 1, -2, 0), "Pa": (-1, 1, -2, 0), "J": (2, 1, -2, 0), "W": (2, 1, -3, 0),
+}  # fmt: skip
+# A power of ten, and powers of metre, kilogram, second and kelvin.
+Scale = tuple[int, tuple[int, ...]]
+# Scale of a number without unit.
+ONE: Scale = (0, (0, 0, 0, 0))
+# Scale of every prefix and unit together.
+KNOWN: dict[str, Scale] = {"": ONE, "1": ONE} | {
+    prefix + unit: (power, powers) for prefix, power in PREFIXES.items() for unit, powers in UNITS.items()
+}
+# A number, and what stands behind it.
+NUMBER = re.compile(r"\s*([-+]?(?:inf|(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?))\s*(.*?)\s*")
+# What stands between a number and its tolerance.
+PLUS_MINUS = re.compile(r"\s*(?:\+/?-|±)\s*")
+# A number with its tolerance, whose unit stands behind brackets.
+IN_BRACKETS = re.compile(r"^\(([^()]*)\)(.*)")
+# Patterns of powers and products without signs, and how they are written with them.
+REPLACED = (
+    (r"²", "^2"), (r"³", "^3"), (r"([mM])([23])(?![\d])", r"\1^\2"), (r"\b(m?)Pas\b", r"\1Pa*s"), (r"\bNm\b", "N*m"),
+    (r"^°$", "degree"),
+)  # fmt: skip
+# Rockwell C and the Vickers hardness of steels [kgf/mm^2] that goes with it (ISO 18265:2013, table A.1; ASTM E140).
+ROCKWELL = (
+    (20, 238), (25, 266), (30, 302), (35, 345), (40, 392), (45, 446), (50, 513), (55, 595), (58, 653), (60, 697),
+    (62, 746), (64, 800), (66, 865), (68, 940),
+)  # fmt: skip
+VICKERS = 9.80665e6  # [Pa], a kgf/mm^2
+# Units: names, powers, products, quotients also of 1 and by products in brackets, and no other expressions.
+POWER = r"°?[^\W\d_]+\d?(?:\s*(?:\*\*|\^)\s*-?\d)?"
+FACTOR = rf"(?:{POWER}|\(\s*{POWER}(?:\s*[*·]\s*{POWER}|\s+{POWER})*\s*\))"
+SYMBOLS = re.compile(rf"(?:1\s*/\s*)?{FACTOR}(?:\s*[*/·]\s*{FACTOR}|\s+{POWER})*")
+
+
+def in_si(field: str, value: object, unit: Unit) -> float:
+    """Return `value`, a number or a text with a unit, in the SI unit `unit`, without the tolerance of a text.
+
+    Raises :class:`~contactstudy.InvalidInput`, which names `field`, for anything else and for a unit of another
+    quantity.
+    """
+    if isinstance(value, str) and PLUS_MINUS.search(value):
+        number, symbol, _ = parted(field, value)
+        value = f"{number} {symbol}"
+    remedy = remedy_of(unit)
+    if isinstance(value, str) and "," in value:
+        remedy += ", with a decimal point"
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        try:
+            return float(value)
+        except OverflowError:
+            raise InvalidInput(f"{field} is too large for a float: {remedy}.") from None
+    match = NUMBER.fullmatch(_usual(value)) if isinstance(value, str) else None
+    if match and unit == HARDNESS and match[2] in ("HV", "HRC"):
+        return _of_hardness(field, value, float(match[1]), match[2])
+    if match and match[2] == "%" and not unit.symbol:
+        return float(Decimal(match[1]) / 100)
+    if match is None or (match[2] and not SYMBOLS.fullmatch(match[2])):
+        raise InvalidInput(f"{field} is {value!r}: {remedy}.")
+    if not match[2] and match[1].endswith("inf"):  # infinite in any unit
+        return float(match[1])
+    source, target = decimal_unit(match[2]), decimal_unit(unit.symbol)
+    is_angular = unit.symbol == "Hz" and "rad" in match[2]
+    if source is not None and target is not None and not is_angular:
+        if source[1] == target[1]:
+            with suppress(ArithmeticError):
+                return float(Decimal(match[1]).scaleb(source[0] - target[0]))
+        raise InvalidInput(f"{field} is {value!r}: {remedy}.")
+    pint = import_for("a unit", "pint")  # slow to import, and needed only here
+    registry = _registry()
+    try:
+        parsed = registry.Quantity(Decimal(match[1]), registry.parse_units(match[2].replace("·", "*")))
+        if unit.symbol == "Hz" and "radian" in dict(parsed.to_root_units().unit_items()):
+            parsed /= registry.turn  # cycles per second, as of rpm
+        return float(parsed.to(unit.symbol).magnitude)
+    except (pint.PintError, ArithmeticError, LookupError, ValueError, TypeError, AttributeError) as error:
+        raise InvalidInput(f"{field} is {value!r}: {remedy}.") from error
+
+
+def parted(field: str, text: str) -> tuple[str, str, float | None]:
+    """Return number and unit of a text, and in this unit the tolerance behind it; None of a text without one.
+
+    A tolerance has the unit of its number, another one of the same quantity, or is in per cent of the number, such as
+    ``10 mm +- 0.05 mm``, ``10 mm +- 50 um`` or ``10 mm ± 1 %``. A unit at the end alone is that of both: ``10 +- 0.05
+    mm``, ``(10 ± 0.05) mm``.
+
+    Raises
+    ------
+    InvalidInput
+        For a text without a number, and for a tolerance that is not a number of at least 0.
+    """
+    first, *others = PLUS_MINUS.split(IN_BRACKETS.sub(r"\1 \2", text.strip()))
+    match, tolerances = NUMBER.fullmatch(first), [NUMBER.fullmatch(other) for other in others]
+    if match is None or len(others) > 1 or not all(one and 0 <= float(one[1]) < inf for one in tolerances):
+        raise InvalidInput(
+            f"{field} is {text!r}: give a number, and behind it one tolerance of at least 0, such as '10 mm +- 0.05 mm'."
+        )
+    number, unit = match.groups()
+    for one in filter(None, tolerances):
+        size, symbol = one.groups()
+        unit = unit or symbol.replace("%", "")
+        if symbol in ("", unit):
+            return number, unit, float(size)
+        if symbol == "%":
+            return number, unit, abs(float(number)) * float(size) / 100
+        tolerance = Unit(unit, "a tolerance in the unit of its number", f"{size} {unit}")
+        return number, unit, in_si(f"The tolerance of {field}", others[0], tolerance)
+    return number, unit, None
+
+
+def _usual(text: str) -> str:
+    """Return `text` with powers and products of units written out, such as ``mm^3/(N*m)`` for ``mm3/Nm``."""
+    number, unit = (match[1], match[2]) if (match := NUMBER.fullmatch(text)) else (text, "")
+    for pattern, replacement in REPLACED:
+        unit = re.sub(pattern, replacement, unit)
+    # what stands behind a stroke as one word is divided by as a whole
+    return f"{number} {re.sub(r'/N[*]m$', '/(N*m)', unit) if '*' not in text else unit}".strip()
+
+
+def _of_hardness(field: str, value: object, number: float, scale: str) -> float:
+    """Return the indentation hardness [Pa] of a number of Vickers or, of steel, Rockwell C."""
+    if scale == "HRC":
+        rockwell, vickers = zip(*ROCKWELL, strict=True)
+        if not rockwell[0] <= number <= rockwell[-1]:
+            raise InvalidInput(
+                f"{field} is {value!r}: give {rockwell[0]} to {rockwell[-1]} HRC, or the hardness in HV."
+            )
+        above = next(n for n, known in enumerate(rockwell) if known >= number) or 1
+        fraction = (number - rockwell[above - 1]) / (rockwell[above] - rockwell[above - 1])
+        number = vickers[above - 1] * (1 - fraction) + vickers[above] * fraction
+    return number * VICKERS
+
+
+def remedy_of(unit: Unit, limits: str = "") -> str:
+    """Return what to give in place of a value that is not of `unit`, or not within the `limits`."""
+    if not unit.symbol and limits:  # the example need not lie within them
+        return f"give {unit.quantity}{limits}"
+    number = f", or a number in {unit.symbol}" * bool(unit.symbol)
+    return f"give {unit.quantity}{limits}, such as {unit.example!r}{number}"
+
+
+@cache
+def _registry() -> Any:
+    from pint import UnitRegistry
+
+    # in decimals, so that 30 um is exactly the float 3e-5 m
+    return UnitRegistry(non_int_type=Decimal)
+
+
+@cache
+def decimal_unit(symbol: str) -> Scale | None:
+    """Return the power of ten of a unit such as ``N/mm``, and its powers of metre, kilogram, second and kelvin.
+
+    None for a unit that is not in the table.
+    """
+    factors = re.split(r"\s*([*/])\s*", symbol.replace("**", "^").replace("·", "*"))
+    total, totals = ONE
+    for sign, factor in zip(("*", *factors[1::2]), factors[::2], strict=True):
+        name, _, exponent = factor.partition("^")
+        if name.strip() not in KNOWN:
+            return None
+        power, powers = KNOWN[name.strip()]
+        times = int(exponent or 1) * (1 if sign == "*" else -1)
+        total += times * power
+        totals = tuple(before + times * unit_power for before, unit_power in zip(totals, powers, strict=True))
+    return total, totals
+
 
 Class = TypeVar("Class", bound=type)
 

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from contactstudy.domain.device import Cpu, arrays, device
-from contactstudy.domain.fields import Array, compiled_loops, device_loops, first_cells, in_blocks
+from contactstudy.domain.grid import Array, compiled_loops, device_loops, first_cells, in_blocks
 from contactstudy.elasticity.transforms import ComplexField, transforms
 
 # Largest ratio of the spectrum's values for single precision, whose round-off is the same in all wave numbers.

@@ -1,4 +1,4 @@
-"""Influence coefficients that a bonded layer adds, under pressure and tangential traction, to those of its material."""
+"""Influence coefficients that a bonded layer adds, and an operator in series with a Winkler layer."""
 
 from dataclasses import dataclass, replace
 from math import log
@@ -6,10 +6,71 @@ from math import log
 import numpy as np
 from scipy.special import log1p
 
-from contactstudy.domain.fields import Array
+from contactstudy.domain.device import Precision
+from contactstudy.domain.grid import Array, on_cells
+from contactstudy.elasticity.approximate_inverse import ExactInverse, FreeEndsInverse, SpectralInverse
+from contactstudy.elasticity.convolution import Convolution, weighted_sum
 from contactstudy.elasticity.kernels.layer_response import LayerResponse
 from contactstudy.elasticity.kernels.layer_waves import DisplacementWaves, WaveCoefficients, contrasts
-from contactstudy.elasticity.kernels.traction import SWAPPED
+from contactstudy.elasticity.kernels.stress import SWAPPED
+
+
+@dataclass(frozen=True, eq=False)
+class WithWinklerLayer:
+    """Linear map from pressure to displacement, ``K * pressure + compliance pressure``.
+
+    Parameters
+    ----------
+    convolution
+        Displacement of the bodies, K.
+    compliance
+        Displacement of each cell over its own pressure (x, y) [m/Pa], at least 0.
+    """
+
+    convolution: Convolution
+    compliance: Array
+
+    def __call__(self, pressure: Array) -> Array:
+        """Return the displacement (x, y) under a `pressure` (x, y)."""
+        displacement = self.convolution(pressure)
+        displacement += self.compliance * pressure
+        return displacement
+
+    @property
+    def transform_size(self) -> float:
+        """Number of cells of the padded grid, transformed in one application."""
+        return self.convolution.transform_size
+
+    @property
+    def self_compliance(self) -> float:
+        """Displacement of the most compliant cell by its own unit pressure; that of the half-space above the mean."""
+        return self.convolution.self_compliance + float(self.compliance.max())
+
+    @property
+    def blocks(self) -> tuple[int, int]:
+        """Number of cells (across, along) that are merged on a coarser grid."""
+        return self.convolution.blocks
+
+    def scaled(self, factor: float, precision: Precision) -> "WithWinklerLayer":
+        """Return this operator times `factor`, in `precision`."""
+        layer = (self.compliance * factor).astype(precision.real)
+        return WithWinklerLayer(self.convolution.scaled(factor, precision), layer)
+
+    def coarsened(self) -> "WithWinklerLayer":
+        """Return the operator on larger cells: mean displacement of blocks under a pressure constant in each."""
+        convolution = self.convolution.coarsened()
+        return WithWinklerLayer(convolution, on_cells(self.compliance, convolution.cells))
+
+    def approximate_inverse(
+        self, precision: Precision | None = None
+    ) -> SpectralInverse | FreeEndsInverse | ExactInverse:
+        """Return a preconditioner: the exact inverse of few cells, else that with a layer of the mean compliance."""
+        layer = float(self.compliance.mean())
+        inverse = weighted_sum([(1.0, self.convolution)], layer).approximate_inverse(precision)
+        if isinstance(inverse, ExactInverse):
+            return ExactInverse(inverse.compliance + np.diag(self.compliance.ravel() - layer))
+        return inverse
+
 
 # Width over its distance of a strip that stands for a line.
 LINE = 1e-4

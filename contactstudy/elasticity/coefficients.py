@@ -7,10 +7,9 @@ from typing import ClassVar, Protocol
 
 import numpy as np
 
-from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid, Padding, Paddings
-from contactstudy.elasticity.kernels.displacement_cell import boussinesq_cell
-from contactstudy.elasticity.kernels.displacement_periodic import (
+from contactstudy.domain.grid import Array, Grid, Padding, Paddings
+from contactstudy.elasticity.kernels.displacement import (
+    boussinesq_cell,
     boussinesq_cell_doubly_periodic,
     boussinesq_cell_periodic,
 )

@@ -14,13 +14,9 @@ import numpy as np
 from numpy.typing import DTypeLike
 from scipy import fft
 
-from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.device import Cpu, Precision, arrays, device
-from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid, Padding, Paddings, across_and_along
-from contactstudy.domain.reuse import cached_array
-from contactstudy.domain.units import Metres
-from contactstudy.domain.validation import valid
+from contactstudy.domain.device import Cpu, Precision, arrays, cached_array, device
+from contactstudy.domain.grid import Array, Grid, Padding, Paddings, across_and_along
+from contactstudy.domain.validation import InvalidInput, Metres, valid
 from contactstudy.elasticity.approximate_inverse import (
     MARGIN,
     ExactInverse,

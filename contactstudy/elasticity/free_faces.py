@@ -27,14 +27,12 @@ from typing import NamedTuple
 import numpy as np
 from scipy import fft
 
-from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.device import Precision
-from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid, Paddings
-from contactstudy.domain.reuse import cached_array
+from contactstudy.domain.device import Precision, cached_array
+from contactstudy.domain.grid import Array, Grid, Paddings
+from contactstudy.domain.validation import InvalidInput
 from contactstudy.elasticity.coefficients import Coefficients, FreeFaceCoefficients, influence_coefficients
 from contactstudy.elasticity.convolution import Convolution, coarsened_spectrum, even_spectrum
-from contactstudy.elasticity.kernels.stress_cell import COMPONENTS, CellKernel
+from contactstudy.elasticity.kernels.stress import COMPONENTS, CellKernel
 from contactstudy.elasticity.transforms import ComplexField, transforms
 
 # Ratio of neighbouring distances in the table, every how many of which are used on a grid, and the first and last

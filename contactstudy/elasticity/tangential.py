@@ -6,13 +6,16 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
-from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid, Paddings
+from contactstudy.domain.grid import Array, Grid, Paddings
 from contactstudy.elasticity.coefficients import BoussinesqCoefficients, Coefficients
 from contactstudy.elasticity.convolution import GeneralConvolution, general_convolutions
-from contactstudy.elasticity.kernels.stress_cell import stress_cell
-from contactstudy.elasticity.kernels.stress_periodic import stress_cell_doubly_periodic, stress_cell_periodic
-from contactstudy.elasticity.kernels.traction import SURFACE, SWAPPED
+from contactstudy.elasticity.kernels.stress import (
+    SURFACE,
+    SWAPPED,
+    stress_cell,
+    stress_cell_doubly_periodic,
+    stress_cell_periodic,
+)
 from contactstudy.elasticity.transforms import TRANSFORMS, ComplexField
 
 # A sum of weights is zero where it is smaller than this fraction of their sizes: the difference is rounding.

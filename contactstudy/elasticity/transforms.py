@@ -19,7 +19,7 @@ from numpy.typing import DTypeLike, NDArray
 from scipy import fft
 
 from contactstudy.domain.device import Cpu, arrays, device, threads
-from contactstudy.domain.fields import Array, compiled_loops, device_loops, first_cells, in_blocks
+from contactstudy.domain.grid import Array, compiled_loops, device_loops, first_cells, in_blocks
 
 ComplexField = NDArray[np.complexfloating[Any, Any]]
 # Number of cells or points (x, y).

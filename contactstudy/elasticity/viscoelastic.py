@@ -12,7 +12,7 @@ from math import exp, isinf
 import numpy as np
 from scipy.special import eval_legendre, ive
 
-from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Array
 from contactstudy.elasticity.coefficients import Coefficients
 
 # Halvings, in the logarithm, of a bracket as wide as the floating-point numbers: down to rounding.

@@ -16,9 +16,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
+from contactstudy.domain.grid import Array, ExactPeriodicity, Grid, Padding, Paddings
+from contactstudy.domain.validation import InvalidInput
 from contactstudy.evolution.march import ROUNDING, Breakpoint, Control, March, Method, Record, ascending
 from contactstudy.lubrication.film_equation import Film, SqueezeTerm
 from contactstudy.lubrication.lubricated_contact import FilmSolution
@@ -26,8 +25,7 @@ from contactstudy.lubrication.newton.pseudo_time import FilmControls, FilmIterat
 from contactstudy.lubrication.posed_film import PosedFilm, linear_solver, lubricated_scales, pose
 from contactstudy.lubrication.steady_film import TUNING as STEADY
 from contactstudy.lubrication.steady_film import continued, film_solution
-from contactstudy.scene.loads.constant_load import LineLoad
-from contactstudy.scene.loads.load_history import ChangingLoad
+from contactstudy.scene.loads import ChangingLoad, LineLoad
 from contactstudy.scene.scene import Scene
 from contactstudy.solvers.solution import Counts, Status
 

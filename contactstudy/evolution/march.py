@@ -15,8 +15,8 @@ from typing import ClassVar, Generic, Literal, Protocol, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contactstudy.domain.checks import InvalidInput
-from contactstudy.scene.loads.load_history import ChangingLoad, PiecewiseLinear, check_not_decreasing
+from contactstudy.domain.validation import InvalidInput
+from contactstudy.scene.loads import ChangingLoad, PiecewiseLinear, check_not_decreasing
 from contactstudy.solvers.solution import Status
 
 # Smallest and largest factor on the length of the next pair, and the fraction of the allowed length that is aimed at.

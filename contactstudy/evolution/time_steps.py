@@ -5,10 +5,8 @@ from typing import Annotated, Any, Literal
 
 from numpy.typing import ArrayLike
 
-from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.units import Number, Seconds
-from contactstudy.domain.validation import BELOW_ONE, FINITE, at_least, validated
-from contactstudy.scene.loads.load_history import ChangingLoad, Times
+from contactstudy.domain.validation import BELOW_ONE, FINITE, InvalidInput, Number, Seconds, at_least, validated
+from contactstudy.scene.loads import ChangingLoad, Times
 
 # Recorded instants where neither they nor their number are named.
 DEFAULT_INSTANTS = 41

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contactstudy.domain.errors import ErrorParts
-from contactstudy.domain.fields import Array
-from contactstudy.evolution.rolling.steady_rolling import SteadyRolling
+from contactstudy.domain.grid import Array
+from contactstudy.evolution.steady_rolling import SteadyRolling
 from contactstudy.problem.problem import Field, Problem
 from contactstudy.scene.scene import PosedScene
 from contactstudy.solvers.solution import Counts, Solution, Status, worst

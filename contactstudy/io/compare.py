@@ -9,10 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Array
 from contactstudy.domain.imports import needed_for
-from contactstudy.domain.units import readable
+from contactstudy.domain.validation import InvalidInput, readable
 from contactstudy.io.dataset import labelled
 
 if TYPE_CHECKING:
@@ -80,7 +79,7 @@ class Comparison:
     def plot(self) -> "Figure":
         """Draw the difference as a map, and both pressures across the place where it is largest."""
         with needed_for("Comparison.plot"):
-            from contactstudy.io.pictures.contact import comparison_picture
+            from contactstudy.io.pictures.picture import comparison_picture
 
         return comparison_picture(self.difference, self.position)
 

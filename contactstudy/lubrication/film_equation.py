@@ -30,8 +30,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactstudy.analytic import HertzLine, moes_film
-from contactstudy.domain.fields import Array
-from contactstudy.scene.lubrication.lubrication import Cavitation, ElrodAdams, Lubrication
+from contactstudy.domain.grid import Array
+from contactstudy.scene.lubrication import Cavitation, ElrodAdams, Lubrication
 
 # The logarithmic mean is a series where half the difference of the logarithms is below this.
 SERIES = 1e-3

@@ -9,14 +9,13 @@ from typing import Any
 import numpy as np
 
 from contactstudy.domain.errors import AREA_FLOOR, FLOOR, INLET, MARGIN, ErrorEstimate, ErrorParts, largest_change
-from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid, Padding, Paddings, across_and_along, edge_fraction
+from contactstudy.domain.grid import Array, Grid, Padding, Paddings, across_and_along, edge_fraction
 from contactstudy.lubrication.lubricated_contact import FilmSolution
 from contactstudy.lubrication.newton.pseudo_time import FilmControls
 from contactstudy.lubrication.posed_film import interpolated, lubricated_scales
 from contactstudy.lubrication.steady_film import solve_on
 from contactstudy.scene.scene import Scene
-from contactstudy.scene.shapes_source import shortest_wavelengths, unresolved, with_extent_of
+from contactstudy.scene.shapes.shape import shortest_wavelengths, unresolved, with_extent_of
 from contactstudy.solvers.solution import Status
 
 # Numbers of every film.

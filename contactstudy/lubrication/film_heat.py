@@ -21,11 +21,10 @@ from numpy.typing import NDArray
 from scipy.linalg import toeplitz
 from scipy.special import k0e, k1e
 
-from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid
+from contactstudy.domain.grid import Array, Grid
 from contactstudy.lubrication.film_equation import FilmScales
 from contactstudy.lubrication.lubricated_contact import FilmTemperatures, ShearedFilm
-from contactstudy.scene.lubrication.lubricant import FilmHeat, ThermalBody
+from contactstudy.scene.lubrication import FilmHeat, ThermalBody
 from contactstudy.scene.solids.bodies import Body, Layered
 
 Waves = NDArray[np.complex128]

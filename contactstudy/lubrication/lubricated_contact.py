@@ -9,12 +9,11 @@ import numpy as np
 from scipy.linalg import solve_banded
 
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
-from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid, Padding, Paddings, across_and_along
-from contactstudy.domain.units import readable
+from contactstudy.domain.grid import Array, Grid, Padding, Paddings, across_and_along
+from contactstudy.domain.validation import readable
 from contactstudy.lubrication.film_equation import FilmScales
 from contactstudy.problem.problem import DependsOnShear, Field
-from contactstudy.scene.lubrication.lubricant import LimitingShear
+from contactstudy.scene.lubrication import LimitingShear
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.shapes.shape import LengthScales
 from contactstudy.solvers.solution import Status

@@ -8,11 +8,9 @@ from typing import Literal
 
 import numpy as np
 
-from contactstudy.domain.checks import InvalidInput, NotDefined
 from contactstudy.domain.device import Precision
-from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings, across_and_along
-from contactstudy.domain.units import readable
+from contactstudy.domain.grid import Array, ExactPeriodicity, Grid, Padding, Paddings, across_and_along
+from contactstudy.domain.validation import InvalidInput, NotDefined, readable
 from contactstudy.elasticity.coefficients import Coefficients
 from contactstudy.elasticity.convolution import (
     Convolution,
@@ -27,12 +25,12 @@ from contactstudy.lubrication.newton.direct_solver import DirectSolver
 from contactstudy.lubrication.newton.krylov_solver import KrylovSolver
 from contactstudy.lubrication.newton.pseudo_time import FilmIteration, LinearSolver
 from contactstudy.problem.problem import Problem
-from contactstudy.scene.loads.constant_load import ConstantLoad, LineLoad
+from contactstudy.scene.loads import ConstantLoad, LineLoad
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.shapes.roller import Cylinder
 from contactstudy.scene.shapes.shape import length_scales_of
 from contactstudy.scene.solids.bodies import creeps, hertz_line, instantaneous, response
-from contactstudy.scene.solids.viscoelastic import rolling_bodies
+from contactstudy.scene.solids.inelastic import rolling_bodies
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # End of the outlet from the end of the dry contact, or of the half-width that carries load, over that half-width.

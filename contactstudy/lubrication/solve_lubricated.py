@@ -4,10 +4,8 @@ from collections.abc import Callable
 from dataclasses import replace
 from math import ceil, inf, isfinite, sqrt
 
-from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
-from contactstudy.domain.units import Metres
-from contactstudy.domain.validation import valid
+from contactstudy.domain.validation import InvalidInput, Metres, valid
 from contactstudy.lubrication.film_equation import FilmScales
 from contactstudy.lubrication.film_error import film_error
 from contactstudy.lubrication.lubricated_contact import FilmSolution

@@ -6,8 +6,7 @@ from math import ceil, inf, log
 
 import numpy as np
 
-from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid, Padding, Paddings
+from contactstudy.domain.grid import Array, Grid, Padding, Paddings
 from contactstudy.lubrication.film_equation import INLET_CELLS, OUTLET_CELLS, Film, FilmEquation, Mask
 from contactstudy.lubrication.lubricated_contact import FilmSolution, ShearedFilm, rise_beside_lowest
 from contactstudy.lubrication.mixed import SpeedSteps, from_higher_speeds, other_films, solve_mixed

@@ -10,10 +10,8 @@ import numpy as np
 
 from contactstudy.accuracy.bound import CONSTANTS as ONE_GRID
 from contactstudy.analytic import HertzLine
-from contactstudy.domain.checks import InvalidInput, NotDefined
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings, ZeroPadding
-from contactstudy.domain.units import Metres, readable
-from contactstudy.domain.validation import valid
+from contactstudy.domain.validation import InvalidInput, Metres, NotDefined, readable, valid
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.shapes.shape import LengthScales, Shape, length_scales_of
 from contactstudy.scene.solids.bodies import Layered, is_layered

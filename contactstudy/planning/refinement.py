@@ -13,12 +13,10 @@ from contactstudy.accuracy.bound import shown_errors
 from contactstudy.accuracy.coarser import halved
 from contactstudy.accuracy.error_terms import IMAGES_REMEDY
 from contactstudy.accuracy.estimate import error_estimate
-from contactstudy.domain.device import Cpu, Device
+from contactstudy.domain.device import Cpu, Device, cache_of, caching
 from contactstudy.domain.errors import ErrorEstimate
-from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid, Padding, Paddings, on_cells
+from contactstudy.domain.grid import Array, Grid, Padding, Paddings, on_cells
 from contactstudy.domain.imports import loaded
-from contactstudy.domain.reuse import cache_of, caching
 from contactstudy.planning.grid_requirements import CONSTANTS as GRID
 from contactstudy.planning.grid_requirements import GridRequirements, halvable_count, with_requirements
 from contactstudy.scene.scene import Scene

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactstudy.domain.device import arrays
-from contactstudy.domain.fields import Array, dot, in_blocks, inner, replace_blocks
-from contactstudy.domain.fields import total as sum_of
+from contactstudy.domain.grid import Array, dot, in_blocks, inner, replace_blocks
+from contactstudy.domain.grid import total as sum_of
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from contactstudy.domain.device import Cpu, Precision, arrays, device
-from contactstudy.domain.fields import (
+from contactstudy.domain.grid import (
     MIN_COMPILED_CELLS,
     Array,
     compiled_loops,

@@ -4,13 +4,9 @@ from math import pi, sqrt
 from typing import Any, Literal
 
 from contactstudy.analytic import HertzLine
-from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid
-from contactstudy.domain.units import JoulesPerSquareMetre, Metres, readable
-from contactstudy.domain.validation import validated
-from contactstudy.scene.loads.constant_load import Approach
-from contactstudy.scene.loads.load_history import ChangingLoad
+from contactstudy.domain.grid import Array, Grid
+from contactstudy.domain.validation import InvalidInput, JoulesPerSquareMetre, Metres, readable, validated
+from contactstudy.scene.loads import Approach, ChangingLoad
 from contactstudy.scene.shapes.roller import Sphere
 from contactstudy.scene.solids.bodies import Body, SceneContext, contact_modulus, creeps, modulus_at_own_width, yields
 from contactstudy.solvers.adhesion import AdhesiveSolver

@@ -1,16 +1,44 @@
-"""Rolling of the bodies: steady, or repeated over one that yields."""
+"""Rolling of the bodies: steady, repeated over one that yields, or steady with friction, stick and slip."""
 
+from collections.abc import Sequence
+from functools import cache
 from itertools import pairwise
-from math import inf
-from typing import Annotated, Literal
+from math import inf, isinf
+from typing import Annotated, Any, ClassVar, Literal
+
+import numpy as np
 
 from contactstudy.analytic import HertzLine
-from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.units import Metres, MetresPerSecond, Number
-from contactstudy.domain.validation import FROM_ZERO_TO_INFINITE, at_least, validated
-from contactstudy.scene.loads.load_history import ChangingLoad, PiecewiseLinear
-from contactstudy.scene.shapes.shape import Shape
+from contactstudy.domain.grid import Array, Grid, Paddings
+from contactstudy.domain.validation import (
+    ANY_SIGN,
+    FROM_ZERO_TO_INFINITE,
+    InvalidInput,
+    Metres,
+    MetresPerSecond,
+    Newtons,
+    NewtonsPerMetre,
+    Number,
+    PerMetre,
+    at_least,
+    validated,
+)
+from contactstudy.elasticity.tangential import shear_response
+from contactstudy.scene.friction import (
+    FrictionCoefficient,
+    check_force,
+    check_tangential_response,
+    force_per_length,
+    mean_over_grid,
+    shear_coupling,
+    shearable,
+)
+from contactstudy.scene.loads import ChangingLoad, PiecewiseLinear, loads_between
+from contactstudy.scene.shapes.shape import LengthScales, Shape, gap_of, length_scales_of
 from contactstudy.scene.solids.bodies import SceneContext
+from contactstudy.scene.solids.inelastic import rolling_bodies
+from contactstudy.solvers.friction.traction import Creepage
+from contactstudy.solvers.friction.tractive_rolling import ShearPressureCoupling, TractiveShear
 
 RollingPressure = Literal["solved", "elastic"]
 
@@ -100,3 +128,135 @@ def check_slow(name: str, speed: float, load: ChangingLoad, hertz: HertzLine | N
             f"its widths: rolling is steady under a load that changes over {MIN_WIDTHS:g} or more, give slower changes, "
             "or a higher speed."
         )
+
+
+STATIONARY_HEIGHTS = "The heights are fixed in the frame of the contact: traction under moving heights is not computed."
+
+
+@validated
+class TractiveRolling:
+    """Steady rolling with creepage: a part of the contact sticks, the rest slips.
+
+    The contact moves over both bodies, to larger x at a positive speed, and material enters it ahead. Heights are fixed
+    in the frame of the contact: profiles, roller ends, circumferential lay. Creepage is the relative rigid-body velocity
+    of the second body against the first over the rolling speed, so that a positive creepage makes a positive tangential
+    traction on the first body. Between dissimilar bodies traction changes the pressure, and they slip under the normal
+    load alone. Bodies that creep follow pressure and traction with their delay, which makes a rolling resistance.
+
+    Parameters
+    ----------
+    coefficient
+        Coefficient of friction, above 0 and below 1.
+    longitudinal
+        Creepage along x; None where a force is given.
+    tangential
+        Force along x on the first body, over the length that the load acts on [N/m], of either sign, less than the
+        coefficient times the load. The longitudinal creepage follows from it. None where `longitudinal` is given.
+    lateral
+        Creepage along y.
+    spin
+        Rotation of the second body against the first about z, over the distance rolled [1/m]. Its slip grows along the
+        length, so that a roller must end or be crowned on the grid.
+    speed
+        Speed of rolling [m/s], not 0; negative if the contact moves to smaller x. Power is proportional to its size,
+        and how far a body creeps in the contact follows from it.
+    total
+        Force along x on the first body over the whole length of a roller [N], in place of `tangential`.
+
+    Raises
+    ------
+    InvalidInput
+        For other values; in a scene with bodies that yield, heights that move with a body, a load that changes too
+        fast to roll steadily, or spin of an endless contact.
+    """
+
+    is_steady: ClassVar[bool] = True
+    sticks: ClassVar[bool] = True
+
+    coefficient: FrictionCoefficient
+    longitudinal: Annotated[Number, ANY_SIGN] | None = None
+    tangential: Annotated[NewtonsPerMetre, ANY_SIGN] | None = None
+    lateral: Annotated[Number, ANY_SIGN] = 0.0
+    spin: Annotated[PerMetre, ANY_SIGN] = 0.0
+    speed: Annotated[MetresPerSecond, ANY_SIGN] = 1.0
+    total: Annotated[Newtons, ANY_SIGN] | None = None
+
+    def check_together(self) -> None:
+        """Check that one creepage or force along x is given, and that the contact rolls."""
+        given = [n for n in ("longitudinal", "tangential", "total") if getattr(self, n) is not None]
+        if len(given) != 1:
+            raise InvalidInput(
+                f"TractiveRolling has {' and '.join(given) or 'none'} of longitudinal, tangential and total: give one, "
+                "the creepage along x, the force along x [N/m], or that on the whole of a roller [N]."
+            )
+        if self.speed == 0:
+            raise InvalidInput(
+                "TractiveRolling.speed is 0: give a speed other than 0 m/s, or PartialSlip for a contact at rest."
+            )
+
+    def check(self, scene: SceneContext) -> None:
+        """Raise :class:`~contactstudy.InvalidInput` if steady rolling is not defined in this scene."""
+        check_tangential_response(scene, "TractiveRolling")
+        if scene.rolling is not None:
+            raise InvalidInput(
+                f"Scene.rolling is {scene.rolling!r} together with TractiveRolling, which rolls at its own speed: leave "
+                "rolling out."
+            )
+        if isinstance(scene.load, ChangingLoad):
+            check_slow("TractiveRolling", self.speed, scene.load, scene.hertz)
+        check_standing("TractiveRolling", scene.shapes)
+        self._refuse_endless(_rollers(scene))
+        check_force(scene, self, _least(scene), "less, or a longitudinal creepage")
+
+    def solver(self, scene: SceneContext, gap: Array, grid: Grid, paddings: Paddings, datum: float) -> TractiveShear:
+        """Return the solver of this scene on a grid.
+
+        Raises
+        ------
+        InvalidInput
+            If the padding across wraps, so that material that leaves the contact would enter it again, or if it spins
+            and no roller ends or is crowned on the grid.
+        """
+        gaps = [np.atleast_2d(gap_of(shape, grid)) for shape in _rollers(scene)]
+        self._refuse_endless([np.ptp(gap, axis=1) for gap in gaps])
+        if paddings[0].wraps:
+            raise InvalidInput(
+                f"padding[0] is {paddings[0]!r} together with TractiveRolling: material that leaves the contact would "
+                "enter it again one period later: give ZeroPadding across."
+            )
+        solids = rolling_bodies(scene.solids, (self.speed, self.speed))
+        bodies, force = shearable(solids), force_per_length(self, scene)
+        has_waves = any(not isinf(scales.shortest_wavelengths[0]) for scales in length_scales_of(scene.shapes))
+        coupling = shear_coupling(solids, "xy", grid, paddings, datum)
+        return TractiveShear(
+            self.coefficient,
+            Creepage(self.longitudinal or 0.0, self.lateral, self.spin),
+            None if force is None else mean_over_grid(force, scene, grid, paddings),
+            self.speed,
+            cache(lambda on: shear_response(bodies, on, paddings, datum)),
+            ShearPressureCoupling(*coupling) if coupling else None,
+            STATIONARY_HEIGHTS if has_waves else "",  # heights of a real surface would travel with it
+        )
+
+    def _refuse_endless(self, rollers: Sequence[Any]) -> None:
+        """Raise InvalidInput for spin without `rollers` that end or are crowned, or where their drops [m] are 0."""
+        if self.spin and not any(map(np.any, rollers)):
+            raise InvalidInput(
+                f"TractiveRolling.spin is {self.spin!r} in a contact without end, where its slip grows along the length "
+                "without limit: give a roller that ends or is crowned on the grid, such as a FiniteLength or a Crown."
+            )
+
+
+def _rollers(scene: SceneContext) -> list[Shape]:
+    """Return the shapes that may end or crown a roller."""
+    unknown = LengthScales(roller=inf)  # taken for a shape that does not name its length scales
+    return [s for s in scene.shapes if getattr(s, "length_scales", unknown).roller]
+
+
+def _least(scene: SceneContext) -> float:
+    """Return the least load [N/m]."""
+    load = scene.load
+    if not isinstance(load, ChangingLoad):
+        return scene.largest_load
+    ends = load.at(load.start), load.at(load.end)
+    return min(*ends, *loads_between(load, load.start, load.end))

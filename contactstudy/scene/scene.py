@@ -1,4 +1,4 @@
-"""A scene names the effects of a contact and makes a problem of them on a grid."""
+"""A scene names the effects of a contact, which decide on the method, and makes a problem of them on a grid."""
 
 from dataclasses import dataclass, replace
 from math import inf, log2, sqrt
@@ -8,31 +8,37 @@ from typing import TYPE_CHECKING, Annotated, Any, Protocol, runtime_checkable
 import numpy as np
 
 from contactstudy.analytic import HertzEllipse, HertzLine
-from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid, Padding, Paddings, across_and_along, is_free
-from contactstudy.domain.notebook import InNotebook
-from contactstudy.domain.units import Hardness
-from contactstudy.domain.validation import OR_INFINITE, Example, valid, validated
+from contactstudy.domain.errors import InNotebook
+from contactstudy.domain.grid import Array, Grid, Padding, Paddings, across_and_along, is_free
+from contactstudy.domain.validation import OR_INFINITE, Example, Hardness, InvalidInput, valid, validated
 from contactstudy.elasticity.convolution import Convolution, superposed
 from contactstudy.problem.constraint import Compressive, Control, HardnessLimited, PrescribedApproach, PrescribedLoad
-from contactstudy.problem.memory import refuse_too_large
-from contactstudy.problem.problem import AdhesionSolver, Derived, FrictionSolver, Problem, Scales
-from contactstudy.scene.loads.constant_load import (
+from contactstudy.problem.problem import AdhesionSolver, Derived, FrictionSolver, Problem, Scales, refuse_too_large
+from contactstudy.scene.loads import (
     DATUM_OVER_RADIUS,
     Approach,
+    ChangingLoad,
     ConstantLoad,
     LineLoad,
     PullOff,
     TotalLoad,
+    falls,
 )
-from contactstudy.scene.loads.load_history import ChangingLoad, falls
-from contactstudy.scene.methods import STATIC, Method, method_of
 from contactstudy.scene.shapes.roller import FiniteLength
-from contactstudy.scene.shapes.shape import Shape, curvature_of, curvatures_of, length_scales_of
-from contactstudy.scene.shapes_source import ShapesSource, check_width, ends_along, summed_gap, with_extent_of
+from contactstudy.scene.shapes.shape import (
+    Shape,
+    ShapesSource,
+    check_width,
+    curvature_of,
+    curvatures_of,
+    ends_along,
+    length_scales_of,
+    summed_gap,
+    with_extent_of,
+)
 from contactstudy.scene.solids.bodies import (
     Body,
+    SceneContext,
     contact_modulus,
     creeps,
     hertz_line,
@@ -44,10 +50,69 @@ from contactstudy.scene.solids.free_faces import check_free_faces
 
 if TYPE_CHECKING:
     from contactstudy.scene.adhesion import Adhesion
-    from contactstudy.scene.lubrication.lubrication import Lubrication
+    from contactstudy.scene.lubrication import Lubrication
     from contactstudy.scene.rolling import Rolling
     from contactstudy.scene.wear import Wear
     from contactstudy.solvers.adhesion import AdhesiveSolver
+
+
+@dataclass(frozen=True)
+class Method:
+    """Method by which the scenes of a kind are solved.
+
+    Parameters
+    ----------
+    kind
+        The kind, as messages call it.
+    keywords
+        Keywords of :func:`~contactstudy.solve` and settings of :class:`~contactstudy.TimeSteps` that it uses, beside
+        those that all methods use: an error, a period, progress, and a tolerance.
+    """
+
+    kind: str
+    keywords: tuple[str, ...]
+
+    @property
+    def takes_times(self) -> bool:
+        """True if it solves for several instants."""
+        return "times" in self.keywords
+
+
+OPTIONS = "max_iterations", "solver", "precision"
+STATIC = Method("a static contact", ("start", "device", *OPTIONS))
+STEADY_ROLLING = Method("a contact that rolls", OPTIONS)
+PASSES = Method("a contact that rolls in passes", OPTIONS)
+QUASI_STATIC = Method("a load history with adhesion or rolling", ("times", *OPTIONS))
+TIME_DEPENDENT = Method(
+    "a scene that changes in time", ("times", "folder", "error", "scheme", "error_estimator", *OPTIONS)
+)
+STEADY_WEAR = Method("a contact that rolls and wears", ("times", "error", *OPTIONS))
+FILM = Method("a steady film", ("start", "max_iterations"))
+FILM_IN_TIME = Method("a film that changes in time", ("times", "error", "step"))
+FILM_WEAR = Method("a film that wears", ("times", "error", "max_iterations"))
+
+
+def method_of(scene: SceneContext) -> Method:
+    """Return the method by which a scene is solved: the first in the table below whose condition the scene meets."""
+    film, wears = scene.lubrication is not None, scene.wear is not None
+    changes = scene.time_dependent_field is not None
+    keeps_states = any(creeps(solid) or yields(solid) for solid in scene.solids)
+    wears_evenly = scene.has_tractive_rolling or getattr(scene.wear, "circumference", None) is not None
+    rolls_at_speed = scene.rolling_speed is not None
+    methods = (
+        (film and wears, FILM_WEAR),
+        (film and changes, FILM_IN_TIME),
+        (film, FILM),
+        (wears and (rolls_at_speed or wears_evenly), STEADY_WEAR),
+        (rolls_at_speed and isinstance(scene.load, ChangingLoad), QUASI_STATIC),
+        (rolls_at_speed, STEADY_ROLLING),
+        (scene.rolling is not None, PASSES),
+        (changes and (scene.has_tractive_rolling or (scene.adhesion is not None and not keeps_states)), QUASI_STATIC),
+        (changes, TIME_DEPENDENT),
+        (True, STATIC),
+    )
+    return next(method for applies, method in methods if applies)
+
 
 AnyLoad = (
     ConstantLoad
@@ -529,7 +594,7 @@ class Scene(InNotebook):
         """Return the solver of the attraction, or the search for the pull-off with it."""
         if solver is None or not isinstance(self.load, PullOff):
             return solver
-        from contactstudy.solvers.pull_off import PullOffSearch  # imported only where it is named
+        from contactstudy.solvers.adhesion import PullOffSearch  # imported only where it is named
 
         return PullOffSearch(solver, self.load.error)
 

@@ -8,18 +8,14 @@ from typing import Annotated, Literal
 
 import numpy as np
 
-from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import ExactPeriodicity, Grid, Paddings, ZeroPadding, is_free
-from contactstudy.domain.units import Metres, readable
-from contactstudy.domain.validation import AT_LEAST_ZERO, BodyIndex, validated
+from contactstudy.domain.grid import Array, ExactPeriodicity, Grid, Paddings, ZeroPadding, is_free
+from contactstudy.domain.validation import AT_LEAST_ZERO, BodyIndex, InvalidInput, Metres, readable, validated
 from contactstudy.elasticity.coefficients import FreeFaceCoefficients
 from contactstudy.elasticity.convolution import on_padded_grid, padded_cells
-from contactstudy.elasticity.kernels.stress_cell import COMPONENTS
+from contactstudy.elasticity.kernels.stress import COMPONENTS
 from contactstudy.elasticity.transforms import TRANSFORMS
 from contactstudy.problem.problem import Field, ResidualStress
-from contactstudy.scene.solids.bodies import Body, Homogeneous, is_layered
-from contactstudy.scene.solids.hardness_profile import HardnessProfile
+from contactstudy.scene.solids.bodies import Body, HardnessProfile, Homogeneous, is_layered
 from contactstudy.scene.solids.stress_model import HalfSpaceStress, HasStressModel, StressModel
 
 Z = {"axis": "Z", "positive": "down"}

@@ -2,10 +2,16 @@
 
 from typing import Annotated
 
-from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.units import Metres, MetresPerSecond, PerPascal
-from contactstudy.domain.validation import AT_LEAST_ZERO, BodyIndex, validated
-from contactstudy.scene.loads.load_history import ChangingLoad
+from contactstudy.domain.validation import (
+    AT_LEAST_ZERO,
+    BodyIndex,
+    InvalidInput,
+    Metres,
+    MetresPerSecond,
+    PerPascal,
+    validated,
+)
+from contactstudy.scene.loads import ChangingLoad
 from contactstudy.scene.solids.bodies import SceneContext, creeps, yields
 
 

@@ -5,7 +5,7 @@ from math import pi
 
 import numpy as np
 
-from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Array
 
 
 def zone_length(modulus: float, work: float, strength: float) -> float:

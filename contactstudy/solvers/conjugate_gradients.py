@@ -7,10 +7,10 @@ from math import prod
 import numpy as np
 
 from contactstudy.domain.device import arrays
-from contactstudy.domain.fields import Array, device_loops, equal, first_cells, inner, mean_over, total
-from contactstudy.problem.bare_problem import BareProblem, Extension
+from contactstudy.domain.grid import Array, device_loops, equal, first_cells, inner, mean_over, total
 from contactstudy.problem.constraint import Gap
 from contactstudy.problem.field_operations import Direction
+from contactstudy.problem.problem import BareProblem, Extension
 
 
 @dataclass(frozen=True, eq=False)

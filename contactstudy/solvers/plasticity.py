@@ -13,10 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactstudy.domain.device import Precision
-from contactstudy.domain.fields import Array, inner, total
-from contactstudy.elasticity.eigenstrain.volume import EigenstrainOperator
-from contactstudy.problem.bare_problem import BareProblem, Extension
-from contactstudy.problem.problem import Scales
+from contactstudy.domain.grid import Array, inner, total
+from contactstudy.elasticity.eigenstrain.half_space_wave import EigenstrainOperator
+from contactstudy.problem.problem import BareProblem, Extension, Scales
 from contactstudy.solvers.conjugate_gradients import Stall, conjugate_gradients
 from contactstudy.solvers.solution import Solution
 

@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from contactstudy.domain.checks import NotDefined
-from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Array
+from contactstudy.domain.validation import NotDefined
 from contactstudy.problem.constraint import largest_of, yielded
 from contactstudy.problem.problem import Field, Problem
 

@@ -368,7 +368,7 @@ PLAINER = (
     # types that are imported for checking alone
     (r"(?<![\w.])xr\.Dataset\b", "~xarray.Dataset"),
     (r"(?<![\w.])Figure\b", "~matplotlib.figure.Figure"),
-    (r"(?<![\w.])ChangingLoad\b", "~contactstudy.scene.loads.load_history.ChangingLoad"),
+    (r"(?<![\w.])ChangingLoad\b", "~contactstudy.scene.loads.ChangingLoad"),
     (r"(?<![\w.])FirstGrids\b", "~contactstudy.planning.refinement.FirstGrids"),
 )
 

@@ -13,14 +13,13 @@ from time import process_time
 from threadpoolctl import threadpool_limits
 
 import contactstudy as cs
+from contactstudy.domain.device import caching
 from contactstudy.domain.errors import Request
-from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import cells_text
-from contactstudy.domain.reuse import caching
-from contactstudy.domain.version import source_hash
+from contactstudy.domain.grid import Array, cells_text
+from contactstudy.domain.imports import source_hash
 from contactstudy.io.scene_files.scene_schema import PlanSettings
 from contactstudy.planning.grid_requirements import grid_requirements, with_random_extents
-from contactstudy.scene import methods
+from contactstudy.scene import scene as methods
 from studies.advice.reference_error import last_of
 from studies.advice.verdict import (
     EVERY_NUMBER,

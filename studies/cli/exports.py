@@ -15,9 +15,8 @@ import numpy as np
 
 import contactstudy as cs
 from contactstudy import InvalidInput
-from contactstudy.domain.checks import suggestion
 from contactstudy.domain.imports import import_for
-from contactstudy.domain.units import Metres, display_unit_of, readable
+from contactstudy.domain.validation import Metres, display_unit_of, readable, suggestion
 from studies.model.outcome import is_time
 from studies.store.netcdf import fields_of
 

@@ -16,11 +16,9 @@ import click
 
 import contactstudy as cs
 from contactstudy.answers.answer import surface_notes
-from contactstudy.domain.checks import suggestion
 from contactstudy.domain.errors import Request
 from contactstudy.domain.grid import cells_text
-from contactstudy.domain.units import readable
-from contactstudy.domain.validation import checked_errors
+from contactstudy.domain.validation import checked_errors, readable, suggestion
 from studies.cli.options import FORMAT, JSON, PICTURES, SCENE, echo, formats_in, out_option
 from studies.model.drawing import write_figure
 from studies.model.plain_text import counted, two_digits

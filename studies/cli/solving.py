@@ -13,7 +13,7 @@ import numpy as np
 
 import contactstudy as cs
 from contactstudy.answers.answer import Answer
-from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Array
 from studies.engine.progress import LINE_INTERVAL, bar_of, is_terminal
 from studies.store.stop import Stop, StopRun
 

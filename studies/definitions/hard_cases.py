@@ -13,7 +13,7 @@ import xarray as xr
 
 import contactstudy as cs
 from contactstudy.accuracy.error_terms import residual_errors
-from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Array
 from contactstudy.io.dataset import flags
 from studies.model.axis import Axis, one_of
 from studies.model.case import dimensionless, recorded

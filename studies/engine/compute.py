@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from contactstudy.domain.reuse import ArrayCache, caching
+from contactstudy.domain.device import ArrayCache, caching
 from studies.model import outcome as outcomes
 from studies.model.case import Computation
 from studies.model.outcome import (

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contactstudy import InvalidInput
-from contactstudy.domain.checks import suggestion
+from contactstudy.domain.validation import suggestion
 from studies.model.plain_text import is_storable, name_problem, shortened
 
 if TYPE_CHECKING:

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from contactstudy import InvalidInput
-from contactstudy.domain.checks import suggestion
-from contactstudy.domain.notebook import InNotebook
+from contactstudy.domain.errors import InNotebook
+from contactstudy.domain.validation import suggestion
 from studies.model.axis import Axis, Value, one_of
 from studies.model.plain_text import name_problem, one_line, place_of, shortened
 

@@ -8,8 +8,7 @@ import xarray as xr
 
 import contactstudy as cs
 from contactstudy.accuracy.coarser import contact_area_in_cells
-from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import on_cells
+from contactstudy.domain.grid import Array, on_cells
 from studies.model.case import Case, dimensionless, error_estimates
 
 STEEL = cs.HalfSpace(youngs_modulus=210e9, poisson_ratio=0.3)

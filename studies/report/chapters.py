@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from itertools import chain
 
 from contactstudy import InvalidInput
-from contactstudy.domain.checks import suggestion
+from contactstudy.domain.validation import suggestion
 from studies.advice.verdict import SETTINGS
 from studies.model.drawing import CaptionedFigure, Finding, Table
 from studies.model.study import Study

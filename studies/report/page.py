@@ -11,7 +11,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescap
 
 from contactstudy import InvalidInput
 from contactstudy.domain.files import replacing
-from contactstudy.domain.units import display_unit_of
+from contactstudy.domain.validation import display_unit_of
 from studies.advice.trials import path_in, verdict_of
 from studies.advice.verdict import PRESSURE, SETTINGS, Verdict, from_dataset, paper_scene
 from studies.engine.options import RunOptions

@@ -15,8 +15,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
-from contactstudy.domain.fields import Array
-from contactstudy.domain.units import display_unit_of
+from contactstudy.domain.grid import Array
+from contactstudy.domain.validation import display_unit_of
 from contactstudy.io.pictures.figure import (
     BLUE,
     COLORS,

@@ -12,10 +12,8 @@ import numpy as np
 
 import contactstudy as cs
 from contactstudy import InvalidInput, MeasuredSurface
-from contactstudy.domain.checks import parameters, suggestion
 from contactstudy.domain.identity import digest
-from contactstudy.domain.units import Unit
-from contactstudy.domain.validation import kind_of
+from contactstudy.domain.validation import Unit, kind_of, parameters, suggestion
 from contactstudy.io.scene_files.scene_schema import MeasuredSurfaceTable, SceneDocument
 from contactstudy.scene.shapes.shape import curvature_of
 from contactstudy.scene.surfaces.text_surface import Reading

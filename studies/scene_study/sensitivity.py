@@ -13,9 +13,7 @@ from typing import Any, NoReturn, get_args
 import xarray as xr
 
 from contactstudy import InvalidInput, Scene, SceneFile
-from contactstudy.domain.checks import parameters
-from contactstudy.domain.units import NUMBER, PLUS_MINUS, SYMBOLS, parted
-from contactstudy.domain.validation import notes
+from contactstudy.domain.validation import NUMBER, PLUS_MINUS, SYMBOLS, notes, parameters, parted
 from contactstudy.scene_file import document_from, scene_file_from
 from studies.engine.options import RunOptions
 from studies.engine.run import run

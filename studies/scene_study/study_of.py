@@ -12,7 +12,7 @@ from contactstudy.answers.answer import surface_notes
 from contactstudy.domain.device import available_bytes
 from contactstudy.domain.errors import DEFAULT_ERROR, PRESSURE
 from contactstudy.domain.grid import cells_text
-from contactstudy.domain.units import readable, whole_quotient
+from contactstudy.domain.validation import readable, whole_quotient
 from contactstudy.io.scene_files.scene_writer import scene_text
 from contactstudy.planning.grid_requirements import (
     grid_requirements,
@@ -20,7 +20,7 @@ from contactstudy.planning.grid_requirements import (
     measured_length_scales,
     with_random_extents,
 )
-from contactstudy.planning.planned import MEMORY_FRACTION, memory, within_memory
+from contactstudy.planning.plan import MEMORY_FRACTION, memory, within_memory
 from contactstudy.scene.shapes.shape import length_scales_of
 from contactstudy.scene_file import SceneFile, tables_of
 from studies.model.axis import Axis, Value

@@ -24,7 +24,7 @@ import cloudpickle
 
 from contactstudy import InvalidInput
 from contactstudy.domain.identity import Memo, digest, hashed
-from contactstudy.domain.version import LOADED
+from contactstudy.domain.imports import LOADED
 from studies.model.study import Study
 
 ROOT, PACKAGES = Path(__file__).parents[2], ("contactstudy", "studies")

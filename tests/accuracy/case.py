@@ -9,7 +9,7 @@ import numpy as np
 
 import contactstudy as cs
 from contactstudy.accuracy.coarser import touching_fraction
-from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Array
 from studies.reference.line_contact import SCENE
 
 MODULUS = SCENE.contact_modulus

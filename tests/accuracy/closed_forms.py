@@ -8,7 +8,7 @@ import numpy as np
 
 import contactstudy as cs
 from contactstudy.analytic import Westergaard
-from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Array
 from studies.reference.line_contact import HERTZ, HERTZ_HEIGHT, P_H, SCENE, A
 from tests.accuracy.case import EXACT, FREE, MODULUS, AccuracyCase, ClosedForm, Pressure, scene
 

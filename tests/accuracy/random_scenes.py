@@ -7,7 +7,7 @@ import numpy as np
 from scipy import ndimage
 
 import contactstudy as cs
-from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Array
 from contactstudy.scene.shapes.texture import Profile
 from studies.reference.line_contact import HERTZ, HERTZ_HEIGHT, P_H, SCENE, A
 from tests.accuracy.case import EXACT, FREE, MODULUS, AccuracyCase, Finer, scene

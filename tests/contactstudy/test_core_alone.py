@@ -55,7 +55,7 @@ def test_numpy_and_scipy_are_enough_to_solve_and_the_rest_says_what_it_needs() -
             ("contactstudy.write_scene", "cattrs", "cattrs"),
             ("contactstudy.compare", "xarray", "xarray"),
             ("Contact.to_dataset", "xarray", "xarray"),
-            ("Contact.plot", "xarray", "xarray"),
+            ("Contact.plot", "matplotlib", "matplotlib"),
             ("MeasuredSurface.read", "SurfaceTopography", "'contactstudy[measured]'"),
             ("studies.run", "cloudpickle", "cloudpickle"),
         )

@@ -13,7 +13,7 @@ import pytest
 from scipy import fft
 
 import contactstudy as cs
-from contactstudy.domain.reuse import caching
+from contactstudy.domain.device import caching
 from contactstudy.elasticity.transforms import TRANSFORMS
 from tests.conftest import LineContact
 
@@ -86,11 +86,11 @@ assert cs.solve(scene.problem(grid, exact)).status is cs.Status.CONVERGED
 """,
         """SurfaceTopography cattrs dask matplotlib pandas scipy.interpolate scipy.ndimage xarray studies.engine
         contactstudy.elasticity.coating contactstudy.elasticity.eigenstrain contactstudy.elasticity.tangential
-        contactstudy.elasticity.kernels.layer_waves contactstudy.elasticity.kernels.traction contactstudy.evolution
+        contactstudy.elasticity.kernels.layer_waves contactstudy.elasticity.kernels.stress contactstudy.evolution
         contactstudy.elasticity.viscoelastic contactstudy.io.dataset contactstudy.lubrication
         contactstudy.scene.adhesion contactstudy.scene.solids.coated contactstudy.scene.friction
-        contactstudy.scene.rolling contactstudy.scene.wear contactstudy.scene.solids.viscoelastic
-        contactstudy.scene.solids.elastic_plastic contactstudy.scene.solids.stress_model contactstudy.scene.stress
+        contactstudy.scene.rolling contactstudy.scene.wear contactstudy.scene.solids.inelastic
+        contactstudy.scene.solids.stress_model contactstudy.scene.stress
         contactstudy.solvers.adhesion contactstudy.solvers.friction.coulomb contactstudy.solvers.plasticity""",
     ),
     (

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.domain.units import readable
+from contactstudy.domain.validation import readable
 from contactstudy.io.quantities.quantity import Quantity
 from contactstudy.stiffness import normal_stiffness, stiffness_error
 from tests.conftest import STEEL

@@ -6,7 +6,7 @@ from functools import partial
 import numpy as np
 
 import contactstudy as cs
-from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Array
 from studies.definitions.hard_cases import (
     AT_EDGE,
     CELLS,

@@ -11,9 +11,9 @@ from functools import lru_cache
 import numpy as np
 
 import contactstudy as cs
-from contactstudy.domain.fields import Array
-from contactstudy.elasticity.kernels.displacement_cell import boussinesq_cell
-from contactstudy.elasticity.kernels.displacement_periodic import (
+from contactstudy.domain.grid import Array
+from contactstudy.elasticity.kernels.displacement import (
+    boussinesq_cell,
     boussinesq_cell_doubly_periodic,
     boussinesq_cell_periodic,
 )

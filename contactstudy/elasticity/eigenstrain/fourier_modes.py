@@ -15,12 +15,14 @@ from math import pi
 import numpy as np
 from numpy.typing import NDArray
 
-from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Array
 from contactstudy.elasticity.eigenstrain.half_space_wave import (
     CellLayer,
     Components,
+    Moduli,
     Sources,
     Tensor,
+    Volume,
     WaveDirection,
     layer_stresses,
     self_stress,
@@ -28,7 +30,6 @@ from contactstudy.elasticity.eigenstrain.half_space_wave import (
     stress_under_pressure,
     stress_under_shear,
 )
-from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
 
 # The order of a short wave along an axis is the whole number of periods in a cell that it has more than its alias. Waves
 # up to this order either way are summed one by one, shorter waves together.

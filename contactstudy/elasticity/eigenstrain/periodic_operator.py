@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from scipy import fft
 
 from contactstudy.domain.device import threads
-from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Array
 from contactstudy.elasticity.eigenstrain.fourier_modes import Complex, SurfaceLoad, Waves
-from contactstudy.elasticity.eigenstrain.half_space_wave import Components
+from contactstudy.elasticity.eigenstrain.half_space_wave import Components, Moduli, Volume
 from contactstudy.elasticity.eigenstrain.plane_strain_operator import (
     PLANE_STRAIN_BASIS,
     PlaneStrainOperator,
@@ -26,7 +26,6 @@ from contactstudy.elasticity.eigenstrain.plane_strain_operator import (
     log_distance,
     real_spectrum,
 )
-from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
 
 # Number of yz among the two antiplane components xy and yz. Coefficients between the two are odd in x, others even.
 ODD_SHEAR = 1
@@ -125,8 +124,8 @@ TOGETHER = 2**15
 class PeriodicOperator:
     """Linear maps on plastic strain that varies along a period, for more than one cell along.
 
-    An :class:`~contactstudy.elasticity.eigenstrain.volume.EigenstrainOperator`. The mean along the length is plane
-    strain and antiplane shear, in closed form on an infinite axis. The part that varies along the length is a
+    An :class:`~contactstudy.elasticity.eigenstrain.half_space_wave.EigenstrainOperator`. The mean along the length is
+    plane strain and antiplane shear, in closed form on an infinite axis. The part that varies along the length is a
     sum of waves that repeat across, with periods so long that an image contributes at most the fraction `WRAP`. Waves
     longer than two cells act on all layers. Shorter waves, which represent the edges of cells, act on their own layer
     and on those at most `NEAR` cells away, a constant of the module `fourier_modes`.

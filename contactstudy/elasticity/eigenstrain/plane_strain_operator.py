@@ -19,8 +19,8 @@ import numpy as np
 from scipy import fft
 from scipy.special import zeta
 
-from contactstudy.domain.fields import Array
-from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
+from contactstudy.domain.grid import Array
+from contactstudy.elasticity.eigenstrain.half_space_wave import Moduli, Volume
 
 # Means of the stresses xx, zz and xz by a traction on one cell, from offsets and edges.
 TractionKernel = Callable[[Array, Array], tuple[Array, Array, Array]]
@@ -206,9 +206,9 @@ ODD = 2
 class PlaneStrainOperator:
     """Linear maps on plastic strain in plane strain, for one cell along the length.
 
-    An :class:`~contactstudy.elasticity.eigenstrain.volume.EigenstrainOperator`. Strain and stress are means over cells,
-    so that the residual stress of a piecewise constant strain is minus the derivative of its elastic energy: a
-    symmetric map in the inner product of cell volumes.
+    An :class:`~contactstudy.elasticity.eigenstrain.half_space_wave.EigenstrainOperator`. Strain and stress are means
+    over cells, so that the residual stress of a piecewise constant strain is minus the derivative of its elastic
+    energy: a symmetric map in the inner product of cell volumes.
     """
 
     volume: Volume

@@ -10,11 +10,23 @@ from numpy.typing import NDArray
 from scipy import fft
 from scipy.special import erfc
 
-from contactstudy.domain.fields import Array
-from contactstudy.elasticity.kernels.layer_cell_alone import WaveResponse, cell_alone
-from contactstudy.elasticity.kernels.layer_response import LayerResponse, LayerStress, RealOrComplex, composite
-from contactstudy.elasticity.kernels.stress_cell import COMPONENTS, CellKernel
-from contactstudy.elasticity.kernels.traction import CERRUTI_ACROSS, CERRUTI_ALONG, SURFACE, SWAPPED
+from contactstudy.domain.grid import Array
+from contactstudy.elasticity.kernels.layer_response import (
+    LayerResponse,
+    LayerStress,
+    RealOrComplex,
+    WaveResponse,
+    cell_alone,
+    composite,
+)
+from contactstudy.elasticity.kernels.stress import (
+    CERRUTI_ACROSS,
+    CERRUTI_ALONG,
+    COMPONENTS,
+    SURFACE,
+    SWAPPED,
+    CellKernel,
+)
 
 Indices = NDArray[np.intp]
 T = TypeVar("T")

@@ -6,12 +6,11 @@ from typing import ClassVar
 
 import numpy as np
 
-from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid
+from contactstudy.domain.grid import Array, Grid
 from contactstudy.elasticity.tangential import ShearResponse
 from contactstudy.evolution.states.state_variables import Contribution, CreepState, State, Step
 from contactstudy.problem.problem import Field
-from contactstudy.scene.loads.load_history import PiecewiseLinear
+from contactstudy.scene.loads import PiecewiseLinear
 from contactstudy.solvers.friction.coulomb_newton import shear_status
 from contactstudy.solvers.friction.fretting import SlipStep, locked_shear, slip_step, transmission_status
 from contactstudy.solvers.solution import Status, TangentialTraction

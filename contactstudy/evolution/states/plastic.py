@@ -8,18 +8,17 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
-from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.device import Precision
-from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid
+from contactstudy.domain.grid import Array, Grid
+from contactstudy.domain.validation import InvalidInput
+from contactstudy.elasticity.eigenstrain.half_space_wave import EigenstrainOperator, Moduli, Volume
 from contactstudy.elasticity.eigenstrain.plane_strain_operator import PlaneStrainOperator
-from contactstudy.elasticity.eigenstrain.volume import EigenstrainOperator, Moduli, Volume
-from contactstudy.elasticity.kernels.stress_cell import COMPONENTS
+from contactstudy.elasticity.kernels.stress import COMPONENTS
 from contactstudy.evolution.states.state_variables import State
 from contactstudy.problem.constraint import largest_of
 from contactstudy.problem.problem import Field, Problem, ResidualStress
 from contactstudy.scene.scene import Scene
-from contactstudy.scene.solids.elastic_plastic import ElasticPlasticHalfSpace
+from contactstudy.scene.solids.inelastic import ElasticPlasticHalfSpace
 from contactstudy.solvers.plasticity import (
     SQRT_TWO_THIRDS,
     ContactTangent,

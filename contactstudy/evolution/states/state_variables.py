@@ -7,7 +7,7 @@ from typing import ClassVar, Protocol
 
 import numpy as np
 
-from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Array
 from contactstudy.elasticity.coefficients import Coefficients
 from contactstudy.elasticity.viscoelastic import Creep
 from contactstudy.problem.problem import Field, Problem

@@ -1,10 +1,417 @@
-"""The picture of any answer, by what its dataset holds."""
+"""The picture of any answer, by what its dataset holds: a contact, two beside each other, or an evolution."""
 
+from functools import partial
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from contactstudy.io.pictures.contact import contact_picture, film_picture
-from contactstudy.io.pictures.evolution import evolution_picture, film_evolution_picture, passes_picture
+from contactstudy.domain.validation import display_unit_of, readable
+from contactstudy.io.pictures.figure import (
+    BLUE,
+    GREEN,
+    LAW_STYLE,
+    PURPLE,
+    RED,
+    SETTINGS,
+    add_legend,
+    draw_map,
+    finish,
+    in_display_unit,
+    in_the_middle,
+    name_axes,
+    panels,
+    second_axis,
+)
+
+# Fraction of half a roller's length that is drawn at each end, and half-width of a film in Hertz's half-widths.
+OF_LENGTH, FILM_WIDTH = 0.4, 2.0
+
+
+def contact_picture(dataset: xr.Dataset) -> Figure:
+    """Draw a contact as its dataset labels it: pressure, cross-sections, gap and stress."""
+    plane_strain = dataset.sizes["y"] == 1
+    drawn = [_across, _gap] if plane_strain else [_map, _along, _across, _gap]
+    drawers = {
+        "drop": _ends, "shear_x": _shear, "loop_force": _fretting_loop, "von_mises": _stress,
+    }  # fmt: skip
+    drawn += [draw for name, draw in drawers.items() if name in dataset]
+    with mpl.rc_context(SETTINGS):
+        figure, axes = panels(len(drawn), columns=2 if len(drawn) < 5 else 3, width=4.6, height=3.4)
+        for draw, ax in zip(drawn, axes, strict=True):
+            draw(ax, dataset)
+        return finish(figure, dataset)
+
+
+def _map(ax: Axes, dataset: xr.Dataset) -> None:
+    """Draw the pressure over the grid."""
+    x, across = in_display_unit(dataset["x"], "m", "across")
+    y, along = in_display_unit(dataset["y"], "m", "along")
+    pressure, title = in_display_unit(dataset["pressure"], "Pa", "pressure")
+    draw_map(ax, y, x, pressure, (along, across, title))
+    if "half_length" in dataset:  # a point contact is drawn to equal scale
+        ax.set_aspect(display_unit_of(dataset["x"], "m")[0] / display_unit_of(dataset["y"], "m")[0])
+
+
+def _along(ax: Axes, dataset: xr.Dataset) -> None:
+    """Draw the pressure along the middle of the contact, and Hertz's peak pressure."""
+    y, along = in_display_unit(dataset["y"], "m", "along")
+    scale, unit = display_unit_of(dataset["pressure"], "Pa")
+    axis = np.abs(dataset["x"]) <= np.abs(dataset["x"]).min() * (1 + 1e-9)
+    middle = dataset["pressure"].where(axis, drop=True).mean("x")
+    ax.plot(y, middle / scale, label="in the middle", color=BLUE)
+    if "hertz_peak_pressure" in dataset:
+        ax.axhline(float(dataset["hertz_peak_pressure"]) / scale, **LAW_STYLE)
+    name_axes(ax, along, f"pressure [{unit}]", "along the contact")
+
+
+def _across(ax: Axes, dataset: xr.Dataset) -> None:
+    """Draw the pressure across, with its range along the length, the attraction and Hertz's pressure."""
+    x, across = in_display_unit(dataset["x"], "m", "across")
+    scale, unit = display_unit_of(dataset["pressure"], "Pa")
+    pressure = dataset["pressure"] / scale
+    if dataset.sizes["y"] > 1:
+        band = pressure.min("y"), pressure.max("y")
+        look: Any = {"color": BLUE, "alpha": 0.18, "linewidth": 0}
+        ax.fill_between(x, *band, label="lowest to highest", **look)
+    ax.plot(x, in_the_middle(pressure), label="in the middle", color=BLUE)
+    if "attraction" in dataset:
+        attraction = -in_the_middle(dataset["attraction"]) / scale
+        ax.plot(x, attraction, label="attraction, downwards", color=RED)
+    if "hertz_half_width" in dataset:
+        t = dataset["x"] / float(dataset["hertz_half_width"])
+        hertz = float(dataset["hertz_peak_pressure"]) * np.sqrt(np.clip(1 - t**2, 0, None))
+        ax.plot(x, hertz / scale, label="Hertz", **LAW_STYLE)
+    name_axes(ax, across, f"pressure [{unit}]", "across the contact")
+
+
+def _gap(ax: Axes, dataset: xr.Dataset) -> None:
+    """Draw the gap across the middle of the length."""
+    x, across = in_display_unit(dataset["x"], "m", "across")
+    gap, up = in_display_unit(in_the_middle(dataset["gap"]), "m", "gap")
+    ax.plot(x, gap, color=GREEN)
+    name_axes(ax, across, up, "gap in the middle")
+
+
+def _shear(ax: Axes, dataset: xr.Dataset) -> None:
+    """Draw both components of the tangential traction across the middle of the length."""
+    x, across = in_display_unit(dataset["x"], "m", "across")
+    middle = in_the_middle(dataset)
+    scale, unit = display_unit_of(abs(middle["shear_x"]) + abs(middle["shear_y"]), "Pa")
+    for name, direction, color in (("shear_x", "traction across", RED), ("shear_y", "traction along", GREEN)):
+        if middle[name].any():
+            ax.plot(x, middle[name] / scale, label=direction, color=color)
+    name_axes(ax, across, f"traction [{unit}]", "tangential traction in the middle")
+
+
+def _ends(ax: Axes, dataset: xr.Dataset) -> None:
+    """Draw the largest pressure across, and the drop, against the distance from the end of a roller."""
+    drop = dataset["drop"].dropna("y")
+    y = drop["y"]
+    middle, half = float(y[[0, -1]].mean()), float(y[-1] - y[0]) * (0.5 + 0.5 / max(len(y) - 1, 1))
+    pressure, up = in_display_unit(dataset["pressure"].max("x").sel(y=y), "Pa", "pressure")
+    depth, down = in_display_unit(drop, "m", "drop")
+    beside = second_axis(ax, down, RED)
+    symmetric = np.allclose(pressure, pressure[::-1], atol=1e-3 * float(pressure.max()))
+    for side, style in ((1, "-"), (-1, "--"))[: 1 if symmetric else 2]:
+        shown = side * (y - middle) >= (1 - OF_LENGTH) * half
+        distance, along = in_display_unit((half - side * (y - middle))[shown], "m", "from the end")
+        end = "" if symmetric else f"end at {'larger' if side > 0 else 'smaller'} y"
+        ax.plot(distance, pressure[shown], style, label=end, color=BLUE)
+        beside.plot(distance, depth[shown], style, color=RED)
+    name_axes(ax, along, up, "at the ends")
+    ax.yaxis.label.set_color(BLUE)
+    beside.invert_yaxis()
+
+
+def _fretting_loop(ax: Axes, dataset: xr.Dataset) -> None:
+    """Draw the tangential force over the slip in a cycle."""
+    slid, slip = in_display_unit(dataset["loop_slip"], "m", "slip")
+    unit = dataset["loop_force"].attrs["units"]
+    force, up = in_display_unit(dataset["loop_force"], unit, "tangential force")
+    ax.plot(slid, force, ".-", color=BLUE)
+    name_axes(ax, slip, up, "loop of a cycle")
+
+
+def _stress(ax: Axes, dataset: xr.Dataset) -> None:
+    """Draw the von Mises stress below the middle of the length, over the depth where there are several."""
+    middle = in_the_middle(dataset["von_mises"])
+    x, across = in_display_unit(dataset["x"], "m", "across")
+    z, down = in_display_unit(dataset["z"], "m", "depth")
+    stress, up = in_display_unit(middle, "Pa", "von Mises")
+    ax.set(xlabel=across)
+    if middle.sizes["z"] == 1:
+        ax.plot(x, stress.isel(z=0), color=RED)
+        ax.set(ylabel=up)
+    else:
+        filled = ax.contourf(x, z, stress, 24, cmap="magma")
+        # the interface of a coating, where depths stand twice
+        for interface in z.values[1:][np.diff(z) < 1e-6 * float(z[-1])]:
+            ax.axhline(interface, color="white", linestyle="--", linewidth=0.8)
+        ax.invert_yaxis()
+        ax.figure.colorbar(filled, ax=ax)
+        ax.set(ylabel=down)
+    ax.set_title(up.replace("von Mises", "von Mises stress in the middle"))
+    ax.grid(visible=False)
+
+
+def comparison_picture(fields: xr.Dataset, at: tuple[float, float]) -> Figure:
+    """Draw the difference of two contacts as a map, and both pressures across the place `at` (x, y) [m]."""
+    scale, unit = display_unit_of(fields["a"], "Pa")
+    x, across = in_display_unit(fields["x"], "m", "across")
+    with mpl.rc_context(SETTINGS):
+        figure, axes = panels(1 if fields.sizes["y"] == 1 else 2, columns=2, width=4.6, height=3.4)
+        if fields.sizes["y"] > 1:
+            y, along = in_display_unit(fields["y"], "m", "along")
+            change = fields["difference"] / scale
+            largest = float(np.abs(change).max()) or 1.0
+            names, limits = (along, across, f"b - a [{unit}]"), {"vmin": -largest, "vmax": largest}
+            draw_map(axes[0], y, x, change, names, cmap="RdBu_r", **limits)
+        section = fields.sel(y=at[1], method="nearest")
+        axes[-1].plot(x, section["a"] / scale, label="a", color=BLUE)
+        axes[-1].plot(x, section["b"] / scale, label="b", color=RED, linestyle="--")
+        name_axes(axes[-1], across, f"pressure [{unit}]", "where they differ most")
+        add_legend(figure)
+    return figure
+
+
+def film_picture(contact: xr.Dataset) -> Figure:
+    """Draw pressure and film across the middle of a lubricated contact, and a map of a pressure that varies along it."""
+    mapped = contact.sizes["y"] > 1
+    with mpl.rc_context(SETTINGS):
+        figure, axes = panels(3 if mapped else 2, columns=3, width=4.6, height=3.4)
+        _film(axes[0], contact)
+        x, across = in_display_unit(contact["x"], "m", "across")
+        film, up = in_display_unit(in_the_middle(contact["film"]), "m", "film")
+        axes[1].semilogy(x, film, color=GREEN)
+        ratio = contact.get("lambda_ratio")
+        of_film = "" if ratio is None else f", lambda ratio {float(ratio):.3g}"
+        name_axes(axes[1], across, up, f"film in the middle{of_film}")
+        if mapped:
+            _map(axes[2], contact)
+        return finish(figure, contact)
+
+
+def _film(ax: Axes, contact: xr.Dataset) -> None:
+    """Draw pressure, film and temperature across the middle of a film, each on a scale of its own."""
+    middle = in_the_middle(contact)
+    reach = FILM_WIDTH * float(contact["hertz_half_width"])
+    inside = middle.sel(x=slice(-reach, reach))
+    _across(ax, contact.sel(x=slice(-reach, reach)))
+    ax.yaxis.label.set_color(BLUE)
+    scales = [("film", "m", "film", GREEN)]
+    if "film_temperature_rise" in contact:
+        scales.append(("film_temperature_rise", "K", "temperature rise", PURPLE))
+    x, _ = in_display_unit(inside["x"], "m", "across")
+    for number, (name, unit, label, color) in enumerate(scales):
+        # in the unit of the film in the contact, which is hundreds of times as thick beside it
+        shown = inside[name].where(inside["film"] < 8 * inside["film"].min()) if name == "film" else inside[name]
+        values, up = in_display_unit(shown, unit, label)
+        beside = second_axis(ax, up, color, 1 + 0.2 * number)
+        beside.plot(x, values, label=label, color=color)
+        beside.set_ylim(bottom=0)
+    ax.set_title("pressure and film" if len(scales) == 1 else "pressure, film and temperature")
+
+
+# Number of instants whose profiles are drawn.
+PROFILES = 6
+# Decades that a logarithmic axis of errors has at the most.
+DECADES = 6
+BESIDE: Any = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0)}
+# Half-width of a picture of a film in Hertz's half-widths.
+EVOLUTION_FILM_WIDTH = 1.5
+# Variables of each body that yields, before the suffix of the body.
+STRAIN, STRESS, DENT = "equivalent_plastic_strain", "residual_stress", "residual_displacement"
+
+
+def evolution_picture(evolved: xr.Dataset) -> Figure:
+    """Draw an evolution as ``Evolution.to_dataset`` labels it: profiles, a map over time, numbers and errors."""
+    drawn: list[Any] = [
+        partial(_lines, name="pressure"),
+        _map_over_time,
+        _numbers,
+        _loop if "attraction" in evolved else _errors,
+        *(partial(_lines, name=name) for name in ("wear_depth", "shear_x") if name in evolved),
+    ]
+    if dents := [str(name) for name in evolved if str(name).startswith(DENT)]:
+        bodies = [
+            str(name).removeprefix(STRAIN)
+            for name in evolved
+            if str(name).startswith(STRAIN) and evolved[name].values.any()
+        ]
+        drawn += [partial(_dent, name=name) for name in dents]
+        for body in bodies:
+            drawn += [partial(_plastic, name=STRAIN + body)]
+            drawn += [partial(_residual, name=STRESS + body)] * (STRESS + body in evolved)
+    with mpl.rc_context(SETTINGS):
+        figure, axes = panels(len(drawn), columns=2, width=5.4, height=3.4)
+        for draw, ax in zip(drawn, axes, strict=True):
+            draw(ax, evolved)
+        return finish(figure, evolved)
+
+
+def film_evolution_picture(evolved: xr.Dataset) -> Figure:
+    """Draw a film in time: profiles of pressure and film, the film over time and width, and numbers against time."""
+    with mpl.rc_context(SETTINGS):
+        figure, axes = panels(4, columns=2, width=5.4, height=3.4)
+        reach = EVOLUTION_FILM_WIDTH * float(evolved["hertz_half_width"][0])
+        inside = evolved.sel(x=slice(-reach, reach))
+        film = display_unit_of(inside["film"].mean(), "m")
+        _lines(axes[0], inside, "pressure")
+        _lines(axes[1], inside, "film", film)
+        axes[1].set_yscale("log")
+        middle = in_the_middle(inside["film"])
+        x, across = in_display_unit(inside["x"], "m", "across")
+        names = "time [s]", across, f"film in the middle [{film[1]}]"
+        draw_map(axes[2], inside["time"], x, middle.T / film[0], names, norm="log")
+        axes[2].set_xlim(*inside["time"].values[[0, -1]])
+        for name, color in (("central_film", BLUE), ("minimum_film", RED)):
+            label = evolved[name].attrs["long_name"]
+            axes[3].plot(evolved["time"], evolved[name] / film[0], color=color, label=label)
+        axes[3].set(xlabel="time [s]", ylabel=f"film [{film[1]}]")
+        return finish(figure, evolved)
+
+
+def passes_picture(rolled: xr.Dataset) -> Figure:
+    """Draw residual stress and plastic strain against depth after some passes, the first dark, the last bright."""
+    chosen = np.unique(np.linspace(0, rolled.sizes["pass_number"] - 1, PROFILES).round().astype(int))
+    colors: Any = mpl.colormaps["viridis"](np.linspace(0, 0.9, len(chosen)))
+    depth, down = in_display_unit(rolled["z"], "m", "depth")
+    factor, pressure_unit = display_unit_of(abs(rolled["residual_stress"]), "Pa")
+    with mpl.rc_context(SETTINGS):
+        figure, axes = panels(2, columns=2, width=4.6, height=3.4)
+        for number, color in zip(chosen, colors, strict=True):
+            after = rolled.isel(pass_number=number)
+            label = f"pass {int(after['pass_number'])}"
+            stress = after["residual_stress"].sel(component="xx") / factor
+            axes[0].plot(stress, depth, color=color, label=label)
+            strain = after["equivalent_plastic_strain"] * 100
+            axes[1].plot(strain, depth, color=color)
+        axes[0].set(xlabel=f"residual stress in the rolling direction [{pressure_unit}]")
+        axes[1].set(xlabel="equivalent plastic strain [%]")
+        for ax in axes:
+            ax.set(ylabel=down)
+            ax.invert_yaxis()
+        return finish(figure, rolled)
+
+
+def _lines(ax: Axes, evolved: xr.Dataset, name: str, scale: tuple[float, str] | None = None) -> None:
+    """Draw a variable across the middle of the length at some instants, the first dark, the last bright.
+
+    The `scale` is the value of one unit and its name; None chooses it.
+    """
+    scale = scale or display_unit_of(abs(evolved[name]), evolved[name].attrs["units"])
+    middle = in_the_middle(evolved[name])
+    x, across = in_display_unit(evolved["x"], "m", "across")
+    chosen = _instants(middle.values)
+    colors: Any = mpl.colormaps["viridis"](np.linspace(0, 0.9, len(chosen)))
+    for number, color in zip(chosen, colors, strict=True):
+        instant = middle.isel(time=number)
+        label = f"{float(instant['time']):.3g} s"
+        ax.plot(x, instant / scale[0], color=color, label=label)
+    label = evolved[name].attrs["long_name"]
+    ax.set(xlabel=across, ylabel=f"{label} [{scale[1]}]")
+    ax.legend(**BESIDE)
+
+
+def _instants(values: Any) -> list[int]:
+    """Return the numbers of the instants to draw of values (time, x), evenly spaced without those that are all zero."""
+    drawn = np.flatnonzero(values.any(axis=1))
+    if not len(drawn):
+        return [len(values) - 1]
+    return sorted(set(drawn[np.linspace(0, len(drawn) - 1, PROFILES).round().astype(int)].tolist()))
+
+
+def _dent(ax: Axes, evolved: xr.Dataset, name: str) -> None:
+    _lines(ax, evolved, name)
+    ax.set_ylabel(f"{ax.get_ylabel()}, into the bodies")
+    ax.invert_yaxis()
+
+
+def _plastic(ax: Axes, evolved: xr.Dataset, name: str) -> None:
+    """Draw the equivalent plastic strain below the middle of the length at the last instant."""
+    strain = in_the_middle(evolved[name]).isel(time=-1)
+    depth = next(str(dimension) for dimension in strain.dims if str(dimension).startswith("z"))
+    scale, unit = display_unit_of(evolved["x"], "m")
+    x, z = evolved["x"] / scale, evolved[depth] / scale
+    title = f"{strain.attrs['long_name']} at the end [%]"
+    draw_map(ax, x, z, strain * 100, (f"across [{unit}]", f"depth [{unit}]", title))
+    ax.set_aspect("equal")
+    ax.invert_yaxis()
+
+
+def _residual(ax: Axes, evolved: xr.Dataset, name: str) -> None:
+    """Draw the residual stress below the middle of the contact against the depth, at the last instant."""
+    stress = in_the_middle(evolved[name]).isel(time=-1, x=evolved.sizes["x"] // 2)
+    depth = next(str(dimension) for dimension in stress.dims if str(dimension).startswith("z"))
+    length, length_unit = display_unit_of(evolved["x"], "m")
+    factor, pressure_unit = display_unit_of(abs(stress), "Pa")
+    for component, direction, color in (("xx", "across", BLUE), ("yy", "along", GREEN), ("zz", "in depth", RED)):
+        values = stress.sel(component=component) / factor
+        ax.plot(values, evolved[depth] / length, color=color, label=direction)
+    of = str(evolved[STRAIN + name.removeprefix(STRESS)].attrs["long_name"]).partition(" of ")[2]
+    name_axes(
+        ax,
+        f"residual stress below the middle, tension positive [{pressure_unit}]",
+        f"depth [{length_unit}]",
+        f"residual stress{of and f' of {of}'} at the end",
+    )
+    ax.invert_yaxis()
+    ax.legend(**BESIDE)
+
+
+def _map_over_time(ax: Axes, evolved: xr.Dataset) -> None:
+    """Draw the mean pressure along the length over time and width."""
+    pressure, title = in_display_unit(evolved["pressure"].mean("y"), "Pa", "mean pressure")
+    x, across = in_display_unit(evolved["x"], "m", "across")
+    # an instant given twice is a jump: the map has room for one
+    time = evolved["time"].values
+    distinct = np.append(np.diff(time) > 0, [True])
+    shading = "nearest" if distinct.sum() > 1 else "auto"
+    values, names = pressure.values[distinct].T, ("time [s]", across, title)
+    draw_map(ax, time[distinct], x, values, names, shading=shading)
+    if distinct.sum() > 1:
+        ax.set_xlim(time[0], time[-1])
+
+
+def _numbers(ax: Axes, evolved: xr.Dataset) -> None:
+    """Draw load, peak pressure and contact area over their largest values."""
+    for name, color in (("load", "#595959"), ("peak_pressure", BLUE), ("contact_area", GREEN)):
+        values = evolved[name]
+        largest = float(values.max()) or 1.0
+        label = f"{values.attrs['long_name']} over {readable(largest, values.attrs['units'], 3)}"
+        ax.plot(evolved["time"], values / largest, color=color, label=label)
+    ax.set(xlabel="time [s]", ylabel="relative to the maximum")
+    ax.set_ylim(bottom=min(0.0, float(evolved["load"].min() / (evolved["load"].max() or 1.0))))
+    ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2))
+
+
+def _loop(ax: Axes, evolved: xr.Dataset) -> None:
+    """Draw the load against the approach, where the bodies touch: a loop of approach and separation."""
+    touching = (evolved["pressure"] > 0).any(("x", "y"))
+    approach, across = in_display_unit(evolved["approach"].where(touching), "m", "approach")
+    ax.plot(approach, evolved["load"].where(touching), ".-", color=BLUE)
+    ax.axhline(0.0, **LAW_STYLE)
+    name_axes(ax, across, "load [N/m]", "approach and separation")
+
+
+def _errors(ax: Axes, evolved: xr.Dataset) -> None:
+    """Draw the time-discretisation and the discretisation error, where they are known and not zero."""
+    for name, color in (("time_discretisation_error", RED), ("grid_error", BLUE)):
+        values = evolved[name].values
+        shown = np.isfinite(values) & (values > 0)
+        if shown.any():
+            label = evolved[name].attrs["long_name"]
+            time = evolved["time"].values[shown]
+            ax.semilogy(time, values[shown], ".-", color=color, label=label)
+    ax.set(xlabel="time [s]", ylabel="relative error")
+    if ax.get_legend_handles_labels()[0]:
+        ax.set_ylim(bottom=max(ax.get_ylim()[0], ax.get_ylim()[1] * 10.0**-DECADES))
+        ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2))
+
 
 # Variables and dimensions that a dataset has, and what draws it; the first that fits.
 PICTURES = (

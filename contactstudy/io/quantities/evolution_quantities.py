@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contactstudy.domain.errors import ErrorParts
-from contactstudy.domain.fields import Array
-from contactstudy.domain.units import readable
+from contactstudy.domain.grid import Array
+from contactstudy.domain.validation import readable
 from contactstudy.io.quantities.quantity import Quantity, per_length, roller_length, with_bound
 from contactstudy.problem.problem import Field
 from contactstudy.scene.scene import PosedScene
 from contactstudy.solvers.solution import Status
 
 if TYPE_CHECKING:
-    from contactstudy.evolution.rolling.repeated_rolling import RepeatedRolling
+    from contactstudy.evolution.repeated_rolling import RepeatedRolling
 
 NO_BOUND_OF_CELLS = "No bound: the errors of this load by cells and range are not estimated; those of a PullOff are."
 NO_BOUND_OF_DEPTH = "No bound: the error of the peak pressure, which wears the largest depth, has none."

@@ -10,15 +10,15 @@ import numpy as np
 from contactstudy.analytic import dowson_higginson_film, film_asymptotes
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.grid import across_and_along
-from contactstudy.domain.units import readable
+from contactstudy.domain.validation import readable
 from contactstudy.io.quantities.quantity import FORMULA, Quantity, with_bound
 from contactstudy.io.quantities.stress_quantities import stress_quantities
-from contactstudy.scene.lubrication.lubricant import ConstantDensity, LimitingShear
+from contactstudy.scene.lubrication import ConstantDensity, LimitingShear
 from contactstudy.scene.shapes.shape import LengthScales, curvature_of
 
 if TYPE_CHECKING:
     from contactstudy.lubrication.lubricated_contact import FilmSolution
-    from contactstudy.scene.lubrication.lubrication import Lubrication
+    from contactstudy.scene.lubrication import Lubrication
 
 ISOTHERMAL = ", isothermal"
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from math import inf, isfinite
 
 from contactstudy.domain.errors import ErrorParts
-from contactstudy.domain.units import readable
+from contactstudy.domain.validation import readable
 from contactstudy.scene.scene import PosedScene
 
 NO_ESTIMATE = "No bound: no estimate of its error is known."

@@ -11,8 +11,7 @@ import numpy as np
 from contactstudy.accuracy.estimate import interface_shear, unbounded_by_peak, unresolved_interface
 from contactstudy.accuracy.plausibility import yield_margin, yield_stresses
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
-from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid, Paddings, is_free
+from contactstudy.domain.grid import Array, Grid, Paddings, is_free
 from contactstudy.io.quantities.quantity import NO_ESTIMATE, Quantity, with_bound
 from contactstudy.problem.problem import Field
 from contactstudy.scene.scene import Scene

@@ -8,10 +8,9 @@ from importlib.resources import files
 from math import inf
 from typing import Any
 
-from contactstudy.domain.checks import InvalidInput, suggestion
-from contactstudy.domain.units import HARDNESS, in_si
+from contactstudy.domain.validation import HARDNESS, InvalidInput, in_si, suggestion
 from contactstudy.scene.solids.bodies import HalfSpace
-from contactstudy.scene.solids.elastic_plastic import ElasticPlasticHalfSpace
+from contactstudy.scene.solids.inelastic import ElasticPlasticHalfSpace
 
 # Keys of materials.toml whose entries are in GPa.
 PRESSURES = ("youngs_modulus", "yield_stress", "hardness")

@@ -9,7 +9,6 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 
-from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.grid import (
     CircularSuperposition,
     DuplicatedPadding,
@@ -19,17 +18,25 @@ from contactstudy.domain.grid import (
     Superposition,
     ZeroPadding,
 )
-from contactstudy.domain.units import Hardness, Metres, NewtonsPerMetre, Number, Pascals
-from contactstudy.domain.validation import AT_LEAST_ZERO, FINITE, OR_INFINITE, UP_TO_ONE, BodyIndex
+from contactstudy.domain.validation import (
+    AT_LEAST_ZERO,
+    FINITE,
+    OR_INFINITE,
+    UP_TO_ONE,
+    BodyIndex,
+    Hardness,
+    InvalidInput,
+    Metres,
+    NewtonsPerMetre,
+    Number,
+    Pascals,
+)
 from contactstudy.evolution.time_steps import TimeSteps
 from contactstudy.io.scene_files.structuring import NO_KIND
 from contactstudy.scene.adhesion import Adhesion
-from contactstudy.scene.friction.fretting import Fretting, PartialSlip
-from contactstudy.scene.friction.friction_law import Sliding
-from contactstudy.scene.friction.tractive_rolling import TractiveRolling
-from contactstudy.scene.loads.constant_load import Approach, LineLoad, PullOff, TotalLoad
-from contactstudy.scene.loads.load_history import ChangingLoad, LoadHistory, SineLoad
-from contactstudy.scene.lubrication.lubricant import (
+from contactstudy.scene.friction import Fretting, PartialSlip, Sliding
+from contactstudy.scene.loads import Approach, ChangingLoad, LineLoad, LoadHistory, PullOff, SineLoad, TotalLoad
+from contactstudy.scene.lubrication import (
     Barus,
     Carreau,
     ConstantDensity,
@@ -37,15 +44,14 @@ from contactstudy.scene.lubrication.lubricant import (
     DowsonHigginson,
     Eyring,
     LimitingShear,
+    Lubrication,
     Newtonian,
     Roelands,
     ShearLaw,
     ViscosityLaw,
 )
-from contactstudy.scene.lubrication.lubrication import Lubrication
-from contactstudy.scene.rolling import Rolling
+from contactstudy.scene.rolling import Rolling, TractiveRolling
 from contactstudy.scene.scene import Friction, Output, Scene
-from contactstudy.scene.shapes.moving_shape import MovingShape
 from contactstudy.scene.shapes.roller import (
     Axis,
     Crown,
@@ -58,12 +64,11 @@ from contactstudy.scene.shapes.roller import (
     Sphere,
 )
 from contactstudy.scene.shapes.roughness import Roughness
-from contactstudy.scene.shapes.shape import Shape, Tilt, curvatures_of
+from contactstudy.scene.shapes.shape import MovingShape, Shape, Tilt, curvatures_of
 from contactstudy.scene.shapes.texture import Texture, Waviness
 from contactstudy.scene.solids.bodies import Body, HalfSpace
 from contactstudy.scene.solids.coated import CoatedHalfSpace
-from contactstudy.scene.solids.elastic_plastic import ElasticPlasticHalfSpace
-from contactstudy.scene.solids.viscoelastic import ViscoelasticHalfSpace
+from contactstudy.scene.solids.inelastic import ElasticPlasticHalfSpace, ViscoelasticHalfSpace
 from contactstudy.scene.stress import SubsurfaceStress
 from contactstudy.scene.surfaces.measured_surface import MeasuredSurface
 from contactstudy.scene.surfaces.preparation import (

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from contactstudy.domain.checks import InvalidInput, is_default
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.domain.imports import import_for
+from contactstudy.domain.validation import InvalidInput, is_default
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.surfaces.measured_surface import MeasuredSurface
 from contactstudy.solvers.solve import SolveOptions

@@ -15,9 +15,19 @@ import cattrs
 from cattrs.errors import ForbiddenExtraKeysError
 from cattrs.gen import make_dict_structure_fn
 
-from contactstudy.domain.checks import InvalidInput, parameters, suggestion
-from contactstudy.domain.units import Metres, MetresPerSecond, PerSecond, Seconds
-from contactstudy.domain.validation import ANY_SIGN, kind_of, remedy, valid
+from contactstudy.domain.validation import (
+    ANY_SIGN,
+    InvalidInput,
+    Metres,
+    MetresPerSecond,
+    PerSecond,
+    Seconds,
+    kind_of,
+    parameters,
+    remedy,
+    suggestion,
+    valid,
+)
 
 # Classes that a table may describe: by the type of the field, and then by the name that the key `kind` gives.
 Kinds = Mapping[Any, Mapping[str, type]]

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Array
 from contactstudy.domain.loops.compiled import exact
 
 

@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Array
 from contactstudy.lubrication.film_equation import Bands, Film, FilmEquation, Linearised
 from contactstudy.lubrication.newton.pseudo_time import ActiveSets, FilmCorrection
 

@@ -18,11 +18,11 @@ from scipy.linalg.lapack import dgbtrf, dgbtrs
 from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import LinearOperator, gmres, splu
 
-from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Array
 from contactstudy.elasticity.convolution import Convolution
 from contactstudy.lubrication.film_equation import Film, Linearised, Mask, neighbour
 from contactstudy.lubrication.newton.pseudo_time import ActiveSets, FilmCorrection
-from contactstudy.problem.bare_problem import ApproximateInverse, Extension
+from contactstudy.problem.problem import ApproximateInverse, Extension
 
 # Elasticity in the local stage: the coefficient of a change of pressure has the first times that of thickness, and on
 # the diagonal the second times the width of a cell. These, of lines ALONG the length and of others, and the PASSES over

@@ -19,7 +19,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Array
 from contactstudy.lubrication.film_equation import Film, FilmEquation, Linearised, Mask, SqueezeTerm
 
 # Rounding of a pressure over the pressure, and of a film thickness over the largest height.

@@ -6,11 +6,19 @@ from typing import Annotated, ClassVar, Literal, Self
 import numpy as np
 
 from contactstudy.analytic import HertzLine
-from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid
-from contactstudy.domain.units import Metres, Radians
-from contactstudy.domain.validation import AT_LEAST_ZERO, CURVED, FINITE, OR_INFINITE, Limits, valid, validated
+from contactstudy.domain.grid import Array, Grid
+from contactstudy.domain.validation import (
+    AT_LEAST_ZERO,
+    CURVED,
+    FINITE,
+    OR_INFINITE,
+    InvalidInput,
+    Limits,
+    Metres,
+    Radians,
+    valid,
+    validated,
+)
 from contactstudy.scene.shapes.shape import LengthScales, no_gap
 
 # Axis along which a profile varies: along the length, or across the contact.

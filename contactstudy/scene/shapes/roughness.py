@@ -7,12 +7,19 @@ from typing import Annotated, Self
 import numpy as np
 from scipy import fft
 
-from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid
-from contactstudy.domain.reuse import cached_array
-from contactstudy.domain.units import Metres, Number, readable, whole_quotient
-from contactstudy.domain.validation import AT_LEAST_ZERO, BELOW_ONE, at_least, validated
+from contactstudy.domain.device import cached_array
+from contactstudy.domain.grid import Array, Grid
+from contactstudy.domain.validation import (
+    AT_LEAST_ZERO,
+    BELOW_ONE,
+    InvalidInput,
+    Metres,
+    Number,
+    at_least,
+    readable,
+    validated,
+    whole_quotient,
+)
 from contactstudy.scene.shapes.shape import LengthScales, no_gap
 
 # Highest point of a surface over its rms height.

@@ -1,17 +1,15 @@
-"""Shapes of the undeformed gap, which add up, and the tilt of a roller."""
+"""Shapes of the undeformed gap, which add up: the tilt of a roller, heights that move, and all shapes of a scene."""
 
-from collections.abc import Iterable
-from dataclasses import dataclass
-from math import inf, tan
-from typing import Annotated, Protocol, runtime_checkable
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, replace
+from math import ceil, inf, tan
+from typing import Annotated, Any, Protocol, Self, cast, runtime_checkable
 
 import numpy as np
 
-from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid
-from contactstudy.domain.units import Radians
-from contactstudy.domain.validation import Limits, validated
+from contactstudy.domain.grid import Array, Grid
+from contactstudy.domain.validation import BodyIndex, InvalidInput, Limits, Radians, readable, validated, whole_quotient
+from contactstudy.problem.problem import Problem
 
 
 @runtime_checkable
@@ -155,3 +153,208 @@ class Tilt:
         if self.angle == 0:
             return no_gap(grid)
         return (grid.y * tan(self.angle))[None, :]
+
+
+@dataclass(frozen=True)
+class ShiftedGrid(Grid):
+    """The cells of a grid in the frame of a body that has moved by ``shift`` [m] across."""
+
+    shift: float
+
+    @property
+    def x(self) -> Array:
+        """Cell centres across the width in the body's own frame, shape (nx,) [m]."""
+        return np.asarray(super().x - self.shift)
+
+
+@validated
+class MovingShape:
+    """A shape on the surface of a body, which moves with it to larger x: see :func:`~contactstudy.solve`.
+
+    At time zero it is not shifted. A contact without a film leaves the motion out, with a warning, and one that rolls
+    refuses it. Heights of a measured surface repeat across with the width of the grid.
+
+    Parameters
+    ----------
+    shape
+        Roughness, texture, waves: a shape that has no curvature and neither ends nor crowns a roller.
+    body
+        Index (0 or 1) of the body in ``Scene.solids`` with which it moves.
+
+    Raises
+    ------
+    InvalidInput
+        For another shape, or another body.
+    """
+
+    shape: Shape
+    body: BodyIndex = 0
+
+    def check_together(self) -> None:
+        """Check that the shape is heights alone."""
+        if curvature_of(self.shape) or any(scales.roller for scales in length_scales_of([self.shape])):
+            raise InvalidInput(
+                f"MovingShape.shape is {self.shape!r}: give heights that shape no roller, such as Roughness."
+            )
+
+    @property
+    def length_scales(self) -> LengthScales:
+        """Length scales of the shape; none, as an AttributeError says, if it does not name its own."""
+        scales: LengthScales = cast(Any, self.shape).length_scales
+        return scales
+
+    def with_extent_of(self, grid: Grid) -> Self:
+        """Return this shape, where heights that are given cell by cell get the extent of `grid`."""
+        if not hasattr(self.shape, "with_extent_of"):
+            return self
+        return replace(self, shape=self.shape.with_extent_of(grid))
+
+    def left_out(self, grid: Grid) -> str:
+        """Return what a contact without a film leaves out: the motion, and what the shape itself says of `grid`."""
+        of_shape = getattr(self.shape, "left_out", lambda _: "")(grid)
+        motion = (
+            "The heights of a MovingShape stand still in a contact without a film, as they are at time zero: give "
+            "Scene.lubrication for their motion."
+        )
+        return f"{motion} {of_shape}".strip()
+
+    def gap(self, grid: Grid) -> Array:
+        """Return the contribution to the gap [m] at time zero."""
+        return self.shape.gap(grid)
+
+    def gap_after(self, grid: Grid, shift: float) -> Array:
+        """Return the contribution to the gap [m] after the body has moved by ``shift`` [m]."""
+        if hasattr(self.shape, "seam"):  # sampled heights, shifted by spline interpolation
+            heights = np.broadcast_to(self.shape.gap(grid), grid.cells)
+            from scipy import ndimage  # imported late, since it is slow
+
+            return np.asarray(ndimage.shift(heights, (shift / grid.cell_size[0], 0), order=3, mode="grid-wrap"))
+        return self.shape.gap(ShiftedGrid(grid.cells, grid.extent, shift))
+
+
+# Rows on which a shape shows that it varies along the length.
+ROWS = 16
+
+
+@dataclass(frozen=True)
+class ShapesSource:
+    """Heights of `shapes`, sampled on any grid, and the problem made there.
+
+    Parameters
+    ----------
+    shapes
+        Shapes that add up.
+    ends_along
+        Whether one of them ends a roller within the grid.
+    problem
+        Function that makes the problem on a grid.
+    sampled
+        A grid with the gap on it, which a problem holds anyway; None to sample every grid.
+    """
+
+    shapes: tuple[Shape, ...]
+    ends_along: bool
+    problem: Callable[[Grid], Problem]
+    sampled: tuple[Grid, Array] | None = None
+
+    @property
+    def shortest_wavelengths(self) -> tuple[float, float]:
+        """Shortest wavelengths (across, along) and rollers [m] of all shapes that name theirs; infinite if none does."""
+        return shortest_wavelengths(self.shapes)
+
+    @property
+    def has_length_scales(self) -> bool:
+        """True if every shape has ``length_scales``."""
+        return all(hasattr(shape, "length_scales") for shape in self.shapes)
+
+    def gap(self, grid: Grid) -> Array:
+        """Return the summed gap [m] of all shapes, of shape (x, y) or (x, 1) if nothing varies along the length."""
+        if self.sampled is not None and self.sampled[0] == grid:
+            return self.sampled[1]
+        return summed_gap(self.shapes, grid)
+
+    def gap_without_scales(self, grid: Grid) -> Array:
+        """Return the summed gap [m] of the shapes without ``length_scales``, as :meth:`gap`."""
+        return summed_gap([shape for shape in self.shapes if not hasattr(shape, "length_scales")], grid)
+
+    def covered_fractions(self, grid: Grid) -> Array | None:
+        """Return the length of both bodies within each row of `grid`, in cells; None where none ends."""
+        rollers = [shape.covered_fractions(grid) for shape in self.shapes if hasattr(shape, "covered_fractions")]
+        shortest = min(rollers, key=np.sum, default=None)
+        return None if shortest is None or not shortest.any() or (shortest == 1).all() else shortest
+
+    def with_problem_step(self, step: Callable[[Problem], Problem]) -> "ShapesSource":
+        """Return this source with `step` applied to each problem that it makes."""
+        return replace(self, problem=lambda grid: step(self.problem(grid)))
+
+
+def summed_gap(shapes: Iterable[Shape], grid: Grid) -> Array:
+    """Return the summed gap [m] of `shapes`, of shape (x, y) or (x, 1) if nothing varies along the length."""
+    return sum((gap_of(shape, grid) for shape in shapes), start=np.zeros((grid.cells[0], 1)))
+
+
+def check_width(shapes: Iterable[Shape], width: float) -> None:
+    """Raise InvalidInput unless a grid of this `width` [m], which is periodic across, holds `shapes` without a seam."""
+    for number, shape in enumerate(shapes):
+        for scales in length_scales_of([shape]):
+            if scales.period_across:
+                field = f"The length after which Scene.shapes[{number}] repeats across"
+                whole_quotient(field, scales.period_across, width)
+
+
+def standing_heights(shapes: Iterable[Shape]) -> str:
+    """Return what it means that heights which vary across do not travel with a body; empty for other `shapes`."""
+    if min((scales.shortest_wavelengths[0] for scales in length_scales_of(shapes)), default=inf) == inf:
+        return ""
+    return (
+        "The heights stand still in the frame of the contact: they slide over what moves through it, where the "
+        "resistance of bodies that creep or yield is that of hysteretic sliding (Persson 2001), not of rolling."
+    )
+
+
+def shortest_wavelengths(shapes: Iterable[Shape]) -> tuple[float, float]:
+    """Return the shortest wavelengths (across, along) and rollers [m] of `shapes`; infinite where none names one."""
+    length_scales = length_scales_of(shapes)
+    across, along = zip((inf, inf), *(scales.shortest_wavelengths for scales in length_scales), strict=True)
+    return min(across), min(*along, *(scales.roller or inf for scales in length_scales), inf)
+
+
+def unresolved(lengths: tuple[float, float], grid: Grid) -> str:
+    """Return which cells are too large for the shortest wavelengths (across, along) [m]; empty where none are."""
+    for axis, (cell, length) in enumerate(zip(grid.cell_size, lengths, strict=True)):
+        if cell > length * (1 + 1e-9) and grid.cells[axis] > 1:
+            count = ceil(2 * grid.extent[axis] / length)
+            return (
+                f"Grid.cells[{axis}] is {grid.cells[axis]}, whose cells of {readable(cell)} do not resolve lengths of "
+                f"{readable(length)}, give {count} or more."
+            )
+    return ""
+
+
+def left_out(shapes: Iterable[Shape], grid: Grid) -> Iterator[str]:
+    """Yield a sentence for each of `shapes` of which `grid`, or an extent of its own, holds a part alone."""
+    for shape in shapes:
+        if hasattr(shape, "left_out") and (sentence := shape.left_out(grid)):
+            yield sentence
+        if grid.cells[1] == 1 and hasattr(shape, "length_scales") and _varies_along(shape, grid):
+            yield (
+                f"Grid.cells[1] is 1: what varies along the length of a {type(shape).__name__} is left out, give more "
+                "cells along."
+            )
+
+
+def _varies_along(shape: Shape, grid: Grid) -> bool:
+    """Return whether a shape varies along the length of a `grid` of one row."""
+    (shape,) = with_extent_of((shape,), grid)
+    gap = gap_of(shape, Grid((grid.cells[0], ROWS), grid.extent))
+    return bool(np.ptp(gap, axis=1).any())
+
+
+def with_extent_of(shapes: tuple[Shape, ...], grid: Grid) -> tuple[Shape, ...]:
+    """Return `shapes`, where heights that are given cell by cell get the extent of `grid`."""
+    return tuple(shape.with_extent_of(grid) if hasattr(shape, "with_extent_of") else shape for shape in shapes)
+
+
+def ends_along(shapes: tuple[Shape, ...], grid: Grid) -> bool:
+    """Return whether a roller ends within the period of `grid`, so that contact may reach its ends."""
+    return any(0 < scales.roller <= grid.length * (1 + 1e-9) for scales in length_scales_of(shapes))

@@ -5,11 +5,21 @@ from typing import Annotated, Literal, Self
 
 import numpy as np
 
-from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid
-from contactstudy.domain.units import Metres, Number, Radians, whole_quotient
-from contactstudy.domain.validation import ANY_SIGN, AT_LEAST_ZERO, BELOW_ONE, FINITE, OR_INFINITE, valid, validated
+from contactstudy.domain.grid import Array, Grid
+from contactstudy.domain.validation import (
+    ANY_SIGN,
+    AT_LEAST_ZERO,
+    BELOW_ONE,
+    FINITE,
+    OR_INFINITE,
+    InvalidInput,
+    Metres,
+    Number,
+    Radians,
+    valid,
+    validated,
+    whole_quotient,
+)
 from contactstudy.scene.shapes.shape import LengthScales, no_gap
 
 Wavelength = Annotated[Metres, OR_INFINITE]

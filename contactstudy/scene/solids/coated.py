@@ -9,9 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.units import Metres
-from contactstudy.domain.validation import validated
+from contactstudy.domain.validation import InvalidInput, Metres, validated
 from contactstudy.elasticity.coating import CoatingCoefficients
 from contactstudy.elasticity.coefficients import BoussinesqCoefficients, Coefficients
 from contactstudy.elasticity.kernels.layer_response import LayerResponse, LayerStress

@@ -3,9 +3,7 @@
 from dataclasses import replace
 from math import isclose
 
-from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.units import Metres, readable
-from contactstudy.domain.validation import valid
+from contactstudy.domain.validation import InvalidInput, Metres, readable, valid
 from contactstudy.scene.shapes.roller import FiniteLength
 from contactstudy.scene.solids.bodies import HalfSpace, SceneContext, creeps, yields
 

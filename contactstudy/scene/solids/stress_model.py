@@ -3,10 +3,15 @@
 from dataclasses import dataclass
 from typing import ClassVar, Protocol, runtime_checkable
 
-from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Array
 from contactstudy.elasticity.coefficients import Coefficients
-from contactstudy.elasticity.kernels.stress_cell import COMPONENTS, CellKernel, stress_cell
-from contactstudy.elasticity.kernels.stress_periodic import stress_cell_doubly_periodic, stress_cell_periodic
+from contactstudy.elasticity.kernels.stress import (
+    COMPONENTS,
+    CellKernel,
+    stress_cell,
+    stress_cell_doubly_periodic,
+    stress_cell_periodic,
+)
 
 
 class StressModel(Protocol):
@@ -44,7 +49,7 @@ class HalfSpaceStress:
         family = COMPONENTS
         if traction != "pressure":
             # imported only for scenes with friction
-            from contactstudy.elasticity.kernels.traction import CERRUTI_ACROSS, CERRUTI_ALONG
+            from contactstudy.elasticity.kernels.stress import CERRUTI_ACROSS, CERRUTI_ALONG
 
             family = CERRUTI_ACROSS if traction == "across" else CERRUTI_ALONG
         return ((StressCoefficients(family[component], depth, self.poisson_ratio), 1.0),)

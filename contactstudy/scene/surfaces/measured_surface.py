@@ -10,11 +10,16 @@ from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 
-from contactstudy.domain.checks import InvalidInput, set_fields
-from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid
-from contactstudy.domain.units import Metres, readable, whole_quotient
-from contactstudy.domain.validation import Example, validated
+from contactstudy.domain.grid import Array, Grid
+from contactstudy.domain.validation import (
+    Example,
+    InvalidInput,
+    Metres,
+    readable,
+    set_fields,
+    validated,
+    whole_quotient,
+)
 from contactstudy.scene.shapes.shape import LengthScales
 from contactstudy.scene.surfaces import measurement
 from contactstudy.scene.surfaces.preparation import (

@@ -8,10 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Array
 from contactstudy.domain.imports import import_for
-from contactstudy.domain.units import readable
+from contactstudy.domain.validation import InvalidInput, readable
 from contactstudy.scene.surfaces.plausibility import check_plausible, measured_points, steps_between
 from contactstudy.scene.surfaces.text_file import decoded, length_unit, table
 from contactstudy.scene.surfaces.text_surface import (

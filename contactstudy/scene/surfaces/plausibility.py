@@ -2,9 +2,8 @@
 
 import numpy as np
 
-from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.fields import Array
-from contactstudy.domain.units import readable
+from contactstudy.domain.grid import Array
+from contactstudy.domain.validation import InvalidInput, readable
 from contactstudy.scene.surfaces.preparation import polynomial
 from contactstudy.scene.surfaces.text_surface import FileContent, Reading, unit_name
 

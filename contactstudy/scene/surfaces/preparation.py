@@ -6,10 +6,19 @@ from typing import Annotated, ClassVar, Literal, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.fields import Array
-from contactstudy.domain.units import Metres, Number, readable
-from contactstudy.domain.validation import AT_LEAST_ZERO, BELOW_ONE, OR_INFINITE, UP_TO_ONE, at_least, validated
+from contactstudy.domain.grid import Array
+from contactstudy.domain.validation import (
+    AT_LEAST_ZERO,
+    BELOW_ONE,
+    OR_INFINITE,
+    UP_TO_ONE,
+    InvalidInput,
+    Metres,
+    Number,
+    at_least,
+    readable,
+    validated,
+)
 
 
 @validated

@@ -12,8 +12,8 @@ from math import nan
 
 import numpy as np
 
-from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Array
+from contactstudy.domain.validation import InvalidInput
 
 # Units of length [m] by their names in lower case and without the s of a plural (that of "inches" leaves "inche"), the
 # micro sign written u, "metre" and the like written m.

@@ -6,10 +6,8 @@ from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 
-from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.fields import Array
-from contactstudy.domain.units import Metres, Number, readable
-from contactstudy.domain.validation import FINITE, validated
+from contactstudy.domain.grid import Array
+from contactstudy.domain.validation import FINITE, InvalidInput, Metres, Number, readable, validated
 from contactstudy.scene.surfaces.text_file import Header, TextTable, length_unit
 
 # Units that a message offers [m].

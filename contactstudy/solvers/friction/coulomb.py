@@ -7,16 +7,14 @@ from typing import Protocol
 import numpy as np
 
 from contactstudy.domain.device import Device
-from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid
+from contactstudy.domain.grid import Array, Grid
 from contactstudy.elasticity.approximate_inverse import at_unpadded_wave_numbers
 from contactstudy.elasticity.convolution import GeneralConvolution
 from contactstudy.elasticity.tangential import ShearResponse
 from contactstudy.elasticity.transforms import TRANSFORMS
 from contactstudy.problem.problem import Problem
-from contactstudy.solvers.fixed_point import solve_by_fixed_point_iteration
 from contactstudy.solvers.solution import Solution, TangentialTraction
-from contactstudy.solvers.solve import SolveOptions, solve_contact
+from contactstudy.solvers.solve import SolveOptions, solve_by_fixed_point_iteration, solve_contact
 
 # Largest number of Newton iterations in a projection with a given resultant.
 MAX_ITERATIONS = 200

@@ -19,7 +19,7 @@ from math import isnan, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Array
 from contactstudy.solvers.friction.coulomb import FrictionSet, Projection, SlipOperator
 from contactstudy.solvers.solution import Status
 

@@ -16,11 +16,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.device import Device
-from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid
-from contactstudy.domain.units import readable
+from contactstudy.domain.grid import Array, Grid
+from contactstudy.domain.validation import InvalidInput, readable
 from contactstudy.elasticity.tangential import ShearResponse
 from contactstudy.problem.problem import Problem
 from contactstudy.solvers.friction.coulomb import BulkStress, QuasiStaticSlip

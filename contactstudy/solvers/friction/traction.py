@@ -6,8 +6,7 @@ from math import inf
 
 import numpy as np
 
-from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid
+from contactstudy.domain.grid import Array, Grid
 from contactstudy.problem.problem import Field
 from contactstudy.solvers.solution import OF_SURFACE, TangentialTraction
 

@@ -21,18 +21,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactstudy.domain.device import Device
-from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid, on_cells
+from contactstudy.domain.grid import Array, Grid, on_cells
 from contactstudy.elasticity.convolution import GeneralConvolution
 from contactstudy.elasticity.tangential import ShearResponse
 from contactstudy.problem.problem import Problem
-from contactstudy.solvers.fixed_point import solve_by_fixed_point_iteration
 from contactstudy.solvers.friction.coulomb import RollingSlip
 from contactstudy.solvers.friction.coulomb_newton import CoulombNewton, shear_status
 from contactstudy.solvers.friction.fretting import transmission_status
 from contactstudy.solvers.friction.traction import UNKNOWN, Creepage, RollingErrors, RollingTraction
 from contactstudy.solvers.solution import Solution, TangentialTraction, with_traction
-from contactstudy.solvers.solve import SolveOptions, solve_contact
+from contactstudy.solvers.solve import SolveOptions, solve_by_fixed_point_iteration, solve_contact
 
 # Fewest cells along an axis of a coarser grid.
 COARSEST = 8

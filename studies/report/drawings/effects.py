@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 
 import contactstudy as cs
-from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Array
 from studies.report.claims import Claim, drawing, largest_error
 from studies.report.drawings.default import LAWS
 from studies.report.plots import Law, Plot

@@ -7,7 +7,7 @@ from textwrap import fill
 import numpy as np
 import xarray as xr
 
-from contactstudy.domain.units import display_unit_of, readable
+from contactstudy.domain.validation import display_unit_of, readable
 from studies.model.drawing import CaptionedFigure, Table
 from studies.report.plots import COLORS, captioned, panels, percent
 from studies.scene_study.sensitivity import LOWERED, RAISED, changes_in

@@ -12,7 +12,7 @@ from contactstudy.accuracy.coarser import coarse_solution
 from contactstudy.accuracy.error_terms import residual_errors
 from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.domain.errors import ErrorParts
-from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Array
 from contactstudy.io.quantities.quantity import Quantity
 from contactstudy.scene.solids.bodies import contact_modulus
 from tests.conftest import STEEL, LineContact

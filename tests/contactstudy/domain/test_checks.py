@@ -8,8 +8,7 @@ from typing import Any, get_args, get_origin
 import pytest
 
 import contactstudy as cs
-from contactstudy.domain.checks import parameters
-from contactstudy.domain.validation import hint_of, kind_of, valid
+from contactstudy.domain.validation import hint_of, kind_of, parameters, valid
 
 
 def test_a_misspelt_keyword_is_answered_with_the_right_one() -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.domain import fields
+from contactstudy.domain import grid as fields
 from contactstudy.domain.device import using
 from contactstudy.problem.field_operations import ArrayOperations, operations_for
 from tests.conftest import LineContact

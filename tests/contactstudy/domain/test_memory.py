@@ -6,7 +6,7 @@ import psutil
 import pytest
 
 from contactstudy.domain import device
-from contactstudy.domain.reuse import ArrayCache, cached_array, caching
+from contactstudy.domain.device import ArrayCache, cached_array, caching
 
 
 def eight_bytes(computed: list[str], name: str) -> Callable[[], np.ndarray]:

@@ -6,7 +6,7 @@ from numpy.testing import assert_allclose
 
 import contactstudy as cs
 from contactstudy.analytic import image_error
-from contactstudy.elasticity.kernels.displacement_cell import boussinesq_cell
+from contactstudy.elasticity.kernels.displacement import boussinesq_cell
 from tests.conftest import LineContact
 
 

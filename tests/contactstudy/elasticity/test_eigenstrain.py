@@ -10,12 +10,10 @@ import pytest
 import contactstudy as cs
 from contactstudy.domain.grid import Grid
 from contactstudy.elasticity.eigenstrain.fourier_modes import Waves
-from contactstudy.elasticity.eigenstrain.half_space_wave import Components
+from contactstudy.elasticity.eigenstrain.half_space_wave import Components, EigenstrainOperator, Moduli, Volume
 from contactstudy.elasticity.eigenstrain.periodic_operator import AntiplaneOperator, PeriodicOperator
 from contactstudy.elasticity.eigenstrain.plane_strain_operator import OuterStrain, PlaneStrainOperator
-from contactstudy.elasticity.eigenstrain.volume import EigenstrainOperator, Moduli, Volume
-from contactstudy.elasticity.kernels.stress_cell import COMPONENTS
-from contactstudy.elasticity.kernels.stress_periodic import stress_cell_periodic
+from contactstudy.elasticity.kernels.stress import COMPONENTS, stress_cell_periodic
 from tests.conftest import STEEL as STEEL_BODY
 
 STEEL = Moduli(2.6, 0.3)  # 2G = 2

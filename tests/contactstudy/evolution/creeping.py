@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 import contactstudy as cs
-from contactstudy.domain.fields import Array
-from contactstudy.evolution.integration.evolve import evolve
+from contactstudy.domain.grid import Array
+from contactstudy.evolution.evolve import evolve
 from contactstudy.evolution.trajectory import Trajectory
 
 EXACT = cs.ExactPeriodicity()

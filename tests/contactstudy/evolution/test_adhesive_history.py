@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.domain.units import readable
+from contactstudy.domain.validation import readable
 from tests.contactstudy.evolution.creeping import EXACT, RIGID
 
 SOFT = cs.HalfSpace(1.0, 0.0)

@@ -9,8 +9,8 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.answers.evolution import evolution_answer
-from contactstudy.evolution.integration import checkpoint
-from contactstudy.evolution.integration.evolve import evolve
+from contactstudy.evolution import checkpoint
+from contactstudy.evolution.evolve import evolve
 from tests.contactstudy.evolution.creeping import EXACT, LOAD, SOLID, evolved, pressures, relative, rolling_cylinder
 
 GRID, COARSE = cs.Grid((96, 1), (0.6, 1.0)), cs.Grid((24, 1), (0.6, 1.0))

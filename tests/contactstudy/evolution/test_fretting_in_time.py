@@ -89,7 +89,7 @@ def test_a_shear_that_meets_the_iteration_limit_has_its_status_though_the_pressu
 def test_pressure_and_slip_that_do_not_converge_together_have_that_status_and_no_bound(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("contactstudy.evolution.integration.time_stepper.MAX_FIXED_POINT_ITERATIONS", 1)
+    monkeypatch.setattr("contactstudy.evolution.time_stepper.MAX_FIXED_POINT_ITERATIONS", 1)
     found = fretted(CYCLE, [0.0, 3.0], grid=COARSE, wear=cs.Wear(1.0 / 32, 0.0))
     assert found.status is cs.Status.NOT_CONVERGED
     assert np.isinf(found.error.l1.total)

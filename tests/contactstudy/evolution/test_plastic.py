@@ -8,7 +8,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.answers.evolution import evolution_answer
-from contactstudy.evolution.integration.evolve import evolve
+from contactstudy.evolution.evolve import evolve
 from contactstudy.evolution.states import plastic
 from contactstudy.evolution.trajectory import Trajectory
 from contactstudy.solvers import plasticity

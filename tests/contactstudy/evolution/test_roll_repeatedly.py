@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.evolution.rolling.repeated_rolling import RepeatedRolling, roll_repeatedly
+from contactstudy.evolution.repeated_rolling import RepeatedRolling, roll_repeatedly
 from contactstudy.io.quantities.evolution_quantities import _by_pass, passes_quantities
 from tests.contactstudy.evolution.creeping import EXACT, RIGID
 

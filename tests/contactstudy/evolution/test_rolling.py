@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.evolution.rolling import steady_rolling
-from contactstudy.evolution.rolling.steady_rolling import solve_rolling
-from contactstudy.solvers.fixed_point import solve_with_mixing
+from contactstudy.evolution import steady_rolling
+from contactstudy.evolution.steady_rolling import solve_rolling
+from contactstudy.solvers.solve import solve_with_mixing
 from tests.contactstudy.evolution.creeping import EXACT, LOAD, RIGID, SOLID, rolling_cylinder
 
 A, P = 0.1, 0.05  # Hertz's half-width and peak pressure for a sudden load

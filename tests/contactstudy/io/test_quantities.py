@@ -8,7 +8,7 @@ import xarray as xr
 
 import contactstudy as cs
 from contactstudy.domain.errors import ErrorParts
-from contactstudy.domain.units import readable
+from contactstudy.domain.validation import readable
 from contactstudy.io.dataset import with_quantities
 from contactstudy.io.quantities.evolution_quantities import evolution_quantities
 from contactstudy.io.quantities.quantity import Quantity, as_json, as_text, with_bound

@@ -5,7 +5,7 @@ from itertools import product
 import pytest
 
 import contactstudy as cs
-from contactstudy.domain.units import HARDNESS, KNOWN, Unit, _registry, decimal_unit, in_si, parted
+from contactstudy.domain.validation import HARDNESS, KNOWN, Unit, _registry, decimal_unit, in_si, parted
 
 METRES = Unit("m", "a length", "10 mm")
 PASCALS = Unit("Pa", "a pressure", "1.2 GPa")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Array
 from contactstudy.evolution.evolve_lubricated import FilmTrajectory, evolve_lubricated
 from contactstudy.lubrication.film_equation import FilmEquation
 from contactstudy.lubrication.newton.pseudo_time import FilmIteration, iterate

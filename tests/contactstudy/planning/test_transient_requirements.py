@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.evolution.integration.evolve import evolve
-from contactstudy.evolution.rolling.steady_rolling import solve_rolling
+from contactstudy.evolution.evolve import evolve
+from contactstudy.evolution.steady_rolling import solve_rolling
 from contactstudy.planning.plan import plan_grid
 from contactstudy.planning.transient_requirements import expected_plastic_zone
 from tests.conftest import STEEL, LineContact

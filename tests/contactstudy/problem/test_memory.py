@@ -4,7 +4,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.domain.grid import across_and_along
-from contactstudy.problem import memory
+from contactstudy.problem import problem as memory
 from tests.conftest import LineContact
 
 

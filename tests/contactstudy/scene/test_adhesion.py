@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.domain.units import readable
+from contactstudy.domain.validation import readable
 
 SOFT, RIGID = cs.HalfSpace(1e6, 0.5), cs.HalfSpace(inf, 0.3)
 SCENE = cs.Scene(cs.LineLoad(2.0), (SOFT, RIGID), (cs.Cylinder(0.01),), adhesion=cs.Adhesion(work=0.05))

@@ -5,7 +5,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.elasticity.kernels.layer_response import LayerResponse
-from contactstudy.elasticity.kernels.stress_cell import COMPONENTS
+from contactstudy.elasticity.kernels.stress import COMPONENTS
 from contactstudy.scene.solids.coated import BELOW, CoatedStress
 from contactstudy.scene.solids.stress_model import HalfSpaceStress
 from contactstudy.scene.stress import SubsurfaceStressOperator

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.scene.friction.friction_law import dundurs
+from contactstudy.scene.friction import dundurs
 from tests.conftest import STEEL
 
 MU, RADIUS, EXACT = 0.3, 0.01, cs.ExactPeriodicity()

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.solvers import pull_off
+from contactstudy.solvers import adhesion as pull_off
 from contactstudy.solvers.cohesive_law import Dugdale, Exponential
 
 SOFT, RIGID = cs.HalfSpace(1.0, 0.0), cs.HalfSpace(inf, 0.3)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.solvers.fixed_point import solve_with_mixing
 from contactstudy.solvers.friction import coulomb
+from contactstudy.solvers.solve import solve_with_mixing
 from tests.conftest import LineContact
 
 UNLIKE = cs.Scene(

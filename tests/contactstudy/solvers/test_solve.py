@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.domain import fields as rows
+from contactstudy.domain import grid as rows
 from tests.conftest import STEEL, LineContact
 from tests.contactstudy.solvers.test_preconditioned_cg import problem
 

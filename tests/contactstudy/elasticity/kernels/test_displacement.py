@@ -8,15 +8,13 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from numpy.typing import ArrayLike
 
-from contactstudy.elasticity.kernels.displacement_cell import (
+from contactstudy.elasticity.kernels.displacement import (
     FAR_DISTANCE,
+    FOURIER_END,
+    FOURIER_START,
     MIDDLE_DISTANCE,
     NEAR_DISTANCE,
     boussinesq_cell,
-)
-from contactstudy.elasticity.kernels.displacement_periodic import (
-    FOURIER_END,
-    FOURIER_START,
     boussinesq_cell_doubly_periodic,
     boussinesq_cell_periodic,
 )

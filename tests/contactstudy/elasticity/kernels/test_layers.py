@@ -10,9 +10,14 @@ from mpmath import lu_solve, matrix, mp, mpf
 from scipy.special import j0, j1
 
 from contactstudy.elasticity.coating import CoatingCoefficients
-from contactstudy.elasticity.kernels.displacement_cell import mean_gauss_rule
-from contactstudy.elasticity.kernels.layer_cell_alone import WaveResponse, cell_alone
-from contactstudy.elasticity.kernels.layer_response import LayerResponse, LayerStress, composite
+from contactstudy.elasticity.kernels.displacement import mean_gauss_rule
+from contactstudy.elasticity.kernels.layer_response import (
+    LayerResponse,
+    LayerStress,
+    WaveResponse,
+    cell_alone,
+    composite,
+)
 from contactstudy.elasticity.kernels.layer_waves import DisplacementWaves, StressWaves, WaveCoefficients
 
 # alike and unlike, compressible or not, on a soft, a stiff and a rigid base

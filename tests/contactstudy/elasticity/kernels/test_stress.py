@@ -7,13 +7,18 @@ from numpy.polynomial.legendre import leggauss
 from numpy.testing import assert_allclose, assert_array_equal
 
 from contactstudy.elasticity.kernels.layer_waves import FAMILIES
-from contactstudy.elasticity.kernels.stress_cell import COMPONENTS, CellKernel, stress_cell, strip
-from contactstudy.elasticity.kernels.stress_periodic import (
+from contactstudy.elasticity.kernels.stress import (
+    CERRUTI_ACROSS,
+    CERRUTI_ALONG,
+    COMPONENTS,
+    SURFACE,
+    CellKernel,
     plane_strain,
+    stress_cell,
     stress_cell_doubly_periodic,
     stress_cell_periodic,
+    strip,
 )
-from contactstudy.elasticity.kernels.traction import CERRUTI_ACROSS, CERRUTI_ALONG, SURFACE
 from contactstudy.elasticity.tangential import CerrutiCoefficients
 from tests.contactstudy.elasticity.kernels.test_displacement import over_decades
 

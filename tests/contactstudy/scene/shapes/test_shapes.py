@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.scene.shapes.moving_shape import MovingShape
-from contactstudy.scene.shapes.shape import LengthScales
+from contactstudy.scene.shapes.shape import LengthScales, MovingShape
 from tests.conftest import STEEL
 
 FINE = cs.Grid((512, 512), (2.0, 3.0))

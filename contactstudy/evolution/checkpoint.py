@@ -12,12 +12,11 @@ from zipfile import BadZipFile
 
 import numpy as np
 
-from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.fields import Array
 from contactstudy.domain.files import locked, read_verified, remove_partial_files, write_with_checksum
+from contactstudy.domain.grid import Array
 from contactstudy.domain.identity import digest
-from contactstudy.domain.imports import import_for
-from contactstudy.domain.version import VERSION, source_hash
+from contactstudy.domain.imports import VERSION, import_for, source_hash
+from contactstudy.domain.validation import InvalidInput
 from contactstudy.problem.problem import Problem
 
 T = TypeVar("T")

@@ -8,12 +8,13 @@ from math import inf
 import numpy as np
 
 from contactstudy.accuracy.coarser import halved
-from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid, Padding, Paddings
+from contactstudy.domain.grid import Array, Grid, Padding, Paddings
+from contactstudy.domain.validation import InvalidInput
+from contactstudy.elasticity.eigenstrain.half_space_wave import Volume
 from contactstudy.elasticity.eigenstrain.plane_strain_operator import PlaneStrainOperator
-from contactstudy.elasticity.eigenstrain.volume import Volume
-from contactstudy.evolution.rolling.track import (
+from contactstudy.evolution.states.plastic import YieldingBody, check_paddings, embedded, layers, step_solution
+from contactstudy.evolution.states.state_variables import solved_or_unloaded
+from contactstudy.evolution.track import (
     ContactWithAddedGap,
     DepthProfile,
     FixedContact,
@@ -21,10 +22,8 @@ from contactstudy.evolution.rolling.track import (
     Track,
     with_zero_layers,
 )
-from contactstudy.evolution.states.plastic import YieldingBody, check_paddings, embedded, layers, step_solution
-from contactstudy.evolution.states.state_variables import solved_or_unloaded
 from contactstudy.problem.problem import Problem
-from contactstudy.scene.loads.constant_load import ConstantLoad
+from contactstudy.scene.loads import ConstantLoad
 from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.scene.solids.bodies import creeps, instantaneous
 from contactstudy.solvers.solution import Counts, Solution, Status, unloaded, worst

@@ -7,9 +7,9 @@ from typing import Protocol
 import numpy as np
 
 from contactstudy.domain.device import Precision
-from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Array
+from contactstudy.elasticity.eigenstrain.half_space_wave import Volume
 from contactstudy.elasticity.eigenstrain.plane_strain_operator import OuterStrain, PlaneStrainOperator
-from contactstudy.elasticity.eigenstrain.volume import Volume
 from contactstudy.evolution.states.plastic import embedded, enlarged
 from contactstudy.evolution.states.state_variables import WarmStartedContact, with_added_gap
 from contactstudy.solvers.plasticity import (

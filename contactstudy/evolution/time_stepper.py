@@ -10,12 +10,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contactstudy.domain.device import Cpu
-from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import on_cells
+from contactstudy.domain.grid import Array, on_cells
+from contactstudy.elasticity.coating import WithWinklerLayer
 from contactstudy.elasticity.coefficients import Coefficients
 from contactstudy.elasticity.convolution import Convolution, superposed, weighted_sum
 from contactstudy.elasticity.viscoelastic import Creep
-from contactstudy.elasticity.winkler_layer import WithWinklerLayer
 from contactstudy.evolution.states.fretting_state import FrettingState
 from contactstudy.evolution.states.state_variables import (
     Contribution,
@@ -31,8 +30,8 @@ from contactstudy.evolution.states.state_variables import (
 from contactstudy.evolution.time_steps import STAGES, Scheme
 from contactstudy.problem.constraint import PrescribedLoad
 from contactstudy.problem.problem import Problem, Scales
-from contactstudy.scene.loads.load_history import ChangingLoad
-from contactstudy.scene.shapes_source import ShapesSource
+from contactstudy.scene.loads import ChangingLoad
+from contactstudy.scene.shapes.shape import ShapesSource
 from contactstudy.solvers.friction.coulomb import FullSliding
 from contactstudy.solvers.solution import (
     AdhesiveTraction,

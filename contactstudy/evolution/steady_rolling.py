@@ -10,20 +10,19 @@ import numpy as np
 
 from contactstudy.accuracy.coarser import halved
 from contactstudy.accuracy.estimate import error_estimate
-from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.grid import Grid, Padding, Paddings
+from contactstudy.domain.validation import InvalidInput
 from contactstudy.elasticity.coefficients import Coefficients
 from contactstudy.elasticity.convolution import by_symmetry, general_convolutions, superposed
 from contactstudy.problem.constraint import largest_of
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.scene import PosedScene, Scene
-from contactstudy.scene.shapes_source import ShapesSource
+from contactstudy.scene.shapes.shape import ShapesSource
 from contactstudy.scene.solids.bodies import creeps, instantaneous, response
-from contactstudy.scene.solids.viscoelastic import rolling_bodies
-from contactstudy.solvers.fixed_point import LaggedSolution, solve_with_mixing
+from contactstudy.scene.solids.inelastic import rolling_bodies
 from contactstudy.solvers.solution import Solution, Status, worst
-from contactstudy.solvers.solve import SolveOptions, solve_contact
+from contactstudy.solvers.solve import LaggedSolution, SolveOptions, solve_contact, solve_with_mixing
 
 # Fine cells per cell across, at least 2, and the largest number of fine cells beyond that, for the retarded displacement
 # under the pressure.
@@ -172,7 +171,7 @@ def solve_rolling(
         How each outer iteration is solved.
     change
         Relative L1 change of the pressure below which outer iterations end, see
-        :func:`~contactstudy.solvers.fixed_point.solve_with_mixing`.
+        :func:`~contactstudy.solvers.solve.solve_with_mixing`.
     progress
         Called after each outer iteration with the change of the pressure in it, and with `change`.
 

@@ -1,1 +1,0 @@
-"""Integration in time: the method, its steps and their length, checkpoints."""

@@ -1,1 +1,0 @@
-"""Contacts that roll: steadily, or repeatedly over a body that yields."""

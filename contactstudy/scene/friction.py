@@ -1,0 +1,543 @@
+"""Friction: full sliding by Coulomb's law, and fretting, partial slip under tangential forces or displacements."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import product
+from math import inf
+from typing import Annotated, Any, ClassVar
+
+import numpy as np
+
+from contactstudy.domain.grid import Array, Grid, Paddings, is_free
+from contactstudy.domain.validation import (
+    BELOW_ONE,
+    FINITE,
+    FROM_ZERO_BELOW_ONE,
+    BodyIndex,
+    InvalidInput,
+    Metres,
+    Newtons,
+    NewtonsPerMetre,
+    Number,
+    Pascals,
+    Seconds,
+    at_least,
+    readable,
+    valid,
+    validated,
+)
+from contactstudy.elasticity.convolution import GeneralConvolution
+from contactstudy.elasticity.tangential import (
+    ShearableBody,
+    ShearResponse,
+    normal_displacement,
+    shear_response,
+    summed_responses,
+)
+from contactstudy.scene.loads import Approach, ChangingLoad, PiecewiseLinear, Times, check_not_decreasing
+from contactstudy.scene.solids.bodies import (
+    Body,
+    HalfSpace,
+    Homogeneous,
+    Inelastic,
+    SceneContext,
+    creeps,
+    is_layered,
+    yields,
+)
+from contactstudy.scene.solids.coated import CoatedHalfSpace
+from contactstudy.solvers.friction.coulomb import BulkStress, FullSliding
+from contactstudy.solvers.friction.fretting import FrettingShear, PartialSlipShear
+
+FrictionCoefficient = Annotated[Number, BELOW_ONE]
+# Instants at which a force is compared with the friction limit under a load that changes.
+SAMPLES = 201
+
+
+def has_proportional_compliances(solids: tuple[Body, ...], gap: Array, paddings: Paddings) -> bool:
+    """Return whether the tangential compliance is in proportion to the normal one, under an undeformed `gap` (x, y).
+
+    Tangential traction along x then displaces the surface along x as pressure does along z. That is so of bodies
+    without coating in plane strain, and for a Poisson's ratio of 0.
+    """
+    if any(map(is_layered, solids)):
+        return False
+    materials = (material for solid in solids for material in _materials(solid))
+    if all(material.compliance * material.poisson_ratio == 0 for material in materials):
+        return True
+    return paddings[1].window is None and bool((gap == gap[:, :1]).all())
+
+
+def dundurs(solids: tuple[Body, ...]) -> float:
+    """Return Dundurs' beta of the instantaneous response of two bodies, 0 for two equal bodies of any kind.
+
+    That of a coated body is the largest in magnitude, by its layers and by its substrate. Source: Dundurs
+    (1969); Johnson (1985), sect. 5.4. Raises :class:`~contactstudy.InvalidInput` for bodies whose response to traction
+    is not known.
+    """
+    first, second = solids
+    if first == second:
+        return 0.0
+    pairs = product(_materials(first), _materials(second))
+    return max((_dundurs(upper, lower) for upper, lower in pairs), key=abs)
+
+
+def _dundurs(first: Homogeneous, second: Homogeneous) -> float:
+    """Return Dundurs' beta ``(a1 - a2) / (2 (b1 + b2))`` of two materials, a = (1 - 2 nu) / G and b = (1 - nu) / G.
+
+    It is 0 for two rigid materials, neither of which is displaced.
+    """
+    (a1, b1), (a2, b2) = (
+        ((1 - 2 * solid.poisson_ratio) / shear, (1 - solid.poisson_ratio) / shear)
+        for solid in (first, second)
+        for shear in (solid.youngs_modulus / (2 * (1 + solid.poisson_ratio)),)
+    )
+    return float((a1 - a2) / (2 * (b1 + b2))) if b1 + b2 else 0.0
+
+
+def _materials(solid: Body) -> tuple[Homogeneous, ...]:
+    """Return the material of a body, or those of its layers and its substrate."""
+    if isinstance(solid, CoatedHalfSpace):
+        return *solid.layers, solid.substrate
+    if isinstance(solid, Homogeneous) and not is_layered(solid):
+        return (solid,)
+    raise InvalidInput(
+        "Scene.solids are dissimilar together with friction, and the response to traction of a "
+        f"{type(solid).__name__} is not known: give two equal bodies, or HalfSpace and CoatedHalfSpace."
+    )
+
+
+def are_similar(solids: tuple[Body, ...]) -> bool:
+    """Return whether tangential traction between two bodies never changes the gap."""
+    first, second = solids
+    if first == second:
+        return True
+    of_first, of_second = (body.shear_compliance(1.0)["x"] for body in shearable(solids))
+    if any(map(creeps, solids)):  # bodies that are equal at first differ once they have crept
+        return not any((*of_first.values(), *of_second.values()))
+    return not summed_responses(-1, of_first, of_second)
+
+
+def shearable(solids: tuple[Body, ...]) -> tuple[ShearableBody, ...]:
+    """Return bodies that respond to tangential traction as `solids` do, creeping ones at rest as at first.
+
+    Raises :class:`~contactstudy.InvalidInput` for a body whose response is not known.
+    """
+    return tuple(map(_shearable, solids))
+
+
+def _shearable(solid: Body) -> ShearableBody:
+    """Return the body that responds to tangential traction as `solid` does."""
+    body = solid.instantaneous if isinstance(solid, Inelastic) else solid
+    if isinstance(body, ShearableBody):
+        return body
+    material = _materials(body)[0]
+    return HalfSpace(material.youngs_modulus, material.poisson_ratio)
+
+
+def shear_coupling(
+    solids: tuple[Body, ...], axes: str, grid: Grid, paddings: Paddings, datum: float
+) -> list[GeneralConvolution]:
+    """Return the change of the gap by traction along each of the `axes`, none for elastically similar bodies."""
+    if solids[0] == solids[1]:
+        return []
+    first, second = shearable(solids)
+    return normal_displacement(first, second, axes, grid, paddings, datum)
+
+
+def check_tangential_response(scene: SceneContext, name: str) -> None:
+    """Raise InvalidInput for a body whose response to traction the law of friction `name` does not support."""
+    for number, solid in enumerate(scene.solids):
+        has_faces = getattr(solid, "free_faces", inf) < inf
+        if has_faces:
+            reason = "how its faces change its response to tangential traction is not computed"
+        elif yields(solid):
+            reason = "tangential traction makes it flow along its surface, which is not computed"
+        elif isinstance(solid, HalfSpace | CoatedHalfSpace | Inelastic):
+            continue
+        else:
+            reason = "its response to tangential traction is not known"
+        raise InvalidInput(
+            f"Scene.solids[{number}] is of the type {type(solid).__name__} together with {name}: {reason}, give a "
+            f"HalfSpace or a CoatedHalfSpace{' without free_faces' * has_faces}."
+        )
+
+
+def check_similar(scene: SceneContext, name: str) -> None:
+    """Raise InvalidInput for elastically dissimilar bodies, which slip under normal load alone, with the law `name`."""
+    if not are_similar(scene.solids):
+        raise InvalidInput(
+            f"Scene.solids are elastically dissimilar (Dundurs' beta {dundurs(scene.solids):.3g}) together with {name}: "
+            "they slip under the normal load alone, give bodies of one material, or Sliding."
+        )
+
+
+def transmitted_force(scene: SceneContext, coefficient: float, load: float) -> float:
+    """Return the tangential force [N/m] that friction transmits under a `load` [N/m].
+
+    It is infinite where it is known only with the pressure, at a given approach or beside an attraction; the law then
+    refuses a larger force once the normal contact is solved.
+    """
+    follows = scene.adhesion is not None or isinstance(scene.load, Approach)
+    return inf if follows else coefficient * load
+
+
+def bulk_compliance(scene: SceneContext, body: int, field: str, paddings: Paddings | None = None) -> float:
+    """Return strain along x over a bulk stress [1/Pa] of the body with this index, whose strain along y is prevented.
+
+    Raises :class:`~contactstudy.InvalidInput`, which names the `field`, for a body that is no elastic half-space, and
+    for `paddings` with which it repeats across.
+    """
+    solid = scene.solids[body]
+    if type(solid) is not HalfSpace or getattr(solid, "free_faces", inf) < inf or not solid.compliance:
+        raise InvalidInput(
+            f"{field} acts on Scene.solids[{body}], a {type(solid).__name__}: give the index of an elastic HalfSpace "
+            "without free_faces."
+        )
+    if paddings is not None and not is_free(paddings[0]):
+        raise InvalidInput(
+            "Scene.friction has a bulk stress with images across, between which no stretch is periodic: leave "
+            "padding_across out."
+        )
+    return solid.compliance
+
+
+def check_force(scene: SceneContext, law: Any, load: float, remedy: str) -> None:
+    """Raise InvalidInput for a force of `law` that is more than friction transmits under a `load` [N/m]."""
+    limit, force = transmitted_force(scene, law.coefficient, load), force_per_length(law, scene)
+    if force is not None and not abs(force) < limit:
+        name = "tangential" if law.total is None else "total"
+        length = 1.0 if law.total is None else scene.roller_length or 1.0
+        unit = "N m-1" if law.total is None else "N"
+        raise InvalidInput(
+            f"{type(law).__name__}.{name} is {readable(getattr(law, name), unit)}: friction transmits less than "
+            f"{readable(limit * length, unit)}, give {remedy}."
+        )
+
+
+def force_per_length(law: Any, scene: SceneContext) -> float | None:
+    """Return the tangential force of a law [N/m] over the length that the load acts on; None where it gives none.
+
+    It is its ``tangential``, or its ``total`` [N] over the length of the roller.
+    """
+    if law.total is None:
+        return law.tangential  # type: ignore[no-any-return]
+    if scene.roller_length is None:
+        raise InvalidInput(
+            f"{type(law).__name__}.total is {law.total!r}, and no roller has a length: give tangential [N/m], or a "
+            "FiniteLength among the shapes."
+        )
+    return float(law.total / scene.roller_length)
+
+
+def mean_over_grid(force: float, scene: SceneContext, grid: Grid, paddings: Paddings) -> float:
+    """Return a tangential force [N/m] over the length that the load acts on as that over the length of `grid`."""
+    return force * scene.loaded_length(grid, paddings) / grid.length
+
+
+def check_static(scene: SceneContext, name: str) -> None:
+    """Raise :class:`~contactstudy.InvalidInput` if `scene` changes in time or rolls, together with the law `name`."""
+    if scene.rolling is not None:
+        raise InvalidInput(
+            f"Scene.rolling is {scene.rolling!r} together with {name}: material carries traction through a rolling "
+            "contact, give TractiveRolling, which has a speed of its own."
+        )
+    if (changing := scene.time_dependent_field) is not None:
+        raise InvalidInput(
+            f"{changing} changes in time together with {name}: traction depends on the path of its forces, give "
+            "Fretting.times [s] to its forces."
+        )
+
+
+@validated
+class Sliding:
+    """Full sliding: the second body slides to larger x over the first one.
+
+    The tangential traction is the coefficient times the pressure, along +x on the first body, along -x on the second.
+    Between elastically dissimilar bodies (Dundurs' beta) traction makes the pressure asymmetric; between similar ones
+    the pressure is that without friction.
+
+    Parameters
+    ----------
+    coefficient
+        Coefficient of friction, at least 0 and below 1.
+    standing
+        Index (0 or 1) in ``Scene.solids`` of the body on which the contact stands still, such as a slider or a block: it
+        wears in place, and does not creep from one place to the next. None for a contact that moves over both bodies.
+
+    Raises
+    ------
+    InvalidInput
+        For other coefficients; in a scene with repeated rolling, or with dissimilar bodies one of which creeps or that
+        roll.
+    """
+
+    coefficient: Annotated[Number, FROM_ZERO_BELOW_ONE]
+    standing: BodyIndex | None = None
+
+    def check(self, scene: SceneContext) -> None:
+        """Raise :class:`~contactstudy.InvalidInput` if the coupling of these bodies is not supported."""
+        beta = dundurs(scene.solids)
+        if scene.rolling is not None and scene.rolling.passes is not None:
+            raise InvalidInput(
+                f"Scene.rolling has {scene.rolling.passes} passes together with Sliding: traction in repeated rolling "
+                "is not supported, leave one of them out."
+            )
+        if are_similar(scene.solids) or self.coefficient == 0:
+            return
+        if any(map(creeps, scene.solids)):
+            raise InvalidInput(
+                f"Scene.solids are elastically dissimilar (Dundurs' beta {beta:.3g}) together with Sliding, and one "
+                "creeps: creep of their coupling is not supported, give equal bodies, or an incompressible one on a "
+                "rigid one."
+            )
+        if scene.rolling is not None:
+            raise InvalidInput(
+                f"Scene.solids are elastically dissimilar (Dundurs' beta {beta:.3g}) together with Sliding and "
+                "Scene.rolling: both make the pressure asymmetric, and the combination is not supported: give bodies of "
+                "one material, or TractiveRolling."
+            )
+
+    def solver(self, scene: SceneContext, gap: Array, grid: Grid, paddings: Paddings, datum: float) -> FullSliding:
+        """Return the solver of this scene on a grid, with the coupling of traction and normal displacement."""
+        if self.coefficient == 0:
+            return FullSliding(self.coefficient, None)
+        coupling = shear_coupling(scene.solids, "x", grid, paddings, datum)
+        return FullSliding(self.coefficient, coupling[0] if coupling else None)
+
+
+@dataclass(frozen=True)
+class FrettingHistory(PiecewiseLinear):
+    """Forces [N/m] or displacements [m] along x at instants [s], linear between them."""
+
+    times: tuple[float, ...]
+    values: tuple[float, ...]
+
+    def compared_with(self, load: object) -> list[float]:
+        """Return the times [s] at which this is compared with `load`: equal intervals, and the instants of both."""
+        times = np.linspace(self.start, self.end, SAMPLES).tolist()
+        return sorted({*times, *self.times, *getattr(load, "times", ())})
+
+
+@validated
+class Fretting:
+    """Partial slip under tangential forces that follow one another.
+
+    Where a force reverses, reverse slip starts at the edge of the contact, opposed by the residual traction (Johnson
+    1985, sect. 7.4). Under a constant load the answer is the contact under the last force; its traction has the loop of
+    force and displacement, and the slip and the energy lost since the previous occurrence of that force. With `times`
+    the scene changes in time, also its load, and ``Wear(coefficient, speed=0.0)`` wears by the slip.
+
+    Parameters
+    ----------
+    coefficient
+        Coefficient of friction, above 0 and below 1.
+    forces
+        Tangential forces along x on the first body, over the length that the load acts on [N/m], one after the other,
+        starting from 0; each smaller in magnitude than the coefficient times the load. See :meth:`cycle`.
+    times
+        Instants [s] of the forces, which are linear in between; None under a constant load.
+    displacements
+        Rigid displacements along x [m] of the second against the first body in place of the forces, with `times` and
+        under a constant load: a positive one makes a positive tangential traction on the first body. Above a limit the
+        contact slides fully (gross slip, ``stick_fraction`` 0). They are relative to the datum, a point at the distance
+        of twice the equivalent radius (without a curved shape the width of the grid), or with images along both axes to
+        the mean.
+    period
+        Duration of one cycle [s], with `times`. A force step that takes n half periods stands for n half cycles: slip
+        and wear of one are counted n times (cycle jump). None counts each force once.
+    bulk_stresses
+        Stresses of one whole body along x [Pa], tension positive, one for each force, in phase with the forces or not
+        (fretting fatigue). A strain of ``(1 - nu^2) / E`` times their change adds to the slip of a step, and the last
+        one to the stress below the surface. Without `times`; None for none.
+    bulk_body
+        Index (0 or 1) of the body with the bulk stress.
+
+    Raises
+    ------
+    InvalidInput
+        For other values; in a scene with elastically dissimilar bodies, with one that yields, or that roll.
+    """
+
+    sticks: ClassVar[bool] = True
+
+    coefficient: FrictionCoefficient
+    forces: tuple[Annotated[NewtonsPerMetre, FINITE], ...] | None = None
+    times: Times | None = None
+    displacements: tuple[Annotated[Metres, FINITE], ...] | None = None
+    period: Seconds | None = None
+    bulk_stresses: tuple[Annotated[Pascals, FINITE], ...] | None = None
+    bulk_body: BodyIndex = 0
+
+    def check_together(self) -> None:
+        """Check that forces or displacements are given, and that times go with them."""
+        if (self.forces is None) == (self.displacements is None):
+            raise InvalidInput(
+                "Fretting.forces and Fretting.displacements are both given or both None: give one of them."
+            )
+        name = "forces" if self.displacements is None else "displacements"
+        values = getattr(self, name)
+        if not values:
+            raise InvalidInput(f"Fretting.{name} is (): give some, such as (1e4, -1e4, 1e4).")
+        if self.times is not None:
+            if len(self.times) != len(values):
+                raise InvalidInput(
+                    f"Fretting.times has {len(self.times)} instants and Fretting.{name} {len(values)}: give one time "
+                    "for each."
+                )
+            check_not_decreasing("Fretting.times", self.times)
+        elif self.displacements is not None:
+            raise InvalidInput("Fretting.times is None together with displacements: give times [s].")
+        if self.bulk_stresses is not None and self.times is not None:
+            raise InvalidInput(
+                "Fretting.bulk_stresses are given together with times: leave the times out, or the stresses."
+            )
+        if self.bulk_stresses is not None and len(self.bulk_stresses) != len(values):
+            raise InvalidInput(
+                f"Fretting.bulk_stresses has {len(self.bulk_stresses)} stresses and Fretting.forces {len(values)}: give "
+                "one for each force."
+            )
+        if self.period is not None and self.times is None:
+            raise InvalidInput(
+                "Fretting.period is given without times: give the times [s] of the forces, or leave period out."
+            )
+
+    @property
+    def history(self) -> "FrettingHistory | None":
+        """Forces [N/m] or displacements [m] over time; None without times."""
+        if self.times is None:
+            return None
+        values = self.displacements if self.forces is None else self.forces
+        assert values is not None
+        return FrettingHistory(self.times, values)
+
+    @classmethod
+    def cycle(cls, coefficient: float, amplitude: float, steps: int = 1, bulk_stress: float = 0.0) -> "Fretting":
+        """Return one cycle of fretting, from 0 to the `amplitude` [N/m], to its opposite, and to the amplitude again.
+
+        Each half cycle takes equal `steps`. One is exact where nothing varies along the length. A bulk stress with an
+        amplitude of `bulk_stress` [Pa] is in phase.
+        """
+        count = valid("Fretting.cycle.steps", steps, Annotated[int, at_least(1)])
+        down = [1 - 2 * (n + 1) / count for n in range(count)]
+        down[-1] = -1.0
+        parts = (1.0, *down, *(-part for part in down))
+        stresses = tuple(bulk_stress * part for part in parts) if bulk_stress else None
+        forces = tuple(amplitude * part for part in parts)
+        return cls(coefficient, forces, bulk_stresses=stresses)
+
+    def check(self, scene: SceneContext) -> None:
+        """Raise :class:`~contactstudy.InvalidInput` if the contact cannot stick, or its traction is not supported."""
+        if self.times is None or scene.rolling is not None:
+            check_static(scene, "Fretting")
+        if scene.wear is not None and scene.wear.speed != 0:
+            raise InvalidInput(
+                f"Wear.speed is {scene.wear.speed!r} together with Fretting: wear then follows from the slip of "
+                "the contact, give a speed of 0 m/s."
+            )
+        if self.displacements is not None and isinstance(scene.load, ChangingLoad):
+            raise InvalidInput(
+                "Scene.load changes in time together with Fretting.displacements: the traction locked in by a rising "
+                "pressure follows from forces only, give Fretting.forces, or a LineLoad."
+            )
+        check_tangential_response(scene, "Fretting")
+        check_similar(scene, "Fretting")
+        if self.bulk_stresses is not None:
+            bulk_compliance(scene, self.bulk_body, "Fretting.bulk_stresses")
+        for place, force, load in self._forces_and_loads(scene):
+            limit = transmitted_force(scene, self.coefficient, load)
+            if force and not abs(force) < limit:
+                raise InvalidInput(
+                    f"Fretting.forces{place} is {readable(force, 'N m-1')}, where friction transmits less than "
+                    f"{readable(limit, 'N m-1')}: the contact would slide fully, give a smaller force, or displacements."
+                )
+
+    def _forces_and_loads(self, scene: SceneContext) -> Iterator[tuple[str, float, float]]:
+        """Yield an index or a time in words, the force and the load there [N/m]."""
+        load, history = scene.load, self.history
+        if self.forces is None:
+            return
+        if history is None:
+            yield from ((f"[{number}]", force, scene.largest_load) for number, force in enumerate(self.forces))
+            return
+        for time in history.compared_with(load):
+            pressed = load.at(time) if isinstance(load, ChangingLoad) else scene.largest_load
+            yield f" at {time:g} s", history.at(time), pressed
+
+    def solver(self, scene: SceneContext, gap: Array, grid: Grid, paddings: Paddings, datum: float) -> FrettingShear:
+        """Return the solver of this scene on a grid."""
+        assert self.forces is not None
+        forces = tuple(mean_over_grid(force, scene, grid, paddings) for force in self.forces)
+        response = self.response(scene, grid, paddings, datum)
+        if not any(self.bulk_stresses or ()):
+            return FrettingShear(self.coefficient, forces, response)
+        compliance = bulk_compliance(scene, self.bulk_body, "Fretting.bulk_stresses", paddings)
+        bulk = BulkStress(0.0, self.bulk_body, compliance)
+        return FrettingShear(self.coefficient, forces, response, bulk, self.bulk_stresses or ())
+
+    @staticmethod
+    def response(scene: SceneContext, grid: Grid, paddings: Paddings, datum: float) -> ShearResponse:
+        """Return the displacement of both bodies of `scene` under tangential traction."""
+        return shear_response(shearable(scene.solids), grid, paddings, datum)
+
+
+@validated
+class PartialSlip:
+    """Partial slip under a tangential force that friction holds back.
+
+    The bodies are pressed first, then loaded tangentially, and never unloaded. The traction is that of
+    :class:`~contactstudy.Fretting` with this one force, whose answer also has the slip and the energy lost.
+
+    Parameters
+    ----------
+    coefficient
+        Coefficient of friction, above 0 and below 1.
+    tangential
+        Force along x on the first body, over the length that the load acts on [N/m]; of either sign, less than the
+        coefficient times the load, and beside adhesion times the sum of the load and of the attraction.
+    total
+        The same on the whole length of a roller [N], in place of `tangential`.
+    bulk_stress
+        Stress of one whole body along x [Pa], tension positive, which rises with the force (fretting fatigue). A strain
+        of ``(1 - nu^2) / E`` times this adds to the slip, and its stress to that below the surface.
+    bulk_body
+        Index (0 or 1) of the body with the bulk stress.
+
+    Raises
+    ------
+    InvalidInput
+        For other values; in a scene with elastically dissimilar bodies, a change in time, or rolling.
+    """
+
+    sticks: ClassVar[bool] = True
+
+    coefficient: FrictionCoefficient
+    tangential: Annotated[NewtonsPerMetre, FINITE] | None = None
+    total: Annotated[Newtons, FINITE] | None = None
+    bulk_stress: Annotated[Pascals, FINITE] = 0.0
+    bulk_body: BodyIndex = 0
+
+    def check_together(self) -> None:
+        """Check that one force is given."""
+        if (self.tangential is None) == (self.total is None):
+            raise InvalidInput(
+                "PartialSlip.tangential and PartialSlip.total are both given or both None: give a force along x [N/m], "
+                "or on the whole of a roller [N]."
+            )
+
+    def check(self, scene: SceneContext) -> None:
+        """Raise :class:`~contactstudy.InvalidInput` if the contact cannot stick, or its traction is not supported."""
+        check_static(scene, "PartialSlip")
+        check_tangential_response(scene, "PartialSlip")
+        check_similar(scene, "PartialSlip")
+        check_force(scene, self, scene.largest_load, "a smaller force, or Sliding")
+        if self.bulk_stress:
+            bulk_compliance(scene, self.bulk_body, "PartialSlip.bulk_stress")
+
+    def solver(self, scene: SceneContext, gap: Array, grid: Grid, paddings: Paddings, datum: float) -> PartialSlipShear:
+        """Return the solver of this scene on a grid: that of fretting with one force."""
+        force = force_per_length(self, scene)
+        assert force is not None
+        stresses = (self.bulk_stress,) if self.bulk_stress else None
+        fretting = Fretting(self.coefficient, (force,), bulk_stresses=stresses, bulk_body=self.bulk_body)
+        return PartialSlipShear(fretting.solver(scene, gap, grid, paddings, datum))

@@ -1,1 +1,0 @@
-"""Laws of friction of a scene: full sliding, partial slip, fretting, rolling with creepage."""

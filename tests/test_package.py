@@ -69,6 +69,12 @@ def test_every_key_of_a_scene_file_has_a_meaning() -> None:
     assert meanings(SceneDocument)["hardness"].startswith("Largest pressure [Pa]")
 
 
+def test_every_kind_of_a_scene_file_is_on_the_page_of_scene_files() -> None:
+    page = (ROOT / "docs/how-to/scene-files.md").read_text(encoding="utf-8")
+    rows = "".join(line for line in page.partition("## Kinds")[2].splitlines() if line.startswith("|"))
+    assert not [kind for kinds in KINDS.values() for kind in kinds if kind and f"`{kind}`" not in rows]
+
+
 def test_the_package_is_the_command_when_it_is_run_and_not_when_it_is_imported(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -15,6 +15,7 @@ from scipy import fft
 import contactstudy as cs
 from contactstudy.domain.device import caching
 from contactstudy.elasticity.transforms import TRANSFORMS
+from contactstudy.io.scene_files.scene_schema import KINDS
 from tests.conftest import LineContact
 
 NOTHING: dict[str, cs.Shape] = {
@@ -25,6 +26,10 @@ NOTHING: dict[str, cs.Shape] = {
     "crown": cs.Crown(inf),
     "tilt": cs.Tilt(0.0),
     "Lundberg profile": cs.LundbergProfile(0.0, 1e-6, length=1e-4),
+    "flat cylinder": cs.Cylinder(inf),
+    "profile": cs.ProfilePoints((0.0, 0.005), (0.0, 0.0)),
+    "relief": cs.EndRelief(0.01, 0.008),
+    "moving": cs.MovingShape(cs.Waviness(0.0, across=3e-5)),
 }
 
 
@@ -60,11 +65,17 @@ def test_an_effect_of_no_size_is_the_scene_without_it(
     plain = line_contact.scene
     without, transforms = solved(plain, line_contact, counted)
     with_it, more = solved(replace(plain, shapes=(*plain.shapes, NOTHING[name])), line_contact, counted)
-    assert NOTHING[name].gap(with_it.problem.grid).shape == (128, 1)
+    assert NOTHING[name].gap(with_it.problem.grid).shape in {(128, 1), (1, 64)}
     assert more == transforms
     assert transforms["forward"] > 0
     np.testing.assert_array_equal(with_it.pressure, without.pressure)
     assert with_it.approach == without.approach
+
+
+def test_every_shape_is_a_kind_of_scene_files_and_is_tried_without_height_or_always_has_one() -> None:
+    always_high = {"Sphere", "Ellipsoid", "FiniteLength"}
+    shapes = {name for name in dir(cs) if {"gap", "length_scales"} <= set(dir(getattr(cs, name)))}
+    assert {type(shape).__name__ for shape in NOTHING.values()} | always_high == shapes == KINDS[cs.Shape].keys()
 
 
 def test_stress_is_computed_where_it_is_read(line_contact: LineContact, counted: Counter[str]) -> None:

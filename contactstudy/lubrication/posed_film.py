@@ -21,8 +21,7 @@ from contactstudy.elasticity.convolution import (
 )
 from contactstudy.lubrication.film_equation import Film, FilmEquation, FilmScales, Mask
 from contactstudy.lubrication.lubricated_contact import FilmSolution
-from contactstudy.lubrication.newton.direct_solver import DirectSolver
-from contactstudy.lubrication.newton.krylov_solver import KrylovSolver
+from contactstudy.lubrication.newton.linear_solvers import DirectSolver, KrylovSolver
 from contactstudy.lubrication.newton.pseudo_time import FilmIteration, LinearSolver
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.loads import ConstantLoad, LineLoad

@@ -1,15 +1,21 @@
-"""Steady film on one grid: nested grids, continuation in speed where a cold start fails, and the contact in SI units."""
+"""Steady film on one grid: nested grids, continuation in speed where a cold start fails, and the contact in SI units.
 
-from collections.abc import Iterator
+In mixed lubrication the film ``H = H0 + gap + K (P_f + P_c)`` is no thinner than the boundary film ``H_b``, and where
+``H = H_b`` asperities carry a pressure ``P_c >= 0``. Lubricant flows in every cell, by its own pressure ``P_f`` and the
+thickness. Transverse ridges may have two solutions at one speed: ridges in a thick film, or flattened by contact. The
+film at a higher speed leads to the first where it exists, the dry contact to the second. Where cold starts fail, any
+film is followed from a higher speed down.
+"""
+
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from math import ceil, inf, log
+from math import ceil, inf, log, sqrt
 
 import numpy as np
 
 from contactstudy.domain.grid import Array, Grid, Padding, Paddings
 from contactstudy.lubrication.film_equation import INLET_CELLS, OUTLET_CELLS, Film, FilmEquation, Mask
 from contactstudy.lubrication.lubricated_contact import FilmSolution, ShearedFilm, rise_beside_lowest
-from contactstudy.lubrication.mixed import SpeedSteps, from_higher_speeds, other_films, solve_mixed
 from contactstudy.lubrication.newton.pseudo_time import FilmControls, FilmIteration, iterate
 from contactstudy.lubrication.posed_film import (
     OUTLET,
@@ -23,6 +29,7 @@ from contactstudy.lubrication.posed_film import (
 )
 from contactstudy.scene.scene import Scene
 from contactstudy.solvers.solution import Status
+from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # The inlet pressure sweep over the half-width is (H / SWEEP)^(2/3) with the film thickness H in Hertz units: there the
 # gap beside Hertz's contact, (2 sqrt(2) / 3) x^(3/2), is the film. An inlet of x_a half-widths gives a film that is too
@@ -33,6 +40,15 @@ SWEEP, INLET_ERROR = 0.94, 0.9
 # on cells wider than the inlet sweep, or if it rises by more than UNRESOLVED_RISE of itself from its lowest cell to the
 # next.
 STARVED, UNRESOLVED_RISE = 0.05, 0.5
+
+
+@dataclass(frozen=True)
+class SpeedSteps:
+    """Factor of each step in speed, the most increases, and the least factor of a decrease."""
+
+    factor: float
+    max_increases: int
+    min_factor: float
 
 
 @dataclass(frozen=True)
@@ -61,10 +77,53 @@ class SteadyTuning:
     relative_roughness: float = 2.0
     growth: float = 1.25
     distinct: float = 0.01
-    speeds: SpeedSteps = SpeedSteps(10.0, 4, 1.05)  # noqa: RUF009 (a frozen value)
+    speeds: SpeedSteps = SpeedSteps(10.0, 4, 1.05)
 
 
 TUNING = SteadyTuning()
+
+
+@dataclass(frozen=True)
+class MixedTuning:
+    """Tuning constants of the starts, chosen by what converges on ridges at 1 to 1e-6 times a speed.
+
+    At that speed Moes's load parameter M was 20 and 100.
+
+    Attributes
+    ----------
+    from_film, from_dry
+        First steps in pseudo-time. From the dry contact it is nearly Newton's: 5 to 9 steps at load
+        fractions above 0.88.
+    change
+        Largest change of ln(eta) in a step from a film.
+    max_active_set_iterations, max_active_set_iterations_along
+        Largest number of iterations for the active sets of a step, in plane strain and along the length. There a set
+        moves downstream by a few cells in an iteration, and need not converge in each step: with 12, films of a narrow
+        transition took three times the linear iterations.
+    dry_steps
+        Steps from the dry contact in plane strain: more are spent where there is a film.
+    dry_residual
+        Residual of the dry contact to start from.
+    speeds
+        Speeds of the continuation where neither start converges.
+    faster, slower
+        Factors on the speed of the films and the dry contacts from which other films are sought: of eight speeds of
+        three waves, where two films were known, one or both led to the other.
+    """
+
+    from_film: float = 0.1
+    from_dry: float = 10.0
+    change: float = 6.0
+    max_active_set_iterations: int = 12
+    max_active_set_iterations_along: int = 3
+    dry_steps: int = 30
+    dry_residual: float = 1e-10
+    speeds: SpeedSteps = SpeedSteps(1.3, 5, 1.02)
+    faster: float = 4.0
+    slower: float = 3.0
+
+
+MIXED = MixedTuning()
 
 
 def solve_on(
@@ -114,14 +173,14 @@ def _full_film(
 def _mixed_film(posed: PosedFilm, controls: FilmControls, before: FilmSolution | None) -> FilmIteration:
     """Return the film on a boundary film, from one `before`, or from that of the lubricant alone where this is thick."""
     if before is not None:
-        return solve_mixed(posed, controls, start_from(posed, before))
+        return _solve_mixed(posed, controls, start_from(posed, before))
     if posed.scales.expected_film <= posed.equation.boundary_film:
-        return solve_mixed(posed, controls)
+        return _solve_mixed(posed, controls)
     # on nested grids: on the finest alone it took ten times as long, or did not converge between high places
     alone = _nested(replace(posed, equation=replace(posed.equation, boundary_film=0.0)), controls)
     full = alone.film
     film = with_minimum_film(posed.equation, full.pressure, full.void, full.separation, posed.equation.boundary_film)
-    mixed = solve_mixed(posed, controls, (film, alone.cavitated))
+    mixed = _solve_mixed(posed, controls, (film, alone.cavitated))
     return replace(
         mixed,
         iterations=mixed.iterations + alone.iterations,
@@ -133,9 +192,9 @@ def _other_films(posed: PosedFilm, controls: FilmControls, *, is_cold: bool) -> 
     """Iterate over films from other starts: a cold one, lower heights, and of mixed films other speeds."""
     is_mixed = posed.equation.boundary_film > 0
     if not is_cold:
-        yield solve_mixed(posed, controls) if is_mixed else _nested(posed, controls)
+        yield _solve_mixed(posed, controls) if is_mixed else _nested(posed, controls)
     if is_mixed:
-        yield from other_films(posed, controls)
+        yield from _other_mixed_films(posed, controls)
     elif followed := _from_lower_heights(posed, controls):
         yield followed
 
@@ -175,7 +234,7 @@ def continued(posed: PosedFilm, controls: FilmControls) -> FilmIteration:
     cold = _nested(posed, controls)
     if cold.converged(controls.tolerance):
         return cold
-    from_higher_speed = from_higher_speeds(
+    from_higher_speed = _from_higher_speeds(
         posed,
         TUNING.speeds,
         controls.tolerance,
@@ -205,6 +264,133 @@ def _iterated(posed: PosedFilm, film: Film, controls: FilmControls, cavitated: M
     if posed.upstream.cells[1] > 1:
         controls = replace(controls, viscosity_change=TUNING.rough_change)
     return iterate(posed.equation, film, linear_solver(posed), controls, cavitated=cavitated)
+
+
+def _from_higher_speeds(
+    posed: PosedFilm,
+    steps: SpeedSteps,
+    tolerance: float,
+    cold: Callable[[PosedFilm], FilmIteration],
+    warm: Callable[[PosedFilm, FilmIteration], FilmIteration],
+) -> FilmIteration | None:
+    """Return the film that is followed from the first higher speed where a ``cold`` start converges.
+
+    Each lower speed has a ``warm`` start from the last; a step down that fails is tried again with the square root of
+    its factor. None where no higher speed converges, or the factor falls below the least.
+    """
+    wanted = faster = posed.equation.speed_parameter
+    for _ in range(steps.max_increases):
+        faster *= steps.factor
+        last = cold(posed.at(faster))
+        if last.converged(tolerance):
+            break
+    else:
+        return None
+    factor = steps.factor
+    while faster > wanted:
+        slower = faster / factor
+        if slower <= wanted * steps.min_factor:  # avoid a tiny last step
+            slower = wanted
+        trial = warm(posed.at(slower), last)
+        if trial.converged(tolerance):
+            last, faster = trial, slower
+        else:
+            factor = sqrt(factor)
+            if factor <= steps.min_factor:
+                return None
+    return last
+
+
+def _solve_mixed(posed: PosedFilm, controls: FilmControls, warm: tuple[Film, Mask] | None = None) -> FilmIteration:
+    """Return the film from the first start that converges, else that of the least residual.
+
+    The starts are ``warm`` (a film and its cavitated cells), Hertz's pressure on the film of Moes, the dry contact, and
+    in plane strain higher speeds. The dry contact comes before Hertz's pressure where the film of Moes is thinner than
+    the boundary film.
+    """
+    controls, film_controls, dry_controls = _mixed_controls(posed, controls)
+    in_plane_strain = posed.upstream.cells[1] == 1
+    iterations: list[FilmIteration] = []
+    if warm is not None:
+        film, cavitated = warm
+        near_dry = not in_plane_strain and 2 * film.asperity_pressure.sum() > film.total_pressure.sum()
+        if near_dry:
+            iterations.append(_mixed_iterated(posed, film, dry_controls, cavitated))
+        if not (iterations and iterations[-1].converged(controls.tolerance)):
+            iterations.append(_mixed_iterated(posed, film, film_controls, cavitated))
+    starts = [(_film_start, film_controls), (_dry_start, dry_controls)]
+    if posed.scales.expected_film < posed.equation.boundary_film:
+        starts.reverse()
+    for start, start_controls in starts:
+        if iterations and iterations[-1].converged(controls.tolerance):
+            return iterations[-1]
+        iterations.append(_mixed_iterated(posed, start(posed), start_controls))
+    if in_plane_strain and not iterations[-1].converged(controls.tolerance):
+        from_higher_speed = _from_higher_speeds(
+            posed,
+            MIXED.speeds,
+            controls.tolerance,
+            lambda faster: _mixed_iterated(faster, _film_start(faster), film_controls),
+            lambda slower, last: _mixed_iterated(slower, last.film, film_controls),
+        )
+        iterations += [from_higher_speed] if from_higher_speed else []
+    return min(iterations, key=lambda iteration: iteration.residual)
+
+
+def _other_mixed_films(posed: PosedFilm, controls: FilmControls) -> Iterator[FilmIteration]:
+    """Iterate over films in plane strain from a faster one, and from the dry contact at a lower speed."""
+    controls, film_controls, dry_controls = _mixed_controls(posed, controls)
+    speed = posed.equation.speed_parameter
+    for factor, start, start_controls in (
+        (MIXED.faster, _film_start, film_controls),
+        (1 / MIXED.slower, _dry_start, dry_controls),
+    ):
+        other = posed.at(factor * speed)
+        at_other_speed = _mixed_iterated(other, start(other), start_controls)
+        if at_other_speed.converged(controls.tolerance):
+            yield _mixed_iterated(posed, at_other_speed.film, film_controls)
+
+
+def _mixed_controls(posed: PosedFilm, controls: FilmControls) -> tuple[FilmControls, FilmControls, FilmControls]:
+    """Return the controls of a mixed film, those from a film, and those from the dry contact."""
+    in_plane_strain = posed.upstream.cells[1] == 1
+    controls = replace(
+        controls,
+        max_active_set_iterations=MIXED.max_active_set_iterations
+        if in_plane_strain
+        else MIXED.max_active_set_iterations_along,
+    )
+    film_controls = replace(
+        controls, time_step=MIXED.from_film, viscosity_change=MIXED.change, converged_only=in_plane_strain
+    )
+    dry_controls = replace(controls, time_step=MIXED.from_dry)
+    if in_plane_strain:
+        dry_controls = replace(dry_controls, max_iterations=MIXED.dry_steps)
+    return controls, film_controls, dry_controls
+
+
+def _film_start(posed: PosedFilm) -> Film:
+    """Return Hertz's pressure on the film of Moes, raised to the boundary film, without contact."""
+    start, equation = hertz_start(posed), posed.equation
+    rise = max(0.0, equation.boundary_film - float(start.thickness.min()))
+    return equation.film_of(start.pressure, start.void, start.separation + rise)
+
+
+def _dry_start(posed: PosedFilm) -> Film:
+    """Return the dry contact on the boundary film, in a gap full of lubricant without pressure."""
+    equation = posed.equation
+    options = SolveOptions(tolerance=MIXED.dry_residual)
+    dry = solve_contact(posed.problem, options, posed.dry_pressure).pressure[: len(posed.x)]
+    asperity_pressure = np.asarray(dry / posed.scales.hertz.peak_pressure)
+    zeros = np.zeros_like(asperity_pressure)
+    below = (equation.gap + equation.deflection(asperity_pressure)).min()
+    return equation.film_of(zeros, zeros, equation.boundary_film - float(below), asperity_pressure)
+
+
+def _mixed_iterated(
+    posed: PosedFilm, start: Film, controls: FilmControls, cavitated: Mask | None = None
+) -> FilmIteration:
+    return iterate(posed.equation, start, linear_solver(posed), controls, cavitated=cavitated)
 
 
 def film_solution(

@@ -6,7 +6,7 @@ import pytest
 import contactstudy as cs
 from contactstudy.answers.lubricated_contact import film_answer
 from contactstudy.lubrication.film_equation import neighbour
-from contactstudy.lubrication.newton import krylov_solver
+from contactstudy.lubrication.newton import linear_solvers
 from contactstudy.lubrication.newton.pseudo_time import FilmControls
 from contactstudy.lubrication.posed_film import pose
 from contactstudy.lubrication.solve_lubricated import solve_lubricated
@@ -68,8 +68,8 @@ def test_the_local_stage_changes_the_way_to_a_film_and_not_the_film(
     """Lines along short cells, where they are compiled, lines across, and factors."""
     scene = by_moes(20, 5, crossed(0.3 * film_scale(by_moes(20, 5))))
     films = [solve_lubricated(scene, grid(64, 4.0, along, period))]
-    for name, stage in (("compiled_sweep", lambda: None), ("_by_lines", krylov_solver._by_factors)):
-        monkeypatch.setattr(krylov_solver, name, stage)
+    for name, stage in (("compiled_sweep", lambda: None), ("_by_lines", linear_solvers._by_factors)):
+        monkeypatch.setattr(linear_solvers, name, stage)
         films.append(solve_lubricated(scene, grid(64, 4.0, along, period)))
     *by_lines, by_factors = films
     for film in by_lines:

@@ -1,10 +1,11 @@
-"""Linear system of a step where the film varies along its length: GMRES with two multiplicative preconditioners.
+"""Linear systems of a step: solved directly in plane strain, else by GMRES with two multiplicative preconditioners.
 
-The Fourier stage inverts the system averaged over the length, one harmonic at a time: it has the elasticity of long
-range. In its average, the equation of a touching cell is that of its film thickness. The local stage solves for what
-that leaves, with the coefficients of a cell and its neighbours and a small fraction of the elasticity: it has the
-variation of the conductance by orders of magnitude. It takes lines in turn along the shorter sides of the cells, or
-sparse LU factors where cells touch. The equations of touching cells have the preconditioner of the dry contact there.
+By elasticity all cells act on each other. The Fourier stage of the preconditioner inverts the system averaged over the
+length, one harmonic at a time: it has the elasticity of long range. In its average, the equation of a touching cell is
+that of its film thickness. The local stage solves for what that leaves, with the coefficients of a cell and its
+neighbours and a small fraction of the elasticity: it has the variation of the conductance by orders of magnitude. It
+takes lines in turn along the shorter sides of the cells, or sparse LU factors where cells touch. The equations of
+touching cells have the preconditioner of the dry contact there.
 """
 
 from collections.abc import Callable
@@ -20,7 +21,7 @@ from scipy.sparse.linalg import LinearOperator, gmres, splu
 
 from contactstudy.domain.grid import Array
 from contactstudy.elasticity.convolution import Convolution
-from contactstudy.lubrication.film_equation import Film, Linearised, Mask, neighbour
+from contactstudy.lubrication.film_equation import Bands, Film, FilmEquation, Linearised, Mask, neighbour
 from contactstudy.lubrication.newton.pseudo_time import ActiveSets, FilmCorrection
 from contactstudy.problem.problem import ApproximateInverse, Extension
 
@@ -31,6 +32,96 @@ from contactstudy.problem.problem import ApproximateInverse, Extension
 ELASTICITY, ELASTICITY_ALONG, PASSES = (0.05, 0.1), (0.03, 0.03), 3
 # Function that solves for a right-hand side (x, y), approximately.
 LocalStage = Callable[[Array], Array]
+
+
+@dataclass(frozen=True, eq=False)
+class DirectSolver:
+    """Gaussian elimination; ``influence`` (i, j) is the deflection of cell i under a unit pressure on cell j."""
+
+    influence: Array
+
+    @classmethod
+    def for_equation(cls, equation: FilmEquation) -> "DirectSolver":
+        """Return the solver for ``equation`` in plane strain, whose deflection is a convolution."""
+        first = np.zeros(equation.gap.shape)
+        first[0] = 1
+        downstream, upstream = (equation.deflection(end)[:, 0] for end in (first, first[::-1]))
+        index = np.arange(len(downstream))
+        return cls(np.concatenate((upstream[:-1], downstream))[len(downstream) - 1 + index[:, None] - index])
+
+    def step(self, linear: Linearised, film: Film, active: ActiveSets, load_residual: float) -> FilmCorrection:
+        """Return the step for given ``active`` sets.
+
+        The unknowns are the pressure or the void fraction of each cell, the asperity pressure of each touching cell, and
+        the separation; the rows are the flow balance of each cell, the thickness of each touching cell, and the load.
+        """
+        equation, width = linear.equation, linear.equation.cell[0]
+        n, fixed, cavitated = len(film.thickness), equation.fixed[:, 0], active.cavitated[:, 0]
+        full_film = ~(cavitated | fixed)
+        by_deflection = self._by_deflection(linear)
+        # prescribed changes: pressures and voids that vanish
+        pressure = np.where(cavitated, -film.pressure[:, 0], 0.0)
+        void = np.where(cavitated, 0.0, -film.void[:, 0])
+        change = linear.change_with(pressure[:, None], void[:, None], equation.deflection(pressure[:, None]))
+        balance = -(linear.residual + change)[:, 0]
+        load_residual -= width * pressure.sum()
+        touching_cells = np.flatnonzero(active.touching)
+        asperity_pressure = np.where(active.touching, 0.0, -film.asperity_pressure)[:, 0]
+        balance -= by_deflection @ asperity_pressure
+        load_residual -= width * asperity_pressure.sum()
+        balance[fixed] = 0
+
+        size = n + len(touching_cells) + 1
+        system = np.zeros((size, size))
+        system[:n, :n] = by_deflection + _matrix(linear.pressure, n)
+        system[:n, :n][:, cavitated] = _matrix(linear.void, n)[:, cavitated]
+        system[:n, -1] = np.asarray(sum(linear.thickness.values()))[:, 0]
+        system[-1, :n] = width * full_film
+        rhs = np.zeros(size)
+        rhs[:n], rhs[-1] = balance, load_residual
+        if len(touching_cells):
+            system[:n, n:-1] = by_deflection[:, touching_cells]
+            system[n:-1, :n] = self.influence[touching_cells] * full_film
+            system[n:-1, n:-1] = self.influence[np.ix_(touching_cells, touching_cells)]
+            system[n:-1, -1] = 1
+            system[-1, n:-1] = width
+            distance = equation.boundary_film - film.thickness[:, 0] - self.influence @ (pressure + asperity_pressure)
+            rhs[n:-1] = distance[touching_cells]
+        system[:n][fixed] = np.eye(n, size)[fixed]
+        scale = np.abs(system).max(axis=1)
+        system /= scale[:, None]
+        try:
+            solution = np.linalg.solve(system, rhs / scale)
+        except np.linalg.LinAlgError:
+            unchanged = film.pressure, film.asperity_pressure, film.void, 0.0
+            return FilmCorrection(*unchanged, self, solved=False)
+        unknown, asperity_pressure[touching_cells] = solution[:n], solution[n:-1]
+        return FilmCorrection(
+            np.where(cavitated, pressure, unknown)[:, None],
+            asperity_pressure[:, None],
+            np.where(cavitated, unknown, void)[:, None],
+            float(solution[-1]),
+            self,
+        )
+
+    def _by_deflection(self, linear: Linearised) -> Array:
+        """Return the derivatives (n, n) of the flow balance by asperity pressures, which only deflect the surfaces."""
+        n = len(self.influence)
+        matrix = np.zeros((n, n))
+        for (offset, _), coefficient in linear.thickness.items():
+            first, end = max(0, -offset), min(n, n - offset)
+            # a diagonal times the influence is the influence with its rows shifted
+            matrix[first:end] += coefficient[first:end] * self.influence[first + offset : end + offset]
+        return matrix
+
+
+def _matrix(bands: Bands, n: int) -> Array:
+    """Return the matrix (n, n) of bands in plane strain."""
+    matrix = np.zeros((n, n))
+    for (offset, _), coefficient in bands.items():
+        index = np.arange(max(0, -offset), min(n, n - offset))
+        matrix[index, index + offset] = coefficient[index, 0]
+    return matrix
 
 
 def local_stage(linear: Linearised, cavitated: Mask, touching: Mask) -> LocalStage:

@@ -7,6 +7,7 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast, overload
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from contactstudy.answers.contact import Contact, contact_answer
@@ -14,7 +15,7 @@ from contactstudy.answers.judgement import finer_grid, halved_grid, widened
 from contactstudy.domain.device import ONE_THREAD, Cpu, Device, using
 from contactstudy.domain.errors import DEFAULT_ERROR, Request, pressure_request
 from contactstudy.domain.grid import Array, ExactPeriodicity, Grid, Padding, Paddings, on_cells
-from contactstudy.domain.validation import InvalidInput, checked_errors, valid
+from contactstudy.domain.validation import InvalidInput, checked_errors, readable, valid
 from contactstudy.problem.problem import Problem
 from contactstudy.progress import Progress, Reporter
 from contactstudy.scene import scene as methods
@@ -29,6 +30,8 @@ if TYPE_CHECKING:
 
 # Most iterations of a film by default, and the fraction of the requested error for its steps in time.
 FILM_ITERATIONS, STEP_FRACTION = 300, 0.5
+# Relative difference of two extents that is rounding, and of two loads below which a start is that of the same load.
+SAME, SAME_LOAD = 1e-6, 1e-2
 # Largest error of the steps on coarser cells to compare with.
 LARGEST_STEP_ERROR = 0.3
 # Cells times convolutions that a further grid may take for the numbers of an answer, its estimate left out: about a
@@ -104,8 +107,9 @@ def solve(
     times
         Instants [s] to record, or :class:`~contactstudy.TimeSteps`, of a scene that changes in time.
     start
-        Pressure (x, y) [Pa] or answer to begin with; of a film a :class:`~contactstudy.LubricatedContact`. A contact
-        with adhesion continues from the state of an answer.
+        Pressure (x, y) [Pa] or answer to begin with, on a grid of the same extent; one of another load is scaled, and
+        the note of the answer says so. Of a film a :class:`~contactstudy.LubricatedContact`. A contact with adhesion
+        continues from the state of an answer.
     folder
         Folder in which a dry scene with state variables (creep, wear, yielding, fretting) keeps its frames, to go on
         from there after a stop; those of a grid that was refined in a folder of their own in it.
@@ -256,7 +260,17 @@ class _Request:
                 options,
                 solver=ReportingSolver(Reporter(self.progress, options.tolerance, problem).iteration, options.solver),
             )
-        return contact_answer(solve_contact(problem, options, self.first_pressure, self.device))
+        given, extent = getattr(self.start, "grid", problem.grid).extent, problem.grid.extent
+        if not np.allclose(given, extent, rtol=SAME, atol=0):
+            there, here = (" x ".join(map(readable, sides)) for sides in (given, extent))
+            raise InvalidInput(f"solve.start is on a grid of {there}, and this one is {here}: give one of that extent.")
+        solution = solve_contact(problem, options, self.first_pressure, self.device)
+        if self.start is not None and before is None and solution.pressure.any():
+            carried = float(np.sum(self.first_pressure) / solution.pressure.sum())
+            if abs(carried - 1) > SAME_LOAD:
+                note = f"The pressure in solve.start carried {carried:.3g} times the load, and was scaled to it."
+                solution = replace(solution, note=f"{solution.note} {note}".lstrip())
+        return contact_answer(solution)
 
     def contact(self) -> Contact:
         """Solve a static contact."""
@@ -497,7 +511,7 @@ def grid_for_numbers(answer: Any, *, is_default: bool) -> Grid | None:
     parts = answer.error.l1.by_cause
     if not parts or max(parts, key=parts.__getitem__) != "discretisation":
         return None
-    scene = answer.posed.scene if hasattr(answer, "posed") else answer.scene
+    scene = answer.scene
     if any(map(yields, scene.solids)):  # plastic strain takes the third power of the cells
         return None
     most = DEFAULT_WORK if is_default else REQUESTED_WORK

@@ -9,6 +9,7 @@ from math import inf, isfinite, prod
 from typing import TYPE_CHECKING
 
 from contactstudy.accuracy.error_terms import IMAGES_REMEDY
+from contactstudy.accuracy.plausibility import beyond_half_space
 from contactstudy.answers.judgement import Judged, finer_grid, judged_numbers, without_bound
 from contactstudy.domain.errors import PRESSURE, ErrorEstimate, ErrorParts, InNotebook, Request
 from contactstudy.domain.grid import Grid, Padding, Paddings, cells_text
@@ -42,6 +43,8 @@ class Answer(InNotebook):
 
     Attributes
     ----------
+    scene
+        Scene that was solved; None for a problem that was not made of one.
     requested
         Requested relative error of every number, or errors by name; None without a request.
     status
@@ -58,6 +61,8 @@ class Answer(InNotebook):
 
     if TYPE_CHECKING:
 
+        @property
+        def scene(self) -> Scene | None: ...  # noqa: D102
         @property
         def requested(self) -> Request | None: ...  # noqa: D102
         @property
@@ -136,7 +141,16 @@ class Answer(InNotebook):
 
     @property
     def accuracy(self) -> str:
-        """Sentence on the accuracy, such as ``1 % met by every number: 0.2 % in L1, 0.7 % in the half-width``."""
+        """Sentence on the accuracy, such as ``1 % met by every number: 0.2 % in L1, 0.7 % in the half-width``.
+
+        Before it stands whether the bodies are too small to be half-spaces.
+        """
+        fault = beyond_half_space(self.scene)
+        return f"{fault.rstrip('.')}; as half-spaces: {self._accuracy}" if fault else self._accuracy
+
+    @property
+    def _accuracy(self) -> str:
+        """Sentence on the accuracy of the scene as it is modelled."""
         numbers = list(self.judged.values())
         measure, parts = self.judged_error
         reached = f"{per_cent(parts.total)} {measure}" if isfinite(parts.total) else f"no bound {measure}"
@@ -191,22 +205,27 @@ class Answer(InNotebook):
 
     def summary(self) -> str:
         """Return accuracy, warnings, quantities with their bounds, status, extent, surfaces and work as text."""
-        size = "  extent {} x {}".format(*map(readable, self.grid.extent))
-        surfaces = (f"  {note}" for note in surface_notes(getattr(self, "scene", None)))
-        status = f"  {self.status}"
-        return "\n".join(
-            (self.accuracy, *self._warnings, as_text(self.quantities), status, size, *surfaces, f"  {self.work}")
-        )  # fmt: skip
+        size = "extent {} x {}".format(*map(readable, self.grid.extent))
+        lines = [f"  {line}" for line in (self.status, size, *surface_notes(self.scene), self.work)]
+        if note := getattr(self, "note", ""):
+            lines.append(f"  note: {note}")
+        return "\n".join((self.accuracy, *self._lines_of_warnings, as_text(self.quantities), *lines))
 
     @property
-    def _warnings(self) -> list[str]:
-        """Line of each warning that is no reason below the table of quantities."""
-        reasons = {quantity.reason for quantity in self.quantities.values()}
-        return [f"  warning: {warning}" for warning in self.error.warnings if warning not in reasons]
+    def warnings(self) -> tuple[str, ...]:
+        """Warnings that are no reason in the table of quantities, first whether bodies are too small for half-spaces."""
+        reasons = {"", *(quantity.reason for quantity in self.quantities.values())}
+        every = beyond_half_space(self.scene), *self.error.warnings
+        return tuple(warning for warning in every if warning not in reasons)
+
+    @property
+    def _lines_of_warnings(self) -> list[str]:
+        """Lines with the warnings that the accuracy does not say."""
+        return [f"  warning: {warning}" for warning in self.warnings if warning in self.error.warnings]
 
     def __repr__(self) -> str:
         """Return accuracy, up to two warnings, status and the first quantities with their bounds, in up to ten lines."""
-        warnings = self._warnings[:2]
+        warnings = self._lines_of_warnings[:2]
         shown = SHOWN - len(warnings)
         counts = range(shown, 0, -1)  # with the reasons of those without a bound
         tables = (as_text(dict(islice(self.quantities.items(), count))) for count in counts)

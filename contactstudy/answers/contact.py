@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 from contactstudy.accuracy.coarser import coarse_solution, comparable
 from contactstudy.accuracy.estimate import error_estimate
-from contactstudy.accuracy.plausibility import beyond_half_space
 from contactstudy.answers.answer import Answer, Coarser, levels_below
 from contactstudy.answers.judgement import with_nested_bounds
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts, Request
@@ -228,12 +227,6 @@ class Contact(Answer, Solution):
         if self.error.pull_off is not None:
             return "in the pull-off load", self.error.pull_off
         return super().judged_error
-
-    @property
-    def accuracy(self) -> str:
-        """Sentence on the accuracy, before it whether the bodies are too small to be half-spaces."""
-        fault = beyond_half_space(self.scene)
-        return f"{fault.rstrip('.')}; as half-spaces: {super().accuracy}" if fault else super().accuracy
 
     @property
     def counts(self) -> Counts:

@@ -87,6 +87,11 @@ class Evolution(Answer):
         return worst([frame.status for frame in self.frames])
 
     @property
+    def scene(self) -> Scene:
+        """The scene."""
+        return self.posed.scene
+
+    @property
     def grid(self) -> Grid:
         """Grid of the fields."""
         return self.posed.grid
@@ -207,10 +212,10 @@ class Evolution(Answer):
             self.posed,
             self.error.l1,
         )
-        if self.trajectory is not None and self.posed.scene.adhesion is not None:
+        if self.trajectory is not None and self.scene.adhesion is not None:
             from contactstudy.evolution.stationary import changes_of_contact, net_work
 
-            frames, load = self.trajectory.frames, self.posed.scene.load
+            frames, load = self.trajectory.frames, self.scene.load
             errors = [frame.quantities["approach"].bound for frame in self.frames]
             work = net_work(frames, errors, load)
             numbers = cycle_quantities(work, **changes_of_contact(frames, load)) | numbers

@@ -76,10 +76,6 @@ class LubricatedContact(Answer, FilmSolution):
             "flux_spread": (self.flux_spread, "relative imbalance of the mass flow"),
         }
 
-    def summary(self) -> str:
-        """Return accuracy, warnings, quantities with their bounds, status, work and a note as text."""
-        return super().summary() + (f"\n  note: {self.note}" if self.note else "")
-
     def to_dataset(self) -> "xr.Dataset":
         """Return fields (x, y) and quantities with units, long names, bounds, errors by cause and the scene."""
         with needed_for("LubricatedContact.to_dataset"):

@@ -14,6 +14,7 @@ import numpy as np
 import contactstudy as cs
 from contactstudy.answers.answer import Answer
 from contactstudy.domain.grid import Array
+from contactstudy.domain.validation import readable
 from studies.engine.progress import LINE_INTERVAL, bar_of, is_terminal
 from studies.store.stop import Stop, StopRun
 
@@ -72,7 +73,7 @@ def solve_with_progress(
     contact at rest, stay in `folder`, so that the solve can continue from there.
     """
     frames_folder = folder / f"{scene.stem}.evolution"
-    first = None if start is None else pressure_in(start)
+    first = None if start is None else pressure_in(start, described.grid)
     with Stop() as stop:
         try:
             with stop.interruptible():
@@ -123,11 +124,16 @@ def _keep_stopped(stopped: cs.Progress, path: Path) -> Path:
     return path
 
 
-def pressure_in(path: Path) -> Array:
-    """Return the pressure (x, y) [Pa] in a file that ``contactstudy solve`` wrote."""
+def pressure_in(path: Path, grid: cs.Grid | None) -> Array:
+    """Return the pressure (x, y) [Pa] in a file of ``contactstudy solve``, as wide as a `grid` if one is given."""
     from studies.store.netcdf import read_any
 
     dataset = read_any(path)
     if "pressure" not in dataset or dataset["pressure"].dims != ("x", "y"):
         raise cs.InvalidInput(f"--start is {str(path)!r}, which has no pressure over (x, y): give a solution.")
+    x = dataset["x"].values
+    width = (x[1] - x[0]) * len(x)
+    if grid is not None and not np.isclose(width, grid.extent[0], rtol=1e-6, atol=0):
+        here, there = readable(grid.extent[0]), readable(width)
+        raise cs.InvalidInput(f"--start is {str(path)!r}, {there} wide, and the grid is {here}: give one as wide.")
     return np.asarray(dataset["pressure"].values, dtype=np.float64)

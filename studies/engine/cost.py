@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from time import process_time
 from typing import Any
 
 import contactstudy as cs
@@ -16,7 +17,8 @@ from studies.store.journal import Journal
 from studies.store.provenance import machine
 from studies.store.stop import Stop
 
-MAX_PLANNED = 16  # cases that are planned at most, evenly spaced
+# Cases that are planned at most, evenly spaced, and seconds after which no further one is planned.
+MAX_PLANNED, MAX_SECONDS = 16, 2.0
 
 
 def estimate_cost(study: Study, out: Path, *, options: RunOptions, log: Log = print) -> float | None:
@@ -64,13 +66,18 @@ def estimate_cost(study: Study, out: Path, *, options: RunOptions, log: Log = pr
 
 
 def planned_seconds(cases: Sequence[Computation]) -> float:
-    """Return the seconds of all cases, one after the other on one thread, from the plans of a few of them."""
-    chosen: Sequence[Any] = cases[:: -(-len(cases) // MAX_PLANNED) or 1]
-    planned = [
-        cs.plan(
-            case.scene, grid=case.grid, padding=case.padding,
-            times=getattr(case, "time_steps", None),
-        ).seconds
-        for case in chosen
-    ]  # fmt: skip
-    return sum(planned) * len(cases) / max(len(planned), 1)
+    """Return the seconds of all cases, one after the other on one thread, from the plans of a few of them.
+
+    These are evenly spaced, half as far apart from one round to the next, as long as the time allows.
+    """
+    begin, planned = process_time(), dict[int, float]()
+    count = min(len(cases), MAX_PLANNED)
+    for parts in (1, 2, 4, 8, 16):
+        for part in range(parts):
+            number = (2 * part + 1) * len(cases) // (2 * parts)
+            is_in_time = not planned or process_time() - begin < MAX_SECONDS
+            if number not in planned and len(planned) < count and is_in_time:
+                case: Any = cases[number]
+                steps = getattr(case, "time_steps", None)
+                planned[number] = cs.plan(case.scene, grid=case.grid, padding=case.padding, times=steps).seconds
+    return sum(planned.values()) * len(cases) / max(len(planned), 1)

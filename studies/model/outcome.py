@@ -97,6 +97,12 @@ def summary_messages(dataset: xr.Dataset) -> Iterator[str]:
             first = f", the first with {why[places][met == 0][0]}" if why.dtype.kind in "OU" else ""
             verb = "misses" if missed == 1 else "miss"
             yield f"{missed} of {counted(places.size, 'case')} {verb} the requested accuracy{first}"
+    if "warnings" in dataset and dataset["warnings"].shape == statuses.shape:
+        warnings = [text for text in dataset["warnings"].values.ravel()[places] if isinstance(text, str) and text]
+        if warnings:
+            verb = "warns" if len(warnings) == 1 else "warn"
+            cases = counted(places.size, "case")
+            yield f"{len(warnings)} of {cases} {verb}, the first: {warnings[0]} See 'warnings'."
     unbounded = {}
     for name, bound in dataset.data_vars.items():
         value = dataset.get(str(name).removesuffix("_bound"))

@@ -35,6 +35,8 @@ def measures(case: Case, answer: Answer) -> Mapping[str, xr.Variable]:
     reasons = (f"{name}: {one.reason}" for name, one in recorded.items() if isinf(one.bound) and not one.is_formula)
     about = {"long_name": "numbers without a bound, and why"}
     measured["without_bound"] = xr.Variable((), one_line(" ".join(reasons)), about)
+    about = {"long_name": "warnings that are no reason of a number without a bound"}
+    measured["warnings"] = xr.Variable((), one_line(" ".join(answer.warnings)), about)
     if answer.met is not None:
         missed = (name for name, number in answer.judged.items() if 1 < number.ratio < inf)
         about = {"long_name": "numbers whose bounds are above the requested accuracy"}

@@ -30,8 +30,9 @@ from studies.model.study import Point, Study
 from studies.scene_study.document import Table, tables, varied_scenes, with_other_values
 from studies.scene_study.measures import measures
 
-# Number of points that are all planned. Of more, every n-th by width is, and the widest: up to 13 in all.
-MAX_PLANNED = 8
+# Number of points that are all planned. Of more, every n-th by width is, and the widest: up to 13 in all. The same of
+# scenes that change in time, whose plans solve some contacts: up to 4.
+MAX_PLANNED, MAX_PLANNED_IN_TIME = 8, 3
 DIFFERENT_SURFACES = (
     "random surfaces differ between grids, because the shortest of their periods does not divide all: give "
     "Roughness an extent whose length divides all periods for one surface"
@@ -127,7 +128,8 @@ def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:
         return [_planned_grid(point) for point in points], [note]
     requirements = [grid_requirements(point.scene) for point in points]
     by_width = sorted(range(len(points)), key=lambda number: requirements[number].half_width)
-    step = 1 if len(points) <= MAX_PLANNED else len(points) // (MAX_PLANNED - 1)
+    most = MAX_PLANNED_IN_TIME if any(point.scene.method.takes_times for point in points) else MAX_PLANNED
+    step = 1 if len(points) <= most else len(points) // (most - 1)
     planned = [_planned_grid(points[number]) for number in dict.fromkeys([*by_width[::step], by_width[-1]])]
     width = max(grid.extent[0] for grid in planned)
     periods = {grid.length for grid in planned}

@@ -58,3 +58,21 @@ def test_a_number_at_an_edge_is_refined_for_where_it_is_named(name: str, frictio
     named, plain = (cs.solve(scene, error=error) for error in ({name: 0.1}, 0.1))
     assert named.met
     assert named.grid.cells > plain.grid.cells
+
+
+def test_a_pressure_of_another_load_is_scaled_and_said_and_one_of_another_extent_is_refused() -> None:
+    scene, grid = films.DRY, films.grid(24, 1.2)
+    before = cs.solve(scene, grid, EXACT)
+    assert cs.solve(scene, grid, EXACT, start=before).note == before.note
+    heavier = cs.solve(replace(scene, load=cs.LineLoad(1.2 * scene.largest_load)), grid, EXACT, start=before)
+    assert "carried 0.833 times the load" in heavier.summary()
+    with pytest.raises(cs.InvalidInput, match="is on a grid of"):
+        cs.solve(scene, films.grid(24, 1.3), EXACT, start=before)
+
+
+def test_an_evolution_says_that_its_bodies_are_too_small_for_half_spaces() -> None:
+    soft = cs.HalfSpace(1e6, 0.3)
+    scene = cs.Scene(cs.LoadHistory((0.0, 1.0), (500.0, 1000.0)), (soft, soft), (cs.Cylinder(0.01),))
+    answer = cs.solve(scene, cs.Grid((24, 1), (0.015, 0.01)), EXACT)
+    assert "half-space" in answer.accuracy
+    assert answer.accuracy.startswith(answer.warnings[0].rstrip("."))

@@ -36,7 +36,7 @@ def test_what_is_recorded_of_a_film_is_that_of_its_contact() -> None:
     assert float(measured["central_film_bound"]) == pytest.approx(film.error.central_film.total * film.central_film)
 
 
-def test_a_run_names_what_did_not_converge_what_misses_its_accuracy_and_what_has_no_bound() -> None:
+def test_a_run_names_what_did_not_converge_misses_its_accuracy_warns_and_has_no_bound() -> None:
     at_edge = cs.Status.CONTACT_AT_EDGE
     ended = [solver_status(status, "how it ended") for status in (cs.Status.CONVERGED, at_edge, at_edge)]
     for status, flag in zip((cs.Status.CONVERGED, at_edge), ended, strict=False):
@@ -47,6 +47,7 @@ def test_a_run_names_what_did_not_converge_what_misses_its_accuracy_and_what_has
         "case_status": [CaseStatus.OK] * 3,
         "accuracy_met": [1, 0, 1],
         "accuracy_missed": ["", "1 % not met: 3 % in L1", ""],
+        "warnings": ["The bodies are no half-spaces.", "", ""],
         "peak_pressure": [1.0, 2.0, nan],
         "peak_pressure_bound": [0.1, inf, inf],
         "approach": [1.0, 2.0, 3.0],
@@ -57,6 +58,7 @@ def test_a_run_names_what_did_not_converge_what_misses_its_accuracy_and_what_has
     assert list(summary_messages(dataset)) == [
         "2 of 3 solves ended with CONTACT_AT_EDGE; see 'solver_status'",
         "1 of 3 cases misses the requested accuracy, the first with 1 % not met: 3 % in L1",
+        "1 of 3 cases warns, the first: The bodies are no half-spaces. See 'warnings'.",
         "no bound of peak_pressure in 1 of 3 cases",
     ]
 

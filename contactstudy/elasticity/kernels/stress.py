@@ -11,7 +11,6 @@ from functools import cache
 import numpy as np
 from numpy.polynomial.chebyshev import chebpts1, chebvander
 from numpy.typing import ArrayLike, NDArray
-from scipy.linalg import eigh_tridiagonal
 
 from contactstudy.domain.grid import Array
 from contactstudy.elasticity.kernels.displacement import column_and_row, mean_gauss_rule
@@ -404,19 +403,11 @@ def _tail(start: int) -> tuple[Array, Array]:
     remainder = 1 / (end - 0.5)
     t = np.append(1 / m, (1 + nodes) / 2 * remainder)
     weights = np.append(m**-2, tail_weights * remainder)
-    # Lanczos: the three-term recurrence of the polynomials orthogonal over this sum
-    vectors = [np.sqrt(weights / weights.sum())]
-    diagonal, off = [], []
-    for _ in range(TAIL_POINTS):
-        following = t * vectors[-1]
-        diagonal.append(float((following * vectors[-1]).sum()))
-        for _again in range(2):
-            for vector in vectors:
-                following = following - (following * vector).sum() * vector
-        off.append(float(np.sqrt((following**2).sum())))
-        vectors.append(following / off[-1])
-    nodes, eigenvectors = eigh_tridiagonal(np.array(diagonal), np.array(off[:-1]))
-    return 1 / nodes, weights.sum() * (eigenvectors[0] / nodes) ** 2
+    # Golub & Welsch: the product with t, in an orthonormal basis of the polynomials over this sum
+    root = np.sqrt(weights)
+    basis = np.linalg.qr(root[:, None] * chebvander(2 * start * t - 1, TAIL_POINTS - 1)).Q
+    nodes, vectors = np.linalg.eigh(basis.T @ (t[:, None] * basis))
+    return 1 / nodes, (vectors.T @ (basis.T @ root) / nodes) ** 2
 
 
 def stress_cell_doubly_periodic(

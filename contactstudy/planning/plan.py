@@ -12,6 +12,7 @@ from contactstudy.domain.device import ONE_THREAD, Device, available_bytes, chec
 from contactstudy.domain.errors import DEFAULT_ERROR, InNotebook, Request, pressure_request
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings, across_and_along
 from contactstudy.domain.validation import InvalidInput, Metres, checked_errors, readable, set_fields, valid
+from contactstudy.elasticity.convolution import padded_cells
 from contactstudy.planning.grid_requirements import CONSTANTS as GRID
 from contactstudy.planning.grid_requirements import (
     flat_grid,
@@ -73,7 +74,7 @@ def _seconds(problem: Problem, device: Device) -> float:
 
 def memory(grid: Grid, padding: Padding | Paddings) -> int:
     """Return the bytes that a solve holds at most."""
-    return solve_bytes(grid, across_and_along(padding))
+    return solve_bytes(grid, prod(padded_cells(grid, across_and_along(padding))))
 
 
 def within_memory(grid: Grid, padding: Padding | Paddings, bytes_at_most: float) -> Grid:

@@ -9,10 +9,9 @@ from typing import Any, Protocol, Self, runtime_checkable
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from contactstudy.domain.device import Device, Precision, arrays, available_bytes, device
+from contactstudy.domain.device import ONE_THREAD, Cpu, Device, Precision, arrays, device
 from contactstudy.domain.grid import Array, Grid, Paddings, inner, max_abs, total
 from contactstudy.domain.validation import InvalidInput
-from contactstudy.elasticity.convolution import Convolution, padded_cells
 from contactstudy.problem.constraint import Constraint, Control, Gap, largest_of
 from contactstudy.problem.field_operations import ArrayOperations, operations_for
 
@@ -425,8 +424,6 @@ SOLVE_FIELDS = 14
 TRANSFORM_PAIR, PAIR_AND_WORK = 2, 4
 # Bytes that any machine has free: asking the system takes as long as a solve of some hundred cells.
 FREE_ON_ANY_MACHINE = 2**24
-# Of these, the arrays that a problem holds before it is solved: its gap, and its real spectrum of half the length.
-GAP, SPECTRUM = 1, 0.5
 # The largest block [bytes] whose release raises the memory that glibc keeps.
 LARGEST_KEPT_BLOCK = 2**25 - 2**13
 
@@ -445,59 +442,31 @@ def keep_freed_memory() -> None:
 keep_freed_memory()
 
 
-def solve_bytes(grid: Grid, paddings: Paddings) -> int:
-    """Return the largest memory that a solve on `grid` holds at once [bytes]."""
-    return 8 * (SOLVE_FIELDS * prod(grid.cells) + TRANSFORM_PAIR * prod(padded_cells(grid, paddings)))
+def solve_bytes(
+    grid: Grid, padded: float, device: Device = ONE_THREAD, precision: Precision = Precision.DOUBLE
+) -> int:
+    """Return the largest memory that a solve on `grid` with that number of `padded` cells holds at once [bytes]."""
+    work = TRANSFORM_PAIR if isinstance(device, Cpu) else PAIR_AND_WORK
+    return round(precision.bytes * (SOLVE_FIELDS * prod(grid.cells) + work * padded))
 
 
-def refuse_too_large(grid: Grid, paddings: Paddings) -> None:
-    """Refuse a solve that this machine cannot hold, before any array is made.
-
-    Raises
-    ------
-    InvalidInput
-        If the memory left is too small.
-    """
-    _refuse(grid, solve_bytes(grid, paddings), "")
-
-
-def refuse_solve(problem: Problem, precision: Precision) -> None:
-    """Refuse a solve whose arrays, in addition to those of the `problem` itself, this machine cannot hold.
+def refuse_too_large(
+    grid: Grid, padded: float, device: Device = ONE_THREAD, precision: Precision = Precision.DOUBLE
+) -> None:
+    """Refuse a solve on `grid` with that number of `padded` cells that the `device` cannot hold.
 
     Raises
     ------
     InvalidInput
         If the memory left is too small.
     """
-    fields = (SOLVE_FIELDS - GAP) * problem.undeformed_gap.size
-    padded = (TRANSFORM_PAIR - SPECTRUM) * problem.operator.transform_size
-    _refuse(problem.grid, precision.bytes * (fields + padded), " more")
-
-
-def _refuse(grid: Grid, needed: float, more: str) -> None:
-    """Raise InvalidInput if this machine has no `needed` bytes left."""
-    if needed <= FREE_ON_ANY_MACHINE:
+    needed = solve_bytes(grid, padded, device, precision)
+    if needed <= FREE_ON_ANY_MACHINE and isinstance(device, Cpu):
         return
-    available = available_bytes()
+    available = device.available_bytes
     if needed > available:
+        where = "this machine" if isinstance(device, Cpu) else repr(device)
         raise InvalidInput(
-            f"Grid.cells is {grid.cells!r}: a solve needs {needed / 1e9:.3g} GB{more} and this machine has "
+            f"Grid.cells is {grid.cells!r}: a solve needs {needed / 1e9:.3g} GB and {where} has "
             f"{available / 1e9:.3g} GB left, give fewer cells."
-        )
-
-
-def refuse_on(device: Device, operator: Convolution, precision: Precision) -> None:
-    """Refuse a solve with this `operator` that the `device` cannot hold.
-
-    Raises
-    ------
-    InvalidInput
-        If the memory left there is too small.
-    """
-    numbers = SOLVE_FIELDS * prod(operator.cells) + PAIR_AND_WORK * prod(operator.padded)
-    needed, available = numbers * precision.bytes, device.available_bytes
-    if needed > available:
-        raise InvalidInput(
-            f"solve.device is {device!r}: the solve needs {needed / 1e9:.3g} GB and it has {available / 1e9:.3g} GB "
-            "left, give fewer cells or Cpu()."
         )

@@ -1,7 +1,7 @@
 """A scene names the effects of a contact, which decide on the method, and makes a problem of them on a grid."""
 
 from dataclasses import dataclass, replace
-from math import inf, log2, sqrt
+from math import inf, log2, prod, sqrt
 from operator import is_
 from typing import TYPE_CHECKING, Annotated, Any, Protocol, runtime_checkable
 
@@ -11,7 +11,7 @@ from contactstudy.analytic import HertzEllipse, HertzLine
 from contactstudy.domain.errors import InNotebook
 from contactstudy.domain.grid import Array, Grid, Padding, Paddings, across_and_along, is_free
 from contactstudy.domain.validation import OR_INFINITE, Example, Hardness, InvalidInput, valid, validated
-from contactstudy.elasticity.convolution import Convolution, superposed
+from contactstudy.elasticity.convolution import Convolution, padded_cells, superposed
 from contactstudy.problem.constraint import Compressive, Control, HardnessLimited, PrescribedApproach, PrescribedLoad
 from contactstudy.problem.problem import AdhesionSolver, Derived, FrictionSolver, Problem, Scales, refuse_too_large
 from contactstudy.scene.loads import (
@@ -523,7 +523,7 @@ class Scene(InNotebook):
         valid("grid", grid, Grid)
         self._check_at_rest()
         paddings = across_and_along(padding)
-        refuse_too_large(grid, paddings)
+        refuse_too_large(grid, prod(padded_cells(grid, paddings)))
         if paddings[0].wraps:
             check_width(self.shapes, grid.extent[0])
         heights = summed_gap(self.ended_shapes, grid)

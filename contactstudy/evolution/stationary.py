@@ -117,7 +117,7 @@ def follow_load(
             else:
                 last = _next_solution(_problem_under(largest, elastic, value, adhesive_solver), last, options)
                 if speed is not None:  # elastic bodies, which roll without resistance
-                    lagged = LaggedSolution(last, 0.0, 1)
+                    lagged = LaggedSolution(last)
                     rolling = SteadyRolling(lagged, {}, partial(solve_rolling, scene, padding=padding))
             solves = 1 if rolling is None else rolling.lagged.outer_iterations
             if last.adhesion is not None:

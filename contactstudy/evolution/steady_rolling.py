@@ -28,9 +28,10 @@ from contactstudy.solvers.solve import LaggedSolution, SolveOptions, solve_conta
 # under the pressure.
 REFINEMENT, MAX_FINE_CELLS = 8, 2**17
 # Factors of the upper estimate of the resistance's error: on its change from cells of twice the size, and on the
-# pressure's error, measured on smooth, wavy and rough cylinders against cells of an eighth of the size. On coarse cells,
-# outer iterations end at the change COARSE_CHANGE.
-CHANGE_FACTOR, PRESSURE_FACTOR, COARSE_CHANGE = 2.0, 0.15, 1e-4
+# pressure's error, measured on smooth, wavy and rough cylinders against cells of an eighth of the size.
+CHANGE_FACTOR, PRESSURE_FACTOR = 2.0, 0.15
+# Tolerance of the contact on coarse cells.
+COARSE_TOLERANCE = 1e-5
 # A shift of the pressure below this fraction of the grid's width is rounding.
 ROUNDING = 1e-14
 
@@ -153,7 +154,6 @@ def solve_rolling(
     padding: Padding | Paddings,
     *,
     options: SolveOptions = SolveOptions(),  # noqa: B008 (a frozen value)
-    change: float = 1e-6,
     progress: Callable[[float, float], object] | None = None,
 ) -> SteadyRolling:
     """Solve `scene` moving at its speed of rolling or tractive rolling, in the frame of the contact.
@@ -168,12 +168,9 @@ def solve_rolling(
     grid, padding
         Cells and boundary conditions, as for :func:`~contactstudy.solve`.
     options
-        How each outer iteration is solved.
-    change
-        Relative L1 change of the pressure below which outer iterations end, see
-        :func:`~contactstudy.solvers.solve.solve_with_mixing`.
+        Method and tolerance, see :func:`~contactstudy.solvers.solve.solve_with_mixing`.
     progress
-        Called after each outer iteration with the change of the pressure in it, and with `change`.
+        Called after each outer iteration with the change of the gap in it, and with the tolerance.
 
     Returns
     -------
@@ -216,7 +213,6 @@ def solve_rolling(
         problem if is_coupled else replace(problem, friction=None),
         next(iter(general_convolutions(odd, grid, padding)), None),
         options,
-        change=change,
         progress=progress,
     )
     if friction_solver is not None and not is_coupled:
@@ -231,6 +227,6 @@ def solve_rolling(
             convolutions=last.convolutions + sheared.convolutions,
         )
         lagged = replace(lagged, solution=both, outer_iterations=lagged.outer_iterations + 1)
-    coarse = replace(options, tolerance=COARSE_CHANGE / 10)
-    solve_on = partial(solve_rolling, scene, padding=padding, options=coarse, change=COARSE_CHANGE)
+    coarse = replace(options, tolerance=COARSE_TOLERANCE)
+    solve_on = partial(solve_rolling, scene, padding=padding, options=coarse)
     return SteadyRolling(lagged, antisymmetric_weights, solve_on, -1 if speed < 0 else 1)

@@ -17,7 +17,7 @@ from contactstudy.domain.grid import Array
 from contactstudy.domain.validation import ABOVE_ZERO, Example, InvalidInput, Number, at_least, readable, validated
 from contactstudy.elasticity.convolution import Convolution
 from contactstudy.problem.constraint import Compressive, HardnessLimited, largest_of, scaled_in_double, yielded
-from contactstudy.problem.problem import BareProblem, Problem, refuse_on, refuse_solve
+from contactstudy.problem.problem import BareProblem, Problem, refuse_too_large
 from contactstudy.solvers.conjugate_gradients import Iterate, PreconditionedCG
 from contactstudy.solvers.solution import Solution, Status, unloaded
 
@@ -120,10 +120,9 @@ def solve_contact(
     if not problem.control.is_met_by(problem.constraint, problem.undeformed_gap.size):
         return _without_pressure(problem)
     precision = Precision(options.precision)
-    if isinstance(device, Cpu):
-        refuse_solve(problem, precision)
-    else:
-        _refuse_other_device(checked(device, "solve.device"), problem, precision)
+    if not isinstance(device, Cpu):
+        _check_arrays(checked(device, "solve.device"), problem)
+    refuse_too_large(problem.grid, problem.operator.transform_size, device, precision)
     if start is not None:
         start = _admissible_start(start, problem, precision)
     with using(device), np.errstate(over="ignore", invalid="ignore", divide="ignore"):
@@ -158,14 +157,13 @@ def solve_contact(
     )
 
 
-def _refuse_other_device(device: Device, problem: Problem, precision: Precision) -> None:
+def _check_arrays(device: Device, problem: Problem) -> None:
     """Raise InvalidInput for a problem that a device other than the CPU cannot solve."""
     operator, constraint = problem.operator, problem.constraint
     if not isinstance(operator, Convolution) or not isinstance(constraint, Compressive | HardnessLimited):
         raise InvalidInput(
             f"solve.device is {device!r}: an operator or a constraint of your own works on numpy arrays, give Cpu()."
         )
-    refuse_on(device, operator, precision)
 
 
 def _finite_pressure(start: Array, problem: Problem) -> Array:
@@ -253,82 +251,17 @@ class ReportingSolver:
         return self.solver.iterate(reporting, tolerance=tolerance, max_iterations=max_iterations, start=start)
 
 
-def solve_by_fixed_point_iteration(
-    problem: Problem,
-    displacement_of: Callable[[Array], Array],
-    options: SolveOptions,
-    start: Array | None,
-    device: Device,
-    max_outer: int,
-) -> Solution:
-    """Return the solution of a problem with a displacement that follows from its own pressure, by fixed-point iteration.
-
-    It converges where the map is a contraction. The displacement by friction between elastic bodies is one for a
-    coefficient of friction below 1. Each outer iteration adds the displacement under the last pressure to the gap, and
-    solves the contact again, until the displacement changes the gap in the contact by at most the tolerance, in units
-    of ``problem.scales.gap``. If it still changes by more after the last one, the status is
-    :attr:`~contactstudy.Status.NOT_CONVERGED`.
-
-    Parameters
-    ----------
-    problem
-        The contact in SI units, without the displacement.
-    displacement_of
-        Map from pressure (x, y) [Pa] to the displacement (x, y) [m], called once in each outer iteration.
-    options, start, device
-        Method and tolerance of each solve, pressure [Pa] to begin with, and device.
-    max_outer
-        Largest number of outer iterations.
-    """
-    solution = solve_contact(problem, options, start, device)
-    if not solution.pressure.any():
-        return solution
-    iterations, convolutions, outer = solution.iterations, solution.convolutions, 1
-    added: Array = np.zeros_like(solution.gap)
-    while True:
-        displacement = displacement_of(solution.pressure)
-        change = _change_in_contact(displacement - added, solution) / problem.scales.gap
-        if change <= options.tolerance or outer == max_outer or not np.isfinite(change):
-            break
-        added = displacement
-        displaced = replace(problem, undeformed_gap=problem.undeformed_gap + added)
-        solution = solve_contact(displaced, options, solution.pressure, device)
-        iterations += solution.iterations
-        convolutions += solution.convolutions
-        outer += 1
-    status = solution.status
-    if status.has_converged and not change <= options.tolerance:
-        status = Status.NOT_CONVERGED if np.isfinite(change) else Status.NOT_FINITE
-    return replace(
-        solution,
-        problem=problem,
-        displacement=solution.displacement + added,
-        status=status,
-        residual=largest_of(solution.residual, change),
-        iterations=iterations,
-        convolutions=convolutions,
-        note=f"{solution.note} {outer} outer iterations over the coupled displacement.".lstrip(),
-    )
-
-
-def _change_in_contact(change: Array, solution: Solution) -> float:
-    """Return the largest `change` of the gap in the contact; under a given load, of what differs from its mean."""
-    within = change[solution.pressure > 0]
-    if not within.size:
-        return 0.0
-    if solution.problem.control.approach is None:
-        within = within - within.mean()
-    return float(np.abs(within).max())
-
-
 # Singular values of the changes below this fraction of the largest are noise of the solves.
 CUT_OFF = 1e-8
-# Number of pressures before the last that enter a mixed pressure.
+# Number of displacements before the last that enter a mixed one.
 DEPTH = 8
 # Tolerance of a solve over the change in the outer iteration before; a tenth of it saves no outer iteration.
 INNER_REDUCTION = 1e-3
 # Largest tolerance of a solve.
 FIRST_TOLERANCE = 1e-4
+# Relative change of the pressure in tolerances at which outer iterations end: a displacement that varies more with the
+# pressure than the gap does, as of rubber near its loss peak, turns the tolerance of a solve into so much.
+PRESSURE_CHANGE = 10.0
 
 
 class AndersonMixing:
@@ -372,14 +305,15 @@ class AndersonMixing:
 
 @dataclass(frozen=True, eq=False)
 class LaggedSolution:
-    """Solution with a lagged displacement: the one under the mixed pressure of the outer iterations before.
-
-    Where the outer iterations have converged, it is the displacement under the pressure of the solution.
+    """Contact with a lagged displacement: one that follows from its pressure and is added to the undeformed gap.
 
     Parameters
     ----------
     solution
-        The last solution, with the iterations and convolutions of all.
+        The last solution, with the iterations and convolutions of all; the undeformed gap of its problem includes the
+        displacement.
+    added
+        The displacement (x, y) [m].
     change
         Change of the pressure in the last outer iteration, relative in L1.
     outer_iterations
@@ -387,76 +321,88 @@ class LaggedSolution:
     """
 
     solution: Solution
-    change: float
-    outer_iterations: int
+    added: Array | float = 0.0
+    change: float = 0.0
+    outer_iterations: int = 1
+
+    def of(self, problem: Problem) -> Solution:
+        """Return the solution of a `problem` without the displacement, which counts with that of its operator."""
+        note = f"{self.outer_iterations} outer iterations over the coupled displacement."
+        return replace(
+            self.solution,
+            problem=problem,
+            displacement=self.solution.displacement + self.added,
+            note=f"{self.solution.note} {note}".lstrip(),
+        )
 
 
 def solve_with_mixing(
     problem: Problem,
     displacement_of: Callable[[Array], Array] | None,
-    options: SolveOptions = SolveOptions(),  # noqa: B008 (a frozen value)
-    *,
-    change: float = 1e-6,
+    options: SolveOptions,
+    start: Array | None = None,
+    device: Device | None = None,
     max_outer: int = 100,
     progress: Callable[[float, float], object] | None = None,
 ) -> LaggedSolution:
     """Return the solution of a problem with a displacement that follows from its own pressure, by Anderson's mixing.
 
-    It also converges where the map from pressure to pressure is no contraction. Each outer iteration solves with the
-    displacement under the mixed pressures before, until one changes the pressure by less than `change`.
+    Each outer iteration solves the contact with the mixed displacements under the pressures before, until the one under
+    the last pressure changes the gap in the contact by at most the tolerance, in units of ``problem.scales.gap``, or the
+    pressure changes by at most `PRESSURE_CHANGE` tolerances. It also converges where the map from one displacement to
+    the next is no contraction. The status is :attr:`~contactstudy.Status.NOT_CONVERGED` where neither is reached.
 
     Parameters
     ----------
     problem
         The contact in SI units, without the displacement.
     displacement_of
-        Map from pressure (x, y) [Pa] to the displacement to add to the gap (x, y) [m]; None for a single solve.
-    options
-        Method and tolerance of each solve.
-    change
-        Change of the pressure in an outer iteration to stop at, relative in L1.
+        Map from pressure (x, y) [Pa] to the displacement (x, y) [m], called once in each outer iteration, last with the
+        pressure of the solution; None for a single solve.
+    options, start, device
+        Method and tolerance of each solve, pressure [Pa] to begin with, and device.
     max_outer
-        Number of outer iterations after which the status is :attr:`~contactstudy.Status.NOT_CONVERGED`, and the residual
-        at least the change of the pressure.
+        Largest number of outer iterations.
     progress
-        Called after each outer iteration with the change of the pressure in it, and with `change`.
-
-    Returns
-    -------
-    LaggedSolution
-        The last solution and its counts.
+        Called after each outer iteration with the change of the gap in it, and with the tolerance.
     """
-    if displacement_of is None:
-        solution = solve_contact(problem, options)
-        if progress is not None:
-            progress(0.0, change)
-        return LaggedSolution(solution, 0.0, 1)
-    mixing, guess = AndersonMixing(DEPTH), np.zeros_like(problem.undeformed_gap)
-    start: Array | None = None
-    last_change, outer, iterations, convolutions = np.inf, 0, 0, 0.0
+    mixing, added = AndersonMixing(DEPTH), np.zeros_like(problem.undeformed_gap)
+    change, change_of_pressure, outer, iterations, convolutions = inf, inf, 0, 0, 0.0
     while True:
-        gap = problem.undeformed_gap + displacement_of(guess) if outer else problem.undeformed_gap
-        loose = min(INNER_REDUCTION * last_change, FIRST_TOLERANCE)
+        loose = 0.0 if displacement_of is None else min(INNER_REDUCTION * change, FIRST_TOLERANCE)
         inner = replace(options, tolerance=max(options.tolerance, loose))
-        solution = solve_contact(replace(problem, undeformed_gap=gap), inner, start)
+        displaced = replace(problem, undeformed_gap=problem.undeformed_gap + added) if outer else problem
+        solution = solve_contact(displaced, inner, start, device)
         outer += 1
         iterations += solution.iterations
         convolutions += solution.convolutions
-        start = solution.pressure
         solution = replace(solution, iterations=iterations, convolutions=convolutions)
-        if not np.isfinite(solution.residual):
-            return LaggedSolution(solution, np.inf, outer)
-        step = solution.pressure - guess
-        distance = float(np.abs(step).sum())
-        last_change = distance / float(solution.pressure.sum()) if distance else 0.0
+        if displacement_of is None or not solution.pressure.any():
+            return LaggedSolution(solution)
+        if start is not None:
+            change_of_pressure = float(np.abs(solution.pressure - start).sum() / solution.pressure.sum())
+        start = solution.pressure
+        following = displacement_of(start)
+        change = _change_in_contact(following - added, solution) / problem.scales.gap
         if progress is not None:
-            progress(last_change, change)
-        is_exact = solution.residual <= options.tolerance or solution.status is Status.PRECISION_LIMIT
-        converged = last_change <= change and is_exact
-        if converged or outer == max_outer:
-            if not converged:
-                residual = largest_of(solution.residual, last_change)
-                solution = replace(solution, status=Status.NOT_CONVERGED, residual=residual)
-            return LaggedSolution(solution, last_change, outer)
-        mixing.record(guess, step)
-        guess = mixing.mixed_iterate()
+            progress(change, options.tolerance)
+        is_settled = change <= options.tolerance or change_of_pressure <= PRESSURE_CHANGE * options.tolerance
+        converged = is_settled and inner.tolerance == options.tolerance
+        if converged or outer == max_outer or not np.isfinite(change):
+            break
+        mixing.record(added, following - added)
+        added = mixing.mixed_iterate()
+    if not converged:
+        status = Status.NOT_CONVERGED if np.isfinite(change) else Status.NOT_FINITE
+        solution = replace(solution, status=status, residual=largest_of(solution.residual, change))
+    return LaggedSolution(solution, added, change_of_pressure, outer)
+
+
+def _change_in_contact(change: Array, solution: Solution) -> float:
+    """Return the largest `change` of the gap in the contact; under a given load, of what differs from its mean."""
+    within = change[solution.pressure > 0]
+    if not within.size:
+        return 0.0
+    if solution.problem.control.approach is None:
+        within = within - within.mean()
+    return float(np.abs(within).max())

@@ -14,7 +14,7 @@ from contactstudy.elasticity.tangential import ShearResponse
 from contactstudy.elasticity.transforms import TRANSFORMS
 from contactstudy.problem.problem import Problem
 from contactstudy.solvers.solution import Solution, TangentialTraction
-from contactstudy.solvers.solve import SolveOptions, solve_by_fixed_point_iteration, solve_contact
+from contactstudy.solvers.solve import SolveOptions, solve_contact, solve_with_mixing
 
 # Largest number of Newton iterations in a projection with a given resultant.
 MAX_ITERATIONS = 200
@@ -176,7 +176,8 @@ class FullSliding:
             applications += 1
             return self.coefficient * coupling(pressure)
 
-        solution = solve_by_fixed_point_iteration(problem, gap_change, options, start, device, MAX_SLIDING_ITERATIONS)
+        lagged = solve_with_mixing(problem, gap_change, options, start, device, MAX_SLIDING_ITERATIONS)
+        solution = lagged.of(problem)
         return replace(
             solution,
             convolutions=solution.convolutions + applications,

@@ -30,7 +30,7 @@ from contactstudy.solvers.friction.coulomb_newton import CoulombNewton, shear_st
 from contactstudy.solvers.friction.fretting import transmission_status
 from contactstudy.solvers.friction.traction import UNKNOWN, Creepage, RollingErrors, RollingTraction
 from contactstudy.solvers.solution import Solution, TangentialTraction, with_traction
-from contactstudy.solvers.solve import SolveOptions, solve_by_fixed_point_iteration, solve_contact
+from contactstudy.solvers.solve import SolveOptions, solve_contact, solve_with_mixing
 
 # Fewest cells along an axis of a coarser grid.
 COARSEST = 8
@@ -122,7 +122,8 @@ class TractiveShear:
             return self.coupling.gap(state.shear)
 
         if self.coupling is not None:
-            normal = solve_by_fixed_point_iteration(problem, gap_change, options, start, device, MAX_COUPLED_ITERATIONS)
+            lagged = solve_with_mixing(problem, gap_change, options, start, device, MAX_COUPLED_ITERATIONS)
+            normal = lagged.of(problem)
         else:
             normal = solve_contact(problem, options, start, device)
             if normal.pressure.any():

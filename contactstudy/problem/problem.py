@@ -442,9 +442,7 @@ def keep_freed_memory() -> None:
 keep_freed_memory()
 
 
-def solve_bytes(
-    grid: Grid, padded: float, device: Device = ONE_THREAD, precision: Precision = Precision.DOUBLE
-) -> int:
+def solve_bytes(grid: Grid, padded: float, device: Device = ONE_THREAD, precision: Precision = Precision.DOUBLE) -> int:
     """Return the largest memory that a solve on `grid` with that number of `padded` cells holds at once [bytes]."""
     work = TRANSFORM_PAIR if isinstance(device, Cpu) else PAIR_AND_WORK
     return round(precision.bytes * (SOLVE_FIELDS * prod(grid.cells) + work * padded))

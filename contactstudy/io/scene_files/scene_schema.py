@@ -9,80 +9,26 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 
-from contactstudy.domain.grid import (
-    CircularSuperposition,
-    DuplicatedPadding,
-    ExactPeriodicity,
-    Grid,
-    Padding,
-    Superposition,
-    ZeroPadding,
-)
-from contactstudy.domain.validation import (
-    AT_LEAST_ZERO,
-    FINITE,
-    OR_INFINITE,
-    UP_TO_ONE,
-    BodyIndex,
-    Hardness,
-    InvalidInput,
-    Metres,
-    NewtonsPerMetre,
-    Number,
-    Pascals,
-)
+from contactstudy.domain import grid as grids
+from contactstudy.domain import validation
+from contactstudy.domain.validation import AT_LEAST_ZERO, OR_INFINITE, InvalidInput, Metres, Number
 from contactstudy.evolution.time_steps import TimeSteps
 from contactstudy.io.scene_files.structuring import NO_KIND
+from contactstudy.scene import friction as frictions
+from contactstudy.scene import loads
+from contactstudy.scene import lubrication as films
 from contactstudy.scene.adhesion import Adhesion
-from contactstudy.scene.friction import Fretting, PartialSlip, Sliding
-from contactstudy.scene.loads import Approach, ChangingLoad, LineLoad, LoadHistory, PullOff, SineLoad, TotalLoad
-from contactstudy.scene.lubrication import (
-    Barus,
-    Carreau,
-    ConstantDensity,
-    DensityLaw,
-    DowsonHigginson,
-    Eyring,
-    LimitingShear,
-    Lubrication,
-    Newtonian,
-    Roelands,
-    ShearLaw,
-    ViscosityLaw,
-)
 from contactstudy.scene.rolling import Rolling, TractiveRolling
 from contactstudy.scene.scene import Friction, Output, Scene
-from contactstudy.scene.shapes.roller import (
-    Axis,
-    Crown,
-    Cylinder,
-    Ellipsoid,
-    EndRelief,
-    FiniteLength,
-    LundbergProfile,
-    ProfilePoints,
-    Sphere,
-)
+from contactstudy.scene.shapes import roller, texture
 from contactstudy.scene.shapes.roughness import Roughness
 from contactstudy.scene.shapes.shape import MovingShape, Shape, Tilt, curvatures_of
-from contactstudy.scene.shapes.texture import Texture, Waviness
 from contactstudy.scene.solids.bodies import Body, HalfSpace
 from contactstudy.scene.solids.coated import CoatedHalfSpace
 from contactstudy.scene.solids.inelastic import ElasticPlasticHalfSpace, ViscoelasticHalfSpace
 from contactstudy.scene.stress import SubsurfaceStress
+from contactstudy.scene.surfaces import preparation
 from contactstudy.scene.surfaces.measured_surface import MeasuredSurface
-from contactstudy.scene.surfaces.preparation import (
-    AsMeasured,
-    GaussianFilter,
-    HarmonicFill,
-    Mirrored,
-    Missing,
-    PeriodicExtension,
-    RefuseMissing,
-    Tapered,
-    Tile,
-    Trend,
-)
 from contactstudy.scene.surfaces.text_file import decoded, table
 from contactstudy.scene.surfaces.text_surface import Reading, column_unit
 from contactstudy.scene.wear import Wear
@@ -110,24 +56,19 @@ class MeasuredSurfaceTable(Reading):
     """
 
     file: str | MeasuredSurface
-    missing: Missing = field(default_factory=RefuseMissing)
-    trend: Trend = "plane"
-    filter: GaussianFilter | None = None
-    seam: PeriodicExtension = field(default_factory=Tapered)
-    seam_across: PeriodicExtension | None = None
+    missing: preparation.Missing = field(default_factory=preparation.RefuseMissing)
+    trend: preparation.Trend = "plane"
+    filter: preparation.GaussianFilter | None = None
+    seam: preparation.PeriodicExtension = field(default_factory=preparation.Tapered)
+    seam_across: preparation.PeriodicExtension | None = None
     turn: Literal["none", "quarter"] = "none"
-    tile: Tile | None = None
+    tile: preparation.Tile | None = None
 
     def shape(self, folder: Path, context: ProfileContext) -> MeasuredSurface:
         """Return the surface, read from the file."""
         curvature, _ = context
-        rules: dict[str, Any] = {
-            "missing": self.missing,
-            "trend": self.trend,
-            "filter": self.filter,
-            "seam": self.seam,
-            "seam_across": self.seam_across or (AsMeasured() if curvature else self.seam),
-        }
+        across = self.seam_across or (preparation.AsMeasured() if curvature else self.seam)
+        rules = {name: getattr(self, name) for name in ("missing", "trend", "filter", "seam")} | {"seam_across": across}
         reading = {member.name: getattr(self, member.name) for member in fields(Reading)}
         if isinstance(self.file, MeasuredSurface):
             surface = replace(self.file, extent=self.file.extent or self.extent, **rules)
@@ -154,12 +95,12 @@ class CrownTable:
     end_drop: Annotated[Metres, AT_LEAST_ZERO] | None = None
     length: Annotated[Metres, OR_INFINITE] | None = None
 
-    def shape(self, _folder: Path, _: ProfileContext) -> Crown:
+    def shape(self, _folder: Path, _: ProfileContext) -> roller.Crown:
         """Return the crown."""
         if self.radius is not None and self.end_drop is None:
-            return Crown(self.radius, inf if self.length is None else self.length)
+            return roller.Crown(self.radius, inf if self.length is None else self.length)
         if self.radius is None and self.end_drop is not None and self.length is not None:
-            return Crown.of_drop(self.end_drop, self.length)
+            return roller.Crown.of_drop(self.end_drop, self.length)
         raise InvalidInput("Crown is not described: give its radius, or its end_drop and length.")
 
 
@@ -176,15 +117,15 @@ class ProfilePointsTable:
         relative path starts at the folder of the scene file.
     """
 
-    positions: tuple[Annotated[Metres, FINITE], ...] = ()
-    drops: tuple[Annotated[Metres, FINITE], ...] = ()
+    positions: tuple[Annotated[Metres, validation.FINITE], ...] = ()
+    drops: tuple[Annotated[Metres, validation.FINITE], ...] = ()
     file: str | None = None
-    axis: Axis = "along"
+    axis: roller.Axis = "along"
 
-    def shape(self, folder: Path, _: ProfileContext) -> ProfilePoints:
+    def shape(self, folder: Path, _: ProfileContext) -> roller.ProfilePoints:
         """Return the profile, read from the file if there is one."""
         if self.file is None:
-            return ProfilePoints(self.positions, self.drops, self.axis)
+            return roller.ProfilePoints(self.positions, self.drops, self.axis)
         remedy = "give a file of two columns with their units in the header, such as position [mm], drop [um]"
         try:
             text = decoded((folder / self.file).read_bytes())
@@ -200,7 +141,7 @@ class ProfilePointsTable:
         positions, drops = points.T
         if re.match(r"\W*(height|z\b)", columns.names[1].lower()):  # outwards, as instruments have it
             drops = drops.max() - drops
-        return ProfilePoints(tuple(positions.tolist()), tuple(drops.tolist()), self.axis)
+        return roller.ProfilePoints(tuple(positions.tolist()), tuple(drops.tolist()), self.axis)
 
 
 @dataclass(frozen=True)
@@ -227,13 +168,13 @@ class LundbergProfileTable:
     amplitude: Annotated[Metres, AT_LEAST_ZERO] | None = None
     end_drop: Annotated[Metres, AT_LEAST_ZERO] | None = None
     straight: Annotated[Metres, AT_LEAST_ZERO] = 0.0
-    for_load: NewtonsPerMetre | None = None
+    for_load: validation.NewtonsPerMetre | None = None
     iso_16281_diameter: Metres | None = None
     k1: Number = 1.0
-    k2: Annotated[Number, UP_TO_ONE] = 1.0
+    k2: Annotated[Number, validation.UP_TO_ONE] = 1.0
     z_m: Annotated[Metres, AT_LEAST_ZERO] | None = None
 
-    def shape(self, _folder: Path, context: ProfileContext) -> LundbergProfile:
+    def shape(self, _folder: Path, context: ProfileContext) -> roller.LundbergProfile:
         """Return the profile; one for a load needs the curvature and the bodies of the scene."""
         drops = self.amplitude, self.end_drop
         ways = [drops != (None, None), self.for_load is not None, self.iso_16281_diameter is not None]
@@ -250,22 +191,24 @@ class LundbergProfileTable:
                 "straight part of its own: leave it out."
             )
         if self.iso_16281_diameter is not None:
-            return LundbergProfile.iso_16281(self.iso_16281_diameter, self.length)
+            return roller.LundbergProfile.iso_16281(self.iso_16281_diameter, self.length)
         if self.for_load is not None:
             curvature, solids = context
             if curvature <= 0:
                 raise InvalidInput("LundbergProfile.for_load is for a round roller: give a Cylinder.")
             radius = 1 / curvature
-            hertz = Scene(LineLoad(self.for_load), solids, (Cylinder(radius),)).hertz
+            hertz = Scene(loads.LineLoad(self.for_load), solids, (roller.Cylinder(radius),)).hertz
             assert hertz is not None
             modulus = hertz.contact_modulus  # that of a coated body depends on the half-width
-            even = LundbergProfile.for_load(self.for_load, contact_modulus=modulus, radius=radius, length=self.length)
+            even = roller.LundbergProfile.for_load(
+                self.for_load, contact_modulus=modulus, radius=radius, length=self.length
+            )
             drop = even.end_drop if self.z_m is None else self.z_m
             straight = (1 - self.k2) * self.length
-            return LundbergProfile(self.k1 * even.amplitude, drop, self.length, straight)
+            return roller.LundbergProfile(self.k1 * even.amplitude, drop, self.length, straight)
         assert self.amplitude is not None
         assert self.end_drop is not None
-        return LundbergProfile(self.amplitude, self.end_drop, self.length, self.straight)
+        return roller.LundbergProfile(self.amplitude, self.end_drop, self.length, self.straight)
 
 
 @dataclass(frozen=True)
@@ -279,9 +222,9 @@ class MeanPressure:
         Both axes are then periodic, where no padding is given.
     """
 
-    pressure: Pascals
+    pressure: validation.Pascals
 
-    def load(self, width: float | None, shapes: tuple[Shape, ...]) -> LineLoad:
+    def load(self, width: float | None, shapes: tuple[Shape, ...]) -> loads.LineLoad:
         """Return the load per length over the `width` [m] of the grid or the surface."""
         if any(map(any, map(curvatures_of, shapes))):
             raise InvalidInput(
@@ -293,7 +236,7 @@ class MeanPressure:
                 "load.pressure acts on a surface of a size that is not known: give a [grid], of whole waves or pitches, "
                 "or a MeasuredSurface."
             )
-        return LineLoad(self.pressure * width)
+        return loads.LineLoad(self.pressure * width)
 
 
 @dataclass(frozen=True)
@@ -301,7 +244,7 @@ class MovingShapeTable:
     """Shape that moves with a `body`, itself described as any shape in a file."""
 
     shape: Shape
-    body: BodyIndex = 0
+    body: validation.BodyIndex = 0
 
 
 @dataclass(frozen=True)
@@ -340,20 +283,20 @@ class SceneDocument:
         Options of the solver.
     """
 
-    load: ChangingLoad
+    load: loads.ChangingLoad
     solids: tuple[Body, Body]
     shapes: tuple[Shape, ...] = ()
-    hardness: Annotated[Hardness, OR_INFINITE] = inf
+    hardness: Annotated[validation.Hardness, OR_INFINITE] = inf
     outputs: tuple[Output, ...] = ()
     friction: Friction | None = None
     wear: Wear | None = None
     rolling: Rolling | None = None
-    lubrication: Lubrication | None = None
+    lubrication: films.Lubrication | None = None
     adhesion: Adhesion | None = None
     time_steps: TimeSteps = field(default_factory=TimeSteps)
-    grid: Grid | None = None
-    padding: Padding | None = None
-    padding_across: Padding | None = None
+    grid: grids.Grid | None = None
+    padding: grids.Padding | None = None
+    padding_across: grids.Padding | None = None
     plan: PlanSettings = field(default_factory=PlanSettings)
     solve: SolveOptions = field(default_factory=SolveOptions)
 
@@ -361,9 +304,9 @@ class SceneDocument:
 # Classes that describe a shape in a file, where these differ from the shape itself.
 DESCRIPTIONS: Mapping[type, type] = {
     MovingShape: MovingShapeTable,
-    Crown: CrownTable,
-    ProfilePoints: ProfilePointsTable,
-    LundbergProfile: LundbergProfileTable,
+    roller.Crown: CrownTable,
+    roller.ProfilePoints: ProfilePointsTable,
+    roller.LundbergProfile: LundbergProfileTable,
     MeasuredSurface: MeasuredSurfaceTable,
 }
 
@@ -376,31 +319,24 @@ def _kinds(*classes: type) -> dict[str, type]:
 # Classes that ``kind = "..."`` may name in a file, by the type of the field.
 KINDS: Mapping[Any, Mapping[str, type]] = {
     Shape: _kinds(
-        Cylinder,
-        Crown,
-        LundbergProfile,
-        FiniteLength,
-        Tilt,
-        Waviness,
-        Texture,
-        Roughness,
-        MeasuredSurface,
-        Sphere,
-        Ellipsoid,
-        ProfilePoints,
-        EndRelief,
-        MovingShape,
+        roller.Cylinder, roller.Crown, roller.LundbergProfile, roller.FiniteLength, Tilt, texture.Waviness,
+        texture.Texture, Roughness, MeasuredSurface, roller.Sphere, roller.Ellipsoid, roller.ProfilePoints,
+        roller.EndRelief, MovingShape,
     ),
-    Padding: _kinds(ZeroPadding, DuplicatedPadding, Superposition, CircularSuperposition, ExactPeriodicity),
+    grids.Padding: _kinds(
+        grids.ZeroPadding, grids.DuplicatedPadding, grids.Superposition, grids.CircularSuperposition,
+        grids.ExactPeriodicity,
+    ),
     Body: _kinds(HalfSpace, CoatedHalfSpace, ViscoelasticHalfSpace, ElasticPlasticHalfSpace) | {NO_KIND: HalfSpace},
-    ChangingLoad: _kinds(LineLoad, TotalLoad, MeanPressure, LoadHistory, SineLoad, Approach, PullOff)
-    | {NO_KIND: LineLoad},
-    Friction: _kinds(Sliding, PartialSlip, Fretting, TractiveRolling),
+    loads.ChangingLoad: _kinds(
+        loads.LineLoad, loads.TotalLoad, MeanPressure, loads.LoadHistory, loads.SineLoad, loads.Approach, loads.PullOff,
+    ) | {NO_KIND: loads.LineLoad},
+    Friction: _kinds(frictions.Sliding, frictions.PartialSlip, frictions.Fretting, TractiveRolling),
     Output: _kinds(SubsurfaceStress),
-    Missing: _kinds(RefuseMissing, HarmonicFill),
-    PeriodicExtension: _kinds(AsMeasured, Mirrored, Tapered),
+    preparation.Missing: _kinds(preparation.RefuseMissing, preparation.HarmonicFill),
+    preparation.PeriodicExtension: _kinds(preparation.AsMeasured, preparation.Mirrored, preparation.Tapered),
     Solver: _kinds(PreconditionedCG, PolonskyKeer),
-    ViscosityLaw: _kinds(Roelands, Barus),
-    DensityLaw: _kinds(DowsonHigginson, ConstantDensity),
-    ShearLaw: _kinds(Newtonian, Eyring, Carreau, LimitingShear),
-}
+    films.ViscosityLaw: _kinds(films.Roelands, films.Barus),
+    films.DensityLaw: _kinds(films.DowsonHigginson, films.ConstantDensity),
+    films.ShearLaw: _kinds(films.Newtonian, films.Eyring, films.Carreau, films.LimitingShear),
+}  # fmt: skip

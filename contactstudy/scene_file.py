@@ -16,17 +16,7 @@ from contactstudy.domain.validation import InvalidInput, checked_errors, paramet
 from contactstudy.evolution.time_steps import TimeSteps
 from contactstudy.forecast import plan
 from contactstudy.io.scene_files.materials import with_materials
-from contactstudy.io.scene_files.scene_schema import (
-    KINDS,
-    CrownTable,
-    LundbergProfileTable,
-    MeanPressure,
-    MeasuredSurfaceTable,
-    MovingShapeTable,
-    PlanSettings,
-    ProfilePointsTable,
-    SceneDocument,
-)
+from contactstudy.io.scene_files.scene_schema import KINDS, MeanPressure, PlanSettings, SceneDocument, shape_of
 from contactstudy.io.scene_files.scene_writer import scene_text
 from contactstudy.io.scene_files.structuring import likely_units, structured, with_cycles
 from contactstudy.planning.grid_requirements import grid_of_waves
@@ -34,7 +24,7 @@ from contactstudy.planning.plan import Plan
 from contactstudy.scene.loads import ChangingLoad, ConstantLoad, TotalLoad
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.shapes.roller import Ellipsoid, Sphere
-from contactstudy.scene.shapes.shape import LengthScales, MovingShape, Shape, curvature_of, length_scales_of
+from contactstudy.scene.shapes.shape import LengthScales, Shape, curvature_of, length_scales_of
 from contactstudy.solvers.solve import SolveOptions
 from contactstudy.solving import solve
 
@@ -213,17 +203,8 @@ def write_scene(described: Scene | SceneFile, path: str | PathLike[str]) -> None
 
 def scene_file_from(document: SceneDocument, folder: Path = Path()) -> SceneFile:
     """Return the scene of `document`; files of surfaces start at `folder`."""
-    curvature = sum(map(curvature_of, document.shapes))
-
-    def read(shape: Any) -> Shape:
-        if isinstance(shape, MovingShapeTable):
-            return MovingShape(read(shape.shape), shape.body)
-        if isinstance(shape, MeasuredSurfaceTable | CrownTable | LundbergProfileTable | ProfilePointsTable):
-            return shape.shape(folder, (curvature, document.solids))
-        described: Shape = shape
-        return described
-
-    shapes = tuple(read(shape) for shape in document.shapes)
+    context = sum(map(curvature_of, document.shapes)), document.solids
+    shapes = tuple(shape_of(shape, folder, context) for shape in document.shapes)
     is_flat = isinstance(document.load, MeanPressure)
     if is_flat and document.grid is None and not any(scales.spacing for scales in length_scales_of(shapes)):
         document = replace(document, grid=grid_of_waves(shapes))

@@ -1,5 +1,6 @@
 """The picture of any answer, by what its dataset holds: a contact, two beside each other, or an evolution."""
 
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -10,40 +11,43 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from contactstudy.domain.validation import display_unit_of, readable
-from contactstudy.io.pictures.figure import (
-    BLUE,
-    GREEN,
-    LAW_STYLE,
-    PURPLE,
-    RED,
-    SETTINGS,
-    add_legend,
-    draw_map,
-    finish,
-    in_display_unit,
-    in_the_middle,
-    name_axes,
-    panels,
-    second_axis,
-)
+from contactstudy.io.pictures import figure as figures
+from contactstudy.io.pictures.figure import BLUE, GREEN, RED, draw_map, in_display_unit, in_the_middle, name_axes
 
 # Fraction of half a roller's length that is drawn at each end, and half-width of a film in Hertz's half-widths.
 OF_LENGTH, FILM_WIDTH = 0.4, 2.0
 
 
-def contact_picture(dataset: xr.Dataset) -> Figure:
-    """Draw a contact as its dataset labels it: pressure, cross-sections, gap and stress."""
-    plane_strain = dataset.sizes["y"] == 1
-    drawn = [_across, _gap] if plane_strain else [_map, _along, _across, _gap]
-    drawers = {
-        "drop": _ends, "shear_x": _shear, "loop_force": _fretting_loop, "von_mises": _stress,
-    }  # fmt: skip
-    drawn += [draw for name, draw in drawers.items() if name in dataset]
-    with mpl.rc_context(SETTINGS):
-        figure, axes = panels(len(drawn), columns=2 if len(drawn) < 5 else 3, width=4.6, height=3.4)
+# Draws one panel of a dataset.
+Panel = Callable[[Axes, xr.Dataset], None]
+
+
+def _picture(dataset: xr.Dataset, drawn: Sequence[Panel], columns: int, width: float = 4.6) -> Figure:
+    """Return a figure of a dataset with the panels that `drawn` draws, each of a `width` in inches."""
+    with mpl.rc_context(figures.SETTINGS):
+        figure, axes = figures.panels(len(drawn), columns=columns, width=width, height=3.4)
         for draw, ax in zip(drawn, axes, strict=True):
             draw(ax, dataset)
-        return finish(figure, dataset)
+        return figures.finish(figure, dataset)
+
+
+def _curves(
+    ax: Axes, dataset: xr.Dataset, curves: Mapping[str, tuple[xr.DataArray, str]], scale: tuple[float, str],
+    names: tuple[str, str],
+) -> None:  # fmt: skip
+    """Draw curves over the width, by label with colours, in a unit of display, with the `names` of y axis and panel."""
+    x, across = in_display_unit(dataset["x"], "m", "across")
+    for label, (values, color) in curves.items():
+        ax.plot(x, values / scale[0], label=label, color=color)
+    name_axes(ax, across, f"{names[0]} [{scale[1]}]", names[1])
+
+
+def contact_picture(dataset: xr.Dataset) -> Figure:
+    """Draw a contact as its dataset labels it: pressure, cross-sections, gap and stress."""
+    drawn: list[Panel] = [_across, _gap] if dataset.sizes["y"] == 1 else [_map, _along, _across, _gap]
+    drawers = {"drop": _ends, "shear_x": _shear, "loop_force": _fretting_loop, "von_mises": _stress}
+    drawn += [draw for name, draw in drawers.items() if name in dataset]
+    return _picture(dataset, drawn, columns=2 if len(drawn) < 5 else 3)
 
 
 def _map(ax: Axes, dataset: xr.Dataset) -> None:
@@ -64,47 +68,41 @@ def _along(ax: Axes, dataset: xr.Dataset) -> None:
     middle = dataset["pressure"].where(axis, drop=True).mean("x")
     ax.plot(y, middle / scale, label="in the middle", color=BLUE)
     if "hertz_peak_pressure" in dataset:
-        ax.axhline(float(dataset["hertz_peak_pressure"]) / scale, **LAW_STYLE)
+        ax.axhline(float(dataset["hertz_peak_pressure"]) / scale, **figures.LAW_STYLE)
     name_axes(ax, along, f"pressure [{unit}]", "along the contact")
 
 
 def _across(ax: Axes, dataset: xr.Dataset) -> None:
     """Draw the pressure across, with its range along the length, the attraction and Hertz's pressure."""
-    x, across = in_display_unit(dataset["x"], "m", "across")
-    scale, unit = display_unit_of(dataset["pressure"], "Pa")
-    pressure = dataset["pressure"] / scale
+    x, _ = in_display_unit(dataset["x"], "m", "across")
+    pressure = dataset["pressure"]
+    scale = display_unit_of(pressure, "Pa")
     if dataset.sizes["y"] > 1:
-        band = pressure.min("y"), pressure.max("y")
-        look: Any = {"color": BLUE, "alpha": 0.18, "linewidth": 0}
-        ax.fill_between(x, *band, label="lowest to highest", **look)
-    ax.plot(x, in_the_middle(pressure), label="in the middle", color=BLUE)
+        look: Any = {"color": BLUE, "alpha": 0.18, "linewidth": 0, "label": "lowest to highest"}
+        ax.fill_between(x, pressure.min("y") / scale[0], pressure.max("y") / scale[0], **look)
+    curves = {"in the middle": (in_the_middle(pressure), BLUE)}
     if "attraction" in dataset:
-        attraction = -in_the_middle(dataset["attraction"]) / scale
-        ax.plot(x, attraction, label="attraction, downwards", color=RED)
+        curves["attraction, downwards"] = -in_the_middle(dataset["attraction"]), RED
+    _curves(ax, dataset, curves, scale, ("pressure", "across the contact"))
     if "hertz_half_width" in dataset:
         t = dataset["x"] / float(dataset["hertz_half_width"])
         hertz = float(dataset["hertz_peak_pressure"]) * np.sqrt(np.clip(1 - t**2, 0, None))
-        ax.plot(x, hertz / scale, label="Hertz", **LAW_STYLE)
-    name_axes(ax, across, f"pressure [{unit}]", "across the contact")
+        ax.plot(x, hertz / scale[0], label="Hertz", **figures.LAW_STYLE)
 
 
 def _gap(ax: Axes, dataset: xr.Dataset) -> None:
     """Draw the gap across the middle of the length."""
-    x, across = in_display_unit(dataset["x"], "m", "across")
-    gap, up = in_display_unit(in_the_middle(dataset["gap"]), "m", "gap")
-    ax.plot(x, gap, color=GREEN)
-    name_axes(ax, across, up, "gap in the middle")
+    gap = in_the_middle(dataset["gap"])
+    _curves(ax, dataset, {"": (gap, GREEN)}, display_unit_of(gap, "m"), ("gap", "gap in the middle"))
 
 
 def _shear(ax: Axes, dataset: xr.Dataset) -> None:
     """Draw both components of the tangential traction across the middle of the length."""
-    x, across = in_display_unit(dataset["x"], "m", "across")
-    middle = in_the_middle(dataset)
-    scale, unit = display_unit_of(abs(middle["shear_x"]) + abs(middle["shear_y"]), "Pa")
-    for name, direction, color in (("shear_x", "traction across", RED), ("shear_y", "traction along", GREEN)):
-        if middle[name].any():
-            ax.plot(x, middle[name] / scale, label=direction, color=color)
-    name_axes(ax, across, f"traction [{unit}]", "tangential traction in the middle")
+    across, along = (in_the_middle(dataset[name]) for name in ("shear_x", "shear_y"))
+    curves = {"traction across": (across, RED), "traction along": (along, GREEN)}
+    shown = {label: curve for label, curve in curves.items() if curve[0].any()}
+    scale = display_unit_of(abs(across) + abs(along), "Pa")
+    _curves(ax, dataset, shown, scale, ("traction", "tangential traction in the middle"))
 
 
 def _ends(ax: Axes, dataset: xr.Dataset) -> None:
@@ -114,7 +112,7 @@ def _ends(ax: Axes, dataset: xr.Dataset) -> None:
     middle, half = float(y[[0, -1]].mean()), float(y[-1] - y[0]) * (0.5 + 0.5 / max(len(y) - 1, 1))
     pressure, up = in_display_unit(dataset["pressure"].max("x").sel(y=y), "Pa", "pressure")
     depth, down = in_display_unit(drop, "m", "drop")
-    beside = second_axis(ax, down, RED)
+    beside = figures.second_axis(ax, down, RED)
     symmetric = np.allclose(pressure, pressure[::-1], atol=1e-3 * float(pressure.max()))
     for side, style in ((1, "-"), (-1, "--"))[: 1 if symmetric else 2]:
         shown = side * (y - middle) >= (1 - OF_LENGTH) * half
@@ -130,8 +128,7 @@ def _ends(ax: Axes, dataset: xr.Dataset) -> None:
 def _fretting_loop(ax: Axes, dataset: xr.Dataset) -> None:
     """Draw the tangential force over the slip in a cycle."""
     slid, slip = in_display_unit(dataset["loop_slip"], "m", "slip")
-    unit = dataset["loop_force"].attrs["units"]
-    force, up = in_display_unit(dataset["loop_force"], unit, "tangential force")
+    force, up = in_display_unit(dataset["loop_force"], dataset["loop_force"].attrs["units"], "tangential force")
     ax.plot(slid, force, ".-", color=BLUE)
     name_axes(ax, slip, up, "loop of a cycle")
 
@@ -160,39 +157,36 @@ def _stress(ax: Axes, dataset: xr.Dataset) -> None:
 
 def comparison_picture(fields: xr.Dataset, at: tuple[float, float]) -> Figure:
     """Draw the difference of two contacts as a map, and both pressures across the place `at` (x, y) [m]."""
-    scale, unit = display_unit_of(fields["a"], "Pa")
-    x, across = in_display_unit(fields["x"], "m", "across")
-    with mpl.rc_context(SETTINGS):
-        figure, axes = panels(1 if fields.sizes["y"] == 1 else 2, columns=2, width=4.6, height=3.4)
-        if fields.sizes["y"] > 1:
-            y, along = in_display_unit(fields["y"], "m", "along")
-            change = fields["difference"] / scale
-            largest = float(np.abs(change).max()) or 1.0
-            names, limits = (along, across, f"b - a [{unit}]"), {"vmin": -largest, "vmax": largest}
-            draw_map(axes[0], y, x, change, names, cmap="RdBu_r", **limits)
+    scale = display_unit_of(fields["a"], "Pa")
+
+    def change(ax: Axes, fields: xr.Dataset) -> None:
+        x, across = in_display_unit(fields["x"], "m", "across")
+        y, along = in_display_unit(fields["y"], "m", "along")
+        values = fields["difference"] / scale[0]
+        largest = float(np.abs(values).max()) or 1.0
+        names = along, across, f"b - a [{scale[1]}]"
+        draw_map(ax, y, x, values, names, cmap="RdBu_r", vmin=-largest, vmax=largest)
+
+    def sections(ax: Axes, fields: xr.Dataset) -> None:
         section = fields.sel(y=at[1], method="nearest")
-        axes[-1].plot(x, section["a"] / scale, label="a", color=BLUE)
-        axes[-1].plot(x, section["b"] / scale, label="b", color=RED, linestyle="--")
-        name_axes(axes[-1], across, f"pressure [{unit}]", "where they differ most")
-        add_legend(figure)
-    return figure
+        curves = {"a": (section["a"], BLUE), "b": (section["b"], RED)}
+        _curves(ax, fields, curves, scale, ("pressure", "where they differ most"))
+        ax.lines[-1].set_linestyle("--")
+
+    return _picture(fields, [sections] if fields.sizes["y"] == 1 else [change, sections], columns=2)
 
 
 def film_picture(contact: xr.Dataset) -> Figure:
     """Draw pressure and film across the middle of a lubricated contact, and a map of a pressure that varies along it."""
-    mapped = contact.sizes["y"] > 1
-    with mpl.rc_context(SETTINGS):
-        figure, axes = panels(3 if mapped else 2, columns=3, width=4.6, height=3.4)
-        _film(axes[0], contact)
-        x, across = in_display_unit(contact["x"], "m", "across")
-        film, up = in_display_unit(in_the_middle(contact["film"]), "m", "film")
-        axes[1].semilogy(x, film, color=GREEN)
-        ratio = contact.get("lambda_ratio")
-        of_film = "" if ratio is None else f", lambda ratio {float(ratio):.3g}"
-        name_axes(axes[1], across, up, f"film in the middle{of_film}")
-        if mapped:
-            _map(axes[2], contact)
-        return finish(figure, contact)
+    return _picture(contact, [_film, _film_alone, *[_map] * (contact.sizes["y"] > 1)], columns=3)
+
+
+def _film_alone(ax: Axes, contact: xr.Dataset) -> None:
+    """Draw the film across the middle on a logarithmic axis, with its lambda ratio if it has one."""
+    film = in_the_middle(contact["film"])
+    ratio = f", lambda ratio {float(contact['lambda_ratio']):.3g}" if "lambda_ratio" in contact else ""
+    _curves(ax, contact, {"": (film, GREEN)}, display_unit_of(film, "m"), ("film", f"film in the middle{ratio}"))
+    ax.set_yscale("log")
 
 
 def _film(ax: Axes, contact: xr.Dataset) -> None:
@@ -204,13 +198,13 @@ def _film(ax: Axes, contact: xr.Dataset) -> None:
     ax.yaxis.label.set_color(BLUE)
     scales = [("film", "m", "film", GREEN)]
     if "film_temperature_rise" in contact:
-        scales.append(("film_temperature_rise", "K", "temperature rise", PURPLE))
+        scales.append(("film_temperature_rise", "K", "temperature rise", figures.PURPLE))
     x, _ = in_display_unit(inside["x"], "m", "across")
     for number, (name, unit, label, color) in enumerate(scales):
         # in the unit of the film in the contact, which is hundreds of times as thick beside it
         shown = inside[name].where(inside["film"] < 8 * inside["film"].min()) if name == "film" else inside[name]
         values, up = in_display_unit(shown, unit, label)
-        beside = second_axis(ax, up, color, 1 + 0.2 * number)
+        beside = figures.second_axis(ax, up, color, 1 + 0.2 * number)
         beside.plot(x, values, label=label, color=color)
         beside.set_ylim(bottom=0)
     ax.set_title("pressure and film" if len(scales) == 1 else "pressure, film and temperature")
@@ -246,56 +240,58 @@ def evolution_picture(evolved: xr.Dataset) -> Figure:
         for body in bodies:
             drawn += [partial(_plastic, name=STRAIN + body)]
             drawn += [partial(_residual, name=STRESS + body)] * (STRESS + body in evolved)
-    with mpl.rc_context(SETTINGS):
-        figure, axes = panels(len(drawn), columns=2, width=5.4, height=3.4)
-        for draw, ax in zip(drawn, axes, strict=True):
-            draw(ax, evolved)
-        return finish(figure, evolved)
+    return _picture(evolved, drawn, columns=2, width=5.4)
 
 
 def film_evolution_picture(evolved: xr.Dataset) -> Figure:
     """Draw a film in time: profiles of pressure and film, the film over time and width, and numbers against time."""
-    with mpl.rc_context(SETTINGS):
-        figure, axes = panels(4, columns=2, width=5.4, height=3.4)
-        reach = EVOLUTION_FILM_WIDTH * float(evolved["hertz_half_width"][0])
-        inside = evolved.sel(x=slice(-reach, reach))
-        film = display_unit_of(inside["film"].mean(), "m")
-        _lines(axes[0], inside, "pressure")
-        _lines(axes[1], inside, "film", film)
-        axes[1].set_yscale("log")
-        middle = in_the_middle(inside["film"])
+    reach = EVOLUTION_FILM_WIDTH * float(evolved["hertz_half_width"][0])
+    inside = evolved.sel(x=slice(-reach, reach))
+    scale = display_unit_of(inside["film"].mean(), "m")
+
+    def profiles(ax: Axes, inside: xr.Dataset) -> None:
+        _lines(ax, inside, "film", scale)
+        ax.set_yscale("log")
+
+    def over_time(ax: Axes, inside: xr.Dataset) -> None:
         x, across = in_display_unit(inside["x"], "m", "across")
-        names = "time [s]", across, f"film in the middle [{film[1]}]"
-        draw_map(axes[2], inside["time"], x, middle.T / film[0], names, norm="log")
-        axes[2].set_xlim(*inside["time"].values[[0, -1]])
+        film = in_the_middle(inside["film"]).T / scale[0]
+        draw_map(ax, inside["time"], x, film, ("time [s]", across, f"film in the middle [{scale[1]}]"), norm="log")
+        ax.set_xlim(*inside["time"].values[[0, -1]])
+
+    def numbers(ax: Axes, inside: xr.Dataset) -> None:
         for name, color in (("central_film", BLUE), ("minimum_film", RED)):
-            label = evolved[name].attrs["long_name"]
-            axes[3].plot(evolved["time"], evolved[name] / film[0], color=color, label=label)
-        axes[3].set(xlabel="time [s]", ylabel=f"film [{film[1]}]")
-        return finish(figure, evolved)
+            label = inside[name].attrs["long_name"]
+            ax.plot(inside["time"], inside[name] / scale[0], color=color, label=label)
+        ax.set(xlabel="time [s]", ylabel=f"film [{scale[1]}]")
+
+    return _picture(inside, [partial(_lines, name="pressure"), profiles, over_time, numbers], columns=2, width=5.4)
 
 
 def passes_picture(rolled: xr.Dataset) -> Figure:
     """Draw residual stress and plastic strain against depth after some passes, the first dark, the last bright."""
     chosen = np.unique(np.linspace(0, rolled.sizes["pass_number"] - 1, PROFILES).round().astype(int))
-    colors: Any = mpl.colormaps["viridis"](np.linspace(0, 0.9, len(chosen)))
-    depth, down = in_display_unit(rolled["z"], "m", "depth")
-    factor, pressure_unit = display_unit_of(abs(rolled["residual_stress"]), "Pa")
-    with mpl.rc_context(SETTINGS):
-        figure, axes = panels(2, columns=2, width=4.6, height=3.4)
-        for number, color in zip(chosen, colors, strict=True):
-            after = rolled.isel(pass_number=number)
-            label = f"pass {int(after['pass_number'])}"
-            stress = after["residual_stress"].sel(component="xx") / factor
-            axes[0].plot(stress, depth, color=color, label=label)
-            strain = after["equivalent_plastic_strain"] * 100
-            axes[1].plot(strain, depth, color=color)
-        axes[0].set(xlabel=f"residual stress in the rolling direction [{pressure_unit}]")
-        axes[1].set(xlabel="equivalent plastic strain [%]")
-        for ax in axes:
-            ax.set(ylabel=down)
-            ax.invert_yaxis()
-        return finish(figure, rolled)
+    after = rolled.isel(pass_number=chosen)
+    stress = after["residual_stress"].sel(component="xx")
+    scale, unit = display_unit_of(abs(rolled["residual_stress"]), "Pa")
+    strain = after["equivalent_plastic_strain"] * 100
+
+    def profiles(ax: Axes, _: xr.Dataset, values: xr.DataArray, across: str, label: str = "") -> None:
+        depth, down = in_display_unit(rolled["z"], "m", "depth")
+        for profile, color in zip(values, _dark_to_bright(len(chosen)), strict=True):
+            ax.plot(profile, depth, color=color, label=label and f"{label} {int(profile['pass_number'])}")
+        ax.set(xlabel=across, ylabel=down)
+        ax.invert_yaxis()
+
+    label = f"residual stress in the rolling direction [{unit}]"
+    of_stress = partial(profiles, values=stress / scale, across=label, label="pass")
+    of_strain = partial(profiles, values=strain, across="equivalent plastic strain [%]")
+    return _picture(rolled, [of_stress, of_strain], columns=2)
+
+
+def _dark_to_bright(count: int) -> Any:
+    """Return colours of `count` profiles, from the first to the last."""
+    return mpl.colormaps["viridis"](np.linspace(0, 0.9, count))
 
 
 def _lines(ax: Axes, evolved: xr.Dataset, name: str, scale: tuple[float, str] | None = None) -> None:
@@ -307,13 +303,10 @@ def _lines(ax: Axes, evolved: xr.Dataset, name: str, scale: tuple[float, str] | 
     middle = in_the_middle(evolved[name])
     x, across = in_display_unit(evolved["x"], "m", "across")
     chosen = _instants(middle.values)
-    colors: Any = mpl.colormaps["viridis"](np.linspace(0, 0.9, len(chosen)))
-    for number, color in zip(chosen, colors, strict=True):
+    for number, color in zip(chosen, _dark_to_bright(len(chosen)), strict=True):
         instant = middle.isel(time=number)
-        label = f"{float(instant['time']):.3g} s"
-        ax.plot(x, instant / scale[0], color=color, label=label)
-    label = evolved[name].attrs["long_name"]
-    ax.set(xlabel=across, ylabel=f"{label} [{scale[1]}]")
+        ax.plot(x, instant / scale[0], color=color, label=f"{float(instant['time']):.3g} s")
+    ax.set(xlabel=across, ylabel=f"{evolved[name].attrs['long_name']} [{scale[1]}]")
     ax.legend(**BESIDE)
 
 
@@ -394,7 +387,7 @@ def _loop(ax: Axes, evolved: xr.Dataset) -> None:
     touching = (evolved["pressure"] > 0).any(("x", "y"))
     approach, across = in_display_unit(evolved["approach"].where(touching), "m", "approach")
     ax.plot(approach, evolved["load"].where(touching), ".-", color=BLUE)
-    ax.axhline(0.0, **LAW_STYLE)
+    ax.axhline(0.0, **figures.LAW_STYLE)
     name_axes(ax, across, "load [N/m]", "approach and separation")
 
 

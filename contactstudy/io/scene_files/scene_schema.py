@@ -64,7 +64,7 @@ class MeasuredSurfaceTable(Reading):
     turn: Literal["none", "quarter"] = "none"
     tile: preparation.Tile | None = None
 
-    def shape(self, folder: Path, context: ProfileContext) -> MeasuredSurface:
+    def described(self, folder: Path, context: ProfileContext) -> MeasuredSurface:
         """Return the surface, read from the file."""
         curvature, _ = context
         across = self.seam_across or (preparation.AsMeasured() if curvature else self.seam)
@@ -95,7 +95,7 @@ class CrownTable:
     end_drop: Annotated[Metres, AT_LEAST_ZERO] | None = None
     length: Annotated[Metres, OR_INFINITE] | None = None
 
-    def shape(self, _folder: Path, _: ProfileContext) -> roller.Crown:
+    def described(self, _folder: Path, _: ProfileContext) -> roller.Crown:
         """Return the crown."""
         if self.radius is not None and self.end_drop is None:
             return roller.Crown(self.radius, inf if self.length is None else self.length)
@@ -122,7 +122,7 @@ class ProfilePointsTable:
     file: str | None = None
     axis: roller.Axis = "along"
 
-    def shape(self, folder: Path, _: ProfileContext) -> roller.ProfilePoints:
+    def described(self, folder: Path, _: ProfileContext) -> roller.ProfilePoints:
         """Return the profile, read from the file if there is one."""
         if self.file is None:
             return roller.ProfilePoints(self.positions, self.drops, self.axis)
@@ -174,7 +174,7 @@ class LundbergProfileTable:
     k2: Annotated[Number, validation.UP_TO_ONE] = 1.0
     z_m: Annotated[Metres, AT_LEAST_ZERO] | None = None
 
-    def shape(self, _folder: Path, context: ProfileContext) -> roller.LundbergProfile:
+    def described(self, _folder: Path, context: ProfileContext) -> roller.LundbergProfile:
         """Return the profile; one for a load needs the curvature and the bodies of the scene."""
         drops = self.amplitude, self.end_drop
         ways = [drops != (None, None), self.for_load is not None, self.iso_16281_diameter is not None]
@@ -246,6 +246,10 @@ class MovingShapeTable:
     shape: Shape
     body: validation.BodyIndex = 0
 
+    def described(self, folder: Path, context: ProfileContext) -> MovingShape:
+        """Return the shape that moves."""
+        return MovingShape(shape_of(self.shape, folder, context), self.body)
+
 
 @dataclass(frozen=True)
 class PlanSettings:
@@ -309,6 +313,12 @@ DESCRIPTIONS: Mapping[type, type] = {
     roller.LundbergProfile: LundbergProfileTable,
     MeasuredSurface: MeasuredSurfaceTable,
 }
+
+
+def shape_of(shape: Any, folder: Path, context: ProfileContext) -> Shape:
+    """Return the shape that a file describes, whose files of surfaces start at `folder`."""
+    described: Shape = shape.described(folder, context) if type(shape) in DESCRIPTIONS.values() else shape
+    return described
 
 
 def _kinds(*classes: type) -> dict[str, type]:

@@ -15,19 +15,8 @@ import cattrs
 from cattrs.errors import ForbiddenExtraKeysError
 from cattrs.gen import make_dict_structure_fn
 
-from contactstudy.domain.validation import (
-    ANY_SIGN,
-    InvalidInput,
-    Metres,
-    MetresPerSecond,
-    PerSecond,
-    Seconds,
-    kind_of,
-    parameters,
-    remedy,
-    suggestion,
-    valid,
-)
+from contactstudy.domain import validation
+from contactstudy.domain.validation import InvalidInput, kind_of, parameters, remedy, suggestion, valid
 
 # Classes that a table may describe: by the type of the field, and then by the name that the key `kind` gives.
 Kinds = Mapping[Any, Mapping[str, type]]
@@ -53,7 +42,7 @@ SMALL = {
 # A time as a number and what it counts, such as "3 cycles" or "1e4 revolutions".
 COUNTED = re.compile(r"\s*(\d+\.?\d*(?:[eE]\+?\d+)?)\s*(cycle|rev|revolution|turn)s?\s*")
 # Speed of a motion, whose sign is its direction.
-SPEED = Annotated[MetresPerSecond, ANY_SIGN]
+SPEED = Annotated[validation.MetresPerSecond, validation.ANY_SIGN]
 # Converters by the id of the kinds, which each holds: one takes milliseconds to make.
 _STRUCTURES: "dict[int, _Structure]" = {}
 
@@ -303,12 +292,12 @@ def _entry(raw: Mapping[str, Any], table: str, key: str, hint: Any) -> float:
 
 def _cycle(raw: Mapping[str, Any]) -> float:
     """Return the duration of a cycle [s]; 0 if it is not known."""
-    frequency = _entry(raw, "load", "frequency", PerSecond)
-    return 1 / frequency if frequency else _entry(raw, "friction", "period", Seconds)
+    frequency = _entry(raw, "load", "frequency", validation.PerSecond)
+    return 1 / frequency if frequency else _entry(raw, "friction", "period", validation.Seconds)
 
 
 def _revolution(raw: Mapping[str, Any]) -> float:
     """Return the duration of a revolution of the wearing body [s]; 0 if it is not known."""
     speeds = (_entry(raw, table, "speed", SPEED) for table in ("rolling", "friction", "wear"))
     speed = next(filter(None, speeds), 0.0)
-    return _entry(raw, "wear", "circumference", Metres) / abs(speed) if speed else 0.0
+    return _entry(raw, "wear", "circumference", validation.Metres) / abs(speed) if speed else 0.0

@@ -374,7 +374,7 @@ def with_surfaces(document: SceneDocument, folder: Path, read: dict[object, Any]
         if isinstance(table, MeasuredSurfaceTable):
             key = table, curvature > 0
             if key not in read:
-                read[key] = table.shape(folder, (curvature, document.solids))
+                read[key] = table.described(folder, (curvature, document.solids))
             shapes[k] = read[key]
     return replace(document, shapes=tuple(shapes))
 

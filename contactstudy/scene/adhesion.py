@@ -8,18 +8,13 @@ from contactstudy.domain.grid import Array, Grid
 from contactstudy.domain.validation import InvalidInput, JoulesPerSquareMetre, Metres, readable, validated
 from contactstudy.scene.loads import Approach, ChangingLoad
 from contactstudy.scene.shapes.roller import Sphere
-from contactstudy.scene.solids.bodies import Body, SceneContext, contact_modulus, creeps, modulus_at_own_width, yields
+from contactstudy.scene.solids.bodies import Body, SceneContext, contact_modulus, modulus_at_own_width
 from contactstudy.solvers.adhesion import AdhesiveSolver
 from contactstudy.solvers.cohesive_law import CohesiveLaw, Dugdale, Exponential, tabor_length, zone_length
 from contactstudy.solvers.solution import Branch
 
 LAWS = "exponential", "dugdale"
 BRANCHES = {branch.value: branch for branch in (Branch.FROM_AFAR, Branch.FROM_FULL_CONTACT)}
-# Effects that adhesion is not combined with, and why.
-CONFLICTS = {
-    "wear": "Archard's law does not say how much the attraction wears",
-    "lubrication": "a film keeps the surfaces out of each other's reach",
-}
 # Cells in the cohesive zone: of the range that the grid chooses where none is given, and the fewest that are allowed.
 # With 6 cells the pull-off load of a cylinder is within 0.3 %, below 2 cells the contact is trapped between cells.
 ZONE_CELLS, MIN_ZONE_CELLS = 6.0, 2.0
@@ -65,34 +60,7 @@ class Adhesion:
     branch: Literal["from afar", "from full contact"] = "from afar"
 
     def check(self, scene: SceneContext) -> None:
-        """Raise :class:`~contactstudy.InvalidInput` if adhesion is not defined in this scene."""
-        for name, reason in CONFLICTS.items():
-            if getattr(scene, name) is not None:
-                raise InvalidInput(
-                    f"Scene.{name} is {getattr(scene, name)!r} together with Adhesion: {reason}, leave one of them out."
-                )
-        repeated = scene.rolling is not None and scene.rolling.passes is not None
-        if scene.rolls and (repeated or any(map(creeps, scene.solids))):
-            name, value = ("friction", scene.friction) if scene.rolling is None else ("rolling", scene.rolling)
-            raise InvalidInput(
-                f"Scene.{name} is {value!r} together with Adhesion, and not steady rolling of elastic bodies: others "
-                "part behind with more work than they join with ahead, which is not computed, give elastic bodies "
-                "without passes, or leave one of them out."
-            )
-        if scene.friction is not None and self.range is None:
-            raise InvalidInput(
-                "Adhesion.range is None together with Scene.friction: in the limit of short ranges the attraction, and "
-                "with it the friction, grows without limit as the cells get smaller, give a range."
-            )
-        if getattr(scene.friction, "times", None) is not None:
-            raise InvalidInput(
-                "Fretting.times are given together with Adhesion, whose contact jumps: give forces without times."
-            )
-        if self.range is None and any(map(yields, scene.solids)):
-            raise InvalidInput(
-                "Adhesion.range is None together with a body that yields: in the limit of short ranges the attraction "
-                "grows without limit as the cells get smaller, and with it the plastic strain, give a range."
-            )
+        """Raise :class:`~contactstudy.InvalidInput` where bodies from afar begin without a load."""
         load: Any = scene.load
         if self.branch == Branch.FROM_AFAR.value and not isinstance(load, Approach):
             first = load.at(load.start) if isinstance(load, ChangingLoad) else scene.largest_load

@@ -43,7 +43,6 @@ from contactstudy.scene.solids.bodies import (
     SceneContext,
     creeps,
     is_layered,
-    yields,
 )
 from contactstudy.scene.solids.coated import CoatedHalfSpace
 from contactstudy.solvers.friction.coulomb import BulkStress, FullSliding
@@ -102,8 +101,8 @@ def _materials(solid: Body) -> tuple[Homogeneous, ...]:
     if isinstance(solid, Homogeneous) and not is_layered(solid):
         return (solid,)
     raise InvalidInput(
-        "Scene.solids are dissimilar together with friction, and the response to traction of a "
-        f"{type(solid).__name__} is not known: give two equal bodies, or HalfSpace and CoatedHalfSpace."
+        f"Scene.solids are given together with friction, and the response to traction of a {type(solid).__name__} is "
+        "not known: give a HalfSpace or a CoatedHalfSpace."
     )
 
 
@@ -143,33 +142,6 @@ def shear_coupling(
         return []
     first, second = shearable(solids)
     return normal_displacement(first, second, axes, grid, paddings, datum)
-
-
-def check_tangential_response(scene: SceneContext, name: str) -> None:
-    """Raise InvalidInput for a body whose response to traction the law of friction `name` does not support."""
-    for number, solid in enumerate(scene.solids):
-        has_faces = getattr(solid, "free_faces", inf) < inf
-        if has_faces:
-            reason = "how its faces change its response to tangential traction is not computed"
-        elif yields(solid):
-            reason = "tangential traction makes it flow along its surface, which is not computed"
-        elif isinstance(solid, HalfSpace | CoatedHalfSpace | Inelastic):
-            continue
-        else:
-            reason = "its response to tangential traction is not known"
-        raise InvalidInput(
-            f"Scene.solids[{number}] is of the type {type(solid).__name__} together with {name}: {reason}, give a "
-            f"HalfSpace or a CoatedHalfSpace{' without free_faces' * has_faces}."
-        )
-
-
-def check_similar(scene: SceneContext, name: str) -> None:
-    """Raise InvalidInput for elastically dissimilar bodies, which slip under normal load alone, with the law `name`."""
-    if not are_similar(scene.solids):
-        raise InvalidInput(
-            f"Scene.solids are elastically dissimilar (Dundurs' beta {dundurs(scene.solids):.3g}) together with {name}: "
-            "they slip under the normal load alone, give bodies of one material, or Sliding."
-        )
 
 
 def transmitted_force(scene: SceneContext, coefficient: float, load: float) -> float:
@@ -235,20 +207,6 @@ def mean_over_grid(force: float, scene: SceneContext, grid: Grid, paddings: Padd
     return force * scene.loaded_length(grid, paddings) / grid.length
 
 
-def check_static(scene: SceneContext, name: str) -> None:
-    """Raise :class:`~contactstudy.InvalidInput` if `scene` changes in time or rolls, together with the law `name`."""
-    if scene.rolling is not None:
-        raise InvalidInput(
-            f"Scene.rolling is {scene.rolling!r} together with {name}: material carries traction through a rolling "
-            "contact, give TractiveRolling, which has a speed of its own."
-        )
-    if (changing := scene.time_dependent_field) is not None:
-        raise InvalidInput(
-            f"{changing} changes in time together with {name}: traction depends on the path of its forces, give "
-            "Fretting.times [s] to its forces."
-        )
-
-
 @validated
 class Sliding:
     """Full sliding: the second body slides to larger x over the first one.
@@ -274,29 +232,6 @@ class Sliding:
 
     coefficient: Annotated[Number, FROM_ZERO_BELOW_ONE]
     standing: BodyIndex | None = None
-
-    def check(self, scene: SceneContext) -> None:
-        """Raise :class:`~contactstudy.InvalidInput` if the coupling of these bodies is not supported."""
-        beta = dundurs(scene.solids)
-        if scene.rolling is not None and scene.rolling.passes is not None:
-            raise InvalidInput(
-                f"Scene.rolling has {scene.rolling.passes} passes together with Sliding: traction in repeated rolling "
-                "is not supported, leave one of them out."
-            )
-        if are_similar(scene.solids) or self.coefficient == 0:
-            return
-        if any(map(creeps, scene.solids)):
-            raise InvalidInput(
-                f"Scene.solids are elastically dissimilar (Dundurs' beta {beta:.3g}) together with Sliding, and one "
-                "creeps: creep of their coupling is not supported, give equal bodies, or an incompressible one on a "
-                "rigid one."
-            )
-        if scene.rolling is not None:
-            raise InvalidInput(
-                f"Scene.solids are elastically dissimilar (Dundurs' beta {beta:.3g}) together with Sliding and "
-                "Scene.rolling: both make the pressure asymmetric, and the combination is not supported: give bodies of "
-                "one material, or TractiveRolling."
-            )
 
     def solver(self, scene: SceneContext, gap: Array, grid: Grid, paddings: Paddings, datum: float) -> FullSliding:
         """Return the solver of this scene on a grid, with the coupling of traction and normal displacement."""
@@ -428,20 +363,7 @@ class Fretting:
 
     def check(self, scene: SceneContext) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if the contact cannot stick, or its traction is not supported."""
-        if self.times is None or scene.rolling is not None:
-            check_static(scene, "Fretting")
-        if scene.wear is not None and scene.wear.speed != 0:
-            raise InvalidInput(
-                f"Wear.speed is {scene.wear.speed!r} together with Fretting: wear then follows from the slip of "
-                "the contact, give a speed of 0 m/s."
-            )
-        if self.displacements is not None and isinstance(scene.load, ChangingLoad):
-            raise InvalidInput(
-                "Scene.load changes in time together with Fretting.displacements: the traction locked in by a rising "
-                "pressure follows from forces only, give Fretting.forces, or a LineLoad."
-            )
-        check_tangential_response(scene, "Fretting")
-        check_similar(scene, "Fretting")
+        shearable(scene.solids)
         if self.bulk_stresses is not None:
             bulk_compliance(scene, self.bulk_body, "Fretting.bulk_stresses")
         for place, force, load in self._forces_and_loads(scene):
@@ -527,9 +449,7 @@ class PartialSlip:
 
     def check(self, scene: SceneContext) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if the contact cannot stick, or its traction is not supported."""
-        check_static(scene, "PartialSlip")
-        check_tangential_response(scene, "PartialSlip")
-        check_similar(scene, "PartialSlip")
+        shearable(scene.solids)
         check_force(scene, self, scene.largest_load, "a smaller force, or Sliding")
         if self.bulk_stress:
             bulk_compliance(scene, self.bulk_body, "PartialSlip.bulk_stress")

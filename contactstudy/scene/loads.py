@@ -3,7 +3,7 @@
 from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
 from itertools import pairwise
-from math import asin, ceil, e, exp, floor, inf, isclose, pi, sin
+from math import asin, ceil, e, exp, floor, isclose, pi, sin
 from typing import Annotated, ClassVar, Protocol, runtime_checkable
 
 import numpy as np
@@ -141,20 +141,6 @@ class Approach:
     approach: Annotated[Metres, ANY_SIGN]
     datum: Metres | None = None
 
-    def check(self, scene: SceneContext) -> None:
-        """Raise :class:`~contactstudy.InvalidInput` for an effect of `scene` that needs a given load."""
-        named = {
-            "Scene.hardness": scene.hardness != inf,
-            "Scene.rolling": scene.rolling is not None,
-            "Scene.lubrication": scene.lubrication is not None,
-            scene.time_dependent_field: scene.time_dependent_field is not None,
-        }
-        for field, conflicts in named.items():
-            if conflicts:
-                raise InvalidInput(
-                    f"Scene.load is an Approach together with {field}, which needs a given load: give a LineLoad."
-                )
-
     def check_on(self, gap: Array, grid: Grid, paddings: Paddings, datum: float) -> None:
         """Raise InvalidInput for a given datum without an effect, one too near, and an approach that no pressure makes.
 
@@ -219,20 +205,10 @@ class PullOff:
     error: Annotated[Number, Limits("from 1e-6 and below 1", lambda x: 1e-6 <= x < 1)] = 4e-3
 
     def check(self, scene: SceneContext) -> None:
-        """Raise :class:`~contactstudy.InvalidInput` for a `scene` without adhesion, with a history, or that rolls."""
+        """Raise :class:`~contactstudy.InvalidInput` for a `scene` without adhesion."""
         if scene.adhesion is None:
             raise InvalidInput(
                 "Scene.load is a PullOff without adhesion: give Scene.adhesion, such as Adhesion(work=0.05)."
-            )
-        if scene.time_dependent_field is not None:
-            raise InvalidInput(
-                f"Scene.load is a PullOff together with {scene.time_dependent_field}, which has a history: give a "
-                "LoadHistory that falls until contact is lost."
-            )
-        if scene.rolling is not None:
-            raise InvalidInput(
-                "Scene.load is a PullOff together with Scene.rolling: elastic bodies that roll part at the load at "
-                "which they do at rest, leave rolling out."
             )
 
     @property

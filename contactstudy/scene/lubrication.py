@@ -27,7 +27,7 @@ from contactstudy.domain.validation import (
     validated,
 )
 from contactstudy.scene.loads import Times
-from contactstudy.scene.solids.bodies import Body, Layered, SceneContext, creeps, yields
+from contactstudy.scene.solids.bodies import Body, Layered, SceneContext
 
 # Viscosity [Pa s] of Roelands' pole, the limit at high temperature, and the temperature [K] at which his viscosity
 # diverges (Roelands 1966).
@@ -400,11 +400,6 @@ class Lubricant:
 
 # Relative difference up to which a given exponent of Roelands counts as that of alpha, which may have been rounded.
 EXPONENT_TOLERANCE = 0.02
-# Effects that a film is not combined with, and why.
-CONFLICTS = {
-    "rolling": "Lubrication.mean_speed moves the surfaces already: leave rolling out",
-    "friction": "Lubricant.shear and the boundary film give the friction: leave Scene.friction out",
-}
 
 
 @validated
@@ -571,34 +566,9 @@ class Lubrication:
             )
 
     def check(self, scene: SceneContext) -> None:
-        """Raise :class:`~contactstudy.InvalidInput` for a scene with an effect that is not supported with a film."""
-        named = [name for name in CONFLICTS if getattr(scene, name) is not None]
-        refused = {f"Scene.{name}": CONFLICTS[name] for name in named}
-        if scene.hardness < inf:
-            refused["Scene.hardness"] = (
-                "the pressure of a lubricant follows from its flow, which a limit would interrupt: leave the hardness "
-                "out, and compare the peak pressure with it"
-            )
-        for number, solid in enumerate(scene.solids):
-            if yields(solid):
-                reason = "plastic strain is computed in dry contacts only: give an elastic HalfSpace"
-                refused[f"Scene.solids[{number}]"] = reason
-        changing = None if scene.wear is not None else scene.time_dependent_field
-        if changing is not None and any(map(creeps, scene.solids)):
-            reason = "creep is supported under a steady film only: give elastic bodies, or keep this field constant"
-            refused[changing] = reason
-        for field, reason in refused.items():
-            raise InvalidInput(f"{field} is not supported together with Scene.lubrication, since {reason}.")
+        """Raise :class:`~contactstudy.InvalidInput` for bodies without thermal properties of their own."""
         if self.thermal is not None:
             self.thermal.check(scene.solids)
-        if isinstance(self.mean_speed, SpeedHistory):
-            changing = "Lubrication.mean_speed"
-        for name in ("boundary", "thermal"):
-            if changing is not None and getattr(self, name) is not None:
-                raise InvalidInput(
-                    f"Lubrication.{name} is supported for a steady film only, and {changing} changes in time: leave one "
-                    "of them out."
-                )
 
     @property
     def contact_speeds(self) -> tuple[float, float]:

@@ -27,7 +27,6 @@ from contactstudy.elasticity.tangential import shear_response
 from contactstudy.scene.friction import (
     FrictionCoefficient,
     check_force,
-    check_tangential_response,
     force_per_length,
     mean_over_grid,
     shear_coupling,
@@ -93,20 +92,6 @@ class Rolling:
                         f"Rolling.{name} is {value!r} without passes, to which alone it applies: give passes, or leave "
                         "it out."
                     )
-
-    def check(self, scene: SceneContext) -> None:
-        """Raise :class:`~contactstudy.InvalidInput` for heights in `scene` that move with a body."""
-        check_standing("Scene.rolling", scene.shapes)
-
-
-def check_standing(name: str, shapes: tuple[Shape, ...]) -> None:
-    """Raise InvalidInput for heights among the `shapes` that move with a body, together with rolling by `name`."""
-    for number, shape in enumerate(shapes):
-        if hasattr(shape, "gap_after"):
-            raise InvalidInput(
-                f"Scene.shapes[{number}] moves with a body together with {name}: heights that travel through the "
-                "contact make no steady state, give heights that are fixed in its frame."
-            )
 
 
 # Fewest widths of the contact by which it rolls while the load changes: what it rolls over is steady after one or two.
@@ -196,15 +181,9 @@ class TractiveRolling:
 
     def check(self, scene: SceneContext) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if steady rolling is not defined in this scene."""
-        check_tangential_response(scene, "TractiveRolling")
-        if scene.rolling is not None:
-            raise InvalidInput(
-                f"Scene.rolling is {scene.rolling!r} together with TractiveRolling, which rolls at its own speed: leave "
-                "rolling out."
-            )
+        shearable(scene.solids)
         if isinstance(scene.load, ChangingLoad):
             check_slow("TractiveRolling", self.speed, scene.load, scene.hertz)
-        check_standing("TractiveRolling", scene.shapes)
         self._refuse_endless(_rollers(scene))
         check_force(scene, self, _least(scene), "less, or a longitudinal creepage")
 

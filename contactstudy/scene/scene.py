@@ -14,6 +14,7 @@ from contactstudy.domain.validation import OR_INFINITE, Example, Hardness, Inval
 from contactstudy.elasticity.convolution import Convolution, padded_cells, superposed
 from contactstudy.problem.constraint import Compressive, Control, HardnessLimited, PrescribedApproach, PrescribedLoad
 from contactstudy.problem.problem import AdhesionSolver, Derived, FrictionSolver, Problem, Scales, refuse_too_large
+from contactstudy.scene.combinations import check_combinations
 from contactstudy.scene.loads import (
     DATUM_OVER_RADIUS,
     Approach,
@@ -22,7 +23,6 @@ from contactstudy.scene.loads import (
     LineLoad,
     PullOff,
     TotalLoad,
-    falls,
 )
 from contactstudy.scene.shapes.roller import FiniteLength
 from contactstudy.scene.shapes.shape import (
@@ -135,10 +135,7 @@ class Output(Protocol):
 
 @runtime_checkable
 class Friction(Protocol):
-    """Friction law, as a value in ``Scene.friction``."""
-
-    def check(self, scene: "Scene") -> None:
-        """Raise :class:`~contactstudy.InvalidInput` if the law is not defined in this scene."""
+    """Friction law, as a value in ``Scene.friction``; its ``check(scene)``, if it has one, may refuse a scene."""
 
     def solver(self, scene: "Scene", gap: Array, grid: Grid, paddings: Paddings, datum: float) -> FrictionSolver:
         """Return the solver of this scene with friction, on a grid."""
@@ -208,12 +205,11 @@ class Scene(InNotebook):
         for number, shape in enumerate(self.shapes):
             valid(f"Scene.shapes[{number}].curvature", curvature_of(shape), float)
         self._check_curvatures()
-        self._check_point_contact()
+        check_combinations(self)
         effects = self.rolling, self.friction, self.lubrication, self.adhesion, self.wear
         for part in (self.load, *effects, *self.solids):
             getattr(part, "check", lambda _: None)(self)
         self._check_outputs()
-        self._check_hardness()
         if self.free_length < inf:
             check_free_faces(self)
 
@@ -226,17 +222,6 @@ class Scene(InNotebook):
                 f"Scene.shapes have curvatures that add up to {across:.4g} 1/m: the hollow body must have the larger "
                 "radius, give that of a hollow body below 0 m and a convex one that fits into it."
             )
-
-    def _check_point_contact(self) -> None:
-        """Refuse effects of line contacts where a total load presses bodies that are curved both ways."""
-        names = ("lubrication", "adhesion", "rolling") if self._is_point_contact else ()
-        for name in names:
-            if getattr(self, name) is not None:
-                raise InvalidInput(
-                    f"Scene.{name} is given for a point contact, of shapes that are curved both ways under a TotalLoad: "
-                    "films, adhesion and rolling with hysteresis are of line contacts alone, leave it out, or give a "
-                    "Cylinder."
-                )
 
     def _check_outputs(self) -> None:
         """Check the outputs, of each kind of which there may be one, in a contact at rest one of each body."""
@@ -251,24 +236,6 @@ class Scene(InNotebook):
                 )
             output.check(self.solids)
 
-    def _check_hardness(self) -> None:
-        """Refuse a hardness where pressures fall: yielding under it is not remembered."""
-        if self.hardness == inf:
-            return
-        falling = isinstance(self.load, PullOff) or (isinstance(self.load, ChangingLoad) and falls(self.load))
-        changing = {
-            "Scene.load, which falls": falling,
-            "a contact that rolls": self.rolls or self.has_tractive_rolling,
-            "Scene.wear": self.wear is not None,
-            "a body that creeps": any(map(creeps, self.solids)),
-        }
-        for name, changes in changing.items():
-            if changes:
-                raise InvalidInput(
-                    f"Scene.hardness is {self.hardness!r} together with {name}: a hardness does not remember the dent "
-                    "where pressures fall, give an ElasticPlasticHalfSpace, or leave the hardness out."
-                )
-
     @property
     def radius(self) -> float | None:
         """Equivalent radius R [m] of the shapes, 1/R the sum of their curvatures; None unless that is above zero."""
@@ -282,7 +249,7 @@ class Scene(InNotebook):
         return sum(across for across, _ in each), sum(along for _, along in each)
 
     @property
-    def _is_point_contact(self) -> bool:
+    def is_point_contact(self) -> bool:
         """Whether a total load presses bodies that are curved both ways and have no length."""
         is_total = isinstance(self.load, TotalLoad) and self.load.length is None
         return is_total and min(self.curvatures) > 0 and self._shortest_roller is None
@@ -290,7 +257,7 @@ class Scene(InNotebook):
     @property
     def ellipse(self) -> HertzEllipse | None:
         """Smooth point contact of a total load on bodies that are curved both ways and have no length, else None."""
-        if not self._is_point_contact:
+        if not self.is_point_contact:
             return None
         total, (across, along) = self.load.total, self.curvatures  # type: ignore[union-attr]
 

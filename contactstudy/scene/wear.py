@@ -11,8 +11,7 @@ from contactstudy.domain.validation import (
     PerPascal,
     validated,
 )
-from contactstudy.scene.loads import ChangingLoad
-from contactstudy.scene.solids.bodies import SceneContext, creeps, yields
+from contactstudy.scene.solids.bodies import SceneContext
 
 
 @validated
@@ -53,21 +52,11 @@ class Wear:
         """Raise :class:`~contactstudy.InvalidInput` if the motion of `scene` gives another sliding or turning."""
         film, drives = scene.lubrication, scene.has_tractive_rolling
         standing = getattr(scene.friction, "standing", None)
-        if getattr(scene.rolling, "passes", None) is not None:
-            raise InvalidInput(
-                "Scene.wear together with Rolling.passes: wear between passes over a body that yields is not computed, "
-                "leave one of them out."
-            )
         turns = self.circumference is not None or drives or scene.rolling is not None
         why = "Scene.rolling" if standing is None and not drives else "Scene.friction"
         if standing is not None:
             turns = standing != self.body
         if film is not None:
-            if film.boundary is None:
-                raise InvalidInput(
-                    "Scene.wear together with a film that has no boundary film: it keeps the bodies apart, so that "
-                    "nothing wears, give Lubrication.boundary, or leave wear out."
-                )
             turns, why = film.contact_speeds[self.body] != 0, "Scene.lubrication"
         if turns != (self.circumference is not None):
             problem = (
@@ -76,29 +65,11 @@ class Wear:
                 else f"{self.circumference!r}, and the wearing body does not turn: leave it out"
             )
             raise InvalidInput(f"Wear.circumference is {problem}.")
-        if self.speed != 0 and (film is not None or drives):
-            raise InvalidInput(
-                f"Wear.speed is {self.speed!r} together with {why}, which gives the sliding: give a speed of 0 m/s."
-            )
         slips = film is not None or drives or getattr(scene.friction, "times", None) is not None
         if self.speed == 0 and not slips:
             raise InvalidInput(
                 "Wear.speed is 0, and nothing else in the scene gives a sliding, so that nothing wears: give a speed "
                 "above 0 m/s, Fretting with times, TractiveRolling or a film, or leave wear out."
-            )
-        if not turns and film is None:
-            return
-        changing = "load" if isinstance(scene.load, ChangingLoad) else ""
-        if getattr(scene.friction, "times", None) is not None:
-            changing = "friction"
-        rolls = scene.rolling is not None or scene.rolls or scene.lubrication is not None
-        if not rolls and any(creeps(solid) or yields(solid) for solid in scene.solids):
-            changing = "solids"
-        if changing:
-            raise InvalidInput(
-                f"Scene.{changing} changes in time together with Scene.wear of a body that turns or in a film: wear is "
-                "followed from one steady contact to the next, give a LineLoad, no times, and bodies that are elastic "
-                "or roll."
             )
 
     @property

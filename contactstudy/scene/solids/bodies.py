@@ -341,6 +341,10 @@ class SceneContext(Protocol):
         """Equivalent radius R [m] of the shapes, 1/R the sum of their curvatures; None unless that is above zero."""
 
     @property
+    def is_point_contact(self) -> bool:
+        """Whether a total load presses bodies that are curved both ways and have no length."""
+
+    @property
     def hertz(self) -> HertzLine | None:
         """Smooth line contact of the scene, or None."""
 

@@ -5,7 +5,7 @@ from math import isclose
 
 from contactstudy.domain.validation import InvalidInput, Metres, readable, valid
 from contactstudy.scene.shapes.roller import FiniteLength
-from contactstudy.scene.solids.bodies import HalfSpace, SceneContext, creeps, yields
+from contactstudy.scene.solids.bodies import HalfSpace, SceneContext
 
 # Least length between two faces over the half-width of the contact, down to which the pressure was compared with finite
 # elements.
@@ -43,7 +43,7 @@ def FreeFaces(solid: HalfSpace, length: float) -> HalfSpace:
 
 
 def check_free_faces(scene: SceneContext) -> None:
-    """Raise :class:`~contactstudy.InvalidInput` for effects of `scene` that bodies with free faces do not support."""
+    """Raise :class:`~contactstudy.InvalidInput` for a roller of another length, and for faces near the contact."""
     length = scene.free_length
     for number, shape in enumerate(scene.shapes):
         if isinstance(shape, FiniteLength) and not isclose(shape.length, length):
@@ -51,30 +51,6 @@ def check_free_faces(scene: SceneContext) -> None:
                 f"Scene.shapes[{number}] is {shape!r}, and contact ends at free faces {readable(length)} apart: leave "
                 "it out, or give the body that it ends faces of that length."
             )
-    for number, solid in enumerate(scene.solids):
-        if creeps(solid) or yields(solid):
-            raise InvalidInput(
-                f"Scene.solids[{number}] {'creeps' if creeps(solid) else 'yields'} together with free_faces: give an "
-                "elastic body, or leave free_faces out and end the contact by a FiniteLength."
-            )
-    instead = "leave it out, or leave free_faces out and end the contact by a FiniteLength"
-    if scene.lubrication is not None:
-        raise InvalidInput(
-            "Scene.lubrication is given together with free_faces, and a film is computed as periodic along the length: "
-            "leave it out, or leave free_faces out and give a Crown or a LundbergProfile."
-        )
-    if scene.friction is not None and scene.solids[0] != scene.solids[1]:
-        raise InvalidInput(
-            f"Scene.friction is a {type(scene.friction).__name__} together with free_faces of two unequal bodies, "
-            f"whose displacement under tangential traction is not computed: give two equal ones, {instead}."
-        )
-    if scene.friction is not None and scene.outputs:
-        raise InvalidInput(
-            "Scene.outputs are given together with friction and free_faces, and the stress of tangential traction "
-            f"beside faces is not computed: {instead}."
-        )
-    if scene.rolling is not None:
-        raise InvalidInput(f"Scene.rolling is given together with free_faces: {instead}.")
     hertz = scene.hertz
     if hertz is not None and length < SHORTEST * hertz.half_width:
         raise InvalidInput(

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 from contactstudy.domain.validation import AT_LEAST_ZERO, OR_INFINITE, InvalidInput, Pascals, Seconds, validated
 from contactstudy.elasticity.coefficients import BoussinesqCoefficients, Coefficients
 from contactstudy.elasticity.viscoelastic import Creep, creep_from_relaxation, retarded
-from contactstudy.scene.solids.bodies import Body, HalfSpace, PoissonRatio, SceneContext
+from contactstudy.scene.solids.bodies import Body, HalfSpace, PoissonRatio
 
 if TYPE_CHECKING:
     from contactstudy.elasticity.tangential import ShearCompliance
@@ -215,23 +215,3 @@ class ElasticPlasticHalfSpace:
     def yields(self) -> bool:
         """True if some finite load makes the body yield."""
         return self.yield_stress < math.inf
-
-    def check(self, scene: SceneContext) -> None:
-        """Raise :class:`~contactstudy.InvalidInput` for an effect that is not supported together with plastic strain."""
-        if not self.yields:
-            return
-        if scene.hardness < math.inf:
-            raise InvalidInput(
-                f"Scene.hardness is {scene.hardness!r} together with a body that yields, which limits the pressure "
-                "by itself: leave the hardness out, or give an elastic HalfSpace."
-            )
-        if scene.rolling is not None and scene.rolling.passes is None:
-            raise InvalidInput(
-                f"Scene.rolling is {scene.rolling!r}, which is steady, together with a body that yields, whose strain "
-                "has a history: give Rolling its passes, or leave rolling out."
-            )
-        if scene.rolling is not None and scene.outputs:
-            raise InvalidInput(
-                f"Scene.outputs are {scene.outputs!r} together with passes over a body that yields, whose residual "
-                "stress is in the answer: leave them out."
-            )

@@ -1,12 +1,6 @@
-"""Effects that a scene cannot combine: when each is named, the pairs that are refused, and why."""
+"""Effects that a scene cannot combine, and why."""
 
-from math import inf
-
-from contactstudy.domain.validation import InvalidInput
-from contactstudy.scene.loads import Approach, ChangingLoad, PullOff, falls
-from contactstudy.scene.solids.bodies import SceneContext, creeps, yields
-
-# What is refused, beside what, and the reason with what to give instead, in the words of :func:`effects_of`. What
+# What is refused, beside what, and the reason with what to give instead, in the words of `Scene._effects`. What
 # composes through the gap, the operator, the constraint, the traction or a state has no line here.
 REFUSED: tuple[tuple[str, tuple[str, ...], str], ...] = (
     ("Scene.load on a point contact", ("Scene.lubrication", "Scene.adhesion", "Scene.rolling"),
@@ -90,75 +84,3 @@ REFUSED: tuple[tuple[str, tuple[str, ...], str], ...] = (
     ("a change in time under a film", ("Scene.solids that creep", "Lubrication.boundary", "Lubrication.thermal"),
      "these are computed under a steady film only, leave one of them out"),
 )  # fmt: skip
-
-
-def effects_of(scene: SceneContext) -> set[str]:
-    """Return the effects of a scene, as far as :data:`REFUSED` names them."""
-    load, film, wear, rolling, friction = scene.load, scene.lubrication, scene.wear, scene.rolling, scene.friction
-    law, in_time = type(friction).__name__, getattr(friction, "times", None) is not None
-    creep, plastic = any(map(creeps, scene.solids)), any(map(yields, scene.solids))
-    has_passes = rolling is not None and rolling.passes is not None
-    changes = scene.time_dependent_field is not None
-    steady_motion = scene.rolls or film is not None
-    turns = getattr(wear, "circumference", None) is not None
-    unlike = False
-    if friction is not None and law in ("Sliding", "PartialSlip", "Fretting") and friction.coefficient:
-        from contactstudy.scene.friction import are_similar  # imported only where there is friction
-
-        unlike = not are_similar(scene.solids)
-    named = {
-        law: friction is not None,
-        "Scene.load on a point contact": scene.is_point_contact,
-        "Scene.load is an Approach": isinstance(load, Approach),
-        "Scene.load is a PullOff": isinstance(load, PullOff),
-        "Scene.load that changes": isinstance(load, ChangingLoad),
-        "Scene.load that falls": isinstance(load, PullOff) or (isinstance(load, ChangingLoad) and falls(load)),
-        "a change in time": changes,
-        "Scene.hardness": scene.hardness < inf,
-        "Scene.outputs": bool(scene.outputs),
-        "Scene.solids that creep": creep,
-        "Scene.solids that yield": plastic,
-        "Scene.solids at rest that creep or yield": (creep or plastic) and not steady_motion,
-        "Scene.solids with free_faces": scene.free_length < inf,
-        "a contact that rolls": scene.rolls or scene.has_tractive_rolling,
-        "Scene.rolling without passes": rolling is not None and not has_passes,
-        "Rolling.passes": has_passes,
-        "passes over Scene.solids that yield": has_passes and plastic,
-        "rolling of Scene.solids that creep": scene.rolls and creep,
-        "Scene.shapes that move with a body": any(hasattr(shape, "gap_after") for shape in scene.shapes),
-        "Scene.friction with stick": getattr(friction, "sticks", False),
-        "Scene.friction of unequal bodies": friction is not None and scene.solids[0] != scene.solids[1],
-        "friction and Scene.outputs": friction is not None and bool(scene.outputs),
-        "Scene.friction in partial slip": law in ("PartialSlip", "Fretting"),
-        "Scene.friction in partial slip without times": law in ("PartialSlip", "Fretting") and not in_time,
-        "Fretting.times": in_time,
-        "Fretting.displacements": getattr(friction, "displacements", None) is not None,
-        "Scene.solids that are elastically dissimilar": unlike,
-        "Scene.friction in sliding of dissimilar bodies": unlike and law == "Sliding",
-        "Adhesion.range is None": scene.adhesion is not None and scene.adhesion.range is None,
-        "Wear.speed": wear is not None and wear.speed != 0,
-        "Scene.wear of a body that turns or in a film": wear is not None and (turns or film is not None),
-    }
-    for name in ("rolling", "friction", "lubrication", "adhesion", "wear"):
-        named[f"Scene.{name}"] = getattr(scene, name) is not None
-    if film is not None:
-        film_changes = not isinstance(film.mean_speed, float) or (changes and wear is None)
-        named |= {f"Lubrication.{name}": getattr(film, name) is not None for name in ("boundary", "thermal")}
-        named |= {
-            "Scene.lubrication without a boundary film": film.boundary is None,
-            "a change in time under a film": film_changes,
-        }
-    return {name for name, is_named in named.items() if is_named}
-
-
-def check_combinations(scene: SceneContext) -> None:
-    """Raise :class:`~contactstudy.InvalidInput` for two effects of `scene` that cannot be combined."""
-    effects = effects_of(scene)
-    for effect, others, reason in REFUSED:
-        for other in others:
-            if {effect, other} <= effects:
-                field = effect.removeprefix("Scene.")
-                value = f" is {getattr(scene, field)!r}" if hasattr(scene, field) else ""
-                changing = f"{scene.time_dependent_field}, which changes in time"
-                pair = f"{effect}{value} together with {other}".replace("a change in time", changing)
-                raise InvalidInput(f"{pair}: {reason}.")

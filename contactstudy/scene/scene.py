@@ -14,7 +14,7 @@ from contactstudy.domain.validation import OR_INFINITE, Example, Hardness, Inval
 from contactstudy.elasticity.convolution import Convolution, padded_cells, superposed
 from contactstudy.problem.constraint import Compressive, Control, HardnessLimited, PrescribedApproach, PrescribedLoad
 from contactstudy.problem.problem import AdhesionSolver, Derived, FrictionSolver, Problem, Scales, refuse_too_large
-from contactstudy.scene.combinations import check_combinations
+from contactstudy.scene.combinations import REFUSED
 from contactstudy.scene.loads import (
     DATUM_OVER_RADIUS,
     Approach,
@@ -23,6 +23,7 @@ from contactstudy.scene.loads import (
     LineLoad,
     PullOff,
     TotalLoad,
+    falls,
 )
 from contactstudy.scene.shapes.roller import FiniteLength
 from contactstudy.scene.shapes.shape import (
@@ -38,7 +39,6 @@ from contactstudy.scene.shapes.shape import (
 )
 from contactstudy.scene.solids.bodies import (
     Body,
-    SceneContext,
     contact_modulus,
     creeps,
     hertz_line,
@@ -90,28 +90,6 @@ STEADY_WEAR = Method("a contact that rolls and wears", ("times", "error", *OPTIO
 FILM = Method("a steady film", ("start", "max_iterations"))
 FILM_IN_TIME = Method("a film that changes in time", ("times", "error", "step"))
 FILM_WEAR = Method("a film that wears", ("times", "error", "max_iterations"))
-
-
-def method_of(scene: SceneContext) -> Method:
-    """Return the method by which a scene is solved: the first in the table below whose condition the scene meets."""
-    film, wears = scene.lubrication is not None, scene.wear is not None
-    changes = scene.time_dependent_field is not None
-    keeps_states = any(creeps(solid) or yields(solid) for solid in scene.solids)
-    wears_evenly = scene.has_tractive_rolling or getattr(scene.wear, "circumference", None) is not None
-    rolls_at_speed = scene.rolling_speed is not None
-    methods = (
-        (film and wears, FILM_WEAR),
-        (film and changes, FILM_IN_TIME),
-        (film, FILM),
-        (wears and (rolls_at_speed or wears_evenly), STEADY_WEAR),
-        (rolls_at_speed and isinstance(scene.load, ChangingLoad), QUASI_STATIC),
-        (rolls_at_speed, STEADY_ROLLING),
-        (scene.rolling is not None, PASSES),
-        (changes and (scene.has_tractive_rolling or (scene.adhesion is not None and not keeps_states)), QUASI_STATIC),
-        (changes, TIME_DEPENDENT),
-        (True, STATIC),
-    )
-    return next(method for applies, method in methods if applies)
 
 
 AnyLoad = (
@@ -205,7 +183,7 @@ class Scene(InNotebook):
         for number, shape in enumerate(self.shapes):
             valid(f"Scene.shapes[{number}].curvature", curvature_of(shape), float)
         self._check_curvatures()
-        check_combinations(self)
+        self._check_combinations()
         effects = self.rolling, self.friction, self.lubrication, self.adhesion, self.wear
         for part in (self.load, *effects, *self.solids):
             getattr(part, "check", lambda _: None)(self)
@@ -223,6 +201,18 @@ class Scene(InNotebook):
                 "radius, give that of a hollow body below 0 m and a convex one that fits into it."
             )
 
+    def _check_combinations(self) -> None:
+        """Refuse two effects that cannot be combined."""
+        effects = self._effects
+        for effect, others, reason in REFUSED:
+            for other in others:
+                if {effect, other} <= effects:
+                    field = effect.removeprefix("Scene.")
+                    value = f" is {getattr(self, field)!r}" if hasattr(self, field) else ""
+                    changing = f"{self.time_dependent_field}, which changes in time"
+                    pair = f"{effect}{value} together with {other}".replace("a change in time", changing)
+                    raise InvalidInput(f"{pair}: {reason}.")
+
     def _check_outputs(self) -> None:
         """Check the outputs, of each kind of which there may be one, in a contact at rest one of each body."""
         for number, output in enumerate(self.outputs):
@@ -235,6 +225,65 @@ class Scene(InNotebook):
                     "one of each body."
                 )
             output.check(self.solids)
+
+    @property
+    def _effects(self) -> set[str]:
+        """Effects of the scene, as far as the table of those that cannot be combined names them."""
+        load, film, wear, rolling, friction = self.load, self.lubrication, self.wear, self.rolling, self.friction
+        law, in_time = type(friction).__name__, getattr(friction, "times", None) is not None
+        creep, plastic = any(map(creeps, self.solids)), any(map(yields, self.solids))
+        has_passes = rolling is not None and rolling.passes is not None
+        changes = self.time_dependent_field is not None
+        steady_motion = self.rolls or film is not None
+        turns = getattr(wear, "circumference", None) is not None
+        unlike = False
+        if law in ("Sliding", "PartialSlip", "Fretting") and getattr(friction, "coefficient", 0) > 0:
+            from contactstudy.scene.friction import are_similar  # imported only where there is friction
+
+            unlike = not are_similar(self.solids)
+        named = {
+            law: friction is not None,
+            "Scene.load on a point contact": self.is_point_contact,
+            "Scene.load is an Approach": isinstance(load, Approach),
+            "Scene.load is a PullOff": isinstance(load, PullOff),
+            "Scene.load that changes": isinstance(load, ChangingLoad),
+            "Scene.load that falls": isinstance(load, PullOff) or (isinstance(load, ChangingLoad) and falls(load)),
+            "a change in time": changes,
+            "Scene.hardness": self.hardness < inf,
+            "Scene.outputs": bool(self.outputs),
+            "Scene.solids that creep": creep,
+            "Scene.solids that yield": plastic,
+            "Scene.solids at rest that creep or yield": (creep or plastic) and not steady_motion,
+            "Scene.solids with free_faces": self.free_length < inf,
+            "a contact that rolls": self.rolls or self.has_tractive_rolling,
+            "Scene.rolling without passes": rolling is not None and not has_passes,
+            "Rolling.passes": has_passes,
+            "passes over Scene.solids that yield": has_passes and plastic,
+            "rolling of Scene.solids that creep": self.rolls and creep,
+            "Scene.shapes that move with a body": any(hasattr(shape, "gap_after") for shape in self.shapes),
+            "Scene.friction with stick": getattr(friction, "sticks", False),
+            "Scene.friction of unequal bodies": friction is not None and self.solids[0] != self.solids[1],
+            "friction and Scene.outputs": friction is not None and bool(self.outputs),
+            "Scene.friction in partial slip": law in ("PartialSlip", "Fretting"),
+            "Scene.friction in partial slip without times": law in ("PartialSlip", "Fretting") and not in_time,
+            "Fretting.times": in_time,
+            "Fretting.displacements": getattr(friction, "displacements", None) is not None,
+            "Scene.solids that are elastically dissimilar": unlike,
+            "Scene.friction in sliding of dissimilar bodies": unlike and law == "Sliding",
+            "Adhesion.range is None": self.adhesion is not None and self.adhesion.range is None,
+            "Wear.speed": wear is not None and wear.speed != 0,
+            "Scene.wear of a body that turns or in a film": wear is not None and (turns or film is not None),
+        }
+        for name in ("rolling", "friction", "lubrication", "adhesion", "wear"):
+            named[f"Scene.{name}"] = getattr(self, name) is not None
+        if film is not None:
+            film_changes = not isinstance(film.mean_speed, float) or (changes and wear is None)
+            named |= {f"Lubrication.{name}": getattr(film, name) is not None for name in ("boundary", "thermal")}
+            named |= {
+                "Scene.lubrication without a boundary film": film.boundary is None,
+                "a change in time under a film": film_changes,
+            }
+        return {name for name, is_named in named.items() if is_named}
 
     @property
     def radius(self) -> float | None:
@@ -400,8 +449,28 @@ class Scene(InNotebook):
 
     @property
     def method(self) -> Method:
-        """Method by which :func:`~contactstudy.solve` solves the scene, with the keywords that it takes."""
-        return method_of(self)
+        """Method by which :func:`~contactstudy.solve` solves the scene, the first whose condition it meets."""
+        film, wears, changes = (
+            self.lubrication is not None,
+            self.wear is not None,
+            self.time_dependent_field is not None,
+        )
+        keeps_states = any(creeps(solid) or yields(solid) for solid in self.solids)
+        wears_evenly = self.has_tractive_rolling or getattr(self.wear, "circumference", None) is not None
+        rolls_at_speed = self.rolling_speed is not None
+        methods = (
+            (film and wears, FILM_WEAR),
+            (film and changes, FILM_IN_TIME),
+            (film, FILM),
+            (wears and (rolls_at_speed or wears_evenly), STEADY_WEAR),
+            (rolls_at_speed and isinstance(self.load, ChangingLoad), QUASI_STATIC),
+            (rolls_at_speed, STEADY_ROLLING),
+            (self.rolling is not None, PASSES),
+            (changes and (self.has_tractive_rolling or (self.adhesion is not None and not keeps_states)), QUASI_STATIC),
+            (changes, TIME_DEPENDENT),
+            (True, STATIC),
+        )
+        return next(method for applies, method in methods if applies)
 
     @property
     def time_dependent_field(self) -> str | None:
@@ -488,7 +557,13 @@ class Scene(InNotebook):
             suffice, or no pressure leads to the approach.
         """
         valid("grid", grid, Grid)
-        self._check_at_rest()
+        if self.method is not STATIC:
+            changing = self.time_dependent_field
+            reason = f"{changing} changes in time" if changing else f"Scene is {self.method.kind}"
+            raise InvalidInput(
+                f"{reason}, which takes more than one problem: call contactstudy.solve(scene, grid, padding), with "
+                "times where it changes."
+            )
         paddings = across_and_along(padding)
         refuse_too_large(grid, prod(padded_cells(grid, paddings)))
         if paddings[0].wraps:
@@ -523,25 +598,6 @@ class Scene(InNotebook):
             adhesion=self._adhesion_solver(adhesion_solver),
             covered_fractions=source.covered_fractions(grid),
         )
-
-    def _check_at_rest(self) -> None:
-        """Raise InvalidInput for a scene that is solved by more than one problem."""
-        if self.rolls:
-            moving = "friction" if self.rolling is None else "rolling"
-            raise InvalidInput(
-                f"Scene.{moving} moves the contact, which takes more than one problem: call "
-                "contactstudy.solve(scene, grid, padding)."
-            )
-        if self.lubrication is not None:
-            raise InvalidInput(
-                "Scene.lubrication separates the bodies by a film: call contactstudy.solve(scene, grid, "
-                "padding), or leave it out for the dry contact."
-            )
-        if (changing := self.time_dependent_field) is not None:
-            raise InvalidInput(
-                f"{changing} changes in time, so there is no single problem: call contactstudy.solve(scene, "
-                "grid, padding, times=...)."
-            )
 
     def _operator(self, datum: float, grid: Grid, paddings: Paddings) -> Convolution:
         """Return the operator of both bodies on `grid`."""

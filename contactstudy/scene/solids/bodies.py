@@ -278,14 +278,6 @@ class SceneContext(Protocol):
         """Largest load over time [N/m]."""
 
     @property
-    def hardness(self) -> float:
-        """Hardness [Pa], infinite for none."""
-
-    @property
-    def outputs(self) -> tuple[object, ...]:
-        """Further results."""
-
-    @property
     def friction(self) -> Any:
         """Law of friction, or None."""
 
@@ -300,10 +292,6 @@ class SceneContext(Protocol):
     @property
     def adhesion(self) -> Any:
         """Adhesion, or None."""
-
-    @property
-    def wear(self) -> Any:
-        """Wear, or None."""
 
     @property
     def rolling(self) -> Any:
@@ -321,16 +309,8 @@ class SceneContext(Protocol):
         """Length [m] of the shortest body with free faces, infinite without one."""
 
     @property
-    def rolls(self) -> bool:
-        """True for `Rolling`, and for `TractiveRolling` of a body that creeps, which take more than one problem."""
-
-    @property
     def rolling_speed(self) -> float | None:
         """Speed [m/s] along x of a contact that rolls steadily; None for others."""
-
-    @property
-    def time_dependent_field(self) -> str | None:
-        """Name of a field that changes in time, or None."""
 
     @property
     def contact_modulus(self) -> float:
@@ -339,10 +319,6 @@ class SceneContext(Protocol):
     @property
     def radius(self) -> float | None:
         """Equivalent radius R [m] of the shapes, 1/R the sum of their curvatures; None unless that is above zero."""
-
-    @property
-    def is_point_contact(self) -> bool:
-        """Whether a total load presses bodies that are curved both ways and have no length."""
 
     @property
     def hertz(self) -> HertzLine | None:

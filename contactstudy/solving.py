@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any, cast, overload
 import numpy as np
 from numpy.typing import ArrayLike
 
+from contactstudy.accuracy.coarser import coarsened
 from contactstudy.answers.contact import Contact, contact_answer
-from contactstudy.answers.judgement import finer_grid, halved_grid, widened
+from contactstudy.answers.judgement import finer_grid, widened
 from contactstudy.domain.device import ONE_THREAD, Cpu, Device, using
 from contactstudy.domain.errors import DEFAULT_ERROR, Request, pressure_request
 from contactstudy.domain.grid import Array, ExactPeriodicity, Grid, Padding, Paddings, on_cells
@@ -312,8 +313,8 @@ class _Request:
         grid, padding = self.planned()
 
         def solve_on(grid: Grid) -> Contact:
-            def coarser(level: int) -> Contact:
-                return replace(solve_on(halved_grid(grid, level)), is_coarse=True)
+            def coarser(factor: int) -> Contact:
+                return replace(solve_on(coarsened(grid, factor)), is_coarse=True)
 
             rolling = solve_rolling(
                 self.scene,
@@ -373,11 +374,11 @@ class _Request:
         first, padding = self.planned()
         times = self.steps.instants_of(*self.scene.histories)
 
-        def on(grid: Grid, level: int = 0) -> "Evolution":
+        def on(grid: Grid, factor: int = 1) -> "Evolution":
             scene, arguments = self.scene, {"times": times, **named}
             if error is not None:
-                arguments["error"] = min(4**level * error, LARGEST_STEP_ERROR) if level else error
-            if level:
+                arguments["error"] = min(factor**2 * error, LARGEST_STEP_ERROR) if factor > 1 else error
+            if factor > 1:
                 scene = with_random_extents(scene, first.extent)
             else:
                 arguments["progress"] = self.progress and Reporter(self.progress).time
@@ -385,11 +386,11 @@ class _Request:
                     finer = "" if grid == first else "{} x {} cells".format(*grid.cells)
                     arguments["folder"] = Path(self.folder, finer)
             followed = follow(scene, grid, padding, **arguments)
-            return answer_of(followed, None if level else self.requested)
+            return answer_of(followed, None if factor > 1 else self.requested)
 
         def solve_on(grid: Grid) -> "Evolution":
-            def coarser(level: int, widening: int = 1) -> "Evolution":
-                return on(widened(halved_grid(grid, level), widening), level)
+            def coarser(factor: int, widening: int = 1) -> "Evolution":
+                return on(widened(coarsened(grid, factor), widening), factor)
 
             return replace(on(grid), coarser=coarser)
 

@@ -8,11 +8,12 @@ import numpy as np
 from contactstudy.accuracy.coarser import (
     DiscretisationErrors,
     around_contact,
-    contact_area_error,
     discretisation_errors,
     error_by_change,
     relative_loss,
+    unseen_area_error,
 )
+from contactstudy.accuracy.contact_edge import StraightEdges, straight_edges
 from contactstudy.accuracy.hidden_heights import HiddenEffect, HiddenHeights
 from contactstudy.domain.grid import Array
 from contactstudy.problem.problem import Problem
@@ -20,6 +21,9 @@ from contactstudy.scene.scene import scene_of
 from contactstudy.scene.shapes.shape import unresolved
 from contactstudy.solvers.solution import Solution
 
+# Least cells in a layer beside which edges follow the law of those of a half-space: on fewer their places by two pairs
+# of cells were off by up to 0.2 cells where they agreed by chance.
+CELLS_IN_LAYER = 3.0
 SHARP_EDGE = "a sharp edge or corner"
 UNKNOWN_HEIGHTS = (
     "No bound for the discretisation error: Problem.source does not say the heights on other grids, so nothing is "
@@ -28,7 +32,6 @@ UNKNOWN_HEIGHTS = (
 NO_AREA = (
     "No bound for the contact area: the contact is one or two cells wide, or may open in every cell, give more cells."
 )
-NO_GAP = "No bound for the mean gap: the bodies touch everywhere, and what is left of it is the solver's residual."
 PROTRUDING = (
     "No bound for the discretisation error: between the cell centres the surface protrudes further than "
     "the contact flattens it; give more cells, or the shape's `length_scales`."
@@ -57,9 +60,6 @@ class OneGridConstants:
         Fraction of the largest force up to which heights under an attraction do not count.
     sharp_rise
         Fraction of the peak pressure that a corner adds at each halving of the cells, from which it counts as sharp.
-    gap_error
-        Error of the mean gap over the L1 error, relative to the gap or to the rms variation of the displacement,
-        whichever is larger: at most 0.28 on 820 lines, spheres and waves of 16 cells and more across the grid.
     min_cells_across
         Least cells across the contact at the peak for its edges to follow their law.
     peak_by_shear
@@ -75,9 +75,6 @@ class OneGridConstants:
         Error over the pressure on the length by which the cells make an end of a roller too long or too short: it is 2,
         as that pressure lies elsewhere, and more for what it moves. With both, bounds were 1.9 to 2.3 times the errors
         of 16 sharp rollers that fit their cells, and 1.1 to 10 times those of 41 that do not.
-    layer_edge, cells_in_layer
-        Uncertainty, in cells, of both edges of a contact together beside a layer of fewer cells: they were off by up to
-        0.2 where their places by two pairs of cells agreed by chance.
     cell_at_interface
         Largest cell over the thickness of a coating with which the grid resolves the shear stress at its interface.
     """
@@ -89,15 +86,12 @@ class OneGridConstants:
     load_error: float = 0.3
     negligible_attraction: float = 1e-3
     sharp_rise: float = 1e-3
-    gap_error: float = 0.3
     min_cells_across: int = 5
     peak_by_shear: float = 0.6
     end_over_peak: float = 0.5
     falling_end: float = 0.9
     end_rise: float = 0.5
     end_length: float = 4.0
-    layer_edge: float = 0.25
-    cells_in_layer: float = 3.0
     cell_at_interface: float = 0.5
 
 
@@ -107,7 +101,7 @@ CONSTANTS = OneGridConstants()
 def discretisation_bound(
     solution: Solution, coarse: Solution | None, heights: HiddenHeights | None
 ) -> DiscretisationErrors:
-    """Return the errors of `solution` due to its cells.
+    """Return the errors of `solution` due to its cells; without adhesion of the area what no other grid shows.
 
     Parameters are those of :func:`~contactstudy.accuracy.estimate.error_estimate`.
     """
@@ -129,11 +123,9 @@ def discretisation_bound(
     # where the grid chooses the range of an attraction, edges follow another law
     peak, edges = (0.0, (0.0, 0.0)) if solution.regularised else shown_errors(solution)
     l1, at_end, at_hardness = sum(edges), end_error(solution), _at_hardness(solution)
-    area = 0.0 if adheres else contact_area_error(solution.pressure, wraps) + _edge_at_layer(solution)
-    if at_end and (lengths := problem.covered_fractions) is not None:
-        area += abs(np.count_nonzero(lengths) / float(lengths.sum()) - 1)
+    area = 0.0 if adheres else unseen_area_error(solution.pressure, wraps)
     load = CONSTANTS.load_error * max(0.0 if adheres else l1, inside.hidden_load)
-    changes = DiscretisationErrors(0.0, 0.0, 0.0, 0.0)
+    changes = DiscretisationErrors(0.0, 0.0, 0.0)
     follows_law = (
         load_is_fixed
         and not at_hardness
@@ -160,33 +152,28 @@ def discretisation_bound(
         peak = inf
     else:
         peak = max(changes.peak_pressure, max(peak, inside.peak_rise) * peak_of_net) + _peak_by_shear(solution)
-    gap = gap_error(solution, l1, changes.mean_gap, heights.mean)
     if load_is_result:
         assert changes.load is not None
         load = max(load, changes.load) if l1 < inf else inf
         if adheres:
             net = abs(float(solution.net_pressure.sum()))
             load = max(load, hidden_error / net) if net else inf
-        if problem.control.approach is not None and gap < inf:
-            # the load moves the mean surface, which on two periodic axes is at rest
-            moved = load * abs(float(solution.displacement.mean()))
-            gap = max(gap, moved / solution.mean_gap)
-            load += heights.mean / solution.mean_gap
-            if not adheres:  # the level of the pressure beside its shape, which its edges show
-                l1, peak = l1 + load, peak + load
-    area = max(area, changes.contact_area, hidden_area)
-    reasons = reason, NO_AREA if area == inf else "", NO_GAP if gap == inf else ""
-    return DiscretisationErrors(l1, peak, area, gap, load if load_is_result else None, tuple(filter(None, reasons)))
+        if not adheres:  # the level of the pressure beside its shape, which its edges show
+            l1, peak = l1 + load, peak + load
+    area = max(area, hidden_area, changes.contact_area if adheres else 0.0)
+    if not adheres and not _has_run_in_contact(solution.pressure, 2):
+        area = inf
+    reasons = tuple(filter(None, (reason, NO_AREA if area == inf else "")))
+    return DiscretisationErrors(l1, peak, area, load if load_is_result else None, reasons)
 
 
-def _edge_at_layer(solution: Solution) -> float:
-    """Return the relative error of the area by edges that do not follow their law: beside a layer of few cells."""
-    pressure, scene = solution.pressure, scene_of(solution.problem)
+def lawful_edges(solution: Solution) -> StraightEdges | None:
+    """Return the edges of a contact if they follow the law of straight ones: not with adhesion, nor on a thin layer."""
+    scene = scene_of(solution.problem)
     bodies = () if scene is None else scene.solids
     layers = [bottom - top for body in bodies for *_, top, bottom in getattr(body, "parts", {}).values()]
-    if min(layers, default=inf) >= CONSTANTS.cells_in_layer * solution.problem.grid.cell_size[0]:
-        return 0.0
-    return float(CONSTANTS.layer_edge * pressure.shape[1] / np.count_nonzero(pressure))
+    is_thin = min(layers, default=inf) < CELLS_IN_LAYER * solution.problem.grid.cell_size[0]
+    return None if is_thin or solution.adhesion is not None else straight_edges(solution.pressure)
 
 
 def dundurs_of_shear(solution: Solution) -> float:
@@ -259,28 +246,6 @@ def _force(solution: Solution) -> Array:
         return solution.pressure
     force = solution.pressure + solution.adhesion.attraction
     return np.where(force > CONSTANTS.negligible_attraction * force.max(), force, 0.0)
-
-
-def gap_error(solution: Solution, l1: float, change: float, hidden: float) -> float:
-    """Return the relative error of the mean gap; infinite where the gap is of the size of the iteration's residual.
-
-    Parameters
-    ----------
-    solution
-        The solution.
-    l1
-        Discretisation error of the pressure in L1.
-    change
-        Relative change of the gap from cells of twice the size.
-    hidden
-        Mean of the heights inside the cells below that at their centres [m].
-    """
-    gap, active = solution.mean_gap, solution.problem.constraint.active(solution.pressure)
-    residual = float((np.abs(solution.gap) * active).mean())
-    if not gap > 2 * residual:
-        return inf
-    shift = CONSTANTS.gap_error * l1 * max(float(solution.displacement.std()), gap)
-    return max(change, shift / gap) + hidden / gap
 
 
 def over_net(solution: Solution) -> tuple[float, float]:

@@ -2,13 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import inf, log, pi
+from math import ceil, inf, log, pi
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from contactstudy.accuracy.contact_edge import edge_error, edge_position, straight_edges
+from contactstudy.accuracy.contact_edge import StraightEdges, edge_error, straight_edges
 from contactstudy.domain.errors import MARGIN
 from contactstudy.domain.grid import Array, Grid, Paddings, axis_first, edge_fraction, is_free, on_cells
 from contactstudy.domain.validation import InvalidInput
@@ -29,22 +29,13 @@ class DiscretisationConstants:
         between two straight edges that fall alike; a third more for edges that are neither straight nor alike.
     edge_effect_beside
         The same where the maximum lies within two cells of an edge, where no parabola holds.
-    edge_uncertainty
-        Uncertainty, in cells, of the position of each edge, which may lie anywhere in its cell.
-    side_uncertainty
-        That of the area by which edges lie inside their cells in the mean, relative to it.
     side_excess
         Excess of the counted area per length of its outline along cell sides, in cells: ``(pi - 1 + ln 2) / 24``.
-    plateau_uncertainty
-        That of the end of a plateau, which lies anywhere in its cell.
     """
 
     edge_effect: float = 1 / 12
     edge_effect_beside: float = 1 / 3
-    edge_uncertainty: float = 1.2
-    side_uncertainty: float = 0.2
     side_excess: float = (pi - 1 + log(2)) / 24
-    plateau_uncertainty: float = 0.65
 
 
 CONSTANTS = DiscretisationConstants()
@@ -143,55 +134,30 @@ def _ends(padded: Array, touching: NDArray[np.bool_]) -> tuple[Array, Array]:
     return ends, np.concatenate([after[first], before[last]])
 
 
-def contact_area_in_cells(pressure: Array, wraps: tuple[bool, bool]) -> float:
+def contact_area_in_cells(pressure: Array, wraps: tuple[bool, bool], edges: StraightEdges | None = None) -> float:
     """Return the contact area in cells, with its edges inside them.
 
-    A cell in contact counts as a whole. Straight edges across follow from the pressure beside them
-    (:func:`~contactstudy.accuracy.contact_edge.straight_edges`); others are taken to lie inside their cells by
-    :data:`CONSTANTS.side_excess` in the mean (Yastrebov, Anciaux & Molinari 2017, Tribology International 114, 161).
+    A cell in contact counts as a whole. Straight `edges` across follow from the pressure beside them, and are found if
+    not at hand (:func:`~contactstudy.accuracy.contact_edge.straight_edges`); others are taken to lie inside their cells
+    by :data:`CONSTANTS.side_excess` in the mean (Yastrebov, Anciaux & Molinari 2017, Tribology Int. 114, 161).
     """
-    if (edges := straight_edges(pressure)) is not None:
+    if (edges := edges or straight_edges(pressure)) is not None:
         return float(edges.places.sum())
     sides = sum(_sides(pressure > 0, wraps))
     return float(max(np.count_nonzero(pressure) - CONSTANTS.side_excess * sides, 0.0))
 
 
-def contact_area_error(pressure: Array, wraps: tuple[bool, bool]) -> float:
-    """Return the relative error of :func:`contact_area_in_cells`, by where its edges lie in their cells.
+def unseen_area_error(pressure: Array, wraps: tuple[bool, bool]) -> float:
+    """Return the relative error of :func:`contact_area_in_cells` that its change between grids does not show.
 
-    That of straight edges is their uncertainty. Others differ from where the pressures of the last two cells of each row
-    put them (:mod:`~contactstudy.accuracy.contact_edge`), and lie anywhere in their cells beside that.
-    Each axis shows the whole error, so the larger of both counts. In a nearly full contact, openings as narrow
-    as a cell may be there or not. The error is infinite where no area may remain.
-
-    Parameters
-    ----------
-    pressure
-        Pressure (x, y).
-    wraps
-        Whether the surface wraps across and along.
+    It is the uncertainty of straight edges and, in a nearly full contact, openings as narrow as a cell, which may be
+    there or not. It is infinite where no area may remain.
     """
-    area = contact_area_in_cells(pressure, wraps)
-    if not area:
-        return inf
-    narrow = _narrow_openings(pressure, wraps)
-    if (edges := straight_edges(pressure)) is not None:
-        return relative_loss((pressure.shape[1] * (edges.uncertainty + STRAIGHT_UNCERTAINTY) + narrow) / area)
-    cells, highest = np.count_nonzero(pressure), pressure.max()
-    excess = 0.0
-    for axis, is_periodic in enumerate(wraps):
-        along = axis_first(pressure, axis)
-        if len(along) == 1:
-            continue
-        padded = with_ends(along, 1, wraps=is_periodic)
-        last, second = _ends(padded, padded > 0)
-        # a plateau ends anywhere in its last cell; a straight one at the same place in every row
-        smooth = second < highest
-        beyond = float((0.5 - edge_position(last[smooth], second[smooth])).sum())
-        of_ends = CONSTANTS.edge_uncertainty * np.count_nonzero(smooth) ** 0.5
-        of_plateaus = CONSTANTS.plateau_uncertainty * np.count_nonzero(~smooth)
-        excess = max(excess, abs(cells - beyond - area) + of_ends + of_plateaus)
-    return relative_loss((excess + CONSTANTS.side_uncertainty * (cells - area) + narrow) / area)
+    edges = straight_edges(pressure)
+    area, lost = contact_area_in_cells(pressure, wraps, edges), float(_narrow_openings(pressure, wraps))
+    if edges is not None:
+        lost += pressure.shape[1] * (edges.uncertainty + STRAIGHT_UNCERTAINTY)
+    return relative_loss(lost / area) if area else inf
 
 
 def _narrow_openings(pressure: Array, wraps: tuple[bool, bool]) -> int:
@@ -224,7 +190,7 @@ COARSE_TOLERANCE = 1e-6
 # That of a coarse solution with adhesion, whose states near separation differ by slow changes alone.
 ADHESIVE_TOLERANCE = 1e-7
 # Fields of `DiscretisationErrors` that hold an error.
-OF_NUMBERS = "l1", "peak_pressure", "contact_area", "mean_gap", "load"
+OF_NUMBERS = "l1", "peak_pressure", "contact_area", "load"
 # Error of the work of adhesion by which cells trap the edge of a contact, times the cells in the cohesive zone.
 TRAPPED_WORK: dict[type, float] = {Exponential: 0.06, Dugdale: 0.16}
 
@@ -237,7 +203,7 @@ class DiscretisationErrors:
     ----------
     l1
         Of the net pressure in L1; a change is that of its means over the coarser cells.
-    peak_pressure, contact_area, mean_gap, load
+    peak_pressure, contact_area, load
         Of these numbers; the `load` is None where it is given.
     warnings
         A sentence for each infinite error, or on what to change.
@@ -246,24 +212,23 @@ class DiscretisationErrors:
     l1: float
     peak_pressure: float
     contact_area: float
-    mean_gap: float
     load: float | None = None
     warnings: tuple[str, ...] = ()
 
     @classmethod
     def unbounded(cls, reason: str, load: float | None = None) -> "DiscretisationErrors":
         """Return infinite errors with their reason."""
-        return cls(inf, inf, inf, inf, load, (reason,))
+        return cls(inf, inf, inf, load, (reason,))
 
 
-def halved(grid: Grid) -> Grid:
-    """Return a grid of the same extent with half as many cells along each axis, rounded up, at least 2 across."""
+def coarsened(grid: Grid, factor: int) -> Grid:
+    """Return a grid of the same extent with 1 / `factor` of the cells along each axis, rounded up, at least 2 across."""
     nx, ny = grid.cells
-    return Grid((max(2, (nx + 1) // 2), (ny + 1) // 2), grid.extent)
+    return Grid((max(2, ceil(nx / factor)), ceil(ny / factor)), grid.extent)
 
 
-def coarser_problem(problem: Problem) -> Problem | None:
-    """Return `problem` on cells of about twice the size.
+def coarser_problem(problem: Problem, factor: int = 2) -> Problem | None:
+    """Return `problem` on cells of about `factor` times the size.
 
     It is None without a source, where the source refuses such cells, and where the grid is two cells wide.
 
@@ -274,7 +239,7 @@ def coarser_problem(problem: Problem) -> Problem | None:
     if source is None or problem.grid.cells[0] == 2:
         return None
     try:
-        coarse = source.problem(halved(problem.grid))
+        coarse = source.problem(coarsened(problem.grid, factor))
     except InvalidInput:
         return None
     if problem.adhesion is None:
@@ -293,13 +258,11 @@ def change_between_grids(fine: Solution, coarse: Solution) -> DiscretisationErro
     net = fine.net_pressure
     means = on_cells(net, coarse.pressure.shape)
     areas = [touching_fraction(solution) for solution in (fine, coarse)]
-    gaps = [solution.mean_gap for solution in (fine, coarse)]
     loads = [solution.load_per_length for solution in (fine, coarse)]
     return DiscretisationErrors(
         float(np.abs(means - coarse.net_pressure).sum() / np.abs(means).sum()),
         abs(fine.peak_pressure / coarse.peak_pressure - 1) if coarse.peak_pressure else inf,
         abs(areas[1] / areas[0] - 1),
-        abs(gaps[1] / gaps[0] - 1) if gaps[0] else inf,
         abs(loads[0] - loads[1]) / abs(loads[0]) if loads[0] else inf,
     )
 
@@ -378,14 +341,14 @@ def _with_trapping(errors: DiscretisationErrors, solution: Solution) -> Discreti
 
 
 def coarse_solution(
-    problem: Problem, pressure: Array | None = None, attraction: Array | None = None
+    problem: Problem, pressure: Array | None = None, attraction: Array | None = None, factor: int = 2
 ) -> Solution | None:
-    """Return the solution on cells of twice the size, as accurate as a comparison needs where it converges.
+    """Return the solution on cells of `factor` times the size, as accurate as a comparison needs where it converges.
 
     It begins with the means of a `pressure` and an `attraction` (x, y) [Pa] on the grid of `problem`, if they are given.
     It is None where `coarser_problem` is.
     """
-    coarse = coarser_problem(problem)
+    coarse = coarser_problem(problem, factor)
     if coarse is None:
         return None
     start = None if pressure is None else on_cells(pressure, coarse.grid.cells)

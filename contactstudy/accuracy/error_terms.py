@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from contactstudy.accuracy.coarser import ADHESIVE_TOLERANCE, TRAPPED_WORK, contact_perimeter, halved, relative_loss
+from contactstudy.accuracy.coarser import ADHESIVE_TOLERANCE, TRAPPED_WORK, coarsened, contact_perimeter, relative_loss
 from contactstudy.domain.device import Precision
 from contactstudy.domain.errors import ErrorParts
 from contactstudy.domain.grid import MIN_COMPILED_CELLS, Array, Grid, Padding, Paddings, in_blocks, inner
@@ -373,6 +373,8 @@ def _pull_off_range_error(solution: Solution, adhesion: AdhesiveTraction, pull_o
     posed = problem.description
     if not adhesion.regularised or not isinstance(posed, PosedScene):
         return None
-    longer = solve_contact(posed.scene.problem(halved(problem.grid), posed.padding), SolveOptions(ADHESIVE_TOLERANCE))
+    longer = solve_contact(
+        posed.scene.problem(coarsened(problem.grid, 2), posed.padding), SolveOptions(ADHESIVE_TOLERANCE)
+    )
     found = longer.status.has_converged and pull_off
     return abs(longer.load_per_length - pull_off) / abs(pull_off) if found else inf

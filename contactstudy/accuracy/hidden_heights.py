@@ -17,7 +17,7 @@ from contactstudy.accuracy.coarser import around_contact, with_ends
 from contactstudy.domain.grid import BLOCK_CELLS, Array, Grid, axis_first, on_cells
 from contactstudy.domain.validation import InvalidInput
 from contactstudy.elasticity.convolution import Convolution
-from contactstudy.problem.problem import Problem, Source
+from contactstudy.problem.problem import Problem
 
 # Steps of a two-dimensional sequence of low discrepancy to which points can be added one by one:
 # Roberts (2018), "The unreasonable effectiveness of quasirandom sequences".
@@ -113,8 +113,6 @@ class HiddenHeights:
         By how much the missed heights raise the pressure.
     corner
         Rise at a corner when the cells are halved.
-    mean
-        Mean of the heights inside the cells below that at their centres [m].
     moduli
         E* [Pa] along each axis of several cells, with which all are pressures.
     """
@@ -123,7 +121,6 @@ class HiddenHeights:
     protrusion: Array
     rise: Array
     corner: Array
-    mean: float
     moduli: tuple[float, ...]
 
     @classmethod
@@ -132,20 +129,18 @@ class HiddenHeights:
         source, grid = problem.source, problem.grid
         if source is None or problem.paddings is None:
             return None
-        missed, protrusion, corner, mean = *np.zeros((3, 1, 1)), 0.0
+        missed, protrusion, corner = np.zeros((3, 1, 1))
         points = CONSTANTS.points if source.has_length_scales else CONSTANTS.points_without_scales
         axes = [axis for axis in (0, 1) if grid.cells[axis] > 1]
         moduli = _moduli(problem)
         stiffness = [modulus / grid.cell_size[axis] for axis, modulus in zip(axes, moduli, strict=True)]
         try:
             for axis, modulus, stiff in zip(axes, moduli, stiffness, strict=True):
-                if (on_lines := _on_lines(problem, axis, points)) is None:
+                if (fields := _on_lines(problem, axis, points)) is None:
                     continue
-                fields, below = on_lines
                 halving = modulus * log(2) / (2 * pi)
                 missed, protrusion = missed + fields[0] * stiff, protrusion + fields[1] * stiff
                 corner = np.maximum(corner, fields[2] * halving)
-                mean += abs(below)
             # the pressure below a height ``|x|^n`` goes on rising on finer cells
             rise = CONSTANTS.pressure_rise * missed * (1 if source.has_length_scales else CONSTANTS.further_rise)
             if not source.has_length_scales and len(axes) == 2:
@@ -158,7 +153,7 @@ class HiddenHeights:
         missed, protrusion, rise, corner = (
             np.broadcast_to(field, grid.cells) for field in (missed, protrusion, rise, corner)
         )
-        return cls(missed, protrusion, rise, corner, mean, moduli)
+        return cls(missed, protrusion, rise, corner, moduli)
 
     def effect_under(self, problem: Problem, pressure: Array) -> HiddenEffect:
         """Return the effect of the heights where `pressure` (x, y) [Pa] acts, and in the neighbouring cells.
@@ -190,12 +185,11 @@ class HiddenHeights:
         )
 
 
-def _on_lines(problem: Problem, axis: int, points: int) -> tuple[list[Array], float] | None:
+def _on_lines(problem: Problem, axis: int, points: int) -> list[Array] | None:
     """Return heights on lines through the centres along an `axis`; None where they do not vary along it.
 
-    They are (missed [m], protrusion [m], corner), fields (x, y) or fewer where they do not vary, and the mean of
-    the heights below that of the centres [m]. Lines with bends like those of a corner are examined again at more
-    points.
+    They are (missed [m], protrusion [m], corner), fields (x, y) or fewer where they do not vary. Lines with bends like
+    those of a corner are examined again at more points.
     """
     source, grid, paddings = problem.source, problem.grid, problem.paddings
     assert source is not None
@@ -226,11 +220,7 @@ def _on_lines(problem: Problem, axis: int, points: int) -> tuple[list[Array], fl
     if axis and problem.covered_fractions is not None:  # an end is no height that is hidden
         at_end = np.convolve(problem.covered_fractions < 1, np.ones(5))[2:-2] > 0
         on_lines[:2] = [np.where(at_end[:, None], 0.0, fields) for fields in on_lines[:2]]
-    means = [
-        mean_height(source, one, axis_first(heights, axis))
-        for one, heights in zip(grids, (centres, inside), strict=True)
-    ]
-    return [_on_grid(axis_first(field, axis), grid) for field in on_lines], means[1] - means[0]
+    return [_on_grid(axis_first(field, axis), grid) for field in on_lines]
 
 
 def _shown(centres: Array, inside: Array, *, wraps: bool) -> tuple[Array, Array]:
@@ -357,13 +347,6 @@ def _on_grid(field: Array, grid: Grid) -> Array:
     """Return a `field` of some lines (x, y) on all cells, an axis along which it does not vary as it is."""
     cells = [count if present > 1 else 1 for count, present in zip(grid.cells, field.shape, strict=True)]
     return on_cells(field, (cells[0], cells[1]))
-
-
-def mean_height(source: Source, grid: Grid, gap: Array) -> float:
-    """Return the mean of a `gap` (x, y) [m] on a grid, over the length of the bodies."""
-    lengths = getattr(source, "covered_fractions", lambda _: None)(grid)
-    means = np.broadcast_to(gap.mean(axis=0), grid.cells[1])
-    return float(np.average(means, weights=lengths))
 
 
 def _moduli(problem: Problem) -> tuple[float, ...]:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from contactstudy.accuracy.error_terms import IMAGES_REMEDY
 from contactstudy.accuracy.plausibility import beyond_half_space
 from contactstudy.answers.judgement import Judged, finer_grid, judged_numbers, without_bound
-from contactstudy.domain.errors import PRESSURE, ErrorEstimate, ErrorParts, InNotebook, Request
+from contactstudy.domain.errors import COARSER, PRESSURE, ErrorEstimate, ErrorParts, InNotebook, Request
 from contactstudy.domain.grid import Grid, Padding, Paddings, cells_text
 from contactstudy.domain.imports import needed_for
 from contactstudy.domain.validation import InvalidInput, NotDefined, readable
@@ -241,19 +241,15 @@ class Answer(InNotebook):
         return super()._repr_html_() + _image(self)
 
 
-# Function of a level k that solves the same scene on 1 / 2^k of the cells along each axis, in time with an error of
-# steps 4^k times as large, which are 2^k times as long; a film also over a multiple of the width.
+# Function of a factor k that solves the same scene on 1 / k of the cells along each axis, in time with steps k times as
+# long; a film also over a multiple of the width.
 Coarser = Callable[..., Answer]
 
 
-def levels_below(coarser: Coarser) -> list[Answer]:
-    """Return the answers on half and on a quarter of the cells, as far as there are solutions."""
-    levels: list[Answer] = []
-    for level in (1, 2):
-        if (answer := solved_or_none(coarser, level)) is None:
-            break
-        levels.append(answer)
-    return levels
+def levels_below(coarser: Coarser) -> dict[int, Answer]:
+    """Return the answers on 1 / k of the cells along each axis by k, those of `COARSER` that have a solution."""
+    answers = {factor: solved_or_none(coarser, factor) for factor in COARSER}
+    return {factor: answer for factor, answer in answers.items() if answer is not None}
 
 
 def solved_or_none(coarser: Coarser, *arguments: int) -> Answer | None:

@@ -6,11 +6,12 @@ from functools import cached_property
 from math import inf
 from typing import TYPE_CHECKING, Any
 
+from contactstudy.accuracy.bound import lawful_edges
 from contactstudy.accuracy.coarser import coarse_solution, comparable
 from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.answers.answer import Answer, Coarser, levels_below
-from contactstudy.answers.judgement import with_nested_bounds
-from contactstudy.domain.errors import ErrorEstimate, ErrorParts, Request
+from contactstudy.answers.judgement import OF_EDGES, is_stress, with_nested_bounds
+from contactstudy.domain.errors import STATIC_ORDER, ErrorEstimate, ErrorParts, Request
 from contactstudy.domain.grid import Grid, Padding, Paddings, edge_fraction
 from contactstudy.domain.imports import needed_for
 from contactstudy.domain.validation import NotDefined
@@ -91,7 +92,7 @@ class Contact(Answer, Solution):
             if not self._has_derived_errors:
                 return self.estimate or error_estimate(self)
             estimate = self.estimate or error_estimate(self, coarse=self._on_half_the_cells)
-            return self._with_derived(estimate, comparable(self._on_half_the_cells))
+            return self._with_derived(estimate)
         except NotDefined as reason:
             unknown = ErrorParts(discretisation=inf, reason=f"No bound: {reason}")
             return ErrorEstimate(unknown, unknown, unknown, unknown, warnings=(unknown.reason,))
@@ -110,11 +111,8 @@ class Contact(Answer, Solution):
         """
         return self.time is not None and self.estimate is not None
 
-    def _with_derived(self, estimate: ErrorEstimate, coarse: Solution | None) -> ErrorEstimate:
-        """Return `estimate` with the errors of the approach and of the largest stress.
-
-        Both are compared with those of `coarse`, the contact on cells of twice the size; None where there is none.
-        """
+    def _with_derived(self, estimate: ErrorEstimate) -> ErrorEstimate:
+        """Return `estimate` with the errors of approach and largest stress that changes between grids do not show."""
         from contactstudy.accuracy.estimate import approach_error, stress_error
         from contactstudy.accuracy.plausibility import (
             beyond_strength,
@@ -125,7 +123,7 @@ class Contact(Answer, Solution):
 
         of_ends = () if self.is_coarse else (end_of_half_space(self), unrelieved_ends(self))
         warnings = (*filter(None, of_ends), *estimate.warnings)
-        estimate = replace(estimate, approach=approach_error(self, estimate, coarse))
+        estimate = replace(estimate, approach=approach_error(self, estimate))
         if "von_mises" not in self.derived:
             return replace(estimate, warnings=warnings)
         stress, depths = (self.derived[name].values for name in ("von_mises", "z"))
@@ -181,45 +179,64 @@ class Contact(Answer, Solution):
     @cached_property
     def quantities(self) -> Quantities:
         """Numbers of the contact by name, with unit and bound."""
-        found = contact_quantities(self, self.error, self.derived, self.rolling)
-        unseen = dict.fromkeys(found, self.error.stress)
+        found, error = contact_quantities(self, self.error, self.derived, self.rolling), self.error
+        others = replace(error.l1, discretisation=None).total
+        of_stress = dict.fromkeys(found, error.stress)
         for number in range(1, len(self.problem.outputs) if found else 0):
             if suffix := self._suffix(number):
                 alone = self._with_output_alone(number)
                 of_body = stress_quantities(alone.scene, alone.derived, self.grid, alone.error, self.problem.paddings)
                 found |= {f"{name}{suffix}": quantity for name, quantity in of_body.items()}
-                unseen |= {f"{name}{suffix}": alone.error.stress for name in of_body}
-        if not self._depends_on_history and any(each.reason == NO_ESTIMATE for each in found.values()):
-            below = [level.quantities for level in self._below()]
-            at_edge = edge_fraction(self.pressure > 0)
-            return with_nested_bounds(
-                found,
-                below,
-                self.error.l1,
-                at_edge,
-                frozenset({NO_ESTIMATE}),
-                of_stress={name: error.total for name, error in unseen.items() if error},
-            )
-        return found
+                of_stress |= {f"{name}{suffix}": alone.error.stress for name in of_body}
+        if self._depends_on_history or not any(each.reason == NO_ESTIMATE for each in found.values()):
+            return found
+        unseen = {name: others + of.total for name, of in of_stress.items() if of and is_stress(name)}
+        of_edges = dict.fromkeys(OF_EDGES, error.contact_area)
+        by_grids = of_edges | {"mean_gap": error.mean_gap, "approach": error.approach}
+        unseen |= {name: of.total for name, of in by_grids.items() if of}
+        # straight edges lie inside their cells by a law of their own, and are compared with such alone
+        by_law = frozenset(OF_EDGES if lawful_edges(self) else ())
+        below = {
+            k: {name: of for name, of in level.quantities.items() if name not in by_law or lawful_edges(level)}
+            for k, level in self._below().items()
+        }
+        return with_nested_bounds(
+            found,
+            below,
+            error.l1,
+            frozenset({NO_ESTIMATE}),
+            edge_fraction=edge_fraction(self.pressure > 0),
+            order=self._order,
+            unseen=unseen,
+            by_law=by_law,
+        )
 
-    def _below(self) -> "list[Answer]":
-        """Return the contact on half and on a quarter of the cells, as far as these have a solution."""
+    @property
+    def _order(self) -> float:
+        """Power of the cell size with which its numbers fall."""
+        source = self.problem.source
+        ends = source is not None and source.ends_along
+        return 1.0 if ends or self.adhesion is not None or self.rolling is not None else STATIC_ORDER
+
+    def _below(self) -> "dict[int, Contact]":
+        """Return the contact on 1 / k of the cells along each axis by k, as far as these have a solution."""
         if self.is_coarse or self.status.is_failure:
-            return []
-        return levels_below(self.coarser or self._on_coarser_cells)
+            return {}
+        return levels_below(self.coarser or self._on_coarser_cells)  # type: ignore[return-value]
 
     @cached_property
     def _on_half_the_cells(self) -> Solution | None:
         """The solution on half of the cells along each axis; None where the problem is not known on them."""
         return coarse_solution(self.problem, self.pressure, self.attraction)
 
-    def _on_coarser_cells(self, level: int) -> "Contact":
-        """Return the contact on 1 / 2^level of the cells along each axis."""
-        half = comparable(self._on_half_the_cells)
-        if half is None:
+    def _on_coarser_cells(self, factor: int) -> "Contact":
+        """Return the contact on 1 / `factor` of the cells along each axis."""
+        coarse = self._on_half_the_cells
+        if factor != 2:
+            coarse = coarse_solution(self.problem, self.pressure, self.attraction, factor)
+        if (coarse := comparable(coarse)) is None:
             raise NotDefined("There is no solution on coarser cells.")
-        answer = contact_answer(half, is_coarse=True)
-        return answer if level == 1 else answer._on_coarser_cells(level - 1)
+        return contact_answer(coarse, is_coarse=True)
 
     @property
     def judged_error(self) -> tuple[str, ErrorParts]:

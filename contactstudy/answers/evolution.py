@@ -68,8 +68,8 @@ class Evolution(Answer):
     passes
         Recorded passes of a repeatedly rolling contact; None for others.
     coarser
-        Solves the scene again for bounds by comparison, ``coarser(k, width)``: on 1 / 2^k of the cells along each axis,
-        over a multiple of the width, with 2^k times longer steps; None where bounds take no other solution.
+        Solves the scene again for bounds by comparison, ``coarser(k, width)``: on 1 / k of the cells along each axis,
+        over a multiple of the width, with steps k times as long; None where bounds take no other solution.
     """
 
     frames: "tuple[Contact | LubricatedContact, ...]"
@@ -143,10 +143,16 @@ class Evolution(Answer):
         found = self._quantities
         if self.coarser is None or not any(each.reason in BY_GRIDS for each in found.values()):
             return found
-        below = [level.quantities for level in self._below]
-        at_edge = edge_fraction(self.frames[-1].pressure > 0)
-        wider = self._wider.quantities if self._wider else None
-        return with_nested_bounds(found, below, self.error.l1, at_edge, BY_GRIDS, wider, self._zone_edge)
+        below = {k: level.quantities for k, level in self._below.items()}
+        return with_nested_bounds(
+            found,
+            below,
+            self.error.l1,
+            BY_GRIDS,
+            edge_fraction=edge_fraction(self.frames[-1].pressure > 0),
+            wider=self._wider.quantities if self._wider else None,
+            zone_edge=self._zone_edge,
+        )
 
     @cached_property
     def _plastic_fields(self) -> Mapping[str, Field]:
@@ -170,31 +176,31 @@ class Evolution(Answer):
         return max(map(edge_fraction, zones), default=0.0)
 
     @cached_property
-    def _below(self) -> "list[Evolution]":
-        """The evolution on half and on a quarter of the cells, with longer steps, as far as there is one."""
-        return levels_below(self.coarser) if self.coarser else []  # type: ignore[return-value]
+    def _below(self) -> "dict[int, Evolution]":
+        """The evolution on 1 / k of the cells, with longer steps, by k as far as there is one."""
+        return levels_below(self.coarser) if self.coarser else {}  # type: ignore[return-value]
 
     @cached_property
     def _wider(self) -> "Evolution | None":
         """Films on half the cells over twice the width, which tell the error due to the inlet; None without films."""
         if self.films is None or self.coarser is None:
             return None
-        return solved_or_none(self.coarser, 1, 2)  # type: ignore[return-value]
+        return solved_or_none(self.coarser, 2, 2)  # type: ignore[return-value]
 
     def _l1_of_films(self, known: ErrorParts) -> ErrorParts:
         """Return the L1 error of the pressure of films at the worst instant, with a `known` error of steps."""
         from contactstudy.lubrication.posed_film import interpolated
 
-        if not self._below or self._wider is None:
+        if 2 not in self._below or self._wider is None:
             return replace(known, reason=NO_COARSER)
-        levels = [self, *self._below]
-        all_frames = len({len(level.frames) for level in (*levels, self._wider)}) == 1
+        levels: dict[int, Evolution] = {1: self} | self._below
+        all_frames = len({len(level.frames) for level in (*levels.values(), self._wider)}) == 1
         cells = inlet = 0.0
         for number in range(len(self.frames)) if all_frames else (-1,):
-            half, wide = levels[1].frames[number], self._wider.frames[number]
+            half, wide = levels[2].frames[number], self._wider.frames[number]
             on_half = interpolated(wide.pressure, wide.grid, half.grid.x, half.grid.y)
             change = float(np.abs(half.pressure - on_half).sum() / half.pressure.sum())
-            cells = max(cells, l1_bound([level.frames[number].pressure for level in levels]))
+            cells = max(cells, l1_bound({k: level.frames[number].pressure for k, level in levels.items()}))
             inlet = max(inlet, INLET * change)
         return replace(known, discretisation=cells, inlet=inlet, reason="")
 

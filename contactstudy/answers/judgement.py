@@ -1,39 +1,41 @@
 """Bounds of numbers by nested grids, and whether the bounds of an answer keep a requested error.
 
-Where a law is known of a number, of its edges, its peak or its images, that is its bound; all others are bounded by the
-same scene on half and a quarter of the cells, with longer steps.
+Where a law is known of a number, of its straight edges, its peak or its images, that is its bound; all others are
+bounded by the same scene on a half, a third and a quarter of the cells, with longer steps.
 """
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from itertools import combinations
 from math import ceil, inf, isfinite
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
-from contactstudy.accuracy.coarser import halved
 from contactstudy.domain.errors import (
     AREA_FLOOR,
     DEPTH_FLOOR,
+    EDGE_ORDER,
     FLOOR,
-    HALF_ORDER_MARGIN,
     INLET,
     MARGIN,
     PRESSURE,
     STRESS_FLOOR,
     ErrorParts,
     Request,
-    largest_change,
 )
 from contactstudy.domain.grid import Array, Grid, on_cells
 from contactstudy.domain.validation import InvalidInput
 from contactstudy.io.quantities.quantity import RELATIVE_TO_ZERO, Quantities, Quantity, per_cent
 
 NO_COARSER = "No bound: there is no solution on half the cells to compare with, give more."
-# In the names of largest stresses, and at the beginning of those of numbers that plastic strain alone leaves behind.
+# In the names of largest stresses.
 OF_STRESS = "von_mises", "safety_factor", "shear_stress", "orthogonal_shear"
+# Numbers that depend on where in their cells the edges of a contact lie.
+OF_EDGES = "contact_area", "half_width", "mean_pressure", "contact_fraction"
+# At the beginning of the names of numbers that plastic strain alone leaves behind.
 BY_YIELD = "dent_depth", "shoulder_height", "highest_residual_stress", "lowest_residual_stress"
 # Ends of the names of numbers that lie at an edge, of the plastic zone, the contact or its stick zone, beside which
 # fields fall like the square root of the distance.
@@ -41,13 +43,6 @@ AT_EDGE = "highest_residual_stress", "surface_tension", "largest_shear"
 # In the name of a depth, before the index of a body where it has one.
 DEPTH = re.compile(r"_depth(?=(_\d)?$)")
 NO_COARSER_YIELD = "No bound: nothing yields on half the cells, give more."
-
-
-def halved_grid(grid: Grid, times: int) -> Grid:
-    """Return a grid of the same extent with half the cells along each axis, `times` times."""
-    for _ in range(times):
-        grid = halved(grid)
-    return grid
 
 
 def widened(grid: Grid, factor: int) -> Grid:
@@ -58,13 +53,16 @@ def widened(grid: Grid, factor: int) -> Grid:
 
 def with_nested_bounds(
     quantities: Quantities,
-    below: Sequence[Mapping[str, Quantity]],
+    below: Mapping[int, Quantities],
     l1: ErrorParts,
-    edge_fraction: float,
     replaced: frozenset[str],
-    wider: Mapping[str, Quantity] | None = None,
+    *,
+    edge_fraction: float = 0.0,
+    order: float = 1.0,
+    wider: Quantities | None = None,
     zone_edge: float = 0.0,
-    of_stress: Mapping[str, float] = MappingProxyType({}),
+    unseen: Mapping[str, float] = MappingProxyType({}),
+    by_law: frozenset[str] = frozenset(),
 ) -> dict[str, Quantity]:
     """Return quantities with bounds by their changes between grids, where their reasons are some of those `replaced`.
 
@@ -73,51 +71,50 @@ def with_nested_bounds(
     quantities
         The numbers of an answer.
     below
-        Those on half and on a quarter of the cells.
+        Those on 1 / k of the cells along each axis, by k.
     l1
         Error of the pressure, whose causes but the cells add to each bound.
-    edge_fraction
-        Fraction of the cells in contact that lie at its edge.
     replaced
         Reasons of numbers without a bound that get one.
+    edge_fraction
+        Fraction of the cells in contact that lie at its edge: the boundary of a stick zone is known to a row of cells.
+    order
+        Power of the cell size with which errors fall; beside an edge it is `EDGE_ORDER` at most.
     wider
         Those of a film on half the cells over twice the width, whose inlet is finite.
     zone_edge
         Fraction of the cells of a plastic zone that lie at its edge.
-    of_stress
-        Relative errors of largest stresses that their changes do not show, by name.
+    unseen
+        Relative errors that no change shows, by name; those of other numbers are the causes of `l1` but the cells.
+    by_law
+        Names of numbers with a law of their own, which need no solution on coarser cells.
     """
     other_causes = l1.total - (l1.discretisation or 0.0) if isfinite(l1.total) else inf
     found = dict(quantities)
     for name, quantity in quantities.items():
         if isfinite(quantity.bound) or quantity.reason not in replaced:
             continue
-        known = [level[name].value for level in below if name in level]
-        if not known:
+        values = {1: quantity.value} | {k: level[name].value for k, level in below.items() if name in level}
+        coarser = list(values.values())[1:]
+        if not coarser and name not in by_law:
             found[name] = replace(quantity, reason=NO_COARSER)
-        elif name.startswith(BY_YIELD) and quantity.value and not known[0]:
+        elif name.startswith(BY_YIELD) and quantity.value and not any(coarser):
             found[name] = replace(quantity, reason=NO_COARSER_YIELD)
         elif not isfinite(other_causes):
             found[name] = replace(quantity, reason=l1.reason or quantity.reason)
         else:
-            size, others = abs(quantity.value), other_causes
+            size = abs(quantity.value)
             floor = FLOOR * (l1.discretisation or 0.0)
-            if name.endswith("contact_area"):
-                floor = max(floor, AREA_FLOOR * edge_fraction)
             if name.startswith(BY_YIELD):
                 floor = max(floor, AREA_FLOOR * zone_edge)
-            if any(stress in name for stress in OF_STRESS):
-                is_depth = DEPTH.search(name)
-                floor = max(floor, DEPTH_FLOOR if is_depth else STRESS_FLOOR)
-                others += of_stress.get(name, 0.0)
-            values = [quantity.value, *known]
-            change = largest_change([abs(fine - coarse) for fine, coarse in pairwise(values)])
-            margin = HALF_ORDER_MARGIN if _is_at_edge(name) else MARGIN
-            bound = margin * max(change, floor * size) + others * size
-            if name.endswith("stick_fraction"):  # its boundary is known to a row of cells
+            if is_stress(name):
+                floor = max(floor, DEPTH_FLOOR if DEPTH.search(name) else STRESS_FLOOR)
+            change = by_changes(values, min(order, EDGE_ORDER) if _is_at_edge(name) else order)
+            bound = MARGIN * max(change, floor * size) + unseen.get(name, other_causes) * size
+            if name.endswith("stick_fraction"):
                 bound = max(bound, edge_fraction)
             if wider is not None and name in wider:
-                bound += INLET * abs(known[0] - wider[name].value)
+                bound += INLET * abs(values[2] - wider[name].value)
             reach = max((value for value, _ in quantity.rivals), default=quantity.value)
             bound = max(bound, reach - quantity.value)
             reason = "" if bound else RELATIVE_TO_ZERO
@@ -135,18 +132,43 @@ def with_nested_bounds(
     return found
 
 
+def by_changes(
+    values: Mapping[int, Any], order: float, distance: Callable[[Any, Any], float] = lambda a, b: abs(a - b)
+) -> float:
+    """Return the error of a number, or of a field with a `distance`, by its changes between any two of several grids.
+
+    A change between 1 / j and 1 / k of the cells shows an error that falls with a power `order` of the cell size as
+    ``k^order - j^order`` times itself. One change may vanish by chance, the largest of six hardly does.
+
+    Parameters
+    ----------
+    values
+        Values on 1 / k of the cells along each axis, by k; that of k = 1 is the one judged.
+    order
+        The power.
+    distance
+        Distance between two values.
+    """
+    pairs = combinations(sorted(values), 2)
+    return max((distance(values[j], values[k]) / (k**order - j**order) for j, k in pairs), default=0.0)
+
+
+def is_stress(name: str) -> bool:
+    """Return whether a number is a largest stress, its depth or a margin to yield."""
+    return any(stress in name for stress in OF_STRESS)
+
+
 def _is_at_edge(name: str) -> bool:
     """Return whether a number lies at an edge; the name may end with the index of a body."""
     return re.sub(r"_\d$", "", name).endswith(AT_EDGE)
 
 
-def l1_bound(pressures: Sequence[Array]) -> float:
-    """Return the bound of the relative L1 error of a pressure (x, y) by those on half and a quarter of the cells."""
-    fine = pressures[0]
-    on_fine = [on_cells(pressure, fine.shape) for pressure in pressures]
-    distances = [float(np.abs(a - b).sum()) for a, b in pairwise(on_fine)]
+def l1_bound(pressures: Mapping[int, Array]) -> float:
+    """Return the bound of the relative L1 error of a pressure (x, y) by those on 1 / k of the cells, by k."""
+    fine = pressures[1]
+    on_fine = {k: on_cells(pressure, fine.shape) for k, pressure in pressures.items()}
     norm = float(np.abs(fine).sum())
-    return MARGIN * largest_change(distances) / norm if norm else 0.0
+    return MARGIN * by_changes(on_fine, 1.0, lambda a, b: float(np.abs(a - b).sum())) / norm if norm else 0.0
 
 
 # Ends of the names of numbers for which finer cells are no remedy: the depth of a largest stress is known only to the

@@ -7,7 +7,7 @@ from math import inf
 
 import numpy as np
 
-from contactstudy.accuracy.coarser import halved
+from contactstudy.accuracy.coarser import coarsened
 from contactstudy.domain.grid import Array, Grid, Padding, Paddings
 from contactstudy.domain.validation import InvalidInput
 from contactstudy.elasticity.eigenstrain.half_space_wave import Volume
@@ -93,7 +93,7 @@ class RepeatedRolling:
     @cached_property
     def coarse(self) -> "RepeatedRolling":
         """The same passes on cells of twice the size, which estimate the errors; rolled on first access."""
-        return self.solve_on(halved(self.grid))
+        return self.solve_on(coarsened(self.grid, 2))
 
     @property
     def grid(self) -> Grid:

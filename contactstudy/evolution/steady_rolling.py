@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from contactstudy.accuracy.coarser import halved
+from contactstudy.accuracy.coarser import coarsened
 from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.grid import Grid, Padding, Paddings
@@ -100,7 +100,7 @@ class SteadyRolling:
         if self.solution.adhesion is not None:  # the range of the attraction may be that of the grid
             return None
         try:
-            return self.solve_on(halved(self.solution.problem.grid))
+            return self.solve_on(coarsened(self.solution.problem.grid, 2))
         except InvalidInput:
             return None
 

@@ -10,7 +10,7 @@ import numpy as np
 from scipy import fft
 
 from contactstudy.accuracy.bound import shown_errors
-from contactstudy.accuracy.coarser import halved
+from contactstudy.accuracy.coarser import coarsened
 from contactstudy.accuracy.error_terms import IMAGES_REMEDY
 from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.domain.device import Cpu, Device, cache_of, caching
@@ -268,14 +268,14 @@ class GridRefinement:
         with caching(cache_of(32 * MOST_CELLS)):
             while grid is not None and (not levels or prod(grid.cells) <= most_solved):
                 if coarse is None:
-                    coarse = self._solve_on(halved(grid), start)
+                    coarse = self._solve_on(coarsened(grid, 2), start)
                 solution = self._solve_on(grid, coarse.pressure)
                 width = self._width(solution) if widths < CONSTANTS.max_width_changes else None
                 if width is not None:
                     widths += 1
                     levels, coarse, start, grid = [], None, None, self._with_width(grid, width)
                     continue
-                half = coarse if coarse.problem.grid == halved(grid) else None
+                half = coarse if coarse.problem.grid == coarsened(grid, 2) else None
                 estimate = error_estimate(solution, coarse=half)
                 levels.append(BoundedSolution(solution, estimate, process_time() - begin))
                 coarse, begin = solution, process_time()

@@ -96,17 +96,16 @@ class Judged(NamedTuple):
 def judged(case: AccuracyCase) -> list[Judged]:
     """Return the true errors and the bounds of the numbers of a case."""
     solution = cs.solve(case.scene.problem(case.grid, case.padding))
-    truth, estimate = case.find_truth(case), solution.error
+    truth, estimate, numbers = case.find_truth(case), solution.error, solution.quantities
+    bounds = {name: getattr(estimate, name).total for name in ("l1", "peak_pressure")}
+    bounds |= {name: numbers[name].relative_bound for name in ("contact_area", "mean_gap")}
     errors = {
         "l1": float(np.abs(solution.pressure - truth.pressure).sum() / truth.pressure.sum()),
         "peak_pressure": inf if truth.highest == inf else float(abs(solution.pressure.max() / truth.highest - 1)),
         "contact_area": abs(touching_fraction(solution) / truth.area - 1),
         "mean_gap": abs(solution.mean_gap / truth.gap - 1),
     }
-    return [
-        Judged(metric, error, getattr(estimate, metric).total, bool(estimate.warnings))
-        for metric, error in errors.items()
-    ]
+    return [Judged(metric, error, bounds[metric], bool(estimate.warnings)) for metric, error in errors.items()]
 
 
 def scene(*shapes: cs.Shape, hardness: float = inf) -> cs.Scene:

@@ -84,7 +84,7 @@ def test_numbers_without_a_law_are_bounded_by_their_changes_from_larger_cells() 
     found, fine = (
         cs.solve(scene, cs.Grid((cells, 1), (8e-3, 1e-2)), EXACT).quantities["pressure_shift"] for cells in (48, 768)
     )
-    assert abs(found.value - fine.value) <= found.bound < 0.3 * abs(found.value)
+    assert abs(found.value - fine.value) <= found.bound < 0.5 * abs(found.value)
     assert fine.bound < found.bound / 10
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import irfft2, rfft2
 
-from contactstudy.accuracy.coarser import contact_area_in_cells, with_ends
+from contactstudy.accuracy.coarser import contact_area_in_cells
 from contactstudy.accuracy.contact_edge import StraightEdges, straight_edges
 from contactstudy.accuracy.error_terms import NO_LIMIT
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
@@ -213,13 +213,13 @@ def contact_quantities(
     # an attraction makes edges steep, and nothing is known of where in their cells they lie
     edges_are_steep = solution.adhesion is not None
     count = np.count_nonzero(touching)
-    in_cells = count if edges_are_steep else contact_area_in_cells(solution.pressure, wraps)
+    edges = None if edges_are_steep else straight_edges(solution.pressure)
+    in_cells = count if edges_are_steep else contact_area_in_cells(solution.pressure, wraps, edges)
     area = in_cells * grid.cell_area
     total = float(pressure[touching].sum() * grid.cell_area)
     pressed = np.where(touching, pressure, -inf) if touching.any() else np.zeros(grid.cells)
     peak, place = largest_place(pressed, {"x": grid.x, "y": grid.y})
-    area_error = estimate.contact_area
-    edges = None if edges_are_steep else straight_edges(solution.pressure)
+    area_error = _shown_error(estimate, "contact_area")
     half_width, half_length = (
         _half_size(solution, axis, along, area_error, fallback_reasons) for axis, along in enumerate((edges, None))
     )
@@ -252,7 +252,7 @@ def contact_quantities(
         "half_width": half_width,
         **({"half_length": half_length} if is_point else {}),
         "mean_pressure": with_bound(mean, mean_error, fallback_reasons),
-        "mean_gap": with_bound(mean_gap, estimate.mean_gap, fallback_reasons),
+        "mean_gap": with_bound(mean_gap, _shown_error(estimate, "mean_gap"), fallback_reasons),
         "approach": _approach(solution, estimate),
     }
     if scene is not None and not scene.has_approach:
@@ -284,7 +284,13 @@ def _approach(solution: Solution, estimate: ErrorEstimate) -> Quantity:
     if solution.problem.control.approach is not None:
         return Quantity(solution.approach, "m", "approach", 0.0, "", detail=detail)
     approach = Quantity(solution.approach, "m", "approach", detail=detail)
-    return with_bound(approach, estimate.approach, estimate.warnings)
+    return with_bound(approach, _shown_error(estimate, "approach"), estimate.warnings)
+
+
+def _shown_error(estimate: ErrorEstimate, name: str) -> ErrorParts | None:
+    """Return the error of a number; None where its changes between grids add to it, which then give the bound."""
+    parts: ErrorParts | None = getattr(estimate, name)
+    return None if name in estimate.by_grids and parts is not None and isfinite(parts.total) else parts
 
 
 def approach_datum(solution: Solution) -> float | None:
@@ -331,39 +337,20 @@ def _half_size(
     area_error: ErrorParts | None,
     fallback_reasons: Sequence[str],
 ) -> Quantity:
-    """Return half the distance between the outermost edges in contact along an axis, with its bound.
+    """Return half the distance between the outermost edges in contact along an axis.
 
-    Straight smooth edges, which are `resolved`, lie inside their cells, with the error of the area, and where they bend
-    along the length with what they do so between two cells. Elsewhere the outer faces of the outermost cells count. On
-    cells of any size, contact reaches at least to where a touching cell has another beside it, and at most to where the
-    gap is no larger than heights inside a cell, which the second difference of the gap shows.
+    Straight smooth edges, which are `resolved`, lie inside their cells. Elsewhere the outer faces of the outermost cells
+    count. With adhesion, where `area_error` is known, they may each be a cell off, beside what the area is.
     """
-    touching, grid = solution.pressure > 0, solution.problem.grid
-    cell = grid.cell_size[axis]
-    size = _half_extent(touching, axis, cell)
+    cell = solution.problem.grid.cell_size[axis]
+    size = _half_extent(solution.pressure > 0, axis, cell)
     if resolved is not None:
         size = sum(float(edge.max()) for edge in resolved.places) * cell / 2
     name = ("half-width", "half-length")[axis]
     half = Quantity(size, "m", f"{name} (outermost edges)")
     if area_error is None or not isfinite(area_error.total):
         return with_bound(half, area_error, fallback_reasons)
-    if resolved is not None:
-        bends = (np.roll(edge, 1) + np.roll(edge, -1) - 2 * edge for edge in resolved.places)
-        bent = sum(float(np.abs(bend).max()) for bend in bends) * cell / 2
-        return replace(half, bound=area_error.total * size + bent, reason="")
-    beside, hidden = np.zeros_like(touching), np.zeros_like(solution.gap)
-    for across in (0, 1):
-        if grid.cells[across] > 1:
-            beside |= np.roll(touching, 1, across) | np.roll(touching, -1, across)
-            gap = with_ends(np.swapaxes(solution.gap, 0, across), 1, wraps=False)
-            hidden += np.abs(np.swapaxes(np.diff(gap, 2, axis=0), 0, across)) / 8
-    within = touching & beside
-    least = _half_extent(within, axis, cell)
-    most = _half_extent(touching | (solution.gap <= hidden), axis, cell)
-    # the outermost cells beside what the other causes change of the area
-    other_causes = area_error.total - (area_error.discretisation or 0.0)
-    bound = max(size - least, most - size) + cell + other_causes * size
-    return replace(half, bound=bound, reason="")
+    return replace(half, bound=max(cell, area_error.total * size), reason="")
 
 
 def _half_extent(cells: NDArray[np.bool_], axis: int, size: float) -> float:

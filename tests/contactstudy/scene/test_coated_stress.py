@@ -1,10 +1,12 @@
+import itertools
 from math import inf
 
 import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.elasticity.kernels.layer_response import LayerResponse
+from contactstudy.elasticity.kernels.layer_response import LayerResponse, LayerStress
+from contactstudy.elasticity.kernels.layer_waves import StressWaves, amplitudes
 from contactstudy.elasticity.kernels.stress import COMPONENTS
 from contactstudy.scene.solids.coated import BELOW, CoatedStress
 from contactstudy.scene.solids.stress_model import HalfSpaceStress
@@ -78,6 +80,21 @@ def test_traction_is_continuous_at_the_bond_and_the_surface_bears_what_presses_i
     # strain in the plane is continuous too: for xy it is that over the shear modulus
     row = NAMES.index("xy")
     np.testing.assert_allclose(stress[row, 1], 5.0 * stress[row, 2], rtol=0, atol=1e-11)
+
+
+def test_stress_under_a_wave_of_any_load_is_in_equilibrium_below_the_bond() -> None:
+    layer, kx, ky, step = LayerResponse((4.0,), (0.25, 0.35)), 1.1, -0.7, 1e-4
+
+    def stress(load: str, depth: float) -> dict[str, complex]:
+        waves = StressWaves(LayerStress(layer, depth), load)
+        return {name: one.item() for name, one in amplitudes(waves, np.array([[kx]]), np.array([[ky]])).items()}
+
+    for load, depth in itertools.product(("pressure", "across", "along"), (1.1, 2.0)):
+        at, above, below = (stress(load, depth + off) for off in (0.0, -step, step))
+        for across, along, down in (("xx", "xy", "xz"), ("xy", "yy", "yz"), ("xz", "yz", "zz")):
+            slope = (below[down] - above[down]) / (2 * step)
+            assert abs(1j * kx * at[across] + 1j * ky * at[along] + slope) < 1e-7
+            assert abs(slope) > 1e-4
 
 
 @pytest.mark.parametrize(("ratio", "thickness"), [(3.0, 2.0), (1e3, 0.5)])

@@ -177,7 +177,7 @@ def test_a_verdict_is_read_again_for_its_scene_and_error_alone(tmp_path: Path, m
 
 
 def test_a_padding_survives_in_a_file() -> None:
-    for padding in (cs.Superposition(4), (cs.ZeroPadding(), cs.ZeroPadding())):
+    for padding in (cs.Superposition(4), (cs.ZeroPadding(), cs.ExactPeriodicity())):
         verdict = of(replace(one(), setting=replace(one().setting, padding=padding)))
         assert from_dataset(to_dataset(verdict)) == verdict
 

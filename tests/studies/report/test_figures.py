@@ -8,6 +8,7 @@ import pytest
 import xarray as xr
 
 from contactstudy import InvalidInput
+from contactstudy.io.pictures.figure import label_axes, panels
 from studies.definitions.hard_cases import CASES
 from studies.model.outcome import CaseStatus
 from studies.registry import load_drawing
@@ -189,3 +190,10 @@ def test_the_finding_on_hard_cases_is_of_all_and_says_which_are_wrong() -> None:
     assert not findings("stability", every.isel(case=slice(3)))
     every["verdict"][2] = right
     assert findings("stability", every)[0].startswith("All hard cases end with the same answer by two solvers")
+
+
+def test_values_that_differ_by_rounding_stand_in_the_middle_of_a_logarithmic_axis() -> None:
+    figure, ax = panels(1)
+    ax[0].loglog([1.0, 2.0], [3.0, 3.0 * (1 + 1e-9)])
+    label_axes(figure)
+    assert ax[0].get_ylim() == pytest.approx((1.5, 6.0))

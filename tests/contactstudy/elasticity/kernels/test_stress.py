@@ -161,6 +161,10 @@ def test_cells_of_one_period_are_a_strip_with_its_textbook_stress() -> None:
         endless = plane_strain(component, strip(x, z, 2 * a), NU)
         assert_allclose(endless, expected.get(name, 0 * x), rtol=0, atol=1e-15)
         assert_allclose(cells.sum(axis=1), endless, rtol=0, atol=1e-14)
+    for component in (*CERRUTI_ACROSS.values(), *CERRUTI_ALONG.values()):
+        cells = stress_cell_periodic(component, x, y, z, 2 * a, period / count, period, NU)
+        endless = plane_strain(component, strip(x, z, 2 * a), NU)
+        assert_allclose(cells.sum(axis=1), endless, rtol=0, atol=1e-14)
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -16,7 +16,7 @@ from contactstudy.answers.judgement import finer_grid, widened
 from contactstudy.domain.device import ONE_THREAD, Cpu, Device, using
 from contactstudy.domain.errors import DEFAULT_ERROR, Request, pressure_request
 from contactstudy.domain.grid import Array, ExactPeriodicity, Grid, Padding, Paddings, on_cells
-from contactstudy.domain.validation import InvalidInput, checked_errors, readable, valid
+from contactstudy.domain.validation import InvalidInput, Metres, checked_errors, readable, valid
 from contactstudy.problem.problem import Problem
 from contactstudy.progress import Progress, Reporter
 from contactstudy.scene import scene as methods
@@ -29,8 +29,9 @@ if TYPE_CHECKING:
     from contactstudy.answers.lubricated_contact import LubricatedContact
     from contactstudy.evolution.time_steps import TimeSteps
 
-# Most iterations of a film by default, and the fraction of the requested error for its steps in time.
-FILM_ITERATIONS, STEP_FRACTION = 300, 0.5
+# Most iterations of a film by default, the most refinements of its grid, and the fraction of the requested error for its
+# steps in time.
+FILM_ITERATIONS, FILM_REFINEMENTS, STEP_FRACTION = 300, 5, 0.5
 # Relative difference of two extents that is rounding, and of two loads below which a start is that of the same load.
 SAME, SAME_LOAD = 1e-6, 1e-2
 # Largest error of the steps on coarser cells to compare with.
@@ -440,6 +441,9 @@ class _Request:
         from contactstudy.lubrication.solve_lubricated import (
             MAX_CELLS,
             MAX_REQUESTED_CELLS,
+            PERIOD,
+            film_grid,
+            finer_film_grid,
             solve_lubricated,
             varies_along,
         )
@@ -450,20 +454,38 @@ class _Request:
                 "a somewhat higher speed."
             )
         smooth = self.grid is None and not any(map(varies_along, self.scene.shapes))
-        grid, padding = (None, self.padding) if smooth else self.planned()
-        contact = solve_lubricated(
-            self.scene,
-            grid,
-            ExactPeriodicity() if padding is None else padding,
-            period=self.period,
-            error=self.target if smooth or self.error is not None else None,
-            tolerance=self.options.tolerance,
-            max_iterations=self._film_options.max_iterations,
-            start=self.start,
-            progress=self.progress and Reporter(self.progress, self.options.tolerance).film_step,
-            most_cells=MAX_CELLS if self.error is None else MAX_REQUESTED_CELLS,
-        )
-        return film_answer(contact, requested=self.requested)
+        most_cells = MAX_CELLS if self.error is None else MAX_REQUESTED_CELLS
+        error, padding = self.target if smooth or self.error is not None else None, self.padding
+        if smooth:
+            assert error is not None  # it has a default without a grid
+            period = PERIOD if self.period is None else valid("solve.period", self.period, Metres)
+            first = film_grid(self.scene, error, period, most_cells=most_cells)
+        else:
+            first, padding = self.planned()
+
+        def solve_on(grid: Grid, start: Any) -> "LubricatedContact":
+            film = solve_lubricated(
+                self.scene,
+                grid,
+                padding or ExactPeriodicity(),
+                tolerance=self.options.tolerance,
+                max_iterations=self._film_options.max_iterations,
+                start=start,
+                progress=self.progress and Reporter(self.progress, self.options.tolerance).film_step,
+            )
+            return film_answer(film, requested=self.requested)
+
+        answer = solve_on(first, self.start)
+        for _ in range(FILM_REFINEMENTS):
+            if error is None:
+                break
+            finer = finer_film_grid(
+                answer.grid, first, answer.requested_errors, error, most_cells, None if smooth else first
+            )
+            if finer is None:
+                break
+            answer = solve_on(finer, answer)
+        return answer
 
     def time_dependent_film(self) -> "Evolution":
         """Follow a film through time."""

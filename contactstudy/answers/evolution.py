@@ -12,8 +12,8 @@ import numpy as np
 from contactstudy.accuracy.error_terms import NO_LIMIT
 from contactstudy.answers.answer import Answer, Coarser, levels_below, solved_or_none
 from contactstudy.answers.contact import Contact, contact_answer
-from contactstudy.answers.judgement import NO_COARSER, l1_bound, with_nested_bounds
-from contactstudy.domain.errors import INLET, ErrorEstimate, ErrorParts, Request
+from contactstudy.answers.judgement import NO_COARSER, with_nested_bounds
+from contactstudy.domain.errors import ErrorEstimate, ErrorParts, Request
 from contactstudy.domain.grid import Array, Grid, Padding, Paddings, edge_fraction
 from contactstudy.domain.imports import needed_for
 from contactstudy.domain.validation import readable
@@ -189,19 +189,18 @@ class Evolution(Answer):
 
     def _l1_of_films(self, known: ErrorParts) -> ErrorParts:
         """Return the L1 error of the pressure of films at the worst instant, with a `known` error of steps."""
-        from contactstudy.lubrication.posed_film import interpolated
+        from contactstudy.answers.lubricated_contact import l1_of_films
 
-        if 2 not in self._below or self._wider is None:
+        wider: Any = self._wider
+        if 2 not in self._below or wider is None:
             return replace(known, reason=NO_COARSER)
-        levels: dict[int, Evolution] = {1: self} | self._below
-        all_frames = len({len(level.frames) for level in (*levels.values(), self._wider)}) == 1
-        cells = inlet = 0.0
-        for number in range(len(self.frames)) if all_frames else (-1,):
-            half, wide = levels[2].frames[number], self._wider.frames[number]
-            on_half = interpolated(wide.pressure, wide.grid, half.grid.x, half.grid.y)
-            change = float(np.abs(half.pressure - on_half).sum() / half.pressure.sum())
-            cells = max(cells, l1_bound({k: level.frames[number].pressure for k, level in levels.items()}))
-            inlet = max(inlet, INLET * change)
+        levels: dict[int, Any] = {1: self} | self._below
+        all_frames = len({len(level.frames) for level in (*levels.values(), wider)}) == 1
+        of_frames = [
+            l1_of_films({k: level.frames[number] for k, level in levels.items()}, wider.frames[number], known)
+            for number in (range(len(self.frames)) if all_frames else (-1,))
+        ]
+        cells, inlet = (max(getattr(parts, cause) for parts in of_frames) for cause in ("discretisation", "inlet"))
         return replace(known, discretisation=cells, inlet=inlet, reason="")
 
     @property
@@ -307,9 +306,8 @@ def _until_worn_through(
 def _unbounded(contact: Contact, reason: str) -> Contact:
     """Return a contact whose errors have no bound, for a reason."""
     parts: dict[str, Any] = {name: replace(part, discretisation=inf, reason=reason) for name, part in contact.error}
-    numbers = {name: replace(part, discretisation=inf, reason=reason) for name, part in contact.error.numbers.items()}
     warnings = reason, *contact.error.warnings
-    return replace(contact, estimate=replace(contact.error, warnings=warnings, numbers=numbers, **parts))
+    return replace(contact, estimate=replace(contact.error, warnings=warnings, **parts))
 
 
 def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
@@ -396,9 +394,7 @@ def films_answer(films: "FilmTrajectory", requested: Request | None = None) -> E
     The errors by the steps are those of `films`; those by the cells follow from other solutions.
     """
     from contactstudy.answers.lubricated_contact import film_answer
-    from contactstudy.lubrication.film_error import OF_SPIKE, has_spike
 
-    parts = ErrorParts(discretisation=inf, reason=NO_BOUND_OF_FILMS)
     first = films.contacts[0]
     posed = PosedScene(first.scene, first.grid, first.padding)
     coarse = unresolved(shortest_wavelengths(first.scene.shapes), first.grid)
@@ -407,19 +403,8 @@ def films_answer(films: "FilmTrajectory", requested: Request | None = None) -> E
     films = replace(films, contacts=kept, times=films.times[: len(kept)])
     frames = []
     for number, (contact, time) in enumerate(zip(kept, films.times, strict=True)):
-        errors = {
-            name: replace(parts, steps=float(by_steps[number]))
-            for name, by_steps in films.time_discretisation_errors.items()
-        }
-        for name, reason in (
-            ("friction", contact.friction_reason),
-            ("peak_pressure", OF_SPIKE if has_spike(contact.pressure) else ""),
-        ):
-            errors[name] = replace(errors[name], reason=reason or NO_BOUND_OF_FILMS)
-        estimate = ErrorEstimate(
-            errors["pressure"], errors["peak_pressure"], central_film=errors["central_film"],
-            minimum_film=errors["minimum_film"], friction_coefficient=errors["friction"],
-            warnings=(*filter(None, (sentences[number], coarse)), NO_BOUND_OF_FILMS),
-        )  # fmt: skip
-        frames.append(film_answer(replace(contact, estimate=estimate), time=time))
+        steps = float(films.time_discretisation_errors[number])
+        l1 = ErrorParts(discretisation=inf, steps=steps, reason=NO_BOUND_OF_FILMS)
+        warnings = (*filter(None, (sentences[number], coarse)), NO_BOUND_OF_FILMS)
+        frames.append(film_answer(contact, time=time, estimate=ErrorEstimate(l1, warnings=warnings)))
     return Evolution(tuple(frames), np.array(films.times), posed, requested, films=films)

@@ -12,8 +12,6 @@ from math import ceil, inf, isfinite
 from types import MappingProxyType
 from typing import Any
 
-import numpy as np
-
 from contactstudy.domain.errors import (
     AREA_FLOOR,
     DEPTH_FLOOR,
@@ -26,7 +24,7 @@ from contactstudy.domain.errors import (
     ErrorParts,
     Request,
 )
-from contactstudy.domain.grid import Array, Grid, on_cells
+from contactstudy.domain.grid import Grid
 from contactstudy.domain.validation import InvalidInput
 from contactstudy.io.quantities.quantity import RELATIVE_TO_ZERO, Quantities, Quantity, per_cent
 
@@ -110,11 +108,13 @@ def with_nested_bounds(
             if is_stress(name):
                 floor = max(floor, DEPTH_FLOOR if DEPTH.search(name) else STRESS_FLOOR)
             change = by_changes(values, min(order, EDGE_ORDER) if _is_at_edge(name) else order)
-            bound = MARGIN * max(change, floor * size) + unseen.get(name, other_causes) * size
+            others, inlet = unseen.get(name, other_causes), 0.0
+            if wider is not None and name in wider:
+                inlet = max(INLET * abs(values[2] - wider[name].value), FLOOR * (l1.inlet or 0.0) * size)
+                others -= l1.inlet or 0.0
+            bound = MARGIN * max(change, floor * size) + inlet + others * size
             if name.endswith("stick_fraction"):
                 bound = max(bound, edge_fraction)
-            if wider is not None and name in wider:
-                bound += INLET * abs(values[2] - wider[name].value)
             reach = max((value for value, _ in quantity.rivals), default=quantity.value)
             bound = max(bound, reach - quantity.value)
             reason = "" if bound else RELATIVE_TO_ZERO
@@ -161,14 +161,6 @@ def is_stress(name: str) -> bool:
 def _is_at_edge(name: str) -> bool:
     """Return whether a number lies at an edge; the name may end with the index of a body."""
     return re.sub(r"_\d$", "", name).endswith(AT_EDGE)
-
-
-def l1_bound(pressures: Mapping[int, Array]) -> float:
-    """Return the bound of the relative L1 error of a pressure (x, y) by those on 1 / k of the cells, by k."""
-    fine = pressures[1]
-    on_fine = {k: on_cells(pressure, fine.shape) for k, pressure in pressures.items()}
-    norm = float(np.abs(fine).sum())
-    return MARGIN * by_changes(on_fine, 1.0, lambda a, b: float(np.abs(a - b).sum())) / norm if norm else 0.0
 
 
 # Ends of the names of numbers for which finer cells are no remedy: the depth of a largest stress is known only to the

@@ -1,18 +1,30 @@
 """The answer for a lubricated contact."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
+from itertools import pairwise
+from math import inf, isfinite
 from typing import TYPE_CHECKING, Any
 
-from contactstudy.answers.answer import Answer
-from contactstudy.domain.errors import ErrorEstimate, ErrorParts, Request
+import numpy as np
+
+from contactstudy.accuracy.coarser import coarsened
+from contactstudy.answers.answer import Answer, levels_below, solved_or_none
+from contactstudy.answers.judgement import by_changes, widened, with_nested_bounds
+from contactstudy.domain.errors import INLET, MARGIN, ErrorEstimate, ErrorParts, Request
+from contactstudy.domain.grid import across_and_along
 from contactstudy.domain.imports import needed_for
-from contactstudy.io.quantities.film_quantities import film_quantities
-from contactstudy.io.quantities.quantity import Quantities
+from contactstudy.domain.validation import NotDefined
+from contactstudy.io.quantities.film_quantities import BY_SLIDING, ON_ASPERITIES, film_quantities
+from contactstudy.io.quantities.quantity import NO_ESTIMATE, Quantities, Quantity
 from contactstudy.lubrication.lubricated_contact import FilmSolution
+from contactstudy.lubrication.newton.pseudo_time import FilmControls
+from contactstudy.lubrication.posed_film import interpolated
+from contactstudy.lubrication.steady_film import solve_on
 from contactstudy.problem.problem import Field
-from contactstudy.solvers.solution import Counts
+from contactstudy.scene.shapes.shape import shortest_wavelengths, unresolved, with_extent_of
+from contactstudy.solvers.solution import Counts, Status
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -24,6 +36,23 @@ MEASURES = {
     "film_temperature": "film temperature",
     "contact_load_fraction": "load fraction of asperities",
 }
+# Numbers whose errors are told by cause.
+BY_CAUSE = "peak_pressure", "central_film", "minimum_film", "contact_area_ratio", *MEASURES
+# Outcomes without a film to compare with.
+NO_FILM = Status.FILM_NOT_CONVERGED, Status.SEVERAL_FILMS, Status.CONTACT_AT_EDGE
+NO_FILM_BELOW = "No bound: there is no film on half the {} cells across to compare with, give more."
+OF_IMAGES = (
+    "No bound: padding is {!r}, and the error of a film by the images that it leaves out is not estimated, give "
+    "ExactPeriodicity()."
+)
+# A friction of a Newtonian stress that changes by more than this from half the cells, and by more than from a quarter to
+# half, may grow with the cells.
+NOTICEABLE = 0.02
+GROWS = (
+    "No bound: from half the cells it changes by {:.2g} %, more than from a quarter to half, so that it may grow with "
+    "them, as below a spike of the pressure. Give more cells, or a shear law that thins, such as Eyring()."
+)
+UNTOUCHED = "No bound: no cell touches, and the minimum film is within its error of the boundary film, give more cells."
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -36,22 +65,126 @@ class LubricatedContact(Answer, FilmSolution):
         Requested relative error of every number, or errors by name.
     time
         Time [s] of a frame of an evolution; None for others.
+    estimate
+        Errors of a frame of an evolution; None compares with films on fewer cells, and over twice the width.
     """
 
     requested: Request | None = None
     time: float | None = None
+    estimate: ErrorEstimate | None = None
 
     @cached_property
     def error(self) -> ErrorEstimate:
-        """Estimate of the errors, from further solutions where it is not known already."""
-        from contactstudy.lubrication.film_error import film_error
+        """Estimate of the errors, from films on further grids where it is not known already."""
+        if self.estimate is not None:
+            return self.estimate
+        errors: Any = {name: self.error_of(name) for name in BY_CAUSE if name in self.quantities}
+        reasons = (parts.reason for parts in (self._l1, *errors.values()))
+        return ErrorEstimate(self._l1, **errors, warnings=tuple(dict.fromkeys(filter(None, reasons))))
 
-        return film_error(self) if self.estimate is None else self.estimate
+    def error_of(self, name: str) -> ErrorParts:
+        """Return the error of a number by cells, inlet and residual: relative, of a fraction as it is."""
+        number = self.quantities[name]
+        if not number.bound:
+            return ErrorParts()
+        if not isfinite(number.bound):
+            return ErrorParts(discretisation=inf, inlet=inf, residual=inf, reason=number.reason)
+        assert self._numbers_wider is not None
+        size = 1.0 if number.is_fraction else abs(number.value)
+        inlet = INLET * abs(self._numbers_below[2][name].value - self._numbers_wider[name].value) / size
+        cells = max(number.bound / size - inlet - self.residual, 0.0)
+        return ErrorParts(discretisation=cells, inlet=inlet, residual=self.residual)
+
+    @cached_property
+    def requested_errors(self) -> dict[str, ErrorParts]:
+        """Errors of the numbers that the scene asks for, by name: of the film, and of what its motion adds."""
+        motion = self.scales.lubrication
+        names = ["central_film", "minimum_film"]
+        if motion.slide_roll_ratio:
+            names.append("friction_coefficient")
+            if motion.thermal is not None:
+                names += ["flash_temperature", "film_temperature"]
+        if motion.boundary is not None:
+            names.append("contact_load_fraction")
+        return {name: self.error_of(name) for name in names}
 
     @cached_property
     def quantities(self) -> Quantities:
         """Numbers of the film by name, with unit and bound."""
-        return film_quantities(self, self.error)
+        if self.estimate is not None:
+            return film_quantities(self, self.estimate.l1)
+        found = film_quantities(self, self._l1)
+        if self._l1.reason:
+            return found
+        unbounded = frozenset({NO_ESTIMATE})
+        found = with_nested_bounds(found, self._numbers_below, self._l1, unbounded, wider=self._numbers_wider)
+        return found | self._by_laws_of_films(found)
+
+    def _by_laws_of_films(self, found: Quantities) -> dict[str, Quantity]:
+        """Return the quantities whose bounds are by more than their changes between grids."""
+        power, sliding, rolling = (found[name] for name in ("power_loss", "sliding_loss", "rolling_resistance"))
+        # its parts may change against each other
+        of_parts = sliding.bound + rolling.bound * self.load_per_length * self.mean_speed
+        changed = {"power_loss": replace(power, bound=max(power.bound, of_parts))}
+        if "meniscus" in found:  # it lies between two cells
+            meniscus = found["meniscus"]
+            changed["meniscus"] = replace(meniscus, bound=meniscus.bound + self.grid.cell_size[0])
+        frictions = [numbers["friction_coefficient"].value for k, numbers in self._numbers_below.items() if k != 3]
+        changes = [abs(fine / coarse - 1) if coarse else 0.0 for fine, coarse in pairwise((self.friction, *frictions))]
+        if changes[0] > max(NOTICEABLE, changes[-1]):
+            reason = GROWS.format(100 * changes[0])
+            bounded = [name for name in BY_SLIDING if isfinite(found[name].bound)]
+            changed |= {name: replace(found[name], bound=inf, reason=reason) for name in bounded}
+        boundary = self.scales.lubrication.boundary
+        if self.contact_pressure is not None and boundary is not None and not self.contact_pressure.any():
+            lowest = found["minimum_film"]
+            is_clear = lowest.value - lowest.bound > boundary.film
+            bound, reason = (0.0, "") if is_clear else (inf, UNTOUCHED)
+            changed |= {name: replace(found[name], bound=bound, reason=reason) for name in ON_ASPERITIES}
+        return changed
+
+    @cached_property
+    def _l1(self) -> ErrorParts:
+        """Error of the pressure in L1 by cells, inlet and residual; infinite with a reason."""
+        reason = unresolved(shortest_wavelengths(self.scene.shapes), self.grid)
+        if across_and_along(self.padding)[1].window is not None:
+            reason = OF_IMAGES.format(self.padding)
+        elif self.status in (*NO_FILM, Status.FILM_BELOW_CELL):
+            reason = f"No bound: {self.status}"
+        elif not reason and (2 not in self._below or self._wider is None):
+            reason = NO_FILM_BELOW.format(self.grid.cells[0])
+        if reason or self._wider is None:
+            return ErrorParts(discretisation=inf, inlet=inf, residual=inf, reason=reason)
+        return l1_of_films({1: self} | self._below, self._wider, ErrorParts(residual=self.residual))
+
+    def _on_coarser_cells(self, factor: int, widening: int = 1) -> "LubricatedContact":
+        """Return the film on 1 / `factor` of the cells along each axis, over a multiple of the width."""
+        scene = replace(self.scene, shapes=with_extent_of(self.scene.shapes, self.grid))
+        grid = widened(coarsened(self.grid, factor), widening)
+        film = film_answer(solve_on(scene, grid, self.padding, FilmControls(), self))
+        if film.status in NO_FILM:
+            raise NotDefined(str(film.status))
+        return film
+
+    @cached_property
+    def _below(self) -> "dict[int, LubricatedContact]":
+        """The film on 1 / k of the cells along each axis by k, as far as there is one."""
+        return levels_below(self._on_coarser_cells)  # type: ignore[return-value]
+
+    @cached_property
+    def _wider(self) -> "LubricatedContact | None":
+        """The film on half the cells over twice the width, which tells the error by the inlet; None without one."""
+        return solved_or_none(self._on_coarser_cells, 2, 2)  # type: ignore[return-value]
+
+    @cached_property
+    def _numbers_below(self) -> dict[int, Quantities]:
+        """Numbers of the film on 1 / k of the cells along each axis, by k."""
+        return {k: film_quantities(film, ErrorParts()) for k, film in self._below.items()}
+
+    @cached_property
+    def _numbers_wider(self) -> Quantities | None:
+        """Numbers of the film on half the cells over twice the width."""
+        return None if self._wider is None else film_quantities(self._wider, ErrorParts())
 
     @property
     def state(self) -> Mapping[str, Field]:
@@ -62,7 +195,7 @@ class LubricatedContact(Answer, FilmSolution):
     @property
     def judged_error(self) -> tuple[str, ErrorParts]:
         """The largest bound of the numbers that the scene asks for."""
-        errors = self.requested_errors(self.error)
+        errors = self.requested_errors
         name = max(errors, key=lambda name: errors[name].total)
         return f"in the {MEASURES.get(name, 'film')}", errors[name]
 
@@ -83,6 +216,29 @@ class LubricatedContact(Answer, FilmSolution):
 
         dataset = film_dataset(self, self.error, self.quantities)
         return dataset if self.time is not None else dataset.assign_attrs(accuracy=self.accuracy)
+
+
+def l1_of_films(films: Mapping[int, FilmSolution], wider: FilmSolution, known: ErrorParts) -> ErrorParts:
+    """Return the L1 error of the pressure of a film, with a `known` error by other causes.
+
+    Parameters
+    ----------
+    films
+        The film on 1 / k of the cells along each axis, by k; that of k = 1 is the one judged.
+    wider
+        The film on half the cells over twice the width.
+    known
+        Errors by other causes.
+    """
+    grid = films[1].grid
+    total = float(films[1].pressure.sum())
+
+    def distance(film: FilmSolution, other: FilmSolution) -> float:
+        on_grid = (interpolated(each.pressure, each.grid, grid.x, grid.y) for each in (film, other))
+        return float(np.abs(np.subtract(*on_grid)).sum()) / total
+
+    cells, inlet = MARGIN * by_changes(films, 1.0, distance), INLET * distance(films[2], wider)
+    return replace(known, discretisation=cells, inlet=inlet, reason="")
 
 
 def film_answer(contact: FilmSolution, **further_fields: Any) -> LubricatedContact:

@@ -4,7 +4,7 @@ A number without a law of its error is bounded by its changes between nested gri
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import Field, dataclass, field, fields, is_dataclass, replace
+from dataclasses import Field, dataclass, fields, is_dataclass, replace
 from enum import Enum
 from html import escape
 from typing import Any
@@ -94,8 +94,11 @@ STRESS_FLOOR, DEPTH_FLOOR = 5e-4, 6e-3
 # Least change of a number, over the L1 error of the pressure, since a change may vanish by chance; and of an area, or of
 # a number left by a plastic zone, over the fraction of its cells that lie at its edge.
 FLOOR, AREA_FLOOR = 0.1, 0.5
-# Bound over the change of a number of a film from twice the width: the error by the inlet falls with its length^-2.
-INLET = 4 / 3
+# Bound over the change of a number of a film from twice the width. The error by the inlet falls with its length^-2 in a
+# film thickness, which leaves 4/3 of the change, and with length^-1 in a rolling resistance, which leaves 2 of it. On
+# 750 random films, plain, wavy, rough, crowned, starved, soft, heated and on a boundary film, 97 in 100 left up to 1.4
+# and 1.7.
+INLET = 1.75
 
 
 def pressure_request(request: Request) -> float:
@@ -172,15 +175,13 @@ class ErrorEstimate(InNotebook):
     central_film, minimum_film, friction_coefficient
         Errors of the numbers of a film; None for a dry contact.
     contact_load_fraction, contact_area_ratio
-        Errors of the load and the area of asperity contacts in a film; None without a boundary film.
+        Errors of the load and the area of asperity contacts in a film, as they are; None without a boundary film.
     flash_temperature, film_temperature
         Errors of the temperatures of a film, as the model has them; None for a film of one temperature.
     rolling_resistance
         Error of the coefficient of rolling resistance; None where nothing rolls.
     load, pull_off
         Errors of the load at a given approach, and of the pull-off load; None where they are not sought.
-    numbers
-        Errors of further numbers of a film by their names.
     warnings
         A sentence for each bound that is infinite, or on what to change.
     slip_reason
@@ -203,7 +204,6 @@ class ErrorEstimate(InNotebook):
     rolling_resistance: ErrorParts | None = None
     load: ErrorParts | None = None
     pull_off: ErrorParts | None = None
-    numbers: Mapping[str, ErrorParts] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
     slip_reason: str = ""
     by_grids: Sequence[str] = ()
@@ -217,18 +217,10 @@ class ErrorEstimate(InNotebook):
 
     def _rows(self) -> str:
         """Return a row for each quantity: its error, and the parts by cause or why it has no bound."""
-        errors = {name: parts for name, parts in self if parts.by_cause} | dict(self.numbers)
+        errors = {name: parts for name, parts in self if parts.by_cause}
         rows = [
             f"  {name:<24}{100 * parts.total:8.2g} %  "
             + (parts.reason or ", ".join(f"{cause} {100 * part:.2g} %" for cause, part in parts.by_cause.items()))
             for name, parts in errors.items()
         ]
         return "\n".join(("bounds of relative errors", *rows, *self.warnings))
-
-
-def largest_change(changes: Sequence[float]) -> float:
-    """Return the change from half the cells, at least half of that from a quarter to half.
-
-    Where a quarter of the cells has no solution, the only change counts twice.
-    """
-    return max(changes[0], changes[1] / 2) if len(changes) > 1 else 2 * changes[0]

@@ -26,7 +26,7 @@ from scipy import ndimage
 
 from contactstudy.domain.grid import Array, Grid, Padding, Paddings, on_cells
 from contactstudy.domain.validation import InvalidInput
-from contactstudy.evolution.evolve_lubricated import Difference, FilmTrajectory, film_trajectory
+from contactstudy.evolution.evolve_lubricated import FilmTrajectory, difference, film_trajectory
 from contactstudy.evolution.march import Breakpoint, Control, March, Method, Record, ascending, schedule
 from contactstudy.evolution.steady_rolling import SteadyRolling, solve_rolling
 from contactstudy.evolution.trajectory import Frame, Trajectory, error_of_peak, frame_of
@@ -509,7 +509,7 @@ def follow_film_wear(
     records = wearing.records(grid.cells, times, error, progress)
     films = [replace(record.state.contact, status=worst(record.statuses)) for record in records]
     compared = [
-        Difference.of(record.state.time, film, record.coarse.contact)
+        (record.state.time, difference(film, record.coarse.contact))
         for record, film in zip(records, films, strict=True)
         if record.coarse is not None
     ]

@@ -1,13 +1,12 @@
 """Steady lubricated contacts: the grid for an error of the film thickness, and the solve to that error."""
 
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Callable, Mapping
 from math import ceil, inf, isfinite, sqrt
 
+from contactstudy.domain.errors import ErrorParts
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
-from contactstudy.domain.validation import InvalidInput, Metres, valid
+from contactstudy.domain.validation import InvalidInput
 from contactstudy.lubrication.film_equation import FilmScales
-from contactstudy.lubrication.film_error import film_error
 from contactstudy.lubrication.lubricated_contact import FilmSolution
 from contactstudy.lubrication.newton.pseudo_time import FilmControls, FilmIteration
 from contactstudy.lubrication.posed_film import ROW_MULTIPLE, dry_reach, lubricated_scales
@@ -20,9 +19,8 @@ HALF_SWEEP_ERROR = 0.02
 # Least distance of the inlet's edge from the axis [a], above MIN_WIDTH, and the largest inlet sweep over the half-width
 # of the pressure: a light load has no pressure spike, and its pressure rises over the half-width.
 INLET, INLET_SWEEP_FRACTION = 1.25, 0.1
-# Refinements towards an error at most, and the most cells across of plane strain, by default and for a requested error:
-# some seconds, and a minute.
-REFINEMENTS, MAX_CELLS, MAX_REQUESTED_CELLS = 6, 3200, 6400
+# The most cells across of plane strain, by default and for a requested error: some seconds, and a minute.
+MAX_CELLS, MAX_REQUESTED_CELLS = 3200, 6400
 # Least factor on the error that is aimed at where one takes more cells than are allowed.
 AIMED_STEP = 1.05
 # Length [m] of a grid in plane strain, where none is given: it has no effect.
@@ -103,18 +101,54 @@ def expected_error(scene: Scene, grid: Grid) -> float:
     return by_cells + INLET_ERROR * scales.expected_film / (inlet - 1) ** 2
 
 
+def finer_film_grid(
+    grid: Grid, first: Grid, errors: Mapping[str, ErrorParts], error: float, most_cells: int, given: Grid | None
+) -> Grid | None:
+    """Return the grid to solve next for an error of the film; None where it is met, or no finer grid is allowed.
+
+    With up to twice the cells of the first grid it is also for friction, temperatures and the load of asperities.
+
+    Parameters
+    ----------
+    grid, first
+        The last grid and the first.
+    errors
+        Errors of the numbers that a scene asks for on the last grid, by name.
+    error
+        Relative error not to exceed.
+    most_cells
+        Cells across at most.
+    given
+        Grid whose extent is kept, and in plane strain alone refined; None where the inlet may become longer.
+    """
+    (nx, ny), (width, period) = grid.cells, grid.extent
+    bounded = [errors["central_film"], errors["minimum_film"]]
+    if first.cell_size[0] < REFINED_FOR_MOTION * grid.cell_size[0]:
+        bounded += [parts for parts in errors.values() if isfinite(parts.total)]
+    inlet = max(parts.by_cause["inlet"] for parts in bounded)
+    cells = max(parts.by_cause["discretisation"] for parts in bounded)
+    remaining, longer = error, min(max(1.0, sqrt(2 * inlet / error)), 2.0)
+    if given is not None:  # the error of the inlet remains
+        remaining, longer = 2 * (error - inlet) if inlet <= error / 2 else error, 1.0
+        if ny > 1 or cells <= remaining / 2:
+            return None
+    if inlet + cells <= error or nx >= most_cells:
+        return None
+    finer = min(max(1.0, sqrt(2.5 * cells / remaining)), 2.0)
+    # a multiple, so that the cells of the coarser grids are unions of cells
+    across = min(ROW_MULTIPLE * ceil(nx * longer * finer / ROW_MULTIPLE), most_cells)
+    return Grid((across, ny), (longer * width, period))
+
+
 def solve_lubricated(
     scene: Scene,
-    grid: Grid | None = None,
+    grid: Grid,
     padding: Padding | Paddings = ExactPeriodicity(),  # noqa: B008 (a frozen value)
     *,
-    period: float | None = None,
-    error: float | None = None,
     tolerance: float = 1e-8,
     max_iterations: int = 300,
     start: FilmSolution | None = None,
     progress: Callable[[FilmIteration], object] | None = None,
-    most_cells: int = MAX_CELLS,
 ) -> FilmSolution:
     """Solve the steady film of ``scene``, flooded or starved, isothermal or heated.
 
@@ -123,25 +157,15 @@ def solve_lubricated(
     scene
         A scene with ``lubrication``.
     grid
-        Cells (x, y); one cell along the length is plane strain. Lubricant enters at smaller x. Where none is given, one
-        for plane strain is chosen for the ``error``. With an ``error`` the extent is kept, and in plane strain the cells
-        are refined.
+        Cells (x, y); one cell along the length is plane strain. Lubricant enters at smaller x.
     padding
         Along the length, one that wraps.
-    period
-        Length [m] of a grid that is chosen; 1 mm if None.
-    error
-        Relative error of central and minimum film to reach, 1 % without a grid; with up to twice the cells also of
-        friction, temperatures and load fraction. With it the contact has an ``estimate`` of its errors, from further
-        grids.
     tolerance, max_iterations
         Residual of convergence, and the most steps on one grid from one start.
     start
         A contact to start from, such as that at a somewhat higher speed; on another grid it is interpolated.
     progress
         Called after each step on each grid with the iteration so far.
-    most_cells
-        Cells across at most, in plane strain.
 
     Returns
     -------
@@ -154,45 +178,7 @@ def solve_lubricated(
         For a scene without a curvature, and for a grid or a padding on which it has no film.
     """
     controls = FilmControls(tolerance=tolerance, max_iterations=max_iterations, progress=progress)
-    if error is None and grid is not None:
-        return solve_on(scene, grid, padding, controls, start)
-
-    error = 1e-2 if error is None else error
-    period = PERIOD if period is None else valid("solve.period", period, Metres)
-    longer = finer = 1.0
-    for _ in range(REFINEMENTS):
-        fitting = (
-            _on_extent(grid, finer, most_cells)
-            if grid
-            else film_grid(scene, error, period, longer=longer, finer=finer, most_cells=most_cells)
-        )
-        contact = solve_on(scene, fitting, padding, controls, start)
-        estimate = film_error(contact, controls)
-        contact = start = replace(contact, estimate=estimate)
-        errors = contact.requested_errors(estimate)
-        bounded = [errors["central_film"], errors["minimum_film"]]
-        if finer < REFINED_FOR_MOTION:
-            bounded += [parts for parts in errors.values() if isfinite(parts.total)]
-        inlet = max(parts.by_cause["inlet"] for parts in bounded)
-        cells = max(parts.by_cause["discretisation"] for parts in bounded)
-        if inlet + cells <= error:
-            break
-        # on a given extent the error of the inlet remains
-        remaining = error if grid is None or inlet > error / 2 else 2 * (error - inlet)
-        if fitting.cells[0] >= most_cells or (grid and (cells <= remaining / 2 or grid.cells[1] > 1)):
-            break
-        longer *= min(max(1.0, sqrt(2 * inlet / error)), 2.0)
-        finer *= min(max(1.0, sqrt(2.5 * cells / remaining)), 2.0)
-    return contact
-
-
-def _on_extent(grid: Grid, finer: float, most_cells: int) -> Grid:
-    """Return the grid with finer cells across, at most `most_cells`."""
-    nx, ny = grid.cells
-    if finer == 1:
-        return grid
-    # a multiple, so that the cells of the coarser grids are unions of cells
-    return Grid((max(nx, min(ROW_MULTIPLE * ceil(nx * finer / ROW_MULTIPLE), most_cells)), ny), grid.extent)
+    return solve_on(scene, grid, padding, controls, start)
 
 
 def varies_along(shape: object) -> bool:

@@ -2,7 +2,8 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
-from math import pi
+from math import inf, pi
+from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from contactstudy.analytic import dowson_higginson_film, film_asymptotes
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.grid import across_and_along
 from contactstudy.domain.validation import readable
-from contactstudy.io.quantities.quantity import FORMULA, Quantity, with_bound
+from contactstudy.io.quantities.quantity import FORMULA, NO_ESTIMATE, Quantity
 from contactstudy.io.quantities.stress_quantities import stress_quantities
 from contactstudy.scene.lubrication import ConstantDensity, LimitingShear
 from contactstudy.scene.shapes.shape import LengthScales, curvature_of
@@ -21,9 +22,12 @@ if TYPE_CHECKING:
     from contactstudy.scene.lubrication import Lubrication
 
 ISOTHERMAL = ", isothermal"
+FLOODED = (
+    "No bound: lubricant fills the gap up to the edge of the grid, and the meniscus lies beyond, give a wider grid."
+)
 
 
-# Attribute of a film, unit and label by the name of each number: of any film, on asperities, and heated.
+# Attribute of a film, unit and label by the name of each number: of any film, starved, on asperities, and heated.
 NUMBERS = {
     "central_film": ("central_film", "m", "central film thickness"),
     "minimum_film": ("minimum_film", "m", "minimum film thickness"),
@@ -32,8 +36,8 @@ NUMBERS = {
     "power_loss": ("power_loss", "W m-1", "power lost per length"),
     "rolling_resistance": ("rolling_resistance", "1", "coefficient of rolling resistance"),
     "sliding_loss": ("sliding_loss", "W m-1", "power lost by sliding per length"),
-    "load_per_length": ("load_per_length", "N m-1", "load per length"),
 }
+OF_SUPPLY = {"meniscus": ("meniscus", "m", "position of the inlet meniscus")}
 ON_ASPERITIES = {
     "contact_load_fraction": ("contact_load_fraction", "1", "fraction of the load on asperities"),
     "contact_area_ratio": ("contact_area_ratio", "1", "real contact area over Hertz's contact area"),
@@ -41,16 +45,25 @@ ON_ASPERITIES = {
 OF_HEAT = {
     "flash_temperature": ("flash_temperature", "K", "largest temperature rise of a surface"),
     "film_temperature": ("film_temperature", "K", "load-weighted mean temperature rise of the film"),
+    "thermal_reduction": ("temperatures.reduction", "1", "film with a heated inlet over the isothermal one"),
+    "heated_film": ("heated_film", "m", "central film thickness with a heated inlet"),
 }
+# Numbers with the friction by sliding in them.
+BY_SLIDING = "friction_coefficient", "power_loss", "sliding_loss"
 
 
-def film_quantities(contact: "FilmSolution", estimate: ErrorEstimate) -> dict[str, Quantity]:
-    """Return the quantities of a lubricated contact with the `estimate` of its errors."""
+def film_quantities(contact: "FilmSolution", l1: ErrorParts) -> dict[str, Quantity]:
+    """Return the quantities of a lubricated contact.
+
+    Each that has neither an exact value nor a reason of its own for no bound has that of the `l1` error of the pressure,
+    or none yet.
+    """
     scales, motion = contact.scales, contact.scales.lubrication
+    reason = l1.reason or NO_ESTIMATE
 
     def read(numbers: Mapping[str, tuple[str, str, str]], **fields: Any) -> dict[str, Quantity]:
         return {
-            name: Quantity(getattr(contact, attribute), unit, label, **fields)
+            name: Quantity(attrgetter(attribute)(contact), unit, label, reason=reason, **fields)
             for name, (attribute, unit, label) in numbers.items()
         }
 
@@ -61,7 +74,9 @@ def film_quantities(contact: "FilmSolution", estimate: ErrorEstimate) -> dict[st
         position = contact.minimum_film_position
         quantities["minimum_film"] = replace(quantities["minimum_film"], position=position)
     compressible = not isinstance(motion.lubricant.density, ConstantDensity)
+    load = contact.load_per_length
     quantities |= {
+        "load_per_length": Quantity(load, "N m-1", "load per length", contact.residual * load, ""),
         "load_parameter": Quantity(scales.load_parameter, "1", "Moes' M", 0.0, ""),
         "viscosity_parameter": Quantity(scales.viscosity_parameter, "1", "Moes' L", 0.0, ""),
         "moes_film": Quantity(
@@ -69,30 +84,34 @@ def film_quantities(contact: "FilmSolution", estimate: ErrorEstimate) -> dict[st
             detail=" (incompressible)" * compressible,
         ),
         **_of_formulas(contact),
-        **_lambda_ratio(contact),
+        **_lambda_ratio(contact, reason),
     }  # fmt: skip
     if motion.supply is not None:
-        quantities["meniscus"] = Quantity(contact.meniscus, "m", "position of the inlet meniscus")
+        quantities |= read(OF_SUPPLY)
     if contact.contact_pressure is not None:
         quantities |= read(ON_ASPERITIES, is_fraction=True)
     if contact.temperatures is not None:
-        reduction, label = contact.temperatures.reduction, "central film thickness with a heated inlet"
-        quantities |= read(OF_HEAT) | {
-            "thermal_reduction": Quantity(reduction, "1", "film with a heated inlet over the isothermal one"),
-            "heated_film": Quantity(contact.heated_film, "m", label),
-        }
-    paddings = across_and_along(contact.padding)
-    quantities |= stress_quantities(contact.scene, contact.derived, contact.grid, estimate, paddings)
-    errors = {"load_per_length": ErrorParts(residual=contact.residual)} | dict(estimate) | dict(estimate.numbers)
-    if "lambda_ratio" in quantities:
-        errors["lambda_ratio"] = errors["central_film" if contact.temperatures is None else "heated_film"]
-    # the loss by sliding is that of the friction, at a known speed
-    if "friction_coefficient" in errors:
-        slides = motion.slide_roll_ratio
-        if not (slides or contact.friction):
-            errors["friction_coefficient"] = ErrorParts()
-        errors["sliding_loss"] = errors["friction_coefficient"] if slides else ErrorParts()
-    return {name: with_bound(quantity, errors.get(name), estimate.warnings) for name, quantity in quantities.items()}
+        quantities |= read(OF_HEAT)
+    spike, of_heat = contact.spike_reason, "" if contact.temperatures is None else contact.temperatures.reason
+    of_sliding = of_heat or contact.friction_reason
+    own = {
+        "peak_pressure": spike,
+        "meniscus": FLOODED if contact.is_flooded else "",
+        **dict.fromkeys(OF_HEAT, of_heat),
+        **dict.fromkeys(BY_SLIDING, of_sliding),
+    }
+    if not motion.slide_roll_ratio:
+        own["power_loss"] = ""
+        quantities["sliding_loss"] = replace(quantities["sliding_loss"], bound=0.0, reason="")
+        if not contact.friction:
+            friction = quantities["friction_coefficient"]
+            quantities["friction_coefficient"] = replace(friction, bound=0.0, reason="")
+    for name, why in own.items():
+        if why and name in quantities:
+            quantities[name] = replace(quantities[name], bound=inf, reason=why)
+    of_peak = ErrorParts(discretisation=inf, reason=spike) if spike else None
+    estimate, paddings = ErrorEstimate(l1, of_peak), across_and_along(contact.padding)
+    return quantities | stress_quantities(contact.scene, contact.derived, contact.grid, estimate, paddings)
 
 
 def _of_friction(motion: "Lubrication") -> str:
@@ -117,14 +136,17 @@ def _of_formulas(contact: "FilmSolution") -> dict[str, Quantity]:
     return quantities
 
 
-def _lambda_ratio(contact: "FilmSolution") -> dict[str, Quantity]:
-    """Return the central film, with its heated inlet, over the rms height of both surfaces; none if smooth."""
+def _lambda_ratio(contact: "FilmSolution", reason: str) -> dict[str, Quantity]:
+    """Return the central film, with its heated inlet, over the rms height of both surfaces; none if smooth.
+
+    It has no bound for a `reason`.
+    """
     rough = [shape for shape in contact.scene.shapes if _rough(shape)]
     heights = sum((shape.gap(contact.grid) for shape in rough), start=np.zeros((1, 1)))
     if not rough or not (rms := float(np.std(heights))):
         return {}
     detail = f", central film over the rms height of {readable(rms, digits=3)}"
-    return {"lambda_ratio": Quantity(contact.heated_film / rms, "1", "lambda ratio", detail=detail)}
+    return {"lambda_ratio": Quantity(contact.heated_film / rms, "1", "lambda ratio", reason=reason, detail=detail)}
 
 
 def _rough(shape: object) -> bool:

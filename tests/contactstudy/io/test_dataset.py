@@ -73,7 +73,7 @@ def test_a_lubricated_contact_is_labelled_with_its_errors_and_drawn() -> None:
     contact = solve_lubricated(by_moes(20, 5), film_cells(100, 5.43), cs.ExactPeriodicity())
     parts = ErrorParts(discretisation=0.1, inlet=0.2, residual=inf)
     estimate = cs.ErrorEstimate(parts, central_film=parts, minimum_film=parts, warnings=("a spike",))
-    contact = film_answer(replace(contact, estimate=estimate))
+    contact = film_answer(contact, estimate=estimate)
     dataset = contact.to_dataset()
     np.testing.assert_array_equal(dataset["film"].values, contact.film)
     assert dataset["minimum_film_error_estimate"].sel(cause="inlet") == 0.2

@@ -26,8 +26,8 @@ REFERENCE = (
 def test_the_film_is_that_of_graded_cells_within_its_bound(
     load: float, viscosity: float, central: float, smallest: float
 ) -> None:
-    contact = solve_lubricated(by_moes(load, viscosity), error=2e-2)
-    error = contact.estimate
+    contact = cs.solve(by_moes(load, viscosity), error=2e-2)
+    error = contact.error
     for film, parts, expected in (
         (contact.central_film, error.central_film, central),
         (contact.minimum_film, error.minimum_film, smallest),
@@ -63,10 +63,10 @@ def test_steel_in_mineral_oil_has_the_film_and_friction_of_the_reference(
 ) -> None:
     oil = cs.Lubricant(0.04, 2e-8, cs.Roelands(0.6), shear=cs.Eyring(5e6))
     scene = replace(DRY, load=cs.LineLoad(load), lubrication=cs.Lubrication(oil, speed, slide_roll_ratio=0.1))
-    contact = solve_lubricated(scene, error=1e-2)
+    contact = cs.solve(scene, error=1e-2)
     assert contact.status is cs.Status.CONVERGED
     # the reference has the shorter inlet of its own, so twice that of ours, and its last digit
-    error = contact.estimate
+    error = contact.error
     assert contact.central_film == pytest.approx(central, rel=2 * error.central_film.total + 2e-4)
     assert contact.minimum_film == pytest.approx(smallest, rel=2 * error.minimum_film.total + 2e-4)
     assert contact.friction == pytest.approx(friction, rel=2 * error.friction_coefficient.total, abs=5e-5)
@@ -116,7 +116,7 @@ def test_power_is_lost_in_pure_rolling_too() -> None:
 def test_rolling_resistance_is_that_of_biboulet_and_houpert(load: float, viscosity: float) -> None:
     """Theirs of a surface, Part 1 (2010), eqs. 40 to 42: between rigid and elastic cylinders."""
     scene = by_moes(load, viscosity, viscosity_law=cs.Roelands(0.6))
-    contact = solve_lubricated(with_motion(scene, slide_roll_ratio=0.0), error=5e-2)
+    contact = cs.solve(with_motion(scene, slide_roll_ratio=0.0), error=5e-2)
     modulus = 210e9 / (1 - 0.3**2)
     per_length = 1e5 / (modulus * 0.01)
     speed = (per_length / load) ** 2

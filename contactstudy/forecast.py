@@ -126,12 +126,6 @@ def plan(
     requested: Request | None = DEFAULT_ERROR if grid is None else None
     if error is not None:
         requested = checked_errors("plan.error", error)
-    if scene.method.takes_times:
-        from contactstudy.evolution.time_steps import TimeSteps  # imported only for scenes in time
-
-        steps = TimeSteps.of(times)
-        if steps.last is not None or scene.histories:
-            steps.instants_of(*scene.histories)
     request = _Request(planned, requested, times, is_chosen=grid is None, is_default=error is None)
     try:
         levels = request.levels()
@@ -146,14 +140,10 @@ def plan(
         found = replace(
             found, reasons=(*found.reasons, begins), warnings=planned.warnings, first_grids=planned.first_grids
         )
-    solves = levels[-1].solves
-    if scene.rolling is not None and scene.rolling.passes is not None:
-        solves = round(solves * last.cells[0] / levels[-1].grid.cells[0])  # one step for a cell
     return replace(
         found,
         error=planned.error if scene.lubrication else request.error_on(last, levels),
         seconds=seconds / request.speedup,
-        solves=solves if solves and scene.method is not methods.STATIC else planned.solves,
         reasons=(*found.reasons, reason),
         warnings=(*found.warnings, *request.warnings_of(levels)),
     )
@@ -169,15 +159,12 @@ class Level:
         The grid.
     seconds
         Seconds of processor time, of all of it.
-    solves
-        Contacts that are solved one after the other; 0 where they are not counted.
     answer
         The answer; None where the solve was ended before.
     """
 
     grid: Grid
     seconds: float
-    solves: int
     answer: Any
 
 
@@ -261,7 +248,7 @@ class _Request:
         levels = []
         for one in first.levels:
             answer = contact_answer(one.solution, estimate=one.estimate, requested=self.error)
-            levels.append(Level(one.grid, one.seconds, 0, answer))
+            levels.append(Level(one.grid, one.seconds, answer))
         begin = process_time()
         len(levels[-1].answer.quantities)
         levels[-1] = replace(levels[-1], seconds=levels[-1].seconds + process_time() - begin)
@@ -360,9 +347,8 @@ class _Request:
             if before == loaded():  # what is imported or compiled is not counted
                 break
         if answer is None:
-            seconds, solves = watch.whole
-            return Level(grid, seconds, solves, None)
-        return Level(answer.grid, watch.seconds, watch.solves(answer), answer)
+            return Level(grid, watch.seconds_of_all, None)
+        return Level(answer.grid, watch.seconds, answer)
 
     def seconds_on(self, grid: Grid, levels: list[Level]) -> float:
         """Return the seconds on a grid from those on others: linear in the cells, or a power of them that two show."""
@@ -429,22 +415,15 @@ class _Watch:
         return process_time() - self._begin
 
     @property
-    def whole(self) -> tuple[float, int]:
-        """Seconds and reports of all of the solve, whose fraction goes with a power of the seconds."""
+    def seconds_of_all(self) -> float:
+        """Seconds that all of the solve is expected to take, whose fraction goes with a power of the seconds."""
         reports = [(done, at - self._begun) for done, at in self.reports[self._first :]]
         done, seconds = reports[-1]
         done = min(max(done, CONSTANTS.least_fraction), 1.0)
         half = max((one for one, at in reports if at <= seconds / 2), default=done / 2)
         power = log(done / max(half, CONSTANTS.least_fraction / 2)) / log(2)
         ratio = done ** (-1 / min(max(power, CONSTANTS.progress_powers[0]), CONSTANTS.progress_powers[1]))
-        return self._begun + seconds * ratio, round(len(self.reports) * ratio)
-
-    def solves(self, answer: Any) -> int:
-        """Return the contacts that are solved for an answer, where they are counted; else 0."""
-        for count in ("solves", "outer_iterations"):
-            if count in answer.counts:
-                return int(answer.counts[count][0])
-        return len(self.reports) if hasattr(answer, "frames") else 0
+        return self._begun + seconds * float(ratio)
 
 
 def _coarser(grid: Grid, factor: int) -> Grid:

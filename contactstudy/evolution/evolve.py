@@ -22,7 +22,7 @@ from contactstudy.domain.validation import InvalidInput, NotDefined
 from contactstudy.elasticity.coefficients import BoussinesqCoefficients
 from contactstudy.elasticity.viscoelastic import Creep
 from contactstudy.evolution.checkpoint import Checkpoint
-from contactstudy.evolution.march import Control, March, Method, Record, all_recorded, schedule
+from contactstudy.evolution.march import Control, March, Method, Record, schedule
 from contactstudy.evolution.states.fretting_state import FrettingState
 from contactstudy.evolution.states.state_variables import (
     CreepState,
@@ -345,7 +345,7 @@ def evolve(
     grid: Grid,
     padding: Padding | Paddings,
     *,
-    times: ArrayLike | None = None,
+    times: ArrayLike,
     error: float | None = None,
     error_estimator: ErrorEstimator = "step_doubling",
     scheme: Scheme = "implicit",
@@ -374,8 +374,7 @@ def evolve(
     times
         Recorded instants [s], which do not decrease. Steps end there, and wherever the load or its rate jumps; where
         bodies yield or fret, also where it turns. Of two steps that differ much in length each is halved. A time
-        given twice is recorded before and after a jump of the load. None records every pair of steps; without a state
-        variable, the start, the end and the instants at which the load turns or jumps.
+        given twice is recorded before and after a jump of the load.
     error
         Allowed relative L1 time-discretisation error, for which steps are chosen. None steps from one of `times`
         to the next, at most a quarter of the load's period at a time.
@@ -409,11 +408,10 @@ def evolve(
         )
     stepper = _time_stepper(scene, grid, padding, load, end - load.start, scheme, options)
     keeps_states = bool(stepper.all_state_variables)
-    turns = stepper.depends_on_path or (times is None and not keeps_states)
     breakpoints = schedule(
         load,
         times,
-        kinks=load.turning_points(end) if turns else (),
+        kinks=load.turning_points(end) if stepper.depends_on_path else (),
         history=scene.friction.history if isinstance(scene.friction, Fretting) else None,
         # steps of whole periods would meet the load at the same place of each, and not see that it changes
         longest=getattr(load, "period", inf) / PER_PERIOD if keeps_states else inf,
@@ -422,17 +420,14 @@ def evolve(
     if keeps_states and error is not None:
         limit, first = INITIAL_TOLERANCE_FRACTION * error, INITIAL_STEP * (end - load.start)
         control = Control(limit, DrySteps.order, first, allowed=error)
-    if times is None and not keeps_states:
-        breakpoints = all_recorded(breakpoints)
     steps = DrySteps(stepper, error_estimator if keeps_states else "none")
-    recorded: Any = "pairs" if keeps_states and times is None else "points"
     start = stepper.start(breakpoints[0].time)
-    march = March(steps, start, breakpoints, control, recorded, progress)
+    march = March(steps, start, breakpoints, control, progress)
     if folder is None:
         frames = _frames(march, steps, None)
     else:
         checkpoint = Checkpoint(Path(folder))
-        instants = None if times is None else tuple(np.asarray(times, float).ravel().tolist())
+        instants = tuple(np.asarray(times, float).ravel().tolist())
         request = scene, grid, padding, instants, error, error_estimator, scheme, options
         with checkpoint.open(request):
             frames = _frames(march, steps, checkpoint)
@@ -583,9 +578,9 @@ def _relative_creep(scene: Scene, datum: float) -> CreepState | None:
     return CreepState(Creep(1.0, terms, fluidity), BoussinesqCoefficients(datum))
 
 
-def _load(scene: Scene, times: ArrayLike | None) -> ChangingLoad:
+def _load(scene: Scene, times: ArrayLike) -> ChangingLoad:
     """Return the load of `scene` over time; a constant one is applied at 0 s, or at the first of `times` [s] before."""
     if isinstance(scene.load, ChangingLoad):
         return scene.load
-    start = 0.0 if times is None else min(0.0, float(np.min(times)))
+    start = min(0.0, float(np.min(times)))
     return LoadHistory((start,), (scene.largest_load,))

@@ -147,7 +147,7 @@ def evolve_lubricated(
     grid: Grid,
     padding: Padding | Paddings = ExactPeriodicity(),  # noqa: B008 (a frozen value)
     *,
-    times: ArrayLike | None = None,
+    times: ArrayLike,
     error: float | None = None,
     step: float | None = None,
     tolerance: float = 1e-6,
@@ -168,7 +168,7 @@ def evolve_lubricated(
         As for :func:`~contactstudy.solve`.
     times
         Instants [s] at which the contact is recorded, ascending, before the load where that jumps; the film is steady at
-        the first. None records every pair of steps from the first to the last time of the histories.
+        the first.
     error
         Largest error of a step: L1 error of the film thickness over its mean, in the Hertzian zone. 1e-3 if neither this
         nor ``step`` is given.
@@ -191,11 +191,7 @@ def evolve_lubricated(
         For a scene without lubrication, times that are not ascending, a speed of zero at the first time, and a load of
         zero at any: no film carries it.
     """
-    if times is None:
-        histories = scene.histories
-        instants = [min(history.start for history in histories), max(history.end for history in histories)]
-    else:
-        instants = ascending(times, least=2)
+    instants = ascending(times, least=2)
     _check_loaded(scene, instants)
     if error is None:
         error = STEP_ERROR if step is None else UNLIMITED
@@ -208,11 +204,10 @@ def evolve_lubricated(
         # two steps at least, which the estimate takes at once
         longest=min(2 * (step or inf), 2 * start.longest_step, instants[-1] - instants[0]),
     )
-    recorded = instants[:1] if times is None else instants
     places = sorted({*instants, *_kinks(scene, instants)})
-    points = [Breakpoint(time, times_recorded=int(time in recorded)) for time in places]
+    points = [Breakpoint(time, times_recorded=int(time in instants)) for time in places]
     films = _Films()
-    march = March(films, start, points, control, "pairs" if times is None else "points", progress)
+    march = March(films, start, points, control, progress)
     records = march.records()
     return film_trajectory(records, [record.state.contact for record in records], films.compared)
 

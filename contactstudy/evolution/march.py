@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import ceil, inf
-from typing import ClassVar, Generic, Literal, Protocol, TypeVar
+from typing import ClassVar, Generic, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -70,7 +70,7 @@ class Breakpoint:
 
 def schedule(
     load: ChangingLoad,
-    times: ArrayLike | None,
+    times: ArrayLike,
     *,
     kinks: Sequence[float] = (),
     history: PiecewiseLinear | None = None,
@@ -83,7 +83,7 @@ def schedule(
     load
         Load over time.
     times
-        Recorded times [s]; None ends where the load does.
+        Recorded times [s].
     kinks
         Further times [s] at which steps end, such as those where the load turns.
     history
@@ -94,19 +94,15 @@ def schedule(
     Raises
     ------
     InvalidInput
-        If times decrease, begin before the load or name an instant three times; if they are None and the load has no
-        end.
+        If times decrease, begin before the load or name an instant three times.
     """
-    recorded: list[float] = [] if times is None else np.ravel(times).tolist()
+    recorded: list[float] = np.ravel(times).tolist()
     check_not_decreasing("solve.times", recorded)
-    if recorded and recorded[0] < load.start:
+    if recorded[0] < load.start:
         raise InvalidInput(
             f"solve.times[0] is {recorded[0]!r}: give times from {load.start!r} s on, when the load begins."
         )
-    end = recorded[-1] if recorded else load.end
-    if not recorded and end <= load.start:
-        raise InvalidInput("solve.times is None, and Scene.load has no end: give times [s].")
-    counts = Counter(recorded)
+    end, counts = recorded[-1], Counter(recorded)
     further = (*kinks, *(history.times if history is not None else ()))
     breaks = {load.start, *load.breaks(end), *(time for time in further if load.start <= time <= end)}
     given = sorted(breaks | set(counts) | {end})
@@ -125,12 +121,6 @@ def schedule(
         )
         for time in instants
     )
-
-
-def all_recorded(breakpoints: tuple[Breakpoint, ...]) -> tuple[Breakpoint, ...]:
-    """Return `breakpoints`, all recorded: before and after a jump, but the first only after it."""
-    first, *others = breakpoints
-    return replace(first, times_recorded=1), *(replace(point, times_recorded=1 + point.jumps) for point in others)
 
 
 def ascending(times: ArrayLike, least: int = 1) -> list[float]:
@@ -286,8 +276,6 @@ class March(Generic[S]):
         Instants at which steps end, in the order of time.
     control
         Control of the length of pairs of steps; None steps from one point to the next.
-    recorded
-        What is recorded beside the points that are: nothing, or each pair of steps and the state after each jump.
     progress
         Called with the time since the start and that of the whole [s] for each accepted step; None calls nothing.
     """
@@ -296,7 +284,6 @@ class March(Generic[S]):
     start: S
     points: Sequence[Breakpoint]
     control: Control | None
-    recorded: Literal["points", "pairs"] = "points"
     progress: Callable[[float, float], None] | None = None
 
     def __post_init__(self) -> None:
@@ -332,7 +319,7 @@ class March(Generic[S]):
             self.number += 1
             if self.fine.change == inf:
                 yield [self._record(self.fine, None)]
-            elif point.times_recorded or (self.recorded == "pairs" and point.jumps):
+            elif point.times_recorded:
                 yield [self._record(self.fine, self.coarse)]
             else:
                 yield []
@@ -383,7 +370,8 @@ class March(Generic[S]):
 
         Return what is recorded; None says that the march starts again.
         """
-        self.fine, self.coarse = fine, coarse = after
+        self.fine, self.coarse = after
+        fine = self.fine
         self.statuses += statuses
         if fine.change == inf:
             return [self._record(fine, None)]
@@ -397,7 +385,7 @@ class March(Generic[S]):
         if self.progress is not None:
             for state in (fine,) if fine is middle else (middle, fine):
                 self.progress(state.time - self.start.time, self.duration)
-        return [self._record(fine, coarse)] if self.recorded == "pairs" else []
+        return []
 
     def _ends(self, point: Breakpoint) -> tuple[float, float]:
         """Return the times [s] at which the steps of the next pair towards `point` end."""

@@ -25,7 +25,6 @@ from numpy.typing import ArrayLike
 from scipy import ndimage
 
 from contactstudy.domain.grid import Array, Grid, Padding, Paddings, on_cells
-from contactstudy.domain.validation import InvalidInput
 from contactstudy.evolution.evolve_lubricated import FilmTrajectory, difference, film_trajectory
 from contactstudy.evolution.march import Breakpoint, Control, March, Method, Record, ascending, schedule
 from contactstudy.evolution.steady_rolling import SteadyRolling, solve_rolling
@@ -363,13 +362,11 @@ class _Wearing(Method[_Worn[Contact]]):
     def records(
         self,
         cells: tuple[int, int],
-        times: ArrayLike | None,
+        times: ArrayLike,
         error: float | None,
         progress: Callable[[float, float], None] | None,
     ) -> tuple[Record[_Worn[Contact]], ...]:
         """Return the contact of so many `cells` (x, y) at each of `times` [s], or up to one without a solution."""
-        if times is None:
-            raise InvalidInput("solve.times is None, and wear has no end: give times [s].")
         instants = ascending(times)
         unworn = np.zeros(cells)
         contact = self.solved(unworn, None)
@@ -386,7 +383,7 @@ def follow_wear(
     grid: Grid,
     padding: Padding | Paddings,
     *,
-    times: ArrayLike | None,
+    times: ArrayLike,
     error: float | None = None,
     options: SolveOptions = SolveOptions(),  # noqa: B008 (a frozen value)
     progress: Callable[[float, float], None] | None = None,
@@ -416,7 +413,7 @@ def follow_wear(
     Raises
     ------
     InvalidInput
-        If no times are given, or they do not ascend.
+        If the times do not ascend.
     """
     wear, unworn = scene.wear, replace(scene, wear=None)
     assert wear is not None
@@ -476,7 +473,7 @@ def follow_film_wear(
     grid: Grid,
     padding: Padding | Paddings,
     *,
-    times: ArrayLike | None,
+    times: ArrayLike,
     error: float | None = None,
     options: SolveOptions,
     progress: Callable[[float, float], None] | None = None,

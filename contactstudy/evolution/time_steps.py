@@ -34,12 +34,9 @@ class TimeSteps:
         The instants [s], which do not decrease; None for evenly spaced ones. A time given twice is recorded before and
         after a jump of the load; films and wear in rolling refuse it.
     end
-        Last instant [s]; None for the last one that a history of load, speed or friction names; with an `error`, one of
-        the load is needed.
+        Last instant [s]; None for the last one that a history of load, speed or friction names.
     instants
-        Number of instants, evenly spaced but for those moved to where a history has a kink or turns. None stands for 41,
-        but where `error` is given and `end` is not, every pair of steps is. Elastic bodies take no steps: the start,
-        the end and where the load turns or jumps are recorded then.
+        Number of instants, evenly spaced but for those moved to where a history has a kink or turns.
     error
         Largest relative time-discretisation error, in L1, of the pressure and in fretting of the tangential traction.
         Where a contact wears in steady or tractive rolling or on a film, it is the largest change of the pressure by
@@ -70,7 +67,7 @@ class TimeSteps:
 
     times: Times | None = None
     end: Annotated[Seconds, FINITE] | None = None
-    instants: Annotated[int, at_least(2)] | None = None
+    instants: Annotated[int, at_least(2)] = DEFAULT_INSTANTS
     error: Annotated[Number, BELOW_ONE] | None = None
     scheme: Scheme = "implicit"
     error_estimator: ErrorEstimator = "step_doubling"
@@ -87,8 +84,8 @@ class TimeSteps:
             raise InvalidInput("TimeSteps.times is empty: give one instant [s] or more, or leave it out.")
         if self.error is not None and self.step is not None:
             raise InvalidInput("TimeSteps has a step and an error: leave one of them out.")
-        for name in ("end", "instants"):
-            if self.times is not None and (value := getattr(self, name)) is not None:
+        for name, default in (("end", None), ("instants", DEFAULT_INSTANTS)):
+            if self.times is not None and (value := getattr(self, name)) != default:
                 raise InvalidInput(
                     f"TimeSteps.{name} is {value!r} beside times, which name all instants: leave one of them out."
                 )
@@ -103,8 +100,8 @@ class TimeSteps:
         """Last instant [s] that is named; None where the end of a history decides."""
         return self.end if self.times is None else max(self.times)
 
-    def instants_of(self, *histories: Any) -> ArrayLike | None:
-        """Return the instants [s] to record; None where steps are chosen for an error, and all are recorded.
+    def instants_of(self, *histories: Any) -> ArrayLike:
+        """Return the instants [s] to record.
 
         They are `times`, if these are given, else evenly spaced up to `end`, or up to the last end of the `histories`.
         Without a `step`, the nearest of the evenly spaced instants between the first and the last is moved to
@@ -125,9 +122,7 @@ class TimeSteps:
                 "in a file give time_steps.end or time_steps.times."
             )
         end = last if self.end is None else self.end
-        if self.instants is None and self.end is None and self.error is not None:
-            return None
-        count = DEFAULT_INSTANTS if self.instants is None else self.instants
+        count = self.instants
         instants = [start + (end - start) * n / (count - 1) for n in range(count)]
         spacing = (end - start) / (count - 1)
         if self.step is None and spacing and count > 2:

@@ -98,7 +98,6 @@ def plan_of_film(
         padding=padding,
         error=error if is_predicted else inf,
         bytes=8 * floats,
-        period_check=requirements.period_check(grid.length),
         reasons=tuple(reasons),
         warnings=tuple(warnings),
     )

@@ -60,8 +60,6 @@ class GridRequirements:
         Largest pressure of the softer body [Pa].
     coatings
         Coated bodies.
-    friction
-        Law of friction, or None.
     given_padding
         Boundary conditions that are given, or None.
     stress_cell
@@ -74,7 +72,6 @@ class GridRequirements:
     length_scales: tuple[LengthScales, ...]
     hardness: float
     coatings: tuple[Layered, ...] = ()
-    friction: object = None
     given_padding: Padding | Paddings | None = None
     stress_cell: float = inf
     body: str = "roller"
@@ -98,20 +95,13 @@ class GridRequirements:
     @property
     def shortest_wavelengths(self) -> tuple[float, float]:
         """The shortest wavelengths (across, along) of all shapes [m]; infinite where there are none."""
-        return (
-            min((scales.shortest_wavelengths[0] for scales in self.length_scales), default=inf),
-            min((scales.shortest_wavelengths[1] for scales in self.length_scales), default=inf),
-        )
+        across, along = zip((inf, inf), *(scales.shortest_wavelengths for scales in self.length_scales), strict=True)
+        return min(across), min(along)
 
     @property
     def is_rough(self) -> bool:
         """True if any shape has wavelengths."""
         return min(self.shortest_wavelengths) < inf
-
-    @property
-    def is_smooth(self) -> bool:
-        """True for Hertz's contact, with no heights on the cylinder, no end, no coating, no friction."""
-        return not (self.is_rough or self.roller_length or self.height or self.coatings or self.friction)
 
     @property
     def roller_length(self) -> float:
@@ -218,16 +208,6 @@ class GridRequirements:
             return self.given_padding
         return (ZeroPadding(), ZeroPadding()) if self.roller_length else ExactPeriodicity()
 
-    def period_check(self, period: float) -> str:
-        """Return a sentence on how `period` [m] suits the scene."""
-        if fault := self.period_fault(period):
-            return fault
-        if self.roller_length:
-            return f"The {self.body} ends: the length, {readable(period)}, is no period."
-        if not self.varies:
-            return "Nothing varies along the length, so any period gives the same pressure."
-        return f"The period {readable(period)} is a multiple of every repeat length."
-
     def period_fault(self, period: float) -> str:
         """Return why `period` [m] does not suit the scene, with a remedy; empty if it does."""
         if 0 < period < self.roller_length * (1 - 1e-9) < inf:
@@ -248,7 +228,7 @@ class GridRequirements:
         return ""
 
     def reasons(self, grid: Grid) -> tuple[str, ...]:
-        """Return a sentence each on width, cells, dimension, padding and coatings on `grid`."""
+        """Return a sentence each on width, cells, length, padding and coatings on `grid`."""
         a = self.hertz.half_width
         width = (
             f"width {readable(grid.extent[0])}: {grid.extent[0] / 2 / a:.3g} half-widths of Hertz (a = {readable(a)}) "
@@ -259,20 +239,16 @@ class GridRequirements:
         if self.is_rough:
             steps = zip(self.shortest_wavelengths, grid.cell_size, strict=True)
             cell += f", {min(wave / step for wave, step in steps):.3g} in the shortest wavelength"
-        cell += "."
-        varies = "varies" if self.varies else "does not vary"
-        dimension = f"{'plane strain' if ny == 1 else 'three-dimensional'}: the gap {varies} along the length."
-        padding = "padding exact: all images are summed in closed form, so that none is left out."
-        if self.given_padding is not None:
-            padding = f"padding {self.given_padding!r}: the one given."
-        elif self.roller_length:
-            padding = f"padding zero along both axes: the {self.body} ends, so there is no pressure beyond."
+        length = "nothing varies along it, so that one cell is enough"
+        if self.varies:
+            length = f"that of the {self.body}" if self.roller_length else "a period of the surface"
         coatings = (
             f"coating {readable(coating.thickness)}: {coating.thickness / a:.3g} half-widths and "
             f"{coating.thickness / grid.cell_size[0]:.3g} cells across thick."
             for coating in self.coatings
         )
-        return width, cell, dimension, padding, *coatings
+        padding = f"padding {self.padding()!r}."
+        return width, f"{cell}.", f"length {readable(grid.length)}: {length}.", padding, *coatings
 
     def warnings(self, grid: Grid) -> tuple[str, ...]:
         """Return a sentence for each fault of `grid`."""
@@ -330,7 +306,6 @@ def grid_requirements(scene: Scene, padding: Padding | Paddings | None = None) -
         length_scales,
         scene.hardness,
         coatings,
-        friction=scene.friction,
         given_padding=padding,
         stress_cell=thickness * ONE_GRID.cell_at_interface,
         body="roller" if scene.ellipse is None else "point contact",

@@ -1,9 +1,10 @@
 """Plans: the grid and padding that a scene needs, found by solutions on coarse grids, with expected error and cost."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from math import inf, isclose, pi, prod
 from time import perf_counter
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from numpy.typing import ArrayLike
 
@@ -11,10 +12,11 @@ from contactstudy.accuracy.plausibility import beyond_half_space
 from contactstudy.domain.device import ONE_THREAD, Device, available_bytes, checked
 from contactstudy.domain.errors import DEFAULT_ERROR, InNotebook, Request, pressure_request
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings, across_and_along
-from contactstudy.domain.validation import InvalidInput, Metres, checked_errors, readable, set_fields, valid
+from contactstudy.domain.validation import InvalidInput, Metres, checked_errors, readable, valid
 from contactstudy.elasticity.convolution import padded_cells
 from contactstudy.planning.grid_requirements import CONSTANTS as GRID
 from contactstudy.planning.grid_requirements import (
+    GridRequirements,
     flat_grid,
     grid_requirements,
     measured_length_scales,
@@ -38,27 +40,22 @@ if TYPE_CHECKING:
 # Largest number of cells along an axis of the solve that is timed on a device, its tolerance, and the seconds for which
 # quick solves are repeated, since the first fills caches and other processes interrupt.
 LARGE_SAMPLE, TOLERANCE, MIN_TOTAL_SECONDS = 512, 1e-8, 0.02
-# Extent of that solve.
-SAMPLE_EXTENT = 2.4, 2.4
-# Fraction of the machine's free memory that a plan may take.
+# Fraction of the machine's free memory that a solve may take.
 MEMORY_FRACTION = 0.8
-
-
-def _smooth_contact() -> Scene:
-    """Return a smooth line contact of modulus 1, 3.4 half-widths of which are in the sampled extent."""
-    solids = HalfSpace(1.0, 0.0), HalfSpace(inf, 0.0)
-    return Scene(LineLoad(pi / 800), solids, (Cylinder(100.0),))
 
 
 def speedup(grid: Grid, padding: Padding | Paddings, device: Device) -> float:
     """Measure how many times faster a solve is on `device` than on one thread; 1 for one thread.
 
-    A smooth line contact is solved on as many cells, at most 512 along either axis.
+    A smooth line contact of the half-width 1, on a grid 3.4 half-widths wide, is solved on as many cells, at most 512
+    along either axis.
     """
     if device == ONE_THREAD:
         return 1.0
+    bodies = HalfSpace(1.0, 0.0), HalfSpace(inf, 0.0)
     across, along = (min(count, LARGE_SAMPLE) for count in grid.cells)
-    problem = _smooth_contact().problem(Grid((across, along), SAMPLE_EXTENT), padding)
+    smooth = Scene(LineLoad(pi / 4), bodies, (Cylinder(1.0),))
+    problem = smooth.problem(Grid((across, along), (3.4, 3.4)), padding)
     return _seconds(problem, ONE_THREAD) / _seconds(problem, device)
 
 
@@ -77,17 +74,6 @@ def memory(grid: Grid, padding: Padding | Paddings) -> int:
     return solve_bytes(grid, prod(padded_cells(grid, across_and_along(padding))))
 
 
-def within_memory(grid: Grid, padding: Padding | Paddings, bytes_at_most: float) -> Grid:
-    """Return `grid`, or the finest of the same extent and aspect ratio whose solve holds within `bytes_at_most`."""
-    needed = memory(grid, padding)
-    while needed > bytes_at_most and max(grid.cells) > 2:
-        shrink = (bytes_at_most / needed) ** (1 if grid.cells[1] == 1 else 0.5) * 0.99
-        across, along = (max(2, int(count * shrink)) for count in grid.cells)
-        grid = Grid((across, along if grid.cells[1] > 1 else 1), grid.extent)
-        needed = memory(grid, padding)
-    return grid
-
-
 @dataclass(frozen=True, kw_only=True)
 class Plan(InNotebook):
     """A grid and a padding for a scene, with expected error and cost.
@@ -102,9 +88,6 @@ class Plan(InNotebook):
         The grid on which a solve to the error is expected to end; a reason may name that on which it begins.
     padding
         The boundary conditions.
-    dimension
-        Dimension of the surface grid: 1 in plane strain, where nothing varies along the length; 2 of a contact in three
-        dimensions.
     error
         Bound of the relative L1 error of the pressure to expect, with all its causes but the steps in time, from
         solutions on coarse grids. Of a film, the error requested. Infinite where they give none.
@@ -114,15 +97,10 @@ class Plan(InNotebook):
         compilation, tables of a material, files and plots are not counted. Infinite where no coarser grid can be solved.
     bytes
         Bytes that a solve holds at most.
-    period_check
-        A sentence on how the period suits the scene.
     reasons
         A sentence for each choice.
     warnings
         A sentence for each fault of a grid that was given, and on a requested error that is out of reach.
-    solves
-        Number of contacts or films that are solved one after the other, where a scene changes in time or
-        rolls.
     device
         Device that the seconds are for.
     first_grids
@@ -132,19 +110,18 @@ class Plan(InNotebook):
     scene: Scene = field(repr=False)
     grid: Grid
     padding: Padding | Paddings
-    dimension: int = field(init=False)
     error: float = inf
     seconds: float = inf
     bytes: int
-    period_check: str
     reasons: tuple[str, ...]
     warnings: tuple[str, ...] = ()
-    solves: int = 1
     device: Device = ONE_THREAD
     first_grids: "FirstGrids | None" = field(default=None, repr=False)
 
-    def __post_init__(self) -> None:
-        set_fields(self, dimension=1 if self.grid.cells[1] == 1 else 2)
+    @property
+    def dimension(self) -> int:
+        """Dimension of the surface grid: 1 in plane strain, where nothing varies along the length, else 2."""
+        return 1 if self.grid.cells[1] == 1 else 2
 
 
 def plan_grid(
@@ -234,7 +211,6 @@ def _plan_of_flat(
         grid=grid,
         padding=padding,
         bytes=memory(grid, padding),
-        period_check=fault or f"The surface repeats over the length {readable(grid.length)}.",
         reasons=(f"points: those of the surface, which is not curved, or of a given grid, with padding {padding!r}.",),
         warnings=tuple(warnings),
         device=device,
@@ -256,51 +232,53 @@ def _plan_static(
     else:
         requirements = grid_requirements(scene, padding)
     padding = requirements.padding()
-    limit = MEMORY_FRACTION * min(available_bytes(), device.available_bytes)
-    may_take = f"{MEMORY_FRACTION:.0%} of the {limit / MEMORY_FRACTION / 1e9:.3g} GB that are free"
-    reasons: tuple[str, ...] = ()
-    warnings: tuple[str, ...] = ()
+    reasons = list[str]()
+    warnings = list[str]()
     first: FirstGrids | None = None
     if grid is None and error is None and requirements.point_spacing is not None:
         grid = requirements.grid_on_measured_points(period)
-        reasons = (
+        reasons.append(
             "points: the measured surface is solved on its own points; give an error for cells that resolve what is "
-            "interpolated between them.",
+            "interpolated between them."
         )
     if grid is None:
         error = error or DEFAULT_ERROR
         first = first_grids(scene, requirements, error, period)
-        grid = within_memory(first.grid, padding, limit)
+        grid = first.grid
         if prod(grid.cells) < 0.99 * first.required < inf:
-            gigabytes = memory(grid, padding) * first.required / prod(grid.cells) / 1e9
-            warnings = (
-                f"plan.error is {error:.2g}, which takes about {first.required:.2g} cells and {gigabytes:.3g} GB, and "
-                f"{MOST_CELLS:,} and {may_take} are taken at most: give a larger error, and see whether the radii and "
-                "the wavelengths are those that are meant.",
+            warnings.append(
+                f"plan.error is {error:.2g}, which takes about {first.required:.2g} cells, and {MOST_CELLS:,} are taken "
+                "at most: give a larger error, and see whether the radii and the wavelengths are those that are meant."
             )
         if width > grid.extent[0]:
             grid = with_width(grid, requirements.width(width))
-    of_grid = requirements.warnings(grid)
-    if first is not None and first.levels[-1].discretisation_error < inf and not warnings:
-        # its bound counts the waves between cells
-        of_grid = tuple(filter(None, (requirements.period_fault(grid.length),)))
-    needed = memory(grid, padding)
-    if needed > limit:
-        warnings = (
-            f"Grid.cells is {grid.cells}: a solve needs {needed / 1e9:.3g} GB, and a plan takes {may_take}, give fewer "
-            "cells.",
+    # where the first grids have a bound, it counts the waves between cells
+    is_bounded = first is not None and first.levels[-1].discretisation_error < inf and not warnings
+    of_grid = requirements.warnings(grid) if not is_bounded else (requirements.period_fault(grid.length),)
+    needed, free = memory(grid, padding), min(available_bytes(), device.available_bytes)
+    if needed > MEMORY_FRACTION * free:
+        warnings.append(
+            f"Grid.cells is {grid.cells}: a solve needs {needed / 1e9:.3g} GB of the {free / 1e9:.3g} GB that are free, "
+            "give a larger error, or a grid of fewer cells."
         )
+    warnings = [*filter(None, (*of_grid, beyond_half_space(scene))), *left_out(scene.shapes, grid), *warnings]
+    return plan_on(scene, requirements, grid, reasons, warnings, device=device, first_grids=first)
+
+
+def plan_on(
+    scene: Scene,
+    requirements: GridRequirements,
+    grid: Grid,
+    reasons: Sequence[str],
+    warnings: Sequence[str],
+    **further: Any,
+) -> Plan:
+    """Return the plan of a scene on a `grid`, with further fields of :class:`Plan` by name."""
+    padding, of_grid = requirements.padding(), requirements.reasons(grid)
     return Plan(
-        scene=scene,
-        grid=grid,
-        padding=padding,
-        first_grids=first,
-        bytes=needed,
-        period_check=requirements.period_check(grid.length),
-        reasons=(*requirements.reasons(grid), *reasons),
-        warnings=(*of_grid, *filter(None, (beyond_half_space(scene),)), *left_out(scene.shapes, grid), *warnings),
-        device=device,
-    )
+        scene=scene, grid=grid, padding=padding, bytes=memory(grid, padding),
+        reasons=(*of_grid, *reasons), warnings=tuple(warnings), **further,
+    )  # fmt: skip
 
 
 def _with_states(planned: Plan, transient: "TransientRequirements") -> Plan:

@@ -12,7 +12,7 @@ from contactstudy.elasticity.eigenstrain.half_space_wave import Volume
 from contactstudy.evolution.states.plastic import layers
 from contactstudy.planning.grid_requirements import CONSTANTS as GRID
 from contactstudy.planning.grid_requirements import GridRequirements, grid_requirements, halvable_count
-from contactstudy.planning.plan import Plan, memory
+from contactstudy.planning.plan import Plan, plan_on
 from contactstudy.planning.refinement import first_grids, with_width
 from contactstudy.scene.adhesion import ZONE_CELLS
 from contactstudy.scene.friction import Fretting
@@ -53,8 +53,6 @@ class TransientConstants:
     min_load_fraction
         Loads below this fraction of the largest are not planned for: the cell size goes with the square root of the
         load.
-    load_samples
-        Number of instants at which a load is evaluated. A quarter of them changes the smallest load by 1e-5.
     """
 
     plastic_width: float = 0.62
@@ -70,7 +68,6 @@ class TransientConstants:
     rolling_fields: int = 32
     scar: float = 0.8
     min_load_fraction: float = 0.1
-    load_samples: int = 2000
 
 
 CONSTANTS = TransientConstants()
@@ -281,10 +278,10 @@ def _smallest_load(scene: Scene, end: float) -> tuple[float, tuple[str, ...]]:
     load = scene.load
     if not isinstance(load, ChangingLoad):
         return scene.largest_load, ()
-    times = np.linspace(load.start, max(end, load.start), CONSTANTS.load_samples)
-    loads = np.array([load.at(float(time)) for time in times])
-    least = max(float(loads.min()), CONSTANTS.min_load_fraction * load.largest)
-    if loads.min() >= least:
+    times = (load.start, *load.breaks(end), *load.turning_points(end), max(end, load.start))
+    smallest = min(load.at(time) for time in times if time <= times[-1])
+    least = max(smallest, CONSTANTS.min_load_fraction * load.largest)
+    if smallest >= least:
         return least, ()
     return least, (
         f"The load is below {readable(least, 'N m-1', 3)} at times, where the contact is so narrow that the "
@@ -345,7 +342,6 @@ def plan_of_adhesion(
     cells = zone / cell
     if adhesion.range is None:  # the range is then chosen for the grid
         cells = ZONE_CELLS
-    padding = requirements.padding()
     reason = f"adhesion: {cells:.3g} cells in the cohesive zone, and room for the attraction beside the contact."
     warnings = requirements.warnings(grid)
     if cells < ZONE_CELLS * (1 - 1e-9):
@@ -355,15 +351,7 @@ def plan_of_adhesion(
             f"Grid.cells[{axis}] is {grid.cells[axis]}: {cells:.2g} cells in the cohesive zone, so few that the "
             f"grid pins the edge of the contact (lattice trapping): give {finer} for six.",
         )
-    return Plan(
-        scene=scene,
-        grid=grid,
-        padding=padding,
-        bytes=memory(grid, padding),
-        period_check=requirements.period_check(grid.length),
-        reasons=(*requirements.reasons(grid), reason),
-        warnings=warnings,
-    )
+    return plan_on(scene, requirements, grid, (reason,), warnings)
 
 
 def _grid(base: Grid, requirements: GridRequirements, cell: float, decay_distance: float) -> Grid:

@@ -205,7 +205,8 @@ class _Trials:
         is_plain &= all(type(body) is cs.HalfSpace for body in scene.solids)
         if hertz is None or isinstance(self.own, tuple) or not is_plain:
             return None
-        is_smooth = grid_requirements(scene).is_smooth
+        needs = grid_requirements(scene)
+        is_smooth = not (needs.is_rough or needs.roller_length or needs.height)
         return hertz if is_smooth and scene.hardness > hertz.peak_pressure else None
 
 

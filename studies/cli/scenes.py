@@ -101,7 +101,6 @@ def plan(scene: Path, error: Request | None, threads: int | None, device: str, f
     echo(f"{scene}: {cells_text(planned.grid.cells)} over {' x '.join(map(readable, planned.grid.extent))}")
     for reason in planned.reasons:
         echo(f"  {reason}")
-    echo(f"  period: {planned.period_check}")
     chosen = planned.device
     processor = counted(chosen.threads, "thread") if isinstance(chosen, cs.Cpu) else repr(chosen)
     is_unknown = isinf(planned.error)

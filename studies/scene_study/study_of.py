@@ -11,7 +11,7 @@ from contactstudy import InvalidInput, MeasuredSurface, Roughness, Scene
 from contactstudy.answers.answer import surface_notes
 from contactstudy.domain.device import available_bytes
 from contactstudy.domain.errors import DEFAULT_ERROR, PRESSURE
-from contactstudy.domain.grid import cells_text
+from contactstudy.domain.grid import Padding, Paddings, cells_text
 from contactstudy.domain.validation import readable, whole_quotient
 from contactstudy.io.scene_files.scene_writer import scene_text
 from contactstudy.planning.grid_requirements import (
@@ -20,7 +20,7 @@ from contactstudy.planning.grid_requirements import (
     measured_length_scales,
     with_random_extents,
 )
-from contactstudy.planning.plan import MEMORY_FRACTION, memory, within_memory
+from contactstudy.planning.plan import MEMORY_FRACTION, memory
 from contactstudy.scene.shapes.shape import length_scales_of
 from contactstudy.scene_file import SceneFile, tables_of
 from studies.model.axis import Axis, Value
@@ -165,6 +165,17 @@ def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:
         )
     shared = f"grid {_size_text(grid)}, planned once for {counted(len(points), 'point')}"
     return [grid] * len(points), [shared, *notes]
+
+
+def within_memory(grid: cs.Grid, padding: Padding | Paddings, bytes_at_most: float) -> cs.Grid:
+    """Return `grid`, or the finest of the same extent and aspect ratio whose solve holds within `bytes_at_most`."""
+    needed = memory(grid, padding)
+    while needed > bytes_at_most and max(grid.cells) > 2:
+        shrink = (bytes_at_most / needed) ** (1 if grid.cells[1] == 1 else 0.5) * 0.99
+        across, along = (max(2, int(count * shrink)) for count in grid.cells)
+        grid = cs.Grid((across, along if grid.cells[1] > 1 else 1), grid.extent)
+        needed = memory(grid, padding)
+    return grid
 
 
 def _planned_grid(point: SceneFile) -> cs.Grid:

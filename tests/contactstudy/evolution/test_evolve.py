@@ -48,22 +48,6 @@ def test_steps_keep_to_the_error_asked_for() -> None:
         assert relative(frame.pressure, true.pressure) <= frame.time_discretisation_error + 1e-5
 
 
-@pytest.mark.parametrize(
-    ("load", "times", "loads"),
-    [
-        (cs.LoadHistory((0.0, 1.0, 2.0, 2.0, 3.0), (0.0, 3.0, 1.0, 2.0, 0.5)), [0, 1, 2, 2, 3], [0, 3, 1, 2, 0.5]),
-        (cs.SineLoad(1.0, 2.0, 1.0), [0, 1 / 4, 7 / 12, 11 / 12, 1], [1, 3, 0, 0, 1]),
-    ],
-    ids=["history", "sine cut off at zero"],
-)
-def test_without_times_elastic_bodies_are_recorded_where_the_load_turns_or_jumps(
-    load: cs.LoadHistory | cs.SineLoad, times: list[float], loads: list[float]
-) -> None:
-    found = cs.solve(rolling_cylinder(cs.HalfSpace(200.0, 0.0), load), COARSE, EXACT, times=cs.TimeSteps(error=1e-2))
-    np.testing.assert_allclose(found.times, times, atol=1e-15)
-    np.testing.assert_allclose(found.over_time("load_per_length"), loads, rtol=1e-12)
-
-
 @pytest.mark.parametrize("error", [3e-2, None], ids=["chosen steps", "given steps"])
 def test_a_killed_integration_goes_on_to_the_same_bits(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, error: float | None

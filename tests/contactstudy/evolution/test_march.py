@@ -1,8 +1,6 @@
 from collections import Counter
 from dataclasses import dataclass, field, replace
-from itertools import pairwise
 from math import exp, inf, nextafter, pi
-from typing import Any
 
 import pytest
 
@@ -37,12 +35,10 @@ def marched(
     start: Decay,
     *instants: float,
     error: float = 1e-4,
-    kinks: tuple[float, ...] = (),
     longest: float = inf,
-    recorded: Any = "points",
 ) -> tuple[Record[Decay], ...]:
-    points = [Breakpoint(time, times_recorded=int(time in instants)) for time in sorted((*instants, *kinks))]
-    return March(Heun(), start, points, Control(error, 2, 2.0, longest), recorded).records()
+    points = [Breakpoint(time, times_recorded=1) for time in instants]
+    return March(Heun(), start, points, Control(error, 2, 2.0, longest)).records()
 
 
 def test_steps_keep_to_their_error_and_the_longer_ones_tell_that_of_all() -> None:
@@ -85,11 +81,9 @@ def test_a_march_whose_error_of_all_steps_is_too_large_starts_again_with_shorter
     assert abs(last.state.value - exp(-2.0)) < 1e-4
 
 
-def test_every_pair_is_recorded_and_steps_end_at_kinks_and_are_no_longer_than_allowed() -> None:
-    every = marched(Decay(), 1.0, error=1e99, longest=0.2, kinks=(0.25,), recorded="pairs")
-    times = [0.0, *(record.state.time for record in every)]
-    assert {0.25, 1.0} <= set(times)
-    assert max(b - a for a, b in pairwise(times)) <= 0.2 * (1 + 1e-9)
+def test_steps_are_no_longer_than_allowed() -> None:
+    (last,) = marched(Decay(), 1.0, error=1e99, longest=0.2)
+    assert 10 <= last.work["steps"] <= 16
 
 
 def test_instants_are_even_and_peaks_of_the_load_are_among_them() -> None:
@@ -104,17 +98,12 @@ def test_instants_are_even_and_peaks_of_the_load_are_among_them() -> None:
     assert [time for time in instants if sine.at(time) in (1.0, 3.0)] == pytest.approx([5 / 28, 19 / 28])
     later = cs.LoadHistory((1.0, 3.0), (1.0, 2.0))
     assert TimeSteps(end=7.0, instants=4).instants_of(later) == [1, 3, 5, 7]
-    # an error chooses its own, up to the end of the load
-    assert TimeSteps(error=1e-3).instants_of(later) is None
-    assert TimeSteps(error=1e-3, end=7.0, instants=2).instants_of(later) == [1, 7]
 
 
-def test_times_are_recorded_as_they_are_given_and_a_load_without_an_end_needs_them() -> None:
+def test_times_are_recorded_as_they_are_given() -> None:
     load = cs.LoadHistory((0.0, 1.0, 1.0, 3.0), (0.0, 2.0, 5.0, 1.0))
     for times in ((0.25, 0.25, 0.5), (0.5, 0.75, 0.75), (4.0,)):
         assert [point.time for point in schedule(load, times) for _ in range(point.times_recorded)] == list(times)
     sudden = cs.LoadHistory((0.5,), (3.0,))
-    with pytest.raises(cs.InvalidInput, match=r"Scene\.load has no end: give times"):
-        schedule(sudden, None)
     (only,) = schedule(sudden, (0.5,))
     assert (only.before, only.after, only.is_discontinuity) == (0, 3, True)

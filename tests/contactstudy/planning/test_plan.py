@@ -71,12 +71,6 @@ def test_the_error_of_a_film_beyond_its_most_cells_is_not_promised() -> None:
     assert planned.grid.extent[0] > within.grid.extent[0]
 
 
-def test_a_plan_of_a_film_counts_the_steps_that_are_given() -> None:
-    loaded = replace(films.by_moes(20, 2), load=cs.LoadHistory((0.0, 1.0), (1.0, 2.0)))
-    planned = cs.plan(loaded, times=cs.TimeSteps(step=1e-3))
-    assert planned.solves == pytest.approx(1000, rel=0.2)  # from the first of them
-
-
 def test_a_solve_that_the_width_of_its_surface_cuts_off_is_not_refined(line_contact: LineContact) -> None:
     a = line_contact.hertz.half_width
     heights = 1e-8 * np.random.default_rng(0).standard_normal((24, 24))
@@ -178,7 +172,7 @@ def test_what_is_wrong_with_a_grid_is_said_before_anything_runs(line_contact: Li
     said = cs.plan(scene, grid=replace(good.grid, cells=(16, 16))).warnings
     assert [f"Grid.cells[{axis}] is 16" in text for axis, text in enumerate(said[:2])] == [True] * 2
     wave = line_contact.with_shapes(cs.Waviness(1e-8, along=0.3 * a))
-    assert "not a multiple" in cs.plan(wave, grid=cs.Grid((64, 64), (2.4 * a, a))).period_check
+    assert "not a multiple" in " ".join(cs.plan(wave, grid=cs.Grid((64, 64), (2.4 * a, a))).warnings)
 
 
 def test_a_film_is_planned_on_the_padding_that_is_given() -> None:
@@ -210,7 +204,7 @@ def test_a_measured_surface_is_solved_on_its_own_points_unless_an_error_is_asked
         cs.solve(replace(flat, shapes=(cs.MeasuredSurface(surface.heights),)))
 
 
-def test_a_plan_stays_on_the_measured_surface_and_in_the_memory(
+def test_a_plan_stays_on_the_measured_surface_and_says_what_memory_it_takes(
     line_contact: LineContact, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     a = line_contact.hertz.half_width
@@ -225,9 +219,7 @@ def test_a_plan_stays_on_the_measured_surface_and_in_the_memory(
     monkeypatch.setattr("contactstudy.planning.plan.available_bytes", lambda: 4e6)
     wide = line_contact.with_shapes(cs.MeasuredSurface(heights / 10, extent=(6 * a, 3 * a)))
     small = cs.plan(wide, error={"pressure": 1e-4})
-    # of the 80 % that a plan may take, a hundredth of the cells along each axis is left for rounding, and a step
-    assert 0.9 * 0.8 * 4e6 < small.bytes <= 0.8 * 4e6
-    assert small.error > 1e-4
+    assert small.bytes > 0.8 * 4e6
     assert "GB that are free" in " ".join(small.warnings)
 
 

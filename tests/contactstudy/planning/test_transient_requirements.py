@@ -28,8 +28,6 @@ def test_a_plan_is_wide_enough_for_the_end_and_keeps_to_its_error() -> None:
     assert (
         max(frame.grid_error_parts.total for frame in found.frames) <= 2e-2
     )  # the estimate is a bound, the plan's error is not
-    solved = cs.solve(scene, error=1e-2)
-    assert plan.solves / 2 < solved.trajectory.solves < 2 * plan.solves
 
 
 @pytest.mark.parametrize(
@@ -78,7 +76,7 @@ def test_a_plan_makes_room_for_a_worn_ball_along_both_axes() -> None:
     assert "Grid.extent[1] is" in " ".join(plan_grid(scene, grid=short, times=(0.0, 1.0)).warnings)
 
 
-def test_rolling_takes_passes() -> None:
+def test_rolling_makes_room_for_half_as_much_again() -> None:
     scene = rolling_cylinder(SOLID, rolling=cs.Rolling(0.1))
     plan = cs.plan(scene, error={"pressure": 1e-2})
     # of half as much room again, which a grid that is given may do without
@@ -90,7 +88,6 @@ def test_rolling_takes_passes() -> None:
     fine = cs.plan(rest, error={"pressure": 1e-2}).grid.cell_size[0]
     assert plan.grid.cell_size[0] == pytest.approx(fine, rel=1 / 24)
     found = solve_rolling(scene, plan.grid, plan.padding)
-    assert found.lagged.outer_iterations == pytest.approx(plan.solves, abs=2)
     assert found.solution.status is cs.Status.CONVERGED
 
 

@@ -43,7 +43,7 @@ def test_a_plan_says_what_it_will_be_and_what_it_will_cost() -> None:
     text = said("plan", path, "--threads", 1)
     planned = cs.read_scene(path).plan()
     cells = planned.grid.cells
-    for words in (f"{cells[0]} x {cells[1]} cells", "padding exact", "s on 1 thread", "MB"):
+    for words in (f"{cells[0]} x {cells[1]} cells", "padding ExactPeriodicity()", "s on 1 thread", "MB"):
         assert words in text
     fields = json.loads(said("plan", path, "--json", "--threads", 3))
     assert fields["device"] == "Cpu(threads=3)"

@@ -23,9 +23,7 @@ from .evolution.time_steps import TimeSteps as TimeSteps
 from .forecast import plan as plan
 from .io.compare import compare as compare
 from .io.scene_files.materials import material as material
-from .problem.constraint import Compressive as Compressive
 from .problem.constraint import Constraint as Constraint
-from .problem.constraint import HardnessLimited as HardnessLimited
 from .problem.constraint import PrescribedLoad as PrescribedLoad
 from .problem.problem import BareProblem as BareProblem
 from .problem.problem import Problem as Problem

@@ -7,7 +7,7 @@ from dataclasses import replace
 from datetime import UTC, datetime
 from enum import Enum
 from functools import partial
-from math import isfinite, isnan, nan
+from math import inf, isfinite, isnan, nan
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,7 +21,6 @@ from contactstudy.domain.validation import InvalidInput
 from contactstudy.elasticity.kernels.stress import COMPONENTS
 from contactstudy.io.quantities.quantity import Quantities, per_length, roller_length
 from contactstudy.io.scene_files.scene_writer import scene_text
-from contactstudy.problem.constraint import HardnessLimited
 from contactstudy.problem.problem import Field
 from contactstudy.scene.loads import ChangingLoad, ConstantLoad
 from contactstudy.scene.scene import PosedScene
@@ -87,7 +86,7 @@ def contact_fields(solution: Solution) -> xr.Dataset:
     }
     for part in solution.parts:
         variables |= field_variables(part.fields(solution.pressure))
-    if isinstance(solution.problem.constraint, HardnessLimited):
+    if solution.problem.constraint.hardness < inf:
         variables["dent"] = _plane(solution.dent, "m", "depth of yielding under the hardness")
     return _over_plane(solution.problem.grid, variables, solution)
 

@@ -1,15 +1,15 @@
 """The gap under a pressure, limits of the pressure of each cell, and the load of all cells together."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf, isnan, nan, prod
-from typing import ClassVar, Protocol, Self
+from typing import ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contactstudy.domain.device import arrays
-from contactstudy.domain.grid import Array, dot, in_blocks, inner, replace_blocks
+from contactstudy.domain.grid import Array, dot, in_blocks, replace_blocks
 from contactstudy.domain.grid import total as sum_of
 
 
@@ -63,67 +63,6 @@ def largest_of(*measures: float) -> float:
     return nan if isnan(sum(measures)) else float(max(measures))
 
 
-class Constraint(Protocol):
-    """Convex set of pressures (x, y), cell by cell.
-
-    The active set is the cells at no limit of their pressure: in them the constraint ``gap >= 0`` is active, and the gap
-    should be zero.
-    """
-
-    def scaled(self, factor: float) -> Self:
-        """Return the set of the pressures of this one times `factor`: the same set in another unit."""
-
-    def in_unit(self, pressure: Array, unit: float) -> Array:
-        """Return ``pressure * unit``, a pressure of this set, from a `pressure` (x, y) given in multiples of `unit`.
-
-        Cells at a limit of ``scaled(1 / unit)`` are at that of this set to the last bit. The given array may be
-        overwritten.
-        """
-
-    def capacity(self, cells: int) -> float:
-        """Return the largest sum of pressure that a number of `cells` can have."""
-
-    def active(self, pressure: Array) -> Array:
-        """Return 1 for cells (x, y) of the active set, and 0 for the others.
-
-        These are numbers: on a rough contact, selecting by a mask costs ten times a product.
-        """
-
-    def approach_without_active_cells(self, pressure: Array, height: Array) -> float:
-        """Return the approach from the `height` of the gap (x, y) where the active set of `pressure` is empty."""
-
-    def exceeded_by(self, trial: Array) -> bool:
-        """Return whether a `trial` pressure is beyond a limit in any cell."""
-
-    def clip(self, trial: Array) -> Array:
-        """Cut a `trial` pressure off at the limits, in place."""
-
-    def scale_to_load(self, trial: Array, total: float) -> Array:
-        """Cut a `trial` pressure off at the limits and scale it to the sum `total`, in place."""
-
-    def project(self, trial: Array, total: float) -> Array:
-        """Project a `trial` pressure in L2 onto the pressures of this set that have the sum `total`, in place."""
-
-    def project_to_load(self, trial: Array, active: Array, total: float) -> Array:
-        """Shift a `trial` pressure on the `active` set (1, others 0) to the sum `total` over all cells, in place.
-
-        The shift is one value for the whole set, and the limits cut its cells off. Without an upper limit other cells
-        become zero; else they keep their pressure, cut off at the limits. Where the set cannot carry the load less that
-        of the others, all cells are scaled to the load.
-        """
-
-    def to_release(self, pressure: Array, height: Array) -> Array:
-        """Return 1 for cells at a limit that should leave it by the `height` of their gap, and 0 for the others."""
-
-    def violation(self, pressure: Array, height: Array, load: float) -> float:
-        """Return the largest violation of the complementarity conditions, in units of the gap scale.
-
-        It is the largest of the mean absolute gap of the active set weighted by pressure, the penetration of cells
-        without pressure, and the open gap of cells at an upper limit. `height` is that of the gap (x, y), `load` the sum
-        of `pressure`. See :class:`~contactstudy.SolveOptions`.
-        """
-
-
 def project_capped_simplex(trial: Array, total: float, limit: float) -> Array:
     """Shift a `trial` pressure by one value such that, cut off at 0 and `limit`, it has the sum `total`, in place.
 
@@ -157,95 +96,6 @@ def project_capped_simplex(trial: Array, total: float, limit: float) -> Array:
     return trial
 
 
-def yielded(constraint: Constraint, pressure: Array) -> NDArray[np.bool_]:
-    """Return the cells (x, y) at an upper limit of their `pressure` [Pa]."""
-    return np.asarray((pressure > 0) & (constraint.active(pressure) == 0))
-
-
-@dataclass(frozen=True)
-class Compressive:
-    """Constraint of an elastic contact without adhesion: ``p >= 0``."""
-
-    def scaled(self, factor: float) -> "Compressive":
-        """Return this set, which is the same in any unit."""
-        return self
-
-    def in_unit(self, pressure: Array, unit: float) -> Array:
-        """Return `pressure` times `unit`, in double precision; it may be overwritten."""
-        return scaled_in_double(pressure, unit)
-
-    def capacity(self, cells: int) -> float:
-        """Return infinity: there is no upper limit."""
-        return inf
-
-    def active(self, pressure: Array) -> Array:
-        """Return 1 for cells in contact, and 0 for the others."""
-        return arrays().astype(pressure > 0, pressure.dtype)
-
-    def approach_without_active_cells(self, pressure: Array, height: Array) -> float:
-        """Return nan: there is no approach without cells in contact, and a load needs some."""
-        return nan
-
-    def exceeded_by(self, trial: Array) -> bool:
-        """Return whether a `trial` pressure has tension anywhere."""
-        return bool(arrays().min(trial) < 0)
-
-    def clip(self, trial: Array) -> Array:
-        """Set tension in a `trial` pressure to zero, in place."""
-        return replace_blocks(trial, lambda block: arrays().maximum(block, 0))
-
-    def scale_to_load(self, trial: Array, total: float) -> Array:
-        """Set tension to zero and scale the pressure to the sum `total`, in place."""
-        self.clip(trial)
-        trial *= float(np.divide(total, sum_of(trial)))
-        return trial
-
-    def project(self, trial: Array, total: float) -> Array:
-        """Shift a `trial` pressure, cut off at zero, to the sum `total`, in place."""
-        return project_capped_simplex(trial, total, inf)
-
-    def project_to_load(self, trial: Array, active: Array, total: float) -> Array:
-        """Shift a `trial` pressure on the `active` set to the sum `total`, with tension set to zero, in place.
-
-        Other cells become zero. The shift is found in Newton's steps, each of which cuts off more: the sum is convex in
-        the shift.
-        """
-        xp = arrays()
-        trial *= active
-        self.clip(trial)
-        loaded = trial[trial != 0]
-        carried = float(xp.sum(loaded))
-        if loaded.shape[0] and float(xp.max(loaded)) > total:
-            # rounding of such pressures would exceed the load
-            chosen = active > 0
-            trial[chosen] = project_capped_simplex(trial[chosen], total, inf)
-            return trial
-
-        def load_above(shift: float) -> tuple[float, float]:
-            above = loaded[loaded > shift]
-            return float(xp.sum(above)) - shift * above.shape[0], above.shape[0]
-
-        epsilon = float(xp.finfo(trial.dtype).eps)
-        shift, factor = shift_to_load(total, carried, loaded.shape[0], load_above, epsilon)
-        return replace_blocks(trial, lambda block: xp.maximum(block - shift, 0) * factor)
-
-    def to_release(self, pressure: Array, height: Array) -> Array:
-        """Return 1 for cells without pressure that penetrate, and 0 for the others."""
-        return arrays().astype((pressure == 0) & (height < 0), height.dtype)
-
-    def violation(self, pressure: Array, height: Array, load: float) -> float:
-        """Return the larger of complementarity and penetration, in units of the gap scale."""
-        xp = arrays()
-
-        def measure(pressure: Array, height: Array) -> tuple[float, float]:
-            overlap = xp.where(pressure == 0, height, 0.0)
-            return dot(pressure, xp.abs(height)), -float(xp.min(overlap))
-
-        moments, deepest = zip(*in_blocks(measure, pressure, height), strict=True)
-        complementarity = sum(moments) / load if load else 0.0
-        return largest_of(complementarity, *deepest)
-
-
 def shift_to_load(
     load: float,
     current_load: float,
@@ -267,47 +117,80 @@ def shift_to_load(
 
 
 @dataclass(frozen=True)
-class HardnessLimited:
-    """Constraint of an elastic-perfectly plastic contact: ``0 <= p <= hardness``.
+class Constraint:
+    """Limits of the pressure of each cell: ``0 <= p <= hardness``, those of an elastic-perfectly plastic contact.
 
-    Where the pressure is at the hardness the bodies may overlap, by the plastic indentation of the softer one.
-    `hardness` is in the unit of the pressure, above 0. Source: Almqvist, Sahlin, Larsson & Glavatskih (2007), sect. 2.
+    Where the pressure is at the hardness the bodies may overlap, by the plastic indentation of the softer one. The
+    active set is the cells at no limit of their pressure: in them the constraint ``gap >= 0`` is active, and the gap
+    should be zero. Source: Almqvist, Sahlin, Larsson & Glavatskih (2007), sect. 2.
+
+    Parameters
+    ----------
+    hardness
+        Largest pressure, in the unit of the pressure, above 0; infinite for elastic bodies.
     """
 
-    hardness: float
+    hardness: float = inf
 
-    def scaled(self, factor: float) -> "HardnessLimited":
-        """Return the set with the hardness times `factor`: the same set in another unit."""
-        return HardnessLimited(float(self.hardness * factor))
+    def scaled(self, factor: float) -> Self:
+        """Return the set of the pressures of this one times `factor`: the same set in another unit."""
+        return replace(self, hardness=float(self.hardness * factor))
 
     def in_unit(self, pressure: Array, unit: float) -> Array:
-        """Return `pressure` times `unit`; cells that yielded have this hardness to the last bit."""
-        yielding = pressure >= self.scaled(1 / unit).hardness
+        """Return ``pressure * unit``, a pressure of this set, from a `pressure` (x, y) given in multiples of `unit`.
+
+        Cells at the hardness of ``scaled(1 / unit)`` are at that of this set to the last bit. The given array may be
+        overwritten.
+        """
+        if self.hardness == inf:
+            return scaled_in_double(pressure, unit)
+        yielding = self.scaled(1 / unit).yielded(pressure)
         return arrays().where(yielding, self.hardness, scaled_in_double(pressure, unit))
 
     def capacity(self, cells: int) -> float:
-        """Return the load of a number of `cells` at the hardness."""
+        """Return the largest sum of pressure that a number of `cells` can have."""
         return self.hardness * cells
 
+    def yielded(self, pressure: Array) -> NDArray[np.bool_]:
+        """Return the cells (x, y) at the hardness."""
+        return pressure >= self.hardness
+
     def active(self, pressure: Array) -> Array:
-        """Return 1 for cells in contact below the hardness, and 0 for the others."""
-        return arrays().astype((pressure > 0) & (pressure < self.hardness), pressure.dtype)
+        """Return 1 for cells (x, y) of the active set, and 0 for the others.
+
+        These are numbers: on a rough contact, selecting by a mask costs ten times a product.
+        """
+        chosen = pressure > 0
+        if self.hardness < inf:
+            chosen &= pressure < self.hardness
+        return arrays().astype(chosen, pressure.dtype)
 
     def approach_without_active_cells(self, pressure: Array, height: Array) -> float:
-        """Return the smallest approach that leaves no gap open where all cells have yielded."""
-        return float(arrays().max(height[pressure > 0]))
+        """Return the smallest approach that leaves no gap open where all cells have yielded, of a gap of this `height`.
+
+        It is nan without pressure: a load needs some cells in contact.
+        """
+        loaded = height[pressure > 0]
+        return float(arrays().max(loaded)) if loaded.shape[0] else nan
 
     def exceeded_by(self, trial: Array) -> bool:
-        """Return whether a `trial` pressure has tension or exceeds the hardness anywhere."""
+        """Return whether a `trial` pressure is beyond a limit in any cell."""
         xp = arrays()
-        return bool(xp.min(trial) < 0 or xp.max(trial) > self.hardness)
+        return bool(xp.min(trial) < 0) or (self.hardness < inf and bool(xp.max(trial) > self.hardness))
 
     def clip(self, trial: Array) -> Array:
-        """Cut a `trial` pressure off at zero and at the hardness, in place."""
-        return replace_blocks(trial, lambda block: arrays().clip(block, 0.0, self.hardness))
+        """Cut a `trial` pressure off at the limits, in place."""
+        xp = arrays()
+        if self.hardness == inf:
+            return replace_blocks(trial, lambda block: xp.maximum(block, 0))
+        return replace_blocks(trial, lambda block: xp.clip(block, 0.0, self.hardness))
 
     def scale_to_load(self, trial: Array, total: float) -> Array:
-        """Scale a `trial` pressure and cut it off at the hardness such that it has the sum `total`, in place."""
+        """Cut a `trial` pressure off at the limits and scale it to the sum `total`, in place."""
+        if self.hardness == inf:
+            self.clip(trial)
+            trial *= float(np.divide(total, sum_of(trial)))
+            return trial
         xp = arrays()
         replace_blocks(trial, lambda block: xp.maximum(block, 0))
         loaded = trial > 0
@@ -335,18 +218,32 @@ class HardnessLimited:
         return replace_blocks(trial, lambda block: xp.minimum(block * factor, self.hardness))
 
     def project(self, trial: Array, total: float) -> Array:
-        """Shift a `trial` pressure, cut off at zero and at the hardness, to the sum `total`, in place."""
+        """Project a `trial` pressure in L2 onto the pressures of this set that have the sum `total`, in place."""
         return project_capped_simplex(trial, total, self.hardness)
 
     def project_to_load(self, trial: Array, active: Array, total: float) -> Array:
-        """Shift a `trial` pressure on the `active` set, cut off at 0 and the hardness, to the sum `total`, in place.
+        """Shift a `trial` pressure on the `active` set (1, others 0) to the sum `total` over all cells, in place.
 
-        Other cells keep their pressure. Where the set cannot carry the load less theirs, all cells are scaled to the
-        load.
+        The shift is one value for the whole set, and the limits cut its cells off. Without a hardness other cells
+        become zero, and the shift is found in Newton's steps, each of which cuts off more: the sum is convex in it.
+        With one, other cells keep their pressure, cut off at the limits; where the set cannot carry the load less that
+        of the others, all cells are scaled to the load.
         """
         xp = arrays()
+        if self.hardness == inf:
+            trial *= active
         self.clip(trial)
-        chosen = active > 0
+        loaded, chosen = trial[trial != 0], active > 0
+        # rounding of pressures beyond the load would exceed it
+        if self.hardness == inf and not (loaded.shape[0] and float(xp.max(loaded)) > total):
+
+            def load_above(shift: float) -> tuple[float, float]:
+                above = loaded[loaded > shift]
+                return float(xp.sum(above)) - shift * above.shape[0], above.shape[0]
+
+            epsilon = float(xp.finfo(trial.dtype).eps)
+            shift, factor = shift_to_load(total, float(xp.sum(loaded)), loaded.shape[0], load_above, epsilon)
+            return replace_blocks(trial, lambda block: xp.maximum(block - shift, 0) * factor)
         remaining = total - float(xp.sum(trial[~chosen]))
         if not 0 < remaining < self.capacity(int(xp.count_nonzero(chosen))):
             return self.scale_to_load(trial, total)
@@ -355,16 +252,30 @@ class HardnessLimited:
 
     def to_release(self, pressure: Array, height: Array) -> Array:
         """Return 1 for cells that penetrate without pressure or are open at the hardness, and 0 for the others."""
-        violations = cell_violation(pressure, height, self.active(pressure))
-        return arrays().astype(violations > 0, height.dtype)
+        released = (pressure == 0) & (height < 0)
+        if self.hardness < inf:
+            released |= (pressure >= self.hardness) & (height > 0)
+        return arrays().astype(released, height.dtype)
 
-    def violation(self, pressure: Array, height: Array, load: float) -> float:
-        """Return the largest of complementarity in the active set, penetration, and open gaps of yielding cells."""
+    def violation(self, pressure: Array, height: Array) -> float:
+        """Return the largest violation of the complementarity conditions, in units of the gap scale.
+
+        It is the largest of the mean absolute gap of the active set weighted by pressure, the penetration of cells
+        without pressure, and the open gap of cells at the hardness. `height` is that of the gap (x, y). See
+        :class:`~contactstudy.SolveOptions`.
+        """
         xp = arrays()
-        active = self.active(pressure)
-        moment, active_load = inner(pressure, xp.abs(height) * active), inner(pressure, active)
-        complementarity = moment / active_load if active_load > 0 else 0.0
-        return largest_of(complementarity, float(xp.max(cell_violation(pressure, height, active))))
+
+        def measure(pressure: Array, height: Array) -> tuple[float, float, float]:
+            violated = xp.where(pressure == 0, -height, 0.0)
+            if self.hardness < inf:
+                at_limit = pressure >= self.hardness
+                violated, pressure = xp.where(at_limit, height, violated), xp.where(at_limit, 0.0, pressure)
+            return dot(pressure, xp.abs(height)), float(xp.sum(pressure)), float(xp.max(violated))
+
+        moments, loads, violations = zip(*in_blocks(measure, pressure, height), strict=True)
+        complementarity = sum(moments) / sum(loads) if sum(loads) else 0.0
+        return largest_of(complementarity, *violations)
 
 
 @dataclass(frozen=True)

@@ -24,11 +24,9 @@ from contactstudy.domain.grid import (
     total,
 )
 from contactstudy.problem.constraint import (
-    Compressive,
     Constraint,
     Control,
     Gap,
-    HardnessLimited,
     PrescribedLoad,
     largest_of,
     shift_to_load,
@@ -138,7 +136,7 @@ class ArrayOperations:
             approach = self.constraint.approach_without_active_cells(pressure, height)
         in_blocks(lambda block: block.__isub__(approach), height)
         load = total(pressure)
-        violation = self.constraint.violation(pressure, height, load)
+        violation = self.constraint.violation(pressure, height)
         return Gap(height, approach, violation, load, max_abs(displacement))
 
     def active_set(self, pressure: Array, height: Array, real: DTypeLike) -> tuple[Array, Array]:
@@ -277,7 +275,7 @@ class CompiledOperations(ArrayOperations):
 
     def __init__(self, constraint: Constraint, shape: tuple[int, ...], loops: Any) -> None:
         super().__init__(constraint, shape)
-        self._loops, self._limit = loops, constraint.capacity(1)
+        self._loops, self._limit = loops, constraint.hardness
 
     def gap(
         self, undeformed: Array, displacement: Array, pressure: Array, height: Array,
@@ -416,7 +414,7 @@ def _sum(field: Array) -> float:
 def operations_for(constraint: Constraint, shape: tuple[int, ...]) -> ArrayOperations:
     """Return the operations over fields of that `shape` (x, y): compiled ones where numba is installed and they pay."""
     loops = compiled_loops(shape)
-    if loops is not None and isinstance(constraint, Compressive | HardnessLimited):
+    if loops is not None and type(constraint) is Constraint:
         kind = CompiledOperations if device_loops() is None else DeviceOperations
         return kind(constraint, shape, loops)
     return ArrayOperations(constraint, shape)

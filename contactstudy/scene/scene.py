@@ -12,7 +12,7 @@ from contactstudy.domain.errors import InNotebook
 from contactstudy.domain.grid import Array, Grid, Padding, Paddings, across_and_along, is_free
 from contactstudy.domain.validation import OR_INFINITE, Example, Hardness, InvalidInput, valid, validated
 from contactstudy.elasticity.convolution import Convolution, padded_cells, superposed
-from contactstudy.problem.constraint import Compressive, Control, HardnessLimited, PrescribedApproach, PrescribedLoad
+from contactstudy.problem.constraint import Constraint, Control, PrescribedApproach, PrescribedLoad
 from contactstudy.problem.problem import AdhesionSolver, Derived, FrictionSolver, Problem, Scales, refuse_too_large
 from contactstudy.scene.combinations import REFUSED
 from contactstudy.scene.loads import (
@@ -585,7 +585,7 @@ class Scene(InNotebook):
             undeformed_gap=gap,
             operator=self._operator(datum, grid, paddings),
             # a hardness limits the pressure less the attraction
-            constraint=Compressive() if self.hardness == inf else HardnessLimited(self.hardness + attraction),
+            constraint=Constraint(self.hardness + attraction),
             control=control,
             scales=self.scales(grid),
             paddings=paddings,

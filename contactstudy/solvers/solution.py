@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from contactstudy.domain.grid import Array
 from contactstudy.domain.validation import NotDefined
-from contactstudy.problem.constraint import largest_of, yielded
+from contactstudy.problem.constraint import largest_of
 from contactstudy.problem.problem import Field, Problem
 
 # Dimensions of a field on the surface.
@@ -332,8 +332,7 @@ class Solution:
     def dent(self) -> Array:
         """Depth (x, y) [m] by which a body yields where a hardness limits the pressure, else 0."""
         overlap = self.approach - self.problem.undeformed_gap - self.displacement
-        cells = yielded(self.problem.constraint, self.pressure)
-        return np.where(cells, np.maximum(overlap, 0.0), 0.0)
+        return np.where(self.problem.constraint.yielded(self.pressure), np.maximum(overlap, 0.0), 0.0)
 
     @property
     def mean_gap(self) -> float:

@@ -54,7 +54,7 @@ def test_a_problem_is_built_from_arrays_an_operator_and_a_load() -> None:
         grid=grid,
         undeformed_gap=(grid.x**2 / 0.02)[:, None],
         operator=operator,
-        constraint=cs.Compressive(),
+        constraint=cs.Constraint(),
         control=cs.PrescribedLoad(1e5 / grid.cell_size[0]),
         scales=cs.Scales(length=1e-4, pressure=6e8, gap=6e8 * 1e-4 / 1e11),
     )

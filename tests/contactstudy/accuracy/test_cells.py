@@ -78,7 +78,7 @@ def test_a_problem_keeps_its_own_limits_and_load_on_larger_cells(line_contact: L
     scene, grid = line_contact.scene, line_contact.grid((33, 1), 1.0, width=6.0)
     hardness = line_contact.hertz.peak_pressure
     plain = scene.problem(grid, EXACT)
-    changed = replace(plain, control=plain.control.scaled(3), constraint=cs.HardnessLimited(hardness))
+    changed = replace(plain, control=plain.control.scaled(3), constraint=cs.Constraint(hardness))
     named = replace(scene, load=cs.LineLoad(3e5), hardness=hardness).problem(grid, EXACT)
     ours, theirs = (coarse_solution(problem) for problem in (changed, named))
     np.testing.assert_allclose(ours.pressure, theirs.pressure, rtol=1e-9)

@@ -81,7 +81,7 @@ def rough(
     posed = problem(contact, cells, "30 %", padding)
     if hardness is None:
         return posed
-    return replace(posed, constraint=cs.HardnessLimited(hardness * contact.hertz.peak_pressure))
+    return replace(posed, constraint=cs.Constraint(hardness * contact.hertz.peak_pressure))
 
 
 def agree(ours: cs.Solution, other: cs.Solution, tolerance: float) -> None:

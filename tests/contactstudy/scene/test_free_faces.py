@@ -6,6 +6,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import contactstudy as cs
+from contactstudy.elasticity.kernels.stress import COMPONENTS
 from tests.conftest import STEEL
 
 FREE = cs.ZeroPadding(), cs.ZeroPadding()
@@ -90,6 +91,16 @@ def test_stress_below_leaves_the_faces_free_and_is_the_pressure_at_the_surface()
     assert without > 0.05 * HERTZ.peak_pressure
     middle = (fields[0] - fields[1])[[2, 4], :, 16, 80]
     assert np.abs(middle).max() < 0.05 * HERTZ.peak_pressure
+
+
+def test_the_stress_of_a_pressure_beside_one_face_is_mirrored_beside_the_other() -> None:
+    grid = cs.Grid((8, 16), (1.0, 4.0))
+    below = cs.SubsurfaceStress((0.3,), body=0).of((cs.FreeFaces(STEEL, 4.0), STEEL), grid, FREE)
+    pressure = np.random.default_rng(1).random(grid.cells) * (np.arange(16) < 5)
+    stress, mirrored = below(pressure), below(pressure[:, ::-1])[..., ::-1]
+    turning = np.array([kernel.parity[1] for kernel in COMPONENTS.values()])[:, None, None, None]
+    assert_allclose(turning * mirrored, stress, atol=1e-12)
+    assert np.abs(stress[..., :3]).max() > 10 * np.abs(stress[..., -3:]).max()
 
 
 def test_without_faces_the_first_warning_names_them_for_the_end_of_a_half_space() -> None:

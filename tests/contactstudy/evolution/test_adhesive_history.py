@@ -1,11 +1,13 @@
 from dataclasses import replace
 from math import inf, pi
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import contactstudy as cs
 from contactstudy.domain.validation import readable
+from contactstudy.evolution.stationary import net_work
 from tests.contactstudy.evolution.creeping import EXACT, RIGID
 
 SOFT = cs.HalfSpace(1.0, 0.0)
@@ -119,3 +121,20 @@ def test_delayed_deformation_holds_a_contact_that_an_elastic_one_loses() -> None
     )
     assert elastic.frames[-1].status is cs.Status.DETACHED
     assert creeping.frames[-1].pressure.any()
+
+
+def test_the_bound_of_the_net_work_holds_an_error_of_each_approach() -> None:
+    loads, approaches = np.array([2.0, 3.0, 5.0, 4.0]), np.array([0.0, 1.0, 3.0, 2.5])
+
+    def work(approaches: np.ndarray, errors: np.ndarray) -> tuple[float, float]:
+        frames = [
+            SimpleNamespace(load=load, approach=approach, status=cs.Status.CONVERGED)
+            for load, approach in zip(loads.tolist(), approaches.tolist(), strict=True)
+        ]
+        return net_work(frames, errors.tolist(), cs.LineLoad(1.0))[:2]  # type: ignore[arg-type]
+
+    value, of_steps = work(approaches, np.zeros(4))
+    assert value == pytest.approx(2.5 * 1.0 + 4.0 * 2.0 - 4.5 * 0.5)
+    for error in 0.1 * np.eye(4):
+        moved, bound = work(approaches + error, np.abs(error))[0], work(approaches, error)[1]
+        assert abs(moved - value) <= (bound - of_steps) * (1 + 1e-12) < 0.6

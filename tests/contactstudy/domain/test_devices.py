@@ -161,7 +161,7 @@ def test_sums_over_blocks_of_threads_are_those_of_one_thread(tmp_path: Path) -> 
 @pytest.mark.parametrize("shape", [(12, 7), (7, 12)])
 def test_a_part_of_a_step_is_taken_and_cut_off_in_every_cell(shape: tuple[int, int]) -> None:
     """A step that is another in some cells is mended by later ones, which cost a solve twice its iterations."""
-    constraint = cs.HardnessLimited(0.9)
+    constraint = cs.Constraint(0.9)
     with using(host_gpu.HostGpu()):
         on_gpu = operations_for(constraint, shape)
     found = []

@@ -93,7 +93,11 @@ def chosen(path: Path, line: int, clone: Path, took: dict[str, float], seconds: 
     data.read()
     lines = data.contexts_by_lineno(str(path.relative_to(clone)))
     executed = max((one for one in lines if one <= line), default=0)
-    calling = {context.rpartition("|")[0] for context in lines.get(executed, ())} & took.keys()
+    calling = set[str]()
+    for test, _, phase in (context.rpartition("|") for context in lines.get(executed, ())):
+        # what a fixture of a module does counts for the first test that takes it, and all of the module may judge it
+        of_module = f"{test.partition('::')[0]}::"
+        calling |= {other for other in took if other == test or (phase == "setup" and other.startswith(of_module))}
     folder = f"tests/{path.relative_to(clone).parent.as_posix()}/"
     own = f"{folder}test_{path.stem}"
     tests = []

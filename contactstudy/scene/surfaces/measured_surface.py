@@ -247,8 +247,13 @@ class MeasuredSurface:
         if is_profile:
             heights = heights[:, :1]
         if self.extent is None:
-            heights = heights if is_profile else self.seam.periodic(heights)
-            return self._on_cells(self.seam_across.periodic(heights.T).T, grid)
+            points = self.heights.shape[0] * self.seam_across.lengths, self.heights.shape[1] * self.seam.lengths
+            if points != grid.cells and not (is_profile and points[0] == grid.cells[0]):
+                raise InvalidInput(
+                    f"MeasuredSurface.extent is None, so that its {points[0]} x {points[1]} points must be the cells of "
+                    f"the grid, now {grid.cells[0]} x {grid.cells[1]}: give extent, the width and length of all points."
+                )
+            return self.with_extent_of(grid).gap(grid)
         if not is_profile:
             heights = self._periodic(heights, 1, self.seam, grid)
         if not isinstance(self.seam_across, AsMeasured):
@@ -276,17 +281,6 @@ class MeasuredSurface:
         closed = seam.periodic(heights) if axis else seam.periodic(heights.T).T
         cells, width = grid.cells[axis], grid.extent[axis]
         return cell_means(closed, axis, extent=period, cells=cells, width=width, ends="periodic")
-
-    def _on_cells(self, heights: Array, grid: Grid) -> Array:
-        """Return depths (x, y) [m] of `heights` that are given for each cell of `grid`."""
-        count = self.heights.shape[1]
-        points = len(heights), 1 if count == 1 else count * self.seam.lengths
-        if points not in (grid.cells, (grid.cells[0], 1)):
-            raise InvalidInput(
-                f"MeasuredSurface.extent is None, so that its {points[0]} x {points[1]} points must be the cells of the "
-                f"grid, now {grid.cells[0]} x {grid.cells[1]}: give extent, the width and length of all points."
-            )
-        return -heights
 
 
 @lru_cache(maxsize=2)

@@ -90,12 +90,6 @@ def read(path: str | PathLike[str], reading: Reading) -> tuple[Array, tuple[floa
     if reading.sizes == "checked" and not content.is_own:
         check_plausible(name, points, sizes, content.unit)
     notes = [*content.notes, *notes, *steps_between(points)]
-    if content.sizes is None and sizes is not None and 1 not in points.shape:
-        steps = sizes[0] / points.shape[0], sizes[1] / points.shape[1]
-        turned = sizes[0] / points.shape[1], sizes[1] / points.shape[0]
-        if not np.isclose(*steps, rtol=0.05) and np.isclose(*turned, rtol=0.01):
-            square = f"{readable(turned[0])} apart both ways with transpose = true"
-            notes.append(f"points {readable(steps[0])} apart across and {readable(steps[1])} along, but {square}")
     return _plane(points), sizes, tuple(notes)
 
 

@@ -7,7 +7,7 @@ import unicodedata
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from itertools import zip_longest
+from itertools import pairwise, zip_longest
 from math import nan
 
 import numpy as np
@@ -17,16 +17,8 @@ from contactstudy.domain.validation import InvalidInput
 
 # Units of length [m] by their names in lower case and without the s of a plural (that of "inches" leaves "inche"), the
 # micro sign written u, "metre" and the like written m.
-LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "nm": 1e-9, "pm": 1e-12, "å": 1e-10}
-LENGTHS |= {
-    "in": 25.4e-3,
-    "inch": 25.4e-3,
-    "inche": 25.4e-3,
-    "mil": 25.4e-6,
-    "uin": 25.4e-9,
-    "micron": 1e-6,
-    "angstrom": 1e-10,
-}
+METRIC = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "micron": 1e-6, "nm": 1e-9, "å": 1e-10, "angstrom": 1e-10}
+LENGTHS = METRIC | {"pm": 1e-12, "in": 25.4e-3, "inch": 25.4e-3, "inche": 25.4e-3, "mil": 25.4e-6, "uin": 25.4e-9}
 # Words for a missing point, without their asterisks, hyphens, signs and quotes.
 MISSING = re.compile(
     r"|nan(\(\w+\))?|#?n/?a|null|none|bad|inf(inity|inite)?|no ?data|not measured|void|invalid|missing|masked|"
@@ -67,6 +59,11 @@ COUNTED = re.compile(r"\s*(?:/|\bper )\s*(?:count|lsb|bit|digit|inc)\w*", re.I)
 NUMBER = re.compile(r"(?<![\w.])" + NUMERAL.pattern + r"(?![\d.])")
 UNIT = re.compile(r"[\s,;\t]*[\[(]?(?!in\s+(?:\d|\w\w))([^\W\d_]+)[\])]?(?!\s*[=:]|\w|/(?!p))")
 PAIR = re.compile(rf"({NUMERAL.pattern})\s*([^\W\d_]*)\s*[x×*]\s*({NUMERAL.pattern})\s*([^\W\d_]*)")
+# Parts of a word of a header that are words of their own, such as "xsize" and "pixelsize".
+JOINED = re.compile(
+    r"\b([xyz](?=size|pixel|length|range|unit|scale|step|spacing|calibration|res|real)|"
+    r"(?:pixel|punkt|zeilen|spalten|bild|mess|scan)(?=\w{4}))"
+)
 # Two numbers after one key, such as "size X/Y: 2 um / 3 um" and "size: 2 um (X), 3 um (Y)" without X and Y.
 TWO = re.compile(
     rf"({NUMERAL.pattern}[^\W\d_]*(?:\s*[num]?m\b)?)(?:/[a-z]+)?(?:\s*/\s*|(?:\s*\(\))?,?\s+)(?={NUMERAL.pattern})"
@@ -96,7 +93,7 @@ class Header:
     def of(cls, lines: list[str], shape: tuple[int, ...]) -> "Header":
         """Return what the lines around a table of that shape say."""
         header = cls()
-        for line in _keyed(lines):
+        for line in lines:
             line = line.replace('"', " ")
             if len(_axes(_words(line))) == 1:  # 2,5 um is one number
                 line = re.sub(r"(?<=\d),(?=\d+\s*[\[(]?[num]?m\b)", ".", line)
@@ -130,12 +127,8 @@ class Header:
             unit = length_unit(following[1]) if following else None
             end, before = following.end() if following and unit else number.end(), key
             bracketed = map(length_unit, re.findall(r"[\[(](?:->)?([^\])]*)[\])]", key))
-            self._take(
-                _words(key + " factor" * (counted > 0)),
-                float(number[0]),
-                unit or next(filter(None, bracketed), None),
-                shape,
-            )
+            words = _words(key + " factor" * (counted > 0))
+            self._take(words, float(number[0]), unit or next(filter(None, bracketed), None), shape)
         key, _, word = re.sub(r"[\[(:=,;\t]+|\bin\b", ":", line[end:].strip(" #%\t;,:=")).rpartition(":")
         words, unit = _words(key), length_unit(word)
         if not words & WORDS_OF["other"] and (unit or words & WORDS_OF["unit"]):
@@ -172,35 +165,9 @@ class Header:
             self.is_bare |= set() if unit else set(lateral)
 
 
-def _keyed(lines: list[str]) -> list[str]:
-    """Return the lines of a header, a line of keys above one of their values as a line for each key."""
-    keyed: list[str] = []
-    keys: list[str] = []
-    for line in lines:
-        cells = [cell.strip() for cell in re.split(r"[;\t]" if re.search(r"[;\t]", line) else ",", line)]
-        if 1 < len(cells) == len(keys) and NUMERAL.fullmatch(cells[0]):
-            keyed[-1:] = [f"{key}: {value}" for key, value in zip(keys, cells, strict=True)]
-        elif 1 < len(cells) == len(keys) and all(map(length_unit, cells)):
-            keys = [f"{key} [{unit}]" for key, unit in zip(keys, cells, strict=True)]
-            continue
-        else:
-            keyed.append(line)
-        keys = [] if re.search(r"\d", line) else cells
-    return keyed
-
-
 def _words(key: str) -> frozenset[str]:
-    """Return the words of a key in lower case; "xsize" and "pixelsize" are two words each."""
-    return frozenset(
-        re.findall(
-            r"[^\W\d_]+",
-            re.sub(
-                r"\b([xyz](?=size|pixel|length|range|unit|scale|step|spacing|calibration|res|real)|(?:pixel|punkt|zeilen|spalten|bild|mess|scan)(?=\w{4}))",
-                r"\1 ",
-                key.lower(),
-            ),
-        )
-    )
+    """Return the words of a key in lower case."""
+    return frozenset(re.findall(r"[^\W\d_]+", JOINED.sub(r"\1 ", key.lower())))
 
 
 def _axes(words: frozenset[str]) -> list[str]:
@@ -268,35 +235,30 @@ def table(name: str, text: str, decimal: str | None) -> TextTable:
     InvalidInput
         If the file has no table of numbers, several, uneven rows, or two readings.
     """
-    every = text.splitlines()
-    lines = [line.strip("\r\n") for line in every if line.strip()]
+    numbered = [(number, line) for number, line in enumerate(text.splitlines()) if line.strip()]
+    lines = [line for _, line in numbered]
     separator, decimal = _marks(name, lines, decimal)
     rows = [_cells(line, separator) for line in lines]
     if rows and not any(row[-1] for row in rows if len(row) > 1):  # each line ends with a separator
         rows = [row[:-1] if len(row) > 1 else row for row in rows]
     values = [_values(row, decimal) for row in rows]
     whole = [None not in row for row in values]
-    lengths = Counter(
-        len(row) for row, fits, line in zip(rows, whole, lines, strict=True) if fits and re.search(r"\d", line)
-    )
+    numeric = zip(rows, whole, lines, strict=True)
+    lengths = Counter(len(row) for row, fits, line in numeric if fits and re.search(r"\d", line))
     if not lengths:
         raise InvalidInput(
             f"path is {name!r}, without rows of numbers: give rows of equally many numbers, separated by commas, "
             "semicolons, tabs or blanks."
         )
     count = max(lengths, key=lambda length: (lengths[length] * length, length))
-    table_rows = [n for n, fits in enumerate(whole) if fits and len(rows[n]) == count]
-    first, last = (
-        table_rows[0],
-        max(n for n, line in enumerate(lines) if whole[n] or re.fullmatch(r"[\d\s.,;+-]+", line)),
-    )
-    for number in range(first, last + 1):
-        if whole[number] and len(rows[number]) == count:
-            continue
-        words = zip(rows[number], values[number], strict=True)
-        bad = next((word for word, value in words if value is None), "")
+    fitting = [fits and len(row) == count for fits, row in zip(whole, rows, strict=True)]
+    first = fitting.index(True)
+    last = max(n for n, line in enumerate(lines) if whole[n] or re.fullmatch(r"[\d\s.,;+-]+", line))
+    if not all(fitting[first : last + 1]):
+        number = fitting.index(False, first)
         fault = f"has {len(rows[number])} numbers beside {count}"
-        if bad and len(rows[number]) == count:
+        if len(rows[number]) == count:
+            bad = rows[number][values[number].index(None)]
             fault = f"has {bad[:40]!r}, which stands for a height (nan if missing)"
         raise InvalidInput(
             f"path is {name!r}, whose row {number + 1} {fault}: give rows of equally many numbers in one table, with "
@@ -314,13 +276,10 @@ def table(name: str, text: str, decimal: str | None) -> TextTable:
                 break
     above = [value for value in values[first - 1] if value is not None] if first else []
     numbers = np.array(values[first : last + 1], dtype=float)
-    # a blank line separates parts of the table, unless one follows every line
-    kept = [bool(line.strip()) for line in every]
-    starts = (np.cumsum(kept) - 1)[1:][np.diff(np.array(kept, dtype=int)) > 0]
-    blocks = 1 + int(((starts > first) & (starts <= last)).sum())
-    return TextTable(
-        np.where(np.isfinite(numbers), numbers, nan), around, names, above, blocks if blocks <= len(numbers) / 2 else 1
-    )
+    # blank lines separate parts of the table, unless one follows every line
+    blocks = 1 + sum(after - before > 1 for (before, _), (after, _) in pairwise(numbered[first : last + 1]))
+    blocks = blocks if blocks <= len(numbers) / 2 else 1
+    return TextTable(np.where(np.isfinite(numbers), numbers, nan), around, names, above, blocks)
 
 
 def _cells(line: str, separator: str | None) -> list[str]:

@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import KW_ONLY
+from math import inf
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
@@ -59,11 +60,6 @@ class Reading:
                 f"MeasuredSurface.unit is {self.unit!r}: give a unit of length, such as {', '.join(UNITS)}."
             )
 
-    @property
-    def metre(self) -> float | None:
-        """The given unit [m], if any."""
-        return None if self.unit is None else length_unit(self.unit)
-
 
 class FileContent(NamedTuple):
     """Numbers of a file (x, y), nan where one is missing, their unit [m], the sizes [m], and notes on them.
@@ -83,21 +79,18 @@ class FileContent(NamedTuple):
 
 def unit_of_heights(name: str, reading: Reading, own: float | None = None, unknown: str | None = None) -> float:
     """Return the unit [m] of heights: that of the file, which a given one must not contradict, or the given one."""
-    given = reading.metre
+    given = None if reading.unit is None else length_unit(reading.unit)
     if own is None and given is None:
         fault = "is None" if unknown is None else f"is None, and its heights are in {unknown!r}"
         raise InvalidInput(
             f"MeasuredSurface.unit of {name!r} {fault}: give the unit of its numbers, one of {', '.join(UNITS)}."
         )
-    if given is None or (own is not None and reading.sizes == "checked"):
-        assert own is not None
-        if given is not None and not np.isclose(given, own, rtol=1e-9, atol=0):
-            raise InvalidInput(
-                f"MeasuredSurface.unit of {name!r} is {reading.unit!r}: leave it out, since its heights are in "
-                f'{unit_name(own)}; or give sizes = "confirmed" too, if the file is wrong.'
-            )
-        return own
-    return given
+    if own is not None and given is not None and reading.sizes == "checked" and not np.isclose(given, own, atol=0):
+        raise InvalidInput(
+            f"MeasuredSurface.unit of {name!r} is {reading.unit!r}: leave it out, since its heights are in "
+            f'{unit_name(own)}; or give sizes = "confirmed" too, if the file is wrong.'
+        )
+    return given or own or 1.0
 
 
 def unit_name(unit: float) -> str:
@@ -119,6 +112,8 @@ NO_LENGTH = re.compile(
     re.I,
 )
 SQUARE = "points are taken as square"
+# What a message offers where a file may be right all the same.
+CONFIRMED = 'sizes = "confirmed"'
 
 
 def surface_of_text(name: str, text: TextTable, reading: Reading) -> FileContent:
@@ -127,31 +122,24 @@ def surface_of_text(name: str, text: TextTable, reading: Reading) -> FileContent
     columns = _columns(name, text)
     own = {**header.units, **{axis: unit for axis, (_, unit) in columns.items() if unit}}
     unit = unit_of_heights(name, reading, own.get("z"), header.unknown.get("z"))
-    content = _matrix(text, header, unit)
-    if reading.sizes == "checked":
-        if len(header.sizes) == len(header.steps) == 2 and not header.is_bare and not columns:
-            header.doubts += [
-                f"{axis} {header.sizes[axis]:g} and {count} times {header.steps[axis]:g}"
-                for axis, count in zip("yx", content.values.shape, strict=True)
-                if abs(header.steps[axis] * count - header.sizes[axis]) > 1.5 * header.steps[axis]
-            ]
-        _check_header(name, text, header, unit, reading, is_matrix=not columns)
-    stated = header.counts.get("x", 0) * header.counts.get("y", 0)
-    if stated not in (0, content.values.size) and not columns and reading.sizes == "checked":
+    lost = [axis for axis in "xy" if axis in header.unknown]
+    if lost and reading.sizes == "checked":
         raise InvalidInput(
-            f"path is {name!r}, of {content.values.size} numbers, where its header says {stated}: give the whole file, "
-            'or sizes = "confirmed" if the header is wrong.'
+            f"path is {name!r}, whose {lost[0]} is in {header.unknown[lost[0]]!r}, which is no length: give the right "
+            f"one, or extent and {CONFIRMED}."
         )
     if columns:
         for place, own_unit in (columns[axis] for axis in "xy" if axis in columns):
-            other = NO_LENGTH.search(text.names[place])
-            if other and not own_unit:
+            if not own_unit and NO_LENGTH.search(text.names[place]):
                 raise InvalidInput(
-                    f"path is {name!r}, whose column {text.names[place]!r} is no length: give positions in mm "
-                    "or the like."
+                    f"path is {name!r}, whose column {text.names[place]!r} is no length: give positions in mm."
                 )
         places = [(text.values[:, columns[axis][0]], own.get(axis, unit)) for axis in "xy" if axis in columns]
         content = _gridded(name, places, text.values[:, columns["z"][0]])
+    else:
+        content = _matrix(text, header, unit)
+        if reading.sizes == "checked":
+            _check_matrix(name, text.blocks, header, content, reading)
     notes = list(content.notes)
     if header.factor != 1:
         notes.append(f"numbers times the factor {header.factor:g} of the header")
@@ -160,22 +148,27 @@ def surface_of_text(name: str, text: TextTable, reading: Reading) -> FileContent
     return content._replace(unit=unit * header.factor, invalid=header.invalid, notes=tuple(notes))
 
 
-def _check_header(
-    name: str, text: TextTable, header: Header, unit: float, reading: Reading, *, is_matrix: bool
-) -> None:
-    """Raise :class:`~contactstudy.InvalidInput` for a header or a table with two readings."""
-    remedy = 'give the right one, or extent and sizes = "confirmed"'
-    fault = ""
-    if is_matrix and text.blocks > 1 and header.counts.get("x", 0) * header.counts.get("y", 0) == 0:
-        fault = f"with {text.blocks} blocks of numbers between blank lines"
-        remedy = 'give a file of one map, or sizes = "confirmed" if they are one'
-    elif is_matrix and header.doubts:
-        fault = f"whose header has two sizes for one: {header.doubts[0]} m"
-    elif lost := [axis for axis in "xy" if axis in header.unknown]:
-        fault = f"whose {lost[0]} is in {header.unknown[lost[0]]!r}, which is no length"
-    elif is_matrix and header.is_bare and reading.extent is None and unit < 1e-7:
+def _check_matrix(name: str, blocks: int, header: Header, content: FileContent, reading: Reading) -> None:
+    """Raise :class:`~contactstudy.InvalidInput` for a matrix, in so many blocks, that has two readings by its header."""
+    rows_and_columns, unit = content.values.shape, content.unit
+    stated = header.counts.get("x", 0) * header.counts.get("y", 0)
+    doubts = list(header.doubts)
+    if len(header.sizes) == len(header.steps) == 2 and not header.is_bare:
+        for axis, count in zip("yx", rows_and_columns, strict=True):
+            if abs(header.steps[axis] * count - header.sizes[axis]) > 1.5 * header.steps[axis]:
+                doubts.append(f"{axis} {header.sizes[axis]:g} and {count} times {header.steps[axis]:g}")
+    fault, remedy = "", f"give the right one, or extent and {CONFIRMED}"
+    if blocks > 1 and not stated:
+        fault = f"with {blocks} blocks of numbers between blank lines"
+        remedy = f"give a file of one map, or {CONFIRMED} if they are one"
+    elif doubts:
+        fault = f"whose header has two sizes for one: {doubts[0]} m"
+    elif header.is_bare and reading.extent is None and unit < 1e-7:
         fault = f"whose header has sizes without a unit, and heights in {unit_name(unit)}"
         remedy = "give extent, or the unit of the sizes in the header"
+    elif stated not in (0, content.values.size):
+        fault = f"of {content.values.size} numbers, where its header says {stated}"
+        remedy = f"give the whole file, or {CONFIRMED} if the header is wrong"
     if fault:
         raise InvalidInput(f"path is {name!r}, {fault}: {remedy}.")
 
@@ -228,16 +221,11 @@ def _matrix(text: TextTable, header: Header, unit: float) -> FileContent:
             lengths[axis] = float(step) * count * header.units.get(axis, unit)
         elif axis in header.steps or axis in header.sizes:
             lengths[axis] = header.steps.get(axis, 0.0) * count * bare or header.sizes[axis] * bare
-        if step and axis not in lengths:
-            notes.append(f"numbers that count the points in {axis} are left out")
     if columns == 1 and lengths:  # a profile, whose places may be called x
         size = lengths.get("x", 0.0) * (rows if "x" in header.steps else 1) or lengths["y"]
         lengths = {"y": size, "x": size / rows}
     if len(lengths) == 2 and lengths["x"] == lengths["y"] and rows != columns and not header.steps:
         notes.append("the one size of the header counts both ways")
-    ratio = [lengths["x"] / lengths["y"] * rows / columns] if len(lengths) == 2 and not header.steps else []
-    if ratio and abs(ratio[0] - 1) > 0.05 and abs(ratio[0] * (columns / rows) ** 2 - 1) < 0.01:
-        lengths = {"x": lengths["y"], "y": lengths["x"]}  # points are square for x from row to row
     if len(lengths) == 1:  # a lone width or length may be that of the part
         steps = [lengths[axis] / counts[axis] for axis in lengths if axis in header.steps or any(places[axis])]
         lengths = {axis: step * count for step in steps for axis, count in counts.items()}
@@ -302,20 +290,18 @@ def _on_line(positions: Array) -> tuple[Any, float, float]:
     """Return the indices of positions on a regular line, its step, and the largest distance from it in steps."""
     order = np.sort(positions)
     gaps = np.diff(order)
+    best: tuple[Any, float, float] = np.zeros(len(positions), dtype=int), 1.0, inf
     if gaps.max(initial=0.0) <= 1e-6 * (order[-1] - order[0]):
-        return np.zeros(len(positions), dtype=int), 1.0, 0.0
+        return best[0], 1.0, 0.0
     # gaps between lines of points are the ones above a limit: that which gives the most regular line
-    lines = (_regular(positions, order, gaps > gaps.max() / 2**n) for n in range(1, 11))
-    return min(lines, key=lambda line: line[2])
-
-
-def _regular(positions: Array, order: Array, is_between: Any) -> tuple[Any, float, float]:
-    """Return what :func:`_on_line` does, for lines of points that are divided at some of the gaps in their order."""
-    line = np.concatenate([[0], np.cumsum(is_between)])
-    centres = np.bincount(line, order) / np.bincount(line)
-    between = np.diff(centres)
-    number = np.concatenate([[0.0], np.cumsum(np.round(between / np.median(between)))])
-    step, start = np.polyfit(number, centres, 1)
-    index = np.round((positions - start) / step)
-    off = np.abs(positions - start - step * index).max() / step
-    return index.astype(int), float(step), float(off)
+    for limit in gaps.max() / 2.0 ** np.arange(1, 11):
+        line = np.concatenate([[0], np.cumsum(gaps > limit)])
+        centres = np.bincount(line, order) / np.bincount(line)
+        between = np.diff(centres)
+        number = np.concatenate([[0.0], np.cumsum(np.round(between / np.median(between)))])
+        step, start = np.polyfit(number, centres, 1)
+        index = np.round((positions - start) / step)
+        off = float(np.abs(positions - start - step * index).max() / step)
+        if off < best[2]:
+            best = index.astype(int), float(step), off
+    return best

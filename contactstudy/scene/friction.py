@@ -26,24 +26,11 @@ from contactstudy.domain.validation import (
     valid,
     validated,
 )
+from contactstudy.elasticity import tangential
 from contactstudy.elasticity.convolution import GeneralConvolution
-from contactstudy.elasticity.tangential import (
-    ShearableBody,
-    ShearResponse,
-    normal_displacement,
-    shear_response,
-    summed_responses,
-)
 from contactstudy.scene.loads import Approach, ChangingLoad, PiecewiseLinear, Times, check_not_decreasing
-from contactstudy.scene.solids.bodies import (
-    Body,
-    HalfSpace,
-    Homogeneous,
-    Inelastic,
-    SceneContext,
-    creeps,
-    is_layered,
-)
+from contactstudy.scene.solids import bodies
+from contactstudy.scene.solids.bodies import Body, HalfSpace, SceneContext
 from contactstudy.scene.solids.coated import CoatedHalfSpace
 from contactstudy.solvers.friction.coulomb import BulkStress, FullSliding
 from contactstudy.solvers.friction.fretting import FrettingShear, PartialSlipShear
@@ -59,7 +46,7 @@ def has_proportional_compliances(solids: tuple[Body, ...], gap: Array, paddings:
     Tangential traction along x then displaces the surface along x as pressure does along z. That is so of bodies
     without coating in plane strain, and for a Poisson's ratio of 0.
     """
-    if any(map(is_layered, solids)):
+    if any(map(bodies.is_layered, solids)):
         return False
     materials = (material for solid in solids for material in _materials(solid))
     if all(material.compliance * material.poisson_ratio == 0 for material in materials):
@@ -81,7 +68,7 @@ def dundurs(solids: tuple[Body, ...]) -> float:
     return max((_dundurs(upper, lower) for upper, lower in pairs), key=abs)
 
 
-def _dundurs(first: Homogeneous, second: Homogeneous) -> float:
+def _dundurs(first: bodies.Homogeneous, second: bodies.Homogeneous) -> float:
     """Return Dundurs' beta ``(a1 - a2) / (2 (b1 + b2))`` of two materials, a = (1 - 2 nu) / G and b = (1 - nu) / G.
 
     It is 0 for two rigid materials, neither of which is displaced.
@@ -94,11 +81,11 @@ def _dundurs(first: Homogeneous, second: Homogeneous) -> float:
     return float((a1 - a2) / (2 * (b1 + b2))) if b1 + b2 else 0.0
 
 
-def _materials(solid: Body) -> tuple[Homogeneous, ...]:
+def _materials(solid: Body) -> tuple[bodies.Homogeneous, ...]:
     """Return the material of a body, or those of its layers and its substrate."""
     if isinstance(solid, CoatedHalfSpace):
         return *solid.layers, solid.substrate
-    if isinstance(solid, Homogeneous) and not is_layered(solid):
+    if isinstance(solid, bodies.Homogeneous) and not bodies.is_layered(solid):
         return (solid,)
     raise InvalidInput(
         f"Scene.solids are given together with friction, and the response to traction of a {type(solid).__name__} is "
@@ -112,12 +99,12 @@ def are_similar(solids: tuple[Body, ...]) -> bool:
     if first == second:
         return True
     of_first, of_second = (body.shear_compliance(1.0)["x"] for body in shearable(solids))
-    if any(map(creeps, solids)):  # bodies that are equal at first differ once they have crept
+    if any(map(bodies.creeps, solids)):  # bodies that are equal at first differ once they have crept
         return not any((*of_first.values(), *of_second.values()))
-    return not summed_responses(-1, of_first, of_second)
+    return not tangential.summed_responses(-1, of_first, of_second)
 
 
-def shearable(solids: tuple[Body, ...]) -> tuple[ShearableBody, ...]:
+def shearable(solids: tuple[Body, ...]) -> tuple[tangential.ShearableBody, ...]:
     """Return bodies that respond to tangential traction as `solids` do, creeping ones at rest as at first.
 
     Raises :class:`~contactstudy.InvalidInput` for a body whose response is not known.
@@ -125,10 +112,10 @@ def shearable(solids: tuple[Body, ...]) -> tuple[ShearableBody, ...]:
     return tuple(map(_shearable, solids))
 
 
-def _shearable(solid: Body) -> ShearableBody:
+def _shearable(solid: Body) -> tangential.ShearableBody:
     """Return the body that responds to tangential traction as `solid` does."""
-    body = solid.instantaneous if isinstance(solid, Inelastic) else solid
-    if isinstance(body, ShearableBody):
+    body = getattr(solid, "instantaneous", solid)
+    if isinstance(body, tangential.ShearableBody):
         return body
     material = _materials(body)[0]
     return HalfSpace(material.youngs_modulus, material.poisson_ratio)
@@ -141,7 +128,7 @@ def shear_coupling(
     if solids[0] == solids[1]:
         return []
     first, second = shearable(solids)
-    return normal_displacement(first, second, axes, grid, paddings, datum)
+    return tangential.normal_displacement(first, second, axes, grid, paddings, datum)
 
 
 def transmitted_force(scene: SceneContext, coefficient: float, load: float) -> float:
@@ -314,28 +301,19 @@ class Fretting:
         values = getattr(self, name)
         if not values:
             raise InvalidInput(f"Fretting.{name} is (): give some, such as (1e4, -1e4, 1e4).")
-        if self.times is not None:
-            if len(self.times) != len(values):
+        for given in ("times", "bulk_stresses"):
+            entries = getattr(self, given)
+            if entries is not None and len(entries) != len(values):
                 raise InvalidInput(
-                    f"Fretting.times has {len(self.times)} instants and Fretting.{name} {len(values)}: give one time "
-                    "for each."
+                    f"Fretting.{given} has {len(entries)} entries for {len(values)} {name}: give one for each of these."
                 )
+        for given in ("displacements", "period"):
+            if getattr(self, given) is not None and self.times is None:
+                raise InvalidInput(f"Fretting.{given} is given without times: give times [s], or leave it out.")
+        if self.times is not None:
             check_not_decreasing("Fretting.times", self.times)
-        elif self.displacements is not None:
-            raise InvalidInput("Fretting.times is None together with displacements: give times [s].")
-        if self.bulk_stresses is not None and self.times is not None:
-            raise InvalidInput(
-                "Fretting.bulk_stresses are given together with times: leave the times out, or the stresses."
-            )
-        if self.bulk_stresses is not None and len(self.bulk_stresses) != len(values):
-            raise InvalidInput(
-                f"Fretting.bulk_stresses has {len(self.bulk_stresses)} stresses and Fretting.forces {len(values)}: give "
-                "one for each force."
-            )
-        if self.period is not None and self.times is None:
-            raise InvalidInput(
-                "Fretting.period is given without times: give the times [s] of the forces, or leave period out."
-            )
+            if self.bulk_stresses is not None:
+                raise InvalidInput("Fretting.bulk_stresses are given together with times: leave one of them out.")
 
     @property
     def history(self) -> "FrettingHistory | None":
@@ -398,9 +376,9 @@ class Fretting:
         return FrettingShear(self.coefficient, forces, response, bulk, self.bulk_stresses or ())
 
     @staticmethod
-    def response(scene: SceneContext, grid: Grid, paddings: Paddings, datum: float) -> ShearResponse:
+    def response(scene: SceneContext, grid: Grid, paddings: Paddings, datum: float) -> tangential.ShearResponse:
         """Return the displacement of both bodies of `scene` under tangential traction."""
-        return shear_response(shearable(scene.solids), grid, paddings, datum)
+        return tangential.shear_response(shearable(scene.solids), grid, paddings, datum)
 
 
 @validated

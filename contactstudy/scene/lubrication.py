@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 from math import exp, inf, log
-from typing import Annotated, Protocol, runtime_checkable
+from typing import Annotated
 
 import numpy as np
 
@@ -26,7 +26,7 @@ from contactstudy.domain.validation import (
     VolumetricHeatCapacity,
     validated,
 )
-from contactstudy.scene.loads import Times
+from contactstudy.scene.loads import PiecewiseLinear, Times
 from contactstudy.scene.solids.bodies import Body, Layered, SceneContext
 
 # Viscosity [Pa s] of Roelands' pole, the limit at high temperature, and the temperature [K] at which his viscosity
@@ -138,20 +138,6 @@ class FilmHeat:
         return np.asarray(height * np.expm1(-slope * np.log1p(rise / above)))
 
 
-@runtime_checkable
-class ViscosityLaw(Protocol):
-    """Viscosity as a function of pressure."""
-
-    def log_ratio(self, pressure: Array, coefficient: float) -> tuple[Array, Array]:
-        """Return ``ln(eta / eta0)`` and its derivative [1/Pa] at ``pressure`` [Pa], at least 0 Pa.
-
-        ``coefficient`` [1/Pa] is the derivative at zero pressure.
-        """
-
-    def temperature_factor(self, pressure: Array) -> Array:
-        """Return the relative fall of viscosity with temperature at ``pressure`` [Pa], over that at zero pressure."""
-
-
 @validated
 class Barus:
     """Viscosity that grows by ``eta = eta0 exp(alpha p)`` (Barus 1893): too fast beyond some 0.5 GPa."""
@@ -209,14 +195,6 @@ class Roelands:
         return np.asarray((1 + pressure / self.reference_pressure) ** self.exponent)
 
 
-@runtime_checkable
-class DensityLaw(Protocol):
-    """Density as a function of pressure."""
-
-    def ratio(self, pressure: Array) -> tuple[Array, Array]:
-        """Return ``rho / rho0`` and its derivative [1/Pa] at ``pressure`` [Pa], at least 0 Pa."""
-
-
 @validated
 class ConstantDensity:
     """An incompressible lubricant."""
@@ -250,14 +228,6 @@ class DowsonHigginson:
         """Return ``rho / rho0`` and its derivative [1/Pa] at ``pressure`` [Pa]."""
         spread = 1 + self.saturation * pressure
         return 1 + self.compressibility * pressure / spread, self.compressibility / spread**2
-
-
-@runtime_checkable
-class ShearLaw(Protocol):
-    """Shear stress of a lubricant as a function of the shear rate."""
-
-    def stress(self, newtonian: Array, pressure: Array) -> Array:
-        """Return the shear stress [Pa] where that of a Newtonian lubricant is ``newtonian`` [Pa]."""
 
 
 @validated
@@ -343,6 +313,11 @@ class LimitingShear:
         limit = self.ambient + self.coefficient * pressure
         bounded = np.divide(newtonian, limit, out=np.zeros_like(limit), where=limit > 0)
         return np.asarray(limit * np.tanh(bounded))
+
+
+ViscosityLaw = Roelands | Barus
+DensityLaw = DowsonHigginson | ConstantDensity
+ShearLaw = Newtonian | Eyring | Carreau | LimitingShear
 
 
 @validated
@@ -445,7 +420,7 @@ class Boundary:
 
 
 @validated
-class SpeedHistory:
+class SpeedHistory(PiecewiseLinear):
     """Mean speed given at instants, linear between them, and held before the first and after the last.
 
     Parameters
@@ -478,19 +453,9 @@ class SpeedHistory:
             raise InvalidInput("SpeedHistory.mean_speed[0] is 0 m/s, where no film is steady: give a speed above it.")
 
     @property
-    def largest(self) -> float:
-        """Largest speed [m/s]."""
-        return max(self.mean_speed)
-
-    @property
-    def start(self) -> float:
-        """First instant [s]."""
-        return self.times[0]
-
-    @property
-    def end(self) -> float:
-        """Last instant [s]."""
-        return self.times[-1]
+    def values(self) -> tuple[float, ...]:  # type: ignore[override]
+        """Speed [m/s] at each instant."""
+        return self.mean_speed
 
     def at(self, time: float) -> float:
         """Return the speed [m/s] at ``time`` [s]."""
@@ -580,7 +545,7 @@ class Lubrication:
     def largest_speed(self) -> float:
         """Largest mean speed [m/s]."""
         speed = self.mean_speed
-        return speed.largest if isinstance(speed, SpeedHistory) else speed
+        return max(speed.mean_speed) if isinstance(speed, SpeedHistory) else speed
 
     def speed_at(self, time: float) -> float:
         """Return the mean speed [m/s] at ``time`` [s]."""

@@ -24,14 +24,7 @@ from contactstudy.domain.validation import (
     validated,
 )
 from contactstudy.elasticity.tangential import shear_response
-from contactstudy.scene.friction import (
-    FrictionCoefficient,
-    check_force,
-    force_per_length,
-    mean_over_grid,
-    shear_coupling,
-    shearable,
-)
+from contactstudy.scene import friction
 from contactstudy.scene.loads import ChangingLoad, PiecewiseLinear, loads_between
 from contactstudy.scene.shapes.shape import LengthScales, Shape, gap_of, length_scales_of
 from contactstudy.scene.solids.bodies import SceneContext
@@ -158,7 +151,7 @@ class TractiveRolling:
     is_steady: ClassVar[bool] = True
     sticks: ClassVar[bool] = True
 
-    coefficient: FrictionCoefficient
+    coefficient: friction.FrictionCoefficient
     longitudinal: Annotated[Number, ANY_SIGN] | None = None
     tangential: Annotated[NewtonsPerMetre, ANY_SIGN] | None = None
     lateral: Annotated[Number, ANY_SIGN] = 0.0
@@ -181,11 +174,11 @@ class TractiveRolling:
 
     def check(self, scene: SceneContext) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if steady rolling is not defined in this scene."""
-        shearable(scene.solids)
+        friction.shearable(scene.solids)
         if isinstance(scene.load, ChangingLoad):
             check_slow("TractiveRolling", self.speed, scene.load, scene.hertz)
         self._refuse_endless(_rollers(scene))
-        check_force(scene, self, _least(scene), "less, or a longitudinal creepage")
+        friction.check_force(scene, self, _least(scene), "less, or a longitudinal creepage")
 
     def solver(self, scene: SceneContext, gap: Array, grid: Grid, paddings: Paddings, datum: float) -> TractiveShear:
         """Return the solver of this scene on a grid.
@@ -204,13 +197,13 @@ class TractiveRolling:
                 "enter it again one period later: give ZeroPadding across."
             )
         solids = rolling_bodies(scene.solids, (self.speed, self.speed))
-        bodies, force = shearable(solids), force_per_length(self, scene)
+        bodies, force = friction.shearable(solids), friction.force_per_length(self, scene)
         has_waves = any(not isinf(scales.shortest_wavelengths[0]) for scales in length_scales_of(scene.shapes))
-        coupling = shear_coupling(solids, "xy", grid, paddings, datum)
+        coupling = friction.shear_coupling(solids, "xy", grid, paddings, datum)
         return TractiveShear(
             self.coefficient,
             Creepage(self.longitudinal or 0.0, self.lateral, self.spin),
-            None if force is None else mean_over_grid(force, scene, grid, paddings),
+            None if force is None else friction.mean_over_grid(force, scene, grid, paddings),
             self.speed,
             cache(lambda on: shear_response(bodies, on, paddings, datum)),
             ShearPressureCoupling(*coupling) if coupling else None,

@@ -14,17 +14,8 @@ from contactstudy.domain.validation import OR_INFINITE, Example, Hardness, Inval
 from contactstudy.elasticity.convolution import Convolution, padded_cells, superposed
 from contactstudy.problem.constraint import Constraint, Control, PrescribedApproach, PrescribedLoad
 from contactstudy.problem.problem import AdhesionSolver, Derived, FrictionSolver, Problem, Scales, refuse_too_large
+from contactstudy.scene import loads
 from contactstudy.scene.combinations import REFUSED
-from contactstudy.scene.loads import (
-    DATUM_OVER_RADIUS,
-    Approach,
-    ChangingLoad,
-    ConstantLoad,
-    LineLoad,
-    PullOff,
-    TotalLoad,
-    falls,
-)
 from contactstudy.scene.shapes.roller import FiniteLength
 from contactstudy.scene.shapes.shape import (
     Shape,
@@ -37,15 +28,8 @@ from contactstudy.scene.shapes.shape import (
     summed_gap,
     with_extent_of,
 )
-from contactstudy.scene.solids.bodies import (
-    Body,
-    contact_modulus,
-    creeps,
-    hertz_line,
-    modulus_at_own_width,
-    response,
-    yields,
-)
+from contactstudy.scene.solids import bodies
+from contactstudy.scene.solids.bodies import Body, creeps, yields
 from contactstudy.scene.solids.free_faces import check_free_faces
 
 if TYPE_CHECKING:
@@ -93,10 +77,10 @@ FILM_WEAR = Method("a film that wears", ("times", "error", "max_iterations"))
 
 
 AnyLoad = (
-    ConstantLoad
-    | Annotated[ChangingLoad, Example("LoadHistory(times=(0, 1), per_length=(1e4, 1e5))")]
-    | Approach
-    | PullOff
+    loads.ConstantLoad
+    | Annotated[loads.ChangingLoad, Example("LoadHistory(times=(0, 1), per_length=(1e4, 1e5))")]
+    | loads.Approach
+    | loads.PullOff
 )
 
 
@@ -179,7 +163,7 @@ class Scene(InNotebook):
 
     def check_together(self) -> None:
         """Check what the effects of the scene must have in common, and refuse two that cannot be combined."""
-        contact_modulus(self.solids)
+        bodies.contact_modulus(self.solids)
         for number, shape in enumerate(self.shapes):
             valid(f"Scene.shapes[{number}].curvature", curvature_of(shape), float)
         self._check_curvatures()
@@ -234,6 +218,7 @@ class Scene(InNotebook):
         creep, plastic = any(map(creeps, self.solids)), any(map(yields, self.solids))
         has_passes = rolling is not None and rolling.passes is not None
         changes = self.time_dependent_field is not None
+        falls = isinstance(load, loads.PullOff) or (isinstance(load, loads.ChangingLoad) and loads.falls(load))
         steady_motion = self.rolls or film is not None
         turns = getattr(wear, "circumference", None) is not None
         unlike = False
@@ -244,10 +229,10 @@ class Scene(InNotebook):
         named = {
             law: friction is not None,
             "Scene.load on a point contact": self.is_point_contact,
-            "Scene.load is an Approach": isinstance(load, Approach),
-            "Scene.load is a PullOff": isinstance(load, PullOff),
-            "Scene.load that changes": isinstance(load, ChangingLoad),
-            "Scene.load that falls": isinstance(load, PullOff) or (isinstance(load, ChangingLoad) and falls(load)),
+            "Scene.load is an Approach": isinstance(load, loads.Approach),
+            "Scene.load is a PullOff": isinstance(load, loads.PullOff),
+            "Scene.load that changes": isinstance(load, loads.ChangingLoad),
+            "Scene.load that falls": falls,
             "a change in time": changes,
             "Scene.hardness": self.hardness < inf,
             "Scene.outputs": bool(self.outputs),
@@ -300,7 +285,7 @@ class Scene(InNotebook):
     @property
     def is_point_contact(self) -> bool:
         """Whether a total load presses bodies that are curved both ways and have no length."""
-        is_total = isinstance(self.load, TotalLoad) and self.load.length is None
+        is_total = isinstance(self.load, loads.TotalLoad) and self.load.length is None
         return is_total and min(self.curvatures) > 0 and self._shortest_roller is None
 
     @property
@@ -313,7 +298,7 @@ class Scene(InNotebook):
         def half_width(modulus: float) -> float:
             return HertzEllipse(total, across, along, modulus).semi_axes[0]
 
-        return HertzEllipse(total, across, along, modulus_at_own_width(half_width, self.solids))
+        return HertzEllipse(total, across, along, bodies.modulus_at_own_width(half_width, self.solids))
 
     @property
     def free_length(self) -> float:
@@ -348,12 +333,12 @@ class Scene(InNotebook):
             heights = sum(scales.height for scales in length_scales_of(self.shapes))
             reach = ellipse.semi_axes[1] ** 2 + 2 * heights / ellipse.curvature_along
             return 2 * LENGTH_OVER_ELLIPSE * sqrt(reach)
-        return self.load.length_on(shortest) if isinstance(self.load, TotalLoad) else shortest
+        return self.load.length_on(shortest) if isinstance(self.load, loads.TotalLoad) else shortest
 
     @property
     def largest_load(self) -> float:
         """Largest load over time [N/m], a total load over the length of its roller; 0 where an approach is given."""
-        if not isinstance(self.load, TotalLoad):
+        if not isinstance(self.load, loads.TotalLoad):
             return self.load.largest
         length = self.roller_length
         assert length is not None
@@ -368,7 +353,7 @@ class Scene(InNotebook):
         length = self.roller_length
         if length is None or self.repeats(padding):
             return grid.length
-        return length if isinstance(self.load, TotalLoad) else min(length, grid.length)
+        return length if isinstance(self.load, loads.TotalLoad) else min(length, grid.length)
 
     def repeats(self, padding: Padding | Paddings) -> bool:
         """Return whether `padding` makes a roller infinite: it repeats the length, and no shape may end or crown it."""
@@ -384,25 +369,25 @@ class Scene(InNotebook):
     def reference_load(self) -> float:
         """Largest load [N/m], given or estimated from an approach, or more where the attraction adds to it."""
         largest = self.largest_load
-        if isinstance(self.load, Approach) and self.radius is not None:
+        if isinstance(self.load, loads.Approach) and self.radius is not None:
             largest = self.load.estimated_load(self.contact_modulus, self.radius)
             if largest > 0:  # the half-width under it is that of any modulus
                 width = HertzLine(largest, self.radius, self.contact_modulus).half_width
-                modulus = contact_modulus(self.solids, width)
+                modulus = bodies.contact_modulus(self.solids, width)
                 largest = self.load.estimated_load(modulus, self.radius)
         adhesion = self.adhesion
         return largest if adhesion is None else max(largest, adhesion.reference_load(self))
 
     def under(self, load: float) -> "Scene":
         """Return the scene under a constant load [N/m], on the same length."""
-        if isinstance(self.load, TotalLoad) and (length := self.roller_length):
+        if isinstance(self.load, loads.TotalLoad) and (length := self.roller_length):
             return replace(self, load=replace(self.load, total=load * length))
-        return replace(self, load=LineLoad(load))
+        return replace(self, load=loads.LineLoad(load))
 
     @property
     def contact_modulus(self) -> float:
         """Contact modulus E* [Pa] of both bodies; a coated body enters with its coating alone."""
-        return contact_modulus(self.solids)
+        return bodies.contact_modulus(self.solids)
 
     @property
     def hertz(self) -> HertzLine | None:
@@ -416,7 +401,7 @@ class Scene(InNotebook):
         load, radius = self.reference_load, self.radius
         if radius is None or load <= 0:
             return None
-        return hertz_line(load, radius, self.solids)
+        return bodies.hertz_line(load, radius, self.solids)
 
     def scales(self, grid: Grid) -> Scales:
         """Return the scales of the problem: Hertz's half-width and peak pressure, and the gap that goes with them.
@@ -429,13 +414,13 @@ class Scene(InNotebook):
         else:
             length = grid.extent[0]
             pressure = self.reference_load / length
-            if isinstance(self.load, Approach):
-                pressure = contact_modulus(self.solids, length) * max(
+            if isinstance(self.load, loads.Approach):
+                pressure = bodies.contact_modulus(self.solids, length) * max(
                     abs(self.load.approach) / length, MIN_APPROACH_RATIO
                 )
             if self.adhesion is not None:
                 pressure = max(pressure, self.adhesion.reference_pressure(self, length))
-        gap = pressure * length / contact_modulus(self.solids, length)
+        gap = pressure * length / bodies.contact_modulus(self.solids, length)
         return Scales(length, 2.0 ** round(log2(pressure)), gap)
 
     def datum(self, grid: Grid) -> float:
@@ -444,7 +429,7 @@ class Scene(InNotebook):
         It is that of an Approach that gives one, else twice the radius, at any load and on any grid; without a curved
         shape the width of `grid`.
         """
-        of_radius = DATUM_OVER_RADIUS * self.radius if self.radius else grid.extent[0]
+        of_radius = loads.DATUM_OVER_RADIUS * self.radius if self.radius else grid.extent[0]
         return getattr(self.load, "datum", None) or of_radius
 
     @property
@@ -463,7 +448,7 @@ class Scene(InNotebook):
             (film and changes, FILM_IN_TIME),
             (film, FILM),
             (wears and (rolls_at_speed or wears_evenly), STEADY_WEAR),
-            (rolls_at_speed and isinstance(self.load, ChangingLoad), QUASI_STATIC),
+            (rolls_at_speed and isinstance(self.load, loads.ChangingLoad), QUASI_STATIC),
             (rolls_at_speed, STEADY_ROLLING),
             (self.rolling is not None, PASSES),
             (changes and (self.has_tractive_rolling or (self.adhesion is not None and not keeps_states)), QUASI_STATIC),
@@ -478,7 +463,7 @@ class Scene(InNotebook):
 
         In steady :class:`~contactstudy.Rolling` the contact with such a body is steady all the same.
         """
-        if not isinstance(self.load, ConstantLoad | Approach | PullOff):
+        if not isinstance(self.load, loads.ConstantLoad | loads.Approach | loads.PullOff):
             return "Scene.load"
         if self.wear is not None:
             return "Scene.wear"
@@ -572,7 +557,7 @@ class Scene(InNotebook):
         gap = heights if heights.shape == grid.cells else np.broadcast_to(heights, grid.cells).copy()
         datum = self.datum(grid)
         control: Control = PrescribedLoad(self.mean_load(grid, padding) * grid.length / grid.cell_area)
-        if isinstance(self.load, Approach):
+        if isinstance(self.load, loads.Approach):
             self.load.check_on(gap, grid, paddings, datum)
             control = PrescribedApproach(self.load.approach)
         if adhesion_solver is None and self.adhesion is not None:
@@ -601,7 +586,7 @@ class Scene(InNotebook):
 
     def _operator(self, datum: float, grid: Grid, paddings: Paddings) -> Convolution:
         """Return the operator of both bodies on `grid`."""
-        weights = response(self.solids, datum)
+        weights = bodies.response(self.solids, datum)
         if self.free_length == inf:
             return superposed(weights, grid, paddings)
         from contactstudy.elasticity.free_faces import between_faces  # only where they are named
@@ -615,7 +600,7 @@ class Scene(InNotebook):
 
     def _adhesion_solver(self, solver: "AdhesiveSolver | None") -> AdhesionSolver | None:
         """Return the solver of the attraction, or the search for the pull-off with it."""
-        if solver is None or not isinstance(self.load, PullOff):
+        if solver is None or not isinstance(self.load, loads.PullOff):
             return solver
         from contactstudy.solvers.adhesion import PullOffSearch  # imported only where it is named
 

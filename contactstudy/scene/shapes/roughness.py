@@ -148,12 +148,6 @@ class Roughness:
         return self.roll_off * self._stretches[0], self.roll_off * self._stretches[1]
 
     @property
-    def _rms(self) -> float:
-        """Root mean square of the height [m], where it is given."""
-        assert not isinstance(self.rms, RmsSlope)  # from a slope, the height follows by the spectrum
-        return self.rms.rms if isinstance(self.rms, Sa) else self.rms
-
-    @property
     def _moments(self) -> tuple[float, float]:
         """Integrals of ``k C`` and ``k^3 C`` over ``C``, the density below the roll-off, for height and slope."""
         low, span, hurst = 2 * np.pi / self.roll_off, self.roll_off / self.cut_off, self.hurst
@@ -168,7 +162,8 @@ class Roughness:
         ratio = float(np.sqrt(slope / height * (1 + stretch**2) / 2))
         if isinstance(self.rms, RmsSlope):
             return self.rms.slope / ratio, self.rms.slope
-        return self._rms, self._rms * ratio
+        rms = self.rms.rms if isinstance(self.rms, Sa) else self.rms
+        return rms, rms * ratio
 
     def with_extent_of(self, grid: Grid) -> Self:
         """Return this surface with the extent that it has on `grid`, so that it can be put on others."""

@@ -1,7 +1,7 @@
 """Machined textures, such as dimples and grooves, and waviness."""
 
 from math import inf, pi
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal
 
 import numpy as np
 
@@ -9,14 +9,11 @@ from contactstudy.domain.grid import Array, Grid
 from contactstudy.domain.validation import (
     ANY_SIGN,
     AT_LEAST_ZERO,
-    BELOW_ONE,
     FINITE,
     OR_INFINITE,
     InvalidInput,
     Metres,
-    Number,
     Radians,
-    valid,
     validated,
     whole_quotient,
 )
@@ -129,21 +126,6 @@ class Texture:
                 f"Texture.pitch is {pitch!r}: give pitches of at least {self.feature.size!r} m, the size "
                 "of the feature, so that none overlap."
             )
-
-    @classmethod
-    def of_density(cls, feature: Dimple | Groove, area_density: float, along: float = inf) -> Self:
-        """Return the texture that covers a fraction `area_density` of the surface, by its pitch across the contact.
-
-        `along` [m] is the pitch of dimples along the length; grooves run along it and have none.
-        """
-        density = valid("Texture area_density", area_density, Annotated[Number, BELOW_ONE])
-        if isinstance(feature, Dimple):
-            along = valid("Texture along", along, Metres)
-        elif along != inf:
-            raise InvalidInput(
-                f"Texture along is {along!r}: give it for dimples only, grooves of a given density run along the length."
-            )
-        return cls(feature, (feature.density((1.0, along)) / density, along))
 
     @property
     def area_density(self) -> float:

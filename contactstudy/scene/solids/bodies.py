@@ -249,15 +249,6 @@ def yields(solid: object) -> bool:
     return getattr(solid, "yields", False)
 
 
-@runtime_checkable
-class Inelastic(Protocol):
-    """Body whose instantaneous response to its first load is that of an elastic half-space."""
-
-    @property
-    def instantaneous(self) -> HalfSpace:
-        """Elastic half-space with the same instantaneous response to the first load."""
-
-
 class SceneContext(Protocol):
     """Properties of a scene that its bodies and effects read, to say whether they are defined together."""
 
@@ -327,7 +318,7 @@ class SceneContext(Protocol):
 
 def instantaneous(solids: tuple[Body, Body]) -> tuple[Body, Body]:
     """Return both bodies with each inelastic one replaced by the elastic half-space of its instantaneous response."""
-    first, second = (body.instantaneous if isinstance(body, Inelastic) else body for body in solids)
+    first, second = (getattr(body, "instantaneous", body) for body in solids)
     return first, second
 
 

@@ -1,7 +1,7 @@
 """Stress in a body under pressure and tangential traction on one cell of its surface."""
 
 from dataclasses import dataclass
-from typing import ClassVar, Protocol, runtime_checkable
+from typing import ClassVar, Protocol
 
 from contactstudy.domain.grid import Array
 from contactstudy.elasticity.coefficients import Coefficients
@@ -26,15 +26,6 @@ class StressModel(Protocol):
 
         The `traction` is "pressure", or tangential traction "across" or "along".
         """
-
-
-@runtime_checkable
-class HasStressModel(Protocol):
-    """Inhomogeneous body with a model of the stress in it."""
-
-    @property
-    def stress_model(self) -> StressModel:
-        """The stress in the body."""
 
 
 @dataclass(frozen=True)

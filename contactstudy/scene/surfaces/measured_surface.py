@@ -6,13 +6,12 @@ from hashlib import blake2b
 from math import ceil, inf
 from os import PathLike
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Any, Literal, Self
 
 import numpy as np
 
 from contactstudy.domain.grid import Array, Grid
 from contactstudy.domain.validation import (
-    Example,
     InvalidInput,
     Metres,
     readable,
@@ -21,20 +20,7 @@ from contactstudy.domain.validation import (
     whole_quotient,
 )
 from contactstudy.scene.shapes.shape import LengthScales
-from contactstudy.scene.surfaces import measurement
-from contactstudy.scene.surfaces.preparation import (
-    AsMeasured,
-    GaussianFilter,
-    Missing,
-    PeriodicExtension,
-    RefuseMissing,
-    Tapered,
-    Tile,
-    Trend,
-    cell_means,
-    trend_text,
-    without_trend,
-)
+from contactstudy.scene.surfaces import measurement, preparation
 from contactstudy.scene.surfaces.text_surface import Flip, Reading, Sizes
 
 
@@ -86,14 +72,14 @@ class MeasuredSurface:
 
     heights: Any = field(repr=False, compare=False)
     extent: tuple[Metres, Metres] | None = None
-    missing: Annotated[Missing, Example("RefuseMissing()")] = field(default_factory=RefuseMissing)
-    trend: Trend = "none"
-    seam: Annotated[PeriodicExtension, Example("Mirrored()")] = field(default_factory=AsMeasured)
+    missing: preparation.Missing = field(default_factory=preparation.RefuseMissing)
+    trend: preparation.Trend = "none"
+    seam: preparation.PeriodicExtension = field(default_factory=preparation.AsMeasured)
     file: str | None = field(default=None, compare=False, repr=False)
     is_turned: bool = field(default=False, compare=False, repr=False)
-    tile: Tile | None = field(default=None, compare=False, repr=False)
-    seam_across: Annotated[PeriodicExtension, Example("Mirrored()")] = field(default_factory=AsMeasured)
-    filter: GaussianFilter | None = None
+    tile: preparation.Tile | None = field(default=None, compare=False, repr=False)
+    seam_across: preparation.PeriodicExtension = field(default_factory=preparation.AsMeasured)
+    filter: preparation.GaussianFilter | None = None
     reading: Reading = field(default_factory=Reading, compare=False, repr=False)
     notes: tuple[str, ...] = field(default=(), compare=False, repr=False)
     digest: str = field(init=False)
@@ -113,11 +99,11 @@ class MeasuredSurface:
         *,
         extent: tuple[float, float] | None = None,
         unit: str | None = None,
-        missing: Missing | None = None,
-        trend: Trend = "plane",
-        seam: PeriodicExtension | None = None,
-        seam_across: PeriodicExtension | None = None,
-        filter: GaussianFilter | None = None,  # noqa: A002 (the field's name)
+        missing: preparation.Missing | None = None,
+        trend: preparation.Trend = "plane",
+        seam: preparation.PeriodicExtension | None = None,
+        seam_across: preparation.PeriodicExtension | None = None,
+        filter: preparation.GaussianFilter | None = None,  # noqa: A002 (the field's name)
         invalid: float | None = None,
         decimal: Literal[",", "."] | None = None,
         transpose: bool = False,
@@ -155,11 +141,11 @@ class MeasuredSurface:
         return cls(
             points,
             size,
-            missing or RefuseMissing(),
+            missing or preparation.RefuseMissing(),
             trend,
-            seam or Tapered(),
+            seam or preparation.Tapered(),
             str(Path(path).absolute()),
-            seam_across=seam_across or AsMeasured(),
+            seam_across=seam_across or preparation.AsMeasured(),
             filter=filter,
             reading=reading,
             notes=notes,
@@ -175,7 +161,7 @@ class MeasuredSurface:
         parts = [f"{across} x {along} points (across x along) {size}", *self.notes]
         if missing := int(np.isnan(self.heights).sum()):
             parts.append(f"{missing} missing points ({missing / self.heights.size:.2%}) {self.missing.description}")
-        parts.append(trend_text(self.trend, self.missing.fill(self.heights), self.extent))
+        parts.append(preparation.trend_text(self.trend, self.missing.fill(self.heights), self.extent))
         if self.filter is not None:
             parts.append(self.filter.description)
         parts.append(f"ends along {self.seam.description}, across {self.seam_across.description}")
@@ -190,7 +176,7 @@ class MeasuredSurface:
         """Write the heights to a netCDF file that :meth:`read` reads."""
         measurement.write(self.heights, self.extent, path)
 
-    def cut(self, tile: Tile) -> Self:
+    def cut(self, tile: preparation.Tile) -> Self:
         """Return a tile of this surface: fewer points, from the same file."""
         points = tile.of(self.heights)
         extent = self.extent
@@ -256,7 +242,7 @@ class MeasuredSurface:
             return self.with_extent_of(grid).gap(grid)
         if not is_profile:
             heights = self._periodic(heights, 1, self.seam, grid)
-        if not isinstance(self.seam_across, AsMeasured):
+        if not isinstance(self.seam_across, preparation.AsMeasured):
             return -self._periodic(heights, 0, self.seam_across, grid)
         width = self.extent[0]
         if grid.extent[0] > width * (1 + 1e-9):
@@ -264,9 +250,11 @@ class MeasuredSurface:
                 f"MeasuredSurface.extent is {self.extent!r}: give a grid no wider than that, which is "
                 f"{grid.extent[0]!r} m wide, or a wider surface."
             )
-        return -cell_means(heights, 0, extent=width, cells=grid.cells[0], width=grid.extent[0], ends="not-a-knot")
+        return -preparation.cell_means(
+            heights, 0, extent=width, cells=grid.cells[0], width=grid.extent[0], ends="not-a-knot"
+        )
 
-    def _periodic(self, heights: Array, axis: int, seam: PeriodicExtension, grid: Grid) -> Array:
+    def _periodic(self, heights: Array, axis: int, seam: preparation.PeriodicExtension, grid: Grid) -> Array:
         """Return means over the cells along an axis of one period, or of its middle where the grid's is shorter."""
         assert self.extent is not None
         count, length = heights.shape[axis], self.extent[axis]
@@ -274,20 +262,20 @@ class MeasuredSurface:
         if piece < length * (1 - 1e-9):
             # a spacing no larger than measured, independent of the grid's cells
             points = ceil(count * piece / length - 1e-9)
-            heights = cell_means(heights, axis, extent=length, cells=points, width=piece, ends="not-a-knot")
+            heights = preparation.cell_means(heights, axis, extent=length, cells=points, width=piece, ends="not-a-knot")
             length = piece
         period = seam.lengths * length
         whole_quotient("The repeat length of a MeasuredSurface", period, grid.extent[axis])
         closed = seam.periodic(heights) if axis else seam.periodic(heights.T).T
         cells, width = grid.cells[axis], grid.extent[axis]
-        return cell_means(closed, axis, extent=period, cells=cells, width=width, ends="periodic")
+        return preparation.cell_means(closed, axis, extent=period, cells=cells, width=width, ends="periodic")
 
 
 @lru_cache(maxsize=2)
 def _completed(surface: MeasuredSurface) -> Array:
     """Return heights (x, y) [m] without missing points, less their trend, filtered; cached and read-only."""
     heights = surface.missing.fill(surface.heights)
-    heights = without_trend(surface.trend, heights, surface.extent)
+    heights = preparation.without_trend(surface.trend, heights, surface.extent)
     if surface.filter is not None:
         heights = surface.filter.filtered(heights, surface.extent)
     heights = heights.view()

@@ -1,7 +1,7 @@
 """Preparation of measured heights: tiles, missing points, trend, periodic extension (seam) and resampling to cells."""
 
 from math import inf, log, pi, sqrt
-from typing import Annotated, ClassVar, Literal, Protocol, runtime_checkable
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,21 +61,6 @@ class Tile:
         return points[first * sides[0] : (first + 1) * sides[0], second * sides[1] : (second + 1) * sides[1]]
 
 
-@runtime_checkable
-class Missing(Protocol):
-    """Rule for missing points, the non-measured points of ISO 25178."""
-
-    @property
-    def description(self) -> str:
-        """Words for a sentence on the missing points."""
-
-    def check(self, missing: int, points: int) -> None:
-        """Raise :class:`~contactstudy.InvalidInput` if the rule refuses that many missing points."""
-
-    def fill(self, heights: Array) -> Array:
-        """Return heights with a number at every point, from heights with nan where one is missing."""
-
-
 @validated
 class RefuseMissing:
     """Rule that refuses a surface with missing points."""
@@ -128,6 +113,10 @@ class HarmonicFill:
         filled = heights.copy()
         filled[holes] = _harmonic_heights(heights, holes)
         return filled
+
+
+# Rule for missing points, the non-measured points of ISO 25178.
+Missing = RefuseMissing | HarmonicFill
 
 
 def _harmonic_heights(heights: Array, holes: NDArray[np.bool_]) -> Array:
@@ -310,22 +299,6 @@ def _smoothed(heights: Array, cutoff: float, steps: list[float]) -> Array:
     return heights
 
 
-@runtime_checkable
-class PeriodicExtension(Protocol):
-    """Rule of the periodic extension of a measured surface, such as a tapering window or mirroring."""
-
-    @property
-    def lengths(self) -> int:
-        """Period, in lengths of the surface."""
-
-    @property
-    def description(self) -> str:
-        """Words for a sentence on the ends."""
-
-    def periodic(self, heights: Array) -> Array:
-        """Return one period (x, y) [m] along the length of the surface `heights` (x, y)."""
-
-
 @validated
 class AsMeasured:
     """Unchanged surface: the step between its end and its beginning stays."""
@@ -383,6 +356,8 @@ class Tapered:
         return np.asarray(mean + (heights - mean) * taper)
 
 
+# Rule of the periodic extension of a measured surface.
+PeriodicExtension = AsMeasured | Mirrored | Tapered
 # The boundary condition of scipy.interpolate.CubicSpline.
 Ends = Literal["periodic", "not-a-knot"]
 

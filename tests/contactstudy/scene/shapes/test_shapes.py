@@ -97,14 +97,6 @@ def test_dimples_repeat_and_hold_the_volume_of_their_profile(profile: object, fr
     np.testing.assert_allclose(depths, np.roll(depths, 400, (0, 1)), rtol=0, atol=1e-12 * 5e-6)
 
 
-def test_a_texture_is_found_by_its_area_density() -> None:
-    dimples, grooves = cs.Texture.of_density(DIMPLE, 0.2, along=2.5e-4), cs.Texture.of_density(GROOVE, 0.2)
-    assert dimples.area_density == pytest.approx(0.2, rel=1e-14)
-    assert dimples.pitch[1] == 2.5e-4
-    assert grooves.area_density == pytest.approx(0.2, rel=1e-14)
-    assert grooves.pitch == pytest.approx((2e-4, inf))
-
-
 def test_grooves_run_along_or_across_the_length() -> None:
     grid = cs.Grid((40, 50), (4e-4, 5e-4))
     assert cs.Texture(GROOVE, (1e-4, inf)).gap(grid).shape == (40, 1)

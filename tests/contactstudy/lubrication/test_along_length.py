@@ -130,3 +130,17 @@ def test_stress_below_the_surface_takes_pressure_and_friction() -> None:
     # shear that enters at the surface passes through every depth of a wide strip; z points into the body, and the stress
     # on a surface that faces -z is that on the film, against the body's motion
     assert change == pytest.approx(float(dragged["shear"].sum()), rel=0.1)
+
+
+def test_a_sweep_downstream_solves_every_line_with_what_lies_upstream() -> None:
+    sweep = linear_solvers.compiled_sweep() or pytest.skip("without numba the lines are solved by other means")
+    rows, columns = 4, 5
+    diagonal, *neighbours = np.random.default_rng(1).uniform(0.1, 1.0, (5, rows, columns))
+    diagonal += 4
+    matrix = np.diag(diagonal.ravel())
+    for (across, along), coefficients in zip(((0, -1), (0, 1), (-1, 0), (-2, 0)), neighbours, strict=True):
+        for i, j in np.argwhere(coefficients[: rows + across]) - (across, 0):
+            matrix[i * columns + j, (i + across) * columns + (j + along) % columns] = coefficients[i, j]
+    right = np.random.default_rng(2).random((rows, columns))
+    solution = sweep(diagonal, *neighbours, right)
+    np.testing.assert_allclose(matrix @ solution.ravel(), right.ravel(), rtol=1e-12)

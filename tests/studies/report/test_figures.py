@@ -13,6 +13,7 @@ from studies.definitions.hard_cases import CASES
 from studies.model.outcome import CaseStatus
 from studies.registry import load_drawing
 from studies.report.drawings.default import figures
+from studies.report.drawings.effects import LOAD, RADIUS, STEEL, hertz, worn_width
 from studies.report.plots import DOUBTFUL
 from tests.studies.conftest import labelled
 
@@ -190,6 +191,12 @@ def test_the_finding_on_hard_cases_is_of_all_and_says_which_are_wrong() -> None:
     assert not findings("stability", every.isel(case=slice(3)))
     every["verdict"][2] = right
     assert findings("stability", every)[0].startswith("All hard cases end with the same answer by two solvers")
+
+
+def test_the_law_of_wear_begins_with_hertz_s_width_and_ends_with_the_segment_that_archard_removes() -> None:
+    start, end = worn_width([0.0, 1e12]) / 2
+    assert start == pytest.approx(hertz(STEEL).half_width)
+    assert 2 * end**3 / (3 * RADIUS) == pytest.approx(1e-15 * 0.1 * LOAD * 1e12, rel=1e-3)
 
 
 def test_values_that_differ_by_rounding_stand_in_the_middle_of_a_logarithmic_axis() -> None:

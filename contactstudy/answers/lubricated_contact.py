@@ -89,9 +89,9 @@ class LubricatedContact(Answer, FilmSolution):
             return ErrorParts()
         if not isfinite(number.bound):
             return ErrorParts(discretisation=inf, inlet=inf, residual=inf, reason=number.reason)
-        assert self._numbers_wider is not None
+        assert self._wider is not None
         size = 1.0 if number.is_fraction else abs(number.value)
-        inlet = INLET * abs(self._numbers_below[2][name].value - self._numbers_wider[name].value) / size
+        inlet = INLET * abs(self._below[2].quantities[name].value - self._wider.quantities[name].value) / size
         cells = max(number.bound / size - inlet - self.residual, 0.0)
         return ErrorParts(discretisation=cells, inlet=inlet, residual=self.residual)
 
@@ -114,10 +114,11 @@ class LubricatedContact(Answer, FilmSolution):
         if self.estimate is not None:
             return film_quantities(self, self.estimate.l1)
         found = film_quantities(self, self._l1)
-        if self._l1.reason:
+        if self._l1.reason or self._wider is None:
             return found
+        below = {k: film.quantities for k, film in self._below.items()}
         unbounded = frozenset({NO_ESTIMATE})
-        found = with_nested_bounds(found, self._numbers_below, self._l1, unbounded, wider=self._numbers_wider)
+        found = with_nested_bounds(found, below, self._l1, unbounded, wider=self._wider.quantities)
         return found | self._by_laws_of_films(found)
 
     def _by_laws_of_films(self, found: Quantities) -> dict[str, Quantity]:
@@ -129,7 +130,7 @@ class LubricatedContact(Answer, FilmSolution):
         if "meniscus" in found:  # it lies between two cells
             meniscus = found["meniscus"]
             changed["meniscus"] = replace(meniscus, bound=meniscus.bound + self.grid.cell_size[0])
-        frictions = [numbers["friction_coefficient"].value for k, numbers in self._numbers_below.items() if k != 3]
+        frictions = [film.friction for k, film in self._below.items() if k != 3]
         changes = [abs(fine / coarse - 1) if coarse else 0.0 for fine, coarse in pairwise((self.friction, *frictions))]
         if changes[0] > max(NOTICEABLE, changes[-1]):
             reason = GROWS.format(100 * changes[0])
@@ -161,7 +162,8 @@ class LubricatedContact(Answer, FilmSolution):
         """Return the film on 1 / `factor` of the cells along each axis, over a multiple of the width."""
         scene = replace(self.scene, shapes=with_extent_of(self.scene.shapes, self.grid))
         grid = widened(coarsened(self.grid, factor), widening)
-        film = film_answer(solve_on(scene, grid, self.padding, FilmControls(), self))
+        solution = solve_on(scene, grid, self.padding, FilmControls(), self)
+        film = film_answer(solution, estimate=ErrorEstimate(ErrorParts()))
         if film.status in NO_FILM:
             raise NotDefined(str(film.status))
         return film
@@ -175,16 +177,6 @@ class LubricatedContact(Answer, FilmSolution):
     def _wider(self) -> "LubricatedContact | None":
         """The film on half the cells over twice the width, which tells the error by the inlet; None without one."""
         return solved_or_none(self._on_coarser_cells, 2, 2)  # type: ignore[return-value]
-
-    @cached_property
-    def _numbers_below(self) -> dict[int, Quantities]:
-        """Numbers of the film on 1 / k of the cells along each axis, by k."""
-        return {k: film_quantities(film, ErrorParts()) for k, film in self._below.items()}
-
-    @cached_property
-    def _numbers_wider(self) -> Quantities | None:
-        """Numbers of the film on half the cells over twice the width."""
-        return None if self._wider is None else film_quantities(self._wider, ErrorParts())
 
     @property
     def state(self) -> Mapping[str, Field]:

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 from contactstudy.domain.grid import Array, ExactPeriodicity, Grid, Padding, Paddings
 from contactstudy.domain.validation import InvalidInput
 from contactstudy.evolution.march import ROUNDING, Breakpoint, Control, March, Method, Record, ascending
+from contactstudy.evolution.time_steps import kinks
 from contactstudy.lubrication.film_equation import Film, SqueezeTerm
 from contactstudy.lubrication.lubricated_contact import FilmSolution
 from contactstudy.lubrication.newton.pseudo_time import FilmControls, FilmIteration, LinearSolver, iterate
@@ -204,8 +205,15 @@ def evolve_lubricated(
         # two steps at least, which the estimate takes at once
         longest=min(2 * (step or inf), 2 * start.longest_step, instants[-1] - instants[0]),
     )
-    places = sorted({*instants, *_kinks(scene, instants)})
-    points = [Breakpoint(time, times_recorded=int(time in instants)) for time in places]
+    first, last = instants[0], instants[-1]
+    least = ROUNDING * (last - first)
+    between = {
+        time
+        for history in scene.histories
+        for time in kinks(history, last)
+        if first < time < last and min(abs(time - instant) for instant in instants) > least
+    }
+    points = [Breakpoint(time, times_recorded=int(time in instants)) for time in sorted({*instants, *between})]
     films = _Films()
     march = March(films, start, points, control, progress)
     records = march.records()
@@ -224,20 +232,6 @@ def _check_loaded(scene: Scene, instants: list[float]) -> None:
                 f"Scene.load is 0 at {time:g} s, when no film has a thickness of its own: give loads above 0, such as a "
                 "hundredth of the largest, or other times."
             )
-
-
-def _kinks(scene: Scene, instants: list[float]) -> list[float]:
-    """Return the times [s] of kinks and jumps of load and speed that no instant equals up to rounding."""
-    load, lubrication = scene.load, scene.lubrication
-    start, end = instants[0], instants[-1]
-    times = load.breaks(end) if isinstance(load, ChangingLoad) else ()
-    of_speed = getattr(lubrication and lubrication.mean_speed, "times", ())
-    least = ROUNDING * (end - start)
-    return [
-        time
-        for time in (*times, *of_speed)
-        if start < time < end and min(abs(time - instant) for instant in instants) > least
-    ]
 
 
 class _Films(Method["_FilmStepper"]):

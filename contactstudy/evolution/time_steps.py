@@ -127,14 +127,14 @@ class TimeSteps:
         spacing = (end - start) / (count - 1)
         if self.step is None and spacing and count > 2:
             # of kinks near one instant the last counts: that of the load, the first history, at its largest value
-            for time in (time for history in reversed(histories) for time in _kinks(history, end)):
+            for time in (time for history in reversed(histories) for time in kinks(history, end)):
                 if start < time < end:
                     number = round((time - start) / spacing)
                     instants[min(max(number, 1), count - 2)] = time
         return instants
 
 
-def _kinks(history: Any, end: float) -> list[float]:
+def kinks(history: Any, end: float) -> list[float]:
     """Return the times [s] up to `end` at which a history has a kink or turns, those of its largest values last."""
     times = getattr(history, "times", ())
     if isinstance(history, ChangingLoad):

@@ -4,7 +4,6 @@ from collections import defaultdict
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from math import ceil, inf
-from typing import Literal
 
 import numpy as np
 
@@ -334,43 +333,23 @@ def linear_solver(posed: PosedFilm) -> LinearSolver:
     return KrylovSolver(deflection.even)
 
 
-def prolongated(equation: FilmEquation, coarse: FilmIteration) -> tuple[Film, Mask]:
-    """Return a film on a finer grid and its cavitated cells.
+def prolongated(posed: PosedFilm, coarser: PosedFilm, coarse: FilmIteration) -> tuple[Film, Mask]:
+    """Return a film on a finer grid and its cavitated cells, from that on a `coarser` one.
 
     It is raised to half the minimum thickness on the coarse grid. Cavitated cells keep the content of the coarser ones.
     """
-    shape = equation.gap.shape
-    blocks = [fine // wide for fine, wide in zip(shape, coarse.film.pressure.shape, strict=True)]
-    cavitated = coarse.cavitated.repeat(blocks[0], axis=0).repeat(blocks[1], axis=1)
+    equation, (x, y) = posed.equation, (posed.upstream.x, posed.upstream.y)
+    blocks = [fine // wide for fine, wide in zip(equation.gap.shape, coarse.cavitated.shape, strict=True)]
+    cavitated = coarse.cavitated.repeat(blocks[0], axis=0).repeat(blocks[1], axis=1) & ~equation.fixed
     void = coarse.film.void.repeat(blocks[0], axis=0).repeat(blocks[1], axis=1)
-    cavitated &= ~equation.fixed
-    pressure = np.where(cavitated | equation.fixed, 0, _prolongated_field(coarse.film.pressure, shape))
+    pressure = interpolated(coarse.film.pressure, coarser.upstream, x, y)
+    pressure[cavitated | equation.fixed] = 0
     lowest = float(coarse.film.thickness.min()) / 2
     film = with_minimum_film(equation, pressure, void, coarse.film.separation, lowest)
     if equation.conserves:
-        content = _prolongated_field((1 - coarse.film.void) * coarse.film.thickness, shape)
+        content = interpolated((1 - coarse.film.void) * coarse.film.thickness, coarser.upstream, x, y)
         void = np.maximum(1 - content / film.thickness, 0)
-    film = replace(film, void=np.where(cavitated, void, 0))
-    return film, cavitated
-
-
-def _prolongated_field(values: Array, shape: tuple[int, ...]) -> Array:
-    """Return values (x, y) on finer cells, linear where an axis has twice the cells, else constant in each cell."""
-    modes: tuple[Literal["edge", "wrap"], ...] = ("edge", "wrap")
-    for axis, ends in enumerate(modes):
-        ratio = shape[axis] // values.shape[axis]
-        values = _prolongated_axis(values, axis, ends) if ratio == 2 else values.repeat(ratio, axis=axis)
-    return values
-
-
-def _prolongated_axis(values: Array, axis: int, ends: Literal["edge", "wrap"]) -> Array:
-    """Return values at the centres of cells half as long, linear between those of the cells."""
-    width = [(0, 0), (0, 0)]
-    width[axis] = (1, 1)
-    around = np.moveaxis(np.pad(values, width, mode=ends), axis, 0)
-    middle = around[1:-1]
-    fine = np.stack((3 * middle + around[:-2], 3 * middle + around[2:]), axis=1) / 4
-    return np.moveaxis(fine.reshape(-1, fine.shape[2]), 0, axis)
+    return replace(film, void=np.where(cavitated, void, 0)), cavitated
 
 
 def hertz_start(posed: PosedFilm) -> Film:

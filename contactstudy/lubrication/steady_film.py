@@ -250,7 +250,7 @@ def _nested(posed: PosedFilm, controls: FilmControls) -> FilmIteration:
     if coarser is None:
         return _iterated(posed, hertz_start(posed), controls)
     coarse = _nested(coarser, controls)
-    film, cavitated = prolongated(posed.equation, coarse)
+    film, cavitated = prolongated(posed, coarser, coarse)
     return _iterated(posed, film, _after_coarser_grid(controls), cavitated)
 
 

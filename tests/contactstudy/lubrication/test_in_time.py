@@ -99,7 +99,8 @@ def test_what_comes_after_a_long_steady_film_is_followed() -> None:
     dent = by_moes(20, 5, cs.MovingShape(Dent(-32 * A)))
     passage = A / speed_of(dent)
     constant = cs.SpeedHistory((0.0, 40 * passage), (speed_of(dent), speed_of(dent)))
-    evolution = evolve_lubricated(with_motion(dent, mean_speed=constant), grid(64, 4.0), error=1e-2)
+    times = np.linspace(0, 40 * passage, 161)
+    evolution = evolve_lubricated(with_motion(dent, mean_speed=constant), grid(64, 4.0), times=times, error=1e-2)
     films = central_films(evolution) / central_films(evolution)[0]
     assert np.ptp(films) > 0.2
     assert films[-1] == pytest.approx(1, rel=1e-2)
@@ -112,11 +113,10 @@ def test_a_film_is_that_before_a_jump_of_the_load_until_the_next_step() -> None:
     passage = A / speed_of(scene)
     times = tuple(n * passage for n in (0, 3, 3, 6))
     jump = replace(scene, load=cs.LoadHistory(times, (1e5, 1e5, 1.5e5, 1.5e5)))
-    evolution = evolve_lubricated(jump, grid(64, 4.0), error=1e-2)
+    evolution = evolve_lubricated(jump, grid(64, 4.0), times=np.arange(7) * passage, error=1e-2)
     loads = [contact.load_per_length for contact in evolution.contacts]
     after = [1e5 if time <= times[1] else 1.5e5 for time in evolution.times]
     np.testing.assert_allclose(loads, after, rtol=1e-5)
-    assert times[1] in evolution.times
 
 
 def test_friction_is_that_of_the_instant() -> None:
@@ -151,7 +151,7 @@ def test_the_error_by_the_steps_does_not_depend_on_the_instants_recorded() -> No
     end = A / speed_of(scene)
     starting = from_rest(scene, end, 0.1)
     exact = evolve_lubricated(starting, grid(96, 3.0), times=[0.0, end], error=1e-5, tolerance=1e-8)
-    for times in (None, [0.0, end]):
+    for times in ([0.0, end], np.linspace(0.0, end, 9)):
         evolution = evolve_lubricated(starting, grid(96, 3.0), times=times, error=1e-2)
         value, reference = (films.contacts[-1].pressure for films in (evolution, exact))
         error = np.abs(value - reference).sum() / reference.sum()

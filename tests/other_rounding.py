@@ -31,5 +31,5 @@ def _rounded_otherwise(backward: Callable[..., np.ndarray]) -> Callable[..., np.
     return other
 
 
-for library in (transforms.SciPy, transforms.Ducc):
+for library in (transforms.Transforms, transforms.Ducc):
     library.backward = _rounded_otherwise(library.backward)  # type: ignore[method-assign]

@@ -6,9 +6,9 @@ not asked for, are left out: the pair is pruned.
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import partial
 from math import ceil
-from threading import local
+from typing import Self
 
 import numpy as np
 from numpy.typing import DTypeLike
@@ -30,7 +30,7 @@ from contactstudy.elasticity.coefficients import (
     influence_coefficients,
     without_shift,
 )
-from contactstudy.elasticity.transforms import TRANSFORMS, ComplexField, even_transform, transforms
+from contactstudy.elasticity.transforms import TRANSFORMS, ComplexField, transforms
 
 # Wave numbers along the length with less than this fraction of the energy of the strongest one are left out of a sum: in
 # amplitude 1e-14, somewhat above rounding in double precision.
@@ -66,12 +66,16 @@ class Convolution:
         Points (px, py) of the transforms.
     ends
         Whether each axis ends, without images beyond: near its ends the preconditioner has a margin.
+    work
+        Numbers for the waves of one transform at a time, as a solve has them: allocating a large array costs as much as
+        a transform. None for an operator that several threads may share, and on a device that reuses memory itself.
     """
 
     spectrum: Array
     cells: tuple[int, int]
     padded: tuple[int, int]
     ends: tuple[bool, bool] = field(default=(False, False), kw_only=True)
+    work: ComplexField | None = field(default=None, kw_only=True)
 
     def __call__(self, pressure: Array) -> Array:
         """Return the displacement (x, y) [m] under a `pressure` (x, y) [Pa].
@@ -86,33 +90,12 @@ class Convolution:
         work = self.work_array(self.padded, self.spectrum.dtype)
         return transforms().convolved(pressure, self.spectrum, self.padded, work)
 
-    @cached_property
-    def _work_arrays(self) -> local:
-        """Work arrays, one for each thread."""
-        return local()
-
     def work_array(self, shape: tuple[int, int], real: DTypeLike) -> ComplexField | None:
-        """Return the work array of this thread for waves of a field `shape` (px, py) of `real` numbers.
-
-        Allocating a large array costs as much as a transform. None on a device whose library reuses memory itself.
-        """
-        if not isinstance(device(), Cpu):
+        """Return the part of the `work` array for waves of a field `shape` (px, py) of `real` numbers, or None."""
+        if self.work is None:
             return None
-        of_thread = self._work_arrays.__dict__
-        if "waves" not in of_thread:
-            waves = self.padded[0] * (self.padded[1] // 2 + 1)
-            of_thread["waves"] = np.empty(waves, dtype=np.result_type(self.spectrum, np.complex64))
-            of_thread["views"] = {}
-        views: dict[object, ComplexField] = of_thread["views"]
-        if (shape, real) not in views:
-            rows, columns = shape[0], shape[1] // 2 + 1
-            numbers = of_thread["waves"].view(np.result_type(real, np.complex64))
-            views[shape, real] = numbers[: rows * columns].reshape(rows, columns)
-        return views[shape, real]
-
-    def __getstate__(self) -> dict[str, object]:
-        """Return the fields of this object without the work arrays, for a pickle or a copy."""
-        return {name: value for name, value in self.__dict__.items() if name != "_work_arrays"}
+        rows, columns = shape[0], shape[1] // 2 + 1
+        return self.work.view(np.result_type(real, np.complex64))[: rows * columns].reshape(rows, columns)
 
     @property
     def transform_size(self) -> float:
@@ -144,22 +127,17 @@ class Convolution:
         waves = np.flatnonzero(of_y > NEGLIGIBLE_ENERGY * of_y.max())
         return float(np.einsum("x,xy,y", of_x, self.spectrum[:, waves], of_y[waves]) / self.transform_size)
 
-    def scaled(self, factor: float, precision: Precision) -> "Convolution":
-        """Return this operator times `factor`, in `precision`, on the device in use.
-
-        On the processor it shares the work arrays of this operator where both have the same precision.
-        """
+    def scaled(self, factor: float, precision: Precision) -> Self:
+        """Return this operator times `factor`, in `precision`, on the device in use, for one thread."""
         if not isinstance(device(), Cpu):  # half of the rows repeat: they are not copied
             xp, px = arrays(), self.padded[0]
             half: Array = device().to_device(self.spectrum[: px // 2 + 1]) * factor
             half = xp.astype(half, precision.on_device, copy=False)
             repeated = xp.flip(half[1 : (px + 1) // 2, :], axis=0)
             return replace(self, spectrum=xp.concat([half, repeated]))
-        spectrum = np.multiply(self.spectrum, factor, dtype=self.spectrum.dtype)
-        scaled = replace(self, spectrum=spectrum.astype(precision.real, copy=False))
-        if scaled.spectrum.dtype == self.spectrum.dtype:
-            scaled.__dict__["_work_arrays"] = self._work_arrays
-        return scaled
+        spectrum = np.multiply(self.spectrum, factor, dtype=self.spectrum.dtype).astype(precision.real, copy=False)
+        work = np.empty(self.padded[0] * (self.padded[1] // 2 + 1), np.result_type(spectrum, np.complex64))
+        return replace(self, spectrum=spectrum, work=work)
 
     @property
     def blocks(self) -> tuple[int, int]:
@@ -170,7 +148,7 @@ class Convolution:
         )
         return across, along
 
-    def coarsened(self) -> "Convolution":
+    def coarsened(self) -> Self:
         """Return the operator on larger cells: mean displacement of blocks of cells under a pressure constant in each.
 
         Galerkin coarsening: in the spectrum, restriction to larger cells and prolongation to smaller ones together
@@ -180,7 +158,7 @@ class Convolution:
         (px, py), blocks = self.padded, self.blocks
         cells = self.cells[0] // blocks[0], self.cells[1] // blocks[1]
         spectrum = coarsened_spectrum(self.spectrum, self.padded, blocks)
-        return Convolution(spectrum, cells, (px // blocks[0], py // blocks[1]), ends=self.ends)
+        return replace(self, spectrum=spectrum, cells=cells, padded=(px // blocks[0], py // blocks[1]))
 
     def approximate_inverse(
         self, precision: Precision | None = None
@@ -349,9 +327,7 @@ def _spectrum(coefficients: Coefficients, grid: Grid, paddings: Paddings) -> Arr
 
 def even_spectrum(half: Array, padded: tuple[int, int]) -> Array:
     """Return the transform on `padded` points of coefficients of known offsets (x, y), even along both axes."""
-    offsets = (_offset_indices(*counts)[: counts[1] // 2 + 1] for counts in zip(half.shape, padded, strict=True))
-    half = even_transform(half[np.ix_(*offsets)], padded)
-    return np.concatenate([half, half[(padded[0] - 1) // 2 : 0 : -1]])
+    return TRANSFORMS.forward(mirrored_by_parity(half, padded, (1, 1)), padded).real.copy()
 
 
 def general_convolutions(

@@ -22,7 +22,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from math import e
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 from scipy import fft
@@ -206,25 +206,17 @@ class EndedConvolution(Convolution):
         mirrored: ComplexField = of_half * phase.astype(np.result_type(self.mirrored, 1j))
         return mirrored
 
-    def scaled(self, factor: float, precision: Precision) -> "EndedConvolution":
+    def scaled(self, factor: float, precision: Precision) -> Self:
         """Return this operator times `factor`, in `precision`."""
-        spectrum, mirrored = (
-            np.multiply(factor, of_loads).astype(precision.real) for of_loads in (self.spectrum, self.mirrored)
-        )
+        mirrored = np.multiply(factor, self.mirrored).astype(precision.real)
         faces = tuple(faces.scaled(factor, precision) for faces in self.faces)
-        return replace(self, spectrum=spectrum, mirrored=mirrored, faces=faces)
+        return replace(super().scaled(factor, precision), mirrored=mirrored, faces=faces)
 
-    def coarsened(self) -> "EndedConvolution":
+    def coarsened(self) -> Self:
         """Return the operator on larger cells, as :meth:`Convolution.coarsened`."""
-        coarse, blocks = super().coarsened(), self.blocks
-        return EndedConvolution(
-            coarse.spectrum,
-            coarse.cells,
-            coarse.padded,
-            coarsened_spectrum(self.mirrored, self.padded, blocks),
-            tuple(faces.coarsened(*blocks) for faces in self.faces),
-            ends=self.ends,
-        )
+        mirrored = coarsened_spectrum(self.mirrored, self.padded, self.blocks)
+        faces = tuple(faces.coarsened(*self.blocks) for faces in self.faces)
+        return replace(super().coarsened(), mirrored=mirrored, faces=faces)
 
 
 def between_faces(response: Mapping[Coefficients, float], grid: Grid, paddings: Paddings) -> Convolution:

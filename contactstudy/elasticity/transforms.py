@@ -1,6 +1,6 @@
 """Real Fourier transforms of a zero-padded field; rows of zeros are not transformed. On a GPU plans of cuFFT are kept.
 
-ducc0 is used, and scipy where it is missing. One convolution in ms on one thread (AMD EPYC, medians): 512 x 512 cells
+ducc0 is used, and numpy where it is missing. One convolution in ms on one thread (AMD EPYC, medians): 512 x 512 cells
 padded to 1024 x 512: scipy 4.4, ducc0 3.2, FFTW (planned, measured) 3.8; padded to 1024 x 1024: 14.3, 7.9, 8.1; 1024 x
 1024 padded to 2048 x 1024: 27.6, 21.9, 24.9. All three agree to 6e-16.
 """
@@ -38,18 +38,13 @@ class Transforms:
     They may overwrite `work`, an array for Fourier coefficients, where the library takes one.
     """
 
-    def _library(self) -> tuple[Any, dict[str, int], dict[str, int]]:
-        """Return the functions, and their options for arrays that stay as they are and for others."""
-        return arrays().fft, {}, {}
-
     def forward(self, field: Array, padded: Cells, work: Work = None) -> ComplexField:
         """Return the Fourier coefficients (px, py // 2 + 1) of `field` (nx, ny), padded with zeros.
 
         They are found along y on the rows of the field, then along x.
         """
-        fft, unchanged, overwritten = self._library()
-        rows = fft.rfft(field, n=padded[1], axis=1, **unchanged)
-        waves: ComplexField = fft.fft(rows, n=padded[0], axis=0, **overwritten)
+        library = _fft_library()
+        waves: ComplexField = library.fft(library.rfft(field, n=padded[1], axis=1), n=padded[0], axis=0)
         return waves
 
     def backward(self, waves: ComplexField, cells: Cells, padded: Cells) -> Array:
@@ -57,10 +52,9 @@ class Transforms:
 
         They are found along x, then along y on the rows of the field.
         """
-        fft, _, overwritten = self._library()
-        rows = fft.ifft(waves, axis=0, **overwritten)[: cells[0], :]
-        field: Array = fft.irfft(rows, n=padded[1], axis=1, **overwritten)[:, : cells[1]]
-        return field
+        library = _fft_library()
+        rows = library.ifft(waves, axis=0)[: cells[0], :]
+        return first_cells(library.irfft(rows, n=padded[1], axis=1), cells)
 
     def convolved(self, field: Array, factors: Array, padded: Cells, work: Work) -> Array:
         """Return `field` (nx, ny), padded with zeros, with its Fourier coefficients multiplied by `factors`."""
@@ -76,21 +70,9 @@ class Transforms:
         return self.backward(waves, cells, cells)
 
 
-class SciPy(Transforms):
-    """Transforms by scipy.fft, on the threads of the device."""
-
-    def _library(self) -> tuple[Any, dict[str, int], dict[str, int]]:
-        """Return the functions, and their options for arrays that stay as they are and for others."""
-        workers = threads()
-        return fft, {"workers": workers}, {"workers": workers, "overwrite_x": True}
-
-    def backward(self, waves: ComplexField, cells: Cells, padded: Cells) -> Array:
-        """Return the field with the Fourier coefficients `waves`."""
-        return np.ascontiguousarray(super().backward(waves, cells, padded))
-
-    def cosines(self, field: Array, axes: tuple[int, ...]) -> Array:
-        """Return the cosine transform (DCT-I) of `field` along some axes."""
-        return np.asarray(fft.dctn(field, type=1, axes=axes))
+def _fft_library() -> Any:
+    """Return the transforms of the device's array library."""
+    return np.fft if isinstance(device(), Cpu) else arrays().fft
 
 
 class Ducc(Transforms):
@@ -145,11 +127,6 @@ class Ducc(Transforms):
         else:
             field = self._fft.c2r(rows, axes=(1,), lastsize=padded[1], forward=False, inorm=2, nthreads=count)
         return np.ascontiguousarray(field[:, : cells[1]])
-
-    def cosines(self, field: Array, axes: tuple[int, ...]) -> Array:
-        """Return the cosine transform (DCT-I) of `field` along some axes."""
-        waves: Array = self._fft.dct(field, type=1, axes=axes)
-        return waves
 
     def filtered(self, field: Array, factors: Array, work: ComplexField | None) -> Array:
         """Return a periodic `field` with its Fourier coefficients multiplied by `factors`, by one call each way."""
@@ -266,30 +243,8 @@ class CuFft(Transforms):
         return first_cells(field, (nx, ny))
 
 
-TRANSFORMS: Ducc | SciPy = Ducc() if find_spec("ducc0") else SciPy()
 STANDARD, CUFFT = Transforms(), CuFft()
-
-
-def even_transform(half: Array, points: tuple[int, int]) -> Array:
-    """Return the Fourier transform, which is real, of a field (x, y) that is even along both axes.
-
-    It is returned from wave number zero to half the number of points along each axis.
-
-    Parameters
-    ----------
-    half
-        Values at the offsets from zero to half the period (points // 2 + 1 along each axis).
-    points
-        Points of the field along both axes.
-    """
-    # of an even number of points it is a cosine transform, at half the time
-    even = tuple(axis for axis in (0, 1) if points[axis] % 2 == 0)
-    if even:
-        half = TRANSFORMS.cosines(half, even)
-    for axis in {0, 1}.difference(even):
-        mirrored = np.concatenate([half, np.flip(np.delete(half, 0, axis), axis)], axis)
-        half = fft.rfft(mirrored, axis=axis).real
-    return np.asarray(half)
+TRANSFORMS = Ducc() if find_spec("ducc0") else STANDARD
 
 
 def transforms() -> Transforms:

@@ -12,9 +12,9 @@ from numpy.testing import assert_allclose
 
 import contactstudy as cs
 from contactstudy.domain.device import using
-from contactstudy.elasticity.transforms import Ducc, SciPy, Transforms
+from contactstudy.elasticity.transforms import Ducc, Transforms
 
-KINDS = [SciPy(), *([Ducc()] if find_spec("ducc0") else [])]
+KINDS = [Transforms(), *([Ducc()] if find_spec("ducc0") else [])]
 SIZES = [((8, 6), (16, 6)), ((7, 5), (14, 10)), ((5, 1), (10, 1)), ((9, 7), (9, 7))]
 
 

@@ -28,7 +28,7 @@ from contactstudy.scene.shapes.roller import Crown, EndRelief, LundbergProfile, 
 from contactstudy.scene.shapes.shape import Tilt, with_extent_of
 from contactstudy.scene.surfaces.measured_surface import MeasuredSurface
 from contactstudy.solvers.friction.fretting import FrettingShear
-from contactstudy.solvers.solution import Solution, Status
+from contactstudy.solvers.solution import Solution
 
 if TYPE_CHECKING:
     from contactstudy.evolution.repeated_rolling import RepeatedRolling
@@ -61,14 +61,12 @@ def flags(dimensions: Sequence[str], values: object, meanings: Sequence[str], lo
     return xr.Variable(tuple(dimensions), np.asarray(values, dtype=np.int8), attributes)
 
 
-def field_variable(field: Field) -> xr.Variable:
-    """Return a field as a variable with its unit, long name and attributes."""
-    return labelled(field.dimensions, field.values, field.units, field.long_name, **field.attributes)
-
-
 def field_variables(fields: Mapping[str, Field]) -> dict[str, xr.Variable]:
-    """Return fields as variables by name."""
-    return {name: field_variable(field) for name, field in fields.items()}
+    """Return fields as variables with their units, long names and attributes, by name."""
+    return {
+        name: labelled(field.dimensions, field.values, field.units, field.long_name, **field.attributes)
+        for name, field in fields.items()
+    }
 
 
 def title_attributes(title: str) -> dict[str, str]:
@@ -96,10 +94,9 @@ def _over_plane(grid: Grid, variables: Mapping[str, xr.Variable], solved: "Solut
     of_solver = {
         "residual": _number(solved.residual, "1", "residual of the solver"),
         "iterations": _number(solved.iterations, "1", "solver iterations"),
-        "status": _status(solved.status),
+        "status": _statuses((), [solved.status], "how the solver ended"),
     }
-    axes = {"x": ("x", grid.x, X), "y": ("y", grid.y, Y)}
-    return xr.Dataset({**variables, **of_solver}, axes)
+    return xr.Dataset({**variables, **of_solver}, {"x": ("x", grid.x, X), "y": ("y", grid.y, Y)})
 
 
 def contact_dataset(
@@ -135,8 +132,7 @@ def contact_dataset(
             dataset = dataset.assign(_hertz(scene.hertz))
         dataset.attrs |= scene_attributes(description)
         dataset = dataset.assign(_profile(description))
-    dataset = dataset.assign(field_variables(derived))
-    return with_quantities(_with_errors(dataset, error), quantities)
+    return with_quantities(_with_errors(dataset.assign(field_variables(derived)), error), quantities)
 
 
 def _profile(posed: PosedScene) -> dict[str, xr.Variable]:
@@ -199,11 +195,13 @@ def _hertz(hertz: HertzLine | None) -> dict[str, xr.Variable]:
     }
 
 
-def _status(status: Enum) -> xr.Variable:
-    """Return the status of a solve as a CF flag, with its sentence as the comment."""
-    kind = type(status)
-    flag = flags((), list(kind).index(status), list(kind.__members__), "how the solver ended")
-    flag.attrs = {"units": "1", **flag.attrs, "comment": str(status)}
+def _statuses(dimensions: tuple[str, ...], statuses: Sequence[Enum], long_name: str) -> xr.Variable:
+    """Return the statuses of solves as CF flags; a single one without dimensions has its sentence as the comment."""
+    kind = type(statuses[0])
+    values = [list(kind).index(status) for status in statuses]
+    flag = flags(dimensions, values if dimensions else values[0], list(kind.__members__), long_name)
+    if not dimensions:
+        flag.attrs = {"units": "1", **flag.attrs, "comment": str(statuses[0])}
     return flag
 
 
@@ -230,18 +228,14 @@ def _with_errors(dataset: xr.Dataset, estimate: ErrorEstimate) -> xr.Dataset:
 
     An error that is not known is NaN, with the reason as ``comment``.
     """
-    errors = dict(estimate)
-    causes = list(dict.fromkeys(cause for parts in errors.values() for cause in parts.by_cause))
-    coordinate = {"units": "1", "long_name": "cause of the error"}
-    for name, parts in errors.items():
-        what = "pressure in L1" if name == "l1" else name.replace("_", " ")
-        dataset[f"{'pressure_l1' if name == 'l1' else name}_error_estimate"] = xr.DataArray(
-            [known_or_nan(parts.by_cause.get(cause, 0.0)) for cause in causes],
-            {"cause": ("cause", causes, coordinate)},
-            ("cause",),
-            attrs={"units": "1", "long_name": f"estimated relative error of the {what}"}
-            | ({} if isfinite(parts.total) else {"comment": parts.reason}),
-        )
+    causes = list(dict.fromkeys(cause for _, parts in estimate for cause in parts.by_cause))
+    dataset = dataset.assign_coords(cause=("cause", causes, {"units": "1", "long_name": "cause of the error"}))
+    for name, parts in estimate:
+        key, what = ("pressure_l1", "pressure in L1") if name == "l1" else (name, name.replace("_", " "))
+        values = [known_or_nan(parts.by_cause.get(cause, 0.0)) for cause in causes]
+        comment = {} if isfinite(parts.total) else {"comment": parts.reason}
+        label = f"estimated relative error of the {what}"
+        dataset[f"{key}_error_estimate"] = labelled("cause", values, "1", label, **comment)
     if estimate.warnings:
         dataset.attrs["warnings"] = " ".join(estimate.warnings)
     return dataset
@@ -249,19 +243,8 @@ def _with_errors(dataset: xr.Dataset, estimate: ErrorEstimate) -> xr.Dataset:
 
 def film_dataset(contact: "FilmSolution", error: ErrorEstimate, quantities: Quantities) -> xr.Dataset:
     """Return a lubricated contact with dimensions (x, y), units and long names; errors along ``cause``."""
-    variables: dict[str, xr.Variable] = {}
-    carrier = "the lubricant"
-    if contact.contact_pressure is not None:
-        carrier = "lubricant and asperities together"
-        variables["contact_pressure"] = _plane(contact.contact_pressure, "Pa", "pressure of asperities")
-    if contact.wear_depth is not None:
-        variables["wear_depth"] = _plane(contact.wear_depth, "m", "wear depth")
-    if (heat := contact.temperatures) is not None:
-        variables["film_temperature_rise"] = _plane(heat.film, "K", "temperature rise of the film")
-        for number, rise in enumerate(heat.surface, start=1):
-            label = f"temperature rise of surface {number}"
-            variables[f"surface_temperature_rise_{number}"] = _plane(rise, "K", label)
-    variables |= {
+    carrier = "the lubricant" if contact.contact_pressure is None else "lubricant and asperities together"
+    variables = {
         "pressure": _plane(contact.pressure, "Pa", f"pressure of {carrier}"),
         "film": _plane(contact.film, "m", "film thickness"),
         "film_fraction": _plane(contact.film_fraction, "1", "fractional film content, below 1 where cavitated"),
@@ -270,6 +253,15 @@ def film_dataset(contact: "FilmSolution", error: ErrorEstimate, quantities: Quan
         **_hertz(contact.scales.hertz),
         **field_variables(contact.derived),
     }
+    if contact.contact_pressure is not None:
+        variables["contact_pressure"] = _plane(contact.contact_pressure, "Pa", "pressure of asperities")
+    if contact.wear_depth is not None:
+        variables["wear_depth"] = _plane(contact.wear_depth, "m", "wear depth")
+    if (heat := contact.temperatures) is not None:
+        variables["film_temperature_rise"] = _plane(heat.film, "K", "temperature rise of the film")
+        for number, rise in enumerate(heat.surface, start=1):
+            label = f"temperature rise of surface {number}"
+            variables[f"surface_temperature_rise_{number}"] = _plane(rise, "K", label)
     dataset = _over_plane(contact.grid, variables, contact)
     posed = PosedScene(contact.scene, contact.grid, contact.padding)
     dataset.attrs = title_attributes("lubricated line contact") | scene_attributes(posed)
@@ -279,12 +271,6 @@ def film_dataset(contact: "FilmSolution", error: ErrorEstimate, quantities: Quan
 Z = {"units": "m", "long_name": "depth", "axis": "Z", "positive": "down"}
 # a time of the scene's histories, not a date
 TIME = {"long_name": "time", "units": "s"}
-
-
-def _statuses(dimension: str, statuses: Sequence[Status], long_name: str) -> xr.Variable:
-    """Return the statuses of solves along `dimension`, as CF flags."""
-    values = [list(Status).index(status) for status in statuses]
-    return flags((dimension,), values, list(Status.__members__), long_name)
 
 
 # Numbers of an instant beside its quantities, with unit and label.
@@ -309,11 +295,10 @@ def evolution_dataset(evolution: "Trajectory", contacts: Sequence[Any]) -> xr.Da
     dataset = over_time(evolution.times, instants)
     dataset.attrs = title_attributes("evolution of a line contact") | scene_attributes(posed)
     statuses = [frame.status for frame in frames]
-    dataset["status"] = _statuses("time", statuses, "worst status since the previous instant")
-    if evolution.coupled is not None:
-        strains = evolution.coupled.over_time([frame.coupled_state for frame in frames])
-        dataset = dataset.assign({name: field_variable(of) for name, of in strains.items()})
-    return dataset
+    dataset["status"] = _statuses(("time",), statuses, "worst status since the previous instant")
+    if evolution.coupled is None:
+        return dataset
+    return dataset.assign(field_variables(evolution.coupled.over_time([frame.coupled_state for frame in frames])))
 
 
 def _instant(frame: "Frame", contact: Any, highest: Any) -> xr.Dataset:
@@ -322,21 +307,17 @@ def _instant(frame: "Frame", contact: Any, highest: Any) -> xr.Dataset:
     The displacement is left out, which follows from gap and approach. Depths of outputs are those of the contact with
     the `highest` pressure.
     """
-    fields = contact.state | contact.derived_at_depths_of(highest)
-    variables = {name: field_variable(field) for name, field in fields.items()}
+    variables = field_variables(contact.state | contact.derived_at_depths_of(highest))
     for name in ("approach", "peak_pressure", "contact_area"):
-        if name in contact.quantities:
-            number = contact.quantities[name]
-            variables[name] = labelled((), number.value, number.unit, number.label)
-    for name, (unit, label) in NUMBERS.items():
-        variables[name] = labelled((), getattr(frame, name), unit, label)
-    error = contact.error.l1
-    for name, of, size in (
-        ("time_discretisation_error", "time-discretisation", error.steps or 0.0),
-        ("grid_error", "discretisation", replace(error, steps=None).total),
-    ):
-        label, comment = f"estimated {of} error in L1", "NaN where it is not known"
-        variables[name] = labelled((), known_or_nan(size), "1", label, comment=comment)
+        if (number := contact.quantities.get(name)) is not None:
+            variables[name] = _number(number.value, number.unit, number.label)
+    variables |= {name: _number(getattr(frame, name), unit, label) for name, (unit, label) in NUMBERS.items()}
+    error, known = contact.error.l1, {"comment": "NaN where it is not known"}
+    steps, cells = known_or_nan(error.steps or 0.0), known_or_nan(replace(error, steps=None).total)
+    variables |= {
+        "time_discretisation_error": _number(steps, "1", "estimated time-discretisation error in L1", **known),
+        "grid_error": _number(cells, "1", "estimated discretisation error in L1", **known),
+    }
     return contact_fields(contact).drop_vars("displacement").assign(variables)
 
 
@@ -346,13 +327,15 @@ def over_time(times: Array, instants: Sequence[xr.Dataset]) -> xr.Dataset:
     A field that an instant lacks is zero there without pressure, and else not a number.
     """
     everywhere = {name: variable for instant in reversed(instants) for name, variable in instant.items()}
-    filled = []
-    for instant in instants:
-        lacks = np.nan if instant["pressure"].any() else 0.0
-        missing = {name: of for name, of in everywhere.items() if name not in instant}
-        filled.append(instant.assign({name: xr.full_like(of, lacks) for name, of in missing.items()}))
+
+    def completed(instant: xr.Dataset) -> xr.Dataset:
+        lacking = np.nan if instant["pressure"].any() else 0.0
+        return instant.assign(
+            {name: xr.full_like(of, lacking) for name, of in everywhere.items() if name not in instant}
+        )
+
     dataset = xr.concat(
-        filled, xr.Variable("time", times, TIME), data_vars="all", coords="minimal",
+        map(completed, instants), xr.Variable("time", times, TIME), data_vars="all", coords="minimal",
         compat="override", join="exact", combine_attrs="override",
     )  # fmt: skip
     dataset["status"].attrs.pop("comment", None)  # it would be that of the first instant
@@ -387,7 +370,7 @@ def passes_dataset(rolling: "RepeatedRolling") -> xr.Dataset:
         for name, (dimensions, unit, label) in OF_PASSES.items()
     } | {
         "distance": labelled("pass_number", np.array([one.distance for one in passes]), "m", "distance rolled"),
-        "status": _statuses("pass_number", [one.status for one in passes], "worst status of the steps"),
+        "status": _statuses(("pass_number",), [one.status for one in passes], "worst status of the steps"),
         "pressure": labelled("x", pressure, "Pa", "contact pressure in the last pass"),
         "window_plastic_strain": labelled(window, strain, "1", below),
         "window_residual_stress": labelled(window, stress, "Pa", unloaded),

@@ -22,8 +22,10 @@ uses = {
     "Contact.to_dataset": solution.to_dataset,
     "Contact.plot": solution.plot,
     "MeasuredSurface.read": lambda: cs.MeasuredSurface.read(sys.executable),
+    "contactstudy.write_scene": lambda: cs.write_scene(scene, "scene.toml"),
     "studies.run": lambda: __import__("studies").run,
-} | {f"contactstudy.{name}": lambda name=name: getattr(cs, name) for name in cs.__all__}
+}
+uses = {f"contactstudy.{name}": lambda name=name: getattr(cs, name) for name in cs.__all__} | uses
 for name, use in uses.items():
     try:
         use()
@@ -50,9 +52,7 @@ def test_numpy_and_scipy_are_enough_to_solve_and_the_rest_says_what_it_needs() -
     assert said["missing"] == {
         name: f"{name} needs {package}, which is not installed: pip install {install}."
         for name, package, install in (
-            ("contactstudy.read_scene", "cattrs", "cattrs"),
-            ("contactstudy.SceneFile", "cattrs", "cattrs"),
-            ("contactstudy.write_scene", "cattrs", "cattrs"),
+            ("contactstudy.write_scene", "tomli_w", "tomli-w"),
             ("contactstudy.compare", "xarray", "xarray"),
             ("Contact.to_dataset", "xarray", "xarray"),
             ("Contact.plot", "matplotlib", "matplotlib"),

@@ -4,19 +4,15 @@ Before that, times in cycles are converted to seconds, and numbers are found tha
 """
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import is_dataclass
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from dataclasses import MISSING, fields, is_dataclass
 from difflib import get_close_matches
 from math import inf
 from types import NoneType, UnionType
-from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
-
-import cattrs
-from cattrs.errors import ForbiddenExtraKeysError
-from cattrs.gen import make_dict_structure_fn
+from typing import Annotated, Any, TypeVar, Union, get_args, get_origin
 
 from contactstudy.domain import validation
-from contactstudy.domain.validation import InvalidInput, kind_of, parameters, remedy, suggestion, valid
+from contactstudy.domain.validation import InvalidInput, hint_of, kind_of, parameters, remedy, suggestion, valid
 
 # Classes that a table may describe: by the type of the field, and then by the name that the key `kind` gives.
 Kinds = Mapping[Any, Mapping[str, type]]
@@ -43,8 +39,6 @@ SMALL = {
 COUNTED = re.compile(r"\s*(\d+\.?\d*(?:[eE]\+?\d+)?)\s*(cycle|rev|revolution|turn)s?\s*")
 # Speed of a motion, whose sign is its direction.
 SPEED = Annotated[validation.MetresPerSecond, validation.ANY_SIGN]
-# Converters by the id of the kinds, which each holds: one takes milliseconds to make.
-_STRUCTURES: "dict[int, _Structure]" = {}
 
 
 def structured(raw: object, target: type[Target], kinds: Kinds, source: str) -> Target:
@@ -67,57 +61,58 @@ def structured(raw: object, target: type[Target], kinds: Kinds, source: str) -> 
     InvalidInput
         With a line for every key that cannot be used.
     """
-    try:
-        if id(kinds) not in _STRUCTURES:
-            _STRUCTURES[id(kinds)] = _Structure(kinds)
-        return _STRUCTURES[id(kinds)].converter.structure(raw, target)
-    except cattrs.BaseValidationError as error:
-        raise InvalidInput(_messages(source, error)) from error
+    reader = _Reader(kinds)
+    read: Target = reader.read("", raw, target)
+    if reader.refusals:
+        raise InvalidInput("\n".join(": ".join(filter(None, (source, *refusal))) for refusal in reader.refusals))
+    return read
 
 
-class _Structure:
-    """Converter from nested tables to dataclasses, given the kinds that each type can be."""
+class _Reader:
+    """Reads nested tables as dataclasses, given the kinds that each type can be, and keeps what is refused of them."""
 
     def __init__(self, kinds: Kinds) -> None:
         self.kinds = kinds
-        self.converter = cattrs.Converter(forbid_extra_keys=True)
-        hooks: tuple[tuple[Callable[[Any], bool], Callable[[Any, Any], Any]], ...] = (
-            (lambda target: get_origin(target) in (Annotated, Literal), _as_annotated),
-            (lambda target: get_origin(target) is tuple, self._tuple),
-            (self._has_kinds, self._of_kind),
-        )
-        self.converter.register_structure_hook_factory(is_dataclass, self._dataclass)
-        for kind in (int, float, str, bool):
-            self.converter.register_structure_hook(kind, _as_annotated)
-        for applies, hook in hooks:
-            self.converter.register_structure_hook_func(applies, hook)
+        # the path of each key that cannot be used, and a sentence on it
+        self.refusals: list[tuple[str, str]] = []
 
-    def _has_kinds(self, target: Any) -> bool:
-        return kind_of(target) in self.kinds or get_origin(target) in (Union, UnionType)
+    def read(self, path: str, value: object, hint: Any) -> Any:
+        """Return the value at a `path` as an annotation says it; None where it is refused."""
+        try:
+            return self._read(path, value, hint)
+        except InvalidInput as error:
+            self.refusals.append((path, str(error)))
 
-    def _tuple(self, value: object, target: Any) -> tuple[Any, ...]:
+    def _read(self, path: str, value: Any, hint: Any) -> Any:
+        origin, kind = get_origin(hint), kind_of(hint)
+        if kind in self.kinds or origin in (Union, UnionType):
+            return self._of_kind(path, value, kind)
+        if origin is tuple:
+            return self._tuple(path, value, hint)
+        if origin is Mapping and isinstance(value, Mapping):
+            return {key: self.read(f"{path}[{key!r}]", entry, get_args(hint)[1]) for key, entry in value.items()}
+        return self._table(path, value, hint) if is_dataclass(hint) else valid("it", value, hint)
+
+    def _tuple(self, path: str, value: object, hint: Any) -> tuple[Any, ...]:
         """Return a list as a tuple, of any length or of one type for each entry."""
-        first, *following = get_args(target)
+        first, *following = get_args(hint)
         if isinstance(value, Mapping):
             raise InvalidInput("it is one table: write its name in double brackets, once for each entry.")
         if not isinstance(value, list | tuple):
-            raise InvalidInput(f"it is {value!r}: give {_list_of(target)}.")
-        if following != [...] and len(value) != 1 + len(following):
+            raise InvalidInput(f"it is {value!r}: give {_list_of(hint)}.")
+        if following == [...]:
+            following = [first] * (len(value) - 1)
+        elif len(value) != 1 + len(following):
             raise InvalidInput(f"it has {len(value)} entries: give {1 + len(following)}.")
-        if following != [...] and len({first, *following}) > 1:
-            pairs = zip(value, (first, *following), strict=True)
-            return tuple(self.converter.structure(entry, kind) for entry, kind in pairs)
-        entries: Any = list.__class_getitem__(first)
-        return tuple(self.converter.structure(value, entries))
+        entries = zip(value, (first, *following), strict=False)
+        return tuple(self.read(f"{path}[{n}]", *entry) for n, entry in enumerate(entries))
 
-    def _of_kind(self, value: object, target: Any) -> Any:
+    def _of_kind(self, path: str, value: object, hint: Any) -> Any:
         """Return a table, or the name of a kind, as the dataclass that its kind or its keys choose."""
         if is_dataclass(value):
             return value
-        target = kind_of(target)
-        kinds = dict(self.kinds.get(target, {}))
-        plain = []
-        for option in get_args(target):
+        kinds, plain = dict(self.kinds.get(hint, {})), []
+        for option in get_args(hint):
             if option in self.kinds:
                 kinds |= self.kinds[option]
             elif isinstance(option, type) and is_dataclass(option):
@@ -128,41 +123,36 @@ class _Structure:
             option = str if isinstance(value, str) and str in plain else plain[0]
             if isinstance(value, Mapping):
                 option = next((kind for kind in plain if get_origin(kind) is Mapping), option)
-            return self.converter.structure(value, option)
+            return self._read(path, value, option)
         if isinstance(value, str):
             value = {"kind": value}
         if not isinstance(value, Mapping):
             raise InvalidInput(f"it is {value!r}: give a table with a kind.")
         fields_of = {key: entry for key, entry in value.items() if key != "kind"}
-        return self.converter.structure(fields_of, _kind_of(value, kinds))
+        return self._table(path, fields_of, _kind_of(value, kinds))
 
-    def _dataclass(self, target: type) -> Any:
-        """Return the function that reads a table as the dataclass `target`."""
-        base: Any = make_dict_structure_fn(target, self.converter)
-
-        def read(value: object, _: Any) -> Any:
-            if is_dataclass(value):
-                return value
-            if not isinstance(value, Mapping):
-                raise InvalidInput(f"it is {value!r}: give a table.")
-            # the kind may be given although there is only one
-            if value.get("kind") == target.__name__:
-                value = {key: entry for key, entry in value.items() if key != "kind"}
-            names = set(parameters(target))
-            unknown = set(value) - names
-            if not unknown:
-                return base(value, target)
-            # a key is read as the one that was likely meant, which is then not missing
-            corrections = {key: _closest(key, names - set(value)) for key in unknown}
-            corrected = {corrections.get(key, key): entry for key, entry in value.items()}
-            errors: list[Exception] = [ForbiddenExtraKeysError(None, target, unknown)]
-            try:
-                base({key: entry for key, entry in corrected.items() if key is not None}, target)
-            except cattrs.ClassValidationError as error:
-                errors += error.exceptions
-            raise cattrs.ClassValidationError(target.__name__, errors, target)
-
-        return read
+    def _table(self, path: str, value: object, target: Any) -> Any:
+        """Return a table as a dataclass; a key that is not known is refused, and read as the one likely meant."""
+        if is_dataclass(value):
+            return value
+        if not isinstance(value, Mapping):
+            raise InvalidInput(f"it is {value!r}: give a table.")
+        # the kind may be given although there is only one
+        table = {key: entry for key, entry in value.items() if (key, entry) != ("kind", target.__name__)}
+        names = {member.name: member for member in fields(target) if member.init}
+        unknown = sorted(table.keys() - names.keys())
+        meant = {key: _closest(key, names.keys() - table.keys()) for key in unknown}
+        table = {meant.get(key, key): entry for key, entry in table.items()}
+        arguments, before = {}, len(self.refusals)
+        for name, member in names.items():
+            key, hint = f"{path}.{name}".lstrip("."), hint_of(target, name)
+            if name in table:
+                arguments[name] = self.read(key, table[name], hint)
+            elif member.default is MISSING and member.default_factory is MISSING:
+                self.refusals.append((key, f"it is missing: {_needed(hint)}."))
+        if unknown:
+            self.refusals.append((path, "; ".join(_unknown(key, names) for key in unknown) + "."))
+        return None if len(self.refusals) > before else target(**arguments)
 
 
 def _kind_of(table: Mapping[str, object], kinds: Mapping[str, type]) -> type:
@@ -190,52 +180,35 @@ def _kind_of(table: Mapping[str, object], kinds: Mapping[str, type]) -> type:
     return named[chosen]
 
 
-def _closest(key: str, names: set[str]) -> str | None:
+def _closest(key: str, names: Collection[str]) -> str | None:
     """Return the name that a symbol stands for, or that is most similar to a key that is not known; None if none is."""
     if (meant := SYMBOLS_OF_FIELDS.get(key)) in names:
         return meant
     return next(iter(get_close_matches(key, sorted(names), n=1)), None)
 
 
-def _as_annotated(value: object, target: Any) -> Any:
-    return valid("it", value, target)
-
-
-def _list_of(target: Any) -> str:
+def _list_of(hint: Any) -> str:
     """Return how a file writes what is a tuple in Python."""
-    first, *following = get_args(target)
+    first, *following = get_args(hint)
     if kind_of(first) in (int, float, str) or get_origin(first) is tuple:
         return "a list in brackets"
     count = "tables" if following == [...] else f"{1 + len(following)} tables"
     return f"{count}, each below its name in double brackets"
 
 
-def _messages(source: str, error: cattrs.BaseValidationError) -> str:
-    """Return a line for every key that cannot be used."""
-    lines = []
-    for line in cattrs.transform_error(error, path="", format_exception=_sentence):
-        sentence, _, path = line.rpartition(" @ ")
-        lines.append(": ".join(filter(None, (source, path.lstrip("."), sentence))))
-    return "\n".join(lines)
+def _needed(hint: Any) -> str:
+    """Return what to give where a key is missing."""
+    if get_origin(hint) is tuple:
+        return f"give {_list_of(hint)}"
+    is_class = isinstance(hint, type) and hint not in (int, float, str, bool)
+    return "give a table" if is_class else remedy(hint)
 
 
-def _sentence(error: BaseException, target: type | None) -> str:
-    """Return what is wrong with one key, and what to give."""
-    if isinstance(error, ForbiddenExtraKeysError):
-        names = parameters(error.cl)
-        unknown = sorted(error.extra_fields)
-        meant = {key: SYMBOLS_OF_FIELDS.get(key, "") for key in unknown}
-        remedies = {
-            k: suggestion(meant[k] if meant[k] in names else k, names) if names else "it has no keys, leave it out"
-            for k in unknown
-        }
-        return "; ".join(f"unknown key {key!r}: {remedies[key]}" for key in unknown) + "."
-    if isinstance(error, KeyError):
-        if get_origin(target) is tuple:
-            return f"it is missing: give {_list_of(target)}."
-        is_class = isinstance(target, type) and target not in (int, float, str, bool)
-        return f"it is missing: {'give a table' if is_class else remedy(target)}."
-    return str(error)
+def _unknown(key: str, names: Collection[str]) -> str:
+    """Return a sentence on a key that is none of the `names`, without its full stop."""
+    meant = SYMBOLS_OF_FIELDS.get(key, "")
+    remedy = suggestion(meant if meant in names else key, names) if names else "it has no keys, leave it out"
+    return f"unknown key {key!r}: {remedy}"
 
 
 def likely_units(raw: object, path: str = "") -> Iterator[str]:

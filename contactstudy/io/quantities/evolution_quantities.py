@@ -1,6 +1,6 @@
 """Quantities of a contact in time, and of one under repeated rolling."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from math import inf, isfinite
@@ -23,6 +23,7 @@ NO_BOUND_OF_CELLS = "No bound: the errors of this load by cells and range are no
 NO_BOUND_OF_DEPTH = "No bound: the error of the peak pressure, which wears the largest depth, has none."
 
 
+BEFORE_RECORDED = "No bound: the load is applied at 0 s, before the first recorded instant: record that one too."
 NO_BOUND_OF_PASS = "No bound: on cells of twice the size nothing yields in the last pass."
 # Bound of what a pass leaves behind over its change from cells of twice the size, and least cells in a half-width: the
 # error was at most 1.9 of that change with elastic pressures of 4.3 and 4.6 k on 5 to 20 cells.
@@ -30,20 +31,23 @@ PASS_MARGIN, CELLS_OF_PASS = 2.0, 5
 NO_BOUND_OF_FEW_CELLS = f"No bound: a half-width has fewer than {CELLS_OF_PASS} cells, give more."
 
 
+def _magnitude(values: Iterable[float]) -> float:
+    """Return the largest size of a force that may act either way."""
+    return max(map(abs, values))
+
+
 # Extremes over time: quantity of an instant, which extreme of it, and its label.
-EXTREMES: tuple[tuple[str, Callable[[list[float]], float], str], ...] = (
+EXTREMES: tuple[tuple[str, Callable[[Iterable[float]], float], str], ...] = (
     ("peak_pressure", max, "largest peak pressure in time"),
     ("largest_von_mises", max, "largest von Mises stress in time"),
     ("central_film", min, "lowest central film thickness in time"),
     ("minimum_film", min, "minimum film thickness in time"),
-    ("friction_coefficient", max, "largest friction force over load in time, either way"),
-    ("traction_coefficient", max, "largest tangential force over load in time, either way"),
-    ("lateral_traction_coefficient", max, "largest lateral force over load in time, either way"),
+    ("friction_coefficient", _magnitude, "largest friction force over load in time, either way"),
+    ("traction_coefficient", _magnitude, "largest tangential force over load in time, either way"),
+    ("lateral_traction_coefficient", _magnitude, "largest lateral force over load in time, either way"),
     ("frictional_power", max, "largest frictional power in time"),
     ("rolling_resistance", max, "largest coefficient of rolling resistance in time"),
 )
-# Those of a force that may act either way, of which the magnitude counts.
-MAGNITUDES = ("friction_coefficient", "traction_coefficient", "lateral_traction_coefficient")
 # Relative excess of a history between the recorded instants up to which it is rounding.
 HISTORY_ROUNDING = 1e-9
 # Quantities of an instant whose last value is reported.
@@ -99,18 +103,19 @@ def _extremes(
     reason, kinks = _beyond_recorded(times, histories)
     for name, extreme, label in EXTREMES:
         known = [(frame[name], time) for frame, time in zip(frames, times, strict=True) if name in frame]
-        values = [abs(quantity.value) if name in MAGNITUDES else quantity.value for quantity, _ in known]
-        if values:
-            index = values.index(extreme(values))
-            found, time = replace(known[index][0], value=values[index]), known[index][1]
-            if reason:
-                found = replace(found, bound=inf, reason=reason)
-            elif isfinite(found.bound) and 0 < index < len(known) - 1 and time not in kinks:
-                around = [instant for _, instant in known[index - 1 : index + 2]]
-                beyond = _beyond_parabola(around, values[index - 1 : index + 2])
-                found = replace(found, bound=found.bound + beyond)
-            position = {"time": float(time)}
-            quantities[name] = replace(found, label=label, position=position, detail="")
+        if not known:
+            continue
+        values = [extreme([quantity.value]) for quantity, _ in known]
+        index = values.index(extreme(values))
+        found, time = known[index]
+        bound = inf if reason else found.bound
+        if isfinite(bound) and 0 < index < len(known) - 1 and time not in kinks:
+            around = slice(index - 1, index + 2)
+            bound += _beyond_parabola([instant for _, instant in known[around]], values[around])
+        quantities[name] = replace(
+            found, value=values[index], label=label, bound=bound, reason=reason or found.reason,
+            position={"time": float(time)}, detail="",
+        )  # fmt: skip
     return quantities
 
 
@@ -118,9 +123,7 @@ def _beyond_recorded(times: Sequence[float], histories: Sequence[Any]) -> tuple[
     """Return where a history goes beyond its values at the recorded `times`, as a sentence or empty, and its kinks."""
     kinks: set[float] = set()
     if not histories and times[0] > 0:
-        return (
-            "No bound: the load is applied at 0 s, before the first recorded instant: record that one too."
-        ), frozenset()
+        return BEFORE_RECORDED, frozenset()
     for history in histories:
         turns = getattr(history, "turning_points", None)
         between = turns(times[-1]) if turns else getattr(history, "times", ())
@@ -183,9 +186,8 @@ def _of_wear(
     of_depth: ErrorParts | None = ErrorParts(discretisation=by_peaks, reason=NO_BOUND_OF_DEPTH)
     if "friction_energy" in fields or "frictional_power" in last or "central_film" in last:
         of_volume = of_depth = None
-    volume = per_length(
-        float(worn.sum() * grid.cell_area * around), "m3", "wear volume", roller_length(posed), grid.length
-    )
+    total = float(worn.sum() * grid.cell_area * around)
+    volume = per_length(total, "m3", "wear volume", roller_length(posed), grid.length)
     depth = Quantity(float(worn.max()), "m", "largest wear depth")
     return {"wear_volume": with_bound(volume, of_volume), "largest_wear_depth": with_bound(depth, of_depth)}
 
@@ -205,11 +207,11 @@ def _of_dents(fields: Mapping[str, Field]) -> dict[str, Quantity]:
         if name.startswith("residual_displacement"):
             suffix = name.removeprefix("residual_displacement")
             of = f" of solids[{suffix[1:]}]" if suffix else ""
-            deep = f"depth of the dent{of} at the end, below the undeformed surface"
-            high = f"height of its shoulders{of}, above the undeformed surface"
-            depth, height = float(field.values.max()), float(-field.values.min())
-            quantities[f"dent_depth{suffix}"] = Quantity(depth, "m", deep)
-            quantities[f"shoulder_height{suffix}"] = Quantity(height, "m", high)
+            for quantity, label, value in (
+                ("dent_depth", f"depth of the dent{of} at the end, below the undeformed surface", field.values.max()),
+                ("shoulder_height", f"height of its shoulders{of}, above the undeformed surface", -field.values.min()),
+            ):
+                quantities[quantity + suffix] = Quantity(float(value), "m", label)
     return quantities
 
 
@@ -242,20 +244,14 @@ def cycle_quantities(
     """
     work, error, reason = net_work
     quantities: dict[str, Quantity] = {}
-    if pull_off is not None:
-        last_stable, first_unstable = pull_off
-        quantities["pull_off"] = Quantity(
-            -last_stable, "N m-1", "pull-off load", reason=NO_BOUND_OF_CELLS,
-            detail=f", lost before {readable(-first_unstable, 'N m-1')}",
-        )  # fmt: skip
-    quantities["net_work"] = Quantity(work, "J m-1", "net work of the load", error, reason)
-    if jump_in is not None:
-        in_contact, separated = jump_in
-        quantities["jump_in"] = Quantity(
-            in_contact, "N m-1", "load at which contact jumps in", reason=NO_BOUND_OF_CELLS,
-            detail=f", not made at {readable(separated, 'N m-1')}",
-        )  # fmt: skip
-    return quantities
+    for name, loads, sign, label, beyond in (
+        ("pull_off", pull_off, -1, "pull-off load", "lost before"),
+        ("jump_in", jump_in, 1, "load at which contact jumps in", "not made at"),
+    ):
+        if loads is not None:
+            detail = f", {beyond} {readable(sign * loads[1], 'N m-1')}"
+            quantities[name] = Quantity(sign * loads[0], "N m-1", label, reason=NO_BOUND_OF_CELLS, detail=detail)
+    return quantities | {"net_work": Quantity(work, "J m-1", "net work of the load", error, reason)}
 
 
 def passes_quantities(rolled: "RepeatedRolling") -> dict[str, Quantity]:
@@ -268,32 +264,26 @@ def passes_quantities(rolled: "RepeatedRolling") -> dict[str, Quantity]:
     status = next((s for s in (rolled.status, rolled.coarse.status) if s is not Status.CONVERGED), None)
     hertz, cell = rolled.description.scene.hertz, rolled.grid.cell_size[0]
     is_coarse = hertz is not None and cell * CELLS_OF_PASS > hertz.half_width * (1 + 1e-9)
-    few_cells = NO_BOUND_OF_FEW_CELLS if is_coarse else ""
+    common_reason = f"No bound: {status}" if status is not None else NO_BOUND_OF_FEW_CELLS * bool(is_coarse)
     quantities = {}
     for name, (values, unit, label) in found.items():
         bound = PASS_MARGIN * float(np.abs(values - coarse[name][0]).max())
-        reason = few_cells if status is None else f"No bound: {status}"
-        if name.startswith(("last", "forward")) and not coarse[name][0][-1]:
-            reason = reason or NO_BOUND_OF_PASS
+        is_elastic = name.startswith(("last", "forward")) and not coarse[name][0][-1]
+        reason = common_reason or NO_BOUND_OF_PASS * is_elastic
         quantities[name] = Quantity(float(values[-1]), unit, label, inf if reason else bound, reason)
-    lowest = int(rolled.residual_stress[-1, 0].argmin())
-    depth = {"z": float(rolled.depths[lowest])}
-    name = "lowest_residual_stress"
-    return quantities | {name: replace(quantities[name], position=depth)}
+    depth = {"z": float(rolled.depths[int(rolled.residual_stress[-1, 0].argmin())])}
+    lowest = replace(quantities["lowest_residual_stress"], position=depth)
+    return quantities | {"lowest_residual_stress": lowest}
 
 
 def _by_pass(rolled: "RepeatedRolling") -> dict[str, tuple[Array, str, str]]:
     """Return values (pass,) of what each pass leaves behind, with unit and label, by name."""
+    lowest, strain = rolled.residual_stress[:, 0].min(axis=-1), rolled.equivalent_plastic_strain.max(axis=-1)
+    added = "largest equivalent plastic strain that the last pass adds"
     forward = "forward displacement of the surface, opposite to the travel of the contact, by the last pass"
     return {
-        "lowest_residual_stress": (
-            rolled.residual_stress[:, 0].min(axis=-1), "Pa", "lowest residual stress in the rolling direction",
-        ),
-        "equivalent_plastic_strain": (
-            rolled.equivalent_plastic_strain.max(axis=-1), "1", "largest equivalent plastic strain",
-        ),
-        "last_plastic_strain_increment": (
-            rolled.plastic_strain_increment, "1", "largest equivalent plastic strain that the last pass adds",
-        ),
+        "lowest_residual_stress": (lowest, "Pa", "lowest residual stress in the rolling direction"),
+        "equivalent_plastic_strain": (strain, "1", "largest equivalent plastic strain"),
+        "last_plastic_strain_increment": (rolled.plastic_strain_increment, "1", added),
         "forward_displacement": (rolled.forward_displacement, "m", forward),
-    }  # fmt: skip
+    }

@@ -167,20 +167,10 @@ def reason(error: Exception, path: Path | None = None) -> str:
         with suppress(OSError):
             if shutil.disk_usage(folder).free < MIN_FREE_BYTES:
                 return "No space left on device"
-            if _lacks_inodes(folder):
-                return "the disk holds as many files as it can: no inode is left"
     if isinstance(error, OSError) and error.strerror:
         return error.strerror
     # HDF5 reports a size limit or a quota so
     return "the file system takes no more" if "HDF error" in str(error) else str(error)
-
-
-def _lacks_inodes(folder: Path) -> bool:
-    """Return whether the file system limits its number of files and the limit is reached."""
-    if not hasattr(os, "statvfs"):
-        return False
-    counts = os.statvfs(folder)
-    return counts.f_files > 0 and counts.f_favail == 0
 
 
 @contextmanager

@@ -5,7 +5,7 @@ circular (``wraps``, n points) or padded with zeros (2 n points). A line contact
 periodic along y; either axis may take any padding.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from contextvars import copy_context
@@ -22,6 +22,7 @@ from contactstudy.domain.device import Array as Array
 from contactstudy.domain.device import Cpu, Numbers, arrays, device, threads, using
 from contactstudy.domain.validation import InvalidInput, Limits, Metres, at_least, validated
 
+S = TypeVar("S")
 T = TypeVar("T")
 
 # Cells in a block: six blocks of double precision fit into the cache of a core.
@@ -44,7 +45,7 @@ def in_blocks(work: Callable[..., T], *fields: Numbers) -> list[T]:
     if cells <= BLOCK_CELLS or not isinstance(device(), Cpu):
         return [work(*fields)]
 
-    def in_turn(blocks: list[slice]) -> list[T]:
+    def in_turn(blocks: Sequence[slice]) -> list[T]:
         return [work(*(field[block, :] for field in fields)) for block in blocks]
 
     blocks = _blocks(*fields[0].shape)
@@ -67,23 +68,13 @@ def equal(first: Array, second: Array) -> bool:
 
 
 def in_threads(work: Callable[[slice], object], shape: tuple[int, ...]) -> None:
-    """Call `work` on one part of the rows of a field of that `shape` in each thread.
-
-    Every part but the last has an even number of rows. The part of this thread is larger by what it does while the
-    others wake. `work` may only use compiled loops, since no device is set in other threads.
-    """
+    """Call `work` on one part of the rows of a field of that `shape` in each thread, an even number but in the last."""
     rows, columns = shape
-    count = min(threads(), rows * columns // CELLS_PER_THREAD)
-    if count <= 1:
-        work(slice(0, rows))
-        return
-    lead = CELLS_PER_THREAD // 2 // columns // 2 * 2
-    size = max(2, -(-(rows - lead) // count // 2) * 2)
-    begins = range(lead + size, rows, size)
-    futures = [_pool(count - 1).submit(work, slice(begin, min(begin + size, rows))) for begin in begins]
-    work(slice(0, min(lead + size, rows)))
-    for future in futures:
-        future.result()
+
+    def on_rows(pairs: Sequence[int]) -> object:
+        return work(slice(pairs[0], min(pairs[-1] + 2, rows)))
+
+    _distributed(on_rows, range(0, rows, 2), rows * columns)
 
 
 def first_cells(field: Array, shape: tuple[int, ...]) -> Array:
@@ -110,24 +101,23 @@ def _blocks(rows: int, columns: int) -> list[slice]:
     return [slice(begin, min(begin + step, rows)) for begin in range(0, rows, step)]
 
 
-def _distributed(work: Callable[[list[slice]], T], blocks: list[slice], cells: int) -> list[T]:
-    """Give each thread a part of the `blocks` of a field of that many `cells`, and return all results in order."""
-    count = min(threads(), len(blocks), cells // CELLS_PER_THREAD)
-    if count <= 1:
-        return [work(blocks)]
-    size = -(-len(blocks) // count)
-    parts = [blocks[begin : begin + size] for begin in range(0, len(blocks), size)]
-    futures = [_pool(count - 1).submit(copy_context().run, _in_thread, work, part) for part in parts[1:]]
-    return [work(parts[0]), *(future.result() for future in futures)]
+def _distributed(work: Callable[[Sequence[S]], T], items: Sequence[S], cells: int) -> list[T]:
+    """Give each thread a part of the `items` of a field of that many `cells`, and return all results in order.
 
-
-def _in_thread(work: Callable[[list[slice]], T], blocks: list[slice]) -> T:
-    """Call `work` on `blocks` in a thread of the pool.
-
-    It uses no further threads and gives no floating-point warnings, like the solve itself.
+    The threads use no further ones and give no floating-point warnings, like the solve itself.
     """
-    with using(Cpu()), np.errstate(all="ignore"):
-        return work(blocks)
+    count = min(threads(), len(items), cells // CELLS_PER_THREAD)
+    if count <= 1:
+        return [work(items)]
+
+    def in_thread(part: Sequence[S]) -> T:
+        with using(Cpu()), np.errstate(all="ignore"):
+            return work(part)
+
+    size = -(-len(items) // count)
+    parts = [items[begin : begin + size] for begin in range(0, len(items), size)]
+    futures = [_pool(count - 1).submit(copy_context().run, in_thread, part) for part in parts[1:]]
+    return [work(parts[0]), *(future.result() for future in futures)]
 
 
 def compiled_loops(shape: tuple[int, ...]) -> Any:
@@ -170,9 +160,6 @@ def _over_rows(loop: Callable[..., object], *arguments: Any, results: int = 0) -
     """
     shape = arguments[0].shape
     values = np.empty((shape[0], results))
-    if shape[0] * shape[1] < 2 * CELLS_PER_THREAD or threads() == 1:
-        loop(*arguments, *([values] if results else []))
-        return values.T
 
     def run(rows: slice) -> None:
         parts = [value[rows] if isinstance(value, np.ndarray) else value for value in arguments]
@@ -340,20 +327,26 @@ class Padding(Protocol):
         """Return the distance to each side whose pressure acts on a point in the middle, in the unit of `period`."""
 
 
+class _Windowed:
+    """Padding whose reach is that of its window of periods."""
+
+    window: ClassVar[range | None]
+
+    def reach(self, period: float) -> float:
+        """Return half the length of the window; infinity where all periods act."""
+        return inf if self.window is None else len(self.window) * period / 2
+
+
 @validated
-class ZeroPadding:
+class ZeroPadding(_Windowed):
     """Padding with zeros, the classical DC-FFT: no images, not periodic (Liu, Wang & Liu 2000)."""
 
     wraps: ClassVar[bool] = False
-    window: ClassVar[range] = range(1)
-
-    def reach(self, period: float) -> float:
-        """Return half a period, which is the domain itself."""
-        return period / 2
+    window = range(1)
 
 
 @validated
-class DuplicatedPadding:
+class DuplicatedPadding(_Windowed):
     """Padding with a copy of the pressure in the padded half of the axis, in place of zeros.
 
     The pressure within one period to either side then acts on every point. The doubled transform equals a circular one
@@ -363,11 +356,7 @@ class DuplicatedPadding:
     """
 
     wraps: ClassVar[bool] = True
-    window: ClassVar[range] = range(-1, 1)
-
-    def reach(self, period: float) -> float:
-        """Return one period, which is the reach from any point."""
-        return period
+    window = range(-1, 1)
 
 
 # More images than these, each of which is summed, are those of ExactPeriodicity to five digits, at no cost.
@@ -378,19 +367,15 @@ Images = Annotated[
 ]
 
 
-class _Counted:
+class _Counted(_Windowed):
     """Padding with a number of images on each side; the subclass says whether of the domain or of each point."""
 
     images: int
 
     @property
-    def window(self) -> range:
+    def window(self) -> range:  # type: ignore[override]
         """Periods whose pressure acts on a point, `images` on each side."""
         return range(-self.images, self.images + 1)
-
-    def reach(self, period: float) -> float:
-        """Return half a period and `images` whole ones more."""
-        return (self.images + 0.5) * period
 
 
 @validated
@@ -429,7 +414,7 @@ class CircularSuperposition(_Counted):
 
 
 @validated
-class ExactPeriodicity:
+class ExactPeriodicity(_Windowed):
     """Periodic axis with the sum over infinitely many images, in closed form.
 
     The displacement under infinitely many loads is finite only up to a rigid displacement. Along one axis it is
@@ -438,11 +423,7 @@ class ExactPeriodicity:
     """
 
     wraps: ClassVar[bool] = True
-    window: ClassVar[None] = None
-
-    def reach(self, period: float) -> float:
-        """Return infinity."""
-        return inf
+    window = None
 
 
 # The padding across the width and the one along the length.

@@ -15,8 +15,8 @@ from contactstudy.accuracy.error_terms import NO_LIMIT
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.grid import Array
 from contactstudy.domain.validation import NotDefined, readable
-from contactstudy.io.quantities.quantity import Quantity, per_length, roller_length, with_bound
-from contactstudy.io.quantities.stress_quantities import fall_beside, largest_place, stress_quantities
+from contactstudy.io.quantities.quantity import Quantity, bounded, per_length, roller_length, with_bound
+from contactstudy.io.quantities.stress_quantities import largest_of, largest_place, stress_quantities
 from contactstudy.io.quantities.traction_quantities import (
     fretting_quantities,
     rolling_traction_quantities,
@@ -56,28 +56,27 @@ def surface_parameters(surface: MeasuredSurface) -> Parameters:
     heights = surface.prepared - surface.prepared.mean()
     steps = [side / count for side, count in zip(surface.extent, heights.shape, strict=True)]
     is_profile = 1 in heights.shape
-    letter = "R" if is_profile else "S"
+    letter, largest = ("R", "Rt") if is_profile else ("S", "Sz")
     rms = float(np.sqrt((heights**2).mean()))
     slopes = sum(
-        float((np.diff(heights, axis=axis) ** 2).mean()) / step**2
+        (np.diff(heights, axis=axis) ** 2).mean() / step**2
         for axis, step in enumerate(steps)
         if heights.shape[axis] > 1
     )
     scaled = heights / (rms or 1.0)
-    found: Parameters = {
-        "q": (rms, "m", "root mean square height"),
-        "a": (float(np.abs(heights).mean()), "m", "arithmetical mean height"),
-        "t" if is_profile else "z": (float(np.ptp(heights)), "m", "largest height"),
-        "sk": (float((scaled**3).mean()), "1", "skewness"),
-        "ku": (float((scaled**4).mean()), "1", "kurtosis"),
-        "dq": (float(np.sqrt(slopes)), "1", "root mean square slope"),
+    parameters: Parameters = {
+        f"{letter}q": (rms, "m", "root mean square height"),
+        f"{letter}a": (float(np.abs(heights).mean()), "m", "arithmetical mean height"),
+        largest: (float(np.ptp(heights)), "m", "largest height"),
+        f"{letter}sk": (float((scaled**3).mean()), "1", "skewness"),
+        f"{letter}ku": (float((scaled**4).mean()), "1", "kurtosis"),
+        f"{letter}dq": (float(np.sqrt(slopes)), "1", "root mean square slope"),
     }
-    found = {letter + name: value for name, value in found.items()}
     if not is_profile and rms:
         shortest, longest = _decay_lengths(scaled, steps)
-        found["Sal"] = shortest, "m", "autocorrelation length"
-        found["Str"] = shortest / longest, "1", "texture aspect ratio"
-    return found
+        parameters["Sal"] = shortest, "m", "autocorrelation length"
+        parameters["Str"] = shortest / longest, "1", "texture aspect ratio"
+    return parameters
 
 
 def parameters_text(parameters: Parameters) -> list[str]:
@@ -134,8 +133,8 @@ def adhesion_quantities(
     on_length = grid.length / (length or grid.length)
     touching, total = bool(solution.pressure.any()), float(adhesion.attraction.sum())
     attraction = float(adhesion.attraction.sum() * grid.cell_area / grid.length) * on_length
-    peak = Quantity(solution.peak_pressure, "Pa", "peak of the repulsive part")
-    peak = with_bound(peak, estimate.peak_pressure, estimate.warnings)
+    label = "peak of the repulsive part"
+    peak = bounded(solution.peak_pressure, "Pa", label, estimate.peak_pressure, estimate.warnings)
     repulsive = replace(peak, value=float(solution.pressure.max()))
     error = estimate.load or estimate.l1
     if adhesion.regularised:
@@ -146,9 +145,7 @@ def adhesion_quantities(
         error = ErrorParts(discretisation=moved, reason=estimate.l1.reason)
     quantities = {
         "peak_repulsive_pressure": repulsive,
-        "attraction": with_bound(
-            Quantity(attraction, "N m-1", "adhesive force per length"), error, estimate.warnings
-        ),
+        "attraction": bounded(attraction, "N m-1", "adhesive force per length", error, estimate.warnings),
         "energy": per_length(adhesion.energy, "J", "energy", length, grid.length),
         "attraction_range": Quantity(adhesion.range, "m", "range of the attraction", 0.0, ""),
         "cells_in_zone": Quantity(adhesion.cells_in_zone, "1", "cells in the cohesive zone", 0.0, ""),
@@ -157,8 +154,9 @@ def adhesion_quantities(
     if adhesion.tabor is not None:
         quantities["tabor_parameter"] = Quantity(adhesion.tabor, "1", "Tabor parameter", 0.0, "")
     if adhesion.first_unstable_load is not None:
-        pull_off = Quantity(-solution.load_per_length * on_length, "N m-1", "pull-off load")
-        quantities = {"pull_off": with_bound(pull_off, estimate.pull_off, estimate.warnings)} | quantities
+        load = -solution.load_per_length * on_length
+        pull_off = bounded(load, "N m-1", "pull-off load", estimate.pull_off, estimate.warnings)
+        quantities = {"pull_off": pull_off} | quantities
     return quantities
 
 
@@ -205,7 +203,7 @@ def contact_quantities(
     pressure, grid = solution.net_pressure, solution.problem.grid
     if not np.isfinite(pressure).all():
         return {}
-    scene, touching, fallback_reasons = (scene_of(solution.problem), solution.pressure > 0, estimate.warnings)
+    scene, touching, warnings = scene_of(solution.problem), solution.pressure > 0, estimate.warnings
     posed = solution.problem.description
     length = roller_length(posed if isinstance(posed, PosedScene) else None)
     paddings = solution.problem.paddings
@@ -221,24 +219,20 @@ def contact_quantities(
     peak, place = largest_place(pressed, {"x": grid.x, "y": grid.y})
     area_error = _shown_error(estimate, "contact_area")
     half_width, half_length = (
-        _half_size(solution, axis, along, area_error, fallback_reasons) for axis, along in enumerate((edges, None))
+        _half_size(solution, axis, along, area_error, warnings) for axis, along in enumerate((edges, None))
     )
     is_point = scene is not None and scene.ellipse is not None
-    solved = ErrorParts(residual=solution.residual)
     width_note = "" if wraps[0] else f", over the grid's width of {readable(grid.extent[0], 'm')}"
     label = f"peak {'net ' * edges_are_steep}pressure"
-    highest = Quantity(peak, "Pa", label, position=place)
-    highest = with_bound(highest, estimate.peak_pressure, fallback_reasons)
-    quantities = {"peak_pressure": highest}
+    quantities = {"peak_pressure": bounded(peak, "Pa", label, estimate.peak_pressure, warnings, position=place)}
     quantities |= stress_quantities(scene, derived, grid, estimate, solution.problem.paddings)
     if rolling is not None:
         quantities |= _of_rolling(rolling, estimate)
     for part in solution.parts:
         quantities |= OF_PARTS[type(part)](solution, part, estimate, length)
     in_contact = per_length(area, "m2", "contact area", length, grid.length)
-    mean = Quantity(total / area if area else 0.0, "Pa", "mean pressure in contact")
-    mean_error = area_error
-    if edges_are_steep and mean.value and area_error is not None:
+    mean, mean_error = total / area if area else 0.0, area_error
+    if edges_are_steep and mean and area_error is not None:
         moved = moved_force(solution, estimate) * grid.cell_area + area_error.total * abs(total)
         mean_error = ErrorParts(discretisation=moved / abs(total), reason=area_error.reason)
     if mean_error is not None and estimate.load is not None:  # at a given approach the load has an error too
@@ -246,35 +240,30 @@ def contact_quantities(
         mean_error = ErrorParts(discretisation=both, reason=mean_error.reason)
     # a full contact has no gap but rounding
     apart = 0.0 if solution.pressure.all() else solution.mean_gap
-    mean_gap = Quantity(apart, "m", "mean gap", detail=width_note)
     quantities |= {
-        "contact_area": with_bound(in_contact, area_error, fallback_reasons),
+        "contact_area": with_bound(in_contact, area_error, warnings),
         "half_width": half_width,
         **({"half_length": half_length} if is_point else {}),
-        "mean_pressure": with_bound(mean, mean_error, fallback_reasons),
-        "mean_gap": with_bound(mean_gap, _shown_error(estimate, "mean_gap"), fallback_reasons),
+        "mean_pressure": bounded(mean, "Pa", "mean pressure in contact", mean_error, warnings),
+        "mean_gap": bounded(apart, "m", "mean gap", _shown_error(estimate, "mean_gap"), warnings, detail=width_note),
         "approach": _approach(solution, estimate),
     }
     if scene is not None and not scene.has_approach:
         del quantities["approach"]
     if scene is not None and scene.radius is None and wraps[0]:
         # contact of flats may reach across the whole period, so that it has no edges and no width
-        fraction = Quantity(in_cells / solution.pressure.size, "1", "fraction of the nominal area in contact")
-        quantities["contact_fraction"] = with_bound(fraction, area_error, fallback_reasons)
+        fraction, label = in_cells / solution.pressure.size, "fraction of the nominal area in contact"
+        quantities["contact_fraction"] = bounded(fraction, "1", label, area_error, warnings)
         if touching[0].any() and touching[-1].any():
             del quantities["half_width"]
     if scene is not None and scene.hardness < inf:
-        dent = solution.dent
-        depth, label = float(dent.max()), "largest plastic indentation"
-        rivals = ((depth + fall_beside(dent, dent), 0.0),)
-        quantities["yielded_depth"] = Quantity(depth, "m", label, rivals=rivals)
-    load, load_parts = float(solution.net_pressure.sum()) * grid.cell_area, estimate.load or solved
+        quantities["yielded_depth"] = largest_of(solution.dent, "m", "largest plastic indentation")
+    load, load_error = float(pressure.sum()) * grid.cell_area, estimate.load or ErrorParts(residual=solution.residual)
     if not is_point:
-        quantities["load_per_length"] = with_bound(
-            Quantity(load / (length or grid.length), "N m-1", "load per length"), load_parts
-        )
+        per_metre = load / (length or grid.length)
+        quantities["load_per_length"] = bounded(per_metre, "N m-1", "load per length", load_error)
     if length is not None:
-        quantities["total_load"] = with_bound(Quantity(load, "N", "load"), load_parts)
+        quantities["total_load"] = bounded(load, "N", "load", load_error)
     return quantities
 
 
@@ -323,9 +312,9 @@ def _of_rolling(rolling: "SteadyRolling", estimate: ErrorEstimate) -> dict[str, 
     scene = scene_of(rolling.solution.problem)
     slides = scene is not None and standing_heights(scene.shapes)
     label = f"coefficient of {'hysteretic sliding friction' if slides else 'rolling resistance'}"
-    resistance = Quantity(rolling.resistance_coefficient, "1", label)
+    coefficient, error = rolling.resistance_coefficient, estimate.rolling_resistance
     return {
-        "rolling_resistance": with_bound(resistance, estimate.rolling_resistance, estimate.warnings),
+        "rolling_resistance": bounded(coefficient, "1", label, error, estimate.warnings),
         "pressure_shift": Quantity(rolling.shift, "m", "pressure centroid ahead of the axis"),
     }
 

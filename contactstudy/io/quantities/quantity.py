@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import inf, isfinite
+from typing import Any
 
 from contactstudy.domain.errors import ErrorParts
 from contactstudy.domain.validation import readable
@@ -94,6 +95,13 @@ def with_bound(quantity: Quantity, parts: ErrorParts | None, fallback_reasons: S
         return replace(quantity, bound=parts.total * abs(quantity.value), reason="")
     reason = parts.reason or next(iter(fallback_reasons), NO_ESTIMATE)
     return replace(quantity, bound=inf, reason=reason)
+
+
+def bounded(
+    value: float, unit: str, label: str, parts: ErrorParts | None, fallback_reasons: Sequence[str] = (), **more: Any
+) -> Quantity:
+    """Return a quantity of this value with the bound of its relative error, as :func:`with_bound` gives it."""
+    return with_bound(Quantity(value, unit, label, **more), parts, fallback_reasons)
 
 
 def roller_length(posed: PosedScene | None) -> float | None:

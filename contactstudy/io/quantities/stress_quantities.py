@@ -314,6 +314,12 @@ def fall_beside(values: Array, beside: Array, cells: int = 1) -> float:
     return max(falls)
 
 
+def largest_of(values: Array, unit: str, label: str) -> Quantity:
+    """Return the largest of some `values` (x, y) as a quantity, which may lie as high beside it as they fall there."""
+    largest = float(values.max())
+    return Quantity(largest, unit, label, rivals=((largest + fall_beside(values, values), 0.0),))
+
+
 def largest_place(
     values: Array, axes: Mapping[str, Array], dimensions: Sequence[str] = ("x", "y")
 ) -> tuple[float, dict[str, float]]:

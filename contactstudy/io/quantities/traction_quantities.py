@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from contactstudy.accuracy.error_terms import NO_LIMIT
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.io.quantities.quantity import Quantity, per_length, with_bound
-from contactstudy.io.quantities.stress_quantities import fall_beside
+from contactstudy.io.quantities.stress_quantities import largest_of
 from contactstudy.scene.scene import scene_of
 from contactstudy.solvers.friction.traction import FrettingTraction, RollingTraction
 from contactstudy.solvers.solution import Solution, TangentialTraction
@@ -25,8 +25,7 @@ def traction_quantities(
     solution: Solution, traction: TangentialTraction, estimate: ErrorEstimate, _: float | None
 ) -> dict[str, Quantity]:
     """Return the tangential force on the first body over the load, and the part of the contact that sticks."""
-    over_load = _force_over_load(solution, traction)[0]
-    coefficient = Quantity(over_load, "1", "tangential force over load")
+    coefficient = Quantity(_force_over_load(solution, traction)[0], "1", "tangential force over load")
     friction = getattr(scene_of(solution.problem), "friction", None)
     sticks = getattr(friction, "sticks", False)
     if solution.adhesion is not None and not sticks:
@@ -51,13 +50,11 @@ def rolling_traction_quantities(
     by_cells = traction.errors.force * pressed / load if load else 0.0
     # at a given approach the load is a result
     of_load = solution.residual + (0.0 if estimate.load is None else estimate.load.total)
-    labels = {"traction_coefficient": "tangential", "lateral_traction_coefficient": "lateral"}
-    forces = {
-        name: _with_slip_bound(
-            Quantity(over_load, "1", f"{label} force over load"), by_cells + of_load * abs(over_load), estimate
-        )
-        for (name, label), over_load in zip(labels.items(), _force_over_load(solution, traction), strict=True)
-    }  # fmt: skip
+    names = ("traction_coefficient", "tangential"), ("lateral_traction_coefficient", "lateral")
+    forces = {}
+    for (name, direction), over_load in zip(names, _force_over_load(solution, traction), strict=True):
+        force = Quantity(over_load, "1", f"{direction} force over load")
+        forces[name] = _with_slip_bound(force, by_cells + of_load * abs(over_load), estimate)
     grid = solution.problem.grid
     total = float(traction.power.sum() * grid.cell_area)
     power = per_length(total, "W", "frictional power", length, grid.length)
@@ -139,13 +136,10 @@ def fretting_quantities(
             for number, relative in ((dissipated, energy_error), (largest_slip, slip_error))
         )
     shear = np.hypot(traction.shears[:, 0], traction.shears[:, 1]).max(axis=0, initial=0.0)
-    largest = float(shear.max())
-    rivals = ((largest + fall_beside(shear, shear), 0.0),)
-    label = "largest tangential traction of all steps"
     return traction_quantities(solution, traction, estimate, length) | {
         name: dissipated,
         "largest_slip": largest_slip,
-        "largest_shear": Quantity(largest, "Pa", label, rivals=rivals),
+        "largest_shear": largest_of(shear, "Pa", "largest tangential traction of all steps"),
     }
 
 

@@ -181,30 +181,24 @@ FACTOR = rf"(?:{POWER}|\(\s*{POWER}(?:\s*[*·]\s*{POWER}|\s+{POWER})*\s*\))"
 SYMBOLS = re.compile(rf"(?:1\s*/\s*)?{FACTOR}(?:\s*[*/·]\s*{FACTOR}|\s+{POWER})*")
 
 
-def in_si(field: str, value: object, unit: Unit) -> float:
-    """Return `value`, a number or a text with a unit, in the SI unit `unit`, without the tolerance of a text.
+def in_si(field: str, text: str, unit: Unit) -> float:
+    """Return the number of a `text` with a unit in the SI unit `unit`, without its tolerance.
 
-    Raises :class:`~contactstudy.InvalidInput`, which names `field`, for anything else and for a unit of another
+    Raises :class:`~contactstudy.InvalidInput`, which names `field`, for any other text and for a unit of another
     quantity.
     """
-    if isinstance(value, str) and PLUS_MINUS.search(value):
-        number, symbol, _ = parted(field, value)
+    value = text
+    if PLUS_MINUS.search(text):
+        number, symbol, _ = parted(field, text)
         value = f"{number} {symbol}"
-    remedy = remedy_of(unit)
-    if isinstance(value, str) and "," in value:
-        remedy += ", with a decimal point"
-    if isinstance(value, int | float) and not isinstance(value, bool):
-        try:
-            return float(value)
-        except OverflowError:
-            raise InvalidInput(f"{field} is too large for a float: {remedy}.") from None
-    match = NUMBER.fullmatch(_usual(value)) if isinstance(value, str) else None
+    refused = InvalidInput(f"{field} is {value!r}: {remedy_of(unit)}{', with a decimal point' * (',' in value)}.")
+    match = NUMBER.fullmatch(_usual(value))
     if match and unit == HARDNESS and match[2] in ("HV", "HRC"):
         return _of_hardness(field, value, float(match[1]), match[2])
     if match and match[2] == "%" and not unit.symbol:
         return float(Decimal(match[1]) / 100)
     if match is None or (match[2] and not SYMBOLS.fullmatch(match[2])):
-        raise InvalidInput(f"{field} is {value!r}: {remedy}.")
+        raise refused
     if not match[2] and match[1].endswith("inf"):  # infinite in any unit
         return float(match[1])
     source, target = decimal_unit(match[2]), decimal_unit(unit.symbol)
@@ -213,7 +207,7 @@ def in_si(field: str, value: object, unit: Unit) -> float:
         if source[1] == target[1]:
             with suppress(ArithmeticError):
                 return float(Decimal(match[1]).scaleb(source[0] - target[0]))
-        raise InvalidInput(f"{field} is {value!r}: {remedy}.")
+        raise refused
     pint = import_for("a unit", "pint")  # slow to import, and needed only here
     registry = _registry()
     try:
@@ -222,7 +216,7 @@ def in_si(field: str, value: object, unit: Unit) -> float:
             parsed /= registry.turn  # cycles per second, as of rpm
         return float(parsed.to(unit.symbol).magnitude)
     except (pint.PintError, ArithmeticError, LookupError, ValueError, TypeError, AttributeError) as error:
-        raise InvalidInput(f"{field} is {value!r}: {remedy}.") from error
+        raise refused from error
 
 
 def parted(field: str, text: str) -> tuple[str, str, float | None]:
@@ -273,9 +267,7 @@ def _of_hardness(field: str, value: object, number: float, scale: str) -> float:
             raise InvalidInput(
                 f"{field} is {value!r}: give {rockwell[0]} to {rockwell[-1]} HRC, or the hardness in HV."
             )
-        above = next(n for n, known in enumerate(rockwell) if known >= number) or 1
-        fraction = (number - rockwell[above - 1]) / (rockwell[above] - rockwell[above - 1])
-        number = vickers[above - 1] * (1 - fraction) + vickers[above] * fraction
+        number = float(np.interp(number, rockwell, vickers))
     return number * VICKERS
 
 

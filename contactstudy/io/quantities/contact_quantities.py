@@ -15,13 +15,9 @@ from contactstudy.accuracy.error_terms import NO_LIMIT
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.grid import Array
 from contactstudy.domain.validation import NotDefined, readable
+from contactstudy.io.quantities import traction_quantities as tractions
 from contactstudy.io.quantities.quantity import Quantity, bounded, per_length, roller_length, with_bound
 from contactstudy.io.quantities.stress_quantities import largest_of, largest_place, stress_quantities
-from contactstudy.io.quantities.traction_quantities import (
-    fretting_quantities,
-    rolling_traction_quantities,
-    traction_quantities,
-)
 from contactstudy.problem.problem import Field
 from contactstudy.scene.loads import DATUM_OVER_RADIUS
 from contactstudy.scene.scene import PosedScene, scene_of
@@ -175,9 +171,9 @@ def moved_force(solution: Solution, estimate: ErrorEstimate) -> float:
 # Functions of a solution, one of its parts, the errors, and the length [m] of a roller, None for others: they return the
 # quantities of that part.
 OF_PARTS: Mapping[type, Callable[..., dict[str, Quantity]]] = {
-    TangentialTraction: traction_quantities,
-    RollingTraction: rolling_traction_quantities,
-    FrettingTraction: fretting_quantities,
+    TangentialTraction: tractions.traction_quantities,
+    RollingTraction: tractions.rolling_traction_quantities,
+    FrettingTraction: tractions.fretting_quantities,
     AdhesiveTraction: adhesion_quantities,
 }
 

@@ -68,12 +68,7 @@ def stress_quantities(
     """
     if scene is None or "von_mises" not in derived:
         return {}
-    from contactstudy.scene.stress import (  # only where it is named
-        SubsurfaceStress,
-        largest_shear,
-        orthogonal_shear,
-        surface_beyond,
-    )
+    from contactstudy.scene import stress as stresses  # only where it is named
 
     index = next(output.body for output in scene.outputs if hasattr(output, "body"))
     given = any(isinstance(getattr(output, "depths", None), tuple) for output in scene.outputs)
@@ -113,11 +108,11 @@ def stress_quantities(
         if before and of_weakest == f"{before}von_mises_depth" and of_weakest in found:  # a part of one strength
             label = found["safety_factor_depth"].label
             found["safety_factor_depth"] = replace(found[of_weakest], label=label)
-        shear, of_shear = largest_shear(stress[:, inside]), f"largest shear stress {at}"
+        shear, of_shear = stresses.largest_shear(stress[:, inside]), f"largest shear stress {at}"
         name_of_shear = f"{before}largest_shear_stress"
         found |= _with_depth(name_of_shear, of_shear, shear, axes, given=given)
         # a range along x has no place on it, and its ends have depths of their own at which it is largest
-        shear, name_of_range = orthogonal_shear(stress[:, inside]), f"{before}orthogonal_shear"
+        shear, name_of_range = stresses.orthogonal_shear(stress[:, inside]), f"{before}orthogonal_shear"
         along = {axis: places for axis, places in axes.items() if axis != "x"}
         found |= _with_depth(name_of_range, f"orthogonal shear stress {at}", shear, along, given=given)
         amplitude = found[name_of_range]
@@ -152,8 +147,8 @@ def stress_quantities(
     if not depths[0] and (scale := float(von_mises[0].max())):
         wider: Iterator[tuple[Grid, Array]] = iter(())
         if layers and paddings:
-            output = next(one for one in scene.outputs if isinstance(one, SubsurfaceStress))
-            wider = surface_beyond(output, scene.solids, grid, paddings, stress[:, 0])
+            output = next(one for one in scene.outputs if isinstance(one, stresses.SubsurfaceStress))
+            wider = stresses.surface_beyond(output, scene.solids, grid, paddings, stress[:, 0])
         found |= _surface_tension(stress[:, 0], scale, wider, layers, grid, name, estimate)
     error = estimate.stress
     if error is None or error.total < inf:

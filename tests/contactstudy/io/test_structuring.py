@@ -13,13 +13,13 @@ PER_PASCAL = Unit("1/Pa", "a coefficient", "1e-17 1/Pa")
 LOAD = Unit("N/m", "a load per length", "100 N/mm")
 NUMBER = Unit("", "a number", "0.3")
 HERTZ = Unit("Hz", "a frequency", "50 Hz")
-WRITTEN: list[tuple[object, Unit, float | None]] = [
-    (0.01, METRES, 0.01), (3, METRES, 3.0), ("10 mm", METRES, 1e-2), ("30 um", METRES, 3e-5),
+WRITTEN: list[tuple[str, Unit, float | None]] = [
+    ("0.01", METRES, None), ("10 mm", METRES, 1e-2), ("30 um", METRES, 3e-5),
     ("30 µm", METRES, 3e-5), ("1 inch", METRES, 0.0254), ("1.2 GPa", PASCALS, 1.2e9), ("100 N/mm", LOAD, 1e5),
     ("5 N*mm**-1", LOAD, 5e3), ("5 N mm^-1", LOAD, 5e3), ("20 1/GPa", PER_PASCAL, 2e-8), ("30 %", NUMBER, 0.3),
     ("30 %", METRES, None),
     ("90 degree", Unit("rad", "an angle", "90 degree"), math.pi / 2),
-    ("inf", PASCALS, math.inf), (math.inf, PASCALS, math.inf),
+    ("inf", PASCALS, math.inf),
     ("3000 rpm", HERTZ, 50.0), ("50 1/s", HERTZ, 50.0),
     ("1e-8 mm^3/(N m)", PER_PASCAL, 1e-17), ("20 °C", Unit("K", "a temperature", "333 K"), 293.15),
     ("1e-6 mm³/Nm", PER_PASCAL, 1e-15), ("206000 N/mm2", PASCALS, 2.06e11),
@@ -72,6 +72,6 @@ def test_a_decimal_unit_is_that_of_the_library_of_units() -> None:
 
 def test_what_is_no_length_is_refused_with_an_example() -> None:
     texts = "10 N", "mm", "", "ten mm", "1..2 mm", "10 mm mm", "1e999 mm/s", "nan m", "0 a^0"
-    for written in (*texts, True, None, [1]):
+    for written in texts:
         with pytest.raises(cs.InvalidInput, match="give a length, such as '10 mm', or a number in"):
             in_si("Cylinder.radius", written, METRES)

@@ -99,6 +99,8 @@ def test_a_verdict_keeps_the_errors_of_the_numbers_that_are_named(tmp_path: Path
     ratios = [number.ratio for number in answer.judged.values()]
     assert 0.02 * max(ratios) <= best_of(verdict).error <= 0.02 == verdict.error
     assert "is kept by every number that is named" in claim(verdict)
+    # no grid is tried beyond the first that meets the error
+    assert best_of(verdict).setting.cells == max(one.setting.cells for one in verdict.settings)
 
 
 def test_the_pressure_keeps_the_error_under_a_somewhat_lower_load(cylinder: Verdict) -> None:

@@ -169,11 +169,17 @@ def discretisation_bound(
 
 def lawful_edges(solution: Solution) -> StraightEdges | None:
     """Return the edges of a contact if they follow the law of straight ones: not with adhesion, nor on a thin layer."""
+    if solution.adhesion is not None or has_thin_layer(solution):
+        return None
+    return straight_edges(solution.pressure)
+
+
+def has_thin_layer(solution: Solution) -> bool:
+    """Return whether a body has a layer of fewer than `CELLS_IN_LAYER` cells."""
     scene = scene_of(solution.problem)
     bodies = () if scene is None else scene.solids
     layers = [bottom - top for body in bodies for *_, top, bottom in getattr(body, "parts", {}).values()]
-    is_thin = min(layers, default=inf) < CELLS_IN_LAYER * solution.problem.grid.cell_size[0]
-    return None if is_thin or solution.adhesion is not None else straight_edges(solution.pressure)
+    return min(layers, default=inf) < CELLS_IN_LAYER * solution.problem.grid.cell_size[0]
 
 
 def dundurs_of_shear(solution: Solution) -> float:

@@ -14,7 +14,7 @@ from contactstudy.domain.grid import Array, Grid, Paddings, axis_first, edge_fra
 from contactstudy.domain.validation import InvalidInput
 from contactstudy.problem.problem import Problem, Source
 from contactstudy.solvers.cohesive_law import Dugdale, Exponential
-from contactstudy.solvers.solution import Branch, Solution, Status
+from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 
@@ -29,12 +29,15 @@ class DiscretisationConstants:
         between two straight edges that fall alike; a third more for edges that are neither straight nor alike.
     edge_effect_beside
         The same where the maximum lies within two cells of an edge, where no parabola holds.
+    edge_uncertainty
+        Uncertainty, in cells, of the place of an edge that is not straight.
     side_excess
         Excess of the counted area per length of its outline along cell sides, in cells: ``(pi - 1 + ln 2) / 24``.
     """
 
     edge_effect: float = 1 / 12
     edge_effect_beside: float = 1 / 3
+    edge_uncertainty: float = 0.5
     side_excess: float = (pi - 1 + log(2)) / 24
 
 
@@ -150,13 +153,15 @@ def contact_area_in_cells(pressure: Array, wraps: tuple[bool, bool], edges: Stra
 def unseen_area_error(pressure: Array, wraps: tuple[bool, bool]) -> float:
     """Return the relative error of :func:`contact_area_in_cells` that its change between grids does not show.
 
-    It is the uncertainty of straight edges and, in a nearly full contact, openings as narrow as a cell, which may be
+    It is the uncertainty of its edges and, in a nearly full contact, openings as narrow as a cell, which may be
     there or not. It is infinite where no area may remain.
     """
     edges = straight_edges(pressure)
     area, lost = contact_area_in_cells(pressure, wraps, edges), float(_narrow_openings(pressure, wraps))
     if edges is not None:
         lost += pressure.shape[1] * (edges.uncertainty + STRAIGHT_UNCERTAINTY)
+    else:  # of many edges, which lie anywhere in their cells, most errors cancel
+        lost += CONSTANTS.edge_uncertainty * sum(_sides(pressure > 0, wraps)) ** 0.5
     return relative_loss(lost / area) if area else inf
 
 
@@ -192,7 +197,7 @@ ADHESIVE_TOLERANCE = 1e-7
 # Fields of `DiscretisationErrors` that hold an error.
 OF_NUMBERS = "l1", "peak_pressure", "contact_area", "load"
 # Error of the work of adhesion by which cells trap the edge of a contact, times the cells in the cohesive zone.
-TRAPPED_WORK: dict[type, float] = {Exponential: 0.06, Dugdale: 0.16}
+TRAPPED_WORK: dict[type, float] = {Exponential: 0.06, Dugdale: 0.25}
 
 
 @dataclass(frozen=True)
@@ -312,8 +317,8 @@ def _with_trapping(errors: DiscretisationErrors, solution: Solution) -> Discreti
     """Return the `errors` of a contact with adhesion with those by trapping of its edge.
 
     Cells hold the edge of the contact as if the work of adhesion were off by a fraction that falls with the cells in the
-    cohesive zone: less where the bodies came from afar, more where they came from full contact. The errors are the
-    changes where the work is changed back; infinite where the bodies then come apart, or have no other solution.
+    cohesive zone. The errors are the larger changes where the work is changed by that, either way; infinite where the
+    bodies then come apart, or have no other solution.
     """
     problem, adhesion = solution.problem, solution.adhesion
     assert adhesion is not None
@@ -321,9 +326,8 @@ def _with_trapping(errors: DiscretisationErrors, solution: Solution) -> Discreti
         return errors
     solver: Any = problem.adhesion
     fraction = TRAPPED_WORK[type(solver.law)] / adhesion.cells_in_zone
-    signs = {Branch.FROM_AFAR: (1,), Branch.FROM_FULL_CONTACT: (-1,)}.get(solver.branch, (1, -1))
     changes = []
-    for sign in signs:
+    for sign in (1, -1):
         factor = 1 + sign * fraction
         law = replace(solver.law, work=factor * solver.law.work, range=factor * solver.law.range)
         adhesive = replace(solver.continued(adhesion.attraction), law=law)

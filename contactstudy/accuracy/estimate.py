@@ -285,6 +285,7 @@ def error_estimate(
         highest = root * max(solution.pressure.max(), solution.adhesion.attraction.max())
         by_state = float(highest) / abs(solution.peak_pressure) if solution.peak_pressure else inf
         peak = replace(peak, discretisation=(peak.discretisation or 0.0) + by_state)
+        l1 = replace(l1, discretisation=(l1.discretisation or 0.0) + root / 2)
     return ErrorEstimate(
         l1,
         peak,

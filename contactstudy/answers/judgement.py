@@ -40,6 +40,8 @@ BY_YIELD = "dent_depth", "shoulder_height", "highest_residual_stress", "lowest_r
 AT_EDGE = "highest_residual_stress", "surface_tension", "largest_shear"
 # In the name of a depth, before the index of a body where it has one.
 DEPTH = re.compile(r"_depth(?=(_\d)?$)")
+# The same as `MARGIN` of a peak pressure, which has a law of its own.
+PEAK_MARGIN = 0.75
 NO_COARSER_YIELD = "No bound: nothing yields on half the cells, give more."
 
 
@@ -119,6 +121,10 @@ def with_nested_bounds(
             bound = max(bound, reach - quantity.value)
             reason = "" if bound else RELATIVE_TO_ZERO
             found[name] = replace(quantity, bound=bound or inf, reason=reason)
+    peaks = {1: quantities} | dict(below)
+    if "peak_pressure" in quantities and isfinite((peak := quantities["peak_pressure"]).bound):
+        change = by_changes({k: level["peak_pressure"].value for k, level in peaks.items()}, order)
+        found["peak_pressure"] = replace(peak, bound=max(peak.bound, PEAK_MARGIN * change))
     for name, depth in found.items():
         largest = found.get(DEPTH.sub("", name), depth)
         if largest is not depth and isfinite(depth.bound):

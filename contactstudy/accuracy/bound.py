@@ -123,7 +123,7 @@ def discretisation_bound(
     # where the grid chooses the range of an attraction, edges follow another law
     peak, edges = (0.0, (0.0, 0.0)) if solution.regularised else shown_errors(solution)
     l1, at_end, at_hardness = sum(edges), end_error(solution), _at_hardness(solution)
-    area = 0.0 if adheres else unseen_area_error(solution.pressure, wraps)
+    area = 0.0 if adheres else unseen_area_error(solution.pressure, wraps, lawful_edges(solution))
     load = CONSTANTS.load_error * max(0.0 if adheres else l1, inside.hidden_load)
     changes = DiscretisationErrors(0.0, 0.0, 0.0)
     follows_law = (
@@ -169,17 +169,11 @@ def discretisation_bound(
 
 def lawful_edges(solution: Solution) -> StraightEdges | None:
     """Return the edges of a contact if they follow the law of straight ones: not with adhesion, nor on a thin layer."""
-    if solution.adhesion is not None or has_thin_layer(solution):
-        return None
-    return straight_edges(solution.pressure)
-
-
-def has_thin_layer(solution: Solution) -> bool:
-    """Return whether a body has a layer of fewer than `CELLS_IN_LAYER` cells."""
     scene = scene_of(solution.problem)
     bodies = () if scene is None else scene.solids
     layers = [bottom - top for body in bodies for *_, top, bottom in getattr(body, "parts", {}).values()]
-    return min(layers, default=inf) < CELLS_IN_LAYER * solution.problem.grid.cell_size[0]
+    is_thin = min(layers, default=inf) < CELLS_IN_LAYER * solution.problem.grid.cell_size[0]
+    return None if is_thin or solution.adhesion is not None else straight_edges(solution.pressure)
 
 
 def dundurs_of_shear(solution: Solution) -> float:

@@ -150,13 +150,12 @@ def contact_area_in_cells(pressure: Array, wraps: tuple[bool, bool], edges: Stra
     return float(max(np.count_nonzero(pressure) - CONSTANTS.side_excess * sides, 0.0))
 
 
-def unseen_area_error(pressure: Array, wraps: tuple[bool, bool]) -> float:
+def unseen_area_error(pressure: Array, wraps: tuple[bool, bool], edges: StraightEdges | None) -> float:
     """Return the relative error of :func:`contact_area_in_cells` that its change between grids does not show.
 
-    It is the uncertainty of its edges and, in a nearly full contact, openings as narrow as a cell, which may be
-    there or not. It is infinite where no area may remain.
+    It is the uncertainty of its edges, straight ones if they are given, and, in a nearly full contact, openings as
+    narrow as a cell, which may be there or not. It is infinite where no area may remain.
     """
-    edges = straight_edges(pressure)
     area, lost = contact_area_in_cells(pressure, wraps, edges), float(_narrow_openings(pressure, wraps))
     if edges is not None:
         lost += pressure.shape[1] * (edges.uncertainty + STRAIGHT_UNCERTAINTY)

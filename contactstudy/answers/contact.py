@@ -6,7 +6,7 @@ from functools import cached_property
 from math import inf
 from typing import TYPE_CHECKING, Any
 
-from contactstudy.accuracy.bound import has_thin_layer, lawful_edges
+from contactstudy.accuracy.bound import lawful_edges
 from contactstudy.accuracy.coarser import coarse_solution, comparable
 from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.answers.answer import Answer, Coarser, levels_below
@@ -216,8 +216,7 @@ class Contact(Answer, Solution):
         """Power of the cell size with which its numbers fall."""
         source = self.problem.source
         ends = source is not None and source.ends_along
-        is_of_first_order = ends or self.adhesion is not None or self.rolling is not None or has_thin_layer(self)
-        return 1.0 if is_of_first_order else STATIC_ORDER
+        return 1.0 if ends or self.adhesion is not None or self.rolling is not None else STATIC_ORDER
 
     def _below(self) -> "dict[int, Contact]":
         """Return the contact on 1 / k of the cells along each axis by k, as far as these have a solution."""

@@ -131,7 +131,7 @@ def test_edges_beside_a_layer_of_few_cells_are_known_less_than_those_of_a_half_s
     scene = cs.Scene(cs.LineLoad(155458.0), (coated, cs.HalfSpace(np.inf, 0.3)), (cs.Cylinder(4.6924e-3),))
     coarse, fine = (cs.solve(scene, cs.Grid((n, 1), (1.44248e-4, 1e-4)), EXACT).quantities for n in (48, 768))
     for name in ("contact_area", "half_width"):
-        assert abs(coarse[name].value - fine[name].value) < coarse[name].bound < 0.05 * coarse[name].value
+        assert abs(coarse[name].value - fine[name].value) < coarse[name].bound < 0.1 * coarse[name].value
 
 
 def test_a_corner_raises_pressure_by_its_slope_at_each_halving(line_contact: LineContact) -> None:

@@ -378,7 +378,7 @@ class _Request:
 
     def grid_of_film(self, last: Level) -> Grid:
         """Return the grid on which a film is expected to end: refined as that to a larger error was."""
-        from contactstudy.lubrication.solve_lubricated import film_grid
+        from contactstudy.lubrication.film_grid import film_grid
 
         planned, found = self.planned.grid, last.grid
         first = film_grid(self.scene, last.answer.requested, found.length)

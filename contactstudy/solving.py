@@ -217,7 +217,7 @@ class _Request:
     def planned(self) -> tuple[Grid, Padding | Paddings]:
         """Return grid and padding: those that are given, else planned for the error."""
         if self.grid is not None and self.scene.lubrication is not None:
-            from contactstudy.lubrication.solve_lubricated import check_varies_on
+            from contactstudy.lubrication.film_grid import check_varies_on
 
             check_varies_on(self.scene, self.grid)
         if self.grid is not None and self.padding is not None:
@@ -438,15 +438,16 @@ class _Request:
     def film(self) -> "LubricatedContact":
         """Solve a steady film."""
         from contactstudy.answers.lubricated_contact import film_answer
-        from contactstudy.lubrication.solve_lubricated import (
+        from contactstudy.lubrication.film_grid import (
             MAX_CELLS,
             MAX_REQUESTED_CELLS,
             PERIOD,
             film_grid,
             finer_film_grid,
-            solve_lubricated,
             varies_along,
         )
+        from contactstudy.lubrication.newton.pseudo_time import FilmControls
+        from contactstudy.lubrication.steady_film import solve_lubricated
 
         if self.start is not None and not hasattr(self.start, "film"):
             raise InvalidInput(
@@ -463,16 +464,14 @@ class _Request:
         else:
             first, padding = self.planned()
 
+        controls = FilmControls(
+            tolerance=self.options.tolerance,
+            max_iterations=self._film_options.max_iterations,
+            progress=self.progress and Reporter(self.progress, self.options.tolerance).film_step,
+        )
+
         def solve_on(grid: Grid, start: Any) -> "LubricatedContact":
-            film = solve_lubricated(
-                self.scene,
-                grid,
-                padding or ExactPeriodicity(),
-                tolerance=self.options.tolerance,
-                max_iterations=self._film_options.max_iterations,
-                start=start,
-                progress=self.progress and Reporter(self.progress, self.options.tolerance).film_step,
-            )
+            film = solve_lubricated(self.scene, grid, padding or ExactPeriodicity(), controls, start)
             return film_answer(film, requested=self.requested)
 
         answer = solve_on(first, self.start)

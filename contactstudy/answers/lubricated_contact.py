@@ -19,9 +19,8 @@ from contactstudy.domain.validation import NotDefined
 from contactstudy.io.quantities.film_quantities import BY_SLIDING, ON_ASPERITIES, film_quantities
 from contactstudy.io.quantities.quantity import NO_ESTIMATE, Quantities, Quantity
 from contactstudy.lubrication.lubricated_contact import FilmSolution
-from contactstudy.lubrication.newton.pseudo_time import FilmControls
 from contactstudy.lubrication.posed_film import interpolated
-from contactstudy.lubrication.steady_film import solve_on
+from contactstudy.lubrication.steady_film import solve_lubricated
 from contactstudy.problem.problem import Field
 from contactstudy.scene.shapes.shape import shortest_wavelengths, unresolved, with_extent_of
 from contactstudy.solvers.solution import Counts, Status
@@ -162,7 +161,7 @@ class LubricatedContact(Answer, FilmSolution):
         """Return the film on 1 / `factor` of the cells along each axis, over a multiple of the width."""
         scene = replace(self.scene, shapes=with_extent_of(self.scene.shapes, self.grid))
         grid = widened(coarsened(self.grid, factor), widening)
-        solution = solve_on(scene, grid, self.padding, FilmControls(), self)
+        solution = solve_lubricated(scene, grid, self.padding, start=self)
         film = film_answer(solution, estimate=ErrorEstimate(ErrorParts()))
         if film.status in NO_FILM:
             raise NotDefined(str(film.status))

@@ -24,8 +24,7 @@ from contactstudy.lubrication.film_equation import Film, SqueezeTerm
 from contactstudy.lubrication.lubricated_contact import FilmSolution
 from contactstudy.lubrication.newton.pseudo_time import FilmControls, FilmIteration, LinearSolver, iterate
 from contactstudy.lubrication.posed_film import PosedFilm, linear_solver, lubricated_scales, pose
-from contactstudy.lubrication.steady_film import TUNING as STEADY
-from contactstudy.lubrication.steady_film import continued, film_solution
+from contactstudy.lubrication.steady_film import ROUGH_CHANGE, continued, film_solution
 from contactstudy.scene.loads import ChangingLoad, LineLoad
 from contactstudy.scene.scene import Scene
 from contactstudy.solvers.solution import Counts, Status
@@ -34,6 +33,17 @@ from contactstudy.solvers.solution import Counts, Status
 ERROR_OVER_DIFFERENCE = 1.5
 # Statuses of a film whose errors are infinite.
 FAILED = (Status.FILM_NOT_CONVERGED, Status.NOT_CONVERGED)
+# First step, over the time in which the mean speed passes a cell; and the first step in pseudo-time [a / u_m], so long
+# that it is Newton's. The constants of steps were chosen on waves that pass in 12 to 96 steps.
+FIRST, PSEUDO_TIME_STEP = 0.5, 1e6
+# Error of a step of BDF2 over the difference to a quadratic through three instants (Gear 1971, equal steps), and the
+# least thickness of a predicted film over that at the last instant.
+ERROR_OF_STEP, MIN_FILM_FRACTION = 2 / 11, 0.3
+# Farthest motion of a moving shape in a step, over Hertz's half-width, so that none passes the contact unseen, and
+# least steps in a period of the load.
+LONGEST_MOTION, PER_PERIOD = 0.5, 4
+# Allowed error of a step where none is given, and where its length is given instead.
+STEP_ERROR, UNLIMITED = 1e-3, 1e99
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,38 +108,6 @@ def film_trajectory(
         errors = ERROR_OVER_DIFFERENCE * np.maximum.accumulate(differences)[until]
         errors[[film.status in FAILED for film in films]] = inf
     return FilmTrajectory(times, tuple(films), work, errors)
-
-
-@dataclass(frozen=True)
-class StepTuning:
-    """Tuning constants of the steps in time, chosen on waves that pass in 12 to 96 steps; ``step_error`` has a source.
-
-    Attributes
-    ----------
-    first
-        First step, over the time in which the mean speed passes a cell.
-    step_error
-        Error of a step of BDF2 over the difference to a quadratic through three instants (Gear 1971, equal steps).
-    pseudo_time_step
-        First step in pseudo-time [a / u_m], so long that it is Newton's.
-    min_film_fraction
-        Least thickness of a predicted film over that at the last instant.
-    longest_motion, per_period
-        Farthest motion of a moving shape in a step, over Hertz's half-width, so that none passes the contact unseen, and
-        least steps in a period of the load.
-    """
-
-    first: float = 0.5
-    step_error: float = 2 / 11
-    pseudo_time_step: float = 1e6
-    min_film_fraction: float = 0.3
-    longest_motion: float = 0.5
-    per_period: int = 4
-
-
-TUNING = StepTuning()
-# Allowed error of a step where none is given, and where its length is given instead.
-STEP_ERROR, UNLIMITED = 1e-3, 1e99
 
 
 @dataclass(frozen=True, eq=False)
@@ -201,7 +179,7 @@ def evolve_lubricated(
     control = Control(
         error,
         _Films.order,
-        first=2 * (step or TUNING.first * passage),
+        first=2 * (step or FIRST * passage),
         # two steps at least, which the estimate takes at once
         longest=min(2 * (step or inf), 2 * start.longest_step, instants[-1] - instants[0]),
     )
@@ -300,10 +278,10 @@ class _FilmStepper:
     @property
     def longest_step(self) -> float:
         """Longest step [s]: a part of the load's period, and of the time in which a moving shape passes the contact."""
-        longest: float = getattr(self.scene.load, "period", inf) / TUNING.per_period
+        longest: float = getattr(self.scene.load, "period", inf) / PER_PERIOD
         if any(hasattr(shape, "gap_after") for shape in self.scene.shapes):
             fastest = 1 + abs(self.posed.scales.lubrication.slide_roll_ratio) / 2
-            longest = min(longest, TUNING.longest_motion * self.time_unit / fastest)
+            longest = min(longest, LONGEST_MOTION * self.time_unit / fastest)
         return longest
 
     @property
@@ -336,8 +314,8 @@ class _FilmStepper:
         controls = FilmControls(
             tolerance=self.tolerance,
             max_iterations=60,
-            time_step=TUNING.pseudo_time_step,
-            viscosity_change=STEADY.rough_change,
+            time_step=PSEUDO_TIME_STEP,
+            viscosity_change=ROUGH_CHANGE,
         )
         last = iterate(
             equation, expected, self.solver, controls,
@@ -354,7 +332,7 @@ class _FilmStepper:
         change = np.abs(last.film.thickness - self._extrapolated(end / self.time_unit, "thickness"))[inside].mean()
         error = 0.0
         if len(self.past) > 2:
-            error = TUNING.step_error * float(change / last.film.thickness[inside].mean())
+            error = ERROR_OF_STEP * float(change / last.film.thickness[inside].mean())
         error = error if last.converged(self.tolerance) else inf
         past = (instant, *self.past[:2])
         return replace(self, time=end, past=past, now=now, distance=distance, change=error)
@@ -422,8 +400,8 @@ class _FilmStepper:
         void = np.where(pressure > 0, 0, last.void)
         separation = float(self._extrapolated(time, "separation").flat[0])
         film = now.equation.film_of(pressure, void, separation)
-        if (film.thickness > TUNING.min_film_fraction * last.thickness).all():
+        if (film.thickness > MIN_FILM_FRACTION * last.thickness).all():
             return film
         film = now.equation.film_of(last.pressure, last.void, last.separation)
-        rise = max(0.0, float((TUNING.min_film_fraction * last.thickness - film.thickness).max()))
+        rise = max(0.0, float((MIN_FILM_FRACTION * last.thickness - film.thickness).max()))
         return now.equation.film_of(last.pressure, last.void, last.separation + rise)

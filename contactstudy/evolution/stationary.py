@@ -30,7 +30,8 @@ from contactstudy.evolution.march import Breakpoint, Control, March, Method, Rec
 from contactstudy.evolution.steady_rolling import SteadyRolling, solve_rolling
 from contactstudy.evolution.trajectory import Frame, Trajectory, error_of_peak, frame_of
 from contactstudy.lubrication.lubricated_contact import FilmSolution
-from contactstudy.lubrication.solve_lubricated import solve_lubricated
+from contactstudy.lubrication.newton.pseudo_time import FilmControls
+from contactstudy.lubrication.steady_film import solve_lubricated
 from contactstudy.problem.constraint import PrescribedLoad
 from contactstudy.problem.problem import Field, Problem
 from contactstudy.scene.loads import ChangingLoad, LineLoad, loads_between
@@ -488,11 +489,11 @@ def follow_film_wear(
     assert lubrication is not None
     assert lubrication.boundary is not None
 
+    controls = FilmControls(tolerance=options.tolerance, max_iterations=options.max_iterations)
+
     def solved(depth: Array, before: FilmSolution | None) -> FilmSolution:
         worn = replace(unworn, shapes=(*unworn.shapes, SurfaceDepth(depth, grid)))
-        film = solve_lubricated(
-            worn, grid, padding, tolerance=options.tolerance, max_iterations=options.max_iterations, start=before
-        )
+        film = solve_lubricated(worn, grid, padding, controls, before)
         return replace(film, scene=scene, wear_depth=depth)
 
     def rate(film: FilmSolution) -> Array:

@@ -8,12 +8,12 @@ film is followed from a higher speed down.
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import ceil, inf, log, sqrt
 
 import numpy as np
 
-from contactstudy.domain.grid import Array, Grid, Padding, Paddings
+from contactstudy.domain.grid import Array, ExactPeriodicity, Grid, Padding, Paddings
 from contactstudy.lubrication.film_equation import INLET_CELLS, OUTLET_CELLS, Film, FilmEquation, Mask
 from contactstudy.lubrication.lubricated_contact import FilmSolution, ShearedFilm, rise_beside_lowest
 from contactstudy.lubrication.newton.pseudo_time import FilmControls, FilmIteration, iterate
@@ -40,105 +40,64 @@ SWEEP, INLET_ERROR = 0.94, 0.9
 # on cells wider than the inlet sweep, or if it rises by more than UNRESOLVED_RISE of itself from its lowest cell to the
 # next.
 STARVED, UNRESOLVED_RISE = 0.05, 0.5
+# First step in pseudo-time after a coarser grid, and the largest change of ln(eta) in a step of a film that varies
+# along its length or begins far from its contact. On rough films a hundredth of the former took 1.3 to 4 times as long,
+# and ten times it needed hundreds of linear iterations in its first steps; smooth films in plane strain need no limit.
+STEP_AFTER_COARSER, ROUGH_CHANGE = 0.3, 6.0
+# In plane strain a second film is sought where the rms height is more than ROUGH times the film, by heights that grow
+# from that by the factor GROWTH. Two films are distinct by more than DISTINCT in their mean thickness, relative, or in
+# the part of the load that asperities carry.
+ROUGH, GROWTH, DISTINCT = 2.0, 1.25, 0.01
+# Continuation in speed where no cold start converges, without and with asperities: factor of a step, most increases,
+# and least factor of a decrease. Those with asperities, and the constants below, were chosen by what converges on
+# ridges at 1 to 1e-6 times a speed, at which Moes's load parameter was 20 and 100.
+SPEEDS, MIXED_SPEEDS = (10.0, 4, 1.05), (1.3, 5, 1.02)
+# First steps in pseudo-time on a boundary film, from a film and from the dry contact. From the latter it is nearly
+# Newton's: 5 to 9 steps at load fractions above 0.88.
+FROM_FILM, FROM_DRY = 0.1, 10.0
+# Most iterations for the active sets of a step, in plane strain and along the length. There a set moves downstream by a
+# few cells in an iteration, and need not converge in each step: with 12, films of a narrow transition took three times
+# the linear iterations.
+ACTIVE_SETS, ACTIVE_SETS_ALONG = 12, 3
+# Most steps from the dry contact in plane strain, as more are spent where there is a film; and its residual.
+DRY_STEPS, DRY_RESIDUAL = 30, 1e-10
+# Factors on the speed of the films and the dry contacts from which other films are sought: of eight speeds of three
+# waves, where two films were known, one or both led to the other.
+FASTER, SLOWER = 4.0, 3.0
 
 
-@dataclass(frozen=True)
-class SpeedSteps:
-    """Factor of each step in speed, the most increases, and the least factor of a decrease."""
-
-    factor: float
-    max_increases: int
-    min_factor: float
-
-
-@dataclass(frozen=True)
-class SteadyTuning:
-    """Tuning constants of the starts, chosen by counts of steps on smooth and rough films.
-
-    Attributes
-    ----------
-    step_after_prolongation
-        First step in pseudo-time after a coarser grid. On rough films a hundredth of it took 1.3 to 4 times as long,
-        and ten times it needed hundreds of linear iterations in its first steps.
-    rough_change
-        Largest change of ln(eta) in a step of a film that varies along its length; plane strain needs no limit.
-    relative_roughness, growth
-        In plane strain a second film is sought where the rms height is more than ``relative_roughness`` times the film,
-        by heights that grow from that by the factor ``growth``.
-    distinct
-        Relative difference of the mean thickness, or part of the load that asperities carry in one film alone, by which
-        two films are distinct.
-    speeds
-        Speeds of the continuation where a cold start fails.
-    """
-
-    step_after_prolongation: float = 0.3
-    rough_change: float = 6.0
-    relative_roughness: float = 2.0
-    growth: float = 1.25
-    distinct: float = 0.01
-    speeds: SpeedSteps = SpeedSteps(10.0, 4, 1.05)
-
-
-TUNING = SteadyTuning()
-
-
-@dataclass(frozen=True)
-class MixedTuning:
-    """Tuning constants of the starts, chosen by what converges on ridges at 1 to 1e-6 times a speed.
-
-    At that speed Moes's load parameter M was 20 and 100.
-
-    Attributes
-    ----------
-    from_film, from_dry
-        First steps in pseudo-time. From the dry contact it is nearly Newton's: 5 to 9 steps at load
-        fractions above 0.88.
-    change
-        Largest change of ln(eta) in a step from a film.
-    max_active_set_iterations, max_active_set_iterations_along
-        Largest number of iterations for the active sets of a step, in plane strain and along the length. There a set
-        moves downstream by a few cells in an iteration, and need not converge in each step: with 12, films of a narrow
-        transition took three times the linear iterations.
-    dry_steps
-        Steps from the dry contact in plane strain: more are spent where there is a film.
-    dry_residual
-        Residual of the dry contact to start from.
-    speeds
-        Speeds of the continuation where neither start converges.
-    faster, slower
-        Factors on the speed of the films and the dry contacts from which other films are sought: of eight speeds of
-        three waves, where two films were known, one or both led to the other.
-    """
-
-    from_film: float = 0.1
-    from_dry: float = 10.0
-    change: float = 6.0
-    max_active_set_iterations: int = 12
-    max_active_set_iterations_along: int = 3
-    dry_steps: int = 30
-    dry_residual: float = 1e-10
-    speeds: SpeedSteps = SpeedSteps(1.3, 5, 1.02)
-    faster: float = 4.0
-    slower: float = 3.0
-
-
-MIXED = MixedTuning()
-
-
-def solve_on(
+def solve_lubricated(
     scene: Scene,
     grid: Grid,
-    padding: Padding | Paddings,
-    controls: FilmControls,
+    padding: Padding | Paddings = ExactPeriodicity(),  # noqa: B008 (a frozen value)
+    controls: FilmControls = FilmControls(),  # noqa: B008 (a frozen value)
     start: FilmSolution | None = None,
     outlet: float = OUTLET,
 ) -> FilmSolution:
-    """Return the film on one grid, from another contact where that converges, else from a cold start.
+    """Return the steady film of ``scene``, flooded or starved, isothermal or heated, with a status.
 
     Where its pressure reaches the outlet, the outlet is moved to the end of the grid. In plane strain, where the rms
-    height is more than `SteadyTuning.relative_roughness` times the film, a second film is sought, and the status says if
-    it exists.
+    height is more than `ROUGH` times the film, a second film is sought, and the status says if it exists.
+
+    Parameters
+    ----------
+    scene
+        A scene with ``lubrication``.
+    grid
+        Cells (x, y); one cell along the length is plane strain. Lubricant enters at smaller x.
+    padding
+        Along the length, one that wraps.
+    controls
+        When the iteration stops.
+    start
+        A contact to start from, such as that at a somewhat higher speed; on another grid it is interpolated.
+    outlet
+        Half-widths from the end of the dry contact to where the film has no pressure any more.
+
+    Raises
+    ------
+    InvalidInput
+        For a scene without a curvature, and for a grid or a padding on which it has no film.
     """
     posed = pose(scene, grid, padding, outlet)
     before = None if start is None or start.status is Status.FILM_NOT_CONVERGED else start
@@ -149,8 +108,8 @@ def solve_on(
     contact = film_solution(scene, grid, padding, posed, last, controls.tolerance)
     is_cut = contact.status is Status.CONTACT_AT_EDGE
     if is_cut and posed.upstream.cells[0] < grid.cells[0]:
-        return solve_on(scene, grid, padding, controls, start, outlet=inf)
-    if last.converged(controls.tolerance) and posed.relative_roughness > TUNING.relative_roughness:
+        return solve_lubricated(scene, grid, padding, controls, start, outlet=inf)
+    if last.converged(controls.tolerance) and posed.relative_roughness > ROUGH:
         others = _other_films(posed, controls, is_cold=is_cold)
         if any(other.converged(controls.tolerance) and _differs(posed, last, other) for other in others):
             return replace(contact, status=Status.SEVERAL_FILMS)
@@ -203,8 +162,8 @@ def _from_lower_heights(posed: PosedFilm, controls: FilmControls) -> FilmIterati
     """Return the film that is followed from lower heights up to these; None where that fails."""
     smooth = posed.x[:, None] ** 2 / 2
     heights, last = posed.equation.gap - smooth, None
-    number = ceil(log(posed.relative_roughness / TUNING.relative_roughness) / log(TUNING.growth))
-    for fraction in np.geomspace(TUNING.relative_roughness / posed.relative_roughness, 1, number + 1):
+    number = ceil(log(posed.relative_roughness / ROUGH) / log(GROWTH))
+    for fraction in np.geomspace(ROUGH / posed.relative_roughness, 1, number + 1):
         lower = replace(posed, equation=replace(posed.equation, gap=smooth + fraction * heights))
         if last is None:
             last = _nested(lower, controls)
@@ -226,7 +185,7 @@ def _differs(posed: PosedFilm, last: FilmIteration, other: FilmIteration) -> boo
     first, second = (film.thickness[inside].mean() for film in films)
     load, other_load = (film.asperity_pressure.sum() for film in films)
     of_load = abs(load - other_load) / films[0].total_pressure.sum()
-    return bool(max(abs(first - second) / first, of_load) > TUNING.distinct)
+    return bool(max(abs(first - second) / first, of_load) > DISTINCT)
 
 
 def continued(posed: PosedFilm, controls: FilmControls) -> FilmIteration:
@@ -236,7 +195,7 @@ def continued(posed: PosedFilm, controls: FilmControls) -> FilmIteration:
         return cold
     from_higher_speed = _from_higher_speeds(
         posed,
-        TUNING.speeds,
+        SPEEDS,
         controls.tolerance,
         lambda faster: _nested(faster, controls),
         lambda slower, last: _iterated(slower, last.film, controls, last.cavitated),
@@ -256,47 +215,48 @@ def _nested(posed: PosedFilm, controls: FilmControls) -> FilmIteration:
 
 def _after_coarser_grid(controls: FilmControls) -> FilmControls:
     """Return the controls after a coarser grid."""
-    return replace(controls, time_step=TUNING.step_after_prolongation)
+    return replace(controls, time_step=STEP_AFTER_COARSER)
 
 
 def _iterated(posed: PosedFilm, film: Film, controls: FilmControls, cavitated: Mask | None = None) -> FilmIteration:
     """Return the film from a given one; where it varies along its length, in steps that change the viscosity less."""
     if posed.upstream.cells[1] > 1:
-        controls = replace(controls, viscosity_change=TUNING.rough_change)
+        controls = replace(controls, viscosity_change=ROUGH_CHANGE)
     return iterate(posed.equation, film, linear_solver(posed), controls, cavitated=cavitated)
 
 
 def _from_higher_speeds(
     posed: PosedFilm,
-    steps: SpeedSteps,
+    steps: tuple[float, int, float],
     tolerance: float,
     cold: Callable[[PosedFilm], FilmIteration],
     warm: Callable[[PosedFilm, FilmIteration], FilmIteration],
 ) -> FilmIteration | None:
     """Return the film that is followed from the first higher speed where a ``cold`` start converges.
 
-    Each lower speed has a ``warm`` start from the last; a step down that fails is tried again with the square root of
-    its factor. None where no higher speed converges, or the factor falls below the least.
+    The ``steps`` are those of `SPEEDS`. Each lower speed has a ``warm`` start from the last; a step down that fails is
+    tried again with the square root of its factor. None where no higher speed converges, or the factor falls below the
+    least.
     """
+    factor, most, least = steps
     wanted = faster = posed.equation.speed_parameter
-    for _ in range(steps.max_increases):
-        faster *= steps.factor
+    for _ in range(most):
+        faster *= factor
         last = cold(posed.at(faster))
         if last.converged(tolerance):
             break
     else:
         return None
-    factor = steps.factor
     while faster > wanted:
         slower = faster / factor
-        if slower <= wanted * steps.min_factor:  # avoid a tiny last step
+        if slower <= wanted * least:  # avoid a tiny last step
             slower = wanted
         trial = warm(posed.at(slower), last)
         if trial.converged(tolerance):
             last, faster = trial, slower
         else:
             factor = sqrt(factor)
-            if factor <= steps.min_factor:
+            if factor <= least:
                 return None
     return last
 
@@ -328,7 +288,7 @@ def _solve_mixed(posed: PosedFilm, controls: FilmControls, warm: tuple[Film, Mas
     if in_plane_strain and not iterations[-1].converged(controls.tolerance):
         from_higher_speed = _from_higher_speeds(
             posed,
-            MIXED.speeds,
+            MIXED_SPEEDS,
             controls.tolerance,
             lambda faster: _mixed_iterated(faster, _film_start(faster), film_controls),
             lambda slower, last: _mixed_iterated(slower, last.film, film_controls),
@@ -342,8 +302,8 @@ def _other_mixed_films(posed: PosedFilm, controls: FilmControls) -> Iterator[Fil
     controls, film_controls, dry_controls = _mixed_controls(posed, controls)
     speed = posed.equation.speed_parameter
     for factor, start, start_controls in (
-        (MIXED.faster, _film_start, film_controls),
-        (1 / MIXED.slower, _dry_start, dry_controls),
+        (FASTER, _film_start, film_controls),
+        (1 / SLOWER, _dry_start, dry_controls),
     ):
         other = posed.at(factor * speed)
         at_other_speed = _mixed_iterated(other, start(other), start_controls)
@@ -356,16 +316,14 @@ def _mixed_controls(posed: PosedFilm, controls: FilmControls) -> tuple[FilmContr
     in_plane_strain = posed.upstream.cells[1] == 1
     controls = replace(
         controls,
-        max_active_set_iterations=MIXED.max_active_set_iterations
-        if in_plane_strain
-        else MIXED.max_active_set_iterations_along,
+        max_active_set_iterations=ACTIVE_SETS if in_plane_strain else ACTIVE_SETS_ALONG,
     )
     film_controls = replace(
-        controls, time_step=MIXED.from_film, viscosity_change=MIXED.change, converged_only=in_plane_strain
+        controls, time_step=FROM_FILM, viscosity_change=ROUGH_CHANGE, converged_only=in_plane_strain
     )
-    dry_controls = replace(controls, time_step=MIXED.from_dry)
+    dry_controls = replace(controls, time_step=FROM_DRY)
     if in_plane_strain:
-        dry_controls = replace(dry_controls, max_iterations=MIXED.dry_steps)
+        dry_controls = replace(dry_controls, max_iterations=DRY_STEPS)
     return controls, film_controls, dry_controls
 
 
@@ -379,7 +337,7 @@ def _film_start(posed: PosedFilm) -> Film:
 def _dry_start(posed: PosedFilm) -> Film:
     """Return the dry contact on the boundary film, in a gap full of lubricant without pressure."""
     equation = posed.equation
-    options = SolveOptions(tolerance=MIXED.dry_residual)
+    options = SolveOptions(tolerance=DRY_RESIDUAL)
     dry = solve_contact(posed.problem, options, posed.dry_pressure).pressure[: len(posed.x)]
     asperity_pressure = np.asarray(dry / posed.scales.hertz.peak_pressure)
     zeros = np.zeros_like(asperity_pressure)

@@ -30,6 +30,18 @@ from contactstudy.problem.problem import ApproximateInverse, Extension
 # every second line, were chosen by counts of iterations on 50 rough, crowned and mixed films of 64 x 16 to 864 x 128
 # cells, with Moes's load parameter M = 20 and 100 and his material parameter L = 0 to 10.
 ELASTICITY, ELASTICITY_ALONG, PASSES = (0.05, 0.1), (0.03, 0.03), 3
+# Linear residual where GMRES stops, without and with cells that touch, and that above which a step is rejected. With
+# 0.1 more steps were taken, with 0.01 half as many iterations again; with 1e-2 the active sets of touching cells did
+# not converge on 128 x 32 cells. These and the constants below were chosen on rough films of 64^2 to 256^2 cells.
+TOLERANCE, TOLERANCE_TOUCHING, MAX_RESIDUAL = 3e-2, 1e-3, 0.1
+# Length of the basis of GMRES, and the largest number of cycles of that length.
+BASIS, RESTARTS = 120, 4
+# Harmonics along the length in the Fourier stage, the mean included. Shorter waves follow the conductance, which the
+# local stage has: with 33, light rough films took 1.1 to 3 times the iterations, each 1.5 times as long.
+WAVES = 9
+# The stages are built again when iterations exceed GROWTH times those after the last build plus EXTRA, or when the step
+# in pseudo-time, at most LONGEST_STEP, has changed by the factor STEP_RATIO.
+GROWTH, EXTRA, STEP_RATIO, LONGEST_STEP = 1.5, 5, 4.0, 3.0
 # Function that solves for a right-hand side (x, y), approximately.
 LocalStage = Callable[[Array], Array]
 
@@ -228,40 +240,6 @@ def compiled_sweep() -> Callable[..., Array] | None:
     return sweep
 
 
-@dataclass(frozen=True)
-class KrylovTuning:
-    """Tuning constants of the linear solver, chosen by counts of iterations on rough films of 64^2 to 256^2 cells.
-
-    Attributes
-    ----------
-    tolerance, tolerance_touching, max_residual
-        Linear residual where GMRES stops (0.1 costs steps, 0.01 half as many iterations again). The same where cells
-        touch (with 1e-2 the active sets did not converge on 128 x 32 cells). Above the last a step is rejected.
-    basis, restarts
-        Length of the basis of GMRES, and the largest number of cycles of that length.
-    waves
-        Harmonics along the length in the Fourier stage, the mean included. Shorter waves follow the conductance, which
-        the local stage has: with 33, light rough films took 1.1 to 3 times the iterations, each 1.5 times as long.
-    growth, margin, step_ratio, longest_step
-        The stages are built again when iterations exceed ``growth`` times those after the last build plus ``margin``,
-        or when the step in pseudo-time, at most ``longest_step``, has changed by the factor ``step_ratio``.
-    """
-
-    tolerance: float = 3e-2
-    tolerance_touching: float = 1e-3
-    max_residual: float = 0.1
-    basis: int = 120
-    restarts: int = 4
-    waves: int = 9
-    growth: float = 1.5
-    margin: int = 5
-    step_ratio: float = 4.0
-    longest_step: float = 3.0
-
-
-TUNING = KrylovTuning()
-
-
 @dataclass(frozen=True, eq=False)
 class KrylovSolver:
     """GMRES for a film that varies along its length, with what the next system may reuse.
@@ -315,9 +293,9 @@ class KrylovSolver:
         if self.last is not None and self.last[0].linear is linear:
             start = system.restricted_from(*self.last)
         unknowns, residual, count = system.solve(right, start, norm)
-        solved = bool(np.isfinite(residual) and residual < TUNING.max_residual)
+        solved = bool(np.isfinite(residual) and residual < MAX_RESIDUAL)
         at_first = count if staged.iterations_at_build is None else staged.iterations_at_build
-        slow = count > TUNING.growth * at_first + TUNING.margin
+        slow = count > GROWTH * at_first + EXTRA
         solver = replace(
             staged,
             fourier=None if slow else staged.fourier,
@@ -333,11 +311,9 @@ class KrylovSolver:
 
     def _with_fourier_stage(self, linear: Linearised, cavitated: Mask, touching: Mask) -> "KrylovSolver":
         """Return the solver with a new Fourier stage where the time step has changed, or iterations grew."""
-        time_step = (
-            min(1 / linear.inverse_time_step, TUNING.longest_step) if linear.inverse_time_step else TUNING.longest_step
-        )
+        time_step = 1 / max(linear.inverse_time_step, 1 / LONGEST_STEP)
         ratio = time_step / self.built_for if self.built_for else 0.0
-        if self.fourier is not None and 1 / TUNING.step_ratio < ratio < TUNING.step_ratio:
+        if self.fourier is not None and 1 / STEP_RATIO < ratio < STEP_RATIO:
             return self
         full_film = ~(cavitated | linear.equation.fixed)
         fourier = FourierStage.of(linear, full_film, touching, influence_by_harmonic(self.deflection))
@@ -426,7 +402,7 @@ class StepSystem:
             nonlocal count
             count += 1
 
-        tolerance = TUNING.tolerance_touching if self.touching.any() else TUNING.tolerance
+        tolerance = TOLERANCE_TOUCHING if self.touching.any() else TOLERANCE
         missing = right - self.product(start) if start.any() else right
         if np.linalg.norm(missing) > norm:  # a start from zero is better
             start, missing = np.zeros_like(start), right
@@ -434,7 +410,7 @@ class StepSystem:
             (right.size, right.size), matvec=lambda values: self.product(self.preconditioned(values)), dtype=float
         )
         solution, _ = gmres(
-            system, missing, rtol=0.0, atol=tolerance * norm, restart=TUNING.basis, maxiter=TUNING.restarts,
+            system, missing, rtol=0.0, atol=tolerance * norm, restart=BASIS, maxiter=RESTARTS,
             callback=counted, callback_type="pr_norm",
         )  # fmt: skip
         unknowns = start + self.preconditioned(solution)
@@ -512,7 +488,7 @@ class FourierStage:
 def influence_by_harmonic(deflection: Convolution) -> Array:
     """Return the deflection (harmonic, x, x') at x under a unit pressure at x', by harmonics along the length."""
     nx, ny = deflection.cells
-    number = min(TUNING.waves, ny // 2 + 1)
+    number = min(WAVES, ny // 2 + 1)
     columns = fft.ifft(deflection.spectrum[:, :number], axis=0).real.astype(np.float32)
     index = np.arange(nx)
     return np.ascontiguousarray(columns[np.abs(index[:, None] - index)].transpose(2, 0, 1))

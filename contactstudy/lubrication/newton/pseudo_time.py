@@ -24,76 +24,33 @@ from contactstudy.lubrication.film_equation import Film, FilmEquation, Linearise
 
 # Rounding of a pressure over the pressure, and of a film thickness over the largest height.
 ROUNDING = 4 * float(np.finfo(float).eps)
-
-
-@dataclass(frozen=True)
-class PseudoTimeTuning:
-    """Tuning constants of the iteration, chosen by counts of steps on 70 smooth points and 75 rough films, cold starts.
-
-    The smooth points are M 1 to 1000 and L 0 to 20 on 100 to 800 cells.
-
-    Attributes
-    ----------
-    min_film_fraction, content_fall
-        Least film thickness, and least content of a cavitated cell, after a step over that before it: with these no
-        point failed.
-    clipped
-        Fraction of the cells of a film without asperities in which the change of ln(eta) is clipped to its limit, so
-        that single cells do not damp the step: light rough films of 432 x 64 cells took 44 steps for 61.
-    shrink, grow
-        Limits of the factor of the step in pseudo-time, by the ratio of residuals: with these no point failed.
-    after_damping
-        Largest factor of the step in pseudo-time after a damped step, from rough films.
-    min_growth, allowed_rise
-        Least factor while the residual falls, or rises by no more than the factor ``allowed_rise``. With this one,
-        beside an ``allowed_rise`` of 1, steps at 210 points fell from 2883 to 2426.
-    rejected, least
-        Factor of the step in pseudo-time after a rejected step, and the step where the iteration ends.
-    stall_steps
-        Undamped steps within which the residual is halved, or the iteration ends. The slowest film that converges took
-        105 steps, most of them damped.
-    unconverged_rise
-        Largest factor of the residual in a step of a mixed film whose active sets have not converged; beyond it the
-        step is rejected: some of these steps lost all that the iteration had gained.
-    artificial_compressibility, near_contact
-        Compressibility of the lubricant in a step in pseudo-time, over 1 / p_H, in cells that touch or whose film is
-        thinner than ``near_contact`` boundary films (Chorin 1967). A narrow transition took 12 steps for 27 on 64 x 16
-        cells, with 0.1 and 3 three times as many; on 256 x 64 it converges, where the residual had stayed at 5e-2.
-    contact_tolerance
-        A cell enters the contact where its film is thinner than the boundary film by this fraction, which is above the
-        rounding of heights.
-    max_rounding
-        Largest residual that counts as rounding.
-    """
-
-    min_film_fraction: float = 0.3
-    content_fall: float = 0.1
-    clipped: float = 2e-3
-    shrink: float = 0.3
-    grow: float = 4.0
-    after_damping: float = 0.7
-    min_growth: float = 2.0
-    allowed_rise: float = 1.1
-    rejected: float = 0.25
-    least: float = 1e-9
-    stall_steps: int = 30
-    unconverged_rise: float = 1.5
-    artificial_compressibility: float = 0.3
-    near_contact: float = 2.0
-    contact_tolerance: float = 1e-9
-    max_rounding: float = 1e-3
-
-    def next_time_step(self, time_step: float, before: float, residual: float, damping: float) -> float:
-        """Return the next step in pseudo-time, after one with a damping factor that led ``before`` to ``residual``."""
-        factor = float(np.clip(before / residual, self.shrink, self.grow)) if residual else self.grow
-        if damping < 1:
-            factor = min(factor, self.after_damping)
-        elif residual < self.allowed_rise * before:
-            factor = max(factor, self.min_growth)
-        return factor * time_step
-
-
-TUNING = PseudoTimeTuning()
+# The constants below were chosen by counts of steps on 70 smooth points, with M 1 to 1000 and L 0 to 20 on 100 to 800
+# cells, and on 75 rough films, all from cold starts.
+# Least film thickness, and least content of a cavitated cell, after a step over that before it, and the limits of the
+# factor of the step in pseudo-time, by the ratio of residuals: with these no point failed.
+MIN_FILM_FRACTION, CONTENT_FALL, SHRINK, GROW = 0.3, 0.1, 0.3, 4.0
+# Fraction of the cells of a film without asperities in which the change of ln(eta) is clipped to its limit, so that
+# single cells do not damp the step: light rough films of 432 x 64 cells took 44 steps for 61.
+CLIPPED = 2e-3
+# Largest factor of the step in pseudo-time after a damped step, from rough films; and the least factor while the
+# residual falls, or rises by no more than the factor ALLOWED_RISE. With that, beside an ALLOWED_RISE of 1, steps at 210
+# points fell from 2883 to 2426.
+AFTER_DAMPING, MIN_GROWTH, ALLOWED_RISE = 0.7, 2.0, 1.1
+# Factor of the step in pseudo-time after a rejected step, and the step where the iteration ends.
+REJECTED, LEAST = 0.25, 1e-9
+# Undamped steps within which the residual is halved, or the iteration ends. The slowest film that converges took 105
+# steps, most of them damped.
+STALL_STEPS = 30
+# Largest factor of the residual in a step of a mixed film whose active sets have not converged; beyond it the step is
+# rejected: some of these steps lost all that the iteration had gained.
+UNCONVERGED_RISE = 1.5
+# Compressibility of the lubricant in a step in pseudo-time, over 1 / p_H, in cells that touch or whose film is thinner
+# than NEAR_CONTACT boundary films (Chorin 1967). A narrow transition took 12 steps for 27 on 64 x 16 cells, with 0.1
+# and 3 three times as many; on 256 x 64 it converges, where the residual had stayed at 5e-2.
+ARTIFICIAL_COMPRESSIBILITY, NEAR_CONTACT = 0.3, 2.0
+# A cell enters the contact where its film is thinner than the boundary film by this fraction, which is above the
+# rounding of heights; and the largest residual that counts as rounding.
+CONTACT_TOLERANCE, MAX_ROUNDING = 1e-9, 1e-3
 
 
 class ActiveSets(NamedTuple):
@@ -194,7 +151,7 @@ class FilmIteration:
         linear, heights = self.linear, float(np.abs(self.linear.equation.gap).max())
         by_pressure = float((np.abs(linear.pressure[0, 0]) * self.film.pressure).sum())
         by_film = float(np.abs(linear.thickness[0, 0]).sum()) * heights
-        return float(min(ROUNDING * (by_pressure + by_film) / _flow(linear), TUNING.max_rounding))
+        return float(min(ROUNDING * (by_pressure + by_film) / _flow(linear), MAX_ROUNDING))
 
 
 def iterate(
@@ -216,9 +173,9 @@ def iterate(
     time_step, best, waited = controls.time_step, last.residual, 0
     while (
         not last.converged(controls.tolerance)
-        and waited < TUNING.stall_steps
+        and waited < STALL_STEPS
         and last.iterations < controls.max_iterations
-        and time_step > TUNING.least
+        and time_step > LEAST
         and np.isfinite(last.residual)
     ):
         step = _step_of_active_sets(last, solver, time_step, controls)
@@ -229,14 +186,12 @@ def iterate(
         if not rejected:
             linear, active = equation.linearise(film, squeeze), step.next
             residual = _residual(linear, film)
-            rejected = (
-                equation.boundary_film > 0 and not step.converged and residual > TUNING.unconverged_rise * last.residual
-            )
+            rejected = equation.boundary_film > 0 and not step.converged and residual > UNCONVERGED_RISE * last.residual
         if rejected:
-            time_step *= TUNING.rejected
+            time_step *= REJECTED
             film, linear, active, residual = last.film, last.linear, last.active, last.residual
         else:
-            time_step = TUNING.next_time_step(time_step, last.residual, residual, damping)
+            time_step = _next_time_step(time_step, last.residual, residual, damping)
             waited += damping == 1
             if 2 * residual <= best:
                 best, waited = residual, 0
@@ -247,6 +202,16 @@ def iterate(
         if controls.progress is not None:
             controls.progress(last)
     return last
+
+
+def _next_time_step(time_step: float, before: float, residual: float, damping: float) -> float:
+    """Return the next step in pseudo-time, after one with a damping factor that led ``before`` to ``residual``."""
+    factor = float(np.clip(before / residual, SHRINK, GROW)) if residual else GROW
+    if damping < 1:
+        factor = min(factor, AFTER_DAMPING)
+    elif residual < ALLOWED_RISE * before:
+        factor = max(factor, MIN_GROWTH)
+    return factor * time_step
 
 
 def _residual(linear: Linearised, film: Film) -> float:
@@ -350,8 +315,8 @@ def _artificial_storage(last: FilmIteration) -> Array | float:
     touching, boundary = last.active.touching, last.linear.equation.boundary_film
     if not touching.any():
         return 0.0
-    near = touching | (last.film.thickness < TUNING.near_contact * boundary)
-    return TUNING.artificial_compressibility * boundary * near
+    near = touching | (last.film.thickness < NEAR_CONTACT * boundary)
+    return ARTIFICIAL_COMPRESSIBILITY * boundary * near
 
 
 def _corrected_active_sets(last: FilmIteration, active: ActiveSets, change: FilmCorrection) -> ActiveSets:
@@ -361,9 +326,7 @@ def _corrected_active_sets(last: FilmIteration, active: ActiveSets, change: Film
     cavitated &= ~equation.fixed
     if not equation.boundary_film:
         return ActiveSets(cavitated, active.touching)
-    low = film.thickness + _change_of_thickness(equation, change) < equation.boundary_film * (
-        1 - TUNING.contact_tolerance
-    )
+    low = film.thickness + _change_of_thickness(equation, change) < equation.boundary_film * (1 - CONTACT_TOLERANCE)
     return ActiveSets(cavitated, np.where(active.touching, film.asperity_pressure + change.asperity_pressure > 0, low))
 
 
@@ -383,14 +346,14 @@ def _damping_factor(last: FilmIteration, step: _ActiveSetStep, controls: FilmCon
     rise = _change_of_thickness(equation, change) / film.thickness
     log_change = equation.log_viscosity(film.pressure)[1] * np.abs(change.pressure)
     if not step.active.touching.any():
-        viscous = np.quantile(log_change, 1 - TUNING.clipped)
+        viscous = np.quantile(log_change, 1 - CLIPPED)
     else:  # where asperities take over pressure, its fall has no limit
         taken_over = step.active.touching & (change.pressure < 0)
         viscous = log_change[~taken_over].max(initial=0.0)
     # each change over its limit
     largest = max(
-        float(-rise.min()) / (1 - TUNING.min_film_fraction),
-        float(rise[film.pressure > 0].max(initial=0.0)) / (1 / TUNING.min_film_fraction - 1),
+        float(-rise.min()) / (1 - MIN_FILM_FRACTION),
+        float(rise[film.pressure > 0].max(initial=0.0)) / (1 / MIN_FILM_FRACTION - 1),
         float(viscous) / controls.viscosity_change,
     )
     return 1.0 if largest <= 1 else 1 / largest
@@ -406,7 +369,7 @@ def _updated_film(last: FilmIteration, step: _ActiveSetStep, damping: float, con
         np.divide(controls.viscosity_change, log_slope, out=largest, where=log_slope > 0)
         pressure_change = np.clip(pressure_change, -largest, largest)
     pressure = np.maximum(film.pressure + pressure_change, 0)
-    largest_void = 1 - TUNING.content_fall * (1 - film.void) if equation.conserves else inf
+    largest_void = 1 - CONTENT_FALL * (1 - film.void) if equation.conserves else inf
     void = np.clip(film.void + damping * change.void, 0, largest_void)
     asperity_pressure = np.maximum(film.asperity_pressure + damping * change.asperity_pressure, 0)
     if damping == 1:

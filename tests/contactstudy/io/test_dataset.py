@@ -10,7 +10,7 @@ import xarray as xr
 import contactstudy as cs
 from contactstudy.answers.lubricated_contact import film_answer
 from contactstudy.domain.errors import ErrorParts
-from contactstudy.lubrication.solve_lubricated import solve_lubricated
+from contactstudy.lubrication.steady_film import solve_lubricated
 from tests.conftest import LineContact
 from tests.contactstudy.lubrication.scenes import by_moes
 from tests.contactstudy.lubrication.scenes import grid as film_cells

@@ -9,8 +9,7 @@ from contactstudy.lubrication.film_equation import neighbour
 from contactstudy.lubrication.newton import linear_solvers
 from contactstudy.lubrication.newton.pseudo_time import FilmControls
 from contactstudy.lubrication.posed_film import pose
-from contactstudy.lubrication.solve_lubricated import solve_lubricated
-from contactstudy.lubrication.steady_film import continued
+from contactstudy.lubrication.steady_film import continued, solve_lubricated
 from tests.contactstudy.lubrication.scenes import DRY, STEEL, by_moes, grid, with_motion
 
 A = DRY.hertz.half_width

@@ -6,7 +6,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.lubrication.film_heat import moving_source, thermal_reduction
-from contactstudy.lubrication.solve_lubricated import solve_lubricated
+from contactstudy.lubrication.steady_film import solve_lubricated
 from tests.contactstudy.lubrication.scenes import STEEL, by_moes, grid, with_motion
 
 OF_STEEL = cs.FilmHeat()

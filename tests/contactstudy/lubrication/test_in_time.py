@@ -10,7 +10,7 @@ from contactstudy.domain.grid import Array
 from contactstudy.evolution.evolve_lubricated import FilmTrajectory, evolve_lubricated
 from contactstudy.lubrication.film_equation import FilmEquation
 from contactstudy.lubrication.newton.pseudo_time import FilmIteration, iterate
-from contactstudy.lubrication.solve_lubricated import solve_lubricated
+from contactstudy.lubrication.steady_film import solve_lubricated
 from tests.contactstudy.lubrication.scenes import DRY, by_moes, grid, with_motion
 
 A = DRY.hertz.half_width

@@ -6,7 +6,8 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.answers.lubricated_contact import film_answer
-from contactstudy.lubrication.solve_lubricated import solve_lubricated
+from contactstudy.lubrication.newton.pseudo_time import FilmControls
+from contactstudy.lubrication.steady_film import solve_lubricated
 from tests.contactstudy.lubrication.scenes import DRY, STEEL, by_moes, grid, in_moes_units, with_motion
 
 A = DRY.hertz.half_width
@@ -77,8 +78,9 @@ def test_a_film_starts_from_one_on_another_grid() -> None:
         (waves, grid(64, 3.0, 8), grid(64, 3.0, 16)),
         (by_moes(20, 5), grid(100, 4.5), grid(100, 4.5)),
     ):
-        coarse = solve_lubricated(scene, first, tolerance=1e-10)
-        cold, warm = (solve_lubricated(scene, second, start=start, tolerance=1e-10) for start in (None, coarse))
+        controls = FilmControls(tolerance=1e-10)
+        coarse = solve_lubricated(scene, first, controls=controls)
+        cold, warm = (solve_lubricated(scene, second, controls=controls, start=start) for start in (None, coarse))
         assert warm.film == pytest.approx(cold.film, rel=1e-6)
         assert warm.iterations <= (1 if first == second else cold.iterations)
 
@@ -95,7 +97,7 @@ def test_a_spike_that_cells_hide_leaves_the_peak_pressure_without_an_error() -> 
 def test_few_cells_along_a_wave_are_within_their_error() -> None:
     height = 0.2 * solve_lubricated(by_moes(20, 5), grid(96, 3.0)).central_film
     scene = by_moes(20, 5, cs.Waviness(height, across=A / 2, along=A / 2))
-    few, many = (solve_lubricated(scene, grid(96, 3.0, cells), tolerance=1e-6) for cells in (8, 32))
+    few, many = (solve_lubricated(scene, grid(96, 3.0, cells)) for cells in (8, 32))
     error = film_answer(few).error
     for name in ("central_film", "minimum_film", "peak_pressure"):
         bound = getattr(error, name).total

@@ -9,8 +9,7 @@ import contactstudy as cs
 from contactstudy.evolution.evolve_lubricated import evolve_lubricated
 from contactstudy.lubrication.newton.pseudo_time import FilmControls
 from contactstudy.lubrication.posed_film import pose
-from contactstudy.lubrication.solve_lubricated import solve_lubricated
-from contactstudy.lubrication.steady_film import continued, film_solution, solve_on
+from contactstudy.lubrication.steady_film import continued, film_solution, solve_lubricated
 from tests.contactstudy.lubrication.scenes import DRY, STEEL, by_moes, grid, in_moes_units, with_motion
 
 A = DRY.hertz.half_width
@@ -33,7 +32,7 @@ def test_an_outlet_that_cuts_the_pressure_off_is_no_answer_and_moves_to_the_end_
     last = continued(posed, controls)
     cut = film_solution(scene, cells, cs.ExactPeriodicity(), posed, last, controls.tolerance)
     assert cut.status is cs.Status.CONTACT_AT_EDGE
-    moved = solve_on(scene, cells, cs.ExactPeriodicity(), controls, outlet=-0.3)
+    moved = solve_lubricated(scene, cells, controls=controls, outlet=-0.3)
     assert moved.status is cs.Status.CONVERGED
     assert moved.film == pytest.approx(solve_lubricated(scene, cells).film, rel=1e-6)
 

@@ -5,7 +5,8 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.answers.lubricated_contact import film_answer
-from contactstudy.lubrication.solve_lubricated import solve_lubricated
+from contactstudy.lubrication.newton.pseudo_time import FilmControls
+from contactstudy.lubrication.steady_film import solve_lubricated
 from tests.contactstudy.lubrication.scenes import DRY, by_moes, with_motion
 
 A = DRY.hertz.half_width
@@ -111,7 +112,7 @@ def test_a_slow_rough_film_becomes_the_dry_contact_along_the_length() -> None:
     scene, cells = replace(mixed(0.06, 1.0), shapes=(DRY.shapes[0], rough)), cs.Grid((64, 16), (6 * A, 2 * A))
     dry = cs.solve(replace(scene, lubrication=None), cells, tolerance=1e-10)
     slower = with_motion(scene, mean_speed=1e-3 * scene.lubrication.largest_speed)
-    contact = solve_lubricated(slower, cells, tolerance=1e-7)
+    contact = solve_lubricated(slower, cells, controls=FilmControls(tolerance=1e-7))
     assert contact.status is not cs.Status.FILM_NOT_CONVERGED
     assert contact.film[contact.contact_pressure > 0] == pytest.approx(0.004 * UNIT, rel=1e-6)
     assert np.abs(contact.pressure - dry.pressure).sum() < 1e-3 * dry.pressure.sum()

@@ -7,7 +7,8 @@ import pytest
 import contactstudy as cs
 from contactstudy.answers.lubricated_contact import film_answer
 from contactstudy.lubrication.lubricated_contact import FilmSolution
-from contactstudy.lubrication.solve_lubricated import solve_lubricated
+from contactstudy.lubrication.newton.pseudo_time import FilmControls
+from contactstudy.lubrication.steady_film import solve_lubricated
 from tests.contactstudy.lubrication.scenes import DRY, STEEL, by_moes, grid, in_moes_units, with_motion
 
 # M, L, film on the axis and smallest film: 1200 graded cells, extrapolated, to 2e-4 of the film
@@ -87,7 +88,7 @@ def test_laws_and_coatings_without_their_effect_are_the_simpler_ones() -> None:
 def test_a_film_that_is_not_resolved_has_its_status() -> None:
     coarse = solve_lubricated(by_moes(1000, 0), grid(100, 4.5))
     assert coarse.status is cs.Status.FILM_BELOW_CELL
-    stopped = solve_lubricated(by_moes(20, 5), grid(100, 4.5), max_iterations=2)
+    stopped = solve_lubricated(by_moes(20, 5), grid(100, 4.5), controls=FilmControls(max_iterations=2))
     assert stopped.status is cs.Status.FILM_NOT_CONVERGED
 
 

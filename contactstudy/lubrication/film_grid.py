@@ -1,16 +1,14 @@
-"""Steady lubricated contacts: the grid for an error of the film thickness, and the solve to that error."""
+"""Grids of steady lubricated contacts for an error of the film thickness."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from math import ceil, inf, isfinite, sqrt
 
 from contactstudy.domain.errors import ErrorParts
-from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
+from contactstudy.domain.grid import Grid
 from contactstudy.domain.validation import InvalidInput
 from contactstudy.lubrication.film_equation import FilmScales
-from contactstudy.lubrication.lubricated_contact import FilmSolution
-from contactstudy.lubrication.newton.pseudo_time import FilmControls, FilmIteration
 from contactstudy.lubrication.posed_film import ROW_MULTIPLE, dry_reach, lubricated_scales
-from contactstudy.lubrication.steady_film import INLET_ERROR, SWEEP, solve_on
+from contactstudy.lubrication.steady_film import INLET_ERROR, SWEEP
 from contactstudy.scene.scene import Scene
 
 # On cells of half an inlet pressure sweep the minimum film has this relative error, as at M = 200, L = 5; on cells of a
@@ -138,47 +136,6 @@ def finer_film_grid(
     # a multiple, so that the cells of the coarser grids are unions of cells
     across = min(ROW_MULTIPLE * ceil(nx * longer * finer / ROW_MULTIPLE), most_cells)
     return Grid((across, ny), (longer * width, period))
-
-
-def solve_lubricated(
-    scene: Scene,
-    grid: Grid,
-    padding: Padding | Paddings = ExactPeriodicity(),  # noqa: B008 (a frozen value)
-    *,
-    tolerance: float = 1e-8,
-    max_iterations: int = 300,
-    start: FilmSolution | None = None,
-    progress: Callable[[FilmIteration], object] | None = None,
-) -> FilmSolution:
-    """Solve the steady film of ``scene``, flooded or starved, isothermal or heated.
-
-    Parameters
-    ----------
-    scene
-        A scene with ``lubrication``.
-    grid
-        Cells (x, y); one cell along the length is plane strain. Lubricant enters at smaller x.
-    padding
-        Along the length, one that wraps.
-    tolerance, max_iterations
-        Residual of convergence, and the most steps on one grid from one start.
-    start
-        A contact to start from, such as that at a somewhat higher speed; on another grid it is interpolated.
-    progress
-        Called after each step on each grid with the iteration so far.
-
-    Returns
-    -------
-    FilmSolution
-        Pressure, film and film fraction (x, y) and a status.
-
-    Raises
-    ------
-    InvalidInput
-        For a scene without a curvature, and for a grid or a padding on which it has no film.
-    """
-    controls = FilmControls(tolerance=tolerance, max_iterations=max_iterations, progress=progress)
-    return solve_on(scene, grid, padding, controls, start)
 
 
 def varies_along(shape: object) -> bool:

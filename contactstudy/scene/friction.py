@@ -8,24 +8,9 @@ from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
+from contactstudy.domain import validation
 from contactstudy.domain.grid import Array, Grid, Paddings, is_free
-from contactstudy.domain.validation import (
-    BELOW_ONE,
-    FINITE,
-    FROM_ZERO_BELOW_ONE,
-    BodyIndex,
-    InvalidInput,
-    Metres,
-    Newtons,
-    NewtonsPerMetre,
-    Number,
-    Pascals,
-    Seconds,
-    at_least,
-    readable,
-    valid,
-    validated,
-)
+from contactstudy.domain.validation import InvalidInput, at_least, readable, valid, validated
 from contactstudy.elasticity import tangential
 from contactstudy.elasticity.convolution import GeneralConvolution
 from contactstudy.scene.loads import Approach, ChangingLoad, PiecewiseLinear, Times, check_not_decreasing
@@ -35,7 +20,7 @@ from contactstudy.scene.solids.coated import CoatedHalfSpace
 from contactstudy.solvers.friction.coulomb import BulkStress, FullSliding
 from contactstudy.solvers.friction.fretting import FrettingShear, PartialSlipShear
 
-FrictionCoefficient = Annotated[Number, BELOW_ONE]
+FrictionCoefficient = Annotated[validation.Number, validation.BELOW_ONE]
 # Instants at which a force is compared with the friction limit under a load that changes.
 SAMPLES = 201
 
@@ -217,8 +202,8 @@ class Sliding:
         roll.
     """
 
-    coefficient: Annotated[Number, FROM_ZERO_BELOW_ONE]
-    standing: BodyIndex | None = None
+    coefficient: Annotated[validation.Number, validation.FROM_ZERO_BELOW_ONE]
+    standing: validation.BodyIndex | None = None
 
     def solver(self, scene: SceneContext, gap: Array, grid: Grid, paddings: Paddings, datum: float) -> FullSliding:
         """Return the solver of this scene on a grid, with the coupling of traction and normal displacement."""
@@ -284,12 +269,12 @@ class Fretting:
     sticks: ClassVar[bool] = True
 
     coefficient: FrictionCoefficient
-    forces: tuple[Annotated[NewtonsPerMetre, FINITE], ...] | None = None
+    forces: tuple[Annotated[validation.NewtonsPerMetre, validation.FINITE], ...] | None = None
     times: Times | None = None
-    displacements: tuple[Annotated[Metres, FINITE], ...] | None = None
-    period: Seconds | None = None
-    bulk_stresses: tuple[Annotated[Pascals, FINITE], ...] | None = None
-    bulk_body: BodyIndex = 0
+    displacements: tuple[Annotated[validation.Metres, validation.FINITE], ...] | None = None
+    period: validation.Seconds | None = None
+    bulk_stresses: tuple[Annotated[validation.Pascals, validation.FINITE], ...] | None = None
+    bulk_body: validation.BodyIndex = 0
 
     def check_together(self) -> None:
         """Check that forces or displacements are given, and that times go with them."""
@@ -412,10 +397,10 @@ class PartialSlip:
     sticks: ClassVar[bool] = True
 
     coefficient: FrictionCoefficient
-    tangential: Annotated[NewtonsPerMetre, FINITE] | None = None
-    total: Annotated[Newtons, FINITE] | None = None
-    bulk_stress: Annotated[Pascals, FINITE] = 0.0
-    bulk_body: BodyIndex = 0
+    tangential: Annotated[validation.NewtonsPerMetre, validation.FINITE] | None = None
+    total: Annotated[validation.Newtons, validation.FINITE] | None = None
+    bulk_stress: Annotated[validation.Pascals, validation.FINITE] = 0.0
+    bulk_body: validation.BodyIndex = 0
 
     def check_together(self) -> None:
         """Check that one force is given."""

@@ -8,24 +8,9 @@ from typing import Annotated, ClassVar, Protocol, runtime_checkable
 
 import numpy as np
 
+from contactstudy.domain import validation
 from contactstudy.domain.grid import Array, Grid, Paddings
-from contactstudy.domain.validation import (
-    ANY_SIGN,
-    AT_LEAST_ZERO,
-    FINITE,
-    InvalidInput,
-    Limits,
-    Metres,
-    Newtons,
-    NewtonsPerMetre,
-    Number,
-    PerSecond,
-    Radians,
-    Seconds,
-    readable,
-    valid,
-    validated,
-)
+from contactstudy.domain.validation import InvalidInput, readable, valid, validated
 from contactstudy.scene.solids.bodies import SceneContext
 
 
@@ -45,12 +30,12 @@ class LineLoad:
         If the load is no finite number; in a scene without adhesion, if it is not above zero.
     """
 
-    per_length: Annotated[NewtonsPerMetre, ANY_SIGN]
+    per_length: Annotated[validation.NewtonsPerMetre, validation.ANY_SIGN]
 
     def check(self, scene: SceneContext) -> None:
         """Raise :class:`~contactstudy.InvalidInput` unless the load, or an attraction, presses the bodies together."""
         if scene.adhesion is None:
-            valid("LineLoad.per_length", self.per_length, NewtonsPerMetre)
+            valid("LineLoad.per_length", self.per_length, validation.NewtonsPerMetre)
 
     @property
     def largest(self) -> float:
@@ -78,8 +63,8 @@ class TotalLoad:
         is none here, if both differ, or if the load is not above zero and there is no adhesion.
     """
 
-    total: Annotated[Newtons, ANY_SIGN]
-    length: Metres | None = None
+    total: Annotated[validation.Newtons, validation.ANY_SIGN]
+    length: validation.Metres | None = None
 
     def length_on(self, shortest: float | None) -> float:
         """Return the length of the roller [m]: that given, or else that of the `shortest` roller among the shapes."""
@@ -100,7 +85,7 @@ class TotalLoad:
     def check(self, scene: SceneContext) -> None:
         """Raise :class:`~contactstudy.InvalidInput` for a load that pulls without adhesion, and without a length."""
         if scene.adhesion is None:
-            valid("TotalLoad.total", self.total, Newtons)
+            valid("TotalLoad.total", self.total, validation.Newtons)
         _ = scene.roller_length
 
 
@@ -138,8 +123,8 @@ class Approach:
     #: Largest given load [N/m]: none is given.
     largest: ClassVar[float] = 0.0
 
-    approach: Annotated[Metres, ANY_SIGN]
-    datum: Metres | None = None
+    approach: Annotated[validation.Metres, validation.ANY_SIGN]
+    datum: validation.Metres | None = None
 
     def check_on(self, gap: Array, grid: Grid, paddings: Paddings, datum: float) -> None:
         """Raise InvalidInput for a given datum without an effect, one too near, and an approach that no pressure makes.
@@ -201,8 +186,8 @@ class PullOff:
         If the load is no finite number, or the error not between 1e-6 and 1; in a scene without adhesion.
     """
 
-    preload: Annotated[NewtonsPerMetre, ANY_SIGN]
-    error: Annotated[Number, Limits("from 1e-6 and below 1", lambda x: 1e-6 <= x < 1)] = 4e-3
+    preload: Annotated[validation.NewtonsPerMetre, validation.ANY_SIGN]
+    error: Annotated[validation.Number, validation.Limits("from 1e-6 and below 1", lambda x: 1e-6 <= x < 1)] = 4e-3
 
     def check(self, scene: SceneContext) -> None:
         """Raise :class:`~contactstudy.InvalidInput` for a `scene` without adhesion."""
@@ -220,7 +205,7 @@ class PullOff:
 
 
 # Loads that press the bodies together.
-LOADS = tuple[Annotated[NewtonsPerMetre, AT_LEAST_ZERO], ...]
+LOADS = tuple[Annotated[validation.NewtonsPerMetre, validation.AT_LEAST_ZERO], ...]
 # Load over the largest one below which it is zero: its rounding error.
 ZERO_LOAD = 1e-13
 
@@ -323,7 +308,7 @@ class PiecewiseLinear:
         return (self.at(start) + self.before(end)) / 2
 
 
-Times = tuple[Annotated[Seconds, FINITE], ...]
+Times = tuple[Annotated[validation.Seconds, validation.FINITE], ...]
 
 
 def check_not_decreasing(name: str, times: Sequence[float]) -> None:
@@ -355,7 +340,7 @@ class LoadHistory(PiecewiseLinear):
     """
 
     times: Times
-    per_length: tuple[Annotated[NewtonsPerMetre, ANY_SIGN], ...]
+    per_length: tuple[Annotated[validation.NewtonsPerMetre, validation.ANY_SIGN], ...]
 
     def check_together(self) -> None:
         """Check that times do not decrease, with a load for each, one of them above 0."""
@@ -408,10 +393,10 @@ class SineLoad:
     #: Start of the load [s].
     start: ClassVar[float] = 0.0
 
-    mean_load: Annotated[NewtonsPerMetre, AT_LEAST_ZERO]
-    amplitude: Annotated[NewtonsPerMetre, AT_LEAST_ZERO]
-    frequency: PerSecond
-    phase: Annotated[Radians, FINITE] = 0.0
+    mean_load: Annotated[validation.NewtonsPerMetre, validation.AT_LEAST_ZERO]
+    amplitude: Annotated[validation.NewtonsPerMetre, validation.AT_LEAST_ZERO]
+    frequency: validation.PerSecond
+    phase: Annotated[validation.Radians, validation.FINITE] = 0.0
 
     def check_together(self) -> None:
         """Check that there is a load."""

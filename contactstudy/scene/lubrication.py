@@ -6,26 +6,9 @@ from typing import Annotated
 
 import numpy as np
 
+from contactstudy.domain import validation
 from contactstudy.domain.grid import Array
-from contactstudy.domain.validation import (
-    AT_LEAST_ZERO,
-    FINITE,
-    UP_TO_ONE,
-    Compressibility,
-    InvalidInput,
-    Kelvins,
-    Limits,
-    Metres,
-    MetresPerSecond,
-    Number,
-    Pascals,
-    PascalSeconds,
-    PerKelvin,
-    PressureViscosity,
-    ThermalConductivity,
-    VolumetricHeatCapacity,
-    validated,
-)
+from contactstudy.domain.validation import InvalidInput, validated
 from contactstudy.scene.loads import PiecewiseLinear, Times
 from contactstudy.scene.solids.bodies import Body, Layered, SceneContext
 
@@ -34,7 +17,7 @@ from contactstudy.scene.solids.bodies import Body, Layered, SceneContext
 LEAST_VISCOSITY, LEAST_TEMPERATURE = exp(-9.67), 138.0
 # Young's moduli [Pa] of steel.
 OF_STEEL = (1.9e11, 2.2e11)
-ABOVE_LEAST = Limits(f"above {LEAST_TEMPERATURE:g} K", lambda x: LEAST_TEMPERATURE < x < inf)
+ABOVE_LEAST = validation.Limits(f"above {LEAST_TEMPERATURE:g} K", lambda x: LEAST_TEMPERATURE < x < inf)
 
 
 @validated
@@ -56,8 +39,8 @@ class ThermalBody:
         For other values.
     """
 
-    conductivity: ThermalConductivity = 46.0
-    heat_capacity: VolumetricHeatCapacity = 3.6e6
+    conductivity: validation.ThermalConductivity = 46.0
+    heat_capacity: validation.VolumetricHeatCapacity = 3.6e6
     coating: "ThermalBody | None" = None
 
     def check_together(self) -> None:
@@ -93,11 +76,11 @@ class FilmHeat:
         For other values.
     """
 
-    temperature_viscosity: Annotated[PerKelvin, AT_LEAST_ZERO] = 0.04
-    conductivity: ThermalConductivity = 0.14
+    temperature_viscosity: Annotated[validation.PerKelvin, validation.AT_LEAST_ZERO] = 0.04
+    conductivity: validation.ThermalConductivity = 0.14
     first: ThermalBody | None = None
     second: ThermalBody | None = None
-    supply_temperature: Annotated[Kelvins, ABOVE_LEAST] = 313.15
+    supply_temperature: Annotated[validation.Kelvins, ABOVE_LEAST] = 313.15
 
     @property
     def bodies(self) -> tuple[ThermalBody, ThermalBody]:
@@ -169,8 +152,8 @@ class Roelands:
         For other values.
     """
 
-    exponent: Annotated[Number, UP_TO_ONE] | None = None
-    reference_pressure: Pascals = 1.96e8
+    exponent: Annotated[validation.Number, validation.UP_TO_ONE] | None = None
+    reference_pressure: validation.Pascals = 1.96e8
 
     def consistent_exponent(self, viscosity: float, coefficient: float) -> float:
         """Return the exponent z that a viscosity [Pa s] and its coefficient alpha [1/Pa] have in common.
@@ -221,8 +204,8 @@ class DowsonHigginson:
         For other values.
     """
 
-    compressibility: Annotated[Compressibility, AT_LEAST_ZERO] = 0.6e-9
-    saturation: Compressibility = 1.7e-9
+    compressibility: Annotated[validation.Compressibility, validation.AT_LEAST_ZERO] = 0.6e-9
+    saturation: validation.Compressibility = 1.7e-9
 
     def ratio(self, pressure: Array) -> tuple[Array, Array]:
         """Return ``rho / rho0`` and its derivative [1/Pa] at ``pressure`` [Pa]."""
@@ -254,7 +237,7 @@ class Eyring:
         For other values.
     """
 
-    reference: Pascals = 5e6
+    reference: validation.Pascals = 5e6
 
     def stress(self, newtonian: Array, pressure: Array) -> Array:
         """Return the shear stress [Pa]."""
@@ -278,8 +261,8 @@ class Carreau:
         For other values.
     """
 
-    reference: Pascals = 5e6
-    exponent: Annotated[Number, UP_TO_ONE] = 0.5
+    reference: validation.Pascals = 5e6
+    exponent: Annotated[validation.Number, validation.UP_TO_ONE] = 0.5
 
     def stress(self, newtonian: Array, pressure: Array) -> Array:
         """Return the shear stress [Pa]."""
@@ -305,8 +288,8 @@ class LimitingShear:
         For other values.
     """
 
-    coefficient: Number = 0.07
-    ambient: Annotated[Pascals, AT_LEAST_ZERO] = 3e6
+    coefficient: validation.Number = 0.07
+    ambient: Annotated[validation.Pascals, validation.AT_LEAST_ZERO] = 3e6
 
     def stress(self, newtonian: Array, pressure: Array) -> Array:
         """Return the shear stress [Pa]."""
@@ -345,8 +328,8 @@ class Lubricant:
         For other values.
     """
 
-    viscosity: PascalSeconds
-    pressure_viscosity: Annotated[PressureViscosity, AT_LEAST_ZERO]
+    viscosity: validation.PascalSeconds
+    pressure_viscosity: Annotated[validation.PressureViscosity, validation.AT_LEAST_ZERO]
     viscosity_law: ViscosityLaw = Roelands()
     density: DensityLaw = DowsonHigginson()
     shear: ShearLaw = Newtonian()
@@ -415,8 +398,8 @@ class Boundary:
         For other values.
     """
 
-    film: Metres
-    coefficient: Annotated[Number, AT_LEAST_ZERO] = 0.12
+    film: validation.Metres
+    coefficient: Annotated[validation.Number, validation.AT_LEAST_ZERO] = 0.12
 
 
 @validated
@@ -437,7 +420,7 @@ class SpeedHistory(PiecewiseLinear):
     """
 
     times: Times
-    mean_speed: tuple[Annotated[MetresPerSecond, AT_LEAST_ZERO], ...]
+    mean_speed: tuple[Annotated[validation.MetresPerSecond, validation.AT_LEAST_ZERO], ...]
 
     def check_together(self) -> None:
         """Check that times ascend, with a speed for each, and that the film is steady at the first."""
@@ -493,11 +476,11 @@ class Lubrication:
     """
 
     lubricant: Lubricant
-    mean_speed: MetresPerSecond | SpeedHistory
-    slide_roll_ratio: Annotated[Number, FINITE] = 0.0
+    mean_speed: validation.MetresPerSecond | SpeedHistory
+    slide_roll_ratio: Annotated[validation.Number, validation.FINITE] = 0.0
     cavitation: Cavitation = ElrodAdams()
     boundary: Boundary | None = None
-    supply: Metres | None = None
+    supply: validation.Metres | None = None
     thermal: FilmHeat | None = None
 
     def check_together(self) -> None:

@@ -9,20 +9,9 @@ from typing import Annotated, Any, ClassVar, Literal
 import numpy as np
 
 from contactstudy.analytic import HertzLine
+from contactstudy.domain import validation
 from contactstudy.domain.grid import Array, Grid, Paddings
-from contactstudy.domain.validation import (
-    ANY_SIGN,
-    FROM_ZERO_TO_INFINITE,
-    InvalidInput,
-    Metres,
-    MetresPerSecond,
-    Newtons,
-    NewtonsPerMetre,
-    Number,
-    PerMetre,
-    at_least,
-    validated,
-)
+from contactstudy.domain.validation import InvalidInput, at_least, validated
 from contactstudy.elasticity.tangential import shear_response
 from contactstudy.scene import friction
 from contactstudy.scene.loads import ChangingLoad, PiecewiseLinear, loads_between
@@ -64,11 +53,11 @@ class Rolling:
         outside these limits; in a scene with heights that move with a body.
     """
 
-    speed: Annotated[MetresPerSecond, FROM_ZERO_TO_INFINITE] | None = None
+    speed: Annotated[validation.MetresPerSecond, validation.FROM_ZERO_TO_INFINITE] | None = None
     passes: Annotated[int, at_least(1)] | None = None
     pressure: RollingPressure = "solved"
-    distance: Metres | None = None
-    steady: Number = 5e-3
+    distance: validation.Metres | None = None
+    steady: validation.Number = 5e-3
 
     def check_together(self) -> None:
         """Check that rolling is either steady or by passes, and that a setting of passes has them."""
@@ -152,12 +141,12 @@ class TractiveRolling:
     sticks: ClassVar[bool] = True
 
     coefficient: friction.FrictionCoefficient
-    longitudinal: Annotated[Number, ANY_SIGN] | None = None
-    tangential: Annotated[NewtonsPerMetre, ANY_SIGN] | None = None
-    lateral: Annotated[Number, ANY_SIGN] = 0.0
-    spin: Annotated[PerMetre, ANY_SIGN] = 0.0
-    speed: Annotated[MetresPerSecond, ANY_SIGN] = 1.0
-    total: Annotated[Newtons, ANY_SIGN] | None = None
+    longitudinal: Annotated[validation.Number, validation.ANY_SIGN] | None = None
+    tangential: Annotated[validation.NewtonsPerMetre, validation.ANY_SIGN] | None = None
+    lateral: Annotated[validation.Number, validation.ANY_SIGN] = 0.0
+    spin: Annotated[validation.PerMetre, validation.ANY_SIGN] = 0.0
+    speed: Annotated[validation.MetresPerSecond, validation.ANY_SIGN] = 1.0
+    total: Annotated[validation.Newtons, validation.ANY_SIGN] | None = None
 
     def check_together(self) -> None:
         """Check that one creepage or force along x is given, and that the contact rolls."""

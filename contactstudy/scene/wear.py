@@ -2,15 +2,8 @@
 
 from typing import Annotated
 
-from contactstudy.domain.validation import (
-    AT_LEAST_ZERO,
-    BodyIndex,
-    InvalidInput,
-    Metres,
-    MetresPerSecond,
-    PerPascal,
-    validated,
-)
+from contactstudy.domain import validation
+from contactstudy.domain.validation import InvalidInput, validated
 from contactstudy.scene.solids.bodies import SceneContext
 
 
@@ -43,10 +36,10 @@ class Wear:
         If a number is outside these limits; in a scene whose motion contradicts it, or whose bodies do not touch.
     """
 
-    coefficient: Annotated[PerPascal, AT_LEAST_ZERO]
-    speed: Annotated[MetresPerSecond, AT_LEAST_ZERO]
-    body: BodyIndex = 0
-    circumference: Metres | None = None
+    coefficient: Annotated[validation.PerPascal, validation.AT_LEAST_ZERO]
+    speed: Annotated[validation.MetresPerSecond, validation.AT_LEAST_ZERO]
+    body: validation.BodyIndex = 0
+    circumference: validation.Metres | None = None
 
     def check(self, scene: SceneContext) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if the motion of `scene` gives another sliding or turning."""

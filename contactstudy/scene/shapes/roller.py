@@ -6,19 +6,9 @@ from typing import Annotated, ClassVar, Literal, Self
 import numpy as np
 
 from contactstudy.analytic import HertzLine
+from contactstudy.domain import validation
 from contactstudy.domain.grid import Array, Grid
-from contactstudy.domain.validation import (
-    AT_LEAST_ZERO,
-    CURVED,
-    FINITE,
-    OR_INFINITE,
-    InvalidInput,
-    Limits,
-    Metres,
-    Radians,
-    valid,
-    validated,
-)
+from contactstudy.domain.validation import InvalidInput, valid, validated
 from contactstudy.scene.shapes.shape import LengthScales, no_gap
 
 # Axis along which a profile varies: along the length, or across the contact.
@@ -48,8 +38,8 @@ class ProfilePoints:
         If there is not one drop for each position, or the positions do not increase.
     """
 
-    positions: tuple[Annotated[Metres, FINITE], ...]
-    drops: tuple[Annotated[Metres, FINITE], ...]
+    positions: tuple[Annotated[validation.Metres, validation.FINITE], ...]
+    drops: tuple[Annotated[validation.Metres, validation.FINITE], ...]
     axis: Axis = "along"
 
     def check_together(self) -> None:
@@ -114,11 +104,11 @@ class EndRelief:
         If a number is outside these limits, or an arc is longer than its radius.
     """
 
-    length: Metres
-    middle: Annotated[Metres, AT_LEAST_ZERO]
-    end_radius: Annotated[Metres, OR_INFINITE] = inf
-    end_angle: Annotated[Radians, Limits("from 0 to 1.5 rad", lambda x: 0 <= x <= 1.5)] = 0.0
-    radius: Annotated[Metres, OR_INFINITE] = inf
+    length: validation.Metres
+    middle: Annotated[validation.Metres, validation.AT_LEAST_ZERO]
+    end_radius: Annotated[validation.Metres, validation.OR_INFINITE] = inf
+    end_angle: Annotated[validation.Radians, validation.Limits("from 0 to 1.5 rad", lambda x: 0 <= x <= 1.5)] = 0.0
+    radius: Annotated[validation.Metres, validation.OR_INFINITE] = inf
 
     def check_together(self) -> None:
         """Check that the ends have a length, and that their arcs reach over it."""
@@ -149,7 +139,7 @@ class EndRelief:
         return np.asarray((within**2 / (2 * self.radius) + slope * beyond + arc)[None, :])
 
 
-Radius = Annotated[Metres, CURVED]
+Radius = Annotated[validation.Metres, validation.CURVED]
 
 
 @validated
@@ -285,14 +275,14 @@ class Crown:
         If a number is not above zero.
     """
 
-    radius: Annotated[Metres, OR_INFINITE] = inf
-    length: Annotated[Metres, OR_INFINITE] = inf
+    radius: Annotated[validation.Metres, validation.OR_INFINITE] = inf
+    length: Annotated[validation.Metres, validation.OR_INFINITE] = inf
 
     @classmethod
     def of_drop(cls, end_drop: float, length: float) -> Self:
         """Return the crown of a roller of `length` [m] that drops by `end_drop` [m], at least zero, at both ends."""
-        drop = valid("Crown end_drop", end_drop, Annotated[Metres, AT_LEAST_ZERO])
-        length = valid("Crown length", length, Metres)
+        drop = valid("Crown end_drop", end_drop, Annotated[validation.Metres, validation.AT_LEAST_ZERO])
+        length = valid("Crown length", length, validation.Metres)
         return cls(length**2 / (8 * drop) if drop else inf, length)
 
     @property
@@ -338,10 +328,10 @@ class LundbergProfile:
         If a number is outside these limits.
     """
 
-    amplitude: Annotated[Metres, AT_LEAST_ZERO]
-    end_drop: Annotated[Metres, AT_LEAST_ZERO]
-    length: Metres
-    straight: Annotated[Metres, AT_LEAST_ZERO] = 0.0
+    amplitude: Annotated[validation.Metres, validation.AT_LEAST_ZERO]
+    end_drop: Annotated[validation.Metres, validation.AT_LEAST_ZERO]
+    length: validation.Metres
+    straight: Annotated[validation.Metres, validation.AT_LEAST_ZERO] = 0.0
 
     def check_together(self) -> None:
         """Check that a part of the roller is profiled."""
@@ -375,7 +365,7 @@ class LundbergProfile:
             If the roller is shorter than its contact is wide.
         """
         hertz = HertzLine(load_per_length, radius, contact_modulus)
-        length = valid("LundbergProfile.length", length, Metres)
+        length = valid("LundbergProfile.length", length, validation.Metres)
         if length < 2 * hertz.half_width:
             raise InvalidInput(
                 f"LundbergProfile.length is {length!r}: give a roller longer than its contact is wide, "
@@ -400,8 +390,8 @@ class LundbergProfile:
         length
             Length L of the roller [m].
         """
-        diameter = valid("LundbergProfile.diameter", diameter, Metres)
-        length = valid("LundbergProfile.length", length, Metres)
+        diameter = valid("LundbergProfile.diameter", diameter, validation.Metres)
+        length = valid("LundbergProfile.length", length, validation.Metres)
         profiled = 2.5 * diameter
         amplitude = diameter * (3.5e-4 if length <= profiled else 5e-4)
         return cls(amplitude, 10 * amplitude, length, max(length - profiled, 0.0))
@@ -443,7 +433,7 @@ class FiniteLength:
         If the length is not above zero; on a grid whose cells are longer.
     """
 
-    length: Metres
+    length: validation.Metres
 
     @property
     def length_scales(self) -> LengthScales:

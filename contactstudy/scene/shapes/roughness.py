@@ -7,19 +7,10 @@ from typing import Annotated, Self
 import numpy as np
 from scipy import fft
 
+from contactstudy.domain import validation
 from contactstudy.domain.device import cached_array
 from contactstudy.domain.grid import Array, Grid
-from contactstudy.domain.validation import (
-    AT_LEAST_ZERO,
-    BELOW_ONE,
-    InvalidInput,
-    Metres,
-    Number,
-    at_least,
-    readable,
-    validated,
-    whole_quotient,
-)
+from contactstudy.domain.validation import InvalidInput, at_least, readable, validated, whole_quotient
 from contactstudy.scene.shapes.shape import LengthScales, no_gap
 
 # Highest point of a surface over its rms height.
@@ -44,7 +35,7 @@ class RmsSlope:
         Root mean square of ``|grad h|``, at least zero.
     """
 
-    slope: Annotated[Number, AT_LEAST_ZERO]
+    slope: Annotated[validation.Number, validation.AT_LEAST_ZERO]
 
     def __bool__(self) -> bool:
         return self.slope > 0
@@ -62,7 +53,7 @@ class Sa:
         Mean of ``|h|`` [m], at least zero.
     """
 
-    height: Annotated[Metres, AT_LEAST_ZERO]
+    height: Annotated[validation.Metres, validation.AT_LEAST_ZERO]
 
     def __bool__(self) -> bool:
         return self.height > 0
@@ -107,13 +98,13 @@ class Roughness:
         If a number is outside these limits, or no wave fits the extent.
     """
 
-    rms: Annotated[Metres, AT_LEAST_ZERO] | RmsSlope | Sa
-    hurst: Annotated[Number, BELOW_ONE]
-    roll_off: Metres
-    cut_off: Metres
+    rms: Annotated[validation.Metres, validation.AT_LEAST_ZERO] | RmsSlope | Sa
+    hurst: Annotated[validation.Number, validation.BELOW_ONE]
+    roll_off: validation.Metres
+    cut_off: validation.Metres
     seed: Annotated[int, at_least(0)] = 0
-    peklenik: Number = 1.0
-    extent: tuple[Metres, Metres] | None = None
+    peklenik: validation.Number = 1.0
+    extent: tuple[validation.Metres, validation.Metres] | None = None
 
     def check_together(self) -> None:
         """Check that the spectrum begins at a longer wave than it ends."""

@@ -5,21 +5,12 @@ from typing import Annotated, Literal
 
 import numpy as np
 
+from contactstudy.domain import validation
 from contactstudy.domain.grid import Array, Grid
-from contactstudy.domain.validation import (
-    ANY_SIGN,
-    AT_LEAST_ZERO,
-    FINITE,
-    OR_INFINITE,
-    InvalidInput,
-    Metres,
-    Radians,
-    validated,
-    whole_quotient,
-)
+from contactstudy.domain.validation import InvalidInput, validated, whole_quotient
 from contactstudy.scene.shapes.shape import LengthScales, no_gap
 
-Wavelength = Annotated[Metres, OR_INFINITE]
+Wavelength = Annotated[validation.Metres, validation.OR_INFINITE]
 
 
 Profile = Literal["parabolic", "cosine", "flat"]
@@ -47,8 +38,8 @@ class Dimple:
         theory; "cosine", ``(1 + cos(pi t)) / 2``, without a kink at the rim; or "flat", of the full depth up to the rim.
     """
 
-    depth: Annotated[Metres, AT_LEAST_ZERO]
-    diameter: Metres
+    depth: Annotated[validation.Metres, validation.AT_LEAST_ZERO]
+    diameter: validation.Metres
     profile: Profile = "parabolic"
 
     @property
@@ -75,8 +66,8 @@ class Groove:
         Flank, "parabolic", "cosine" or "flat", as of a :class:`~contactstudy.Dimple`.
     """
 
-    depth: Annotated[Metres, AT_LEAST_ZERO]
-    width: Metres
+    depth: Annotated[validation.Metres, validation.AT_LEAST_ZERO]
+    width: validation.Metres
     profile: Profile = "cosine"
 
     @property
@@ -193,10 +184,10 @@ class Waviness:
         If a period of the grid does not hold a whole number of waves along.
     """
 
-    amplitude: Annotated[Metres, ANY_SIGN]
+    amplitude: Annotated[validation.Metres, validation.ANY_SIGN]
     across: Wavelength = inf
     along: Wavelength = inf
-    phase: Annotated[Radians, FINITE] = 0.0
+    phase: Annotated[validation.Radians, validation.FINITE] = 0.0
 
     @property
     def length_scales(self) -> LengthScales:

@@ -9,18 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactstudy.analytic import HertzLine
+from contactstudy.domain import validation
 from contactstudy.domain.grid import Array, Grid, Padding, Paddings
-from contactstudy.domain.validation import (
-    AT_LEAST_ZERO,
-    OR_INFINITE,
-    Hardness,
-    InvalidInput,
-    Limits,
-    Metres,
-    Number,
-    Pascals,
-    validated,
-)
+from contactstudy.domain.validation import InvalidInput, validated
 from contactstudy.elasticity.coefficients import BoussinesqCoefficients, Coefficients, FreeFaceCoefficients
 from contactstudy.scene.shapes.shape import Shape
 
@@ -57,12 +48,12 @@ class HardnessProfile:
         If neither or both are given, or a number is outside these limits.
     """
 
-    depths: tuple[Annotated[Metres, AT_LEAST_ZERO], ...] = ()
-    hardness: tuple[Hardness, ...] = ()
-    yield_stresses: tuple[Pascals, ...] = ()
-    surface: Hardness | None = None
-    core: Hardness | None = None
-    case_depth: Metres | None = None
+    depths: tuple[Annotated[validation.Metres, validation.AT_LEAST_ZERO], ...] = ()
+    hardness: tuple[validation.Hardness, ...] = ()
+    yield_stresses: tuple[validation.Pascals, ...] = ()
+    surface: validation.Hardness | None = None
+    core: validation.Hardness | None = None
+    case_depth: validation.Metres | None = None
 
     def check_together(self) -> None:
         """Check that there is one description, and that a table has one value for each depth."""
@@ -101,7 +92,7 @@ class HardnessProfile:
         return np.interp(depths, *self.points)
 
 
-PoissonRatio = Annotated[Number, Limits("above -1 and up to 0.5", lambda x: -1 < x <= 0.5)]
+PoissonRatio = Annotated[validation.Number, validation.Limits("above -1 and up to 0.5", lambda x: -1 < x <= 0.5)]
 
 
 @runtime_checkable
@@ -165,12 +156,12 @@ class HalfSpace:
         If a number is outside these limits; in a scene that faces cannot be combined with.
     """
 
-    youngs_modulus: Annotated[Pascals, OR_INFINITE]
+    youngs_modulus: Annotated[validation.Pascals, validation.OR_INFINITE]
     poisson_ratio: PoissonRatio
-    yield_stress: Annotated[Pascals, OR_INFINITE] = math.inf
-    hardness: Annotated[Hardness, OR_INFINITE] = math.inf
-    free_faces: Annotated[Metres, OR_INFINITE] = math.inf
-    thickness: Annotated[Metres, OR_INFINITE] = math.inf
+    yield_stress: Annotated[validation.Pascals, validation.OR_INFINITE] = math.inf
+    hardness: Annotated[validation.Hardness, validation.OR_INFINITE] = math.inf
+    free_faces: Annotated[validation.Metres, validation.OR_INFINITE] = math.inf
+    thickness: Annotated[validation.Metres, validation.OR_INFINITE] = math.inf
     hardness_profile: HardnessProfile | None = None
 
     @property

@@ -10,15 +10,9 @@ from typing import Any, Literal, Self
 
 import numpy as np
 
+from contactstudy.domain import validation
 from contactstudy.domain.grid import Array, Grid
-from contactstudy.domain.validation import (
-    InvalidInput,
-    Metres,
-    readable,
-    set_fields,
-    validated,
-    whole_quotient,
-)
+from contactstudy.domain.validation import InvalidInput, readable, set_fields, validated, whole_quotient
 from contactstudy.scene.shapes.shape import LengthScales
 from contactstudy.scene.surfaces import measurement, preparation
 from contactstudy.scene.surfaces.text_surface import Flip, Reading, Sizes
@@ -71,7 +65,7 @@ class MeasuredSurface:
     """
 
     heights: Any = field(repr=False, compare=False)
-    extent: tuple[Metres, Metres] | None = None
+    extent: tuple[validation.Metres, validation.Metres] | None = None
     missing: preparation.Missing = field(default_factory=preparation.RefuseMissing)
     trend: preparation.Trend = "none"
     seam: preparation.PeriodicExtension = field(default_factory=preparation.AsMeasured)

@@ -6,19 +6,9 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from contactstudy.domain import validation
 from contactstudy.domain.grid import Array
-from contactstudy.domain.validation import (
-    AT_LEAST_ZERO,
-    BELOW_ONE,
-    OR_INFINITE,
-    UP_TO_ONE,
-    InvalidInput,
-    Metres,
-    Number,
-    at_least,
-    readable,
-    validated,
-)
+from contactstudy.domain.validation import InvalidInput, at_least, readable, validated
 
 
 @validated
@@ -94,7 +84,7 @@ class HarmonicFill:
 
     description: ClassVar[str] = "filled by Laplace's equation from the edges of their holes"
 
-    up_to: Annotated[Number, BELOW_ONE] = 0.1
+    up_to: Annotated[validation.Number, validation.BELOW_ONE] = 0.1
 
     def check(self, missing: int, points: int) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if more points are missing than the fraction allows."""
@@ -261,8 +251,8 @@ class GaussianFilter:
         If a cut-off is no length, or lambda_c is not above lambda_s.
     """
 
-    lambda_s: Annotated[Metres, AT_LEAST_ZERO] = 0.0
-    lambda_c: Annotated[Metres, OR_INFINITE] = inf
+    lambda_s: Annotated[validation.Metres, validation.AT_LEAST_ZERO] = 0.0
+    lambda_c: Annotated[validation.Metres, validation.OR_INFINITE] = inf
 
     def check_together(self) -> None:
         """Check that waves pass the filter."""
@@ -340,7 +330,7 @@ class Tapered:
     #: Period, in lengths of the surface.
     lengths: ClassVar[int] = 1
 
-    fraction: Annotated[Number, UP_TO_ONE] = 0.1
+    fraction: Annotated[validation.Number, validation.UP_TO_ONE] = 0.1
 
     @property
     def description(self) -> str:

@@ -21,8 +21,8 @@ from contactstudy.io.scene_files.scene_writer import scene_text
 from contactstudy.io.scene_files.structuring import likely_units, structured, with_cycles
 from contactstudy.planning.grid_requirements import grid_of_waves
 from contactstudy.planning.plan import Plan
-from contactstudy.scene.loads import ChangingLoad, ConstantLoad, TotalLoad
-from contactstudy.scene.scene import Scene
+from contactstudy.scene.loads import TotalLoad
+from contactstudy.scene.scene import AnyLoad, Scene
 from contactstudy.scene.shapes.roller import Ellipsoid, Sphere
 from contactstudy.scene.shapes.shape import LengthScales, Shape, curvature_of, length_scales_of
 from contactstudy.solvers.solve import SolveOptions
@@ -252,7 +252,7 @@ def _paths(table: Mapping[str, object], before: str = "") -> dict[str, object]:
     return paths
 
 
-def _with_length(document: SceneDocument, shapes: Iterable[Shape]) -> ConstantLoad | ChangingLoad:
+def _with_length(document: SceneDocument, shapes: Iterable[Shape]) -> AnyLoad:
     """Return the load; a total load on shapes without a length is spread over the length of the grid, if known."""
     load = document.load
     if isinstance(load, MeanPressure):

@@ -13,7 +13,14 @@ from contactstudy.domain.grid import Array, Grid, Paddings, is_free
 from contactstudy.domain.validation import InvalidInput, at_least, readable, valid, validated
 from contactstudy.elasticity import tangential
 from contactstudy.elasticity.convolution import GeneralConvolution
-from contactstudy.scene.loads import Approach, ChangingLoad, PiecewiseLinear, Times, check_not_decreasing
+from contactstudy.scene.loads import (
+    Approach,
+    ChangingLoad,
+    PiecewiseLinear,
+    Times,
+    check_not_decreasing,
+    check_one_each,
+)
 from contactstudy.scene.solids import bodies
 from contactstudy.scene.solids.bodies import Body, HalfSpace, SceneContext
 from contactstudy.scene.solids.coated import CoatedHalfSpace
@@ -287,11 +294,8 @@ class Fretting:
         if not values:
             raise InvalidInput(f"Fretting.{name} is (): give some, such as (1e4, -1e4, 1e4).")
         for given in ("times", "bulk_stresses"):
-            entries = getattr(self, given)
-            if entries is not None and len(entries) != len(values):
-                raise InvalidInput(
-                    f"Fretting.{given} has {len(entries)} entries for {len(values)} {name}: give one for each of these."
-                )
+            if (numbers := getattr(self, given)) is not None:
+                check_one_each(f"Fretting.{given}", numbers, name, values)
         for given in ("displacements", "period"):
             if getattr(self, given) is not None and self.times is None:
                 raise InvalidInput(f"Fretting.{given} is given without times: give times [s], or leave it out.")

@@ -4,7 +4,7 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
 from itertools import pairwise
 from math import asin, ceil, e, exp, floor, isclose, pi, sin
-from typing import Annotated, ClassVar, Protocol, runtime_checkable
+from typing import Annotated, ClassVar
 
 import numpy as np
 
@@ -210,53 +210,6 @@ LOADS = tuple[Annotated[validation.NewtonsPerMetre, validation.AT_LEAST_ZERO], .
 ZERO_LOAD = 1e-13
 
 
-@runtime_checkable
-class ChangingLoad(Protocol):
-    """Load per length [N/m] as a function of time [s]; it is zero before its start.
-
-    A load that repeats also has an attribute ``period`` [s], of which no step in time takes more than a quarter.
-    """
-
-    @property
-    def largest(self) -> float:
-        """Largest load [N/m], above zero."""
-
-    @property
-    def start(self) -> float:
-        """First time [s] that the history describes."""
-
-    @property
-    def end(self) -> float:
-        """Last time [s] that the history describes."""
-
-    def at(self, time: float) -> float:
-        """Return the load [N/m] from `time` [s] on, after any jump there."""
-
-    def breaks(self, end: float) -> tuple[float, ...]:
-        """Return the times [s] up to `end` at which the load or its rate jumps."""
-
-    def turning_points(self, end: float) -> tuple[float, ...]:
-        """Return times [s] up to `end` between which the load only rises or only falls, its extremes among them."""
-
-    def before(self, time: float) -> float:
-        """Return the load [N/m] just before `time` [s], before any jump there."""
-
-    def mean(self, start: float, end: float) -> float:
-        """Return the mean load [N/m] between two times [s] without a break between them."""
-
-
-def loads_between(load: ChangingLoad, start: float, end: float) -> list[float]:
-    """Return the loads [N/m] between which `load` only rises or falls, from after `start` to just before `end` [s]."""
-    turns = (time for time in load.turning_points(end) if start < time < end)
-    return [value for time in turns for value in (load.before(time), load.at(time))] + [load.before(end)]
-
-
-def falls(load: ChangingLoad) -> bool:
-    """Return whether `load` falls at any time up to its end."""
-    values = [load.at(load.start), *loads_between(load, load.start, load.end)]
-    return any(later < earlier for earlier, later in pairwise([*values, load.at(load.end)]))
-
-
 class PiecewiseLinear:
     """Values at `times` [s], which may jump there: linear between them, zero before the first, held after the last.
 
@@ -320,6 +273,15 @@ def check_not_decreasing(name: str, times: Sequence[float]) -> None:
             )
 
 
+def check_one_each(name: str, values: Sequence[float], beside: str, others: Sequence[float], least: int = 1) -> None:
+    """Raise :class:`~contactstudy.InvalidInput` unless there is one value for each of the others."""
+    if len(values) != len(others) or len(values) < least:
+        raise InvalidInput(
+            f"{name} has {len(values)} numbers for {len(others)} {beside}: give at least {least} of these, and one "
+            "number for each."
+        )
+
+
 @validated
 class LoadHistory(PiecewiseLinear):
     """Load given at instants, linear between them and held after the last.
@@ -344,13 +306,9 @@ class LoadHistory(PiecewiseLinear):
 
     def check_together(self) -> None:
         """Check that times do not decrease, with a load for each, one of them above 0."""
-        check_not_decreasing("LoadHistory.times", self.times)
         loads = self.per_length
-        if len(self.times) != len(loads) or not loads:
-            raise InvalidInput(
-                f"LoadHistory.per_length has {len(loads)} loads for {len(self.times)} times: give at least one time, "
-                "and one load for each."
-            )
+        check_not_decreasing("LoadHistory.times", self.times)
+        check_one_each("LoadHistory.per_length", loads, "times", self.times)
         if max(loads) <= 0:
             throughout = "0" if max(loads) == min(loads) == 0 else "not above 0"
             raise InvalidInput(f"LoadHistory.per_length is {throughout} throughout: give a load above 0 N/m.")
@@ -465,3 +423,19 @@ class SineLoad:
     def _angle(self, time: float) -> float:
         """Return the angle of the sine [rad] at a `time` [s]."""
         return 2 * pi * self.frequency * time + self.phase
+
+
+# Load per length [N/m] as a function of time [s], zero before its start. What repeats has a `period` [s].
+ChangingLoad = LoadHistory | SineLoad
+
+
+def loads_between(load: ChangingLoad, start: float, end: float) -> list[float]:
+    """Return the loads [N/m] between which `load` only rises or falls, from after `start` to just before `end` [s]."""
+    turns = (time for time in load.turning_points(end) if start < time < end)
+    return [value for time in turns for value in (load.before(time), load.at(time))] + [load.before(end)]
+
+
+def falls(load: ChangingLoad) -> bool:
+    """Return whether `load` falls at any time up to its end."""
+    values = [load.at(load.start), *loads_between(load, load.start, load.end)]
+    return any(later < earlier for earlier, later in pairwise([*values, load.at(load.end)]))

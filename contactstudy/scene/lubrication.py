@@ -9,7 +9,7 @@ import numpy as np
 from contactstudy.domain import validation
 from contactstudy.domain.grid import Array
 from contactstudy.domain.validation import InvalidInput, validated
-from contactstudy.scene.loads import PiecewiseLinear, Times
+from contactstudy.scene.loads import PiecewiseLinear, Times, check_one_each
 from contactstudy.scene.solids.bodies import Body, Layered, SceneContext
 
 # Viscosity [Pa s] of Roelands' pole, the limit at high temperature, and the temperature [K] at which his viscosity
@@ -425,11 +425,7 @@ class SpeedHistory(PiecewiseLinear):
     def check_together(self) -> None:
         """Check that times ascend, with a speed for each, and that the film is steady at the first."""
         times, speeds = self.times, self.mean_speed
-        if len(times) != len(speeds) or len(times) < 2:
-            raise InvalidInput(
-                f"SpeedHistory.mean_speed has {len(speeds)} speeds for {len(times)} times: give two times or more, "
-                "and one speed for each."
-            )
+        check_one_each("SpeedHistory.mean_speed", speeds, "times", times, least=2)
         if sorted(set(times)) != list(times):
             raise InvalidInput(f"SpeedHistory.times is {self.times!r}: give ascending times.")
         if speeds[0] == 0:

@@ -76,12 +76,7 @@ FILM_IN_TIME = Method("a film that changes in time", ("times", "error", "step"))
 FILM_WEAR = Method("a film that wears", ("times", "error", "max_iterations"))
 
 
-AnyLoad = (
-    loads.ConstantLoad
-    | Annotated[loads.ChangingLoad, Example("LoadHistory(times=(0, 1), per_length=(1e4, 1e5))")]
-    | loads.Approach
-    | loads.PullOff
-)
+AnyLoad = loads.ConstantLoad | loads.ChangingLoad | loads.Approach | loads.PullOff
 
 
 @runtime_checkable

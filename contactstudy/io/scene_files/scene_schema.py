@@ -267,6 +267,9 @@ class PlanSettings:
     period: Metres | None = None
 
 
+AnyLoad = loads.ConstantLoad | MeanPressure | loads.ChangingLoad | loads.Approach | loads.PullOff
+
+
 @dataclass(frozen=True)
 class SceneDocument:
     """Keys of a scene file.
@@ -287,7 +290,7 @@ class SceneDocument:
         Options of the solver.
     """
 
-    load: loads.ChangingLoad
+    load: AnyLoad
     solids: tuple[Body, Body]
     shapes: tuple[Shape, ...] = ()
     hardness: Annotated[validation.Hardness, OR_INFINITE] = inf
@@ -338,7 +341,7 @@ KINDS: Mapping[Any, Mapping[str, type]] = {
         grids.ExactPeriodicity,
     ),
     Body: _kinds(HalfSpace, CoatedHalfSpace, ViscoelasticHalfSpace, ElasticPlasticHalfSpace) | {NO_KIND: HalfSpace},
-    loads.ChangingLoad: _kinds(
+    AnyLoad: _kinds(
         loads.LineLoad, loads.TotalLoad, MeanPressure, loads.LoadHistory, loads.SineLoad, loads.Approach, loads.PullOff,
     ) | {NO_KIND: loads.LineLoad},
     Friction: _kinds(frictions.Sliding, frictions.PartialSlip, frictions.Fretting, TractiveRolling),

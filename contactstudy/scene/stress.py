@@ -21,7 +21,8 @@ from contactstudy.scene.solids.stress_model import HalfSpaceStress, StressModel
 Z = {"axis": "Z", "positive": "down"}
 # Ratio of successive depths in the search for the largest stress, and then of depths around the best of these to it.
 COARSE_STEP, FINE_STEPS = 1.35, (1.1**-2, 1.1**-1, 1.1, 1.1**2)
-# Widths of the contact down to which the least safety is searched where the yield stress changes with depth.
+# Widths of the contact down to which the least safety is searched where the yield stress changes with depth: there the
+# von Mises stress of a line contact has fallen to a fifth of its largest.
 DEEPEST = 4.0
 # Relative difference of depths that is rounding, below that of the two sides of an interface.
 ROUNDING = 1e-13

@@ -95,15 +95,12 @@ INNER = (
     "problem.problem.Source",
     "scene.solids.bodies.SceneContext",
     "scene.scene.Friction",
-    "scene.loads.load_history.ChangingLoad",
     "scene.scene.PosedScene",
     "scene.shapes_source.ShapesSource",
     "scene.shapes.texture.Profile",
     "scene.stress.SubsurfaceStressOperator",
     "scene.solids.stress_model.HalfSpaceStress",
     "scene.solids.coated.CoatedStress",
-    "scene.surfaces.preparation.Missing",
-    "scene.surfaces.preparation.PeriodicExtension",
     "solvers.friction.fretting.PartialSlipShear",
     "solvers.friction.coulomb.FullSliding",
     "solvers.fixed_point.LaggedSolution",
@@ -368,7 +365,6 @@ PLAINER = (
     # types that are imported for checking alone
     (r"(?<![\w.])xr\.Dataset\b", "~xarray.Dataset"),
     (r"(?<![\w.])Figure\b", "~matplotlib.figure.Figure"),
-    (r"(?<![\w.])ChangingLoad\b", "~contactstudy.scene.loads.ChangingLoad"),
     (r"(?<![\w.])FirstGrids\b", "~contactstudy.planning.refinement.FirstGrids"),
 )
 

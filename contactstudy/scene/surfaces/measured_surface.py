@@ -6,7 +6,7 @@ from hashlib import blake2b
 from math import ceil, inf
 from os import PathLike
 from pathlib import Path
-from typing import Any, Literal, Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from contactstudy.domain.grid import Array, Grid
 from contactstudy.domain.validation import InvalidInput, readable, set_fields, validated, whole_quotient
 from contactstudy.scene.shapes.shape import LengthScales
 from contactstudy.scene.surfaces import measurement, preparation
-from contactstudy.scene.surfaces.text_surface import Flip, Reading, Sizes
+from contactstudy.scene.surfaces.text_surface import Reading
 
 
 @validated
@@ -91,18 +91,12 @@ class MeasuredSurface:
         cls,
         path: str | PathLike[str],
         *,
-        extent: tuple[float, float] | None = None,
-        unit: str | None = None,
         missing: preparation.Missing | None = None,
         trend: preparation.Trend = "plane",
         seam: preparation.PeriodicExtension | None = None,
         seam_across: preparation.PeriodicExtension | None = None,
         filter: preparation.GaussianFilter | None = None,  # noqa: A002 (the field's name)
-        invalid: float | None = None,
-        decimal: Literal[",", "."] | None = None,
-        transpose: bool = False,
-        flip: Flip = "none",
-        sizes: Sizes = "checked",
+        **reading: Any,
     ) -> Self:
         """Read a surface from a file; by default its tilt is subtracted and its ends are tapered.
 
@@ -114,36 +108,26 @@ class MeasuredSurface:
             whatever else the library SurfaceTopography reads (extra ``measured``). x of named columns and of X3P and
             the like runs across the contact. A matrix is one of heights (x, y), with or without a header: a row runs
             along the contact, and the rows follow one another across it.
-        extent
-            Size (width, length) [m] of a file without sizes. A matrix without it, and a netCDF file that lacks
-            coordinates, are heights of the grid's cells.
-        unit, invalid, decimal, transpose, flip, sizes
-            As for :class:`~contactstudy.scene.surfaces.text_surface.Reading`.
         missing, trend, seam, seam_across, filter
             As for the class; the defaults are to refuse missing points, ``"plane"``, ``Tapered()``,
             ``AsMeasured()`` and no filter.
+        reading
+            What the file leaves open: ``extent``, ``unit``, ``invalid``, ``decimal``, ``transpose``, ``flip`` and
+            ``sizes``, as for :class:`~contactstudy.scene.surfaces.text_surface.Reading`. A matrix without an extent, and
+            a netCDF file that lacks coordinates, are heights of the grid's cells.
 
         Raises
         ------
         InvalidInput
             If the file cannot be read, has no units, others than those given, or implausible sizes.
         """
-        reading = Reading(
-            extent=extent, unit=unit, invalid=invalid, decimal=decimal, transpose=transpose, flip=flip, sizes=sizes
-        )
-        points, size, notes = measurement.read(path, reading)
+        said = Reading(**reading)
+        points, size, notes = measurement.read(path, said)
         return cls(
-            points,
-            size,
-            missing or preparation.RefuseMissing(),
-            trend,
-            seam or preparation.Tapered(),
-            str(Path(path).absolute()),
-            seam_across=seam_across or preparation.AsMeasured(),
-            filter=filter,
-            reading=reading,
-            notes=notes,
-        )
+            points, size, missing or preparation.RefuseMissing(), trend, seam or preparation.Tapered(),
+            str(Path(path).absolute()), filter=filter, seam_across=seam_across or preparation.AsMeasured(),
+            reading=said, notes=notes,
+        )  # fmt: skip
 
     @property
     def description(self) -> str:

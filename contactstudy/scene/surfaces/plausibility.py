@@ -28,23 +28,20 @@ def measured_points(name: str, content: FileContent, reading: Reading) -> tuple[
         heights, counts = np.unique(values[np.isfinite(values)], return_counts=True)
         if len(heights) < 4:
             break
-        gaps = np.diff(heights)
-        spread = heights[-2] - heights[0], heights[-1] - heights[1]
-        lone = [place for place, gap, rest in ((-1, gaps[-1], spread[0]), (0, gaps[0], spread[1])) if gap > rest]
-        second, most = (int(place) for place in np.argsort(counts)[-2:])
+        gaps, spread = np.diff(heights), (heights[-1] - heights[1], heights[-2] - heights[0])
+        lone = [place for place in (-1, 0) if gaps[place] > spread[place]]
         marks = [place for place in lone if abs(heights[place]) in MARKS]
         if marks:
             values[values == heights[marks[0]]] = np.nan
             notes.append(f"{counts[marks[0]]} points of {heights[marks[0]]:g} in the file count as not measured")
             continue
-        repeated = [place for place in lone if counts[place] > 1]
-        if counts[most] >= max(8, 10 * counts[second]) and 0 < most < len(heights) - 1:
-            repeated.append(most)
-        if repeated:
-            height = heights[repeated[0]] + 0.0
+        second, most = (int(place) for place in np.argsort(counts)[-2:])
+        is_frequent = counts[most] >= max(8, 10 * counts[second]) and 0 < most < len(heights) - 1
+        for place in [place for place in lone if counts[place] > 1] + [most] * int(is_frequent):
+            height = heights[place] + 0.0
             raise InvalidInput(
-                f"path is {name!r}, in which {counts[repeated[0]]} points have the one height {height:g}, as points "
-                f'that were not measured: give invalid = {height:g}, or sizes = "confirmed" if they were measured.'
+                f"path is {name!r}, in which {counts[place]} points have the one height {height:g}, as points that were "
+                f'not measured: give invalid = {height:g}, or sizes = "confirmed" if they were measured.'
             )
         break
     return values, notes
@@ -56,8 +53,7 @@ def check_plausible(name: str, points: Array, sizes: tuple[float, float] | None,
     if not (fault := _fault(level, sizes)):
         return
     powers = (1e-3, 1e-6, 1e-9, 1e3, 1e6, 1e9)
-    trials = [(power, 1.0) for power in powers] + [(1.0, power) for power in powers]
-    trials += [(power, power) for power in powers]
+    trials = [(p, 1.0) for p in powers] + [(1.0, p) for p in powers] + [(p, p) for p in powers]
     likely = ""
     calm = np.clip(level, *np.nanquantile(level, (0.005, 0.995)))
     if not _fault(calm, sizes):

@@ -107,7 +107,7 @@ WRONG = (
     (GOOD, "radius", "radus", "shapes[0]: unknown key 'radus': did you mean 'radius'."),
     (GOOD, '"Cylinder"', '"Cylindr"', "shapes[0]: its kind is 'Cylindr': did you mean 'Cylinder'."),
     (GOOD, 'kind = "Cylinder"', "", "shapes[0]: it has no kind: choose from Cylinder, "),
-    (GOOD, '[load]\nper_length = "100 N/mm"', "", "load: it is missing: give a table."),
+    (GOOD, '[load]\nper_length = "100 N/mm"', "", "load: it is missing: give a LineLoad, or a TotalLoad"),
     (GOOD, "[[solids]]", "[[a]]", "solids: it is missing: give 2 tables, each below its name in double brackets."),
     (GOOD, "rms = {slope = 0.01}", "", "shapes[1].rms: it is missing: give a length"),
     (GOOD, "[load]", '[load]\ntotal = "1 kN"', "load: it has per_length, total together: give the keys of"),

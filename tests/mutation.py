@@ -1,6 +1,7 @@
 """Changes a clone of the code in one place at a time and tells which changes no test notices.
 
-Of the tests of the default tier those run that execute the changed line: first the module's own, then the quickest.
+Of the tests of the default tier those run that execute the changed line: first the module's own, then those of its
+folder, then the quickest.
 """
 
 import argparse
@@ -103,7 +104,7 @@ def chosen(path: Path, line: int, clone: Path, took: dict[str, float], seconds: 
     tests = []
     for test in sorted(
         calling or {test for test in took if test.startswith(folder)},
-        key=lambda test: (not test.startswith((f"{own}.py", f"{own}_")), took[test]),
+        key=lambda test: (not test.startswith((f"{own}.py", f"{own}_")), not test.startswith(folder), took[test]),
     ):
         tests += [test] * (seconds > 0)
         seconds -= took[test]

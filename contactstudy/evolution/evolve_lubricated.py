@@ -80,7 +80,7 @@ class FilmTrajectory:
         }
 
 
-def difference(fine: FilmSolution, coarse: FilmSolution) -> float:
+def _difference(fine: FilmSolution, coarse: FilmSolution) -> float:
     """Return the L1 difference of a film's pressure to that after longer steps, over the sum of the pressure.
 
     It is infinite if one of the films has not converged.
@@ -90,24 +90,25 @@ def difference(fine: FilmSolution, coarse: FilmSolution) -> float:
     return float(np.abs(fine.pressure - coarse.pressure).sum() / fine.pressure.sum())
 
 
-def film_trajectory(
-    records: Sequence[Record[Any]], films: Sequence[FilmSolution], compared: Sequence[tuple[float, float]]
-) -> FilmTrajectory:
+def film_trajectory(records: Sequence[Record[Any]], films: Sequence[FilmSolution]) -> FilmTrajectory:
     """Return the `films` that a march recorded, with errors by steps.
 
-    They are estimated from times [s], ascending, and relative differences to films after longer steps: at an instant by
-    the largest until then, or of all where none is later, as one alone may vanish by chance. They are infinite without
-    any difference, and where a film has not converged.
+    They are estimated from the differences to films after longer steps: at an instant by the largest until the next that
+    is known, or of all where none is later, as one alone may vanish by chance. They are infinite without any difference,
+    and where a film has not converged.
     """
     work = sum((record.work for record in records), Counter())
-    times = tuple(record.state.time for record in records)
-    errors = np.full(len(times), inf)
-    if compared:
-        compared_times, differences = np.transpose(compared)
-        until = np.minimum(np.searchsorted(compared_times, times), len(compared) - 1)
-        errors = ERROR_OVER_DIFFERENCE * np.maximum.accumulate(differences)[until]
+    differences = {
+        number: _difference(films[number], record.coarse.contact)
+        for number, record in enumerate(records)
+        if record.coarse is not None
+    }
+    errors = np.full(len(films), inf)
+    if differences:
+        until = np.minimum(np.searchsorted(list(differences), range(len(films))), len(differences) - 1)
+        errors = ERROR_OVER_DIFFERENCE * np.maximum.accumulate(list(differences.values()))[until]
         errors[[film.status in FAILED for film in films]] = inf
-    return FilmTrajectory(times, tuple(films), work, errors)
+    return FilmTrajectory(tuple(record.state.time for record in records), tuple(films), work, errors)
 
 
 @dataclass(frozen=True, eq=False)
@@ -192,10 +193,8 @@ def evolve_lubricated(
         if first < time < last and min(abs(time - instant) for instant in instants) > least
     }
     points = [Breakpoint(time, times_recorded=int(time in instants)) for time in sorted({*instants, *between})]
-    films = _Films()
-    march = March(films, start, points, control, progress)
-    records = march.records()
-    return film_trajectory(records, [record.state.contact for record in records], films.compared)
+    records = March(_Films(), start, points, control, progress).records()
+    return film_trajectory(records, [record.state.contact for record in records])
 
 
 def _check_loaded(scene: Scene, instants: list[float]) -> None:
@@ -213,23 +212,13 @@ def _check_loaded(scene: Scene, instants: list[float]) -> None:
 
 
 class _Films(Method["_FilmStepper"]):
-    """Steps of a film, compared after each pair with one of twice the length."""
+    """Steps of a film."""
 
     order = 3
-
-    def __init__(self) -> None:
-        self.compared: list[tuple[float, float]] = []
 
     def step(self, state: "_FilmStepper", end: float) -> "_FilmStepper":
         """Return the film after a step to `end` [s]."""
         return state.advanced(end)
-
-    def accept(self, before: object, middle: object, after: "tuple[_FilmStepper, _FilmStepper | None]") -> float:
-        """Keep the difference of a pair of steps to one of twice the length."""
-        fine, coarse = after
-        if coarse is not None:
-            self.compared.append((fine.time, difference(fine.contact, coarse.contact)))
-        return 0.0
 
 
 @dataclass(frozen=True, eq=False)

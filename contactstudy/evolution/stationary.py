@@ -25,7 +25,7 @@ from numpy.typing import ArrayLike
 from scipy import ndimage
 
 from contactstudy.domain.grid import Array, Grid, Padding, Paddings, on_cells
-from contactstudy.evolution.evolve_lubricated import FilmTrajectory, difference, film_trajectory
+from contactstudy.evolution.evolve_lubricated import FilmTrajectory, film_trajectory
 from contactstudy.evolution.march import Breakpoint, Control, March, Method, Record, ascending, schedule
 from contactstudy.evolution.steady_rolling import SteadyRolling, solve_rolling
 from contactstudy.evolution.trajectory import Frame, Trajectory, error_of_peak, frame_of
@@ -506,12 +506,7 @@ def follow_film_wear(
     wearing = _Wearing(solved, rate, counted, FIRST_DEPTH * lubrication.boundary.film)
     records = wearing.records(grid.cells, times, error, progress)
     films = [replace(record.state.contact, status=worst(record.statuses)) for record in records]
-    compared = [
-        (record.state.time, difference(film, record.coarse.contact))
-        for record, film in zip(records, films, strict=True)
-        if record.coarse is not None
-    ]
-    return film_trajectory(records, films, compared)
+    return film_trajectory(records, films)
 
 
 def _wear_rate(wear: Wear, pv: Array, grid: Grid) -> Array:

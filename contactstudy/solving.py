@@ -314,9 +314,6 @@ class _Request:
         grid, padding = self.planned()
 
         def solve_on(grid: Grid) -> Contact:
-            def coarser(factor: int) -> Contact:
-                return replace(solve_on(coarsened(grid, factor)), is_coarse=True)
-
             rolling = solve_rolling(
                 self.scene,
                 grid,
@@ -324,7 +321,7 @@ class _Request:
                 options=self.options,
                 progress=self.progress and Reporter(self.progress).change,
             )
-            return contact_answer(rolling.solution, rolling=rolling, coarser=coarser)
+            return contact_answer(rolling.solution, rolling=rolling)
 
         answer = replace(solve_on(grid), requested=self.requested)
         is_refined = self.grid is None and not belongs_to_grid(self.scene)

@@ -7,7 +7,7 @@ from math import inf
 from typing import TYPE_CHECKING, Any
 
 from contactstudy.accuracy.bound import lawful_edges
-from contactstudy.accuracy.coarser import coarse_solution, comparable
+from contactstudy.accuracy.coarser import coarse_solution, coarsened, comparable
 from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.answers.answer import Answer, Coarser, levels_below
 from contactstudy.answers.judgement import OF_EDGES, is_stress, with_nested_bounds
@@ -88,7 +88,9 @@ class Contact(Answer, Solution):
             return ErrorEstimate(unknown)
         try:
             if self.rolling is not None and self.estimate is None:
-                return self.rolling.error_estimate()
+                # the range of an attraction may be that of the grid
+                half = self._below.get(2) if self.adhesion is None else None
+                return self.rolling.error_estimate(half)
             if not self._has_derived_errors:
                 return self.estimate or error_estimate(self)
             estimate = self.estimate or error_estimate(self, coarse=self._on_half_the_cells)
@@ -198,7 +200,7 @@ class Contact(Answer, Solution):
         by_law = frozenset(OF_EDGES if lawful_edges(self) else ())
         below = {
             k: {name: of for name, of in level.quantities.items() if name not in by_law or lawful_edges(level)}
-            for k, level in self._below().items()
+            for k, level in self._below.items()
         }
         return with_nested_bounds(
             found,
@@ -218,8 +220,9 @@ class Contact(Answer, Solution):
         ends = source is not None and source.ends_along
         return 1.0 if ends or self.adhesion is not None or self.rolling is not None else STATIC_ORDER
 
+    @cached_property
     def _below(self) -> "dict[int, Contact]":
-        """Return the contact on 1 / k of the cells along each axis by k, as far as these have a solution."""
+        """The contact on 1 / k of the cells along each axis by k, as far as these have a solution."""
         if self.is_coarse or self.status.is_failure:
             return {}
         return levels_below(self.coarser or self._on_coarser_cells)  # type: ignore[return-value]
@@ -231,6 +234,9 @@ class Contact(Answer, Solution):
 
     def _on_coarser_cells(self, factor: int) -> "Contact":
         """Return the contact on 1 / `factor` of the cells along each axis."""
+        if self.rolling is not None:
+            rolled = self.rolling.solve_on(coarsened(self.grid, factor))
+            return contact_answer(rolled.solution, rolling=rolled, is_coarse=True)
         coarse = self._on_half_the_cells
         if factor != 2:
             coarse = coarse_solution(self.problem, self.pressure, self.attraction, factor)

@@ -172,8 +172,6 @@ class ErrorEstimate(InNotebook):
         Errors of the load and the area of asperity contacts in a film, as they are; None without a boundary film.
     flash_temperature, film_temperature
         Errors of the temperatures of a film, as the model has them; None for a film of one temperature.
-    rolling_resistance
-        Error of the coefficient of rolling resistance; None where nothing rolls.
     load, pull_off
         Errors of the load at a given approach, and of the pull-off load; None where they are not sought.
     warnings
@@ -195,7 +193,6 @@ class ErrorEstimate(InNotebook):
     contact_area_ratio: ErrorParts | None = None
     flash_temperature: ErrorParts | None = None
     film_temperature: ErrorParts | None = None
-    rolling_resistance: ErrorParts | None = None
     load: ErrorParts | None = None
     pull_off: ErrorParts | None = None
     warnings: tuple[str, ...] = ()

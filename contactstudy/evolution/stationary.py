@@ -295,10 +295,6 @@ class _DryContact:
             "peak_pressure": error_of_peak(self.pressure, change) / self.pressure.max(),
             "contact_area": max(l1, moved),
         }
-        if self.rolling is not None and coarse.rolling is not None:
-            resistance = self.rolling.resistance_coefficient
-            difference = abs(resistance - coarse.rolling.resistance_coefficient)
-            errors["rolling_resistance"] = difference / abs(resistance) if difference else 0.0
         return {name: float(error) for name, error in errors.items()}
 
 

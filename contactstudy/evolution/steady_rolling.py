@@ -8,11 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from contactstudy.accuracy.coarser import coarsened
 from contactstudy.accuracy.estimate import error_estimate
-from contactstudy.domain.errors import ErrorEstimate, ErrorParts
+from contactstudy.domain.errors import ErrorEstimate
 from contactstudy.domain.grid import Grid, Padding, Paddings
-from contactstudy.domain.validation import InvalidInput
 from contactstudy.elasticity.coefficients import Coefficients
 from contactstudy.elasticity.convolution import by_symmetry, general_convolutions, superposed
 from contactstudy.problem.constraint import largest_of
@@ -27,11 +25,6 @@ from contactstudy.solvers.solve import LaggedSolution, SolveOptions, solve_conta
 # Fine cells per cell across, at least 2, and the largest number of fine cells beyond that, for the retarded displacement
 # under the pressure.
 REFINEMENT, MAX_FINE_CELLS = 8, 2**17
-# Factors of the upper estimate of the resistance's error: on its change from cells of twice the size, and on the
-# pressure's error, measured on smooth, wavy and rough cylinders against cells of an eighth of the size.
-CHANGE_FACTOR, PRESSURE_FACTOR = 2.0, 0.15
-# Tolerance of the contact on coarse cells.
-COARSE_TOLERANCE = 1e-5
 # A shift of the pressure below this fraction of the grid's width is rounding.
 ROUNDING = 1e-14
 
@@ -70,6 +63,11 @@ class SteadyRolling:
         shift = float(grid.x @ pressure.sum(axis=1) / total) if total else 0.0
         return self.direction * shift if abs(shift) > ROUNDING * grid.extent[0] else 0.0
 
+    @property
+    def loses_energy(self) -> bool:
+        """True if bodies creep under some pressure: elastic ones have no resistance."""
+        return bool(self.antisymmetric_weights) and bool(self.solution.pressure.any())
+
     @cached_property
     def resistance_coefficient(self) -> float:
         """Coefficient of rolling resistance: the force against the motion over the load.
@@ -80,7 +78,7 @@ class SteadyRolling:
         of which only the displacement that is odd in x loses any. That displacement is computed on finer cells. The
         moment of the pressure (for a cylinder, the shift over its radius) has the same limit and a larger error.
         """
-        if not self.antisymmetric_weights or not self.solution.pressure.any():
+        if not self.loses_energy:
             return 0.0
         problem = self.solution.problem
         assert problem.paddings is not None
@@ -94,43 +92,12 @@ class SteadyRolling:
         work = -(pressure * np.diff(faces, axis=0)).sum() / problem.grid.cell_size[0]
         return self.direction * float(work / pressure.sum())
 
-    @cached_property
-    def coarse(self) -> "SteadyRolling | None":
-        """This contact on cells of twice the size; None with adhesion, or where the scene has no such grid."""
-        if self.solution.adhesion is not None:  # the range of the attraction may be that of the grid
-            return None
-        try:
-            return self.solve_on(coarsened(self.solution.problem.grid, 2))
-        except InvalidInput:
-            return None
-
-    @property
-    def resistance_coefficient_error(self) -> float:
-        """Upper estimate of the relative error of :attr:`resistance_coefficient`.
-
-        It is twice the change from cells of twice the size, and a small fraction of the pressure's L1 error, since the
-        change may be small by chance. It is 0 for elastic bodies and a coefficient of 0, and infinite without a coarser
-        grid to compare with.
-        """
-        if not self.antisymmetric_weights or not self.solution.pressure.any():
-            return 0.0
-        if self.coarse is None or not np.isfinite(self.lagged.change):
-            return inf
-        if not self.resistance_coefficient:
-            return 0.0
-        change = abs(self.coarse.resistance_coefficient - self.resistance_coefficient)
-        return (
-            CHANGE_FACTOR * change / abs(self.resistance_coefficient) + PRESSURE_FACTOR * self._pressure_errors.l1.total
-        )
-
-    @cached_property
-    def _pressure_errors(self) -> ErrorEstimate:
-        """Estimate of the errors, with :attr:`coarse` where the pressure alone does not show them.
+    def error_estimate(self, coarse: Solution | None = None) -> ErrorEstimate:
+        """Return the estimated errors of the contact, with that on cells of twice the size if it is at hand.
 
         The change of the pressure in the last outer iteration adds to the residual, which is infinite where the
         iterations did not converge.
         """
-        coarse = None if self.coarse is None else self.coarse.solution
         estimate, status = error_estimate(self.solution, coarse=coarse), self.solution.status
         change, reason = self.lagged.change, ""
         if status is Status.NOT_CONVERGED:
@@ -141,11 +108,6 @@ class SteadyRolling:
         }
         warnings = (*filter(None, (reason,)), *estimate.warnings)
         return replace(estimate, **parts, warnings=warnings)
-
-    def error_estimate(self) -> ErrorEstimate:
-        """Return the estimated errors of the contact and of its coefficient of rolling resistance."""
-        resistance = ErrorParts(discretisation=self.resistance_coefficient_error)
-        return replace(self._pressure_errors, rolling_resistance=resistance)
 
 
 def solve_rolling(
@@ -227,6 +189,5 @@ def solve_rolling(
             convolutions=last.convolutions + sheared.convolutions,
         )
         lagged = replace(lagged, solution=both, outer_iterations=lagged.outer_iterations + 1)
-    coarse = replace(options, tolerance=COARSE_TOLERANCE)
-    solve_on = partial(solve_rolling, scene, padding=padding, options=coarse)
+    solve_on = partial(solve_rolling, scene, padding=padding, options=options)
     return SteadyRolling(lagged, antisymmetric_weights, solve_on, -1 if speed < 0 else 1)

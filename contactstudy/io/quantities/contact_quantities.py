@@ -223,7 +223,7 @@ def contact_quantities(
     quantities = {"peak_pressure": bounded(peak, "Pa", label, estimate.peak_pressure, warnings, position=place)}
     quantities |= stress_quantities(scene, derived, grid, estimate, solution.problem.paddings)
     if rolling is not None:
-        quantities |= _of_rolling(rolling, estimate)
+        quantities |= _of_rolling(rolling)
     for part in solution.parts:
         quantities |= OF_PARTS[type(part)](solution, part, estimate, length)
     in_contact = per_length(area, "m2", "contact area", length, grid.length)
@@ -303,14 +303,16 @@ def datum_text(solution: Solution) -> str:
     return f", from a point {readable(datum)} away{why}"
 
 
-def _of_rolling(rolling: "SteadyRolling", estimate: ErrorEstimate) -> dict[str, Quantity]:
+def _of_rolling(rolling: "SteadyRolling") -> dict[str, Quantity]:
     """Return the coefficient of rolling resistance, and the distance of the pressure's centroid from the axis."""
     scene = scene_of(rolling.solution.problem)
     slides = scene is not None and standing_heights(scene.shapes)
     label = f"coefficient of {'hysteretic sliding friction' if slides else 'rolling resistance'}"
-    coefficient, error = rolling.resistance_coefficient, estimate.rolling_resistance
+    resistance = Quantity(rolling.resistance_coefficient, "1", label)
+    if not rolling.loses_energy:
+        resistance = replace(resistance, bound=0.0, reason="")
     return {
-        "rolling_resistance": bounded(coefficient, "1", label, error, estimate.warnings),
+        "rolling_resistance": resistance,
         "pressure_shift": Quantity(rolling.shift, "m", "pressure centroid ahead of the axis"),
     }
 

@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from math import exp, inf, pi
 from os import PathLike
@@ -26,12 +26,11 @@ from contactstudy.evolution.march import Control, March, Method, Record, schedul
 from contactstudy.evolution.states.fretting_state import FrettingState
 from contactstudy.evolution.states.state_variables import (
     CreepState,
-    StateVariable,
     WearState,
     least_eigenvalue,
     solved_or_unloaded,
 )
-from contactstudy.evolution.time_stepper import Instant, TimeStepper
+from contactstudy.evolution.time_stepper import Instant, StateVariable, TimeStepper
 from contactstudy.evolution.time_steps import ErrorEstimator, Scheme
 from contactstudy.evolution.trajectory import UNKNOWN, Frame, Trajectory, error_of_peak, frame_of
 from contactstudy.problem.problem import Problem
@@ -45,7 +44,7 @@ from contactstudy.solvers.solution import Solution, Status, unloaded, worst_unti
 from contactstudy.solvers.solve import SolveOptions
 
 if TYPE_CHECKING:
-    from contactstudy.evolution.states.plastic import PlasticState
+    pass
 
 # Halving the steps leaves 0.5 to 0.6 of errors of first order: the error is up to 1.5 times the difference.
 FIRST_ORDER_FACTOR = 1.5
@@ -317,27 +316,8 @@ INITIAL_STEP = 1e-2
 MIN_ERROR_OVER_TOLERANCE = 100
 # Files of a checkpoint: a recorded frame by its index, and the march to go on from.
 FRAME_FILE, STATE_FILE = "frame_{:05d}.npz", "state.npz"
-# What a checkpoint holds of a march beside its instants, outcomes and control.
-SAVED = "number", "length", "work", "total"
 # Steps in a period of a load that repeats, at least.
 PER_PERIOD = 4
-
-
-def _plastic_state(scene: Scene, problem: Problem, options: SolveOptions) -> "PlasticState | None":
-    """Return the plastic strain of bodies that yield, from the elastic `problem` under the largest load, or None.
-
-    Raises
-    ------
-    InvalidInput
-        For a padding on which plastic strain has no operator.
-    """
-    if not any(map(yields, scene.solids)):
-        return None
-    from contactstudy.evolution.states.plastic import PlasticState, YieldingBody, check_paddings
-
-    check_paddings(problem)
-    elastic = solved_or_unloaded(options, problem)
-    return PlasticState(YieldingBody.in_scene(scene), elastic, Precision(options.precision))
 
 
 def evolve(
@@ -443,15 +423,32 @@ def evolve(
 
 @dataclass(frozen=True)
 class _Saved:
-    """A march where it can go on: short and doubled instants, the values by name, and the number of its frames."""
+    """What a march holds where it can go on, by the names of its attributes, its errors and the number of its frames."""
 
     fine: Instant
     coarse: Instant | None
-    march: Mapping[str, Any]
     control: Control | None
-    statuses: tuple[Status, ...]
+    number: int
+    length: float
+    work: Counter[str]
+    total: Counter[str]
+    statuses: list[Status]
     errors: Errors
     frames: int
+
+    @classmethod
+    def of(cls, march: March[Instant], errors: Errors, frames: int) -> "_Saved":
+        """Return what is saved of a march, without the solutions on the way to its instants."""
+        held = {each.name: getattr(march, each.name) for each in fields(cls) if hasattr(march, each.name)}
+        for name in ("fine", "coarse"):
+            held[name] = held[name] and replace(held[name], kept=(), replaced=())
+        return cls(**held, errors=errors, frames=frames)
+
+    def restore(self, march: March[Instant]) -> None:
+        """Set a march to where it was saved."""
+        for each in fields(self):
+            if hasattr(march, each.name):
+                setattr(march, each.name, getattr(self, each.name))
 
 
 def _frames(march: March[Instant], steps: DrySteps, checkpoint: Checkpoint | None) -> list[Frame]:
@@ -467,20 +464,7 @@ def _frames(march: March[Instant], steps: DrySteps, checkpoint: Checkpoint | Non
                 checkpoint.write(FRAME_FILE.format(len(frames)), frame)
             frames.append(frame)
         if checkpoint is not None and march.can_go_on:
-            fine, coarse = (
-                instant and replace(instant, kept=(), replaced=()) for instant in (march.fine, march.coarse)
-            )
-            assert fine is not None
-            saved = _Saved(
-                fine,
-                coarse,
-                {name: getattr(march, name) for name in SAVED},
-                march.control,
-                tuple(march.statuses),
-                steps.errors,
-                len(frames),
-            )
-            checkpoint.write(STATE_FILE, saved)
+            checkpoint.write(STATE_FILE, _Saved.of(march, steps.errors, len(frames)))
     return frames
 
 
@@ -489,10 +473,8 @@ def _restored(march: March[Instant], steps: DrySteps, checkpoint: Checkpoint) ->
     if not (checkpoint.folder / STATE_FILE).exists():
         return []
     saved = checkpoint.read(STATE_FILE, _Saved)
-    march.fine, march.coarse, march.control = saved.fine, saved.coarse, saved.control
-    march.statuses, steps.errors = list(saved.statuses), saved.errors
-    for name, value in saved.march.items():
-        setattr(march, name, Counter(value) if isinstance(value, dict) else value)
+    saved.restore(march)
+    steps.errors = saved.errors
     frames = (checkpoint.read(FRAME_FILE.format(n), Frame) for n in range(saved.frames))
     return [replace(frame, problem=steps.stepper.problem) for frame in frames]
 
@@ -527,19 +509,26 @@ def _time_stepper(
         variables.append(WearState(scene.wear.rate_per_pressure, scene.wear.body))
     if frets:
         variables.append(_fretting_state(scene, problem, options))
+    coupled = None
+    if any(map(yields, scene.solids)):
+        from contactstudy.evolution.states.plastic import PlasticState, YieldingBody, check_paddings
+
+        check_paddings(problem)
+        elastic_contact = solved_or_unloaded(options, problem)
+        coupled = PlasticState(YieldingBody.in_scene(scene), elastic_contact, Precision(options.precision))
     return TimeStepper(
         problem=problem,
         load=load,
         loaded_length=scene.loaded_length(grid, padding),
         weights=dict(response(solids, datum)),
         state_variables=tuple(variables),
-        coupled=_plastic_state(scene, problem, options),
+        coupled=coupled,
         scheme=scheme,
         options=options,
     )
 
 
-def _fretting_state(scene: Scene, problem: Problem, options: SolveOptions) -> StateVariable:
+def _fretting_state(scene: Scene, problem: Problem, options: SolveOptions) -> FrettingState:
     """Return the tangential traction of a scene that frets, as a state variable."""
     fretting, paddings = scene.friction, problem.paddings
     assert isinstance(fretting, Fretting)

@@ -20,7 +20,6 @@ from contactstudy.evolution.states.state_variables import (
     Contribution,
     CreepState,
     State,
-    StateVariable,
     Step,
     WarmStartedContact,
     WearState,
@@ -47,6 +46,7 @@ from contactstudy.solvers.solve import SolveOptions
 if TYPE_CHECKING:  # imported only for scenes with a body that yields
     from contactstudy.evolution.states.plastic import PlasticState
 
+StateVariable = CreepState | WearState | FrettingState
 # Contacts that a step with plastic strain beside an attraction solves at most, each with the limit of iterations.
 CONTACTS_PER_COUPLED_STEP = 30
 # Largest number of fixed-point iterations of a step.
@@ -157,12 +157,12 @@ class TimeStepper:
 
     def is_half_order(self, step: float) -> bool:
         """Return whether the order after a `step` [s] may be 1/2, as where wear begins, by wear, slip or stiff creep."""
-        return self.has_stages or self.fretting is not None or self.creep_ends_within(step)
+        return self._wears or self.fretting is not None or self.creep_ends_within(step)
 
     @property
-    def has_stages(self) -> bool:
-        """True if the stages of a scheme make a step more accurate, as those of sliding wear do."""
-        return any(variable.has_stages for variable in self.state_variables)
+    def _wears(self) -> bool:
+        """True if a body wears by sliding, whose steps the stages of a scheme make more accurate."""
+        return any(isinstance(variable, WearState) for variable in self.state_variables)
 
     def creep_ends_within(self, step: float) -> bool:
         """Return whether a retardation time of a body is shorter than a `step` [s]."""
@@ -239,7 +239,7 @@ class TimeStepper:
         start, duration = instant.time, end - instant.time
         if duration == 0:
             return self._stage(instant, Step(end, end, (instant.load, load), load))
-        stages = STAGES[self.scheme] if self.has_stages else SINGLE_STAGE
+        stages = STAGES[self.scheme] if self._wears else SINGLE_STAGE
         fraction, last = 0.0, replace(instant, kept=(), replaced=())
         for number, (part, explicit) in enumerate(stages, start=1):
             fraction += part

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
@@ -91,8 +90,6 @@ class FrettingState:
     loaded_length: float
     tolerance: float
     max_applications: int
-
-    has_stages: ClassVar[bool] = False
 
     def start(self, shape: tuple[int, int]) -> State:
         """Return a state without traction, slip or wear on `shape` cells (x, y)."""

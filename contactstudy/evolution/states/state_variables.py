@@ -1,9 +1,14 @@
-"""Internal variables of bodies and interfaces, their update in a time step, and the contacts on the way."""
+"""Internal variables of bodies and interfaces, their update in a time step, and the contacts on the way.
+
+Each has its state before the first load (``start``), what it contributes to the problem at the end of a step
+(``contribution``), its state there (``update``), and the fields of a state that a user is shown (``fields``). A
+contribution and an update follow from the state and the pressure (x, y) [Pa], less the attraction, at the start of the
+step; an update from the pressure at its end too. States are never changed in place: a step may be tried and rejected.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from math import exp, expm1
-from typing import ClassVar, Protocol
 
 import numpy as np
 
@@ -72,49 +77,6 @@ class Contribution:
     local_compliance: float | Array = 0.0
 
 
-class StateVariable(Protocol):
-    """Protocol of what a body or an interface keeps between instants, which changes with the pressures in a step.
-
-    States are never changed in place: a step may be tried and rejected.
-    """
-
-    @property
-    def has_stages(self) -> bool:
-        """True if the stages of a scheme make a step more accurate."""
-
-    def start(self, shape: tuple[int, int]) -> State:
-        """Return the state before the first load, on a grid of `shape` cells (x, y)."""
-
-    def fields(self, state: State) -> Mapping[str, Field]:
-        """Return the fields of a state that a user is shown, by name."""
-
-    def contribution(self, state: State, pressure: Array, step: Step) -> Contribution:
-        """Return the contribution of this state variable to the problem at the end of a step.
-
-        Parameters
-        ----------
-        state
-            State at the start of the step.
-        pressure
-            Pressure (x, y) [Pa], less the attraction, at the start of the step.
-        step
-            The step.
-        """
-
-    def update(self, state: State, before: Array, after: Array, step: Step) -> State:
-        """Return the state at the end of a step.
-
-        Parameters
-        ----------
-        state
-            State at the start of the step.
-        before, after
-            Pressure (x, y) [Pa], less the attraction, at the start and at the end of the step.
-        step
-            The step.
-        """
-
-
 @dataclass(frozen=True)
 class CreepState:
     """Internal variables of a viscoelastic body: retarded pressures, and the impulse of a body that flows (Maxwell).
@@ -132,8 +94,6 @@ class CreepState:
 
     creep: Creep
     coefficients: Coefficients
-
-    has_stages: ClassVar[bool] = False
 
     def start(self, shape: tuple[int, ...]) -> State:
         """Return retarded pressures and impulse of zero on `shape` cells (x, y), or of several fields."""
@@ -226,8 +186,6 @@ class WearState:
 
     rate_per_pressure: float
     body: int = 0
-
-    has_stages: ClassVar[bool] = True
 
     def start(self, shape: tuple[int, int]) -> State:
         """Return a wear depth of zero on `shape` cells (x, y)."""

@@ -92,6 +92,8 @@ class RefinementConstants:
         Order of convergence that is expected: it is 1.5 in plane strain where all edges are smooth, and 1 at corners.
     safety
         Fraction of the requested error for which the next grid is chosen, whose bound is only expected.
+    expected
+        Fraction of the cells required on which a solve is expected to end: its bound falls faster than is planned for.
     growth
         Least and largest factor on the cells along an axis to the next grid, as the geometric mean of both axes.
     growth_without_bound
@@ -119,6 +121,7 @@ class RefinementConstants:
     max_planned_cells: int = 2**15
     order: float = 1.25
     safety: float = 0.9
+    expected: float = 0.7
     growth: tuple[float, float] = (1.1, 2.6)
     growth_without_bound: float = 2.0
     out_of_reach: float = 1.5
@@ -354,7 +357,7 @@ class GridRefinement:
         missed = (prod(required) / most) ** (CONSTANTS.order / axes)
         if CONSTANTS.out_of_reach < missed and last.discretisation_error < inf:
             most = min(CONSTANTS.max_cells_out_of_reach, most)
-        is_enough = self.meets_error(last) if after is None else present >= prod(required)
+        is_enough = self.meets_error(last) if after is None else present >= CONSTANTS.expected * prod(required)
         # no width of a surface that is resolved holds the contact
         is_resolved = present >= prod(self.min_cells(last.grid.extent))
         is_cut_off = is_resolved and last.solution.status is Status.CONTACT_AT_EDGE

@@ -38,7 +38,6 @@ def film_grid(
     *,
     shortest_wavelengths: tuple[float, float] = (inf, inf),
     longer: float = 1.0,
-    finer: float = 1.0,
     most_cells: int = MAX_CELLS,
 ) -> Grid:
     """Return a grid on which central and minimum film of a smooth contact are within a relative ``error``.
@@ -54,8 +53,8 @@ def film_grid(
     shortest_wavelengths
         Shortest wavelengths (across, along) of the surfaces [m]; ``CELLS_PER_WAVE`` cells each. Along a roller
         ``CELLS_ALONG_ROLLER``, and one where nothing varies along the length.
-    longer, finer
-        Factors by which the inlet is longer and the cells are finer.
+    longer
+        Factor by which the inlet is longer.
     most_cells
         Cells across at most. Where the error takes more, the grid is that of the smallest error which they allow.
 
@@ -71,7 +70,7 @@ def film_grid(
     aimed = error
     while True:
         inlet = longer * max(INLET * reach, reach + sqrt(2 * INLET_ERROR * film / aimed))
-        cell = sweep / 2 * min(1.0, sqrt(aimed / 2 / HALF_SWEEP_ERROR)) / finer
+        cell = sweep / 2 * min(1.0, sqrt(aimed / 2 / HALF_SWEEP_ERROR))
         cell = min(cell, shortest_wavelengths[0] / a / CELLS_PER_WAVE)
         across = ROW_MULTIPLE * ceil(2 * inlet / cell / ROW_MULTIPLE)
         if across <= most_cells or aimed >= 2 * HALF_SWEEP_ERROR:
@@ -123,8 +122,7 @@ def finer_film_grid(
     bounded = [errors["central_film"], errors["minimum_film"]]
     if first.cell_size[0] < REFINED_FOR_MOTION * grid.cell_size[0]:
         bounded += [parts for parts in errors.values() if isfinite(parts.total)]
-    inlet = max(parts.by_cause["inlet"] for parts in bounded)
-    cells = max(parts.by_cause["discretisation"] for parts in bounded)
+    inlet, cells = (max(getattr(parts, cause) or 0.0 for parts in bounded) for cause in ("inlet", "discretisation"))
     remaining, longer = error, min(max(1.0, sqrt(2 * inlet / error)), 2.0)
     if given is not None:  # the error of the inlet remains
         remaining, longer = 2 * (error - inlet) if inlet <= error / 2 else error, 1.0

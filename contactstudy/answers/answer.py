@@ -186,17 +186,22 @@ class Answer(InNotebook):
             return next(iter(self.error.warnings), "")
         if not self._missed and self._l1_ratio <= 1:  # what is named has no bound, which says why
             return ""
-        cause = max(parts.by_cause, key=parts.by_cause.__getitem__)
         if not all(number.order for number in self._missed):
             return "finer cells hardly lessen it: a depth is known to the distance of depths, give closer depths"
         factor = max((number.finer for number in self._missed), default=1.0)
         factor = max(factor, self._l1_ratio)
-        if cause != "discretisation" or factor <= 1:
+        if (cause := self._main_cause) != "discretisation" or factor <= 1:
             return f"most of it is by {REMEDIES[cause]}"
         cells = finer_grid(self.grid, factor).cells
         if prod(cells) > MAX_CELLS:
             return "no grid in reach would meet it"
         return f"about {cells_text(cells)} would meet it"
+
+    @property
+    def _main_cause(self) -> str:
+        """Cause of the largest part of the main error measure."""
+        parts = self.judged_error[1].by_cause
+        return max(parts, key=parts.__getitem__)
 
     @property
     def work(self) -> str:

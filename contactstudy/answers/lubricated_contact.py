@@ -12,7 +12,7 @@ import numpy as np
 from contactstudy.accuracy.coarser import coarsened
 from contactstudy.answers.answer import Answer, levels_below, solved_or_none
 from contactstudy.answers.judgement import by_changes, widened, with_nested_bounds
-from contactstudy.domain.errors import INLET, MARGIN, ErrorEstimate, ErrorParts, Request
+from contactstudy.domain.errors import INLET, MARGIN, PRESSURE, ErrorEstimate, ErrorParts, Request
 from contactstudy.domain.grid import across_and_along
 from contactstudy.domain.imports import needed_for
 from contactstudy.domain.validation import NotDefined
@@ -189,6 +189,16 @@ class LubricatedContact(Answer, FilmSolution):
         errors = self.requested_errors
         name = max(errors, key=lambda name: errors[name].total)
         return f"in the {MEASURES.get(name, 'film')}", errors[name]
+
+    @property
+    def _main_cause(self) -> str:
+        """Cause of the largest part of the error that exceeds the request by the largest factor."""
+        ratios = {name: number.ratio for name, number in self.judged.items() if 1 < number.ratio < inf}
+        ratios.pop(PRESSURE, None)
+        if not ratios:
+            return super()._main_cause
+        parts = self.error_of(max(ratios, key=ratios.__getitem__)).by_cause
+        return max(parts, key=parts.__getitem__)
 
     @property
     def counts(self) -> Counts:

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from contactstudy.domain.device import Cpu, arrays, device
-from contactstudy.domain.grid import Array, compiled_loops, device_loops, first_cells, in_blocks
+from contactstudy.domain.grid import Array, compiled_loops, device_loops, first_cells
 from contactstudy.elasticity.transforms import ComplexField, transforms
 
 # Largest ratio of the spectrum's values for single precision, whose round-off is the same in all wave numbers.
@@ -277,12 +277,7 @@ class SmoothedExtension(CoveringExtension):
         if (loops := device_loops()) is not None:
             loops.outside(active, weights, noise)
             return
-        least = noise * float(xp.max(weights))
-
-        def invert(active: Array, weights: Array) -> None:
-            weights[...] = (1 - active) / xp.maximum(weights, least)
-
-        in_blocks(invert, active, weights)
+        self._outside = (1 - active) / xp.maximum(weights, noise * float(xp.max(weights)))
 
     def __call__(self, displacement: Array) -> Array:
         """Return a `displacement` (x, y), which is zero outside the set, extended to all cells."""
@@ -290,12 +285,8 @@ class SmoothedExtension(CoveringExtension):
         if (loops := device_loops()) is not None:
             loops.combine(extended, self._outside, displacement)
             return extended
-
-        def combine(extended: Array, outside: Array, displacement: Array) -> None:
-            extended *= outside
-            extended += displacement
-
-        in_blocks(combine, extended, self._outside, displacement)
+        extended *= self._outside
+        extended += displacement
         return extended
 
     def transposed(self, pressure: Array) -> Array:
@@ -304,12 +295,8 @@ class SmoothedExtension(CoveringExtension):
         if (loops := device_loops()) is not None:
             loops.gather(pressure, gathered, self.active)
             return pressure
-
-        def combine(pressure: Array, gathered: Array, active: Array) -> None:
-            pressure += gathered
-            pressure *= active
-
-        in_blocks(combine, pressure, gathered, self.active)
+        pressure += gathered
+        pressure *= self.active
         return pressure
 
 

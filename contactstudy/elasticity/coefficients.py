@@ -1,7 +1,7 @@
 """Influence coefficients on a grid: every offset within one period, all images that a padding includes."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import log
 from typing import ClassVar, Protocol
 
@@ -120,23 +120,6 @@ class _Axis:
     def offsets(self) -> Array:
         """Offsets to evaluate (offsets,) [m]."""
         return np.arange(float(self.known)) * self.step
-
-
-def without_shift(coefficients: Coefficients, grid: Grid, paddings: Paddings) -> tuple[Coefficients, float]:
-    """Return the coefficients with the datum 1 m, and the constant that they then lack on `grid`.
-
-    The costly arrays are then equal for every datum. Coefficients without a rigid shift are returned unchanged.
-    """
-    if not hasattr(coefficients, "rigid_shift"):
-        return coefficients, 0.0
-    windows = [axis.window for axis in paddings if axis.window is not None]
-    # with infinitely many images along one axis alone, each image across it is a row with its own shift
-    images = len(windows[0]) if len(windows) == 1 else 0
-    period = grid.extent[0 if paddings[0].window is None else 1]
-    unshifted: Coefficients = replace(coefficients, datum=1.0)  # type: ignore[type-var]
-    line = grid.cell_area / period
-    added = coefficients.rigid_shift(line) - unshifted.rigid_shift(line)  # type: ignore[attr-defined]
-    return unshifted, images * added
 
 
 def influence_coefficients(grid: Grid, paddings: Paddings, coefficients: Coefficients) -> Array:

@@ -28,7 +28,6 @@ from contactstudy.elasticity.coefficients import (
     BoussinesqCoefficients,
     Coefficients,
     influence_coefficients,
-    without_shift,
 )
 from contactstudy.elasticity.transforms import TRANSFORMS, ComplexField, transforms
 
@@ -307,14 +306,11 @@ def superposed(response: Mapping[Coefficients, float], grid: Grid, padding: Padd
     padded = padded_cells(grid, paddings)
     spectra = []
     for coefficients, weight in response.items():
-        unshifted, shift = without_shift(coefficients, grid, paddings)
-        key = unshifted, grid, paddings
+        key = coefficients, grid, paddings
         transform = cached_array(key, partial(_spectrum, *key))
         # an array that the cache does not keep is writeable, and is changed in place
         target = transform if transform.flags.writeable else None
-        spectrum = np.multiply(transform, weight, out=target)
-        spectrum[0, 0] += weight * shift * padded[0] * padded[1]
-        spectra.append(spectrum)
+        spectra.append(np.multiply(transform, weight, out=target))
     across, along = (axis.window == range(1) and not axis.wraps for axis in paddings)
     ends = across, along
     return Convolution(sum(spectra[1:], start=spectra[0]), grid.cells, padded, ends=ends)

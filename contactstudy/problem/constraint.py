@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import inf, isnan, nan, prod
-from typing import ClassVar, Self
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -185,11 +185,12 @@ class Constraint:
             return replace_blocks(trial, lambda block: xp.maximum(block, 0))
         return replace_blocks(trial, lambda block: xp.clip(block, 0.0, self.hardness))
 
-    def scale_to_load(self, trial: Array, total: float) -> Array:
-        """Cut a `trial` pressure off at the limits and scale it to the sum `total`, in place."""
-        if self.hardness == inf:
+    def scale_to_load(self, trial: Array, total: float | None) -> Array:
+        """Cut a `trial` pressure off at the limits and scale it to the sum `total`, if one is given, in place."""
+        if total is None or self.hardness == inf:
             self.clip(trial)
-            trial *= float(np.divide(total, sum_of(trial)))
+            if total is not None:
+                trial *= float(np.divide(total, sum_of(trial)))
             return trial
         xp = arrays()
         replace_blocks(trial, lambda block: xp.maximum(block, 0))
@@ -217,18 +218,25 @@ class Constraint:
             factor = remaining / below
         return replace_blocks(trial, lambda block: xp.minimum(block * factor, self.hardness))
 
-    def project(self, trial: Array, total: float) -> Array:
-        """Project a `trial` pressure in L2 onto the pressures of this set that have the sum `total`, in place."""
-        return project_capped_simplex(trial, total, self.hardness)
+    def project(self, trial: Array, total: float | None) -> Array:
+        """Project a `trial` pressure in L2 onto this set, and to the sum `total` if one is given, in place.
 
-    def project_to_load(self, trial: Array, active: Array, total: float) -> Array:
+        A step against the gap that ends there is along a descent direction.
+        """
+        return self.clip(trial) if total is None else project_capped_simplex(trial, total, self.hardness)
+
+    def project_to_load(self, trial: Array, active: Array, total: float | None) -> Array:
         """Shift a `trial` pressure on the `active` set (1, others 0) to the sum `total` over all cells, in place.
+
+        Without a given sum it is cut off at the limits.
 
         The shift is one value for the whole set, and the limits cut its cells off. Without a hardness other cells
         become zero, and the shift is found in Newton's steps, each of which cuts off more: the sum is convex in it.
         With one, other cells keep their pressure, cut off at the limits; where the set cannot carry the load less that
         of the others, all cells are scaled to the load.
         """
+        if total is None:
+            return self.clip(trial)
         xp = arrays()
         if self.hardness == inf:
             trial *= active
@@ -278,82 +286,48 @@ class Constraint:
         return largest_of(complementarity, *violations)
 
 
+class Control:
+    """What closes the problem: the `total` load over the area of a cell, the sum of the pressure, or the `approach`.
+
+    The other one is None.
+    """
+
+    total: float | None
+    approach: float | None
+
+    def scaled(self, factor: float, cells: int = 1) -> "Control":
+        """Return this condition for pressures times `factor`, on blocks of that number of `cells`."""
+        return self if self.total is None else PrescribedLoad(float(self.total * factor / cells))
+
+    def is_met_by(self, constraint: Constraint, cells: int) -> bool:
+        """Return whether a number of `cells` under `constraint` can carry the load, if one is given."""
+        return self.total is None or constraint.capacity(cells) >= self.total
+
+    def uniform(self, cells: int) -> float:
+        """Return the pressure of the load spread evenly over a number of `cells`, or 0 without a load."""
+        return 0.0 if self.total is None else self.total / cells
+
+    def error(self, load: float) -> float:
+        """Return the relative error ``|load / total - 1|``, infinite where the total is zero; 0 without a given load."""
+        if self.total is None:
+            return 0.0
+        return abs(load / self.total - 1) if self.total else inf
+
+
 @dataclass(frozen=True)
-class PrescribedLoad:
+class PrescribedLoad(Control):
     """Load control: ``sum(p) = total``.
 
     `total` is the load over the area of a cell, in the unit of p.
     """
 
     total: float
-    approach: ClassVar[None] = None
-
-    def scaled(self, factor: float, cells: int = 1) -> "PrescribedLoad":
-        """Return the load of pressures times `factor`, on blocks of that number of `cells`."""
-        return PrescribedLoad(float(self.total * factor / cells))
-
-    def is_met_by(self, constraint: Constraint, cells: int) -> bool:
-        """Return whether a number of `cells` under `constraint` can carry the load."""
-        return constraint.capacity(cells) >= self.total
-
-    def uniform(self, cells: int) -> float:
-        """Return the pressure of the load spread evenly over a number of `cells`."""
-        return self.total / cells
-
-    def clip_and_scale(self, trial: Array, constraint: Constraint) -> Array:
-        """Cut a `trial` pressure off at the limits of `constraint` and scale it to the load, in place."""
-        return constraint.scale_to_load(trial, self.total)
-
-    def project(self, trial: Array, constraint: Constraint) -> Array:
-        """Project a `trial` pressure in L2 onto those within the limits of `constraint` with this load, in place.
-
-        A step against the gap that ends there is along a descent direction.
-        """
-        return constraint.project(trial, self.total)
-
-    def project_to_load(self, trial: Array, active: Array, constraint: Constraint) -> Array:
-        """Shift a `trial` pressure on the `active` set to the load within the limits of `constraint`, in place."""
-        return constraint.project_to_load(trial, active, self.total)
-
-    def error(self, load: float) -> float:
-        """Return the relative error of the load, ``|load / total - 1|``, infinite where the total is zero."""
-        return abs(load / self.total - 1) if self.total else inf
+    approach = None
 
 
 @dataclass(frozen=True)
-class PrescribedApproach:
+class PrescribedApproach(Control):
     """Approach control, with a given `approach` [m], from which heights are counted: the load follows, or is zero."""
 
     approach: float
-
-    def scaled(self, factor: float, cells: int = 1) -> "PrescribedApproach":
-        """Return this condition, which is the same in any unit of pressure."""
-        return self
-
-    def is_met_by(self, constraint: Constraint, cells: int) -> bool:
-        """Return True: any approach can be prescribed."""
-        return True
-
-    def uniform(self, cells: int) -> float:
-        """Return 0: zero pressure is admissible."""
-        return 0.0
-
-    def clip_and_scale(self, trial: Array, constraint: Constraint) -> Array:
-        """Cut a `trial` pressure off at the limits of `constraint`, in place."""
-        return constraint.clip(trial)
-
-    def project(self, trial: Array, constraint: Constraint) -> Array:
-        """Cut a `trial` pressure off at the limits of `constraint`, in place."""
-        return constraint.clip(trial)
-
-    def project_to_load(self, trial: Array, active: Array, constraint: Constraint) -> Array:
-        """Cut a `trial` pressure off at the limits of `constraint`, in place."""
-        return constraint.clip(trial)
-
-    def error(self, load: float) -> float:
-        """Return 0: no load is given."""
-        return 0.0
-
-
-# What closes the problem: the load over the area of a cell, which is the sum of the pressure, or the approach.
-Control = PrescribedLoad | PrescribedApproach
+    total = None

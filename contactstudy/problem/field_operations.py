@@ -27,7 +27,6 @@ from contactstudy.problem.constraint import (
     Constraint,
     Control,
     Gap,
-    PrescribedLoad,
     largest_of,
     shift_to_load,
 )
@@ -233,7 +232,7 @@ class ArrayOperations:
         `trial_sums` are those of the trial. Returns the slope of the complementary energy along
         the step from `pressure`.
         """
-        control.project_to_load(trial, active, self.constraint)
+        self.constraint.project_to_load(trial, active, control.total)
         return self.slope(trial, pressure, height)
 
     def slope(self, trial: Array, pressure: Array, height: Array) -> float:
@@ -328,10 +327,10 @@ class CompiledOperations(ArrayOperations):
         """
         if (
             self._limit < inf
-            or not isinstance(control, PrescribedLoad)
+            or control.total is None
             or trial_sums.largest > control.total  # rounding of such pressures would exceed the load
         ):
-            control.project_to_load(trial, active, self.constraint)
+            self.constraint.project_to_load(trial, active, control.total)
             return self.slope(trial, pressure, height)
         return self._projected(trial, trial_sums, control.total, pressure, height)
 

@@ -172,11 +172,11 @@ class BareProblem:
 
     def clip_and_scale(self, trial: Array) -> Array:
         """Cut a `trial` pressure off at the limits, and scale it to the load if one is prescribed, in place."""
-        return self.control.clip_and_scale(trial, self.constraint)
+        return self.constraint.scale_to_load(trial, self.control.total)
 
     def project(self, trial: Array) -> Array:
         """Project a `trial` pressure in L2 onto the admissible ones, in place."""
-        return self.control.project(trial, self.constraint)
+        return self.constraint.project(trial, self.control.total)
 
     def residual(self, pressure: Array, gap: Gap) -> float:
         """Return the dimensionless residual: the largest of the gap's violation and the error of the load.

@@ -233,12 +233,12 @@ class OuterIteration:
         """Return whether the largest attraction everywhere is below the tolerance of the load."""
         control = self.problem.control
         largest = self.solver.law.strength * self.problem.undeformed_gap.size
-        return isinstance(control, PrescribedLoad) and largest < self.options.tolerance * control.total
+        return control.total is not None and largest < self.options.tolerance * control.total
 
     def _contact_load(self, attraction: Array) -> float:
         """Return the load of the pressure alone, over the area of a cell [Pa]; infinite under a given approach."""
         control = self.problem.control
-        if not isinstance(control, PrescribedLoad):
+        if control.total is None:
             return inf
         return control.total + float(attraction.sum())
 
@@ -376,7 +376,7 @@ class PullOffSearch:
 
         Where the solve at some load does not converge, the status is that of this load, which the note says.
         """
-        assert isinstance(problem.control, PrescribedLoad)
+        assert problem.control.total is not None
         last_stable = self.solver.solve(problem, options, start, device)
         status, note = last_stable.status, last_stable.note
         iterations, convolutions = last_stable.iterations, last_stable.convolutions

@@ -262,24 +262,6 @@ class ContactState:
         return 1.0 if crosses else best
 
 
-@dataclass(frozen=True)
-class PredictedSet:
-    """Active set predicted for a step: `active` (x, y) is 1 in its cells and 0 elsewhere.
-
-    `entered` says whether any cell entered it. `extension` is the map from a displacement of the set to that of all
-    cells, and `extended` what it gives for the gap of the set.
-    """
-
-    active: Array
-    entered: bool
-    extension: Extension
-    extended: Array
-
-    def preconditioned_residual(self) -> Array:
-        """Return the pressure (x, y) that would close the gap of the set by the approximate inverse; called once."""
-        return self.extension.pressure(self.extended)
-
-
 class ContactPreconditioner:
     """Prediction of the active set, and preconditioner on it, whose extension is kept until the set changes.
 
@@ -312,12 +294,15 @@ class ContactPreconditioner:
             self._uniform, self._convolutions = (cells, compliance), self._convolutions + 1
         return inner(active, height) / cells / compliance
 
-    def predict(self, pressure: Array, gap: Gap, step_length: float) -> PredictedSet:
-        """Return the active set predicted for a step of this length.
+    def predict(self, pressure: Array, gap: Gap, step_length: float) -> tuple[Array, bool, Array]:
+        """Return the active set (x, y) predicted for a step of this length, and whether any cell entered it.
 
-        It is the cells with pressure, and those that would penetrate after a step that closes the gap of these and
-        displaces the cells beside them. The gap before the step would add every cell with a small gap where a contact
-        is slightly too high over a wide region.
+        The third is the preconditioned residual, the pressure (x, y) that would close the gap of the set by the
+        approximate inverse.
+
+        The set, 1 in its cells and 0 elsewhere, is the cells with pressure, and those that would penetrate after a step
+        that closes the gap of these and displaces the cells beside them. The gap before the step would add every cell
+        with a small gap where a contact is slightly too high over a wide region.
         """
         operations = self._problem.operations
         active, gap_of_set = operations.active_set(pressure, gap.height, self._inverse.real)
@@ -333,7 +318,7 @@ class ContactPreconditioner:
             del extended, of_cells
             self._extension = self._inverse.extension(active)
             extended = self._extension(gap_of_set)
-        return PredictedSet(active, entered, self._extension, extended)
+        return active, entered, self._extension.pressure(extended)
 
 
 def trial_step(state: ContactState, preconditioner: ContactPreconditioner, step_length: float) -> Trial:
@@ -346,10 +331,7 @@ def trial_step(state: ContactState, preconditioner: ContactPreconditioner, step_
     """
     problem, pressure, height = state.problem, state.pressure, state.gap.height
     operations, control = problem.operations, problem.control
-    predicted = preconditioner.predict(pressure, state.gap, step_length)
-    active, entered = predicted.active, predicted.entered
-    preconditioned = predicted.preconditioned_residual()
-    del predicted  # free its fields before the next convolution
+    active, entered, preconditioned = preconditioner.predict(pressure, state.gap, step_length)
     uniform = None if control.approach is None else preconditioner.uniform_correction(active, height)
     last = state.take_last_step()
     trial = arrays().empty_like(pressure) if last is None else last.before

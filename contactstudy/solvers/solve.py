@@ -193,7 +193,7 @@ def _admissible_start(pressure: Array, problem: Problem, precision: Precision) -
         )
     # scaled to the load in double precision: single precision may have no number for the factor
     unit = 1 / problem.scales.pressure
-    admissible = problem.control.scaled(unit).clip_and_scale(relative, problem.constraint.scaled(unit))
+    admissible = problem.constraint.scaled(unit).scale_to_load(relative, problem.control.scaled(unit).total)
     return admissible.astype(precision.real, copy=False)
 
 

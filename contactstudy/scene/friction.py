@@ -13,14 +13,7 @@ from contactstudy.domain.grid import Array, Grid, Paddings, is_free
 from contactstudy.domain.validation import InvalidInput, at_least, readable, valid, validated
 from contactstudy.elasticity import tangential
 from contactstudy.elasticity.convolution import GeneralConvolution
-from contactstudy.scene.loads import (
-    Approach,
-    ChangingLoad,
-    PiecewiseLinear,
-    Times,
-    check_not_decreasing,
-    check_one_each,
-)
+from contactstudy.scene import loads
 from contactstudy.scene.solids import bodies
 from contactstudy.scene.solids.bodies import Body, HalfSpace, SceneContext
 from contactstudy.scene.solids.coated import CoatedHalfSpace
@@ -129,7 +122,7 @@ def transmitted_force(scene: SceneContext, coefficient: float, load: float) -> f
     It is infinite where it is known only with the pressure, at a given approach or beside an attraction; the law then
     refuses a larger force once the normal contact is solved.
     """
-    follows = scene.adhesion is not None or isinstance(scene.load, Approach)
+    follows = scene.adhesion is not None or isinstance(scene.load, loads.Approach)
     return inf if follows else coefficient * load
 
 
@@ -221,7 +214,7 @@ class Sliding:
 
 
 @dataclass(frozen=True)
-class FrettingHistory(PiecewiseLinear):
+class FrettingHistory(loads.PiecewiseLinear):
     """Forces [N/m] or displacements [m] along x at instants [s], linear between them."""
 
     times: tuple[float, ...]
@@ -277,7 +270,7 @@ class Fretting:
 
     coefficient: FrictionCoefficient
     forces: tuple[Annotated[validation.NewtonsPerMetre, validation.FINITE], ...] | None = None
-    times: Times | None = None
+    times: loads.Times | None = None
     displacements: tuple[Annotated[validation.Metres, validation.FINITE], ...] | None = None
     period: validation.Seconds | None = None
     bulk_stresses: tuple[Annotated[validation.Pascals, validation.FINITE], ...] | None = None
@@ -295,12 +288,12 @@ class Fretting:
             raise InvalidInput(f"Fretting.{name} is (): give some, such as (1e4, -1e4, 1e4).")
         for given in ("times", "bulk_stresses"):
             if (numbers := getattr(self, given)) is not None:
-                check_one_each(f"Fretting.{given}", numbers, name, values)
+                loads.check_one_each(f"Fretting.{given}", numbers, name, values)
         for given in ("displacements", "period"):
             if getattr(self, given) is not None and self.times is None:
                 raise InvalidInput(f"Fretting.{given} is given without times: give times [s], or leave it out.")
         if self.times is not None:
-            check_not_decreasing("Fretting.times", self.times)
+            loads.check_not_decreasing("Fretting.times", self.times)
             if self.bulk_stresses is not None:
                 raise InvalidInput("Fretting.bulk_stresses are given together with times: leave one of them out.")
 
@@ -350,7 +343,7 @@ class Fretting:
             yield from ((f"[{number}]", force, scene.largest_load) for number, force in enumerate(self.forces))
             return
         for time in history.compared_with(load):
-            pressed = load.at(time) if isinstance(load, ChangingLoad) else scene.largest_load
+            pressed = load.at(time) if isinstance(load, loads.ChangingLoad) else scene.largest_load
             yield f" at {time:g} s", history.at(time), pressed
 
     def solver(self, scene: SceneContext, gap: Array, grid: Grid, paddings: Paddings, datum: float) -> FrettingShear:

@@ -91,22 +91,16 @@ class FilmHeat:
         """Raise :class:`~contactstudy.InvalidInput` where a body or its coating has no properties of its own."""
         for number, (name, solid) in enumerate(zip(("first", "second"), solids, strict=True)):
             body, coated = getattr(self, name), isinstance(solid, Layered)
-            modulus = getattr(solid, "youngs_modulus", 0.0)
-            if body is None and (coated or not OF_STEEL[0] <= modulus <= OF_STEEL[1]):
-                raise InvalidInput(
-                    f"FilmHeat.{name} is None, the properties of steel, and Scene.solids[{number}] is {solid!r}: give "
-                    "ThermalBody(conductivity=..., heat_capacity=...), with its coating if it has one."
-                )
-            if getattr(solid, "interlayers", ()):
-                raise InvalidInput(
-                    f"Scene.solids[{number}].interlayers stand together with FilmHeat.{name}: heat is conducted through "
-                    "one coating alone, leave the interlayers or the FilmHeat out."
-                )
+            is_steel = not coated and OF_STEEL[0] <= getattr(solid, "youngs_modulus", 0.0) <= OF_STEEL[1]
+            fault = "" if body is not None or is_steel else "None, the properties of steel"
             if body is not None and (body.coating is None) == coated:
-                has = "no coating" if coated else "a coating"
+                fault = f"with{'out' * coated} a coating"
+            elif getattr(solid, "interlayers", ()):
+                fault = "for a body without interlayers, as heat is conducted through one coating alone"
+            if fault:
                 raise InvalidInput(
-                    f"FilmHeat.{name} has {has}, unlike Scene.solids[{number}]: give ThermalBody.coating for a coated "
-                    "body alone."
+                    f"FilmHeat.{name} is {fault}, and Scene.solids[{number}] is {solid!r}: give ThermalBody("
+                    "conductivity=..., heat_capacity=...), with its coating if it has one, or leave the FilmHeat out."
                 )
 
     def thinning(self, rise: Array, viscosity: float) -> Array:

@@ -69,7 +69,7 @@ VALUES: list[tuple[str, Callable[[], object]]] = [
     # loads
     ("LineLoad.per_length is -0.0: give a load", lambda: smooth(load=cs.LineLoad(-0.0))),
     ("Scene.load is a TotalLoad* give TotalLoad.length", lambda: smooth(load=cs.TotalLoad(100.0))),
-    ("LoadHistory.per_length has 1 loads", lambda: cs.LoadHistory((0.0, 1.0), (1.0,))),
+    ("LoadHistory.per_length has length 1 beside 2 times: give one", lambda: cs.LoadHistory((0.0, 1.0), (1.0,))),
     ("LoadHistory.per_length is 0 throughout", lambda: cs.LoadHistory((0.0, 1.0), (0.0, 0.0))),
     ("LoadHistory.times[1]", lambda: cs.LoadHistory((1.0, 0.0), (1.0, 1.0))),
     # what a scene holds

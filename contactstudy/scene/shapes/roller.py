@@ -194,6 +194,9 @@ class _Paraboloid:
         return np.asarray(grid.x[:, None] ** 2 * (across / 2) + grid.y**2 * (along / 2))
 
 
+ROUND = validation.Limits("above 0 of a ball, below 0 of a hollow body", lambda x: validation.MIN_SIZE <= abs(x) < inf)
+
+
 @validated
 class Sphere(_Paraboloid):
     """Paraboloid about the origin, ``(x^2 + y^2) / (2 R)``, as in Hertz's theory of a sphere.
@@ -212,12 +215,7 @@ class Sphere(_Paraboloid):
         If the radius is zero, infinite or no number.
     """
 
-    radius: Radius
-
-    def check_together(self) -> None:
-        """Check that the sphere is round."""
-        if self.radius == inf:
-            raise InvalidInput("Sphere.radius is inf: give a finite radius, a flat is left out.")
+    radius: Annotated[validation.Metres, ROUND]
 
     @property
     def curvatures(self) -> tuple[float, float]:

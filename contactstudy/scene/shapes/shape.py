@@ -90,20 +90,16 @@ def gap_of(shape: Shape, grid: Grid) -> Array:
     InvalidInput
         If a shape of the user's own returns anything but real, finite heights that broadcast to the cells.
     """
-    name, remedy = f"{type(shape).__name__}.gap", "return an array of real heights [m]"
+    name = f"{type(shape).__name__}.gap"
+    remedy = f"return real heights [m] of the shape {grid.cells}, or {(grid.cells[0], 1)} if all is one profile"
     returned = shape.gap(grid)
     try:
         gap = np.asarray(np.ma.filled(returned, np.nan))
     except (TypeError, ValueError):
         raise InvalidInput(f"{name} is {returned!r}: {remedy}.") from None
     fits = all(size in (1, count) for size, count in zip(gap.shape, grid.cells, strict=False))
-    if gap.ndim not in (0, 2) or not fits:
-        raise InvalidInput(
-            f"{name} has the shape {gap.shape}: return heights [m] of the shape {grid.cells}, or of "
-            f"{(grid.cells[0], 1)} if nothing varies along the length."
-        )
-    if gap.dtype.kind not in "biuf":
-        raise InvalidInput(f"{name} has values of the type {gap.dtype}: {remedy}.")
+    if gap.ndim not in (0, 2) or not fits or gap.dtype.kind not in "biuf":
+        raise InvalidInput(f"{name} has the shape {gap.shape} and the type {gap.dtype}: {remedy}.")
     with np.errstate(over="ignore", invalid="ignore"):
         total = gap.sum()  # much faster than each height
     if not np.isfinite(total) and (undefined := np.count_nonzero(~np.isfinite(gap))):

@@ -209,10 +209,6 @@ class Layered(Protocol):
     def substrate(self) -> HalfSpace:
         """Half-space below the coating."""
 
-    @property
-    def compliance(self) -> float:
-        """Compliance of the coating alone [1/Pa]."""
-
     def compliance_at(self, half_width: float) -> float:
         """Return the contribution to 1/E* [1/Pa] in a contact of `half_width` [m]."""
 

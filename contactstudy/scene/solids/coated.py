@@ -128,14 +128,10 @@ class CoatedHalfSpace:
         solids, softest = (self.coating, *self.interlayers, self.substrate), math.inf
         for name, solid in reversed(list(zip(names, solids, strict=True))):
             field, shear = f"CoatedHalfSpace.{name}", _shear_modulus(solid)
-            if solid.free_faces < math.inf:
+            if solid.free_faces < math.inf or solid.hardness_profile is not None:
                 raise InvalidInput(
-                    f"{field} is {solid!r}: free faces of a coated body are not computed, leave free_faces out, or the "
-                    "coating."
-                )
-            if solid.hardness_profile is not None:
-                raise InvalidInput(
-                    f"{field} has a hardness_profile, which is that of an uncoated body: give it a yield_stress."
+                    f"{field} is {solid!r}: free_faces and a hardness_profile are those of an uncoated body, leave them "
+                    "out, and give a yield_stress."
                 )
             if name in names[1:-1] and math.isinf(solid.thickness):
                 raise InvalidInput(f"{field} is {solid!r}, without a thickness: give it one [m].")

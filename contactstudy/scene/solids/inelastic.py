@@ -149,18 +149,16 @@ def rolling_bodies(solids: tuple[Body, Body], speeds: tuple[float, float]) -> tu
     InvalidInput
         For a fluid at a finite speed.
     """
-    bodies: list[Body] = []
     for number, (solid, speed) in enumerate(zip(solids, speeds, strict=True)):
-        if not isinstance(solid, ViscoelasticHalfSpace) or not solid.creeps:
-            bodies.append(solid)
-            continue
-        if solid.creep.fluidity and not math.isinf(speed):
+        if isinstance(solid, ViscoelasticHalfSpace) and solid.creep.fluidity and not math.isinf(speed):
             raise InvalidInput(
                 f"Scene.solids[{number}] is a fluid (equilibrium modulus 0 Pa), whose indentation in steady rolling is "
                 "unbounded: give an equilibrium modulus above 0 Pa."
             )
-        bodies.append(RollingHalfSpace(solid, speed))
-    first, second = bodies
+    first, second = (
+        RollingHalfSpace(solid, speed) if isinstance(solid, ViscoelasticHalfSpace) and solid.creeps else solid
+        for solid, speed in zip(solids, speeds, strict=True)
+    )
     return first, second
 
 

@@ -11,16 +11,10 @@ import numpy as np
 from contactstudy.domain.grid import Array
 from contactstudy.domain.imports import import_for
 from contactstudy.domain.validation import InvalidInput, readable
+from contactstudy.scene.surfaces import text_surface
 from contactstudy.scene.surfaces.plausibility import check_plausible, measured_points, steps_between
 from contactstudy.scene.surfaces.text_file import decoded, length_unit, table
-from contactstudy.scene.surfaces.text_surface import (
-    REVERSED,
-    SQUARE,
-    FileContent,
-    Reading,
-    surface_of_text,
-    unit_of_heights,
-)
+from contactstudy.scene.surfaces.text_surface import FileContent, Reading
 
 # Points and their sizes (x, y) [m], if they have any.
 Measurement = tuple[Array, tuple[float, float] | None]
@@ -61,27 +55,27 @@ def read(path: str | PathLike[str], reading: Reading) -> tuple[Array, tuple[floa
         head = file.read(65536)
     text = None if head.startswith((b"\x93NUMPY", b"CDF", b"\x89HDF", b"PK")) else decoded(head)
     if head.startswith(b"\x93NUMPY"):
-        content = FileContent(_array(name), unit_of_heights(name, reading), None)
+        content = FileContent(_array(name), text_surface.unit_of_heights(name, reading), None)
     elif head.startswith((b"CDF", b"\x89HDF")) and (written := _written(path)) is not None:
-        unit_of_heights(name, reading, 1.0)
+        text_surface.unit_of_heights(name, reading, 1.0)
         content = FileContent(written[0], 1.0, written[1], is_own=True)
     elif text is not None and not text.startswith(OF_LIBRARY):
         text = decoded(Path(path).read_bytes()) or ""
-        content = surface_of_text(name, table(name, text, reading.decimal), reading)
+        content = text_surface.surface_of_text(name, table(name, text, reading.decimal), reading)
     else:
         content = _of_library(name, reading)
     values, notes = measured_points(name, content, reading)
     points, sizes = values * content.unit, content.sizes
     if reading.transpose:
         points, sizes = points.T, None if sizes is None else (sizes[1], sizes[0])
-    points = np.flip(points, REVERSED[reading.flip])
+    points = np.flip(points, text_surface.REVERSED[reading.flip])
     notes += ["across and along were exchanged (transpose)"] * reading.transpose
     if reading.flip != "none":
         notes.append(f"reversed (flip {reading.flip})")
     is_open = reading.sizes == "confirmed"
     if reading.extent is not None and sizes is not None and content.assumed:
         agrees = np.isclose(sizes, reading.extent, rtol=0.01, atol=0)
-        is_open = is_open or content.assumed != SQUARE or bool(agrees.any())
+        is_open = is_open or content.assumed != text_surface.SQUARE or bool(agrees.any())
     if reading.extent is not None and is_open:
         sizes = None
     elif content.assumed:
@@ -149,7 +143,7 @@ def _of_library(name: str, reading: Reading) -> FileContent:
         )
     if channel.unit is not None and side is None:
         raise InvalidInput(f"path is {name!r}, with heights in {channel.unit!r}: give a file of heights.")
-    unit = unit_of_heights(name, reading, None if channel.unit is None else side)
+    unit = text_surface.unit_of_heights(name, reading, None if channel.unit is None else side)
     return FileContent(values, unit, None if "physical_sizes" in lacking else (sizes[0], sizes[1]))
 
 

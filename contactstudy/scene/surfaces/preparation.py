@@ -114,23 +114,15 @@ def _harmonic_heights(heights: Array, holes: NDArray[np.bool_]) -> Array:
     from scipy import sparse  # imported only where it is needed
     from scipy.sparse.linalg import spsolve
 
-    number = np.full(heights.shape, -1)
-    count = int(holes.sum())
-    number[holes] = np.arange(count)
-    row, column = np.nonzero(holes)
-    neighbours, border_sum = np.zeros(count), np.zeros(count)
-    pairs = []
-    for step in ((1, 0), (-1, 0), (0, 1), (0, -1)):
-        i, j = row + step[0], column + step[1]
-        within = (i >= 0) & (i < heights.shape[0]) & (j >= 0) & (j < heights.shape[1])
-        row_in_system, neighbour = np.flatnonzero(within), (i[within], j[within])
-        neighbours[row_in_system] += 1
-        is_hole = holes[neighbour]
-        pairs.append((row_in_system[is_hole], number[neighbour][is_hole]))
-        np.add.at(border_sum, row_in_system[~is_hole], heights[neighbour][~is_hole])
-    rows, columns = (np.concatenate(side) for side in zip(*pairs, strict=True))
-    links = sparse.coo_array((np.ones(len(rows)), (rows, columns)), shape=(count, count))
-    return np.asarray(spsolve((sparse.diags_array(neighbours) - links).tocsc(), border_sum))
+    def path(count: int) -> sparse.csr_array:
+        """Return the Laplacian of a row of so many points: at each the number of its neighbours less these."""
+        step = sparse.eye_array(count - 1, count, k=1) - sparse.eye_array(count - 1, count)
+        return step.T @ step
+
+    is_hole = holes.ravel()
+    of_holes = sparse.kronsum(path(heights.shape[1]), path(heights.shape[0]), format="csr")[is_hole]
+    border_sums = -of_holes[:, ~is_hole] @ heights[~holes]
+    return np.asarray(spsolve(of_holes[:, is_hole].tocsc(), border_sums))
 
 
 # Least-squares form that is subtracted from a measured surface, and the total degrees of the polynomials among them.

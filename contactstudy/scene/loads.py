@@ -277,7 +277,7 @@ def check_one_each(name: str, values: Sequence[float], beside: str, others: Sequ
     """Raise :class:`~contactstudy.InvalidInput` unless there is one value for each of the others."""
     if len(values) != len(others) or len(values) < least:
         raise InvalidInput(
-            f"{name} has length {len(values)} beside {len(others)} {beside}: give one number for each, and at least {least}."
+            f"{name} has length {len(values)} beside {len(others)} {beside}: give one for each, and at least {least}."
         )
 
 

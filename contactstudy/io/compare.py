@@ -110,29 +110,26 @@ def compare(a: Any, b: Any) -> Comparison:
     x_a, x_b = _edges(first, "x"), _edges(second, "x")
     y_a, y_b = _one_period(first, second, _edges(first, "y"), _edges(second, "y"))
     x, y = _merged_edges(x_a, x_b), _merged_edges(y_a, y_b)
-    p_a, p_b = (
-        _resampled(_net_pressure(one), *edges, x, y) for one, edges in ((first, (x_a, y_a)), (second, (x_b, y_b)))
-    )
     area = np.diff(x)[:, None] * np.diff(y)[None, :]
-    for name, pressure in (("a", p_a), ("b", p_b)):
-        if not np.isfinite(pressure).all():
+    pressures, areas = [], []
+    for name, contact, edges in (("a", first, (x_a, y_a)), ("b", second, (x_b, y_b))):
+        pressures.append(_resampled(_net_pressure(contact), *edges, x, y))
+        touching = _resampled(contact["pressure"].values, *edges, x, y) > 0
+        areas.append(np.nan if "film" in contact else float((touching * area).sum()))
+        if not np.isfinite(pressures[-1]).all():
             raise InvalidInput(f"compare.{name} has a pressure that is no number: solve it again.")
-    total = float((np.abs(p_a) * area).sum())
-    if not total:
+    p_a, p_b = pressures
+    if not (total := float((np.abs(p_a) * area).sum())):
         raise InvalidInput("compare.a has no pressure anywhere: give a contact that carries a load.")
     change = p_b - p_a
     centres = (x[1:] + x[:-1]) / 2, (y[1:] + y[:-1]) / 2
     index = np.unravel_index(int(np.abs(change).argmax()), change.shape)
-    areas = [
-        np.nan if "film" in one else float(((_resampled(one["pressure"].values, *edges, x, y) > 0) * area).sum())
-        for one, edges in ((first, (x_a, y_a)), (second, (x_b, y_b)))
-    ]
-    loads = [float((p * area).sum()) for p in (p_a, p_b)]
+    loads = [float((pressure * area).sum()) for pressure in pressures]
+    labels = {"a": "pressure of a", "b": "pressure of b", "difference": "pressure of b less that of a"}
     difference = xr.Dataset(
         {
-            "a": labelled(("x", "y"), p_a, "Pa", "pressure of a"),
-            "b": labelled(("x", "y"), p_b, "Pa", "pressure of b"),
-            "difference": labelled(("x", "y"), change, "Pa", "pressure of b less that of a"),
+            name: labelled(("x", "y"), of, "Pa", labels[name])
+            for name, of in zip(labels, (p_a, p_b, change), strict=True)
         },
         {"x": ("x", centres[0], first["x"].attrs), "y": ("y", centres[1], first["y"].attrs)},
     )
@@ -197,14 +194,12 @@ def _flattened(value: object, path: str) -> dict[str, object]:
 
 def _check_kinds(first: Mapping[str, object], second: Mapping[str, object]) -> None:
     """Raise InvalidInput if only one contact ends at the ends of its grid, or only one is lubricated."""
-    paddings = [str(table.get("padding.kind", table.get("padding"))) for table in (first, second)]
-    ends = [padding == "ZeroPadding" for padding in paddings]
+    ends = [table.get("padding.kind", table.get("padding")) == "ZeroPadding" for table in (first, second)]
     if first and second and ends[0] != ends[1]:
         ended, endless = ("a", "b") if ends[0] else ("b", "a")
         raise InvalidInput(
             f"The contacts are of different kinds: {ended} ends at both ends of its grid (ZeroPadding), and {endless} "
-            f"is one period of an endless contact ({paddings[ends.index(False)]}): compare contacts with the same "
-            "padding along the length."
+            "is one period of an endless contact: compare contacts with the same padding along the length."
         )
     films = [any(key.startswith("lubrication") for key in table) for table in (first, second)]
     if films[0] != films[1]:
@@ -299,10 +294,8 @@ def _merged_edges(a: Array, b: Array) -> Array:
 
 def _resampled(pressure: Array, x: Array, y: Array, to_x: Array, to_y: Array) -> Array:
     """Return the pressure on finer cells, zero beyond the grid."""
-    rows, row_on_grid = _cell_indices(x, to_x)
-    columns, column_on_grid = _cell_indices(y, to_y)
-    on_grid = row_on_grid[:, None] & column_on_grid[None, :]
-    return np.where(on_grid, pressure[np.ix_(rows, columns)], 0.0)
+    cells = (np.searchsorted(edges, (to[1:] + to[:-1]) / 2) for edges, to in ((x, to_x), (y, to_y)))
+    return np.asarray(np.pad(pressure, 1)[np.ix_(*cells)])  # with a border of cells without pressure
 
 
 def _sums_over_larger_cells(values: Array, edges: Array, a: Array, b: Array, axis: int = 0) -> Array:
@@ -313,11 +306,3 @@ def _sums_over_larger_cells(values: Array, edges: Array, a: Array, b: Array, axi
     beyond = (edges[:-1] < coarse[0] - rounding) | (edges[:-1] >= coarse[-1] - rounding)
     starts |= beyond
     return np.asarray(np.add.reduceat(values, np.flatnonzero(starts), axis=axis))
-
-
-def _cell_indices(edges: Array, finer: Array) -> tuple[np.ndarray, np.ndarray]:
-    """Return the cell between `edges` that holds each of the `finer` cells, and whether there is one."""
-    centres = (finer[1:] + finer[:-1]) / 2
-    cell_indices = np.searchsorted(edges, centres) - 1
-    on_grid = (cell_indices >= 0) & (cell_indices < len(edges) - 1)
-    return np.clip(cell_indices, 0, len(edges) - 2), on_grid

@@ -38,6 +38,8 @@ ONE_PADDING = (
     "padding is that along the length alone, and leaves the surface free across, as if it ended there: leave it out, or "
     'give padding_across = "ExactPeriodicity" too.'
 )
+# Tables of a file beside its scene, by the fields of a scene file.
+SETTINGS = {"plan": "plan_settings", "solve": "options", "time_steps": "time_steps"}
 # A key and a number with a unit that is not in quotes.
 BARE_UNIT = re.compile(r"\s*([\w.]+)\s*=\s*([-+]?[\d.]+(?:[eE][-+]?\d+)?\s*[^\W\d][^#\"']*|[\d.]+\s*%)\s*(?:#.*)?")
 
@@ -183,18 +185,9 @@ def write_scene(described: Scene | SceneFile, path: str | PathLike[str]) -> None
     if isinstance(described, Scene):
         text = scene_text(described, scene_path=path)
     else:
-        text = scene_text(
-            described.scene,
-            grid=described.grid,
-            padding=described.padding,
-            settings={
-                "plan": described.plan_settings,
-                "solve": described.options,
-                "time_steps": described.time_steps,
-                "vary": described.vary or None,
-            },
-            scene_path=path,
-        )
+        settings = {name: getattr(described, of) for name, of in SETTINGS.items()} | {"vary": described.vary or None}
+        grid, padding = described.grid, described.padding
+        text = scene_text(described.scene, grid=grid, padding=padding, settings=settings, scene_path=path)
     try:
         path.write_text(text, encoding="utf-8")
     except OSError as error:

@@ -46,14 +46,6 @@ def open_descriptor(path: Path, flags: int) -> int:
     return os.open(path, flags | OPEN_FLAGS, 0o666)
 
 
-def read_at(descriptor: int, size: int, start: int) -> bytes:
-    """Read up to ``size`` bytes from the place ``start`` of an open file."""
-    if hasattr(os, "pread"):
-        return os.pread(descriptor, size, start)
-    os.lseek(descriptor, start, os.SEEK_SET)
-    return os.read(descriptor, size)
-
-
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
     """Yield a temporary path, and replace ``path`` by the file written there when the block ends, synced to the disk.
@@ -260,5 +252,6 @@ def _write_holder(descriptor: int) -> None:
 def _read_holder(descriptor: int) -> str:
     """Return process, machine and time from the open lock file; empty for a new file."""
     with suppress(OSError, UnicodeDecodeError):
-        return read_at(descriptor, 1000, 0).decode()
+        os.lseek(descriptor, 0, os.SEEK_SET)
+        return os.read(descriptor, 1000).decode()
     return ""

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
+    from contactstudy.io.pictures.figure import Heights
+
 FORMATS = (*PICTURES, "vtk", "html", "excel")
 
 
@@ -64,7 +66,8 @@ def show(
         refuse(context, "a study, and not for a surface", "as_table")
         if set(named) - {"raw"}:
             raise InvalidInput(f"{named[0]!r} is no picture of a surface: give raw, or no name.")
-        _save(drawn_surfaces(surfaces, with_raw=bool(named)), open_folder(out or file.parent), pictures)
+        shown: tuple[Heights, ...] = ("prepared", "as measured") if named else ("prepared",)
+        _save(drawn_surfaces(surfaces, shown), open_folder(out or file.parent), pictures)
         return
     refuse(context, "a measured surface", *reading)
     dataset = read_any(file)
@@ -151,7 +154,7 @@ def _holds_heights(file: Path) -> bool:
     return "heights" in dataset and not {"gap", "case_status"} & set(dataset.variables)
 
 
-def drawn_surfaces(surfaces: dict[str, MeasuredSurface], *, with_raw: bool) -> "dict[str, Figure]":
+def drawn_surfaces(surfaces: dict[str, MeasuredSurface], shown: "tuple[Heights, ...]") -> "dict[str, Figure]":
     """Print what was done to surfaces, and their parameters; return their pictures."""
     from contactstudy.io.pictures.figure import surface_picture
     from contactstudy.io.quantities.contact_quantities import parameters_text, surface_parameters
@@ -160,7 +163,7 @@ def drawn_surfaces(surfaces: dict[str, MeasuredSurface], *, with_raw: bool) -> "
         click.echo(f"{name}: {surface.description}")
         for line in parameters_text(surface_parameters(surface)):
             click.echo(f"  {line}")
-    return {name: surface_picture(surface, raw=with_raw) for name, surface in surfaces.items()}
+    return {name: surface_picture(surface, shown) for name, surface in surfaces.items()}
 
 
 # Remedy where a figure fails.

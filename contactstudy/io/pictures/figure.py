@@ -1,9 +1,10 @@
 """Figures with panels, in one style, and the picture of a measured surface as it enters a contact."""
 
+from collections.abc import Sequence
 from io import BytesIO
 from math import floor, log10
 from textwrap import fill
-from typing import Any, TypeVar
+from typing import Any, Literal, TypeVar
 
 import matplotlib as mpl
 import numpy as np
@@ -173,55 +174,42 @@ def add_legend(figure: Figure, title: str = "") -> None:
     figure.legend(entries.values(), entries.keys(), loc="outside lower left", ncols=columns, **style)
 
 
-def surface_picture(surface: MeasuredSurface, *, raw: bool = False) -> Figure:
-    """Draw the prepared heights, their profiles through the middle, and their parameters; the raw heights if asked."""
-    maps = [("prepared", surface.prepared)]
-    if raw:
-        maps.append(("as measured", surface.heights))
+# What of a measured surface is drawn.
+Heights = Literal["prepared", "as measured"]
+
+
+def surface_picture(surface: MeasuredSurface, shown: Sequence[Heights] = ("prepared",)) -> Figure:
+    """Draw the heights of a surface that are `shown`, its prepared profiles through the middle, and its parameters."""
+    heights = {"prepared": surface.prepared, "as measured": surface.heights}
+    extent = surface.extent or surface.heights.shape
+    scale, unit = display_unit_of(extent, "m")
+    places = [
+        (np.arange(count) + 0.5 - count / 2) * size / count / scale
+        for count, size in zip(surface.heights.shape, extent, strict=True)
+    ]
     with mpl.rc_context(SETTINGS):
-        figure, axes = panels(len(maps) + 1, columns=len(maps) + 1, width=4.6, height=4.0)
-        for (title, heights), ax in zip(maps, axes, strict=False):
-            _map(ax, surface, heights, title)
-        _profiles(axes[-1], surface)
+        figure, axes = panels(len(shown) + 1, columns=len(shown) + 1, width=4.6, height=4.0)
+        for title, ax in zip(shown, axes, strict=False):
+            _heights(ax, places, unit, heights[title], title)
+        middle, (size, name) = [count // 2 for count in surface.prepared.shape], display_unit_of(surface.prepared, "m")
+        profiles = {"across": surface.prepared[:, middle[1]], "along": surface.prepared[middle[0]]}
+        for at, (label, profile) in zip(places, profiles.items(), strict=True):
+            if len(at) > 1:
+                axes[-1].plot(at, profile / size, label=label, linewidth=0.9)
+        axes[-1].legend()
+        name_axes(axes[-1], f"place [{unit}]", f"height [{name}]", "in the middle")
         figure.suptitle(fill(surface.description, 75 * len(axes)), fontsize="small")
         lines = "\n".join(parameters_text(surface_parameters(surface)))
         axes[-1].text(1.03, 1, lines, transform=axes[-1].transAxes, va="top", family="monospace", size="small")
     return figure
 
 
-def _places(surface: MeasuredSurface) -> tuple[Array, Array, tuple[float, str]]:
-    """Return the places of points across and along, in a unit of display, and this unit."""
-    extent = surface.extent or surface.heights.shape
-    scale = display_unit_of(extent, "m")
-    across, along = (
-        (np.arange(count) + 0.5 - count / 2) * size / count / scale[0]
-        for count, size in zip(surface.heights.shape, extent, strict=True)
-    )
-    return across, along, scale
-
-
-def _map(ax: Axes, surface: MeasuredSurface, heights: Array, title: str) -> None:
-    """Draw the heights over the surface; those of a profile over its places."""
-    across, along, (_, unit) = _places(surface)
+def _heights(ax: Axes, places: Sequence[Array], unit: str, heights: Array, title: str) -> None:
+    """Draw heights over their places across and along, in a `unit` of display; those of a profile as a line."""
     size, name = display_unit_of(heights, "m")
     if 1 in heights.shape:
-        ax.plot(across if len(across) > 1 else along, heights.ravel() / size)
+        ax.plot(max(places, key=len), heights.ravel() / size)
         name_axes(ax, f"place [{unit}]", f"height [{name}]", title)
-        return
-    names = f"along [{unit}]", f"across [{unit}]", f"height [{name}], {title}"
-    draw_map(ax, along, across, heights / size, names)
-
-
-def _profiles(ax: Axes, surface: MeasuredSurface) -> None:
-    """Draw the prepared heights across and along the middle of a surface."""
-    across, along, (_, unit) = _places(surface)
-    heights = surface.prepared
-    size, name = display_unit_of(heights, "m")
-    for places, profile, label in (
-        (across, heights[:, heights.shape[1] // 2], "across"),
-        (along, heights[heights.shape[0] // 2], "along"),
-    ):
-        if len(places) > 1:
-            ax.plot(places, profile / size, label=label, linewidth=0.9)
-    ax.legend()
-    name_axes(ax, f"place [{unit}]", f"height [{name}]", "in the middle")
+    else:
+        names = f"along [{unit}]", f"across [{unit}]", f"height [{name}], {title}"
+        draw_map(ax, places[1], places[0], heights / size, names)

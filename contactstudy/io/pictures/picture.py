@@ -230,16 +230,12 @@ def evolution_picture(evolved: xr.Dataset) -> Figure:
         _loop if "attraction" in evolved else _errors,
         *(partial(_lines, name=name) for name in ("wear_depth", "shear_x") if name in evolved),
     ]
-    if dents := [str(name) for name in evolved if str(name).startswith(DENT)]:
-        bodies = [
-            str(name).removeprefix(STRAIN)
-            for name in evolved
-            if str(name).startswith(STRAIN) and evolved[name].values.any()
-        ]
-        drawn += [partial(_dent, name=name) for name in dents]
-        for body in bodies:
-            drawn += [partial(_plastic, name=STRAIN + body)]
-            drawn += [partial(_residual, name=STRESS + body)] * (STRESS + body in evolved)
+    names = [str(name) for name in evolved]
+    drawn += [partial(_dent, name=name) for name in names if name.startswith(DENT)]
+    for name in names:
+        if name.startswith(STRAIN) and evolved[name].values.any():
+            stress = name.replace(STRAIN, STRESS)
+            drawn += [partial(_plastic, name=name), *[partial(_residual, name=stress)] * (stress in evolved)]
     return _picture(evolved, drawn, columns=2, width=5.4)
 
 
@@ -312,9 +308,7 @@ def _lines(ax: Axes, evolved: xr.Dataset, name: str, scale: tuple[float, str] | 
 
 def _instants(values: Any) -> list[int]:
     """Return the numbers of the instants to draw of values (time, x), evenly spaced without those that are all zero."""
-    drawn = np.flatnonzero(values.any(axis=1))
-    if not len(drawn):
-        return [len(values) - 1]
+    drawn = np.flatnonzero(values.any(axis=1)) if values.any() else np.array([len(values) - 1])
     return sorted(set(drawn[np.linspace(0, len(drawn) - 1, PROFILES).round().astype(int)].tolist()))
 
 

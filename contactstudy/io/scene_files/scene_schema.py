@@ -16,8 +16,8 @@ from contactstudy.evolution.time_steps import TimeSteps
 from contactstudy.io.scene_files.structuring import NO_KIND
 from contactstudy.scene import friction as frictions
 from contactstudy.scene import loads
-from contactstudy.scene import lubrication as films
 from contactstudy.scene.adhesion import Adhesion
+from contactstudy.scene.lubrication import Lubrication
 from contactstudy.scene.rolling import Rolling, TractiveRolling
 from contactstudy.scene.scene import Friction, Output, Scene
 from contactstudy.scene.shapes import roller, texture
@@ -298,7 +298,7 @@ class SceneDocument:
     friction: Friction | None = None
     wear: Wear | None = None
     rolling: Rolling | None = None
-    lubrication: films.Lubrication | None = None
+    lubrication: Lubrication | None = None
     adhesion: Adhesion | None = None
     time_steps: TimeSteps = field(default_factory=TimeSteps)
     grid: grids.Grid | None = None
@@ -329,7 +329,7 @@ def _kinds(*classes: type) -> dict[str, type]:
     return {kind.__name__: DESCRIPTIONS.get(kind, kind) for kind in classes}
 
 
-# Classes that ``kind = "..."`` may name in a file, by the type of the field.
+# Classes that ``kind = "..."`` may name in a file, by the type of the field; of a union they are its members.
 KINDS: Mapping[Any, Mapping[str, type]] = {
     Shape: _kinds(
         roller.Cylinder, roller.Crown, roller.LundbergProfile, roller.FiniteLength, Tilt, texture.Waviness,
@@ -346,10 +346,5 @@ KINDS: Mapping[Any, Mapping[str, type]] = {
     ) | {NO_KIND: loads.LineLoad},
     Friction: _kinds(frictions.Sliding, frictions.PartialSlip, frictions.Fretting, TractiveRolling),
     Output: _kinds(SubsurfaceStress),
-    preparation.Missing: _kinds(preparation.RefuseMissing, preparation.HarmonicFill),
-    preparation.PeriodicExtension: _kinds(preparation.AsMeasured, preparation.Mirrored, preparation.Tapered),
     Solver: _kinds(PreconditionedCG, PolonskyKeer),
-    films.ViscosityLaw: _kinds(films.Roelands, films.Barus),
-    films.DensityLaw: _kinds(films.DowsonHigginson, films.ConstantDensity),
-    films.ShearLaw: _kinds(films.Newtonian, films.Eyring, films.Carreau, films.LimitingShear),
 }  # fmt: skip

@@ -363,7 +363,9 @@ def validated(cls: Class) -> Class:
 
     @wraps(construct)
     def __init__(self: Any, *values: object, **named: object) -> None:
-        _refuse_unknown(made, named)
+        for name in named:
+            if name not in (names := parameters(made)):
+                raise UnknownField(f"{called(made)}.{name} is not known: {suggestion(name, names)}.")
         construct(self, *values, **named)
         for one in fields(made):
             value = getattr(self, one.name, None)
@@ -379,14 +381,6 @@ def validated(cls: Class) -> Class:
 def called(cls: type) -> str:
     """Return the name of a class in messages on its fields: its own, or that by which users give the fields."""
     return getattr(cls, "called", cls.__name__)
-
-
-def _refuse_unknown(cls: type, named: Iterable[str]) -> None:
-    """Raise :class:`UnknownField` for a name that is no parameter of a dataclass, with the most similar one."""
-    names = parameters(cls)
-    for name in named:
-        if name not in names:
-            raise UnknownField(f"{called(cls)}.{name} is not known: {suggestion(name, names)}.")
 
 
 @cache
@@ -428,7 +422,7 @@ def valid(name: str, value: Any, hint: Any) -> Any:
         if number is not None and limits.hold(number):
             return number
     elif kind is int:
-        if _is(value, Integral) and limits.hold(value):
+        if isinstance(value, Integral) and type(value) is not bool and limits.hold(int(value)):
             return int(value)
     elif not isinstance(value, type) and isinstance(value, get_origin(kind) or kind):
         return value
@@ -456,7 +450,7 @@ def _sizes(value: object) -> str:
 
 def _one_of(name: str, value: Any, hint: Any) -> Any:
     """Return `value` as the first of the annotations that it fits, of a union of them."""
-    of_its_kind = []
+    refused: InvalidInput | None = None
     for option in get_args(hint):
         try:
             return valid(name, value, option)
@@ -464,9 +458,8 @@ def _one_of(name: str, value: Any, hint: Any) -> Any:
             is_meant = isinstance(value, str) and notes(option)[0] is not None
             is_several = isinstance(value, tuple | list) or getattr(value, "ndim", 0) > 0
             if is_meant or (is_several and get_origin(option) is tuple):
-                of_its_kind.append(error)
-    none_fits = InvalidInput(f"{name} is {value!r}: {remedy(hint)}{_sizes(value)}.")
-    raise next(iter(of_its_kind), none_fits)
+                refused = refused or error
+    raise refused or InvalidInput(f"{name} is {value!r}: {remedy(hint)}{_sizes(value)}.")
 
 
 def _entries(name: str, value: Any, options: tuple[Any, ...], hint: Any) -> tuple[Any, ...]:
@@ -494,13 +487,9 @@ def notes(hint: Any) -> tuple[Unit | None, Limits]:
     return unit, next((note for note in marks if isinstance(note, Limits)), default)
 
 
-def _is(value: object, kind: Any) -> bool:
-    return isinstance(value, kind) and not isinstance(value, bool)
-
-
 def _float(value: Any) -> float | None:
     """Return a real number as a float, an int beyond any float as infinite; None for what is no number."""
-    if not _is(value, Real):
+    if not isinstance(value, Real) or type(value) is bool:
         return None
     try:
         return float(value)

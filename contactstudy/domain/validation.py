@@ -422,7 +422,7 @@ def valid(name: str, value: Any, hint: Any) -> Any:
         if number is not None and limits.hold(number):
             return number
     elif kind is int:
-        if isinstance(value, Integral) and type(value) is not bool and limits.hold(int(value)):
+        if _is(value, Integral) and limits.hold(value):
             return int(value)
     elif not isinstance(value, type) and isinstance(value, get_origin(kind) or kind):
         return value
@@ -487,9 +487,13 @@ def notes(hint: Any) -> tuple[Unit | None, Limits]:
     return unit, next((note for note in marks if isinstance(note, Limits)), default)
 
 
+def _is(value: object, kind: Any) -> bool:
+    return isinstance(value, kind) and not isinstance(value, bool)
+
+
 def _float(value: Any) -> float | None:
     """Return a real number as a float, an int beyond any float as infinite; None for what is no number."""
-    if not isinstance(value, Real) or type(value) is bool:
+    if not _is(value, Real):
         return None
     try:
         return float(value)

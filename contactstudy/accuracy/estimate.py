@@ -62,18 +62,11 @@ NO_STRESS_LIMIT = (
 )
 
 
-def approach_error(solution: Solution, estimate: ErrorEstimate) -> ErrorParts:
-    """Return the relative error of the approach that its change between grids does not show.
+def _approach_error(solution: Solution, estimate: ErrorEstimate) -> ErrorParts:
+    """Return the relative error of the approach that its change between grids does not show, by that of the pressure.
 
     A range of attraction that was chosen for the grid adds `APPROACH_BY_RANGE`, and the state at pull-off what its load
     leaves open. The error is infinite, with the reason, where images are left out or the approach is zero.
-
-    Parameters
-    ----------
-    solution
-        The solution.
-    estimate
-        Errors of its pressure.
     """
     size, adhesion = abs(solution.approach), solution.adhesion
     if estimate.l1.images:
@@ -96,9 +89,9 @@ def stress_error(solution: Solution, von_mises: Array, depths: Array, estimate: 
     """Return the relative error of largest stresses that their changes between grids do not show.
 
     The error of the peak pressure counts at the surface, where it has no bound by as much as the peak itself, and falls
-    like the stress of a wave of two cells along the axis with the longer ones (Johnson 1985, sect. 13.2). It is
-    infinite, with the reason, where too few cells in contact are neighbours, where the grid cuts the contact off, where
-    images are left out, whose own stress lacks, and where the range of an attraction was chosen for the grid.
+    like the stress of a wave of two cells along the axis with the longer ones (Johnson 1985, sect. 13.2). It is infinite
+    where too few cells in contact are neighbours, where the grid cuts the contact off, where images are
+    left out, whose own stress lacks, and where the range of an attraction was chosen for the grid.
 
     Parameters
     ----------
@@ -119,11 +112,9 @@ def stress_error(solution: Solution, von_mises: Array, depths: Array, estimate: 
         return ErrorParts(images=inf, reason=NO_STRESS_OF_IMAGES)
     if solution.regularised:
         return ErrorParts(range=inf, reason=NO_STRESS_LIMIT)
-    grid, largest = solution.problem.grid, von_mises.max(axis=(1, 2))
     assert estimate.peak_pressure is not None
-    peak = min(estimate.peak_pressure.total, 1.0)
-    decay = np.pi * depths / _longest_cell(grid)
-    at_depths = largest * (1 + peak * (1 + decay) * np.exp(-decay))
+    largest, decay = von_mises.max(axis=(1, 2)), np.pi * depths / _longest_cell(solution.problem.grid)
+    at_depths = largest * (1 + min(estimate.peak_pressure.total, 1.0) * (1 + decay) * np.exp(-decay))
     return ErrorParts(discretisation=float(at_depths.max() / largest.max()) - 1)
 
 
@@ -286,7 +277,7 @@ def error_estimate(
         by_state = float(highest) / abs(solution.peak_pressure) if solution.peak_pressure else inf
         peak = replace(peak, discretisation=(peak.discretisation or 0.0) + by_state)
         l1 = replace(l1, discretisation=(l1.discretisation or 0.0) + root / 2)
-    return ErrorEstimate(
+    estimate = ErrorEstimate(
         l1,
         peak,
         area,
@@ -302,6 +293,7 @@ def error_estimate(
         slip_reason=NO_SLIP_OF_IMAGES if slips and l1_images else "",
         by_grids=BY_GRIDS if solution.adhesion is None else BY_GRIDS[1:],
     )
+    return replace(estimate, approach=_approach_error(solution, estimate))
 
 
 def _attraction_error(solution: Solution, coarse: Solution | None) -> ErrorParts | None:

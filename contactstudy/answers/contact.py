@@ -10,7 +10,7 @@ from contactstudy.accuracy.bound import lawful_edges
 from contactstudy.accuracy.coarser import coarse_solution, coarsened, comparable
 from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.answers.answer import Answer, Coarser, levels_below
-from contactstudy.answers.judgement import OF_EDGES, is_stress, with_nested_bounds
+from contactstudy.answers.judgement import OF_EDGES, with_nested_bounds
 from contactstudy.domain.errors import STATIC_ORDER, ErrorEstimate, ErrorParts, Request
 from contactstudy.domain.grid import Grid, Padding, Paddings, edge_fraction
 from contactstudy.domain.imports import needed_for
@@ -20,6 +20,7 @@ from contactstudy.io.quantities.quantity import NO_ESTIMATE, Quantities, roller_
 from contactstudy.io.quantities.stress_quantities import stress_quantities
 from contactstudy.problem.problem import DependsOnShear, Derived, Field
 from contactstudy.scene.scene import PosedScene, Scene, scene_of
+from contactstudy.solvers.friction.traction import RollingTraction
 from contactstudy.solvers.solution import Counts, Solution
 
 if TYPE_CHECKING:
@@ -114,8 +115,8 @@ class Contact(Answer, Solution):
         return self.time is not None and self.estimate is not None
 
     def _with_derived(self, estimate: ErrorEstimate) -> ErrorEstimate:
-        """Return `estimate` with the errors of approach and largest stress that changes between grids do not show."""
-        from contactstudy.accuracy.estimate import approach_error, stress_error
+        """Return `estimate` with warnings of ends and yield, and what of stresses changes between grids do not show."""
+        from contactstudy.accuracy.estimate import stress_error
         from contactstudy.accuracy.plausibility import (
             beyond_strength,
             end_of_half_space,
@@ -125,7 +126,6 @@ class Contact(Answer, Solution):
 
         of_ends = () if self.is_coarse else (end_of_half_space(self), unrelieved_ends(self))
         warnings = (*filter(None, of_ends), *estimate.warnings)
-        estimate = replace(estimate, approach=approach_error(self, estimate))
         if "von_mises" not in self.derived:
             return replace(estimate, warnings=warnings)
         stress, depths = (self.derived[name].values for name in ("von_mises", "z"))
@@ -182,7 +182,6 @@ class Contact(Answer, Solution):
     def quantities(self) -> Quantities:
         """Numbers of the contact by name, with unit and bound."""
         found, error = contact_quantities(self, self.error, self.derived, self.rolling), self.error
-        others = replace(error.l1, discretisation=None).total
         of_stress = dict.fromkeys(found, error.stress)
         for number in range(1, len(self.problem.outputs) if found else 0):
             if suffix := self._suffix(number):
@@ -192,10 +191,8 @@ class Contact(Answer, Solution):
                 of_stress |= {f"{name}{suffix}": alone.error.stress for name in of_body}
         if self._depends_on_history or not any(each.reason == NO_ESTIMATE for each in found.values()):
             return found
-        unseen = {name: others + of.total for name, of in of_stress.items() if of and is_stress(name)}
-        of_edges = dict.fromkeys(OF_EDGES, error.contact_area)
-        by_grids = of_edges | {"mean_gap": error.mean_gap, "approach": error.approach}
-        unseen |= {name: of.total for name, of in by_grids.items() if of}
+        unseen = dict.fromkeys((*OF_EDGES, "half_length"), error.contact_area)
+        unseen |= {"mean_gap": error.mean_gap, "approach": error.approach}
         # straight edges lie inside their cells by a law of their own, and are compared with such alone
         by_law = frozenset(OF_EDGES if lawful_edges(self) else ())
         below = {
@@ -209,7 +206,8 @@ class Contact(Answer, Solution):
             frozenset({NO_ESTIMATE}),
             edge_fraction=edge_fraction(self.pressure > 0),
             order=self._order,
-            unseen=unseen,
+            unseen={name: of.total for name, of in unseen.items() if of},
+            of_stress={name: of.total for name, of in of_stress.items() if of},
             by_law=by_law,
         )
 
@@ -218,7 +216,8 @@ class Contact(Answer, Solution):
         """Power of the cell size with which its numbers fall."""
         source = self.problem.source
         ends = source is not None and source.ends_along
-        return 1.0 if ends or self.adhesion is not None or self.rolling is not None else STATIC_ORDER
+        rolls = self.rolling is not None or hasattr(self.traction, "creepage")
+        return 1.0 if ends or rolls or self.adhesion is not None else STATIC_ORDER
 
     @cached_property
     def _below(self) -> "dict[int, Contact]":

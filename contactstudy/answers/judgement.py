@@ -40,8 +40,8 @@ BY_YIELD = "dent_depth", "shoulder_height", "highest_residual_stress", "lowest_r
 AT_EDGE = "highest_residual_stress", "surface_tension", "largest_shear"
 # In the name of a depth, before the index of a body where it has one.
 DEPTH = re.compile(r"_depth(?=(_\d)?$)")
-# The same as `MARGIN` of a peak pressure, which has a law of its own.
-PEAK_MARGIN = 0.75
+# The same as `MARGIN` of numbers that have a law of their own beside.
+BESIDE_LAW = {"peak_pressure": 0.75, "traction_coefficient": MARGIN, "creepage": MARGIN, "frictional_power": MARGIN}
 NO_COARSER_YIELD = "No bound: nothing yields on half the cells, give more."
 
 
@@ -62,6 +62,7 @@ def with_nested_bounds(
     wider: Quantities | None = None,
     zone_edge: float = 0.0,
     unseen: Mapping[str, float] = MappingProxyType({}),
+    of_stress: Mapping[str, float] = MappingProxyType({}),
     by_law: frozenset[str] = frozenset(),
 ) -> dict[str, Quantity]:
     """Return quantities with bounds by their changes between grids, where their reasons are some of those `replaced`.
@@ -86,6 +87,8 @@ def with_nested_bounds(
         Fraction of the cells of a plastic zone that lie at its edge.
     unseen
         Relative errors that no change shows, by name; those of other numbers are the causes of `l1` but the cells.
+    of_stress
+        Relative errors that no change of a largest stress shows, by name, beside those causes.
     by_law
         Names of numbers with a law of their own, which need no solution on coarser cells.
     """
@@ -107,8 +110,10 @@ def with_nested_bounds(
             floor = FLOOR * (l1.discretisation or 0.0)
             if name.startswith(BY_YIELD):
                 floor = max(floor, AREA_FLOOR * zone_edge)
-            if is_stress(name):
+            others = unseen.get(name, other_causes)
+            if any(stress in name for stress in OF_STRESS):
                 floor = max(floor, DEPTH_FLOOR if DEPTH.search(name) else STRESS_FLOOR)
+                others += of_stress.get(name, 0.0)
             change = by_changes(values, min(order, EDGE_ORDER) if _is_at_edge(name) else order)
             others, inlet = unseen.get(name, other_causes), 0.0
             if wider is not None and name in wider:
@@ -121,10 +126,11 @@ def with_nested_bounds(
             bound = max(bound, reach - quantity.value)
             reason = "" if bound else RELATIVE_TO_ZERO
             found[name] = replace(quantity, bound=bound or inf, reason=reason)
-    peaks = {1: quantities} | dict(below)
-    if "peak_pressure" in quantities and isfinite((peak := quantities["peak_pressure"]).bound):
-        change = by_changes({k: level["peak_pressure"].value for k, level in peaks.items()}, order)
-        found["peak_pressure"] = replace(peak, bound=max(peak.bound, PEAK_MARGIN * change))
+    for name, margin in BESIDE_LAW.items():
+        if name in quantities and isfinite(bound := quantities[name].bound):
+            levels = {1: quantities} | dict(below)
+            change = by_changes({k: level[name].value for k, level in levels.items() if name in level}, order)
+            found[name] = replace(found[name], bound=max(bound, margin * change))
     for name, depth in found.items():
         largest = found.get(DEPTH.sub("", name), depth)
         if largest is not depth and isfinite(depth.bound):
@@ -157,11 +163,6 @@ def by_changes(
     """
     pairs = combinations(sorted(values), 2)
     return max((distance(values[j], values[k]) / (k**order - j**order) for j, k in pairs), default=0.0)
-
-
-def is_stress(name: str) -> bool:
-    """Return whether a number is a largest stress, its depth or a margin to yield."""
-    return any(stress in name for stress in OF_STRESS)
 
 
 def _is_at_edge(name: str) -> bool:

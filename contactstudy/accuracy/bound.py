@@ -168,12 +168,16 @@ def discretisation_bound(
 
 
 def lawful_edges(solution: Solution) -> StraightEdges | None:
-    """Return the edges of a contact if they follow the law of straight ones: not with adhesion, nor on a thin layer."""
+    """Return the edges of a contact if they follow the law of straight ones.
+
+    They do not with adhesion, on a layer of few cells, and where a limit of the pressure makes a plateau.
+    """
     scene = scene_of(solution.problem)
     bodies = () if scene is None else scene.solids
     layers = [bottom - top for body in bodies for *_, top, bottom in getattr(body, "parts", {}).values()]
     is_thin = min(layers, default=inf) < CELLS_IN_LAYER * solution.problem.grid.cell_size[0]
-    return None if is_thin or solution.adhesion is not None else straight_edges(solution.pressure)
+    has_other_law = is_thin or solution.adhesion is not None or _at_hardness(solution)
+    return None if has_other_law else straight_edges(solution.pressure)
 
 
 def dundurs_of_shear(solution: Solution) -> float:

@@ -46,6 +46,9 @@ APPROACH_BY_RANGE = 0.2
 # Error of the mean gap by a range that was chosen for the grid, over that of the net pressure in L1 and the gap or the
 # rms variation of the displacement, whichever is larger: at most 0.28 of the L1 error on 820 lines, spheres and waves.
 GAP_BY_RANGE = 0.3
+# The same of the gap and the approach by the cells, beside their changes between grids: those of a gap that is nearly
+# closed tell little of it.
+GAP_BY_L1 = 0.1
 # Numbers whose errors, besides what the estimate says, are shown by their changes between grids.
 BY_GRIDS = "contact_area", "mean_gap", "approach"
 NO_GAP = "No bound for the mean gap: the bodies touch everywhere, and what is left of it is the solver's residual."
@@ -73,11 +76,12 @@ def _approach_error(solution: Solution, estimate: ErrorEstimate) -> ErrorParts:
         return ErrorParts(images=inf, reason=NO_DATUM)
     if size <= ROUNDING * float(np.abs(solution.problem.undeformed_gap).max()):
         return ErrorParts(discretisation=inf, reason=ZERO_APPROACH)
-    residual = (estimate.l1.residual or 0.0) * float(solution.displacement.std()) / size
+    varies = float(solution.displacement.std()) / size
+    residual, by_l1 = (estimate.l1.residual or 0.0) * varies, GAP_BY_L1 * (estimate.l1.discretisation or 0.0) * varies
     if estimate.l1.discretisation == inf:
         return ErrorParts(discretisation=inf, reason=next(iter(estimate.warnings), ""))
     if adhesion is None:
-        return ErrorParts(residual=residual)
+        return ErrorParts(discretisation=by_l1, residual=residual)
     shift = root_of_pull_off(estimate.pull_off) * max(size, adhesion.range)
     by_range = None
     if estimate.contact_area is not None and (moved := estimate.contact_area.range) is not None:
@@ -254,7 +258,9 @@ def error_estimate(
     active = problem.constraint.active(solution.pressure)
     if solution.mean_gap > 2 * float((np.abs(solution.gap) * active).mean()):
         gap = replace(gap, residual=change + residual.gap / solution.mean_gap, reason="")
-    gap = replace(gap, discretisation=inf if cells.l1 == inf else None)
+    spread = max(float(solution.displacement.std()), solution.mean_gap)
+    gap_by_l1 = spread / solution.mean_gap if solution.mean_gap > 0 else inf
+    gap = replace(gap, discretisation=GAP_BY_L1 * cells.l1 * gap_by_l1)
     load = ErrorParts(l1_images, cells.load, residual.l1) if cells.load is not None else None
     slips = isinstance(solution.traction, RollingTraction)
     if l1_images and (reason := _needs_images(solution, slips=slips)):
@@ -265,9 +271,7 @@ def error_estimate(
         l1 = replace(l1, range=by_range.l1)
         peak = replace(peak, range=peak_range_error(solution, by_range.area))
         area = replace(area, range=by_range.area)
-        spread = max(float(solution.displacement.std()), solution.mean_gap)
-        by_l1 = GAP_BY_RANGE * by_range.l1 * spread / solution.mean_gap if solution.mean_gap > 0 else inf
-        gap = replace(gap, range=by_l1)
+        gap = replace(gap, range=GAP_BY_RANGE * by_range.l1 * gap_by_l1)
         load = load and replace(load, range=load_range_error(solution))
     pull_off = None
     if cells.load is not None and is_pull_off(solution):

@@ -20,7 +20,6 @@ from contactstudy.io.quantities.quantity import NO_ESTIMATE, Quantities, roller_
 from contactstudy.io.quantities.stress_quantities import stress_quantities
 from contactstudy.problem.problem import DependsOnShear, Derived, Field
 from contactstudy.scene.scene import PosedScene, Scene, scene_of
-from contactstudy.solvers.friction.traction import RollingTraction
 from contactstudy.solvers.solution import Counts, Solution
 
 if TYPE_CHECKING:

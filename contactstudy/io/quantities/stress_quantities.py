@@ -190,6 +190,8 @@ def _with_depth(
             around = depths[max(number - 1, 0) : number + 2]
             places = [position["z"]] if number == at else ((depths[number] + around) / 2).tolist()
             rivals += [(reach, place) for place in places]
+    if "x" in axes and 0 < position["z"] < np.diff(axes["x"][:2]).max(initial=0.0):  # finer cells may show it higher up
+        rivals.append((value, position["z"] / 2))
     if position["z"] == depths[at]:  # no parabola says where between the depths
         near = slice(max(at - 1, 0), at + 2)
         rivals += zip(peaks[near].tolist(), depths[near].tolist(), strict=True)

@@ -20,7 +20,6 @@ from contactstudy.problem.problem import Field, Problem, ResidualStress
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.solids.inelastic import ElasticPlasticHalfSpace
 from contactstudy.solvers.plasticity import (
-    SQRT_TWO_THIRDS,
     ContactTangent,
     ElastoplasticStep,
     Hardening,
@@ -29,10 +28,9 @@ from contactstudy.solvers.plasticity import (
 )
 from contactstudy.solvers.solution import CoupledSolution, Solution, Status, net_pressure
 
-# The first volume holds the columns of cells in contact, those whose elastic von Mises stress is anywhere above
-# NEAR_YIELD of the yield stress, and a MARGIN of their width on both sides. Since a step is repeated in a larger volume
-# where yield reaches its edge, these constants change the time and not the accuracy.
-NEAR_YIELD, MARGIN = 0.9, 0.15
+# The first volume holds the columns of cells in contact and a MARGIN of their width on both sides. Since a step is
+# repeated in a larger volume where yield reaches its edge, this changes the time and not the accuracy.
+MARGIN = 0.15
 # Fraction of its width or depth by which a volume then grows, with the same effect.
 GROWTH = 0.3
 
@@ -61,11 +59,11 @@ def layers(grid: Grid, length: float, depth: float) -> tuple[float, ...]:
     return (*edges, edges[-1] + thickness)
 
 
-def first_volume(grid: Grid, length: float, pressure: Array, yield_ratio: Callable[[Volume], Array]) -> Volume:
-    """Return the cells below an elastic contact that may yield.
+def first_volume(grid: Grid, length: float, pressure: Array) -> Volume:
+    """Return the cells below a contact in which it may begin to yield.
 
-    They reach down to a layer in which the von Mises stress is below `NEAR_YIELD` of the yield stress, or, if it is so
-    everywhere, below its maximum.
+    They reach as deep as the contact is wide on either side of its middle, and no deeper than `length`, for the highest
+    stress of a contact lies within its half-width.
 
     Parameters
     ----------
@@ -75,23 +73,13 @@ def first_volume(grid: Grid, length: float, pressure: Array, yield_ratio: Callab
         Length scale of the contact [m], for which layers are made.
     pressure
         Elastic pressure (x, y) [Pa] under the largest load.
-    yield_ratio
-        Returns the von Mises stress over the yield stress (layers, x, y) in a volume.
     """
     loaded = np.flatnonzero(pressure.any(axis=1))
     first, last = (int(loaded[0]), int(loaded[-1]) + 1) if loaded.size else (0, grid.cells[0])
-    depth = min(length, (last - first) * grid.cell_size[0] / 2)
-    while True:
-        volume = Volume(grid, 0, grid.cells[0], layers(grid, length, depth))
-        ratio = yield_ratio(volume).max(axis=2)
-        if ratio[-1].max() < min(NEAR_YIELD, ratio.max()) or depth > grid.extent[0]:
-            break
-        depth *= 1 + GROWTH
-    near_yield = np.flatnonzero((ratio > NEAR_YIELD).any(axis=0))
-    if near_yield.size:
-        first, last = min(first, int(near_yield[0])), max(last, int(near_yield[-1]) + 1)
     margin = int(np.ceil(MARGIN * (last - first))) + 1
-    return replace(volume, first=max(first - margin, 0), last=min(last + margin, grid.cells[0]))
+    depth = min(length, (last - first) * grid.cell_size[0] / 2)
+    edges = layers(grid, length, depth)
+    return Volume(grid, max(first - margin, 0), min(last + margin, grid.cells[0]), edges)
 
 
 def enlarged(volume: Volume, length: float, yielded: NDArray[np.bool_]) -> Volume:
@@ -204,19 +192,8 @@ class PlasticState:
     def __post_init__(self) -> None:
         problem = self.elastic.problem
         pressure = net_pressure(self.elastic.pressure, self.elastic.adhesion)
-        self.operators = []
-        for body in self.bodies:
-
-            def yield_ratio(volume: Volume, body: YieldingBody = body) -> Array:
-                operator = operator_on(volume, body.moduli)
-                stress = operator.stress_of_pressure(pressure)
-                if self._slides:
-                    stress = stress + self._stress_of_traction(body, operator, self.elastic)
-                size = np.sqrt((stress**2).sum(axis=0))
-                return np.asarray(size / (SQRT_TWO_THIRDS * body.hardening.yield_stress))
-
-            volume = first_volume(problem.grid, self._length, pressure, yield_ratio)
-            self.operators.append(operator_on(volume, body.moduli))
+        volume = first_volume(problem.grid, self._length, pressure)
+        self.operators = [operator_on(volume, body.moduli) for body in self.bodies]
 
     def start(self, shape: tuple[int, int]) -> State:
         """Return a state without plastic strain."""

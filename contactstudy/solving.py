@@ -342,19 +342,9 @@ class _Request:
         """Follow a dry scene through time."""
         from contactstudy.answers.evolution import evolution_answer
         from contactstudy.evolution.evolve import evolve
-        from contactstudy.planning.grid_requirements import CONSTANTS as GRID
 
-        steps, target, error = self.steps, self.target, self.steps.error
-        if error is None and target and steps.error_estimator == "step_doubling":
-            error = (1 - GRID.cell_fraction) * target
-        return self._followed(
-            evolve,
-            evolution_answer,
-            error,
-            error_estimator=steps.error_estimator,
-            scheme=steps.scheme,
-            options=self.options,
-        )
+        named = {"error_estimator": self.steps.error_estimator, "scheme": self.steps.scheme}
+        return self._followed(evolve, evolution_answer, self._error_of_steps, **named, options=self.options)
 
     def _followed(
         self,
@@ -414,22 +404,24 @@ class _Request:
         from contactstudy.answers.evolution import evolution_answer
         from contactstudy.evolution.stationary import follow_wear
 
-        step = self._error_of_a_step
-        return self._followed(follow_wear, evolution_answer, step, options=self.options)
+        return self._followed(follow_wear, evolution_answer, self._error_of_steps, options=self.options)
 
     def film_wear(self) -> "Evolution":
         """Follow the wear of asperities on a boundary film."""
         from contactstudy.answers.evolution import films_answer
         from contactstudy.evolution.stationary import follow_film_wear
 
-        step = self._error_of_a_step
-        return self._followed(follow_film_wear, films_answer, step, options=self._film_options)
+        return self._followed(follow_film_wear, films_answer, self._error_of_steps, options=self._film_options)
 
     @property
-    def _error_of_a_step(self) -> float | None:
-        """Largest error of a step in time: the given one, or a fraction of the requested error."""
-        if self.steps.error is not None:
-            return self.steps.error
+    def _error_of_steps(self) -> float | None:
+        """Largest error of the steps in time: the given one, or a fraction of the requested error.
+
+        None for steps of a given length, and those whose error is not estimated.
+        """
+        steps = self.steps
+        if steps.error is not None or steps.step is not None or steps.error_estimator == "none":
+            return steps.error
         return self.target and STEP_FRACTION * self.target
 
     def film(self) -> "LubricatedContact":
@@ -488,9 +480,8 @@ class _Request:
         from contactstudy.answers.evolution import films_answer
         from contactstudy.evolution.evolve_lubricated import evolve_lubricated
 
-        step, tolerance = self.steps.step, self.options.tolerance
-        error = self._error_of_a_step if step is None else None
-        return self._followed(evolve_lubricated, films_answer, error, step=step, tolerance=tolerance)
+        named = {"step": self.steps.step, "tolerance": self.options.tolerance}
+        return self._followed(evolve_lubricated, films_answer, self._error_of_steps, **named)
 
     def _refined(self, answer: Any, solve_on: Callable[[Grid], Any], by_pressure: int = REFINEMENTS) -> Any:
         """Solve again on finer grids until the bounds of the answer meet the request, where that is possible.

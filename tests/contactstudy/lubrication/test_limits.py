@@ -147,3 +147,12 @@ def test_a_plan_for_an_error_out_of_reach_names_one_within_reach() -> None:
     reached = float(warning.split("give about ")[1].split(",")[0])
     assert cs.plan(by_moes(20, 5), error=reached).error == reached
     assert cs.plan(by_moes(20, 5), error=0.8 * reached).error == np.inf
+
+
+def test_a_meniscus_is_within_its_bound_inside_the_grid_and_has_none_beyond() -> None:
+    scene, cells = by_moes(20, 5), grid(96, 4.5)
+    film = solve_lubricated(scene, cells).central_film
+    starved, flooded = (with_motion(scene, supply=fraction * film) for fraction in (0.5, 20))
+    meniscus = cs.solve(starved, cells).quantities["meniscus"]
+    assert meniscus.value == pytest.approx(solve_lubricated(starved, grid(384, 4.5)).meniscus, abs=meniscus.bound)
+    assert "meniscus lies beyond" in cs.solve(flooded, cells).quantities["meniscus"].reason

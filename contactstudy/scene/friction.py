@@ -53,7 +53,7 @@ def dundurs(solids: tuple[Body, ...]) -> float:
     return max((_dundurs(upper, lower) for upper, lower in pairs), key=abs)
 
 
-def _dundurs(first: bodies.Homogeneous, second: bodies.Homogeneous) -> float:
+def _dundurs(first: HalfSpace, second: HalfSpace) -> float:
     """Return Dundurs' beta ``(a1 - a2) / (2 (b1 + b2))`` of two materials, a = (1 - 2 nu) / G and b = (1 - nu) / G.
 
     It is 0 for two rigid materials, neither of which is displaced.
@@ -66,12 +66,13 @@ def _dundurs(first: bodies.Homogeneous, second: bodies.Homogeneous) -> float:
     return float((a1 - a2) / (2 * (b1 + b2))) if b1 + b2 else 0.0
 
 
-def _materials(solid: Body) -> tuple[bodies.Homogeneous, ...]:
+def _materials(solid: Body) -> tuple[HalfSpace, ...]:
     """Return the material of a body, or those of its layers and its substrate."""
     if isinstance(solid, CoatedHalfSpace):
         return *solid.layers, solid.substrate
-    if isinstance(solid, bodies.Homogeneous) and not bodies.is_layered(solid):
-        return (solid,)
+    body: Any = getattr(solid, "instantaneous", solid)
+    if hasattr(body, "poisson_ratio"):
+        return (HalfSpace(body.youngs_modulus, body.poisson_ratio),)
     raise InvalidInput(
         f"Scene.solids are given together with friction, and the response to traction of a {type(solid).__name__} is "
         "not known: give a HalfSpace or a CoatedHalfSpace."
@@ -102,8 +103,7 @@ def _shearable(solid: Body) -> tangential.ShearableBody:
     body = getattr(solid, "instantaneous", solid)
     if isinstance(body, tangential.ShearableBody):
         return body
-    material = _materials(body)[0]
-    return HalfSpace(material.youngs_modulus, material.poisson_ratio)
+    return _materials(body)[0]
 
 
 def shear_coupling(

@@ -197,11 +197,9 @@ class PullOff:
             )
 
     @property
-    def per_length(self) -> float:
+    def largest(self) -> float:
         """Load [N/m] from which the bodies are pulled apart."""
         return self.preload
-
-    largest = per_length
 
 
 # Loads that press the bodies together.
@@ -309,8 +307,7 @@ class LoadHistory(PiecewiseLinear):
         check_not_decreasing("LoadHistory.times", self.times)
         check_one_each("LoadHistory.per_length", loads, "times", self.times)
         if max(loads) <= 0:
-            throughout = "0" if max(loads) == min(loads) == 0 else "not above 0"
-            raise InvalidInput(f"LoadHistory.per_length is {throughout} throughout: give a load above 0 N/m.")
+            raise InvalidInput(f"LoadHistory.per_length is {loads!r}: give a load above 0 N/m.")
 
     @property
     def values(self) -> tuple[float, ...]:  # type: ignore[override]

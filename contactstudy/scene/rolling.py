@@ -61,11 +61,10 @@ class Rolling:
 
     def check_together(self) -> None:
         """Check that rolling is either steady or by passes, and that a setting of passes has them."""
-        if self.speed is None and self.passes is None:
-            raise InvalidInput("Rolling.speed is None: give a speed of at least 0 m/s, or passes.")
-        if self.speed is not None and self.passes is not None:
+        if (self.speed is None) == (self.passes is None):
             raise InvalidInput(
-                f"Rolling.speed is {self.speed!r} with passes, which do not depend on it: leave one of them out."
+                f"Rolling.speed is {self.speed!r} and its passes {self.passes!r}: give a speed of at least 0 m/s, or "
+                "passes, which do not depend on one."
             )
         if self.passes is None:
             for name in ("pressure", "distance", "steady"):
@@ -76,6 +75,8 @@ class Rolling:
                     )
 
 
+# A contact at rest has PartialSlip.
+NOT_ZERO = validation.Limits("other than 0", lambda x: validation.MIN_SIZE <= abs(x) <= validation.MAX_SIZE)
 # Fewest widths of the contact by which it rolls while the load changes: what it rolls over is steady after one or two.
 MIN_WIDTHS = 10.0
 
@@ -145,7 +146,7 @@ class TractiveRolling:
     tangential: Annotated[validation.NewtonsPerMetre, validation.ANY_SIGN] | None = None
     lateral: Annotated[validation.Number, validation.ANY_SIGN] = 0.0
     spin: Annotated[validation.PerMetre, validation.ANY_SIGN] = 0.0
-    speed: Annotated[validation.MetresPerSecond, validation.ANY_SIGN] = 1.0
+    speed: Annotated[validation.MetresPerSecond, NOT_ZERO] = 1.0
     total: Annotated[validation.Newtons, validation.ANY_SIGN] | None = None
 
     def check_together(self) -> None:
@@ -155,10 +156,6 @@ class TractiveRolling:
             raise InvalidInput(
                 f"TractiveRolling has {' and '.join(given) or 'none'} of longitudinal, tangential and total: give one, "
                 "the creepage along x, the force along x [N/m], or that on the whole of a roller [N]."
-            )
-        if self.speed == 0:
-            raise InvalidInput(
-                "TractiveRolling.speed is 0: give a speed other than 0 m/s, or PartialSlip for a contact at rest."
             )
 
     def check(self, scene: SceneContext) -> None:

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
-from math import inf, isclose, isinf
+from math import inf, isclose
 from typing import Annotated, Literal
 
 import numpy as np
@@ -15,7 +15,7 @@ from contactstudy.elasticity.convolution import on_padded_grid, padded_cells
 from contactstudy.elasticity.kernels.stress import COMPONENTS
 from contactstudy.elasticity.transforms import TRANSFORMS
 from contactstudy.problem.problem import Field, ResidualStress
-from contactstudy.scene.solids.bodies import Body, HardnessProfile, Homogeneous, is_layered
+from contactstudy.scene.solids.bodies import Body, HardnessProfile, is_layered
 from contactstudy.scene.solids.stress_model import HalfSpaceStress, StressModel
 
 Z = {"axis": "Z", "positive": "down"}
@@ -73,12 +73,12 @@ class SubsurfaceStress:
         """Return the stress in `body`; raises InvalidInput if none is known."""
         if model := getattr(body, "stress_model", None):
             return model  # type: ignore[no-any-return]
-        if not isinstance(body, Homogeneous):
+        if not hasattr(body, "poisson_ratio"):
             raise InvalidInput(
                 f"SubsurfaceStress.body is {self.body}, a {type(body).__name__}: "
                 "stress is known in a homogeneous or a coated half-space only, leave this output out."
             )
-        if isinf(body.youngs_modulus):
+        if not body.compliance:
             raise InvalidInput(
                 f"SubsurfaceStress.body is {self.body}, a rigid body: give {1 - self.body}, the elastic one."
             )

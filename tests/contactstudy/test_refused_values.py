@@ -70,7 +70,7 @@ VALUES: list[tuple[str, Callable[[], object]]] = [
     ("LineLoad.per_length is -0.0: give a load", lambda: smooth(load=cs.LineLoad(-0.0))),
     ("Scene.load is a TotalLoad* give TotalLoad.length", lambda: smooth(load=cs.TotalLoad(100.0))),
     ("LoadHistory.per_length has length 1 beside 2 times: give one", lambda: cs.LoadHistory((0.0, 1.0), (1.0,))),
-    ("LoadHistory.per_length is 0 throughout", lambda: cs.LoadHistory((0.0, 1.0), (0.0, 0.0))),
+    ("LoadHistory.per_length is (0.0, 0.0): give a load above 0", lambda: cs.LoadHistory((0.0, 1.0), (0.0, 0.0))),
     ("LoadHistory.times[1]", lambda: cs.LoadHistory((1.0, 0.0), (1.0, 1.0))),
     # what a scene holds
     ("Scene.solids", lambda: smooth(solids=(STEEL,))),
@@ -99,7 +99,7 @@ VALUES: list[tuple[str, Callable[[], object]]] = [
     ("Fretting*give one of them", lambda: cs.Fretting(0.3)),
     ("Fretting*give times", lambda: cs.Fretting(0.3, displacements=(1.0,))),
     ("Fretting*together with times", lambda: cs.Fretting(0.3, (0.1,), (1.0,), bulk_stresses=(1e7,))),
-    ("Rolling.speed is 1.0 with passes", lambda: cs.Rolling(1.0, passes=2)),
+    ("Rolling.speed is 1.0 and its passes 2: give", lambda: cs.Rolling(1.0, passes=2)),
     ("TimeSteps.times is empty: give one instant", lambda: cs.TimeSteps(times=())),
     ("*give time_steps.end or time_steps.times", lambda: cs.TimeSteps().instants_of()),
     # lubricants and films

@@ -107,15 +107,10 @@ class Texture:
         """Check that features have the pitches of their kind, and do not overlap."""
         pitch = self.pitch
         finite_pitches = 2 if isinstance(self.feature, Dimple) else 1
-        if sum(distance < inf for distance in pitch) != finite_pitches:
+        if sum(distance < inf for distance in pitch) != finite_pitches or self.feature.size > min(pitch):
             raise InvalidInput(
-                f"Texture.pitch is {pitch!r}: give two finite pitches for dimples, one for grooves, "
-                "the other being inf."
-            )
-        if self.feature.size > min(pitch):
-            raise InvalidInput(
-                f"Texture.pitch is {pitch!r}: give pitches of at least {self.feature.size!r} m, the size "
-                "of the feature, so that none overlap."
+                f"Texture.pitch is {pitch!r}: give two pitches for dimples, one and inf for grooves, of at least "
+                f"{self.feature.size!r} m, the size of the feature, so that none overlap."
             )
 
     @property

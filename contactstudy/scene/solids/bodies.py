@@ -111,19 +111,6 @@ class Body(Protocol):
         """
 
 
-@runtime_checkable
-class Homogeneous(Body, Protocol):
-    """Body of one material, whose stress follows from the pressure and Poisson's ratio."""
-
-    @property
-    def youngs_modulus(self) -> float:
-        """Young's modulus [Pa], the instantaneous one if it changes in time."""
-
-    @property
-    def poisson_ratio(self) -> float:
-        """Poisson's ratio, constant in time."""
-
-
 @validated
 class HalfSpace:
     """Homogeneous, isotropic elastic half-space.

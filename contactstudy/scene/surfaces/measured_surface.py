@@ -186,11 +186,8 @@ class MeasuredSurface:
         extent = self.extent or heights.shape
         steps = extent[0] / self.heights.shape[0], extent[1] / self.heights.shape[1]
         with np.errstate(over="ignore", invalid="ignore"):  # the solve reports heights that overflow
-            across, along = (
-                np.diff(heights, axis=axis) / step if heights.shape[axis] > 1 else np.zeros(1)
-                for axis, step in enumerate(steps)
-            )
-            slope = float(np.sqrt((across**2).mean() + (along**2).mean()))
+            across, along = (np.diff(heights, axis=axis) / step for axis, step in enumerate(steps))
+            slope = float(np.sqrt(sum((slopes**2).mean() for slopes in (across, along) if slopes.size)))
             height = float(heights.max() - heights.mean())
         if self.extent is None:  # cell for cell: sizes are the grid's
             return LengthScales(height=height)

@@ -315,13 +315,11 @@ def _marks(name: str, lines: list[str], decimal: str | None) -> tuple[str | None
     sample = [line for line in lines if re.search(r"\d", line)][-80:]
     best: tuple[int, str | None, str, list[list[str]]] = (0, None, ".", [])
     for separator in (";", "\t", ", ", ",", None):
-        if separator and not any(separator in line for line in sample):
-            continue
         rows = [_cells(line, separator) for line in sample]
         has_comma = any("," in cell for row in rows for cell in row)
         for sign in (decimal,) if decimal else (",", ".") if has_comma else (".",):
             good = sum(all(_value(cell, sign) is not None for cell in row) for row in rows)
-            if good > best[0]:
+            if good > best[0] and (separator is None or any(separator in line for line in sample)):
                 best = good, separator, sign, rows
     _, separator, sign, rows = best
     cells = [cell for row in rows for cell in row]

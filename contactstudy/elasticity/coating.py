@@ -11,7 +11,7 @@ from contactstudy.domain.grid import Array, on_cells
 from contactstudy.elasticity.approximate_inverse import ExactInverse, FreeEndsInverse, SpectralInverse
 from contactstudy.elasticity.convolution import Convolution, weighted_sum
 from contactstudy.elasticity.kernels.layer_response import LayerResponse
-from contactstudy.elasticity.kernels.layer_waves import DisplacementWaves, WaveCoefficients, contrasts
+from contactstudy.elasticity.kernels.layer_waves import DisplacementWaves, WaveCoefficients
 from contactstudy.elasticity.kernels.stress import SWAPPED
 
 
@@ -131,7 +131,7 @@ class CoatingCoefficients:
 
     def _strip(self, x: Array, dx: float) -> Array:
         """Return the response to a strip of width `dx`, infinite along y, at offsets `x`."""
-        depth, coupling = 2 * self.thickness, contrasts(self.response)[2]
+        depth, coupling = 2 * self.thickness, self.response.contrasts[2]
         total = self._remainder(x, dx)
         if self.name == "x":
             upper, lower = (
@@ -146,7 +146,7 @@ class CoatingCoefficients:
     @property
     def _contrast(self) -> float:
         """First term of long waves whose displacement along its load grows with the logarithm of the distance."""
-        pressed, along, _, across = contrasts(self.response)
+        pressed, along, _, across = self.response.contrasts
         return {"xx": along, "yy": across, "z": pressed}.get(self.name, 0.0)
 
     def rigid_shift(self, line: float) -> float:

@@ -88,23 +88,10 @@ class Operator(Protocol):
 GAP_ROUNDINGS = 2.0
 
 
-@dataclass(frozen=True)
-class WinklerConstants:
-    """Constants of the start on a Winkler foundation, judged by the convolutions of 15 contacts.
-
-    Attributes
-    ----------
-    compliance_ratio
-        Compliance of the first foundation over that of a cell. From 1 to 20 the convolutions change by 0.9 to 1.4 times.
-    aspect_ratio
-        Ratio of the sides of a cell above which the start is uniform. With 3 a roller takes 2 convolutions more.
-    """
-
-    compliance_ratio: float = 4.0
-    aspect_ratio: float = 30.0
-
-
-CONSTANTS = WinklerConstants()
+# Of the start on a Winkler foundation, judged by the convolutions of 15 contacts: the compliance of the first foundation
+# over that of a cell, which from 1 to 20 changes the convolutions by 0.9 to 1.4 times; and the ratio of the sides of a
+# cell above which the start is uniform, with 3 of which a roller takes 2 convolutions more.
+COMPLIANCE_RATIO, ASPECT_RATIO = 4.0, 30.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,9 +144,9 @@ class BareProblem:
         deviations from the mean under its pressure, and gives the foundation returned. The pressure is uniform where no
         compliance follows, and on elongated cells, where waves along the shorter side are much stiffer than others.
         """
-        if not 1 / CONSTANTS.aspect_ratio < self.aspect_ratio < CONSTANTS.aspect_ratio:
+        if not 1 / ASPECT_RATIO < self.aspect_ratio < ASPECT_RATIO:
             return self.uniform()
-        compliance = CONSTANTS.compliance_ratio * self.operator.self_compliance
+        compliance = COMPLIANCE_RATIO * self.operator.self_compliance
         pressure = self.project(-self.undeformed_gap / compliance)
         active = self.constraint.active(pressure)
         cells = total(active)
@@ -310,25 +297,18 @@ class Source(Protocol):
         """Return the problem of this contact on `grid`, with the same paddings."""
 
 
-class FrictionSolver(Protocol):
-    """Solver of a contact with friction: what it adds to the pressure of a frictionless one is the tangential
-    traction."""
+class OuterSolver(Protocol):
+    """Solver around that of the contact, which adds a tangential traction or an attraction to its pressure."""
 
     def solve(self, problem: "Problem", options: Any, start: Array | None, device: Device) -> Any:
-        """Return the Solution of a frictionless `problem` with its tangential traction.
+        """Return the Solution of a `problem` with what this solver adds.
 
         `options` are SolveOptions, `start` is a pressure (x, y) [Pa] to begin with.
         """
 
 
-class AdhesionSolver(Protocol):
+class AdhesionSolver(OuterSolver, Protocol):
     """Solver of a contact with adhesion, which adds an attraction to its pressure."""
-
-    def solve(self, problem: "Problem", options: Any, start: Array | None, device: Device) -> Any:
-        """Return the Solution of a `problem` with its attraction.
-
-        `options` are SolveOptions, `start` is a pressure (x, y) [Pa] to begin with.
-        """
 
     def continued(self, attraction: Array) -> "AdhesionSolver":
         """Return the solver for a contact that comes from a state with this `attraction` (x, y) [Pa]."""
@@ -387,7 +367,7 @@ class Problem:
     paddings: Paddings | None = None
     outputs: tuple[Derived, ...] = ()
     description: object = None
-    friction: FrictionSolver | None = None
+    friction: OuterSolver | None = None
     adhesion: AdhesionSolver | None = None
     covered_fractions: Array | None = None
 

@@ -13,7 +13,7 @@ from contactstudy.domain.grid import Array, Grid, Padding, Paddings, across_and_
 from contactstudy.domain.validation import OR_INFINITE, Example, Hardness, InvalidInput, valid, validated
 from contactstudy.elasticity.convolution import Convolution, padded_cells, superposed
 from contactstudy.problem.constraint import Constraint, Control, PrescribedApproach, PrescribedLoad
-from contactstudy.problem.problem import AdhesionSolver, Derived, FrictionSolver, Problem, Scales, refuse_too_large
+from contactstudy.problem.problem import AdhesionSolver, Derived, OuterSolver, Problem, Scales, refuse_too_large
 from contactstudy.scene import loads
 from contactstudy.scene.combinations import REFUSED
 from contactstudy.scene.shapes.roller import FiniteLength
@@ -94,7 +94,7 @@ class Output(Protocol):
 class Friction(Protocol):
     """Friction law, as a value in ``Scene.friction``; its ``check(scene)``, if it has one, may refuse a scene."""
 
-    def solver(self, scene: "Scene", gap: Array, grid: Grid, paddings: Paddings, datum: float) -> FrictionSolver:
+    def solver(self, scene: "Scene", gap: Array, grid: Grid, paddings: Paddings, datum: float) -> OuterSolver:
         """Return the solver of this scene with friction, on a grid."""
 
 

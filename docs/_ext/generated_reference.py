@@ -91,7 +91,7 @@ INNER = (
     "io.scene_files.scene_schema.PlanSettings",
     "problem.problem.Derived",
     "problem.problem.Field",
-    "problem.problem.FrictionSolver",
+    "problem.problem.OuterSolver",
     "problem.problem.Source",
     "scene.solids.bodies.SceneContext",
     "scene.scene.Friction",

@@ -88,14 +88,13 @@ class LayerResponse:
         """Factors of ``exp(-2 k)`` in what the half-space adds, in the order of :meth:`compliances`.
 
         They are of displacement by pressure, by shear along the wave, of their coupling, and by shear across the wave.
-        The first two are over ``(1 - nu^2) / E`` of the top layer, the coupling of the displacements is over 1 / (2 G)
-        and that across the wave over 1 / G.
+        The coupling of the displacements is over 1 / (2 G) of the top layer, the others are over ``(1 - nu^2) / E``.
         """
         before, ratio = self.all_shear_ratios[-2:]
         nu1, nu2 = self.poisson_ratios[-2:]
-        normal = (ratio * (1 - nu2) - before * (1 - nu1)) / (1 - self.poisson_ratios[0])
+        normal, stiff = ratio * (1 - nu2) - before * (1 - nu1), 1 - self.poisson_ratios[0]
         coupling = ratio * (1 - 2 * nu2) - before * (1 - 2 * nu1)
-        return normal, normal, coupling, ratio - before
+        return normal / stiff, normal / stiff, coupling, (ratio - before) / stiff
 
     @property
     def _stiffness_ratio(self) -> float:
@@ -186,10 +185,11 @@ class LayerResponse:
     def compliances(self, k: RealOrComplex) -> RealOrComplex:
         """Return displacements by pressure and by shear along the wave, their coupling, and across (4, k).
 
-        They are over those of a half-space of the top layer, but for the coupling, which is over 1 / (2 G).
+        They are over ``(1 - nu^2) / E`` of the top layer, but for the coupling, which is over 1 / (2 G).
         """
-        plane, stiff = self.plane(k)[0], 2 * (1 - self.poisson_ratios[0])
-        return np.stack([-plane[:, 1, 0] / stiff, -plane[:, 0, 1] / stiff, plane[:, 0, 0], self.antiplane(k)[0]])
+        plane, stiff = self.plane(k)[0], 1 - self.poisson_ratios[0]
+        normal, along = -plane[:, 1, 0] / (2 * stiff), -plane[:, 0, 1] / (2 * stiff)
+        return np.stack([normal, along, plane[:, 0, 0], self.antiplane(k)[0] / stiff])
 
     def remainders(self, k: RealOrComplex, which: slice = slice(None)) -> RealOrComplex:
         """Return `compliances` less those of :attr:`above`, less ``contrasts exp(-2 k)``, of shape (4, ...).

@@ -358,22 +358,12 @@ class DisplacementWaves:
         }
 
     def _responses(self, k: RealOrComplex, which: slice) -> RealOrComplex:
-        """Return responses, less those of a half-space, of `which` of the four in the order of :func:`contrasts`."""
-        units = np.array([1, 1, 1, 1 - self.materials.poisson_ratios[0]])[which]
+        """Return responses, less those of a half-space, of `which` of the four of :meth:`LayerResponse.compliances`."""
         remainders = self.materials.remainders(k, which)
         if self.has_long_waves:
             known = np.array(self.materials.contrasts)[which]
             remainders = remainders + np.multiply.outer(known, np.exp(-2 * k))
-        return np.asarray(remainders / units.reshape(-1, *[1] * k.ndim))
-
-
-def contrasts(materials: LayerResponse) -> tuple[float, float, float, float]:
-    """Return the values of a layered response for long waves, over the compliances of :class:`DisplacementWaves`.
-
-    They are of pressure, of shear along the wave, of their coupling, and of shear across the wave.
-    """
-    normal, along, coupling, across = materials.contrasts
-    return normal, along, coupling, across / (1 - materials.poisson_ratios[0])
+        return remainders
 
 
 # Components of stress by the load on the surface: pressure, shear across, shear along.

@@ -109,11 +109,6 @@ class Strip:
         tops = [np.abs(end) - end**2 / period for end in from_middle]
         return np.asarray(tops[0] - tops[1])
 
-    @property
-    def mean_width(self) -> float:
-        """Width of the strip; 0 with a period, where the mean is omitted."""
-        return self.width if self.period is None else 0.0
-
 
 def _angle(x: Array, y: Array, z: float, r: Array) -> Array:
     """Return the integral of ``-z / r^3``: minus the solid angle of a quadrant."""
@@ -596,7 +591,7 @@ SWAPPED = {"xx": "yy", "yy": "xx", "xy": "xy", "x": "y", "y": "x"}
 for _name, _parity, _point, _corner, _plane in (
     ("x", (-1, 1), lambda x, y, z, r, nu: x / (r * r), _half_log, lambda s, nu: np.pi / 2 * s.sides),
     ("y", (1, -1), lambda x, y, z, r, nu: y / (r * r), _swapped(_half_log), _zero),
-    ("xx", (1, 1), lambda x, y, z, r, nu: x * x / r**3, _moment, lambda s, nu: s.mean_width),
+    ("xx", (1, 1), lambda x, y, z, r, nu: x * x / r**3, _moment, lambda s, nu: 0.0 if s.period else s.width),
     ("xy", (-1, -1), lambda x, y, z, r, nu: x * y / r**3, lambda x, y, z, r, nu: -r, _zero),
 ):
     SURFACE[_name] = CellKernel(f"{_name} on the surface", _parity, _point, _corner, _plane, SWAPPED[_name], SURFACE)

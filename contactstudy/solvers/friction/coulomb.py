@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Protocol
 
 import numpy as np
 
@@ -169,15 +168,10 @@ class FullSliding:
         if coupling is None:
             solution = solve_contact(problem, options, start, device)
             return replace(solution, traction=self.traction(solution.pressure))
-        applications = 0
-
-        def gap_change(pressure: Array) -> Array:
-            nonlocal applications
-            applications += 1
-            return self.coefficient * coupling(pressure)
-
-        lagged = solve_with_mixing(problem, gap_change, options, start, device, MAX_SLIDING_ITERATIONS)
-        solution = lagged.of(problem)
+        lagged = solve_with_mixing(
+            problem, lambda p: self.coefficient * coupling(p), options, start, device, MAX_SLIDING_ITERATIONS
+        )
+        solution, applications = lagged.of(problem), lagged.outer_iterations
         return replace(
             solution,
             convolutions=solution.convolutions + applications,
@@ -191,73 +185,45 @@ class FullSliding:
         return TangentialTraction(shear, np.zeros(pressure.shape, dtype=bool), method, applications)
 
 
-class SlipOperator(Protocol):
-    """Linear map D from traction to elastic slip, both (component, x, y), whose symmetric part is positive definite."""
+class ElasticSlip:
+    """Map D from traction to elastic slip, both (component, x, y), whose symmetric part is positive definite.
 
-    @property
-    def self_compliance(self) -> float:
-        """Slip of a cell under a unit traction along x on it alone, less the mean slip of all cells; above zero."""
-
-    def __call__(self, shear: Array) -> Array:
-        """Return the slip under `shear`."""
-
-    def approximate_inverse(self, slip: Array) -> Array:
-        """Return an approximation to the traction (component, x, y) of a `slip` of some cells, which is zero elsewhere.
-
-        The given array may be overwritten.
-        """
-
-
-class QuasiStaticSlip:
-    """Elastic slip of a contact at rest: the displacement A q itself, from a state without tangential traction.
-
-    `response` is the displacement under traction, A.
-    """
-
-    def __init__(self, response: ShearResponse) -> None:
-        self._response = response
-        direct = _coefficients(response.xx)
-        self.self_compliance = float(direct[0, 0] - direct.mean())
-        self._inverse = _inverses(response)
-
-    def __call__(self, shear: Array) -> Array:
-        """Return the slip under `shear`, both (component, x, y)."""
-        return self._response(shear)
-
-    def approximate_inverse(self, slip: Array) -> Array:
-        """Return `slip` divided by the spectra of A on the unpadded, periodic grid: a circulant preconditioner."""
-        return _filtered(slip, self._inverse)
-
-
-class RollingSlip:
-    """Elastic slip of steady rolling per distance rolled: ``(D q)(x) = [(A q)(x) - (A q)(x + step)] / |step|``.
+    With A, the displacement under traction, it is A itself for a contact at rest that begins without traction, and in
+    steady rolling the slip per distance rolled, ``(D q)(x) = [(A q)(x) - (A q)(x + step)] / |step|``. `self_compliance`
+    is the slip of a cell under a unit traction along x on it alone; at rest, less the mean slip of all cells.
 
     Parameters
     ----------
     response
         Displacement under tangential traction, A.
     step
-        Width of a cell [m], negative where the contact moves to smaller x.
+        Width of a cell [m], negative where the contact rolls to smaller x; 0 at rest.
     """
 
-    def __init__(self, response: ShearResponse, step: float) -> None:
-        self._length = abs(step)
-        self._ahead = 1 if step > 0 else -1
-        rows = response.xx.padded[0]
-        # phase factors of a shift by one cell
-        shift = np.exp(2j * np.pi * self._ahead / rows * np.arange(rows))
-        self._slip = response.scaled((1 - shift)[:, None] / abs(step))
-        self.self_compliance = float(_coefficients(self._slip.xx)[0, 0])
-        self._inverse = _inverses(response)
+    def __init__(self, response: ShearResponse, step: float = 0.0) -> None:
+        self._step, self._slip, self._inverse = step, response, _inverses(response)
+        if step:
+            rows = response.xx.padded[0]
+            # phase factors of a shift by one cell
+            shift = np.exp(2j * np.pi * np.sign(step) / rows * np.arange(rows))
+            self._slip = response.scaled((1 - shift)[:, None] / abs(step))
+        direct = _coefficients(self._slip.xx)
+        self.self_compliance = float(direct[0, 0] - (0 if step else direct.mean()))
 
     def __call__(self, shear: Array) -> Array:
         """Return the slip under `shear`, both (component, x, y)."""
         return self._slip(shear)
 
     def approximate_inverse(self, slip: Array) -> Array:
-        """Return `slip` summed from the leading edge, which undoes the difference, and divided by the spectra of A."""
-        summed = np.cumsum(slip[:, :: -self._ahead], axis=1)[:, :: -self._ahead]
-        return self._length * _filtered(summed, self._inverse)
+        """Return an approximation to the traction (component, x, y) of a `slip` of some cells, which is zero elsewhere.
+
+        It is divided by the spectra of A on the unpadded, periodic grid, a circulant preconditioner; in rolling, after
+        a sum from the leading edge, which undoes the difference.
+        """
+        if self._step:
+            back = -1 if self._step > 0 else 1
+            slip = abs(self._step) * np.cumsum(slip[:, ::back], axis=1)[:, ::back]
+        return _filtered(slip, self._inverse)
 
 
 def _coefficients(part: GeneralConvolution) -> Array:

@@ -20,45 +20,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactstudy.domain.grid import Array
-from contactstudy.solvers.friction.coulomb import FrictionSet, Projection, SlipOperator
+from contactstudy.solvers.friction.coulomb import ElasticSlip, FrictionSet, Projection
 from contactstudy.solvers.solution import Status
 
-
-@dataclass(frozen=True)
-class NewtonConstants:
-    """Constants of Newton's method on Coulomb's projection.
-
-    Attributes
-    ----------
-    forcing
-        Largest fraction of F that the linear equations of a step may leave: 0.1 takes fewer steps and more applications.
-    forcing_by_residual
-        That fraction over the square root of the residual: 3 takes two thirds of the steps of a constant fraction, and
-        0.95 of the applications.
-    max_vectors
-        Vectors of one GMRES: ten times what was seen on any contact.
-    max_halvings
-        Halvings of a step that does not reduce F before the extragradient iteration takes over.
-    least_shear
-        Fraction of the largest traction at the start below which it is not resolved in proportion: where a force returns
-        to zero, what is left may be rounding.
-    sticking
-        Fraction of the largest limit by which the trial traction of a cell that sticks is below its own limit.
-    first_extragradient
-        Extragradient iterations after a step that failed, before the next Newton step; doubled each time. Newton steps
-        fail only far from the solution, where a few of them find most of the cells that stick.
-    """
-
-    forcing: float = 0.3
-    forcing_by_residual: float = 3.0
-    max_vectors: int = 200
-    max_halvings: int = 10
-    least_shear: float = 1e-4
-    sticking: float = 1e-6
-    first_extragradient: int = 4
-
-
-CONSTANTS = NewtonConstants()
+# Largest fraction of F that the linear equations of a step may leave: 0.1 takes fewer steps and more applications.
+FORCING = 0.3
+# That fraction over the square root of the residual: 3 takes two thirds of the steps of a constant fraction, and 0.95 of
+# the applications.
+FORCING_BY_RESIDUAL = 3.0
+# Vectors of one GMRES: ten times what was seen on any contact.
+MAX_VECTORS = 200
+# Halvings of a step that does not reduce F before the extragradient iteration takes over.
+MAX_HALVINGS = 10
+# Fraction of the largest traction at the start below which it is not resolved in proportion: where a force returns to
+# zero, what is left may be rounding.
+LEAST_SHEAR = 1e-4
+# Fraction of the largest limit by which the trial traction of a cell that sticks is below its own limit.
+STICKING = 1e-6
+# Extragradient iterations after a step that failed, before the next Newton step; doubled each time. Newton steps fail
+# only far from the solution, where a few of them find most of the cells that stick.
+FIRST_EXTRAGRADIENT = 4
 
 
 def shear_status(residual: float, applications: int, tolerance: float, max_applications: int) -> Status:
@@ -98,7 +79,7 @@ class CoulombNewton:
         creepage, is given; None where both are.
     """
 
-    def __init__(self, slip: SlipOperator, limit: Array, total: Array | None = None) -> None:
+    def __init__(self, slip: ElasticSlip, limit: Array, total: Array | None = None) -> None:
         self._operator, self._shape, self._cells = slip, limit.shape, np.flatnonzero(limit)
         self._set = FrictionSet(limit.ravel()[self._cells], total)
         self._rho = 1 / slip.self_compliance
@@ -136,7 +117,7 @@ class CoulombNewton:
         """
         radius, stick = self._set.radius, np.zeros(self._shape, dtype=bool)
         trial = np.hypot(*(shear - self._rho * slip))
-        stick.ravel()[self._cells] = trial < radius - CONSTANTS.sticking * radius.max()
+        stick.ravel()[self._cells] = trial < radius - STICKING * radius.max()
         return stick
 
     def solve(
@@ -153,14 +134,14 @@ class CoulombNewton:
         free, max_total = self.gathered(free_slip), max_applications + self.applications
         projected = self.project(shear)
         first = max(float(np.hypot(*each).max()) for each in (shear, projected))
-        self._least = CONSTANTS.least_shear * (first or float(self._set.radius.max()))
+        self._least = LEAST_SHEAR * (first or float(self._set.radius.max()))
         state = self._state(projected, free + self.slip(projected))
-        length, extragradient_iterations = self._rho, CONSTANTS.first_extragradient
+        length, extragradient_iterations = self._rho, FIRST_EXTRAGRADIENT
         while state.relative_residual > tolerance and self.applications < max_total:
             forcing = _forcing(tolerance, state.relative_residual)
             change, slip_change = self._newton_step(state, forcing, max_total)
             # slip is linear in the tangential traction: shorter steps cost nothing
-            for halving in range(CONSTANTS.max_halvings):
+            for halving in range(MAX_HALVINGS):
                 part = 0.5**halving
                 trial = self._state(state.shear + part * change, state.slip + part * slip_change)
                 if trial.relative_residual <= (1 - 0.1 * part) * state.relative_residual:
@@ -196,7 +177,7 @@ class CoulombNewton:
             steps.append((change, slip_change))
             return change - projection(change - self._rho * slip_change)
 
-        max_vectors = min(CONSTANTS.max_vectors, max_total - self.applications)
+        max_vectors = min(MAX_VECTORS, max_total - self.applications)
         weights = gmres(derivative, -state.residual, forcing, max_vectors)
         change, slip_change = np.zeros_like(state.shear), np.zeros_like(state.slip)
         for weight, (shear_step, its_slip) in zip(weights, steps, strict=True):
@@ -232,7 +213,7 @@ def _forcing(tolerance: float, residual: float) -> float:
     It is less where few cells change between stick and slip, as in inexact Newton methods (Eisenstat & Walker 1996); the
     last steps end at the tolerance, not far below it.
     """
-    forcing = min(CONSTANTS.forcing, CONSTANTS.forcing_by_residual * sqrt(residual))
+    forcing = min(FORCING, FORCING_BY_RESIDUAL * sqrt(residual))
     last = 0.5 * tolerance / residual
     return last if last > 0.2 * forcing else forcing
 

@@ -21,7 +21,7 @@ from contactstudy.domain.grid import Array, Grid
 from contactstudy.domain.validation import InvalidInput, readable
 from contactstudy.elasticity.tangential import ShearResponse
 from contactstudy.problem.problem import Problem
-from contactstudy.solvers.friction.coulomb import BulkStress, QuasiStaticSlip
+from contactstudy.solvers.friction.coulomb import BulkStress, ElasticSlip
 from contactstudy.solvers.friction.coulomb_newton import CoulombNewton, shear_status
 from contactstudy.solvers.friction.traction import FrettingTraction
 from contactstudy.solvers.solution import Solution, Status, TangentialTraction, with_traction, worst
@@ -115,7 +115,7 @@ def slip_step(
     if not limit.any():
         zeros, displacement = np.zeros_like(reference), np.zeros(2) if rigid is None else rigid
         return SlipStep(zeros, zeros, displacement, np.zeros(limit.shape, dtype=bool), 0.0, 0)
-    newton = CoulombNewton(QuasiStaticSlip(response), limit, total)
+    newton = CoulombNewton(ElasticSlip(response), limit, total)
     free_slip = -response(reference)
     if rigid is not None:
         free_slip -= rigid[:, None, None]

@@ -25,7 +25,7 @@ from contactstudy.domain.grid import Array, Grid, on_cells
 from contactstudy.elasticity.convolution import GeneralConvolution
 from contactstudy.elasticity.tangential import ShearResponse
 from contactstudy.problem.problem import Problem
-from contactstudy.solvers.friction.coulomb import RollingSlip
+from contactstudy.solvers.friction.coulomb import ElasticSlip
 from contactstudy.solvers.friction.coulomb_newton import CoulombNewton, shear_status
 from contactstudy.solvers.friction.fretting import transmission_status
 from contactstudy.solvers.friction.traction import UNKNOWN, Creepage, RollingErrors, RollingTraction
@@ -179,7 +179,7 @@ class TractiveShear:
             limit = on_cells(self.coefficient * pressure, level.cells)
             limit = np.where(limit < 1e-12 * limit.max(), 0, limit)
             step = float(np.copysign(level.cell_size[0], self.speed))
-            slip = RollingSlip(self.shear_response(level), step)
+            slip = ElasticSlip(self.shear_response(level), step)
             displacement = on_grid(by_pressure, level)
             free_slip = (displacement - ahead(displacement, step)) / abs(step) - creepage.on(level)
             total = None

@@ -240,10 +240,10 @@ def error_estimate(
     change = 0.0
     if solution.adhesion is not None:
         # imported only where it is named
-        from contactstudy.solvers.adhesion import CONSTANTS as OUTER
+        from contactstudy.solvers.adhesion import CHANGE_IN_TOLERANCES
 
         # the change of the attraction that counts as much as this residual
-        change = OUTER.change_in_tolerances * solution.residual
+        change = CHANGE_IN_TOLERANCES * solution.residual
     residual = residual_errors(solution, change)
     # the heights on several grids have the same waves
     with caching(cache_of(problem.undeformed_gap.nbytes)):
@@ -305,8 +305,10 @@ def _attraction_error(solution: Solution, coarse: Solution | None) -> ErrorParts
 
     It is that of a smooth function at the centres of cells, by its change from cells of twice the size.
     """
-    from contactstudy.solvers.adhesion import CONSTANTS as OUTER  # imported only where it is named
-    from contactstudy.solvers.adhesion import is_cut_off
+    from contactstudy.solvers.adhesion import (
+        CHANGE_IN_TOLERANCES,  # imported only where it is named
+        is_cut_off,
+    )
 
     assert solution.adhesion is not None
     if solution.problem.control.approach is None or solution.status.is_failure:
@@ -317,7 +319,7 @@ def _attraction_error(solution: Solution, coarse: Solution | None) -> ErrorParts
         changed = abs(coarse.load_per_length / load - 1)
     if changed > RESOLVED_CHANGE:
         return ErrorParts(discretisation=inf, reason=NO_ATTRACTION)
-    left = max(OUTER.change_in_tolerances * solution.residual, LEAST_CHANGE)
+    left = max(CHANGE_IN_TOLERANCES * solution.residual, LEAST_CHANGE)
     by_range = load_range_error(solution)
     return ErrorParts(discretisation=MARGIN * changed, residual=left, range=by_range)
 

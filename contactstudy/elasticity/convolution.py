@@ -6,9 +6,8 @@ not asked for, are left out: the pair is pruned.
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from functools import partial
 from math import ceil
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import DTypeLike
@@ -303,22 +302,21 @@ def superposed(response: Mapping[Coefficients, float], grid: Grid, padding: Padd
         Map from pressure (x, y) [Pa] to displacement (x, y) [m].
     """
     paddings = across_and_along(padding)
-    padded = padded_cells(grid, paddings)
-    spectra = []
-    for coefficients, weight in response.items():
-        key = coefficients, grid, paddings
-        transform = cached_array(key, partial(_spectrum, *key))
-        # an array that the cache does not keep is writeable, and is changed in place
-        target = transform if transform.flags.writeable else None
-        spectra.append(np.multiply(transform, weight, out=target))
+    spectrum = sum(weight * spectrum_of(kind, grid, paddings) for kind, weight in response.items())
     across, along = (axis.window == range(1) and not axis.wraps for axis in paddings)
-    ends = across, along
-    return Convolution(sum(spectra[1:], start=spectra[0]), grid.cells, padded, ends=ends)
+    return Convolution(spectrum.real, grid.cells, padded_cells(grid, paddings), ends=(across, along))
 
 
-def _spectrum(coefficients: Coefficients, grid: Grid, paddings: Paddings) -> Array:
-    """Return the transform of influence coefficients that are even along both axes: it is real and even."""
-    return even_spectrum(influence_coefficients(grid, paddings, coefficients), padded_cells(grid, paddings))
+def spectrum_of(kind: Coefficients, grid: Grid, paddings: Paddings) -> Any:
+    """Return the transform of influence coefficients, which is real where they are even along both axes; it is kept."""
+
+    def transform() -> Any:
+        padded, quadrant = padded_cells(grid, paddings), influence_coefficients(grid, paddings, kind)
+        if kind.parity == (1, 1):
+            return even_spectrum(quadrant, padded)
+        return TRANSFORMS.forward(mirrored_by_parity(quadrant, padded, kind.parity), padded)
+
+    return cached_array((kind, grid, paddings), transform)
 
 
 def even_spectrum(half: Array, padded: tuple[int, int]) -> Array:
@@ -334,20 +332,14 @@ def general_convolutions(
     Those that are odd along one axis are antisymmetric, so that no solver takes them: their displacement is taken from
     the iterate before. The weights and paddings are those of :func:`superposed`.
     """
-    responses, paddings = list(responses), across_and_along(padding)
+    paddings = across_and_along(padding)
     padded = padded_cells(grid, paddings)
-
-    def spectrum(kind: Coefficients) -> ComplexField:
-        return TRANSFORMS.forward(on_padded_grid([(kind, 1.0)], grid, paddings), padded)
-
-    spectra: dict[Coefficients, ComplexField] = {
-        kind: cached_array(("general", kind, grid, paddings), partial(spectrum, kind))
-        for kind in dict.fromkeys(kind for response in responses for kind in response)
-    }
     nothing: ComplexField = np.zeros((padded[0], padded[1] // 2 + 1), np.complex128)
     return [
         GeneralConvolution(
-            sum((weight * spectra[kind] for kind, weight in response.items()), start=nothing), grid.cells, padded
+            sum((weight * spectrum_of(kind, grid, paddings) for kind, weight in response.items()), start=nothing),
+            grid.cells,
+            padded,
         )
         for response in responses
     ]

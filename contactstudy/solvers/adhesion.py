@@ -35,42 +35,24 @@ from contactstudy.solvers.cohesive_law import CohesiveLaw
 from contactstudy.solvers.solution import AdhesiveTraction, Branch, CoupledSolution, Solution, Status, unloaded
 from contactstudy.solvers.solve import AndersonMixing, SolveOptions, solve_contact
 
-
-@dataclass(frozen=True)
-class AdhesionConstants:
-    """Constants of the outer iteration, judged by the convolutions of six contacts, smooth and rough, and of pull-offs.
-
-    Attributes
-    ----------
-    change_in_tolerances
-        Relative change of the attraction in the last outer iteration, in tolerances of the contact. A tenth of it takes
-        up to 14 % more convolutions.
-    max_change
-        Largest relative change of the attraction in the last outer iteration at any tolerance. A change of 1 would leave
-        an attraction of zero.
-    max_inner_error
-        Largest error of the gap in an inner contact over the range of the attraction. Below it the error is a tenth of
-        the last change of the attraction. Solving each contact to its tolerance takes 1.3 to 1.6 times the convolutions.
-    plain_iterations
-        Plain updates of the attraction before the first mixed iterate, and after the one that replaces the first
-        rejected one; twice as many after each further one. From 0 to 4 convolutions change by 0.6 to 1.3 times, with no
-        best value.
-    negligible
-        Fraction of the tolerance by which an attraction may change load and heights without another solve, so that a
-        negligible adhesion costs one solve.
-    edge
-        Traction at an open edge over the largest, above which the attraction that is cut off there matters.
-    """
-
-    change_in_tolerances: float = 1e3
-    max_change: float = 0.1
-    max_inner_error: float = 1e-3
-    plain_iterations: int = 2
-    negligible: float = 1e-3
-    edge: float = 1e-3
-
-
-CONSTANTS = AdhesionConstants()
+# Constants of the outer iteration, judged by the convolutions of six contacts, smooth and rough, and of pull-offs.
+# Relative change of the attraction in the last outer iteration, in tolerances of the contact. A tenth of it takes up to
+# 14 % more convolutions.
+CHANGE_IN_TOLERANCES = 1e3
+# Largest relative change of the attraction in the last outer iteration at any tolerance. A change of 1 would leave an
+# attraction of zero.
+MAX_CHANGE = 0.1
+# Largest error of the gap in an inner contact over the range of the attraction. Below it the error is a tenth of the
+# last change of the attraction. Solving each contact to its tolerance takes 1.3 to 1.6 times the convolutions.
+MAX_INNER_ERROR = 1e-3
+# Plain updates of the attraction before the first mixed iterate, and after the one that replaces the first rejected one;
+# twice as many after each further one. From 0 to 4 convolutions change by 0.6 to 1.3 times, with no best value.
+PLAIN_ITERATIONS = 2
+# Fraction of the tolerance by which an attraction may change load and heights without another solve, so that a
+# negligible adhesion costs one solve.
+NEGLIGIBLE = 1e-3
+# Traction at an open edge over the largest, above which the attraction that is cut off there matters.
+EDGE = 1e-3
 
 
 def is_cut_off(problem: Problem, attraction: Array) -> bool:
@@ -78,7 +60,7 @@ def is_cut_off(problem: Problem, attraction: Array) -> bool:
     lines = [attraction[ix] for ix in problem.open_edges]
     lines += [attraction[:, iy] for iy in problem.open_ends]
     at_edge = max((float(line.max()) for line in lines), default=0.0)
-    return at_edge > CONSTANTS.edge * float(attraction.max())
+    return at_edge > EDGE * float(attraction.max())
 
 
 # Solves a problem without adhesion coupled to a state of the bodies: from the frozen attraction (x, y) [Pa] that its
@@ -189,10 +171,10 @@ class OuterIteration:
 
         The first contact begins with the pressure `start` (x, y) [Pa].
         """
-        tolerance = min(CONSTANTS.change_in_tolerances * self.options.tolerance, CONSTANTS.max_change)
-        loosest = 0.0 if self.solver.depth == 0 or self._is_weak() else CONSTANTS.max_inner_error
+        tolerance = min(CHANGE_IN_TOLERANCES * self.options.tolerance, MAX_CHANGE)
+        loosest = 0.0 if self.solver.depth == 0 or self._is_weak() else MAX_INNER_ERROR
         gap_error, mixing = loosest, AndersonMixing(self.solver.depth)
-        plain_left = plain_after_rejection = CONSTANTS.plain_iterations
+        plain_left = plain_after_rejection = PLAIN_ITERATIONS
         is_mixed, pressure, last = False, start, None
         while True:
             if last is not None and self._iterations_left() == 0:
@@ -253,7 +235,7 @@ class OuterIteration:
 
     def _is_negligible(self, attraction: Array, displacement: Array, last: _State) -> bool:
         """Return whether the step from the `last` state to an `attraction` is far below the tolerance of the contact."""
-        problem, allowed = self.problem, CONSTANTS.negligible * self.options.tolerance
+        problem, allowed = self.problem, NEGLIGIBLE * self.options.tolerance
         change = float(np.abs(displacement - last.attraction_displacement).max())
         added = float(np.abs(attraction - last.attraction).sum())
         is_exact = last.contact.residual <= self.options.tolerance
@@ -297,7 +279,7 @@ class OuterIteration:
         """Return the solution of the last `state`, and the coupled state of the bodies."""
         contact = state.contact
         gap = self.problem.undeformed_gap + state.added_gap
-        residual = max(contact.residual, state.change / CONSTANTS.change_in_tolerances)
+        residual = max(contact.residual, state.change / CHANGE_IN_TOLERANCES)
         status = contact.status
         if status.has_converged and residual > self.options.tolerance:
             status = Status.ITERATION_LIMIT

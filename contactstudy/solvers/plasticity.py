@@ -258,34 +258,15 @@ class ContactTangent:
 Tangent = Callable[[Array], Array]
 
 
-@dataclass(frozen=True)
-class PlasticConstants:
-    """Constants of the Newton method of a load step.
-
-    Attributes
-    ----------
-    max_iterations
-        Newton iterations of a step; up to 15 were seen for a load of 5 times that of first yield in one step.
-    stall_iterations
-        Iterations without a halving of the residual after which a step ends: the tolerance of the contact limits it.
-    min_fraction
-        Smallest fraction of a Newton step that is tried before a step of plain return mapping is taken.
-    max_forcing, min_forcing
-        Range of the relative residual of a linear system; it is the square root of the residual in between (Eisenstat &
-        Walker 1996), so that the convergence stays superlinear.
-    maxiter
-        Largest number of operator applications in a linear system.
-    """
-
-    max_iterations: int = 40
-    stall_iterations: int = 12
-    min_fraction: float = 1e-3
-    max_forcing: float = 0.1
-    min_forcing: float = 1e-6
-    maxiter: int = 400
-
-
-CONSTANTS = PlasticConstants()
+# Newton iterations of a step; up to 15 were seen for a load of 5 times that of first yield in one step.
+MAX_ITERATIONS = 40
+# Iterations without a halving of the residual after which a step ends: the tolerance of the contact limits it.
+STALL_ITERATIONS = 12
+# Smallest fraction of a Newton step that is tried before a step of plain return mapping is taken.
+MIN_FRACTION = 1e-3
+# Range of the relative residual of a linear system; it is the square root of the residual in between (Eisenstat & Walker
+# 1996), so that the convergence stays superlinear. Largest number of operator applications in it.
+MAX_FORCING, MIN_FORCING, MAX_APPLICATIONS = 0.1, 1e-6, 400
 
 
 @dataclass(frozen=True, eq=False)
@@ -369,12 +350,8 @@ def solve_elastoplastic_step(
         return _mapped_state(bodies, solution, strain, strain_n, equivalent_n, outer_stress)
 
     state = state_of(strain_n if guess is None else guess)
-    stall, iterations = Stall(CONSTANTS.stall_iterations), 0
-    while (
-        tolerance < state.residual_norm
-        and iterations < CONSTANTS.max_iterations
-        and not stall.stalled(state.residual_norm)
-    ):
+    stall, iterations = Stall(STALL_ITERATIONS), 0
+    while tolerance < state.residual_norm and iterations < MAX_ITERATIONS and not stall.stalled(state.residual_norm):
         iterations += 1
         step = _newton_step(bodies, tangent(state.solution), state)
         state = _line_search(state_of, state, step)
@@ -433,7 +410,7 @@ def _contact_energy(solution: Solution, cell_area: float) -> float:
 def _line_search(state_of: Callable[[Array], _State], state: _State, step: Array) -> _State:
     """Return the first state on a halved `step` that lowers the energy or halves the residual, else the mapped one."""
     fraction = 1.0
-    while fraction >= CONSTANTS.min_fraction:
+    while fraction >= MIN_FRACTION:
         trial = state_of(state.strain + fraction * step)
         if trial.energy < state.energy or trial.residual_norm < state.residual_norm / 2:
             return trial
@@ -468,8 +445,8 @@ def _newton_step(bodies: YieldingBodies, tangent: Tangent | None, state: _State)
         stress[:, flows] += np.einsum("kij,jk->ik", moduli, strain[:, flows])
         return stress
 
-    forcing = max(min(CONSTANTS.max_forcing, state.residual_norm**0.5), CONSTANTS.min_forcing)
-    return step + conjugate_gradients(product, precondition, bodies.inner, rhs, forcing, CONSTANTS.maxiter)
+    forcing = max(min(MAX_FORCING, state.residual_norm**0.5), MIN_FORCING)
+    return step + conjugate_gradients(product, precondition, bodies.inner, rhs, forcing, MAX_APPLICATIONS)
 
 
 def _negative_stress_change(bodies: YieldingBodies, tangent: Tangent | None, strain: Array) -> Array:

@@ -7,7 +7,6 @@ middles of the cells.
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from enum import Enum
 from functools import cache, cached_property
 from itertools import pairwise, product
 from math import pi
@@ -28,7 +27,6 @@ from contactstudy.elasticity.eigenstrain.half_space_wave import (
     self_stress,
     stress_of_other_layer,
     stress_under_pressure,
-    stress_under_shear,
 )
 
 # The order of a short wave along an axis is the whole number of periods in a cell that it has more than its alias. Waves
@@ -46,20 +44,9 @@ REMOTE_DEPTHS = 1e3
 NEAR = 0.6
 
 
-class SurfaceLoad(Enum):
-    """Kind of sinusoidal load on the surface."""
-
-    #: Pressure.
-    PRESSURE = "pressure"
-    #: Tangential traction along x, the stress of whose waves is divided by i.
-    SHEAR = "shear"
-
-    def stress(self, direction: WaveDirection, top: float, layer: CellLayer, nu: float) -> Tensor:
-        """Return the means of the stress over a `layer` by a unit load; its upper side is at the depth `top` [m]."""
-        depth = direction.q * top
-        if self is SurfaceLoad.PRESSURE:
-            return stress_under_pressure(depth, layer, nu)
-        return stress_under_shear(depth, layer, nu, (direction.c, direction.s))
+# Means of the stress over a layer under a wave of unit traction on the surface, from q times the depth of its upper
+# side, the layer, Poisson's ratio and the direction of the wave (c, s).
+TractionWave = Callable[[Array, CellLayer, float, tuple[Array, Array]], Tensor]
 
 
 @dataclass(frozen=True, eq=False)
@@ -244,21 +231,19 @@ class Waves:
             coupling.add(total, e)
         return _complex(total, components, strain.shape[2:])
 
-    def stress_of_traction(self, waves: Complex, traction: SurfaceLoad) -> Complex:
+    def stress_of_traction(self, waves: Complex, traction: TractionWave) -> Complex:
         """Return the deviatoric stress of cells (5, layers, period, orders) by `waves` (period, orders) of a traction.
 
         Stress is in the unit of the traction.
         """
         unit, shape = self._by_unit(traction), waves.shape
-        if traction is SurfaceLoad.SHEAR:
-            waves = 1j * waves
         parts = np.stack((waves.real.ravel(), waves.imag.ravel()))
         return _complex(unit[:, :, None] * parts, Components.DEVIATOR, shape)
 
     def residual_displacement(self, strain: Complex) -> Complex:
         """Return the surface displacement (period, orders) [m] by `strain` (5, layers, period, orders)."""
         e = _real(strain)
-        parts, unit = np.zeros((2, e.shape[3])), self._by_unit(SurfaceLoad.PRESSURE)
+        parts, unit = np.zeros((2, e.shape[3])), self._by_unit(stress_under_pressure)
         for number, thickness in enumerate(self.volume.thicknesses):
             parts += thickness * np.einsum("iw,irw->rw", unit[:, number], e[:, number])
         return np.asarray((parts[0] + 1j * parts[1]).reshape(strain.shape[2:]))
@@ -308,11 +293,11 @@ class Waves:
         return cache(lambda components: tuple(self._short.couplings(components)))
 
     @cached_property
-    def _by_unit(self) -> Callable[[SurfaceLoad], Array]:
+    def _by_unit(self) -> Callable[[TractionWave], Array]:
         """:meth:`_stress_of_unit`, computed once for each traction."""
         return cache(self._stress_of_unit)
 
-    def _stress_of_unit(self, traction: SurfaceLoad) -> Array:
+    def _stress_of_unit(self, traction: TractionWave) -> Array:
         """Return the deviatoric stress (5, layers, waves) by a unit of a traction."""
         volume = self.volume
         total = np.zeros((5, volume.shape[0], len(self._direction.q)))
@@ -320,7 +305,8 @@ class Waves:
             is_near = top < DEEP * max(volume.grid.cell_size)
             for direction in (*(self._short.directions() if is_near else ()), self._direction):
                 layer = CellLayer.from_ratio(direction.q * thickness)
-                tensor = traction.stress(direction, top, layer, self.moduli.poisson_ratio)
+                depth, across = direction.q * top, (direction.c, direction.s)
+                tensor = traction(depth, layer, self.moduli.poisson_ratio, across)
                 total[:, number] += direction.weight * direction.stress(tensor, Components.DEVIATOR)
         return total
 

@@ -292,7 +292,7 @@ def _means_below(top: Array, layer: CellLayer) -> tuple[Array, Array]:
     return m0, decay * layer.means[1] + top * m0
 
 
-def stress_under_pressure(top: Array, layer: CellLayer, nu: float) -> Tensor:
+def stress_under_pressure(top: Array, layer: CellLayer, nu: float, _direction: tuple[Array, Array]) -> Tensor:
     """Return the means of the stress over a `layer` under a wave of unit pressure (waves,).
 
     `top` is q times the depth of its upper side. Source: Johnson (1985), sect. 2.2, the stress under a line load,

@@ -6,7 +6,7 @@ surface, ``N = (ln r + ln R) / (2 pi)``, where r is the distance from the source
 the surface.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import ceil, log, pi
@@ -17,8 +17,14 @@ from scipy import fft
 
 from contactstudy.domain.device import threads
 from contactstudy.domain.grid import Array
-from contactstudy.elasticity.eigenstrain.fourier_modes import Complex, SurfaceLoad, Waves
-from contactstudy.elasticity.eigenstrain.half_space_wave import Components, Moduli, Volume
+from contactstudy.elasticity.eigenstrain.fourier_modes import Complex, TractionWave, Waves
+from contactstudy.elasticity.eigenstrain.half_space_wave import (
+    Components,
+    Moduli,
+    Volume,
+    stress_under_pressure,
+    stress_under_shear,
+)
 from contactstudy.elasticity.eigenstrain.plane_strain_operator import (
     PLANE_STRAIN_BASIS,
     PlaneStrainOperator,
@@ -152,11 +158,11 @@ class PeriodicOperator:
 
     def stress_of_pressure(self, pressure: Array) -> Array:
         """Return the deviatoric stress (5, layers, x, y) [Pa] under `pressure` (x, y) [Pa]."""
-        return self._from_traction(pressure, SurfaceLoad.PRESSURE)
+        return self._from_traction(pressure, stress_under_pressure, self._plane.stress_of_pressure)
 
     def stress_of_shear(self, shear: Array) -> Array:
         """Return the deviatoric stress (5, layers, x, y) [Pa] under `shear` along x (x, y) [Pa]."""
-        return self._from_traction(shear, SurfaceLoad.SHEAR)
+        return self._from_traction(shear, stress_under_shear, self._plane.stress_of_shear, 1j)
 
     def residual_displacement(self, strain: Array) -> Array:
         """Return the displacement (x, y) [m] of the unloaded surface into the body by plastic `strain`."""
@@ -198,19 +204,22 @@ class PeriodicOperator:
             self._write(stress, group, along)
         return self._transformed_back(along)
 
-    def _from_traction(self, values: Array, traction: SurfaceLoad) -> Array:
-        """Return the deviatoric stress (5, layers, x, y) [Pa] under the `values` (x, y) [Pa] of a traction."""
+    def _from_traction(
+        self, values: Array, traction: TractionWave, of_mean: Callable[[Array], Array], factor: complex = 1.0
+    ) -> Array:
+        """Return the deviatoric stress (5, layers, x, y) [Pa] under the `values` (x, y) [Pa] of a traction.
+
+        The stress of its waves is multiplied by `factor`, and `of_mean` is the map from its mean along the length.
+        """
         layers, across, ny = self.volume.shape
         waves = fft.rfft(values, axis=-1)
         along = np.zeros((5, layers, across, ny // 2 + 1), dtype=np.complex128)
-        mean, is_shear = ny * values.mean(axis=-1, keepdims=True), traction is SurfaceLoad.SHEAR
-        of_mean = self._plane.stress_of_shear if is_shear else self._plane.stress_of_pressure
-        along[:3, ..., :1] = of_mean(mean)
+        along[:3, ..., :1] = of_mean(ny * values.mean(axis=-1, keepdims=True))
         for group in self._groups:
             around = np.zeros((group.period, waves[:, group.orders].shape[1]), dtype=np.complex128)
             around[group.around_window] = waves[group.window, group.orders]
             around = fft.fft(around, axis=0, overwrite_x=True, workers=threads())
-            self._write(group.waves.stress_of_traction(around, traction), group, along)
+            self._write(group.waves.stress_of_traction(factor * around, traction), group, along)
         return self._transformed_back(along)
 
     def _write(self, waves: Complex, group: "WaveGroup", along: Complex) -> None:

@@ -183,8 +183,7 @@ def test_a_body_keeps_the_dent_of_a_load_that_turns_between_the_instants() -> No
 
 
 def test_what_does_not_settle_says_how_far_it_came(monkeypatch: pytest.MonkeyPatch) -> None:
-    constants = plasticity.PlasticConstants(max_iterations=2)
-    monkeypatch.setattr(plasticity, "CONSTANTS", constants)
+    monkeypatch.setattr(plasticity, "MAX_ITERATIONS", 2)
     found = evolved(pressed(3), grid_of(3, 0.2), (0, 1))
     assert found.status is cs.Status.NOT_CONVERGED
     assert 1e-8 < found.frames[-1].residual < 1

@@ -97,9 +97,7 @@ class GpuLoops:
 
     def __getattr__(self, name: str) -> Any:
         """Return the function of a kernel."""
-        loop = partial(launch, name)
-        setattr(self, name, loop)
-        return loop
+        return partial(launch, name)
 
 
 LOOPS = GpuLoops()

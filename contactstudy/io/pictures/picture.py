@@ -337,15 +337,10 @@ def _residual(ax: Axes, evolved: xr.Dataset, name: str) -> None:
     length, length_unit = display_unit_of(evolved["x"], "m")
     factor, pressure_unit = display_unit_of(abs(stress), "Pa")
     for component, direction, color in (("xx", "across", BLUE), ("yy", "along", GREEN), ("zz", "in depth", RED)):
-        values = stress.sel(component=component) / factor
-        ax.plot(values, evolved[depth] / length, color=color, label=direction)
+        ax.plot(stress.sel(component=component) / factor, evolved[depth] / length, color=color, label=direction)
     of = str(evolved[STRAIN + name.removeprefix(STRESS)].attrs["long_name"]).partition(" of ")[2]
-    name_axes(
-        ax,
-        f"residual stress below the middle, tension positive [{pressure_unit}]",
-        f"depth [{length_unit}]",
-        f"residual stress{of and f' of {of}'} at the end",
-    )
+    across = f"residual stress below the middle, tension positive [{pressure_unit}]"
+    name_axes(ax, across, f"depth [{length_unit}]", f"residual stress{of and f' of {of}'} at the end")
     ax.invert_yaxis()
     ax.legend(**BESIDE)
 
@@ -389,11 +384,9 @@ def _errors(ax: Axes, evolved: xr.Dataset) -> None:
     """Draw the time-discretisation and the discretisation error, where they are known and not zero."""
     for name, color in (("time_discretisation_error", RED), ("grid_error", BLUE)):
         values = evolved[name].values
-        shown = np.isfinite(values) & (values > 0)
-        if shown.any():
+        if (shown := np.isfinite(values) & (values > 0)).any():
             label = evolved[name].attrs["long_name"]
-            time = evolved["time"].values[shown]
-            ax.semilogy(time, values[shown], ".-", color=color, label=label)
+            ax.semilogy(evolved["time"].values[shown], values[shown], ".-", color=color, label=label)
     ax.set(xlabel="time [s]", ylabel="relative error")
     if ax.get_legend_handles_labels()[0]:
         ax.set_ylim(bottom=max(ax.get_ylim()[0], ax.get_ylim()[1] * 10.0**-DECADES))

@@ -33,8 +33,7 @@ def scene_text(
     InvalidInput
         For a shape or a body that no file can hold.
     """
-    table = _fields(scene, "Scene", scene_path)
-    return _toml(table | _tables(grid, padding, settings or {}))
+    return _toml(_fields(scene, "Scene", scene_path) | _tables(grid, padding, settings or {}))
 
 
 def settings_text(grid: Grid, padding: Padding | Paddings, options: SolveOptions) -> str:
@@ -97,8 +96,5 @@ def _measured_surface_table(surface: MeasuredSurface, name: str, scene_path: Pat
         size = "" if surface.extent is None else "-{!r}x{!r}m".format(*surface.extent)
         table["file"] = f"{scene_path.stem}-surface-{surface.digest}{size}.nc"
         surface.write(scene_path.parent / table["file"])
-    for field in ("missing", "trend", "filter", "seam", "seam_across"):
-        if getattr(surface, field) is None:
-            continue
-        table[field] = _toml_value(getattr(surface, field), f"{name}.{field}")
-    return table
+    rules = {rule: getattr(surface, rule) for rule in ("missing", "trend", "filter", "seam", "seam_across")}
+    return table | {rule: _toml_value(of, f"{name}.{rule}") for rule, of in rules.items() if of is not None}

@@ -246,31 +246,24 @@ def with_cycles(raw: Mapping[str, Any]) -> dict[str, Any]:
         counted = COUNTED.fullmatch(value) if isinstance(value, str) else None
         if counted is None:
             return value
-        turn = _cycle(raw) if counted[2] == "cycle" else _revolution(raw)
-        if not turn:
-            needed = "load.frequency, or friction.period"
-            if counted[2] != "cycle":
-                needed = "wear.circumference, and a speed of rolling, friction or wear above 0 m/s"
+        if not (duration := _duration(raw, counted[2])):
+            of_revolution = "wear.circumference, and a speed of rolling, friction or wear above 0 m/s"
+            needed = "load.frequency, or friction.period" if counted[2] == "cycle" else of_revolution
             raise InvalidInput(f"time_steps.{name} is {value!r}: give {needed}, or the time in s.")
-        return float(counted[1]) * turn
+        return float(counted[1]) * duration
 
     return dict(raw) | {"time_steps": {name: seconds(name, value) for name, value in steps.items()}}
 
 
-def _entry(raw: Mapping[str, Any], table: str, key: str, hint: Any) -> float:
-    """Return an entry of a table in SI, 0 where there is none."""
-    value = raw[table].get(key) if isinstance(raw.get(table), Mapping) else None
-    return 0.0 if value is None else float(valid(f"{table}.{key}", value, hint))
+def _duration(raw: Mapping[str, Any], counted: str) -> float:
+    """Return the duration of a cycle, or of a revolution of the wearing body [s]; 0 if it is not known."""
 
+    def entry(table: str, key: str, hint: Any) -> float:
+        value = raw[table].get(key) if isinstance(raw.get(table), Mapping) else None
+        return 0.0 if value is None else float(valid(f"{table}.{key}", value, hint))
 
-def _cycle(raw: Mapping[str, Any]) -> float:
-    """Return the duration of a cycle [s]; 0 if it is not known."""
-    frequency = _entry(raw, "load", "frequency", validation.PerSecond)
-    return 1 / frequency if frequency else _entry(raw, "friction", "period", validation.Seconds)
-
-
-def _revolution(raw: Mapping[str, Any]) -> float:
-    """Return the duration of a revolution of the wearing body [s]; 0 if it is not known."""
-    speeds = (_entry(raw, table, "speed", SPEED) for table in ("rolling", "friction", "wear"))
-    speed = next(filter(None, speeds), 0.0)
-    return _entry(raw, "wear", "circumference", validation.Metres) / abs(speed) if speed else 0.0
+    if counted == "cycle":
+        frequency = entry("load", "frequency", validation.PerSecond)
+        return 1 / frequency if frequency else entry("friction", "period", validation.Seconds)
+    speed = next(filter(None, (entry(table, "speed", SPEED) for table in ("rolling", "friction", "wear"))), 0.0)
+    return entry("wear", "circumference", validation.Metres) / abs(speed) if speed else 0.0

@@ -59,12 +59,10 @@ def sums(work: Callable[..., tuple[float, ...]], *fields: Array) -> tuple[float,
 
 
 def equal(first: Array, second: Array) -> bool:
-    """Return whether two fields (x, y) are the same; blocks after the first one that differs are not read."""
+    """Return whether two fields (x, y) are the same."""
     if (loops := device_loops()) is not None:
         return bool(loops.differences(first, second, results=1)[0] == 0)
-    in_one_block = not isinstance(device(), Cpu)
-    blocks = [slice(None)] if in_one_block else _blocks(*first.shape)
-    return all(bool(arrays().all(first[block, :] == second[block, :])) for block in blocks)
+    return all(in_blocks(lambda one, other: bool(arrays().all(one == other)), first, second))
 
 
 def in_threads(work: Callable[[slice], object], shape: tuple[int, ...]) -> None:
@@ -147,9 +145,7 @@ class ThreadedLoops:
     def __getattr__(self, name: str) -> Callable[..., Any]:
         """Return a loop as a function of fields (x, y)."""
         run: Callable[..., Any] = _over_blocks if name in self._module.OVER_BLOCKS else _over_rows
-        loop: Callable[..., Any] = partial(run, getattr(self._module, name))
-        setattr(self, name, loop)
-        return loop
+        return partial(run, getattr(self._module, name))
 
 
 def _over_rows(loop: Callable[..., object], *arguments: Any, results: int = 0) -> Array:

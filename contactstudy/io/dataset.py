@@ -122,9 +122,8 @@ def contact_dataset(
     """
     description = solution.problem.description
     dataset = contact_fields(solution)
-    dataset.attrs = title_attributes("line contact") | {
-        "history": f"{datetime.now(UTC).isoformat(timespec='seconds')} {shlex.join(sys.argv)}"
-    }
+    history = f"{datetime.now(UTC).isoformat(timespec='seconds')} {shlex.join(sys.argv)}"
+    dataset.attrs = title_attributes("line contact") | {"history": history}
     if isinstance(description, PosedScene):
         scene = description.scene
         # Hertz's values are those of the load, which neither an approach nor an attraction gives
@@ -330,9 +329,8 @@ def over_time(times: Array, instants: Sequence[xr.Dataset]) -> xr.Dataset:
 
     def completed(instant: xr.Dataset) -> xr.Dataset:
         lacking = np.nan if instant["pressure"].any() else 0.0
-        return instant.assign(
-            {name: xr.full_like(of, lacking) for name, of in everywhere.items() if name not in instant}
-        )
+        missing = {name: variable for name, variable in everywhere.items() if name not in instant}
+        return instant.assign({name: xr.full_like(variable, lacking) for name, variable in missing.items()})
 
     dataset = xr.concat(
         map(completed, instants), xr.Variable("time", times, TIME), data_vars="all", coords="minimal",
@@ -342,18 +340,17 @@ def over_time(times: Array, instants: Sequence[xr.Dataset]) -> xr.Dataset:
     return dataset
 
 
+FORWARD = "forward displacement of the surface, opposite to the travel of the contact, by the pass"
 # What each pass leaves behind, by attribute: dimensions beside that of the passes, unit and label.
 OF_PASSES: Mapping[str, tuple[tuple[str, ...], str, str]] = {
     "plastic_strain": (("component", "z"), "1", "plastic strain"),
     "equivalent_plastic_strain": (("z",), "1", "equivalent plastic strain"),
     "residual_stress": (("component", "z"), "Pa", "stress far behind the contact, tension positive"),
     "shear_strain_increment": (("z",), "1", "engineering plastic shear strain added by the pass"),
-    "forward_displacement": (
-        (), "m", "forward displacement of the surface, opposite to the travel of the contact, by the pass",
-    ),
+    "forward_displacement": ((), "m", FORWARD),
     "plastic_strain_increment": ((), "1", "largest equivalent plastic strain added by the pass"),
     "peak_pressure": ((), "Pa", "peak pressure at the end of the pass"),
-}  # fmt: skip
+}
 
 
 def passes_dataset(rolling: "RepeatedRolling") -> xr.Dataset:

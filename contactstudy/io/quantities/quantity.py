@@ -147,8 +147,11 @@ def as_text(quantities: Quantities) -> str:
         if quantity.is_formula
     ]
     lines += [f"  by formulas: {'; '.join(formulas)}"] * bool(formulas)
-    lines += [f"  {', '.join(labels)}: {why}" for why, labels in _unbounded(quantities).items()]
-    return "\n".join(lines)
+    unbounded: dict[str, list[str]] = {}
+    for quantity in quantities.values():
+        if not isfinite(quantity.bound) and not quantity.is_formula:
+            unbounded.setdefault(quantity.reason, []).append(quantity.label)
+    return "\n".join([*lines, *(f"  {', '.join(labels)}: {reason}" for reason, labels in unbounded.items())])
 
 
 def _position_text(axis: str, at: float) -> str:
@@ -173,15 +176,6 @@ def per_cent(ratio: float) -> str:
     """Return a ratio in per cent with two digits, or whole from 100 % on."""
     percent = 100 * ratio
     return f"{percent:.2g} %" if percent < 99.5 else f"{percent:.0f} %"
-
-
-def _unbounded(quantities: Quantities) -> dict[str, list[str]]:
-    """Return the labels of the numbers without a bound by the reason for it."""
-    labels: dict[str, list[str]] = {}
-    for quantity in quantities.values():
-        if not isfinite(quantity.bound) and not quantity.is_formula:
-            labels.setdefault(quantity.reason, []).append(quantity.label)
-    return labels
 
 
 def as_json(quantities: Quantities) -> dict[str, dict[str, object]]:

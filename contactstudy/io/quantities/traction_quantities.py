@@ -59,8 +59,7 @@ def rolling_traction_quantities(
     total = float(traction.power.sum() * grid.cell_area)
     power = per_length(total, "W", "frictional power", length, grid.length)
     over_length = 1.0 if length is not None else 1 / grid.length
-    outside = traction.power_outside_contact * abs(power.value)
-    bound = outside + traction.errors.power * over_length
+    bound = traction.power_outside_contact * abs(power.value) + traction.errors.power * over_length
     creepage = Quantity(traction.creepage.longitudinal, "1", "longitudinal creepage")
     return _of_force(solution, traction, estimate, forces) | {
         "creepage": replace(creepage, bound=0.0, reason="")

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from io import BytesIO
 from math import floor, log10
+from pathlib import Path
 from textwrap import fill
 from typing import Any, Literal, TypeVar
 
@@ -20,24 +21,7 @@ from contactstudy.domain.validation import display_unit_of
 from contactstudy.io.quantities.contact_quantities import parameters_text, surface_parameters
 from contactstudy.scene.surfaces.measured_surface import MeasuredSurface
 
-SETTINGS: Any = {
-    "figure.dpi": 100,
-    "savefig.dpi": 200,
-    "font.size": 9.5,
-    "axes.grid": True,
-    # labels of short ticks stand as far from the axis as those of long ones
-    "xtick.minor.pad": 5.0,
-    "ytick.minor.pad": 5.0,
-    "grid.alpha": 0.25,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.titlesize": "medium",
-    "legend.frameon": False,
-    "legend.fontsize": "small",
-    "lines.linewidth": 1.4,
-    "lines.markersize": 5,
-    "pdf.fonttype": 42,
-}
+SETTINGS: Any = mpl.rc_params_from_file(Path(__file__).with_name("contactstudy.mplstyle"), use_default_template=False)
 # Okabe & Ito (2008), safe for colour-blind readers.
 BLUE, RED, GREEN, PURPLE, ORANGE, SKY = COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 LAW_STYLE: dict[str, Any] = {"color": "black", "linestyle": ":", "linewidth": 1.0, "marker": "none"}

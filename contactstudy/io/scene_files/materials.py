@@ -2,21 +2,18 @@
 
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
 from math import inf
-from typing import Any
+from typing import Annotated, Any
 
-from contactstudy.domain.validation import HARDNESS, InvalidInput, in_si, suggestion
+from contactstudy.domain import validation
+from contactstudy.domain.validation import InvalidInput, in_si, suggestion, validated
 from contactstudy.scene.solids.bodies import HalfSpace
 from contactstudy.scene.solids.inelastic import ElasticPlasticHalfSpace
 
-# Keys of materials.toml whose entries are in GPa.
-PRESSURES = ("youngs_modulus", "yield_stress", "hardness")
 
-
-@dataclass(frozen=True)
+@validated
 class Material:
     """Elastic constants and strength of a material.
 
@@ -39,12 +36,12 @@ class Material:
     """
 
     name: str
-    youngs_modulus: float
+    youngs_modulus: validation.Pascals
     poisson_ratio: float
     source: str
     synonyms: tuple[str, ...] = ()
-    yield_stress: float = inf
-    hardness: float = inf
+    yield_stress: Annotated[validation.Pascals, validation.OR_INFINITE] = inf
+    hardness: Annotated[validation.Hardness, validation.OR_INFINITE] = inf
 
     def body_fields(self, kind: object = None) -> dict[str, Any]:
         """Return the fields of a body of this material, by name; `kind` is that of the body in a file."""
@@ -58,15 +55,7 @@ class Material:
 def materials() -> Mapping[str, Material]:
     """Return all materials by their names."""
     text = (files("contactstudy.io.scene_files") / "materials.toml").read_text(encoding="utf-8")
-    return {
-        name: Material(
-            name,
-            synonyms=tuple(entry.pop("synonyms")),
-            **{key: entry.pop(key) * 1e9 for key in PRESSURES if key in entry},
-            **entry,
-        )
-        for name, entry in tomllib.loads(text).items()
-    }
+    return {name: Material(name, **entry) for name, entry in tomllib.loads(text).items()}
 
 
 def material(name: str) -> HalfSpace:
@@ -103,7 +92,7 @@ def with_materials(table: Mapping[str, Any]) -> dict[str, Any]:
         hardness = str(inner.get("hardness", ""))
         if hardness.endswith(("HV", "HRC")) and not {"material", "yield_stress"} & set(inner):
             # a third of the hardness is about the yield stress of a metal (Tabor 1951)
-            inner["yield_stress"] = in_si(f"{path}.hardness", hardness, HARDNESS) / 3
+            inner["yield_stress"] = in_si(f"{path}.hardness", hardness, validation.HARDNESS) / 3
         if "material" not in inner:
             return inner
         constants = _material_named(f"{path}.material", inner.pop("material"))

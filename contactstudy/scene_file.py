@@ -24,7 +24,7 @@ from contactstudy.planning.plan import Plan
 from contactstudy.scene.loads import TotalLoad
 from contactstudy.scene.scene import AnyLoad, Scene
 from contactstudy.scene.shapes.roller import Ellipsoid, Sphere
-from contactstudy.scene.shapes.shape import LengthScales, Shape, curvature_of, length_scales_of
+from contactstudy.scene.shapes.shape import Shape, curvature_of, length_scales_of
 from contactstudy.solvers.solve import SolveOptions
 from contactstudy.solving import solve
 
@@ -247,17 +247,14 @@ def _paths(table: Mapping[str, object], before: str = "") -> dict[str, object]:
 
 def _with_length(document: SceneDocument, shapes: Iterable[Shape]) -> AnyLoad:
     """Return the load; a total load on shapes without a length is spread over the length of the grid, if known."""
-    load = document.load
+    load, grid, scales = document.load, document.grid, length_scales_of(shapes)
     if isinstance(load, MeanPressure):
-        measured = [scales.known_width for scales in length_scales_of(shapes) if scales.spacing]
-        width = document.grid.extent[0] if document.grid else min(measured, default=None)
-        return load.load(width, tuple(shapes))
-    has_length = any(
-        0 < getattr(shape, "length_scales", LengthScales()).roller < inf
-        or isinstance(shape, Sphere | Ellipsoid)  # a point contact needs none
-        for shape in shapes
-    )
-    period = document.grid.length if document.grid else document.plan.period
+        measured = [of_shape.known_width for of_shape in scales if of_shape.spacing]
+        return load.load(grid.extent[0] if grid else min(measured, default=None), tuple(shapes))
+    # a point contact needs no length
+    has_length = any(0 < of_shape.roller < inf for of_shape in scales)
+    has_length = has_length or any(isinstance(shape, Sphere | Ellipsoid) for shape in shapes)
+    period = grid.length if grid else document.plan.period
     if isinstance(load, TotalLoad) and load.length is None and not has_length and period:
         return replace(load, length=period)
     return load

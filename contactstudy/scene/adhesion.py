@@ -13,8 +13,6 @@ from contactstudy.solvers.adhesion import AdhesiveSolver
 from contactstudy.solvers.cohesive_law import CohesiveLaw, Dugdale, Exponential, tabor_length, zone_length
 from contactstudy.solvers.solution import Branch
 
-LAWS = "exponential", "dugdale"
-BRANCHES = {branch.value: branch for branch in (Branch.FROM_AFAR, Branch.FROM_FULL_CONTACT)}
 # Cells in the cohesive zone: of the range that the grid chooses where none is given, and the fewest that are allowed.
 # With 6 cells the pull-off load of a cylinder is within 0.3 %, below 2 cells the contact is trapped between cells.
 ZONE_CELLS, MIN_ZONE_CELLS = 6.0, 2.0
@@ -137,4 +135,4 @@ class Adhesion:
             radius = min((shape.radius for shape in scene.shapes if isinstance(shape, Sphere)), default=None)
         if radius is not None:
             tabor = tabor_length(radius, self.work, modulus) * law.strength / self.work
-        return AdhesiveSolver(law, BRANCHES[self.branch], float(cells), tabor, regularised=self.range is None)
+        return AdhesiveSolver(law, Branch(self.branch), float(cells), tabor, regularised=self.range is None)

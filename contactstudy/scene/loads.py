@@ -202,8 +202,6 @@ class PullOff:
         return self.preload
 
 
-# Loads that press the bodies together.
-LOADS = tuple[Annotated[validation.NewtonsPerMetre, validation.AT_LEAST_ZERO], ...]
 # Load over the largest one below which it is zero: its rounding error.
 ZERO_LOAD = 1e-13
 
@@ -322,7 +320,8 @@ class LoadHistory(PiecewiseLinear):
     def check(self, scene: SceneContext) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if a load pulls the bodies apart without adhesion."""
         if scene.adhesion is None:
-            valid("LoadHistory.per_length", self.per_length, LOADS)
+            pressing = tuple[Annotated[validation.NewtonsPerMetre, validation.AT_LEAST_ZERO], ...]
+            valid("LoadHistory.per_length", self.per_length, pressing)
 
 
 @validated

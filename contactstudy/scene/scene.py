@@ -207,63 +207,55 @@ class Scene(InNotebook):
 
     @property
     def _effects(self) -> set[str]:
-        """Effects of the scene, as far as the table of those that cannot be combined names them."""
+        """Effects of the scene and what is given of them, as far as the table of refused pairs names them."""
         load, film, wear, rolling, friction = self.load, self.lubrication, self.wear, self.rolling, self.friction
-        law, in_time = type(friction).__name__, getattr(friction, "times", None) is not None
+        slots = "rolling", "friction", "lubrication", "adhesion", "wear"
+        parts = {name: part for name in slots if (part := getattr(self, name)) is not None}
+        named = {f"Scene.{name}" for name in parts} | {type(part).__name__ for part in parts.values()}
+        for part in parts.values():
+            named |= {f"{type(part).__name__}.{name}" for name, value in getattr(part, "__dict__", {}).items() if value}
         creep, plastic = any(map(creeps, self.solids)), any(map(yields, self.solids))
-        has_passes = rolling is not None and rolling.passes is not None
-        changes = self.time_dependent_field is not None
-        falls = isinstance(load, loads.PullOff) or (isinstance(load, loads.ChangingLoad) and loads.falls(load))
-        steady_motion = self.rolls or film is not None
-        turns = getattr(wear, "circumference", None) is not None
+        has_passes, changes = "Rolling.passes" in named, self.time_dependent_field is not None
+        slips = not named.isdisjoint(("PartialSlip", "Fretting"))
         unlike = False
-        if law in ("Sliding", "PartialSlip", "Fretting") and getattr(friction, "coefficient", 0) > 0:
+        if (slips or "Sliding" in named) and getattr(friction, "coefficient", 0) > 0:
             from contactstudy.scene.friction import are_similar  # imported only where there is friction
 
             unlike = not are_similar(self.solids)
-        named = {
-            law: friction is not None,
+        falls = isinstance(load, loads.PullOff) or (isinstance(load, loads.ChangingLoad) and loads.falls(load))
+        film_changes = film is not None and (not isinstance(film.mean_speed, float) or (changes and wear is None))
+        conditions = {
             "Scene.load on a point contact": self.is_point_contact,
             "Scene.load is an Approach": isinstance(load, loads.Approach),
             "Scene.load is a PullOff": isinstance(load, loads.PullOff),
             "Scene.load that changes": isinstance(load, loads.ChangingLoad),
             "Scene.load that falls": falls,
             "a change in time": changes,
+            "a change in time under a film": film_changes,
             "Scene.hardness": self.hardness < inf,
             "Scene.outputs": bool(self.outputs),
             "Scene.solids that creep": creep,
             "Scene.solids that yield": plastic,
-            "Scene.solids at rest that creep or yield": (creep or plastic) and not steady_motion,
+            "Scene.solids at rest that creep or yield": (creep or plastic) and film is None and not self.rolls,
+            "Scene.solids that are elastically dissimilar": unlike,
             "Scene.solids with free_faces": self.free_length < inf,
-            "a contact that rolls": self.rolls or self.has_tractive_rolling,
+            "Scene.shapes that move with a body": any(hasattr(shape, "gap_after") for shape in self.shapes),
             "Scene.rolling without passes": rolling is not None and not has_passes,
-            "Rolling.passes": has_passes,
             "passes over Scene.solids that yield": has_passes and plastic,
             "rolling of Scene.solids that creep": self.rolls and creep,
-            "Scene.shapes that move with a body": any(hasattr(shape, "gap_after") for shape in self.shapes),
+            "a contact that rolls": self.rolls or self.has_tractive_rolling,
             "Scene.friction with stick": getattr(friction, "sticks", False),
             "Scene.friction of unequal bodies": friction is not None and self.solids[0] != self.solids[1],
             "friction and Scene.outputs": friction is not None and bool(self.outputs),
-            "Scene.friction in partial slip": law in ("PartialSlip", "Fretting"),
-            "Scene.friction in partial slip without times": law in ("PartialSlip", "Fretting") and not in_time,
-            "Fretting.times": in_time,
-            "Fretting.displacements": getattr(friction, "displacements", None) is not None,
-            "Scene.solids that are elastically dissimilar": unlike,
-            "Scene.friction in sliding of dissimilar bodies": unlike and law == "Sliding",
+            "Scene.friction in partial slip": slips,
+            "Scene.friction in partial slip without times": slips and "Fretting.times" not in named,
+            "Scene.friction in sliding of dissimilar bodies": unlike and not slips,
             "Adhesion.range is None": self.adhesion is not None and self.adhesion.range is None,
-            "Wear.speed": wear is not None and wear.speed != 0,
-            "Scene.wear of a body that turns or in a film": wear is not None and (turns or film is not None),
+            "Scene.lubrication without a boundary film": film is not None and film.boundary is None,
+            "Scene.wear of a body that turns or in a film": wear is not None
+            and (wear.circumference is not None or film is not None),
         }
-        for name in ("rolling", "friction", "lubrication", "adhesion", "wear"):
-            named[f"Scene.{name}"] = getattr(self, name) is not None
-        if film is not None:
-            film_changes = not isinstance(film.mean_speed, float) or (changes and wear is None)
-            named |= {f"Lubrication.{name}": getattr(film, name) is not None for name in ("boundary", "thermal")}
-            named |= {
-                "Scene.lubrication without a boundary film": film.boundary is None,
-                "a change in time under a film": film_changes,
-            }
-        return {name for name, is_named in named.items() if is_named}
+        return named | {name for name, is_named in conditions.items() if is_named}
 
     @property
     def radius(self) -> float | None:

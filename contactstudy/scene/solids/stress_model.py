@@ -5,13 +5,7 @@ from typing import ClassVar, Protocol
 
 from contactstudy.domain.grid import Array
 from contactstudy.elasticity.coefficients import Coefficients
-from contactstudy.elasticity.kernels.stress import (
-    COMPONENTS,
-    CellKernel,
-    stress_cell,
-    stress_cell_doubly_periodic,
-    stress_cell_periodic,
-)
+from contactstudy.elasticity.kernels import stress
 
 
 class StressModel(Protocol):
@@ -37,13 +31,8 @@ class HalfSpaceStress:
 
     def coefficients(self, traction: str, component: str, depth: float) -> tuple[tuple[Coefficients, float], ...]:
         """Return the coefficients of Boussinesq and Cerruti, with the weight 1."""
-        family = COMPONENTS
-        if traction != "pressure":
-            # imported only for scenes with friction
-            from contactstudy.elasticity.kernels.stress import CERRUTI_ACROSS, CERRUTI_ALONG
-
-            family = CERRUTI_ACROSS if traction == "across" else CERRUTI_ALONG
-        return ((StressCoefficients(family[component], depth, self.poisson_ratio), 1.0),)
+        families = {"pressure": stress.COMPONENTS, "across": stress.CERRUTI_ACROSS, "along": stress.CERRUTI_ALONG}
+        return ((StressCoefficients(families[traction][component], depth, self.poisson_ratio), 1.0),)
 
 
 @dataclass(frozen=True)
@@ -60,7 +49,7 @@ class StressCoefficients:
         Poisson's ratio of the half-space.
     """
 
-    component: CellKernel
+    component: stress.CellKernel
     depth: float
     poisson_ratio: float
 
@@ -75,15 +64,14 @@ class StressCoefficients:
 
     def cell(self, x: Array, y: Array, dx: float, dy: float) -> Array:
         """Return the stress over the traction on one cell."""
-        return stress_cell(self.component, x, y, self.depth, dx, dy, self.poisson_ratio)
+        return stress.stress_cell(self.component, x, y, self.depth, dx, dy, self.poisson_ratio)
 
     def row(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
         """Return the stress over the traction on a cell and an infinite row of its images along y."""
         cell = self.depth, dx, dy
-        return stress_cell_periodic(self.component, x, y, *cell, period, self.poisson_ratio)
+        return stress.stress_cell_periodic(self.component, x, y, *cell, period, self.poisson_ratio)
 
     def lattice(self, x: Array, y: Array, dx: float, dy: float, width: float, period: float) -> Array:
         """Return the stress over the traction on a cell and an infinite lattice of its images."""
-        periods = width, period
-        arguments = x, y, self.depth, dx, dy, *periods, self.poisson_ratio
-        return stress_cell_doubly_periodic(self.component, *arguments)
+        cell, periods = (self.depth, dx, dy), (width, period)
+        return stress.stress_cell_doubly_periodic(self.component, x, y, *cell, *periods, self.poisson_ratio)

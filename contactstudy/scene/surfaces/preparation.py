@@ -365,11 +365,11 @@ def cell_means(heights: Array, axis: int, *, extent: float, cells: int, width: f
     ends
         Boundary condition of the spline.
     """
-    from scipy.interpolate import CubicSpline  # imported only where it is needed
-
     count = heights.shape[axis]
     if (cells, width) == (count, extent):
         return heights
+    from scipy.interpolate import CubicSpline  # imported only where it is needed
+
     mean = heights.mean(axis=axis, keepdims=True)
     integral = np.cumsum(heights - mean, axis=axis)
     start = np.zeros_like(mean)

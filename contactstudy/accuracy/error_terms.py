@@ -34,7 +34,7 @@ END_VARIATION, END_VARIATION_POWER = 0.5, 0.7
 ENDS_MARGIN = 1.5
 
 
-def image_errors(pressure: Array, grid: Grid, paddings: Paddings, *, ends_along: bool = False) -> tuple[float, float]:
+def image_errors(pressure: Array, grid: Grid, paddings: Paddings, margin: float = 1.0) -> tuple[float, float]:
     """Return the relative errors of the peak pressure and of the pressure in L1 due to images left out by a padding.
 
     A window that reaches D to each side takes ``x^2 / (2 D^2)`` from the logarithm of each image row, and so makes the
@@ -54,8 +54,9 @@ def image_errors(pressure: Array, grid: Grid, paddings: Paddings, *, ends_along:
         Its grid.
     paddings
         Paddings (across, along).
-    ends_along
-        Whether a body ends along the length, where contact may reach the ends of a length without images.
+    margin
+        Factor on the law of an endless contact: `ENDS_MARGIN` for a body that ends along the length, where contact may
+        reach the ends of a length without images.
 
     Raises
     ------
@@ -68,7 +69,8 @@ def image_errors(pressure: Array, grid: Grid, paddings: Paddings, *, ends_along:
         period, positions, others = grid.extent[0], grid.y, grid.x
     else:
         period, positions, others = grid.extent[1], grid.x, grid.y
-    reaches_ends = not ends_along and _reaches_ends(pressure)
+    ends = margin > 1
+    reaches_ends = not ends and _reaches_ends(pressure)
     free = not (hasattr(along, "images") or along.wraps or reaches_ends)
     if along.window is None or (free and len(along.window) == 1):
         return 0.0, 0.0
@@ -77,9 +79,9 @@ def image_errors(pressure: Array, grid: Grid, paddings: Paddings, *, ends_along:
             f"padding is {paddings!r}: give ExactPeriodicity() for the axis that counts images, or "
             "ZeroPadding() for the other; only then is the error of a window known."
         )
-    half_width, margin = _half_width(pressure, positions), 1.0
-    if ends_along:
-        half_width, margin = max(half_width, _half_width(pressure.T, others)), ENDS_MARGIN
+    half_width = _half_width(pressure, positions)
+    if ends:
+        half_width = max(half_width, _half_width(pressure.T, others))
     narrowing = margin * _narrowing(half_width, period, pressure.shape[1], along)
     peak, mean = _end_errors(pressure, along, half_width / period)
     return float((1 + narrowing) * (1 + peak) - 1), float(L1_OVER_NARROWING * narrowing + mean)

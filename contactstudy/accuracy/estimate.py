@@ -15,6 +15,7 @@ from contactstudy.accuracy.bound import (
 )
 from contactstudy.accuracy.coarser import coarse_solution, comparable
 from contactstudy.accuracy.error_terms import (
+    ENDS_MARGIN,
     IMAGES_REMEDY,
     L1_OVER_NARROWING,
     image_errors,
@@ -235,8 +236,8 @@ def error_estimate(
         load = None if solution.adhesion is None else _attraction_error(solution, coarse)
         warnings = (unknown.reason,)
         return ErrorEstimate(unknown, unknown, unknown, unknown, load=load, warnings=warnings)
-    ends_along = problem.source is not None and problem.source.ends_along
-    peak_images, l1_images = image_errors(solution.pressure, problem.grid, problem.paddings, ends_along=ends_along)
+    margin = ENDS_MARGIN if problem.source is not None and problem.source.ends_along else 1.0
+    peak_images, l1_images = image_errors(solution.pressure, problem.grid, problem.paddings, margin)
     change = 0.0
     if solution.adhesion is not None:
         # imported only where it is named

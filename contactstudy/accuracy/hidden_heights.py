@@ -57,7 +57,7 @@ class HiddenHeightsConstants:
     """
 
     points: int = 4
-    points_at_corners: int = 32
+    points_at_corners: int = 16
     points_without_scales: int = 48
     points_off_lines: int = 99
     lines: int = 64

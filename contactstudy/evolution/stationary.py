@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from itertools import pairwise
 from math import inf
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, TypeVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -45,6 +45,8 @@ from contactstudy.solvers.friction.traction import RollingTraction
 from contactstudy.solvers.solution import Solution, Status, unloaded, worst, worst_until
 from contactstudy.solvers.solve import LaggedSolution, SolveOptions, solve_contact
 
+# Work of the contacts that lead to a frame.
+WORK = "solves", "iterations", "convolutions"
 # Turns of the load below this fraction of the largest one are rounding.
 ROUNDING = 1e-9
 
@@ -264,41 +266,22 @@ class SurfaceDepth:
         return np.asarray(ndimage.map_coordinates(around, places, order=3, mode="nearest"))
 
 
-@dataclass(frozen=True, eq=False)
-class _DryContact:
-    """A dry contact, with its rolling resistance where it rolls."""
+def _differences(fine: Frame, coarse: Frame | None) -> dict[str, float]:
+    """Return relative differences of a worn contact to that after longer steps, by quantity; infinite without either.
 
-    solution: Solution
-    rolling: SteadyRolling | None
-
-    @property
-    def pressure(self) -> Array:
-        return self.solution.pressure
-
-    @property
-    def status(self) -> Status:
-        return self.solution.status
-
-    def time_discretisation_errors(self, coarse: "_DryContact | None") -> dict[str, float]:
-        """Return relative differences to the contact after longer steps, by quantity; infinite without a solution.
-
-        That of the area counts cells in contact in one of both
-        alone, and is at least that in L1, since a small change may move no edge to another cell.
-        """
-        if coarse is None or not self.pressure.any():
-            return dict.fromkeys(("l1", "peak_pressure", "contact_area"), inf)
-        touching, change = self.pressure > 0, np.abs(self.pressure - coarse.pressure)
-        moved = np.count_nonzero(touching ^ (coarse.pressure > 0)) / np.count_nonzero(touching)
-        l1 = change.sum() / self.pressure.sum()
-        errors = {
-            "l1": l1,
-            "peak_pressure": error_of_peak(self.pressure, change) / self.pressure.max(),
-            "contact_area": max(l1, moved),
-        }
-        return {name: float(error) for name, error in errors.items()}
+    That of the area counts cells in contact in one of both alone, and is at least that in L1, since a small change may
+    move no edge to another cell.
+    """
+    if coarse is None or not fine.pressure.any():
+        return dict.fromkeys(("l1", "peak_pressure", "contact_area"), inf)
+    touching, change = fine.pressure > 0, np.abs(fine.pressure - coarse.pressure)
+    moved = np.count_nonzero(touching ^ (coarse.pressure > 0)) / np.count_nonzero(touching)
+    l1, peak = float(change.sum() / fine.pressure.sum()), float(fine.pressure.max())
+    of_peak = float(error_of_peak(fine.pressure, change) / peak)
+    return {"l1": l1, "peak_pressure": of_peak, "contact_area": float(max(l1, moved))}
 
 
-Contact = TypeVar("Contact", _DryContact, FilmSolution)
+Contact = TypeVar("Contact", Frame, FilmSolution)
 
 
 @dataclass(frozen=True, eq=False)
@@ -418,49 +401,43 @@ def follow_wear(
     elastic = replace(unworn, rolling=None, solids=instantaneous(scene.solids))
     problem, posed = elastic.problem(grid, padding), PosedScene(scene, grid, padding)
 
-    def solved(depth: Array, before: _DryContact | None) -> _DryContact:
-        worn = replace(unworn, shapes=(*unworn.shapes, SurfaceDepth(depth, grid)))
+    def solved(depth: Array, before: Frame | None) -> Frame:
+        worn, rolling = replace(unworn, shapes=(*unworn.shapes, SurfaceDepth(depth, grid))), None
         if worn.rolls:
             rolling = solve_rolling(worn, grid, padding, options=options)
-            return _DryContact(rolling.solution, rolling)
-        start = None if before is None else before.pressure
-        return _DryContact(solve_contact(worn.problem(grid, padding), options, start), None)
+            solution = rolling.solution
+        else:
+            start = None if before is None else before.pressure
+            solution = solve_contact(worn.problem(grid, padding), options, start)
+        # the scene that the user gave, without the surface that is worn by now; the time is that of its step
+        return frame_of(
+            replace(solution, problem=replace(solution.problem, description=posed)),
+            time=0.0,
+            load=scene.largest_load,
+            solves=1 if rolling is None else rolling.lagged.outer_iterations,
+            fields={"wear_depth": Field(("x", "y"), depth, "m", "wear depth")},
+            rolling=rolling,
+        )
 
-    def rate(contact: _DryContact) -> Array:
-        traction = contact.solution.traction
+    def rate(contact: Frame) -> Array:
+        traction = contact.traction
         if isinstance(traction, RollingTraction):
             # where it slips, friction times slip is the coefficient of friction times pressure times slip
             pv = traction.power / getattr(scene.friction, "coefficient", 1.0)
             return _wear_rate(wear, pv, grid)
         return _wear_rate(wear, wear.speed * contact.pressure, grid)
 
-    def counted(contact: _DryContact) -> Counter[str]:
-        solves = 1 if contact.rolling is None else contact.rolling.lagged.outer_iterations
-        solution = contact.solution
-        work: Any = {name: getattr(solution, name) for name in ("iterations", "convolutions")}
-        return Counter(work | {"solves": solves})
+    def counted(contact: Frame) -> Counter[str]:
+        return Counter({name: getattr(contact, name) for name in WORK})
 
     wearing = _Wearing(solved, rate, counted, FIRST_DEPTH * problem.scales.gap)
     records = wearing.records(grid.cells, times, error, progress)
     frames = []
     for record in records:
-        contact = record.state.contact
-        # the scene that the user gave, without the surface that is worn by now
-        worn = replace(contact.solution.problem, description=posed)
-        wear_depth = Field(("x", "y"), record.state.depth, "m", "wear depth")
-        frame = frame_of(
-            replace(contact.solution, problem=worn),
-            time=record.state.time,
-            load=scene.largest_load,
-            status=worst(record.statuses),
-            fields={"wear_depth": wear_depth},
-            rolling=contact.rolling,
-            errors_by_steps=contact.time_discretisation_errors(
-                None if record.coarse is None else record.coarse.contact
-            ),
-            **{name: record.work[name] for name in ("solves", "iterations", "convolutions")},
-        )
-        frames.append(frame)
+        state, work = record.state, cast(dict[str, Any], {name: record.work[name] for name in WORK})
+        by_steps = _differences(state.contact, None if record.coarse is None else record.coarse.contact)
+        status = worst(record.statuses)
+        frames.append(replace(state.contact, time=state.time, status=status, errors_by_steps=by_steps, **work))
     rejected = sum(record.work["rejected"] for record in records)
     return Trajectory(problem, tuple(frames), rejected, restarts=0, description=posed)
 

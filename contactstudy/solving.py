@@ -22,6 +22,7 @@ from contactstudy.progress import Progress, Reporter
 from contactstudy.scene import scene as methods
 from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.scene.solids.bodies import is_layered, yields
+from contactstudy.solvers.solution import Solution
 from contactstudy.solvers.solve import ReportingSolver, SolveOptions, solve_contact
 
 if TYPE_CHECKING:
@@ -266,13 +267,21 @@ class _Request:
         if not np.allclose(given, extent, rtol=SAME, atol=0):
             there, here = (" x ".join(map(readable, sides)) for sides in (given, extent))
             raise InvalidInput(f"solve.start is on a grid of {there}, and this one is {here}: give one of that extent.")
-        solution = solve_contact(problem, options, self.first_pressure, self.device)
-        if self.start is not None and before is None and solution.pressure.any():
-            carried = float(np.sum(self.first_pressure) / solution.pressure.sum())
-            if abs(carried - 1) > SAME_LOAD:
-                note = f"The pressure in solve.start carried {carried:.3g} times the load, and was scaled to it."
-                solution = replace(solution, note=f"{solution.note} {note}".lstrip())
-        return contact_answer(solution)
+        return contact_answer(self._noted(solve_contact(problem, options, self.first_pressure, self.device)))
+
+    def _noted(self, solution: Solution) -> Solution:
+        """Return a solution whose note says whether the pressure that it began with carried another load."""
+        grid, start = solution.problem.grid, np.asarray(0.0 if self.start is None else self.first_pressure)
+        before = getattr(self.start, "grid", grid if start.shape == grid.cells else None)
+        is_scaled = solution.adhesion is None and solution.problem.control.approach is None
+        if before is None or not (is_scaled and solution.pressure.any()):
+            return solution
+        ratio = before.cell_area / before.length * grid.length / grid.cell_area
+        carried = float(ratio * start.sum() / solution.pressure.sum())
+        if abs(carried - 1) <= SAME_LOAD:
+            return solution
+        note = f"The pressure in solve.start carried {carried:.3g} times the load, and was scaled to it."
+        return replace(solution, note=f"{solution.note} {note}".lstrip())
 
     def contact(self) -> Contact:
         """Solve a static contact."""
@@ -305,7 +314,7 @@ class _Request:
             problem = posed.scene.problem(grid, posed.padding)
             return contact_answer(solve_contact(problem, self.options, start, self.device))
 
-        return cast(Contact, self._refined(answer, solve_on, by_pressure=0))
+        return cast(Contact, self._noted(self._refined(answer, solve_on, by_pressure=0)))
 
     def steady_rolling(self) -> Contact:
         """Solve a contact that rolls steadily."""

@@ -66,6 +66,8 @@ def test_a_pressure_of_another_load_is_scaled_and_said_and_one_of_another_extent
     assert cs.solve(scene, grid, EXACT, start=before).note == before.note
     heavier = cs.solve(replace(scene, load=cs.LineLoad(1.2 * scene.largest_load)), grid, EXACT, start=before)
     assert "carried 0.833 times the load" in heavier.summary()
+    planned = cs.solve(heavier.scene, error=0.1, start=cs.solve(scene, error=0.1))
+    assert "carried 0.833 times the load" in planned.note
     with pytest.raises(cs.InvalidInput, match="is on a grid of"):
         cs.solve(scene, films.grid(24, 1.3), EXACT, start=before)
 

@@ -270,22 +270,21 @@ def _solve_mixed(posed: PosedFilm, controls: FilmControls, warm: tuple[Film, Mas
     """
     controls, film_controls, dry_controls = _mixed_controls(posed, controls)
     in_plane_strain = posed.upstream.cells[1] == 1
-    iterations: list[FilmIteration] = []
-    if warm is not None:
-        film, cavitated = warm
-        near_dry = not in_plane_strain and 2 * film.asperity_pressure.sum() > film.total_pressure.sum()
-        if near_dry:
-            iterations.append(_mixed_iterated(posed, film, dry_controls, cavitated))
-        if not (iterations and iterations[-1].converged(controls.tolerance)):
-            iterations.append(_mixed_iterated(posed, film, film_controls, cavitated))
-    starts = [(_film_start, film_controls), (_dry_start, dry_controls)]
+    starts: list[tuple[Callable[[PosedFilm], Film], FilmControls, Mask | None]]
+    starts = [(_film_start, film_controls, None), (_dry_start, dry_controls, None)]
     if posed.scales.expected_film < posed.equation.boundary_film:
         starts.reverse()
-    for start, start_controls in starts:
-        if iterations and iterations[-1].converged(controls.tolerance):
+    if warm is not None:
+        film, cavitated = warm
+        starts.insert(0, (lambda _: film, film_controls, cavitated))
+        if not in_plane_strain and 2 * film.asperity_pressure.sum() > film.total_pressure.sum():
+            starts.insert(0, (lambda _: film, dry_controls, cavitated))
+    iterations: list[FilmIteration] = []
+    for start, start_controls, cavitated_cells in starts:
+        iterations.append(_mixed_iterated(posed, start(posed), start_controls, cavitated_cells))
+        if iterations[-1].converged(controls.tolerance):
             return iterations[-1]
-        iterations.append(_mixed_iterated(posed, start(posed), start_controls))
-    if in_plane_strain and not iterations[-1].converged(controls.tolerance):
+    if in_plane_strain:
         from_higher_speed = _from_higher_speeds(
             posed,
             MIXED_SPEEDS,

@@ -26,11 +26,8 @@ def tabor_length(radius: float, work: float, modulus: float) -> float:
 
 
 @dataclass(frozen=True)
-class Exponential:
-    """Cohesive law ``sigma = w / rho exp(-g / rho)`` with the work of adhesion w [J/m^2] and the range rho [m].
-
-    It falls from zero gap on: the law of Xu & Needleman (1994), J. Mech. Phys. Solids 42, 1397, has a rising part first.
-    """
+class WorkAndRange:
+    """Work of adhesion w [J/m^2] and range rho [m] of an attraction between two surfaces."""
 
     work: float
     range: float
@@ -39,6 +36,14 @@ class Exponential:
     def strength(self) -> float:
         """Largest traction [Pa], ``w / rho``."""
         return self.work / self.range
+
+
+@dataclass(frozen=True)
+class Exponential(WorkAndRange):
+    """Cohesive law ``sigma = w / rho exp(-g / rho)`` with the work of adhesion w [J/m^2] and the range rho [m].
+
+    It falls from zero gap on: the law of Xu & Needleman (1994), J. Mech. Phys. Solids 42, 1397, has a rising part first.
+    """
 
     def traction(self, gap: Array) -> Array:
         """Return the traction [Pa] at a `gap` [m]."""
@@ -60,7 +65,7 @@ RAMP, CELLS_ON_RAMP = 0.1, 3.0
 
 
 @dataclass(frozen=True)
-class Dugdale:
+class Dugdale(WorkAndRange):
     """Cohesive law of Dugdale: a constant traction that falls to zero around the range, at any fall with the same work.
 
     Source: Maugis (1992), J. Colloid Interface Sci. 150, 243, there with a sharp fall.
@@ -75,19 +80,12 @@ class Dugdale:
         Half the width of the fall over the range, at most 1.
     """
 
-    work: float
-    range: float
     ramp: float = RAMP
 
     @classmethod
     def on_cells(cls, work: float, attraction_range: float, cells: float) -> "Dugdale":
         """Return the law whose fall is the sharpest that is not trapped on this number of `cells` in its zone."""
         return cls(work, attraction_range, min(max(RAMP, CELLS_ON_RAMP / cells), 1.0))
-
-    @property
-    def strength(self) -> float:
-        """Largest traction [Pa], ``w / rho``."""
-        return self.work / self.range
 
     def traction(self, gap: Array) -> Array:
         """Return the traction [Pa] at a `gap` [m]."""

@@ -5,7 +5,7 @@ z into the body. The surface under pressure is free of tangential traction.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 
 import numpy as np
@@ -59,6 +59,12 @@ class CellKernel:
     def swap_axes(self) -> "CellKernel":
         """Return the kernel with the axes exchanged."""
         return (COMPONENTS if self.family is None else self.family)[self.swapped]
+
+    def exchanged(self, name: str, plane: "Callable[[Strip, float], Array | float]") -> "CellKernel":
+        """Return the kernel of the field `name`, this one with the axes exchanged; `plane` is that in plane strain."""
+        even_x, even_y = self.parity
+        point, corner = _swapped(self.point), _swapped(self.corner)
+        return CellKernel(name, (even_y, even_x), point, corner, plane, self.name, self.family)
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,19 +161,28 @@ def _xz_corner(x: Array, y: Array, z: float, r: Array, _: float) -> Array:
     return np.asarray(z * z * y / ((x * x + z * z) * r))
 
 
+def _swapped(field: KernelFunction) -> KernelFunction:
+    """Return `field` with x and y exchanged."""
+    return lambda x, y, z, r, nu: field(y, x, z, r, nu)
+
+
+def _zero(strip: Strip, nu: float) -> float:
+    """Return zero: the stress that is not there in plane strain."""
+    return 0.0
+
+
+_XX = CellKernel("xx", (1, 1), _xx_point, _xx_corner, lambda strip, nu: strip.edge_terms.real - strip.angle, "yy")
+_XZ = CellKernel(
+    "xz", (-1, 1),
+    lambda x, y, z, r, nu: -3 * z * z * x / ((r * r) * (r * r) * r),
+    _xz_corner, lambda strip, nu: -strip.edge_terms.imag, "yz",
+)  # fmt: skip
 # Name, parity, point, corner, plane and swapped name. Source: Love (1929), by way of Johnson (1985), eqs. 3.19 and 3.25
 COMPONENTS = {
     component.name: component
     for component in (
-        CellKernel(
-            "xx", (1, 1), _xx_point, _xx_corner, lambda strip, nu: strip.edge_terms.real - strip.angle, "yy"
-        ),
-        CellKernel(
-            "yy", (1, 1),
-            lambda x, y, z, r, nu: _xx_point(y, x, z, r, nu),
-            lambda x, y, z, r, nu: _xx_corner(y, x, z, r, nu),
-            lambda strip, nu: -2 * nu * strip.angle, "xx",
-        ),
+        _XX,
+        _XX.exchanged("yy", lambda strip, nu: -2 * nu * strip.angle),
         CellKernel(
             "zz", (1, 1),
             lambda x, y, z, r, nu: -3 * z**3 / ((r * r) * (r * r) * r),
@@ -178,19 +193,10 @@ COMPONENTS = {
             ),
             lambda strip, nu: -strip.edge_terms.real - strip.angle, "zz",
         ),
+        _XZ.exchanged("yz", _zero),
+        _XZ,
         CellKernel(
-            "yz", (1, -1),
-            lambda x, y, z, r, nu: -3 * z * z * y / ((r * r) * (r * r) * r),
-            lambda x, y, z, r, nu: _xz_corner(y, x, z, r, nu), lambda strip, nu: 0.0, "xz",
-        ),
-        CellKernel(
-            "xz", (-1, 1),
-            lambda x, y, z, r, nu: -3 * z * z * x / ((r * r) * (r * r) * r),
-            _xz_corner, lambda strip, nu: -strip.edge_terms.imag, "yz",
-        ),
-        CellKernel(
-            "xy", (-1, -1), _xy_point,
-            lambda x, y, z, r, nu: -z / r - (1 - 2 * nu) * np.log(r + z), lambda strip, nu: 0.0, "xy",
+            "xy", (-1, -1), _xy_point, lambda x, y, z, r, nu: -z / r - (1 - 2 * nu) * np.log(r + z), _zero, "xy",
         ),
     )
 }  # fmt: skip
@@ -479,11 +485,6 @@ def _strips(x: Array, z: float, dx: float, width: float) -> Strip:
     return Strip(angle, -2 * np.pi * z / width * np.sin(cell) / denominator, x, z, dx, width)
 
 
-def _swapped(field: KernelFunction) -> KernelFunction:
-    """Return `field` with x and y exchanged."""
-    return lambda x, y, z, r, nu: field(y, x, z, r, nu)
-
-
 def _asinh(y: Array, x: Array, z: float) -> Array:
     """Return the integral of 1/r along y."""
     return np.asarray(np.arcsinh(y / np.sqrt(x * x + z * z)))
@@ -531,11 +532,6 @@ def _xy_corner(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
     return np.asarray(_asinh(x, y, z) - x / r + (1 - 2 * nu) * x / (r + z))
 
 
-def _zero(strip: Strip, nu: float) -> float:
-    """Return zero: the stress that is not there in plane strain."""
-    return 0.0
-
-
 _NORMAL = COMPONENTS
 
 
@@ -558,18 +554,10 @@ for _name, _parity, _point, _corner, _plane, _other in (
     ("xy", (1, -1), _traction_xy_point, _xy_corner, _zero, lambda s, nu: -s.logarithm),
 ):
     _swapped_name = _NORMAL[_name].swapped
-    CERRUTI_ACROSS[_name] = CellKernel(
-        f"{_name} by shear across", _parity, _point, _corner, _plane, _swapped_name, CERRUTI_ALONG
-    )
-    CERRUTI_ALONG[_swapped_name] = CellKernel(
-        f"{_swapped_name} by shear along",
-        (_parity[1], _parity[0]),
-        _swapped(_point),
-        _swapped(_corner),
-        _other,
-        _name,
-        CERRUTI_ACROSS,
-    )
+    _across = CellKernel(f"{_name} by shear across", _parity, _point, _corner, _plane, _swapped_name, CERRUTI_ALONG)
+    _along = _across.exchanged(f"{_swapped_name} by shear along", _other)
+    CERRUTI_ACROSS[_name] = _across
+    CERRUTI_ALONG[_swapped_name] = replace(_along, swapped=_name, family=CERRUTI_ACROSS)
 
 
 def _half_log(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:

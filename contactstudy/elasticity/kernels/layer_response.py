@@ -341,7 +341,7 @@ class LayerStress:
         off a spline.
         """
         if (k.ndim > 1 or k.size > MAX_DIRECT_STRESS) and not np.iscomplexobj(k):
-            values = np.asarray(np.moveaxis(_stress_spline(self)(k), -1, 0))
+            values = np.asarray(np.moveaxis(_stress_spline(LayerStress(self.materials, self.depth))(k), -1, 0))
         else:
             values = self._remainder(k.ravel())
         return values.reshape(2, 3, *k.shape)

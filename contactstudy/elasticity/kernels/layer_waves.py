@@ -1,7 +1,7 @@
 """Influence coefficients of a cell on a layered half-space by the waves of its load: alone, in a row, in a lattice."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import ClassVar, TypeVar
 
@@ -376,7 +376,7 @@ SWAPPED_LOADS = {"pressure": "pressure", "across": "along", "along": "across"}
 
 
 @dataclass(frozen=True)
-class StressWaves:
+class StressWaves(LayerStress):
     """Remainder of the stress in a layered body under one wave of a load on its surface.
 
     Its part of a homogeneous body is subtracted, as in
@@ -385,24 +385,13 @@ class StressWaves:
 
     Parameters
     ----------
-    stress
-        Stress under one wave at a depth.
+    materials, depth
+        As of :class:`~contactstudy.elasticity.kernels.layer_response.LayerStress`.
     load
         Load on the surface, of ``FAMILIES``.
     """
 
-    stress: LayerStress
     load: str
-
-    @property
-    def decay_rate(self) -> float:
-        """Rate, per wave number times thickness, at which the remainder decays."""
-        return self.stress.decay_rate
-
-    @property
-    def materials(self) -> LayerResponse:
-        """Ratio of the moduli and Poisson's ratios."""
-        return self.stress.materials
 
     def parity(self, name: str) -> tuple[int, int]:
         """Return the parity of a component of stress in x and y."""
@@ -410,7 +399,7 @@ class StressWaves:
 
     def swap_axes(self, name: str) -> tuple["StressWaves", str]:
         """Return the response and the component that take the place of these when the axes are exchanged."""
-        return StressWaves(self.stress, SWAPPED_LOADS[self.load]), COMPONENTS[name].swapped
+        return replace(self, load=SWAPPED_LOADS[self.load]), COMPONENTS[name].swapped
 
     def harmonics(self, k: RealOrComplex) -> dict[str, dict[int, RealOrComplex]]:
         """Return the components of the remainder by name and number of turns, see :class:`WaveResponse`."""
@@ -419,10 +408,10 @@ class StressWaves:
                 COMPONENTS[name].swapped: {
                     m: -part if m == 3 or (m == 2 and name != "yz") else part for m, part in parts.items()
                 }
-                for name, parts in StressWaves(self.stress, "across").harmonics(k).items()
+                for name, parts in replace(self, load="across").harmonics(k).items()
             }
-        normal, shear, s_ll = self.stress.remainder(k)[0 if self.load == "pressure" else 1]
-        s_tt = self.stress.poisson_ratio * (s_ll + normal)
+        normal, shear, s_ll = self.remainder(k)[0 if self.load == "pressure" else 1]
+        s_tt = self.poisson_ratio * (s_ll + normal)
         if self.load == "pressure":
             mean, turning = (s_ll + s_tt) / 2, (s_ll - s_tt) / 2
             return {
@@ -434,7 +423,7 @@ class StressWaves:
                 "xy": {2: turning},
             }
         # the shear along the wave is the cosine, that along its crests minus the sine of the angle
-        down, around = self.stress.antiplane(k)
+        down, around = self.antiplane(k)
         turning = (s_ll - s_tt) / 4 - around / 2
         return {
             "xx": {1: 1j * (s_ll - turning), 3: 1j * turning},

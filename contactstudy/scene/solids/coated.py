@@ -12,7 +12,7 @@ import numpy as np
 from contactstudy.domain.validation import InvalidInput, Metres, validated
 from contactstudy.elasticity.coating import CoatingCoefficients
 from contactstudy.elasticity.coefficients import BoussinesqCoefficients, Coefficients
-from contactstudy.elasticity.kernels.layer_response import LayerResponse, LayerStress
+from contactstudy.elasticity.kernels.layer_response import LayerResponse
 from contactstudy.elasticity.kernels.layer_waves import FAMILIES, StressWaves, WaveCoefficients
 from contactstudy.scene.solids.bodies import HalfSpace
 from contactstudy.scene.solids.stress_model import StressCoefficients
@@ -64,15 +64,14 @@ class CoatedStress:
 
         for interface in range(above, len(self.depths)):
             thickness = self.depths[interface]
-            stress = LayerStress(self.responses[interface], depth / thickness)
-            waves = StressWaves(stress, traction)
+            waves = StressWaves(self.responses[interface], depth / thickness, traction)
             terms[WaveCoefficients(waves, thickness, component)] = 1.0
             if interface == above:
-                half_space(component, depth, stress.poisson_ratio, 1.0)
-            if stress.in_layer and component in ("xx", "yy", "xy"):
-                image = thickness * stress.decay_rate
-                for sign, below in ((1, stress.materials), (-1, stress.materials.above)):
-                    shear_ratio, here, ratio_below = stress.ratios(below)
+                half_space(component, depth, waves.poisson_ratio, 1.0)
+            if waves.in_layer and component in ("xx", "yy", "xy"):
+                image = thickness * waves.decay_rate
+                for sign, below in ((1, waves.materials), (-1, waves.materials.above)):
+                    shear_ratio, here, ratio_below = waves.ratios(below)
                     for name, weight in _strained(component, shear_ratio, here, ratio_below).items():
                         half_space(name, image, ratio_below, sign * weight)
         return tuple(item for item in terms.items() if abs(item[1]) > LEAST_WEIGHT)

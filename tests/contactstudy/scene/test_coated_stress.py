@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.elasticity.kernels.layer_response import LayerResponse, LayerStress
+from contactstudy.elasticity.kernels.layer_response import LayerResponse
 from contactstudy.elasticity.kernels.layer_waves import StressWaves, amplitudes
 from contactstudy.elasticity.kernels.stress import COMPONENTS
 from contactstudy.scene.solids.coated import BELOW, CoatedStress
@@ -86,7 +86,7 @@ def test_stress_under_a_wave_of_any_load_is_in_equilibrium_below_the_bond() -> N
     layer, kx, ky, step = LayerResponse((4.0,), (0.25, 0.35)), 1.1, -0.7, 1e-4
 
     def stress(load: str, depth: float) -> dict[str, complex]:
-        waves = StressWaves(LayerStress(layer, depth), load)
+        waves = StressWaves(layer, depth, load)
         return {name: one.item() for name, one in amplitudes(waves, np.array([[kx]]), np.array([[ky]])).items()}
 
     for load, depth in itertools.product(("pressure", "across", "along"), (1.1, 2.0)):

@@ -113,7 +113,7 @@ def responses(name: str) -> list[WaveResponse]:
     loads = (0.0, "pressure"), (0.6, "across"), (1.5, "along"), (40.0, "across")
     return [
         *(DisplacementWaves(LAYERS[name], load) for load in ("pressure", "traction")),
-        *(StressWaves(LayerStress(LAYERS[name], depth), load) for depth, load in loads),
+        *(StressWaves(LAYERS[name], depth, load) for depth, load in loads),
     ]
 
 

@@ -279,7 +279,6 @@ class ArrayCache:
     def __init__(self, max_bytes: int) -> None:
         self.max_bytes, self._lock = max_bytes, Lock()
         self._arrays: OrderedDict[Hashable, Numbers] = OrderedDict()
-        self._bytes = 0
 
     def array(self, key: Hashable, compute: Callable[[], Numbers]) -> Numbers:
         """Return the array stored for an equal `key`, or that of `compute`, which is stored as read-only."""
@@ -291,11 +290,9 @@ class ArrayCache:
         if array.nbytes <= self.max_bytes:
             array.flags.writeable = False
             with self._lock:
-                if key not in self._arrays:
-                    self._bytes += array.nbytes
-                    self._arrays[key] = array
-                while self._bytes > self.max_bytes:
-                    self._bytes -= self._arrays.popitem(last=False)[1].nbytes
+                self._arrays[key] = array
+                while sum(kept.nbytes for kept in self._arrays.values()) > self.max_bytes:
+                    self._arrays.popitem(last=False)
         return array
 
 

@@ -139,10 +139,8 @@ def _stress(ax: Axes, dataset: xr.Dataset) -> None:
     x, across = in_display_unit(dataset["x"], "m", "across")
     z, down = in_display_unit(dataset["z"], "m", "depth")
     stress, up = in_display_unit(middle, "Pa", "von Mises")
-    ax.set(xlabel=across)
     if middle.sizes["z"] == 1:
         ax.plot(x, stress.isel(z=0), color=RED)
-        ax.set(ylabel=up)
     else:
         filled = ax.contourf(x, z, stress, 24, cmap="magma")
         # the interface of a coating, where depths stand twice
@@ -150,8 +148,8 @@ def _stress(ax: Axes, dataset: xr.Dataset) -> None:
             ax.axhline(interface, color="white", linestyle="--", linewidth=0.8)
         ax.invert_yaxis()
         ax.figure.colorbar(filled, ax=ax)
-        ax.set(ylabel=down)
-    ax.set_title(up.replace("von Mises", "von Mises stress in the middle"))
+    title = up.replace("von Mises", "von Mises stress in the middle")
+    name_axes(ax, across, up if middle.sizes["z"] == 1 else down, title)
     ax.grid(visible=False)
 
 

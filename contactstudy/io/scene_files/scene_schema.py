@@ -186,10 +186,8 @@ class LundbergProfileTable:
         if self.for_load is None and (self.k1, self.k2, self.z_m) != (1.0, 1.0, None):
             raise InvalidInput("LundbergProfile.k1, k2 and z_m modify a profile for a load: give for_load.")
         if self.straight and not ways[0]:
-            raise InvalidInput(
-                f"LundbergProfile.straight is {self.straight!r}, and a profile by for_load or iso_16281_diameter has a "
-                "straight part of its own: leave it out."
-            )
+            remedy = "leave it out, the straight part follows from for_load or iso_16281_diameter"
+            raise InvalidInput(f"LundbergProfile.straight is {self.straight!r}: {remedy}.")
         if self.iso_16281_diameter is not None:
             return roller.LundbergProfile.iso_16281(self.iso_16281_diameter, self.length)
         if self.for_load is not None:
@@ -204,8 +202,7 @@ class LundbergProfileTable:
                 self.for_load, contact_modulus=modulus, radius=radius, length=self.length
             )
             drop = even.end_drop if self.z_m is None else self.z_m
-            straight = (1 - self.k2) * self.length
-            return roller.LundbergProfile(self.k1 * even.amplitude, drop, self.length, straight)
+            return roller.LundbergProfile(self.k1 * even.amplitude, drop, self.length, (1 - self.k2) * self.length)
         assert self.amplitude is not None
         assert self.end_drop is not None
         return roller.LundbergProfile(self.amplitude, self.end_drop, self.length, self.straight)

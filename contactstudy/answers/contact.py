@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from contactstudy.accuracy.bound import lawful_edges
 from contactstudy.accuracy.coarser import coarse_solution, coarsened, comparable
 from contactstudy.accuracy.estimate import error_estimate
-from contactstudy.answers.answer import Answer, Coarser, levels_below
+from contactstudy.answers.answer import Answer, levels_below
 from contactstudy.answers.judgement import OF_EDGES, with_nested_bounds
 from contactstudy.domain.errors import STATIC_ORDER, ErrorEstimate, ErrorParts, Request
 from contactstudy.domain.grid import Grid, Padding, Paddings, edge_fraction
@@ -44,8 +44,6 @@ class Contact(Answer, Solution):
         Time [s] of a frame of an evolution; None for others.
     state
         Fields that a frame keeps from one instant to the next, such as the wear depth, by name.
-    coarser
-        Function that solves the scene on coarser cells, where its problem alone does not tell how.
     is_coarse
         Whether it is itself one to compare with, which has no further bounds.
     """
@@ -55,7 +53,6 @@ class Contact(Answer, Solution):
     rolling: "SteadyRolling | None" = None
     time: float | None = None
     state: Mapping[str, Field] = field(default_factory=dict)
-    coarser: Coarser | None = None
     is_coarse: bool = False
 
     @property
@@ -223,7 +220,7 @@ class Contact(Answer, Solution):
         """The contact on 1 / k of the cells along each axis by k, as far as these have a solution."""
         if self.is_coarse or self.status.is_failure:
             return {}
-        return levels_below(self.coarser or self._on_coarser_cells)  # type: ignore[return-value]
+        return levels_below(self._on_coarser_cells)  # type: ignore[return-value]
 
     @cached_property
     def _on_half_the_cells(self) -> Solution | None:

@@ -64,10 +64,7 @@ class Transforms:
 
     def filtered(self, field: Array, factors: Array, work: ComplexField | None) -> Array:
         """Return `field` (nx, ny), periodic along both axes, with its Fourier coefficients multiplied by `factors`."""
-        cells = field.shape[0], field.shape[1]
-        waves = self.forward(field, cells, work)
-        scale(waves, factors)
-        return self.backward(waves, cells, cells)
+        return self.convolved(field, factors, (field.shape[0], field.shape[1]), work)
 
 
 def _fft_library() -> Any:

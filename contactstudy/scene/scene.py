@@ -187,10 +187,11 @@ class Scene(InNotebook):
             for other in others:
                 if {effect, other} <= effects:
                     field = effect.removeprefix("Scene.")
-                    value = f" is {getattr(self, field)!r}" if hasattr(self, field) else ""
+                    value = repr(getattr(self, field, None))
+                    is_short = hasattr(self, field) and len(value) < 60
+                    pair = f"{effect}{f' is {value}' * is_short} together with {other}"
                     changing = f"{self.time_dependent_field}, which changes in time"
-                    pair = f"{effect}{value} together with {other}".replace("a change in time", changing)
-                    raise InvalidInput(f"{pair}: {reason}.")
+                    raise InvalidInput(f"{pair.replace('a change in time', changing)}: {reason}.")
 
     def _check_outputs(self) -> None:
         """Check the outputs, of each kind of which there may be one, in a contact at rest one of each body."""

@@ -166,12 +166,8 @@ def polynomial(heights: Array, degree: int) -> tuple[Array, dict[tuple[int, int]
     """
     measured = np.isfinite(heights).ravel()
     x, y = (_from_middle(count) for count in heights.shape)
-    powers = [
-        (i, j)
-        for i in range(degree + 1)
-        for j in range(degree + 1 - i)
-        if i < heights.shape[0] and j < heights.shape[1]
-    ]
+    rows, columns = heights.shape
+    powers = [(i, j) for i in range(min(degree + 1, rows)) for j in range(min(degree + 1 - i, columns))]
     basis = np.stack([(x[:, None] ** i * y**j).ravel() for i, j in powers], axis=1)
     coefficients = np.linalg.lstsq(basis[measured], heights.ravel()[measured], rcond=None)[0]
     form = np.asarray((basis @ coefficients).reshape(heights.shape))

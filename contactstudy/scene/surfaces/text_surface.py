@@ -278,11 +278,8 @@ def _gridded(name: str, places: list[tuple[Array, float]], z: Array) -> FileCont
     heights[indices[0], indices[1]] = z[keep]
     if not np.array_equal(heights[indices[0], indices[1]], z[keep], equal_nan=True):
         raise InvalidInput(f"path is {name!r}, which has two heights at one place: {remedy}.")
-    notes = (
-        (f"points moved by up to {readable(shift)} onto a regular grid",)
-        if shift > 1e-3 * min(sizes) / max(heights.shape)
-        else ()
-    )
+    is_moved = bool(shift > 1e-3 * min(sizes) / max(heights.shape))
+    notes = (f"points moved by up to {readable(shift)} onto a regular grid",) * is_moved
     return FileContent(heights, 1.0, (sizes[0], sizes[1]), notes)
 
 

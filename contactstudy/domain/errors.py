@@ -75,7 +75,7 @@ DEFAULT_ERROR = 1e-2
 
 # Grids with which an answer is compared: on 1 / k of the cells along each axis.
 COARSER = 2, 3, 4
-# Bound over the error that the largest change of a number between grids shows: set on 380 static contacts of 60 kinds,
+# Bound over the error that the largest change of a number between grids shows: set on 760 static contacts of 60 kinds,
 # where the largest change was at least 0.7 of the error in 98.5 %.
 MARGIN = 1.5
 # Power of the cell size with which errors of a static contact fall, where no body ends nor attracts another.

@@ -149,7 +149,7 @@ class Evolution(Answer):
             below,
             self.error.l1,
             BY_GRIDS,
-            edge_fraction=edge_fraction(self.frames[-1].pressure > 0),
+            edge_fraction=0.0 if self.films else edge_fraction(self.frames[-1].pressure > 0),
             wider=self._wider.quantities if self._wider else None,
             zone_edge=self._zone_edge,
         )

@@ -41,7 +41,9 @@ AT_EDGE = "highest_residual_stress", "surface_tension", "largest_shear"
 # In the name of a depth, before the index of a body where it has one.
 DEPTH = re.compile(r"_depth(?=(_\d)?$)")
 # The same as `MARGIN` of numbers that have a law of their own beside.
-BESIDE_LAW = {"peak_pressure": 0.75, "traction_coefficient": MARGIN, "creepage": MARGIN, "frictional_power": MARGIN}
+BESIDE_LAW = {"peak_pressure": 0.75} | dict.fromkeys(
+    ("traction_coefficient", "creepage", "frictional_power", "largest_slip", "friction_energy"), MARGIN
+)
 NO_COARSER_YIELD = "No bound: nothing yields on half the cells, give more."
 
 
@@ -78,7 +80,8 @@ def with_nested_bounds(
     replaced
         Reasons of numbers without a bound that get one.
     edge_fraction
-        Fraction of the cells in contact that lie at its edge: the boundary of a stick zone is known to a row of cells.
+        Fraction of the cells in contact that lie at its edge: the boundary of a stick zone is known to a row of cells,
+        and the place of a pressure that lags behind the load to a part of one.
     order
         Power of the cell size with which errors fall; beside an edge it is `EDGE_ORDER` at most.
     wider
@@ -110,12 +113,14 @@ def with_nested_bounds(
             floor = FLOOR * (l1.discretisation or 0.0)
             if name.startswith(BY_YIELD):
                 floor = max(floor, AREA_FLOOR * zone_edge)
+            if name == "rolling_resistance":
+                floor = max(floor, AREA_FLOOR * edge_fraction)
             others = unseen.get(name, other_causes)
             if any(stress in name for stress in OF_STRESS):
                 floor = max(floor, DEPTH_FLOOR if DEPTH.search(name) else STRESS_FLOOR)
-                others += of_stress.get(name, 0.0)
+                others += 0.0 if "orthogonal" in name else of_stress.get(name, 0.0)  # that is 0 at the surface
             change = by_changes(values, min(order, EDGE_ORDER) if _is_at_edge(name) else order)
-            others, inlet = unseen.get(name, other_causes), 0.0
+            inlet = 0.0
             if wider is not None and name in wider:
                 inlet = max(INLET * abs(values[2] - wider[name].value), FLOOR * (l1.inlet or 0.0) * size)
                 others -= l1.inlet or 0.0

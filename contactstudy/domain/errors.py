@@ -85,8 +85,8 @@ STATIC_ORDER = 1.5
 EDGE_ORDER = 0.7
 # Least change of a largest stress, relative, and of its depth, which lie between those at which they are computed.
 STRESS_FLOOR, DEPTH_FLOOR = 5e-4, 6e-3
-# Least change of a number, over the L1 error of the pressure, since a change may vanish by chance; and of an area, or of
-# a number left by a plastic zone, over the fraction of its cells that lie at its edge.
+# Least change of a number, over the L1 error of the pressure, since a change may vanish by chance; and of an area, of a
+# rolling resistance or of a number left by a plastic zone, over the fraction of its cells that lie at its edge.
 FLOOR, AREA_FLOOR = 0.1, 0.5
 # Bound over the change of a number of a film from twice the width. The error by the inlet falls with its length^-2 in a
 # film thickness, which leaves 4/3 of the change, and with length^-1 in a rolling resistance, which leaves 2 of it. On

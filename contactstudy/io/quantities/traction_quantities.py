@@ -18,6 +18,8 @@ from contactstudy.solvers.solution import Solution, TangentialTraction
 # in 190 smooth contacts against the closed form, and less in 16 rough ones. The largest slip grows as the width of the
 # zone to the power of 3/2: a zone that is wider by SLIP_ZONE_MARGIN cells bounds it, where at most 1.1 were needed.
 ENERGY_ERROR, SLIP_ZONE_MARGIN = 1.0, 1.25
+# Slip over the rigid displacement up to which it is the residual of the solver.
+SLIP_ROUNDING = 1e-6
 NO_BOUND_OF_ONE_CELL = "No bound: the slip zone is at most one cell wide; solve again on cells of half the width."
 
 
@@ -122,18 +124,17 @@ def fretting_quantities(
     dissipated = per_length(energy, "J", f"energy lost {counted}", length, grid.length)
     slid = float(traction.slip_distance.max())
     largest_slip = Quantity(slid, "m", f"largest distance slipped {within}")
-    slipping = (solution.pressure > 0) & ~np.asarray(traction.stick, bool)
-    boundary = int(np.count_nonzero(_at_stick_slip_boundary(solution, traction) & slipping))
+    slipping = traction.slip_distance > SLIP_ROUNDING * np.abs(traction.rigid_displacement).max()
+    sticking = replace(traction, stick=(solution.pressure > 0) & ~slipping)
+    boundary = int(np.count_nonzero(_at_stick_slip_boundary(solution, sticking) & slipping))
     slip_zone_cells = np.count_nonzero(slipping) / boundary if boundary else 0.0
     energy_error = ENERGY_ERROR / slip_zone_cells**2 if slip_zone_cells > 1 else inf
     slip_error = (1 + SLIP_ZONE_MARGIN / slip_zone_cells) ** 1.5 - 1 if slip_zone_cells > 1 else inf
     reason = estimate.l1.reason or ("" if slip_zone_cells > 1 else NO_BOUND_OF_ONE_CELL)
-    if traction.cycle is not None and traction.cycle[1] == len(traction.shears):
-        # of other forces the slip zone is that of the last one
-        dissipated, largest_slip = (
-            with_bound(number, replace(estimate.l1, discretisation=relative, reason=reason))
-            for number, relative in ((dissipated, energy_error), (largest_slip, slip_error))
-        )
+    dissipated, largest_slip = (
+        with_bound(number, replace(estimate.l1, discretisation=relative, reason=reason))
+        for number, relative in ((dissipated, energy_error), (largest_slip, slip_error))
+    )
     shear = np.hypot(traction.shears[:, 0], traction.shears[:, 1]).max(axis=0, initial=0.0)
     return traction_quantities(solution, traction, estimate, length) | {
         name: dissipated,

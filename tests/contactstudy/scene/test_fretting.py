@@ -101,6 +101,25 @@ def test_energy_of_a_cycle_is_that_of_the_last_whole_one(
         assert abs(energy.value - finer.value) <= energy.bound < np.inf
 
 
+def test_stress_at_the_cusps_of_a_reversed_traction_is_within_its_bound() -> None:
+    """Few cells do not show how far the stress rises at the surface, where slip begins."""
+    friction = cs.Fretting(0.59, tuple(0.59 * force for force in (0.95, -0.12, 0.31)))
+    scene = replace(LINE, friction=friction, outputs=(cs.SubsurfaceStress(),))
+    coarse, fine = (
+        cs.solve(scene, cs.Grid((cells, 1), (2.6, 1.0)), cs.ExactPeriodicity()).quantities for cells in (37, 370)
+    )
+    for name in ("largest_von_mises", "largest_shear_stress"):
+        assert fine[name].position["z"] == 0
+        assert abs(coarse[name].value - fine[name].value) <= coarse[name].bound
+
+
+def test_slip_in_one_cell_has_no_bound() -> None:
+    friction = cs.Fretting(MU, tuple(force * MU for force in (0.2, -0.14, -0.05, 0.08)))
+    found = fretted(friction, cs.Grid((21, 1), (2.6, 1.0))).quantities
+    assert found["largest_slip"].value
+    assert "at most one cell wide" in found["largest_slip"].reason
+
+
 # Fretting fatigue: a bulk stress in one body (Nowell & Hills 1987; Hills & Nowell 1994, sect. 9.3).
 FRICTION, FORCE = 0.5, 2.5e4
 ROLLER = cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL), (cs.Cylinder(0.01),))

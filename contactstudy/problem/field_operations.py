@@ -346,6 +346,33 @@ class CompiledOperations(ArrayOperations):
         fields = trial, shift, factor, pressure, height
         return float(self._loops.project(*fields, results=1).sum())
 
+    def direction_sums(self, active: Array, preconditioned: Array) -> tuple[float, ...]:
+        """Return the number of cells in the `active` set, and the sum of the `preconditioned` residual."""
+        return tuple(self._loops.direction_sums(active, preconditioned, results=2).sum(axis=1).tolist())
+
+    def conjugacy_sums(self, *fields: Array) -> ConjugacySums:
+        """Return the sums that make a direction conjugate, as :meth:`ArrayOperations.conjugacy_sums` does."""
+        rows = self._loops.conjugacy_sums(*fields, results=7)
+        return ConjugacySums(*rows.sum(axis=1).tolist())
+
+    def curvature(self, trial: Array, pressure: Array, trial_displacement: Array, displacement: Array) -> float:
+        """Return the inner product of the step to `trial` with the change of displacement that it makes."""
+        fields = trial, pressure, trial_displacement, displacement
+        return float(self._loops.curvature(*fields, results=1).sum())
+
+    def crosses_a_limit(self, trial: Array, pressure: Array, factor: float) -> bool:
+        """Return whether `factor` times the step takes a cell beyond a limit."""
+        fields = trial, pressure, factor, self._limit
+        return bool(self._loops.outside_limits(*fields, results=1).any())
+
+    def take_fraction(
+        self, trial: Array, pressure: Array, trial_displacement: Array, displacement: Array,
+        fraction: float,
+    ) -> None:  # fmt: skip
+        """Take a `fraction` of a step, in place, as :meth:`ArrayOperations.take_fraction` does."""
+        fields = trial, pressure, trial_displacement, displacement
+        self._loops.take_fraction(*fields, fraction, self._limit)
+
 
 class DeviceOperations(CompiledOperations):
     """Loops of a device that sum over whole fields: the gap, and a projection to the load, are one launch each."""
@@ -375,33 +402,6 @@ class DeviceOperations(CompiledOperations):
         rounding = 16 * float(np.finfo(trial.dtype).eps)
         numbers = load, sums.load, sums.loaded, rounding
         return float(self._loops.project(trial, *numbers, pressure, height, results=1)[0, 0])
-
-    def direction_sums(self, active: Array, preconditioned: Array) -> tuple[float, ...]:
-        """Return the number of cells in the `active` set, and the sum of the `preconditioned` residual."""
-        return tuple(self._loops.direction_sums(active, preconditioned, results=2).sum(axis=1).tolist())
-
-    def conjugacy_sums(self, *fields: Array) -> ConjugacySums:
-        """Return the sums that make a direction conjugate, as :meth:`ArrayOperations.conjugacy_sums` does."""
-        rows = self._loops.conjugacy_sums(*fields, results=7)
-        return ConjugacySums(*rows.sum(axis=1).tolist())
-
-    def curvature(self, trial: Array, pressure: Array, trial_displacement: Array, displacement: Array) -> float:
-        """Return the inner product of the step to `trial` with the change of displacement that it makes."""
-        fields = trial, pressure, trial_displacement, displacement
-        return float(self._loops.curvature(*fields, results=1).sum())
-
-    def crosses_a_limit(self, trial: Array, pressure: Array, factor: float) -> bool:
-        """Return whether `factor` times the step takes a cell beyond a limit."""
-        fields = trial, pressure, factor, self._limit
-        return bool(self._loops.outside_limits(*fields, results=1).any())
-
-    def take_fraction(
-        self, trial: Array, pressure: Array, trial_displacement: Array, displacement: Array,
-        fraction: float,
-    ) -> None:  # fmt: skip
-        """Take a `fraction` of a step, in place, as :meth:`ArrayOperations.take_fraction` does."""
-        fields = trial, pressure, trial_displacement, displacement
-        self._loops.take_fraction(*fields, fraction, self._limit)
 
 
 def _sum(field: Array) -> float:

@@ -160,6 +160,41 @@ def add_entering(
 
 
 @summing
+def direction_sums(active: Array, preconditioned: Array, results: Array) -> None:
+    """Write for each row the number of cells in the `active` set, and the sum of the `preconditioned` residual."""
+    for i in range(active.shape[0]):
+        count = preconditioned_sum = 0.0
+        for j in range(active.shape[1]):
+            count += active[i, j]
+            preconditioned_sum += preconditioned[i, j]
+        results[i, 0], results[i, 1] = count, preconditioned_sum
+
+
+@summing
+def conjugacy_sums(
+    gap: Array, preconditioned: Array, active: Array, before: Array, after: Array,
+    displacement_before: Array, displacement_after: Array, results: Array,
+) -> None:  # fmt: skip
+    """Write for each row the sums that make a direction conjugate to the last step, in the order of `ConjugacySums`."""
+    for i in range(gap.shape[0]):
+        cells = preconditioned_sum = gap_preconditioned = preconditioned_response = 0.0
+        active_response = gap_step = step_sum = 0.0
+        for j in range(gap.shape[1]):
+            step = active[i, j] * (after[i, j] - before[i, j])
+            response = displacement_after[i, j] - displacement_before[i, j]
+            cells += active[i, j]
+            preconditioned_sum += preconditioned[i, j]
+            gap_preconditioned += gap[i, j] * preconditioned[i, j]
+            preconditioned_response += preconditioned[i, j] * response
+            active_response += active[i, j] * response
+            gap_step += gap[i, j] * step
+            step_sum += step
+        results[i, 0], results[i, 1], results[i, 2] = cells, preconditioned_sum, gap_preconditioned
+        results[i, 3], results[i, 4] = preconditioned_response, active_response
+        results[i, 5], results[i, 6] = gap_step, step_sum
+
+
+@summing
 def trial(
     pressure: Array, height: Array, preconditioned: Array, active: Array, shift: float, beta: float,
     step_length: float, limit: float, step: Array, results: Array,
@@ -217,6 +252,43 @@ def project(trial: Array, shift: float, scale: float, pressure: Array, height: A
             trial[i, j] = (0.0 if shifted_pressure <= 0 else shifted_pressure) * scale
             slope += height[i, j] * (trial[i, j] - pressure[i, j])
         results[i, 0] = slope
+
+
+@summing
+def curvature(trial: Array, pressure: Array, trial_displacement: Array, displacement: Array, results: Array) -> None:
+    """Write for each row the inner product of a step with the displacement that it makes."""
+    for i in range(trial.shape[0]):
+        product = 0.0
+        for j in range(trial.shape[1]):
+            change = trial_displacement[i, j] - displacement[i, j]
+            product += (trial[i, j] - pressure[i, j]) * change
+        results[i, 0] = product
+
+
+@exact
+def outside_limits(trial: Array, pressure: Array, factor: float, limit: float, results: Array) -> None:
+    """Write for each row the number of cells that are beyond a limit after `factor` steps."""
+    for i in range(trial.shape[0]):
+        count = 0
+        for j in range(trial.shape[1]):
+            trial_pressure = pressure[i, j] + factor * (trial[i, j] - pressure[i, j])
+            count += 1 if (trial_pressure < 0) | (trial_pressure > limit) else 0
+        results[i, 0] = count
+
+
+@exact
+def take_fraction(
+    trial: Array, pressure: Array, trial_displacement: Array, displacement: Array, fraction: float,
+    limit: float,
+) -> None:  # fmt: skip
+    """Take a `fraction` of a step: the trial fields become the pressure and displacement that it leads to, in place."""
+    for i in range(trial.shape[0]):
+        for j in range(trial.shape[1]):
+            after = pressure[i, j] + fraction * (trial[i, j] - pressure[i, j])
+            after = 0.0 if after < 0 else after
+            trial[i, j] = limit if after > limit else after
+            change = trial_displacement[i, j] - displacement[i, j]
+            trial_displacement[i, j] = displacement[i, j] + fraction * change
 
 
 @exact

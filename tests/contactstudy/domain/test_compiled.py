@@ -8,6 +8,7 @@ import pytest
 import contactstudy as cs
 from contactstudy.domain import grid as fields
 from contactstudy.domain.device import using
+from contactstudy.problem.field_operations import ArrayOperations, operations_for
 from tests.conftest import LineContact
 from tests.contactstudy.domain.test_devices import BOTH, agree, rough
 
@@ -45,6 +46,22 @@ def test_sums_do_not_depend_on_the_number_of_threads(
             gap = bare.gap(pressure, moved)
             found.append((gap.approach, bare.residual(pressure, gap)))
     assert found[0] == found[1] == found[2]
+
+
+@pytest.mark.usefixtures("compiled")
+@pytest.mark.parametrize("shape", [(12, 7), (7, 12)])
+def test_a_part_of_a_step_is_taken_and_cut_off_in_every_cell(shape: tuple[int, int]) -> None:
+    """A step that is another in some cells is mended by later ones, which cost a solve twice its iterations."""
+    constraint = cs.Constraint(0.9)
+    found = []
+    for operations in (ArrayOperations(constraint, shape), operations_for(constraint, shape)):
+        trial, pressure, moved, displacement = np.random.default_rng(1).uniform(size=(4, *shape))
+        crosses = [operations.crosses_a_limit(trial, pressure, factor) for factor in (0.0, 1.2)]
+        operations.take_fraction(trial, pressure, moved, displacement, 1.2)
+        found.append((trial, moved, crosses))
+    assert type(operations) is not ArrayOperations
+    for ours, other in zip(*found, strict=True):
+        np.testing.assert_allclose(ours, other, rtol=1e-14, atol=1e-15)
 
 
 # Compiles a sum of numbers of one precision, with an index of the code on disk that is as many seconds old as is asked

@@ -14,10 +14,9 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.domain.device import Device, Namespace, available_bytes, using
+from contactstudy.domain.device import Device, Namespace, available_bytes
 from contactstudy.domain.loops import gpu
 from contactstudy.elasticity import approximate_inverse
-from contactstudy.problem.field_operations import ArrayOperations, operations_for
 from contactstudy.solvers import conjugate_gradients as preconditioned_cg
 from contactstudy.solvers.solve import ReportingSolver
 from tests.conftest import LineContact
@@ -155,24 +154,6 @@ def test_sums_over_blocks_of_threads_are_those_of_one_thread(tmp_path: Path) -> 
     options = "-O1", "-std=c++20", "-pthread", "-DREAL=double", "-DPRE=double", f"-I{tmp_path}"
     subprocess.run([str(host_gpu.COMPILER), *options, str(program), "-o", str(made)], check=True)
     subprocess.run([str(made)], check=True)
-
-
-@needs_compiler
-@pytest.mark.parametrize("shape", [(12, 7), (7, 12)])
-def test_a_part_of_a_step_is_taken_and_cut_off_in_every_cell(shape: tuple[int, int]) -> None:
-    """A step that is another in some cells is mended by later ones, which cost a solve twice its iterations."""
-    constraint = cs.Constraint(0.9)
-    with using(host_gpu.HostGpu()):
-        on_gpu = operations_for(constraint, shape)
-    found = []
-    for operations, device in ((ArrayOperations(constraint, shape), cs.Cpu()), (on_gpu, host_gpu.HostGpu())):
-        trial, pressure, moved, displacement = np.random.default_rng(1).uniform(size=(4, *shape))
-        with using(device):
-            crosses = [operations.crosses_a_limit(trial, pressure, factor) for factor in (0.0, 1.2)]
-            operations.take_fraction(trial, pressure, moved, displacement, 1.2)
-        found.append((trial, moved, crosses))
-    for ours, other in zip(*found, strict=True):
-        np.testing.assert_allclose(ours, other, rtol=1e-14, atol=1e-15)
 
 
 def test_what_the_device_has_no_room_for_is_refused(line_contact: LineContact, monkeypatch: pytest.MonkeyPatch) -> None:

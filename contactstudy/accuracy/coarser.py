@@ -150,6 +150,16 @@ def contact_area_in_cells(pressure: Array, wraps: tuple[bool, bool], edges: Stra
     return float(max(np.count_nonzero(pressure) - CONSTANTS.side_excess * sides, 0.0))
 
 
+def _lengths_of_sides(touching: NDArray[np.bool_]) -> Array:
+    """Return the lengths [cells] of all straight sides between cells in and out of contact."""
+    lengths = []
+    for axis in (0, 1):
+        sides = np.pad(np.diff(np.moveaxis(touching, axis, 0), axis=0), ((0, 0), (1, 1)))
+        starts, ends = (np.flatnonzero(np.diff(sides.astype(int), axis=1) == step) for step in (1, -1))
+        lengths.append(ends - starts)
+    return np.concatenate(lengths)
+
+
 def unseen_area_error(pressure: Array, wraps: tuple[bool, bool], edges: StraightEdges | None) -> float:
     """Return the relative error of :func:`contact_area_in_cells` that its change between grids does not show.
 
@@ -159,8 +169,8 @@ def unseen_area_error(pressure: Array, wraps: tuple[bool, bool], edges: Straight
     area, lost = contact_area_in_cells(pressure, wraps, edges), float(_narrow_openings(pressure, wraps))
     if edges is not None:
         lost += pressure.shape[1] * (edges.uncertainty + STRAIGHT_UNCERTAINTY)
-    else:  # of many edges, which lie anywhere in their cells, most errors cancel
-        lost += CONSTANTS.edge_uncertainty * sum(_sides(pressure > 0, wraps)) ** 0.5
+    else:  # of many edges, which lie anywhere in their cells, most errors cancel, but those of cells in line are alike
+        lost += CONSTANTS.edge_uncertainty * float((_lengths_of_sides(pressure > 0) ** 2).sum()) ** 0.5
     return relative_loss(lost / area) if area else inf
 
 

@@ -327,14 +327,16 @@ def _half_size(
     """Return half the distance between the outermost edges in contact along an axis.
 
     Straight smooth edges, which are `resolved`, lie inside their cells. Elsewhere the outer faces of the outermost cells
-    count. With adhesion, where `area_error` is known, they may each be a cell off, beside what the area is.
+    count, and may each be half a cell off. With adhesion, where `area_error` is known, they may each be a cell off,
+    beside what the area is.
     """
     cell = solution.problem.grid.cell_size[axis]
     size = _half_extent(solution.pressure > 0, axis, cell)
     if resolved is not None:
         size = sum(float(edge.max()) for edge in resolved.places) * cell / 2
     name = ("half-width", "half-length")[axis]
-    half = Quantity(size, "m", f"{name} (outermost edges)")
+    off = cell / 2 if resolved is None else 0.0
+    half = Quantity(size, "m", f"{name} (outermost edges)", rivals=((size + off, 0.0),))
     if area_error is None or not isfinite(area_error.total):
         return with_bound(half, area_error, fallback_reasons)
     return replace(half, bound=max(cell, area_error.total * size), reason="")

@@ -9,7 +9,13 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.accuracy.coarser import coarse_solution, coarser_problem, contact_perimeter, discretisation_errors
+from contactstudy.accuracy.coarser import (
+    coarse_solution,
+    coarser_problem,
+    contact_perimeter,
+    discretisation_errors,
+    unseen_area_error,
+)
 from contactstudy.accuracy.contact_edge import edge_error, straight_edges
 from contactstudy.accuracy.hidden_heights import HiddenHeights
 from contactstudy.io.quantities.quantity import Quantity
@@ -153,3 +159,15 @@ def test_a_corner_raises_pressure_by_its_slope_at_each_halving(line_contact: Lin
     assert corner_rise(0.0) == pytest.approx(rise / 1e9, rel=1e-6)
     # where nothing bears it does not count
     assert corner_rise(5 * problem.grid.cell_size[0]) == 0
+
+
+def test_edges_that_change_cells_together_are_as_uncertain_as_one_of_them() -> None:
+    """Edges in line are off by half a cell in every row; of those that lie anywhere most errors cancel."""
+    x = np.arange(64)[:, None]
+
+    def error(bend: float, length: int) -> float:
+        half = 20.2 + bend * np.abs(np.arange(length) - length / 2)
+        return unseen_area_error(np.where(np.abs(x - 31.5) < half, 1.0, 0.0), (False, True), None)
+
+    assert error(0.0, 60) == pytest.approx(error(0.0, 6)) == pytest.approx(0.5 * 2**0.5 / 40, rel=0.05)
+    assert error(0.3, 60) < 0.4 * error(0.3, 6)

@@ -22,6 +22,9 @@ JUMP_RANGE = 0.06
 # Cells that touch beside each other, those of the opening beyond, and difference of the places by two pairs of cells, of
 # a smooth edge.
 MIN_TOUCHING, MIN_OPEN, MAX_DIFFERENCE = 12, 3, 0.5
+# Steps between places by which the law of two cells is extended in a straight line, so that two pairs that both lie
+# beyond it differ.
+BEYOND = 10 * STEPS
 
 
 class _EdgeLaw(NamedTuple):
@@ -112,6 +115,12 @@ class StraightEdges(NamedTuple):
     uncertainty: float
 
 
+def _extended(values: Array) -> Array:
+    """Return values with one more far beyond either end, in line with the last two."""
+    first, last = values[0] + BEYOND * (values[0] - values[1]), values[-1] + BEYOND * (values[-1] - values[-2])
+    return np.concatenate([[first], values, [last]])
+
+
 def straight_edges(pressure: Array) -> StraightEdges | None:
     """Return the edges of a contact across; None unless they are straight and smooth.
 
@@ -128,10 +137,11 @@ def straight_edges(pressure: Array) -> StraightEdges | None:
     sides = np.stack([pressure[last : last - 3 : -1], pressure[first : first + 3]])
     sides = sides / _narrowing(touching.size)[:, None]
     place, _, ratios = _edge_law()
-    places, others = (np.interp(sides[:, k] / sides[:, k + 1], ratios[k], place) for k in (0, 1))
+    places, others = (np.interp(sides[:, k] / sides[:, k + 1], _extended(ratios[k]), _extended(place)) for k in (0, 1))
     off = np.abs(places - others)
     if off.max() > MAX_DIFFERENCE:
         return None
+    places = np.clip(places, place[0], place[-1])
     bends = np.abs(np.roll(places, 1, axis=1) + np.roll(places, -1, axis=1) - 2 * places)
     uncertainty = float((off.max(axis=1) + bends.max(axis=1)).sum())
     middle = (len(pressure) - 1) / 2

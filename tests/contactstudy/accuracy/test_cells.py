@@ -45,6 +45,20 @@ def test_edges_of_few_or_separate_cells_are_not_known() -> None:
         assert straight_edges(pressure) is None
 
 
+@pytest.mark.parametrize(("flat", "rounding", "cells"), [(1e-4, 3e-3, 20), (1e-4, 1e-3, 36), (1.1e-4, 1e-3, 31)])
+def test_the_area_of_a_flat_with_rounded_edges_is_bounded_where_two_pairs_of_cells_lie_beyond_the_law_of_an_edge(
+    flat: float, rounding: float, cells: int
+) -> None:
+    x = np.r_[0, np.linspace(flat, 2e-4, 60)]
+    profile = cs.ProfilePoints(tuple(x), tuple(np.maximum(x - flat, 0) ** 2 / 2 / rounding), axis="across")
+    steel = cs.HalfSpace(210e9, 0.3)
+    scene = cs.Scene(cs.LineLoad(3e4), (steel, steel), (profile,))
+    found, fine = (
+        cs.solve(scene, cs.Grid((n, 1), (4e-4, 4e-4)), EXACT).quantities["contact_area"] for n in (cells, 16 * cells)
+    )
+    assert abs(found.value - fine.value) <= found.bound
+
+
 def test_the_edge_error_is_the_largest_of_edges_nearby(line_contact: LineContact) -> None:
     """The law holds to the order of cell over half-width, 1 / 100; its leap makes it larger, not smaller."""
     hertz, found = line_contact.hertz, []

@@ -22,7 +22,8 @@ from contactstudy.domain.validation import InvalidInput
 
 # What a lock file says of its holder.
 HOLDER = re.compile(r"process (\d+) on (.*) \(since .*\)")
-PARTIAL = re.compile(r"^\..+\.(\d+)\.partial(\.\w+)?$")
+# Name of an unfinished file: that of the whole one, with the process that writes it and its machine.
+PARTIAL = re.compile(r"^\..+\.(\d+)@(.+)\.partial(\.\w+)?$")
 # With less free space [bytes], an unspecific error of a library means that the disk is full.
 MIN_FREE_BYTES = 2**20
 # one of the two exists: the first on Linux and macOS, the other on Windows
@@ -33,7 +34,6 @@ OPEN_FLAGS = sum(getattr(os, name, 0) for name in ("O_BINARY", "O_CLOEXEC", "O_N
 # the byte that is locked on Windows: far beyond the content, which stays readable
 LOCKED_BYTE = 2**30
 POLL_SECONDS = 0.1  # seconds between two tries of a lock on Windows
-NO_LOCK_ERRORS = frozenset({errno.ENOSYS, errno.ENOLCK, errno.EOPNOTSUPP, errno.EINVAL})
 MAGIC = b"\ncontactstudy "  # at the end of a file with a checksum, before the digits of a digest of its content
 DIGEST = 32
 CHUNK = 2**20  # bytes read at a time
@@ -54,7 +54,7 @@ def replacing(path: Path) -> Iterator[Path]:
     it does not exist; the one above it must.
     """
     path.parent.mkdir(exist_ok=True)
-    partial = path.with_name(f".{path.name}.{os.getpid()}.partial{path.suffix}")
+    partial = path.with_name(f".{path.name}.{os.getpid()}@{socket.gethostname()}.partial{path.suffix}")
     try:
         yield partial
         with partial.open("r+b") as file:  # Windows syncs only files that are open for writing
@@ -77,11 +77,15 @@ def _sync_folder(folder: Path) -> None:
 
 
 def remove_partial_files(folder: Path) -> None:
-    """Remove the partial files of killed processes from ``folder`` and its direct subfolders."""
+    """Remove the partial files of this machine's killed processes from ``folder`` and its direct subfolders.
+
+    Call it under the folder's lock: files with this process's own id are taken for those of an earlier one with that id,
+    and removed. Those of other machines stay, since whether their processes run is not known.
+    """
     with suppress(OSError):
         for path in (*folder.glob(".*.partial*"), *folder.glob("*/.*.partial*")):
             match = PARTIAL.match(path.name)
-            if match and not is_alive(int(match[1])):
+            if match and match[2] == socket.gethostname() and not is_alive(int(match[1])):
                 path.unlink(missing_ok=True)
 
 
@@ -113,7 +117,7 @@ def write_with_checksum(path: Path, content: bytes) -> None:
 
 
 def read_verified(path: Path) -> bytes | None:
-    """Return the content written by :func:`write_with_checksum`, or None if it is damaged.
+    """Return the content written by :func:`write_with_checksum`, or None if it is damaged or has no checksum.
 
     Raises OSError without a file.
     """
@@ -149,7 +153,10 @@ def is_alive(process: int) -> bool:
 
 
 def reason(error: Exception, path: Path | None = None) -> str:
-    """Return the system's reason why a file could not be written; with its `path`, a full disk is recognised."""
+    """Return the system's reason why a file could not be written.
+
+    With its `path`, a folder that was removed and a full disk are recognised, before the system's own reason.
+    """
     if isinstance(error, OSError) and error.errno == errno.ELOOP:
         return "it is a symbolic link, which is not followed"
     if path is not None:
@@ -169,7 +176,8 @@ def reason(error: Exception, path: Path | None = None) -> str:
 def locked(path: Path, what: str) -> Iterator[None]:
     """Hold the lock at ``path`` during the block; `what` is locked, as the message calls it.
 
-    The file names its holder and is removed at the end. On a file system without locks the name alone decides. Raises
+    The file names its holder and is removed at the end. On a file system without locks the holder that the
+    file names decides. Raises
     :class:`~contactstudy.InvalidInput` if another process holds the lock, which it names, or if the lock cannot be
     taken, such as a symbolic link.
     """
@@ -182,7 +190,7 @@ def locked(path: Path, what: str) -> Iterator[None]:
     try:
         holder = _read_holder(descriptor)
         # a holder that ends removes the file, which may be between the opening and the locking of it
-        if _is_held(descriptor, holder) or not _is_at(descriptor, path):
+        if not _lock_unless_held(descriptor, holder) or not _is_at(descriptor, path):
             raise InvalidInput(
                 f"{what} is locked by {holder or 'another process'}: run again when that has ended, or give another "
                 f"folder; if it does not run, remove {str(path)!r}."
@@ -199,19 +207,20 @@ def locked(path: Path, what: str) -> Iterator[None]:
         os.close(descriptor)
 
 
-def _is_held(descriptor: int, holder: str) -> bool:
-    """Lock the open file, and return whether another process holds it; without locks, its `holder` by the content.
+def _lock_unless_held(descriptor: int, holder: str) -> bool:
+    """Lock the open file, and return True; return False instead if another process holds it.
 
-    Whether one on another machine still runs is not known, so that it holds the lock.
+    On a file system without locks the `holder` that the file names decides: it holds the file if it runs, and on another
+    machine always, since whether it runs there is not known.
     """
     try:
         lock_descriptor(descriptor, wait=False)
     except BlockingIOError:
-        return True
+        return False
     except OSError:
         named = HOLDER.fullmatch(holder)
-        return named is not None and (named[2] != socket.gethostname() or is_alive(int(named[1])))
-    return False
+        return named is None or (named[2] == socket.gethostname() and not is_alive(int(named[1])))
+    return True
 
 
 def lock_descriptor(descriptor: int, *, wait: bool) -> None:

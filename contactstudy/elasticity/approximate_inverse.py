@@ -6,8 +6,8 @@
 3. The pressure is restricted to the contact by the transposed extension.
 
 Extending ``u`` by zeros instead makes a fragmented contact far too stiff, by more with every halving of the cells.
-Outside the contact ``w``, which is 1 there and 0 elsewhere, the extension is the weighted mean ``G(u) / G(w)``, in
-which the nearest cells of the contact weigh most.
+With ``w`` = 1 in the contact and 0 elsewhere, the extension outside the contact is the weighted mean ``G(u) / G(w)``,
+in which the nearest cells of the contact weigh most.
 
 The extension of least energy is the mean of ``u`` over the first hitting point of a Levy flight whose jumps are
 distributed as the inverse ``S`` of the operator couples cells, like ``r^-3`` (Kyprianou, Osojnik & Shardlow 2018). Its
@@ -17,7 +17,7 @@ kernel falls like ``r^-3`` beyond the width of the holes in the contact, and mor
 """
 
 from collections.abc import Callable
-from functools import cached_property
+from functools import cached_property, partial
 from math import ceil, log2, prod
 
 import numpy as np
@@ -50,7 +50,7 @@ class ExactInverse:
     Parameters
     ----------
     compliance
-        Displacement of each cell under a unit pressure on each cell (cells, cells).
+        Displacement of each cell under a unit pressure on each cell (cells, cells), symmetric.
     """
 
     cells_transformed = 0.0
@@ -128,17 +128,19 @@ class SpectralInverse:
         return self._transformed + (self._coarser.cells_transformed if self._coarser is not None else 0.0)
 
     def extension(self, active: Array) -> "CoveringExtension":
-        """Return the map from the displacement of an `active` set (x, y) to that of all cells."""
+        """Return the map from the displacement of an `active` set (x, y), which is not empty, to that of all cells."""
         if self._coarser is not None:
             return BlockExtension(active, self._coarser, self.pressure)
         width = hole_width(active)
         if not width:
             return CoveringExtension(active, self.pressure)
+        # a power of two, so that the spectrum is kept while the set changes little
         width = 2.0 ** round(log2(HOLES * width))
         if width != self._smoothing[0]:
+            # t S is the wave number [1/cell] times the width, since the shortest wave has the wave number pi
             stretch = width * np.pi / self._stiffest
             self._smoothing = width, 1 / arrays().sqrt(1 + stretch * self._inverse)
-        return SmoothedExtension(active, self._smoothed, self.pressure)
+        return SmoothedExtension(active, partial(self._filtered, factors=self._smoothing[1]), self.pressure)
 
     def pressure(self, displacement: Array) -> Array:
         """Return the pressure on all cells that makes a `displacement` (x, y) of all cells, both periodic."""
@@ -160,10 +162,6 @@ class SpectralInverse:
         low = xp.concat([spectrum[: nx // 4, :], spectrum[nx - nx // 4 :, :]])
         low = first_cells(low, (nx // 2, ny // 4 + 1))
         return SpectralInverse(low, (nx // 2, ny // 2), self._work_array, self.real)
-
-    def _smoothed(self, field: Array) -> Array:
-        """Return `field` convolved with the positive kernel that extends a displacement."""
-        return self._filtered(field, self._smoothing[1])
 
     def _filtered(self, field: Array, factors: Array) -> Array:
         """Return `field` with its Fourier coefficients multiplied by `factors`."""
@@ -201,7 +199,7 @@ class FreeEndsInverse:
     @property
     def cells_transformed(self) -> float:
         """Number of cells transformed so far."""
-        beyond = self.__dict__.get("_beyond")
+        beyond = self.__dict__.get("_beyond")  # without making it
         return self._within.cells_transformed + (beyond.cells_transformed if beyond else 0.0)
 
     def extension(self, active: Array) -> "CoveringExtension | LongerExtension":
@@ -246,7 +244,8 @@ class CoveringExtension:
     """Extension of an active set that has a part of every cell: the displacement of that part holds for the whole cell.
 
     `active` (x, y) is the fraction of each cell that belongs to the set, above 0. Displacements of the set are given
-    times these fractions. `pressure` is the map from a displacement of all cells to their pressure.
+    times these fractions. `pressure` is the map from a displacement of all cells to their pressure. The other extensions
+    of spectral inverses have :meth:`pressure` from it.
     """
 
     def __init__(self, active: Array, pressure: Callable[[Array], Array]) -> None:
@@ -275,7 +274,7 @@ class SmoothedExtension(CoveringExtension):
         self._outside = weights = smoothed(active)
         noise = NOISE * float(xp.finfo(active.dtype).eps)
         if (loops := device_loops()) is not None:
-            loops.outside(active, weights, noise)
+            loops.outside(active, weights, noise)  # in place
             return
         self._outside = (1 - active) / xp.maximum(weights, noise * float(xp.max(weights)))
 
@@ -334,14 +333,14 @@ class BlockExtension(CoveringExtension):
         return means
 
     def _blocks(self, field: Array) -> Array:
-        """Return an empty field of blocks of 2 x 2 cells."""
+        """Return a field of blocks of 2 x 2 cells, whose values are not set."""
         return arrays().empty((field.shape[0] // 2, field.shape[1] // 2), dtype=field.dtype)
 
 
 def hole_width(active: Array) -> float:
     """Return the mean width in cells of the stripes between cells of an `active` set (x, y); half that of square holes.
 
-    It is twice the cells outside over the sides between a cell outside and one of the set, and 0 where there are none.
+    It is twice the cells outside over the sides between a cell outside and one of the set; 0 of a full or empty set.
     """
     if (loops := device_loops()) is not None:
         count, ends = loops.sides(active, results=2)[:, 0].tolist()

@@ -7,7 +7,7 @@ from functools import cached_property
 from math import exp, inf, pi
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -43,9 +43,6 @@ from contactstudy.scene.solids.inelastic import creeping, relaxed
 from contactstudy.solvers.solution import Solution, Status, unloaded, worst_until
 from contactstudy.solvers.solve import SolveOptions
 
-if TYPE_CHECKING:
-    pass
-
 # Halving the steps leaves 0.5 to 0.6 of errors of first order: the error is up to 1.5 times the difference.
 FIRST_ORDER_FACTOR = 1.5
 # Errors of wear are of order 1/2 where it begins, since the pressure changes at once: halving the steps leaves 2^-1/2 of
@@ -78,7 +75,7 @@ class Errors:
         Relative time-discretisation errors by the names of `NAMES_OF_ERRORS`, after the last doubled step and in its
         middle.
     step
-        Duration [s] of its two short steps.
+        Duration [s] of each of its two short steps.
     largest_by_cells
         Largest error by the cells of a recorded contact, summed over the cells [Pa].
     largest_by_residual
@@ -136,7 +133,10 @@ class DrySteps(Method[Instant]):
         return self.stepper.jump(state, increments)
 
     def error(self, before: tuple[Instant, Instant], middle: Instant, after: tuple[Instant, Instant]) -> float:
-        """Return by how much a pair of steps raises the time-discretisation error."""
+        """Return by how much a pair of steps raises the time-discretisation error; infinite without a solution.
+
+        `before` and `after` are the instants (fine, coarse) at the begin and at the end of the pair.
+        """
         if after[0].change == inf:
             return inf
         change = (after[0].pressure - after[1].pressure) - (before[0].pressure - before[1].pressure)
@@ -146,7 +146,10 @@ class DrySteps(Method[Instant]):
         return max(self._relative(total, after[0], before[0]), of_states)
 
     def accept(self, before: Instant, middle: Instant, after: tuple[Instant, Instant | None]) -> float:
-        """Keep the errors of a pair of steps or a jump, and return the largest error in L1."""
+        """Keep the errors of a pair of steps or a jump, and return the largest error in L1.
+
+        `after` are the instants (fine, coarse) at its end. It is called once for each pair or jump, in their order.
+        """
         (fine, coarse), errors = after, self.errors
         for instant in {id(each): each for each in (middle, fine, coarse) if each}.values():
             self._keep(instant.kept)
@@ -154,7 +157,7 @@ class DrySteps(Method[Instant]):
             return 0.0
         if fine.time > before.time:
             errors.step = (fine.time - before.time) / 2
-        earlier, errors.by_steps = errors.by_steps, self._by_steps(fine, coarse, errors.step)
+        earlier, errors.by_steps = errors.by_steps, self._update_by_steps(fine, coarse, errors.step)
         # what is recorded in the middle lies between two instants of the doubled step
         factor = INSIDE_STIFF_STEP if self.stepper.creep_ends_within(errors.step) else 1.0
         inside = {name: max(earlier[name], factor * of) for name, of in errors.by_steps.items()}
@@ -182,11 +185,12 @@ class DrySteps(Method[Instant]):
             for name, of in variable.fields(state).items()
         }
         problem, displacement = solution.problem, solution.displacement
+        # of a contact without state variables they are estimated from the frame when they are asked for
         grid_errors: tuple[Any, ...] = (None, UNKNOWN, ())
         if stepper.all_state_variables or has_failed or not solution.pressure.any():
             problem = stepper.problem
             displacement = solution.gap + solution.approach - problem.undeformed_gap
-            grid_errors = self._of_grid(solution)
+            grid_errors = self._update_by_grid(solution)
         parts, peak_parts, warnings = grid_errors
         work: Any = {name: record.work[name] for name in ("solves", "iterations", "convolutions")}
         return frame_of(
@@ -207,11 +211,11 @@ class DrySteps(Method[Instant]):
             **work,
         )
 
-    def _by_steps(self, fine: Instant, coarse: Instant, step: float) -> dict[str, float]:
-        """Return errors of `fine` by steps, in L1 of the pressure and of the states, and of the peak pressure.
+    def _update_by_steps(self, fine: Instant, coarse: Instant, step: float) -> dict[str, float]:
+        """Return errors of `fine` by steps, by the names of `NAMES_OF_ERRORS`, and keep what later steps inherit.
 
-        Those of bodies which are apart in `fine` alone are relative to the
-        pressure of `coarse`. The last `step` of `fine` has that duration [s].
+        Those of bodies which are apart in `fine` alone are relative to the pressure of `coarse`. The last step of `fine`
+        took the time `step` [s].
         """
         instant = fine if fine.pressure.any() else coarse
         time, *earlier = self.errors.after_stiff_step
@@ -273,8 +277,11 @@ class DrySteps(Method[Instant]):
         """Heights inside the cells, which all instants share."""
         return HiddenHeights.from_problem(self.stepper.problem)
 
-    def _of_grid(self, solution: Solution) -> tuple[ErrorParts, ErrorParts, tuple[str, ...]]:
-        """Return errors of a contact on this grid by cause: in L1, of its peak pressure, and why any is infinite."""
+    def _update_by_grid(self, solution: Solution) -> tuple[ErrorParts, ErrorParts, tuple[str, ...]]:
+        """Return errors of a contact on this grid by cause, and keep the largest ones, which later frames inherit.
+
+        They are those in L1, those of its peak pressure, and the reasons why any is infinite.
+        """
         pressure = solution.pressure
         if not np.isfinite(solution.residual):
             return UNKNOWN, UNKNOWN, (f"No bound: {solution.status}",)
@@ -423,7 +430,10 @@ def evolve(
 
 @dataclass(frozen=True)
 class _Saved:
-    """What a march holds where it can go on, by the names of its attributes, its errors and the number of its frames."""
+    """What a march holds where it can go on, its errors, and the number of its frames.
+
+    All but `errors` and `frames` are attributes of :class:`~contactstudy.evolution.march.March` of the same name.
+    """
 
     fine: Instant
     coarse: Instant | None
@@ -455,7 +465,7 @@ def _frames(march: March[Instant], steps: DrySteps, checkpoint: Checkpoint | Non
     """Return what a march records as frames; with a checkpoint, it goes on from there and is kept there."""
     frames = [] if checkpoint is None else _restored(march, steps, checkpoint)
     for records in march.run():
-        if records is None:
+        if records is None:  # begun again with shorter steps
             frames = []
             continue
         for record in records:
@@ -488,7 +498,7 @@ def _time_stepper(
     scheme: Scheme,
     options: SolveOptions,
 ) -> TimeStepper:
-    """Return the steps of `scene`, from the elastic contact under the largest load, applied suddenly.
+    """Return what steps `scene`, from the elastic contact under the largest load, applied suddenly.
 
     The `duration` [s] is that of all steps.
     """
@@ -503,11 +513,13 @@ def _time_stepper(
     problem = elastic.problem(grid, padding, adhesive_solver)
     datum = elastic.datum(grid)
     variables: list[StateVariable] = [
-        CreepState(body.creep.scaled(1 / pi), BoussinesqCoefficients(datum)) for body in creeping(scene.solids)
+        # the coefficients lack the factor 1 / pi
+        CreepState(body.creep.scaled(1 / pi), BoussinesqCoefficients(datum))
+        for body in creeping(scene.solids)
     ]
     if scene.wear is not None and scene.wear.rate_per_pressure > 0:
         variables.append(WearState(scene.wear.rate_per_pressure, scene.wear.body))
-    if frets:
+    if frets:  # last: the time stepper and the errors take the last state for that of fretting
         variables.append(_fretting_state(scene, problem, options))
     coupled = None
     if any(map(yields, scene.solids)):
@@ -556,14 +568,14 @@ def _fretting_state(scene: Scene, problem: Problem, options: SolveOptions) -> Fr
 def _relative_creep(scene: Scene, datum: float) -> CreepState | None:
     """Return the creep of both bodies, which are elastically similar, over their instantaneous compliance.
 
-    None if neither creeps.
+    It is a factor on the elastic response; None if neither creeps.
     """
     total = sum(body.compliance for body in scene.solids)
-    creeps = [body.creep.scaled(1 / total) for body in creeping(scene.solids)]
-    if not creeps:
+    of_bodies = [body.creep.scaled(1 / total) for body in creeping(scene.solids)]
+    if not of_bodies:
         return None
-    terms = tuple(term for creep in creeps for term in creep.terms)
-    fluidity = sum(creep.fluidity for creep in creeps)
+    terms = tuple(term for creep in of_bodies for term in creep.terms)
+    fluidity = sum(creep.fluidity for creep in of_bodies)
     return CreepState(Creep(1.0, terms, fluidity), BoussinesqCoefficients(datum))
 
 

@@ -21,8 +21,8 @@ class LineLoad:
     Parameters
     ----------
     per_length
-        Load [N/m] over the length of the roller, of an endless one over that of the grid, above zero; together with
-        :class:`~contactstudy.Adhesion` of any sign.
+        Load [N/m], above zero; together with :class:`~contactstudy.Adhesion` of any sign. The length is that of the
+        roller, or of the grid if the roller has no ends.
 
     Raises
     ------
@@ -83,7 +83,7 @@ class TotalLoad:
         return length
 
     def check(self, scene: SceneContext) -> None:
-        """Raise :class:`~contactstudy.InvalidInput` for a load that pulls without adhesion, and without a length."""
+        """Raise :class:`~contactstudy.InvalidInput` if the load pulls without adhesion, or there is no length."""
         if scene.adhesion is None:
             valid("TotalLoad.total", self.total, validation.Newtons)
         _ = scene.roller_length
@@ -155,15 +155,16 @@ class Approach:
         """Return the load [N/m] of a smooth cylinder of a `radius` [m] at this approach; 0 if it does not touch.
 
         ``approach = u (2 ln(2 datum / a) + 1)`` with ``u = W / (pi E*)`` and ``a^2 = 4 u R``, Johnson (1985), sect. 5.6,
-        solved by Lambert's function. Beyond its largest approach, ``datum^2 / R``, the load is that there.
+        solved by Lambert's function for the term with the logarithm. Beyond its largest approach, ``datum^2 / R``, the
+        load is that there.
         """
         if self.approach <= 0:
             return 0.0
         from scipy.special import lambertw  # imported late, since it is slow
 
         largest = (self.datum or DATUM_OVER_RADIUS * radius) ** 2 / radius
-        turns = -lambertw(-min(self.approach / largest, 1.0) / e, -1).real
-        return float(pi * contact_modulus * largest * exp(1 - turns))
+        log_term = -lambertw(-min(self.approach / largest, 1.0) / e, -1).real
+        return float(pi * contact_modulus * largest * exp(1 - log_term))
 
 
 @validated
@@ -222,7 +223,7 @@ class PiecewiseLinear:
 
     @property
     def end(self) -> float:
-        """Last time [s], after which the last value is held."""
+        """Last time [s], after which the last value is only held."""
         return self.times[-1]
 
     def breaks(self, end: float) -> tuple[float, ...]:
@@ -368,7 +369,7 @@ class SineLoad:
 
     @property
     def end(self) -> float:
-        """Duration of one cycle [s]; the load continues after it."""
+        """Time [s] after which the load only repeats: one cycle."""
         return self.period
 
     def breaks(self, end: float) -> tuple[float, ...]:
@@ -391,7 +392,7 @@ class SineLoad:
             last = floor((self._angle(end) - angle) / (2 * pi))
             for cycle in range(first, last + 1):
                 time = (angle + 2 * pi * cycle - self.phase) / (2 * pi * self.frequency)
-                times.add(min(max(time, 0.0), end))
+                times.add(min(max(time, 0.0), end))  # rounding may leave the interval
         return tuple(sorted(times))
 
     def before(self, time: float) -> float:
@@ -431,6 +432,6 @@ def loads_between(load: ChangingLoad, start: float, end: float) -> list[float]:
 
 
 def falls(load: ChangingLoad) -> bool:
-    """Return whether `load` falls at any time up to its end."""
+    """Return whether `load` falls at any time, up to its end, after which it repeats or is held."""
     values = [load.at(load.start), *loads_between(load, load.start, load.end)]
     return any(later < earlier for earlier, later in pairwise([*values, load.at(load.end)]))

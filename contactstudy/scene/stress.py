@@ -233,14 +233,14 @@ class SubsurfaceStressOperator:
         kinks = self.profile.points[0] if self.profile else ()
         deepest = max(width, 2 * cell, min(max(kinks, default=0.0), DEEPEST * width))
         count = 2 + int(np.ceil(np.log(2 * deepest / cell) / np.log(COARSE_STEP)))
-        return [0.0, *np.geomspace(cell / 2, deepest, count).tolist(), *self.medium.faces, *kinks[1:]]
+        return [0.0, *np.geomspace(cell / 2, deepest, count).tolist(), *self.medium.interface_depths, *kinks[1:]]
 
     def at_chosen_depths(self, pressure: Array) -> dict[float, Array]:
         """Return the stress (component, x, y) by ascending depths [m] that include the largest von Mises stress, to 1 %.
 
         Near its maximum the stress changes slowly with depth, so that steps by a third find the neighbouring depths, and
-        steps by a tenth between them the maximum. On a large grid only the depth of the maximum, those beside it and the
-        faces of an interface are returned. The least safety is found likewise where the yield stress changes with depth.
+        steps by a tenth between them the maximum. On a large grid only the depth of the maximum, its neighbours and both
+        sides of an interface are returned. The least safety is found likewise where the yield stress changes with depth.
         """
         rows = np.flatnonzero((pressure > 0).any(axis=1))
         width = (rows[-1] - rows[0] + 1) * self.grid.cell_size[0] if rows.size else 0.0
@@ -272,7 +272,7 @@ class SubsurfaceStressOperator:
         if len(stress) < len(depths):
             indices = [depths.index(best) for best in deciding]
             near = {depth for n in indices for depth in depths[max(n - 1, 0) : n + 2]}
-            depths = sorted({*near, *self.medium.faces})
+            depths = sorted({*near, *self.medium.interface_depths})
         return {depth: stress[depth] if depth in stress else at(depth) for depth in depths}
 
     def fields(self, pressure: Array) -> Mapping[str, Field]:

@@ -85,8 +85,8 @@ def run(
         named_log(f"making the cases of {study.size} points")
     request = Request.of(study)
     folder = open_folder(out.absolute())
-    remove_partial_files(folder)
     with Stop() as stop, Journal(folder / JOURNAL, machine()) as journal:
+        remove_partial_files(folder)
         return Run(study, request, journal, chosen, named_log, stop).execute()
 
 

@@ -6,6 +6,7 @@ the upper limit of the pressure, infinite where there is none. Results differ by
 operations.
 """
 
+import errno
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -17,12 +18,14 @@ from numba import njit
 from numba.core.caching import FunctionCache
 
 from contactstudy.domain.device import Array
-from contactstudy.domain.files import NO_LOCK_ERRORS, lock_descriptor, open_descriptor
+from contactstudy.domain.files import lock_descriptor, open_descriptor
 
 Loop = TypeVar("Loop", bound=Callable[..., Any])
 
 # Loops over blocks of 2 x 2 cells of a field, between two rows of blocks.
 OVER_BLOCKS = ("block_means", "block_means_transposed", "interpolated_outside", "interpolated_outside_transposed")
+# Errors of a file system without locks.
+NO_LOCK_ERRORS = frozenset({errno.ENOSYS, errno.ENOLCK, errno.EOPNOTSUPP, errno.EINVAL})
 # All loops, for those who count what is compiled.
 LOOPS: list[Any] = []
 # Sums may be reordered and the sign of a zero may be lost; nan and inf keep their meaning.

@@ -48,9 +48,9 @@ class CoatedStress:
     depths: tuple[float, ...]
 
     @property
-    def faces(self) -> tuple[float, ...]:
-        """Depths [m] on either side of each interface, where stress jumps."""
-        return tuple(face for depth in self.depths for face in (depth, depth * BELOW))
+    def interface_depths(self) -> tuple[float, ...]:
+        """Depths [m] just above and just below each interface, where stress jumps."""
+        return tuple(side for depth in self.depths for side in (depth, depth * BELOW))
 
     def coefficients(self, traction: str, component: str, depth: float) -> tuple[tuple[Coefficients, float], ...]:
         """Return coefficients with their weights of a stress `component` at a `depth` [m] under a surface `traction`."""

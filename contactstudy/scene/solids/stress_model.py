@@ -12,22 +12,23 @@ class StressModel(Protocol):
     """Stress in a body under pressure and tangential traction on one cell of its surface."""
 
     @property
-    def faces(self) -> tuple[float, ...]:
-        """Depths [m] on either side of an interface."""
+    def interface_depths(self) -> tuple[float, ...]:
+        """Depths [m] just above and just below each interface, where stress jumps; empty without one."""
 
     def coefficients(self, traction: str, component: str, depth: float) -> tuple[tuple[Coefficients, float], ...]:
-        """Return coefficients with their weights of a stress `component` at a `depth` [m].
+        """Return coefficients with their weights of a stress `component` at a `depth` [m], tension positive.
 
-        The `traction` is "pressure", or tangential traction "across" or "along".
+        The `traction` is "pressure", or tangential traction "across" or "along"; the `component` is xx, yy, zz, yz, xz
+        or xy.
         """
 
 
 @dataclass(frozen=True)
 class HalfSpaceStress:
-    """Stress in a homogeneous half-space of this `poisson_ratio`; it has no interface, and so no `faces`."""
+    """Stress in a homogeneous half-space of this `poisson_ratio`; it has no interface."""
 
     poisson_ratio: float
-    faces: ClassVar[tuple[float, ...]] = ()
+    interface_depths: ClassVar[tuple[float, ...]] = ()
 
     def coefficients(self, traction: str, component: str, depth: float) -> tuple[tuple[Coefficients, float], ...]:
         """Return the coefficients of Boussinesq and Cerruti, with the weight 1."""

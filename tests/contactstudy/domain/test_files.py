@@ -37,14 +37,15 @@ def test_a_file_stays_as_it_was_until_the_new_one_is_whole(tmp_path: Path) -> No
 
 
 def test_only_partial_files_of_processes_that_ended_are_removed(tmp_path: Path) -> None:
-    alive = psutil.Process().ppid()
+    alive, host = psutil.Process().ppid(), socket.gethostname()
     (tmp_path / "figures").mkdir()
     names = {
-        f".a.nc.{NEVER}.partial.nc": False,
-        f"figures/.b.png.{NEVER}.partial.png": False,
-        f".c.nc.{os.getpid()}.partial.nc": False,  # of an earlier process of that number
-        f".d.nc.{alive}.partial.nc": True,
-        f"e.nc.{NEVER}.partial.nc": True,
+        f".a.nc.{NEVER}@{host}.partial.nc": False,
+        f"figures/.b.png.{NEVER}@{host}.partial.png": False,
+        f".c.nc.{os.getpid()}@{host}.partial.nc": False,  # of an earlier process of that number
+        f".d.nc.{alive}@{host}.partial.nc": True,
+        f".e.nc.{NEVER}@not-{host}.partial.nc": True,  # whether it runs on another machine is not known
+        f"e.nc.{NEVER}@{host}.partial.nc": True,
         ".f.partial": True,
     }
     for name in names:

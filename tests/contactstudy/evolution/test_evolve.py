@@ -2,6 +2,7 @@ import re
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from socket import gethostname
 from typing import Any
 
 import numpy as np
@@ -86,7 +87,7 @@ def test_a_folder_is_of_one_integration_one_version_and_one_process(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A file that a kill left half written is none of its own."""
-    (tmp_path / f".request.json.{2**22 + 1}.partial.json").write_text("x")
+    (tmp_path / f".request.json.{2**22 + 1}@{gethostname()}.partial.json").write_text("x")
     integrated = partial(evolve, rolling_cylinder(SOLID), COARSE, EXACT, folder=tmp_path)
 
     def second(time: float, end: float) -> None:

@@ -216,6 +216,7 @@ class Evolution(Answer):
             self._plastic_fields,
             self.posed,
             self.error.l1,
+            self.films.ranges if self.films else {},
         )
         if self.trajectory is not None and self.scene.adhesion is not None:
             from contactstudy.evolution.stationary import changes_of_contact, net_work

@@ -7,8 +7,8 @@ twice as long the error at an instant.
 """
 
 from collections import Counter
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import inf
 from typing import Any
@@ -42,6 +42,14 @@ ERROR_OF_STEP, MIN_FILM_FRACTION = 2 / 11, 0.3
 # Farthest motion of a moving shape in a step, over Hertz's half-width, so that none passes the contact unseen, and
 # least steps in a period of the load.
 LONGEST_MOTION, PER_PERIOD = 0.5, 4
+# Numbers that may have their extremes between recorded instants: names and attributes of a film.
+NUMBERS = {
+    "peak_pressure": "peak_pressure",
+    "central_film": "central_film",
+    "minimum_film": "minimum_film",
+    "friction_coefficient": "friction",
+    "rolling_resistance": "rolling_resistance",
+}
 # Allowed error of a step where none is given, and where its length is given instead.
 STEP_ERROR, UNLIMITED = 1e-3, 1e99
 
@@ -62,12 +70,15 @@ class FilmTrajectory:
     time_discretisation_errors
         Estimates (time,) of the relative time-discretisation errors of the pressure in L1, of all steps together, from a
         second evolution with steps twice as long; infinite if one of the two failed.
+    ranges
+        Lowest and highest value of numbers after each pair of steps, by name; of none where they are not known.
     """
 
     times: tuple[float, ...]
     contacts: tuple[FilmSolution, ...]
     work: Counter[str]
     time_discretisation_errors: Array
+    ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     @property
     def counts(self) -> Counts:
@@ -90,8 +101,12 @@ def _difference(fine: FilmSolution, coarse: FilmSolution) -> float:
     return float(np.abs(fine.pressure - coarse.pressure).sum() / fine.pressure.sum())
 
 
-def film_trajectory(records: Sequence[Record[Any]], films: Sequence[FilmSolution]) -> FilmTrajectory:
-    """Return the `films` that a march recorded, with errors by steps.
+def film_trajectory(
+    records: Sequence[Record[Any]],
+    films: Sequence[FilmSolution],
+    ranges: Mapping[str, tuple[float, float]] | None = None,
+) -> FilmTrajectory:
+    """Return the `films` that a march recorded, with errors by steps, and the `ranges` of numbers over all steps.
 
     They are estimated from the differences to films after longer steps: at an instant by the largest until the next that
     is known, or of all where none is later, as one alone may vanish by chance. They are infinite without any difference,
@@ -108,7 +123,7 @@ def film_trajectory(records: Sequence[Record[Any]], films: Sequence[FilmSolution
         until = np.minimum(np.searchsorted(list(differences), range(len(films))), len(differences) - 1)
         errors = ERROR_OVER_DIFFERENCE * np.maximum.accumulate(list(differences.values()))[until]
         errors[[film.status in FAILED for film in films]] = inf
-    return FilmTrajectory(tuple(record.state.time for record in records), tuple(films), work, errors)
+    return FilmTrajectory(tuple(record.state.time for record in records), tuple(films), work, errors, ranges or {})
 
 
 @dataclass(frozen=True, eq=False)
@@ -193,8 +208,9 @@ def evolve_lubricated(
         if first < time < last and min(abs(time - instant) for instant in instants) > least
     }
     points = [Breakpoint(time, times_recorded=int(time in instants)) for time in sorted({*instants, *between})]
-    records = March(_Films(), start, points, control, progress).records()
-    return film_trajectory(records, [record.state.contact for record in records])
+    method = _Films()
+    records = March(method, start, points, control, progress).records()
+    return film_trajectory(records, [record.state.contact for record in records], method.ranges)
 
 
 def _check_loaded(scene: Scene, instants: list[float]) -> None:
@@ -212,13 +228,26 @@ def _check_loaded(scene: Scene, instants: list[float]) -> None:
 
 
 class _Films(Method["_FilmStepper"]):
-    """Steps of a film."""
+    """Steps of a film, and the lowest and highest value of each of `NUMBERS` after all pairs of them."""
 
     order = 3
+
+    def __init__(self) -> None:
+        self.ranges: dict[str, tuple[float, float]] = {}
 
     def step(self, state: "_FilmStepper", end: float) -> "_FilmStepper":
         """Return the film after a step to `end` [s]."""
         return state.advanced(end)
+
+    def accept(
+        self, before: "_FilmStepper", middle: "_FilmStepper", after: tuple["_FilmStepper", "_FilmStepper | None"]
+    ) -> float:
+        """Take a pair of steps into the ranges; the error of all steps is not limited."""
+        for name, attribute in NUMBERS.items():
+            value = getattr(after[0].contact, attribute)
+            values = value, *self.ranges.get(name, ())
+            self.ranges[name] = min(values), max(values)
+        return 0.0
 
 
 @dataclass(frozen=True, eq=False)

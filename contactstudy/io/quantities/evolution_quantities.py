@@ -3,17 +3,18 @@
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
-from math import inf, isfinite
-from typing import TYPE_CHECKING, Any
+from math import inf
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contactstudy.domain.errors import ErrorParts
+from contactstudy.domain.errors import MARGIN, ErrorParts
 from contactstudy.domain.grid import Array
 from contactstudy.domain.validation import readable
 from contactstudy.io.quantities.quantity import Quantity, per_length, roller_length, with_bound
 from contactstudy.problem.problem import Field
-from contactstudy.scene.scene import PosedScene
+from contactstudy.scene.scene import PosedScene, Scene
+from contactstudy.scene.solids.bodies import creeps
 from contactstudy.solvers.solution import Status
 
 if TYPE_CHECKING:
@@ -65,6 +66,7 @@ def evolution_quantities(
     plastic_fields: Mapping[str, Field],
     posed: PosedScene,
     error: ErrorParts,
+    ranges: Mapping[str, tuple[float, float]],
 ) -> dict[str, Quantity]:
     """Return extremes over time with their instants, final values, and permanent changes: wear, dent, residual stress.
 
@@ -82,8 +84,10 @@ def evolution_quantities(
         The scene with its grid.
     error
         Relative L1 error of the pressure at the worst instant.
+    ranges
+        Lowest and highest values after all steps, by name, of those that are known.
     """
-    quantities = _extremes(frames, times, posed.scene.histories) | _final(frames[-1])
+    quantities = _extremes(frames, times, posed.scene, ranges) | _final(frames[-1])
     if "wear_depth" in fields:
         quantities |= _of_wear(fields, frames, posed, error)
     if "friction_energy" in fields:
@@ -92,15 +96,19 @@ def evolution_quantities(
 
 
 def _extremes(
-    frames: Sequence[Mapping[str, Quantity]], times: Sequence[float], histories: Sequence[Any]
+    frames: Sequence[Mapping[str, Quantity]],
+    times: Sequence[float],
+    scene: Scene,
+    ranges: Mapping[str, tuple[float, float]],
 ) -> dict[str, Quantity]:
     """Return the extremes over time, each with its instant, of the instants that have the quantity.
 
-    They have no bound where one of the `histories` goes beyond its recorded values between the recorded instants. The
-    bound of others includes how far a parabola through three instants goes beyond them.
+    They have no bound where a history goes beyond its recorded values between the recorded instants, or has a kink there
+    from which a body creeps. The bound of others includes how far their `ranges`, or else a parabola through three
+    instants, go beyond them.
     """
     quantities = {}
-    reason, kinks = _beyond_recorded(times, histories)
+    reason, kinks = _beyond_recorded(times, scene)
     for name, extreme, label in EXTREMES:
         known = [(frame[name], time) for frame, time in zip(frames, times, strict=True) if name in frame]
         if not known:
@@ -108,23 +116,29 @@ def _extremes(
         values = [extreme([quantity.value]) for quantity, _ in known]
         index = values.index(extreme(values))
         found, time = known[index]
-        bound = inf if reason else found.bound
-        if isfinite(bound) and 0 < index < len(known) - 1 and time not in kinks:
+        bound, beyond = inf if reason else found.bound, 0.0
+        if name in ranges:
+            beyond = abs(extreme([*ranges[name], values[index]]) - values[index])
+        elif 0 < index < len(known) - 1 and time not in kinks:
             around = slice(index - 1, index + 2)
-            bound += _beyond_parabola([instant for _, instant in known[around]], values[around])
+            beyond = _beyond_parabola([instant for _, instant in known[around]], values[around])
         quantities[name] = replace(
-            found, value=values[index], label=label, bound=bound, reason=reason or found.reason,
-            position={"time": float(time)}, detail="",
+            found, value=values[index], label=label, bound=bound + beyond, reason=reason or found.reason,
+            position={"time": float(time)}, detail="", rivals=(*found.rivals, (values[index] + MARGIN * beyond, 0.0)),
         )  # fmt: skip
     return quantities
 
 
-def _beyond_recorded(times: Sequence[float], histories: Sequence[Any]) -> tuple[str, frozenset[float]]:
-    """Return where a history goes beyond its values at the recorded `times`, as a sentence or empty, and its kinks."""
+def _beyond_recorded(times: Sequence[float], scene: Scene) -> tuple[str, frozenset[float]]:
+    """Return where a history goes beyond its values at the recorded `times`, as a sentence or empty, and its kinks.
+
+    Where a body creeps, a kink counts as well, since the pressure may be highest there under a load that stays.
+    """
     kinks: set[float] = set()
-    if not histories and times[0] > 0:
+    creeping = any(map(creeps, scene.solids))
+    if not scene.histories and times[0] > 0:
         return BEFORE_RECORDED, frozenset()
-    for history in histories:
+    for history in scene.histories:
         turns = getattr(history, "turning_points", None)
         between = turns(times[-1]) if turns else getattr(history, "times", ())
         between = [time for time in between if history.start <= time <= times[-1]]
@@ -137,10 +151,11 @@ def _beyond_recorded(times: Sequence[float], histories: Sequence[Any]) -> tuple[
         allowed = HISTORY_ROUNDING * max(abs(lowest), abs(highest))
         for time in between:
             values = history.at(time), before(time) if time > history.start else lowest
-            if not all(lowest - allowed <= value <= highest + allowed for value in values):
+            is_within = all(lowest - allowed <= value <= highest + allowed for value in values)
+            if not is_within or (creeping and not np.isclose(times, time).any()):
                 return (
-                    f"No bound: a history of the scene has an extreme at {time:.4g} s, between the recorded instants: "
-                    "record that one too."
+                    f"No bound: a history of the scene has a kink or an extreme at {time:.4g} s, between the recorded "
+                    "instants: record that one too."
                 ), frozenset()
     return "", frozenset(kinks)
 

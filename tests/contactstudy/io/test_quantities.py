@@ -64,7 +64,7 @@ def test_an_error_relative_to_zero_bounds_nothing() -> None:
 
 def test_the_largest_friction_in_time_is_that_of_the_largest_size() -> None:
     frames = [{"friction_coefficient": Quantity(value, "1", "")} for value in (-1e-4, -2e-4)]
-    numbers = evolution_quantities(frames, [0.0, 1.0], {}, {}, UNLOADED, ErrorParts())
+    numbers = evolution_quantities(frames, [0.0, 1.0], {}, {}, UNLOADED, ErrorParts(), {})
     assert numbers["friction_coefficient"].value == 2e-4
 
 
@@ -76,6 +76,15 @@ def test_the_largest_in_time_has_no_bound_where_the_load_is_higher_between_insta
         peak = answer.quantities["peak_pressure"]
         assert (peak.bound == inf) == bool(said)
         assert said in peak.reason
+
+
+def test_the_largest_in_time_has_no_bound_where_a_creeping_body_may_be_pressed_harder_between_instants() -> None:
+    """At the end of a ramp, after which the pressure relaxes under the load that stays."""
+    creeping = cs.ViscoelasticHalfSpace(1.8e6, 0.48, ((2.4e6, 0.8),))
+    scene = cs.Scene(cs.LoadHistory((0.0, 0.3, 2.0), (6.0, 23.0, 23.0)), (creeping, STEEL), (cs.Cylinder(1.3e-3),))
+    for times, is_bounded in (((0.0, 0.5, 2.0), False), ((0.0, 0.3, 2.0), True)):
+        answer = cs.solve(scene, cs.Grid((32, 1), (4e-4, 1e-3)), cs.ExactPeriodicity(), times=times)
+        assert (answer.quantities["peak_pressure"].bound < inf) == is_bounded
 
 
 ROWS = {

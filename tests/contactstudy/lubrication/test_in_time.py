@@ -36,6 +36,19 @@ def central_films(evolution: FilmTrajectory) -> Array:
     return np.array([contact.central_film for contact in evolution.contacts])
 
 
+def test_an_extreme_between_the_instants_is_within_the_bound() -> None:
+    """The film lags behind the speed, and is thinnest after the instant at which that is lowest."""
+    steady = rolling(20.0, 5.0)
+    speed, unit = speed_of(steady), A / speed_of(steady)
+    scene = with_motion(steady, mean_speed=cs.SpeedHistory((0.0, unit, 2 * unit), (speed, 0.1 * speed, speed)))
+    few, many = (
+        cs.solve(scene, grid(48, 2.5), times=unit * np.array(times)).quantities["central_film"]
+        for times in ((0.0, 1.0, 6.0), (0.0, 1.0, 1.5, 2.0, 2.5, 3.0, 6.0))
+    )
+    assert many.value < 0.7 * few.value
+    assert few.value - many.value <= few.bound
+
+
 @pytest.mark.whole
 def test_a_wave_that_passes_is_reduced_as_known() -> None:
     """At M = 100, L = 10 the central film follows a wave of half a half-width to 0.4398 in pure rolling."""

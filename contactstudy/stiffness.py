@@ -15,6 +15,7 @@ from contactstudy.domain.validation import CURVED, InvalidInput, Metres, NotDefi
 from contactstudy.io.quantities.contact_quantities import approach_datum, datum_text
 from contactstudy.io.quantities.quantity import Quantity
 from contactstudy.scene.loads import PullOff
+from contactstudy.scene.solids.bodies import Body
 from contactstudy.scene.solids.coated import CoatedHalfSpace
 from contactstudy.solvers.conjugate_gradients import conjugate_gradients
 from contactstudy.solving import solve
@@ -172,7 +173,7 @@ def distant_approach(
     cylinder between the contact and its axis, if it is loaded opposite to the contact, and ``2 ln(2 d / a) - nu / (1 -
     nu)`` that of a flat body down to a depth d (Johnson 1985, sect. 5.6). Both differ from the approach of half-spaces
     by a constant times the load, whatever the surfaces are like. On a roller that ends, the constant is that of its
-    pressure, at mid-length. In a coated body c changes with the distance; by how much is part of the bound.
+    pressure, at mid-length. In a coated body c changes with the distance; the change is part of the bound.
 
     Parameters
     ----------
@@ -225,16 +226,8 @@ def distant_approach(
             below = valid("depth", depth, Metres)
             distance = below * exp(-1 / (2 * (1 - material.poisson_ratio)))
             places.append(f"a depth of {readable(below)}")
-        if datum:
-            of_body = 2 * material.compliance / pi * log(datum / distance)
-            shift += of_body
-            if isinstance(solid, CoatedHalfSpace):
-                added = _of_line(solid, datum) - _of_line(solid, distance) - of_body
-                shift, shift_bound = shift + added, shift_bound + abs(added)
-        else:
-            weights = grid.cell_area / np.hypot(distance, grid.y - grid.y.mean())
-            of_load = float((contact.net_pressure * weights).sum()) / per_length
-            shift += material.compliance / pi * of_load
+        of_body, change = _distant_displacement(contact, solid, distance, datum)
+        shift, shift_bound = shift + of_body, shift_bound + change
     detail = f", between {' and '.join(places)}"
     near, stiffness = contact.quantities["approach"], contact_stiffness(contact)
     at_axes = near.bound + shift_bound * abs(per_length)
@@ -244,7 +237,36 @@ def distant_approach(
     return DistantApproach(approach, replace(stiffness, value=value, bound=bound, detail=detail))
 
 
+def _distant_displacement(contact: Contact, solid: Body, distance: float, datum: float | None) -> tuple[float, float]:
+    """Return the displacement of a surface at a `distance` [m] across from the middle of a line contact, over the load.
+
+    Both the displacement over the load per length [1/Pa], and by how much a coating changes it, are returned. The load
+    is taken on the axis of the contact, which is narrow beside the distance. The displacement counts from the `datum`
+    [m]; without one it is that by the cells of the grid, whose load ends.
+    """
+    material: Any = getattr(solid, "substrate", solid)
+    grid, along = contact.grid, contact.grid.y - contact.grid.y.mean()
+    per_length = float(contact.net_pressure.sum()) * grid.cell_area / contact.loaded_length
+
+    def by_cells(coefficients: Array) -> float:
+        return float((contact.net_pressure * coefficients).sum()) / per_length
+
+    if datum:
+        uncoated = 2 * material.compliance / pi * log(datum / distance)
+    else:
+        uncoated = material.compliance / pi * by_cells(grid.cell_area / np.hypot(distance, along))
+    if not isinstance(solid, CoatedHalfSpace):
+        return uncoated, 0.0
+    if datum:
+        coated = _of_line(solid, datum) - _of_line(solid, distance)
+    else:
+        offset = np.array([[distance]]), along[None]
+        kinds = solid.response(distance).items()
+        coated = sum(weight * by_cells(kind.cell(*offset, *grid.cell_size)) for kind, weight in kinds)
+    return coated, abs(coated - uncoated)
+
+
 def _of_line(body: CoatedHalfSpace, datum: float) -> float:
-    """Return the displacement over a load on a line [1/Pa] by which a body moves so that it is 0 at the `datum` [m]."""
+    """Return the displacement [1/Pa] per unit load on a line that makes the surface stand still at `datum` [m]."""
     response: Mapping[Any, float] = body.response(datum)
     return float(sum(weight * kind.rigid_shift(1.0) for kind, weight in response.items()))

@@ -73,15 +73,16 @@ def thermal_shear(
         surfaces, of_film = _temperature_influence(influence, heat.conductivity / heated)
         rise: Array = np.zeros(len(heated))
         slip: Array = np.full(len(heated), line.sliding)
+        change = 0.0
         for _ in range(MAX_PASSES):
+            if change > NEW_START:
+                rise = np.zeros_like(rise)
             rise, residual = _solve_temperature(of_film, line, slip, rise)
             stress, elastic = line.elastic(_viscosity_ratio(line, rise))
             change = float(np.abs(elastic - slip).max()) / (line.sliding or 1.0)
             slip = elastic
             if change <= SLIP_TOLERANCE:
                 break
-            if change > NEW_START:
-                rise = np.zeros_like(rise)
         mean[:, column], shear[:, column] = rise, stress
         largest_residual = max(largest_residual, residual, change)
         surface[:, :, column] = surfaces @ (slip * stress)

@@ -94,6 +94,21 @@ def test_a_coating_counts_in_the_approach_of_axes_as_far_as_it_is_thick() -> Non
     assert on_thick.value == pytest.approx(of_coating.value, rel=(depth / thick) ** 2)
 
 
+def test_a_coating_counts_on_a_roller_that_ends_too() -> None:
+    coating, grid = cs.HalfSpace(70e9, 0.2), cs.Grid((24, 24), (4e-4, 0.08))
+    scene = replace(LINE, shapes=(*LINE.shapes, cs.FiniteLength(0.08)))
+
+    def approach(body: cs.HalfSpace | cs.CoatedHalfSpace) -> Quantity:
+        contact = cs.solve(replace(scene, solids=(body, STEEL)), grid, cs.ZeroPadding())
+        return cs.distant_approach(contact, (0.01, np.inf), depth=5e-3).approach
+
+    uncoated = approach(coating)
+    on_thick, on_middle = (approach(cs.CoatedHalfSpace(coating, size, STEEL)) for size in (10.0, 0.01))
+    assert on_thick.value == pytest.approx(uncoated.value, rel=1e-3)
+    # the substrate of one as thick as the point is distant is felt there
+    assert on_middle.bound > 2 * uncoated.bound
+
+
 def test_axes_of_a_long_roller_that_ends_approach_as_those_of_an_endless_one() -> None:
     scene = replace(LINE, shapes=(*LINE.shapes, cs.FiniteLength(0.08)))
     contact = cs.solve(scene, cs.Grid((48, 48), (4e-4, 0.08)), cs.ZeroPadding())

@@ -324,15 +324,14 @@ def _marks(name: str, lines: list[str], decimal: str | None) -> tuple[str | None
     _, separator, sign, rows = best
     cells = [cell for row in rows for cell in row]
     remedy = 'give decimal = "," or decimal = "."'
-    if separator == "," and not any("." in cell or "," in cell for cell in cells):
+    if separator == "," and not any("." in cell or "," in cell for cell in cells) and decimal != ".":
         second = [cell for row in rows for cell in row[1::2]]
         is_pair = all(len(row) % 2 == 0 for row in rows) and all(map(str.isdigit, second))
-        positions = np.diff([_value(row[0], ".") or 0.0 for row in rows])
-        is_trace = len(rows[0]) == 2 and np.ptp(positions) < 0.2 * abs(positions.mean())
-        is_open = len(rows[0]) == 2 or any(cell[0] == "0" < cell[1:] for cell in second)
-        if is_pair and is_open and not is_trace and decimal != ".":
-            if decimal == "," and len(rows[0]) == 2:
-                return None, ","
+        # decimals of one column, or of more where some begin with 0; positions at even steps begin lines of a trace
+        is_single = is_pair and len(rows[0]) == 2 and not _has_even_steps([_value(row[0], ".") or 0.0 for row in rows])
+        if is_single and decimal == ",":
+            return None, ","
+        if is_single or (is_pair and len(rows[0]) > 2 and any(re.match(r"0\d", cell) for cell in second)):
             raise InvalidInput(
                 f"path is {name!r}, in which {rows[0][0] + ',' + rows[0][1]!r} is two numbers or one with a decimal "
                 f"comma: {remedy}, or separate numbers by semicolons."
@@ -350,3 +349,9 @@ def _marks(name: str, lines: list[str], decimal: str | None) -> tuple[str | None
                 f"path is {name!r}, in which {marked[0]!r} has a decimal {what} or one between thousands: {remedy}."
             )
     return separator, sign
+
+
+def _has_even_steps(positions: list[float]) -> bool:
+    """Return whether steps between two or more `positions` differ by less than a fifth of their mean."""
+    steps = np.diff(positions)
+    return len(steps) > 0 and bool(np.ptp(steps) < 0.2 * abs(steps.mean()))

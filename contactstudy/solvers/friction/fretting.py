@@ -177,6 +177,15 @@ class FrettingShear:
     bulk: BulkStress = BulkStress()  # noqa: RUF009 (frozen)
     bulk_stresses: tuple[float, ...] = ()
 
+    @property
+    def _stresses(self) -> tuple[float, ...]:
+        """The bulk stress [Pa] at the start, 0, and with each force."""
+        return (0.0, *(self.bulk_stresses or (0.0,) * len(self.forces_per_length)))
+
+    def _stretch(self, grid: Grid, before: float, after: float) -> Array | None:
+        """Return the displacement by a change of the bulk stress [Pa], None where it stays the same."""
+        return None if before == after else self.bulk.stretch(grid, before, after)
+
     def solve(self, problem: Problem, options: SolveOptions, start: Array | None, device: Device) -> Solution:
         """Return the normal contact with the tangential traction after the last force, and the history of slip."""
         normal = solve_contact(problem, options, start, device)
@@ -190,11 +199,9 @@ class FrettingShear:
         limits = options.tolerance, options.max_iterations
         # without a load there is no tangential force
         forces = self.forces_per_length if limit.any() else ()
-        stresses = (0.0, *(self.bulk_stresses or (0.0,) * len(self.forces_per_length)))
+        stresses = self._stresses
         for number, force in enumerate(forces):
-            stretch = None
-            if stresses[number] != stresses[number + 1]:
-                stretch = self.bulk.stretch(problem.grid, *stresses[number : number + 2])
+            stretch = self._stretch(problem.grid, *stresses[number : number + 2])
             total = np.array([force * problem.grid.length / problem.grid.cell_area, 0.0])
             step = slip_step(self.response, limit, shear, *limits, total=total, stretch=stretch)
             sliding.append(np.hypot(*step.slip))
@@ -224,20 +231,25 @@ class FrettingShear:
     def loop(self, solution: Solution) -> tuple[Array, Array, Array]:
         """Return forces along x [N], rigid displacements [m] and slip [m] along the last whole cycle, or the history.
 
-        Each point between two forces is solved from the traction after the first of them. The slip is the displacement
-        less that of a contact which sticks all over; the area of both loops is the energy lost.
+        Each point between two forces is solved from the traction after the first of them, while a bulk stress changes
+        in proportion. The slip is the displacement less that of a contact which sticks all over under the force. Under
+        a constant bulk stress the area of either loop, over displacement or over slip, is the energy lost.
         """
         traction, problem = solution.traction, solution.problem
         assert isinstance(traction, FrettingTraction)
         limit = self.coefficient * solution.pressure
-        rigid, forces = traction.rigid_displacement, traction.forces
+        rigid, forces, stresses = traction.rigid_displacement, traction.forces, np.array(self._stresses)
         start, end = traction.cycle or (0, len(forces) - 1)
         points = [(forces[start], rigid[start])]
         for step in range(start, end):
             shear = traction.shears[step - 1] if step else np.zeros_like(traction.shear)
-            for force in np.linspace(forces[step], forces[step + 1], LOOP_PARTS + 1)[1:-1]:
+            at_parts = (np.linspace(of[step], of[step + 1], LOOP_PARTS + 1)[1:-1] for of in (forces, stresses))
+            for force, stress in zip(*at_parts, strict=True):
                 total = np.array([force / problem.grid.cell_area, 0.0])
-                step_to = slip_step(self.response, limit, shear, LOOP_TOLERANCE, LOOP_APPLICATIONS, total=total)
+                stretch = self._stretch(problem.grid, stresses[step], stress)
+                step_to = slip_step(
+                    self.response, limit, shear, LOOP_TOLERANCE, LOOP_APPLICATIONS, total=total, stretch=stretch
+                )
                 points.append((force, rigid[step] + float(step_to.rigid[0])))
             points.append((forces[step + 1], rigid[step + 1]))
         forces, rigid = np.transpose(points)

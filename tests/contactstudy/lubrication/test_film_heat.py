@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
+from contactstudy.lubrication import film_heat
 from contactstudy.lubrication.film_heat import moving_source, thermal_reduction
 from contactstudy.lubrication.steady_film import solve_lubricated
 from tests.contactstudy.lubrication.scenes import STEEL, by_moes, grid, with_motion
@@ -82,6 +83,14 @@ def test_a_starved_film_is_as_thick_as_its_supply_with_heat_too() -> None:
         factors.append(starved.temperatures.reduction)
     assert factors[0] == 1
     assert factors[2] == flooded.temperatures.reduction <= factors[1] < 1
+
+
+def test_a_film_whose_passes_end_early_keeps_the_temperature_of_its_shear(monkeypatch: pytest.MonkeyPatch) -> None:
+    converged = solve_lubricated(heated(0.005), grid(160, 4.5)).temperatures
+    monkeypatch.setattr(film_heat, "MAX_PASSES", 1)
+    early = solve_lubricated(heated(0.005), grid(160, 4.5)).temperatures
+    assert early.residual > film_heat.NEW_START
+    assert early.film.max() >= converged.film.max() > 0
 
 
 def test_a_coating_conducts_heat_between_its_own_values_and_those_of_the_substrate() -> None:

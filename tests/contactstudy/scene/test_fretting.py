@@ -165,6 +165,13 @@ def test_the_bulk_stress_adds_to_the_stress_of_its_body_alone() -> None:
     assert np.abs(both[1].derived["stress_1"].values - both[0].derived["stress_1"].values).max() > 1e5
 
 
+def test_a_loop_passes_the_states_of_a_bulk_stress_that_changes_with_the_force() -> None:
+    loop = pulled(cs.Fretting(FRICTION, (FORCE,), bulk_stresses=(8e7,))).dataset_to_draw()
+    middle = len(loop["loop_force"]) // 2
+    half = pulled(cs.Fretting(FRICTION, (FORCE / 2,), bulk_stresses=(4e7,)))
+    assert loop["loop_displacement"].values[middle] == pytest.approx(half.traction.rigid_displacement[-1], rel=1e-4)
+
+
 def test_a_cycle_of_bulk_stress_alone_is_a_whole_one() -> None:
     def energy(law: cs.Fretting) -> float:
         return pulled(law).quantities["energy_per_cycle"].value

@@ -192,6 +192,8 @@ def test_a_comma_or_a_point_with_two_readings_needs_the_decimal_sign(tmp_path: P
     ("text", "sentence"),
     [
         ("not,numbers\nat,all\n", "without rows of numbers: give rows"),
+        ("12,34\n", "'12,34' is two numbers or one with a decimal comma"),
+        ("1,2,3,\n4,5,6,\n", "2 rows of 3 numbers: give a surface of at least 8 x 8"),
         ("a;b;c\n1;2;3\n", "1 rows of 3 numbers: give a surface of at least 8 x 8"),
         (matrix().replace(f"{MAP[5, 1]:.4f}", "um"), "row 6 has 'um', which stands for a height"),
         (matrix() + "\n1.5\t2.5\n", "give rows of equally many numbers"),

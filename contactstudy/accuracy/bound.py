@@ -15,7 +15,7 @@ from contactstudy.accuracy.coarser import (
 )
 from contactstudy.accuracy.contact_edge import StraightEdges, straight_edges
 from contactstudy.accuracy.hidden_heights import HiddenEffect, HiddenHeights
-from contactstudy.domain.grid import Array
+from contactstudy.domain.grid import Array, axis_first
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.scene import scene_of
 from contactstudy.scene.shapes.shape import unresolved
@@ -24,6 +24,9 @@ from contactstudy.solvers.solution import Solution
 # Least cells in a layer beside which edges follow the law of those of a half-space: on fewer their places by two pairs
 # of cells were off by up to 0.2 cells where they agreed by chance.
 CELLS_IN_LAYER = 3.0
+# Distance of a peak pressure in the two cells at an edge from the opposite edge, over that from its own, from which it
+# belongs to its own.
+OPPOSITE = 4
 SHARP_EDGE = "a sharp edge or corner"
 UNKNOWN_HEIGHTS = (
     "No bound for the discretisation error: Problem.source does not say the heights on other grids, so nothing is "
@@ -178,6 +181,23 @@ def lawful_edges(solution: Solution) -> StraightEdges | None:
     is_thin = min(layers, default=inf) < CELLS_IN_LAYER * solution.problem.grid.cell_size[0]
     has_other_law = is_thin or solution.adhesion is not None or _at_hardness(solution)
     return None if has_other_law else straight_edges(solution.pressure)
+
+
+def is_highest_beside_edge(pressure: Array) -> bool:
+    """Return whether a `pressure` (x, y) rises up to an edge, so that its curvature does not tell its maximum.
+
+    Its highest cell is then one of the two at an edge, and `OPPOSITE` times as far from the opposite one.
+    """
+    highest = np.unravel_index(np.argmax(pressure), pressure.shape)
+    for axis, place in enumerate(highest):
+        line = axis_first(pressure, axis)[:, highest[1 - axis]]
+        open_cells = np.flatnonzero(line == 0)
+        before, after = open_cells[open_cells < place], open_cells[open_cells > place]
+        if before.size and after.size:
+            near, far = sorted((place - before[-1] - 0.5, after[0] - place - 0.5))
+            if near < 2 and far >= OPPOSITE * near:
+                return True
+    return False
 
 
 def dundurs_of_shear(solution: Solution) -> float:

@@ -6,7 +6,7 @@ from functools import cached_property
 from math import inf
 from typing import TYPE_CHECKING, Any
 
-from contactstudy.accuracy.bound import lawful_edges
+from contactstudy.accuracy.bound import is_highest_beside_edge, lawful_edges
 from contactstudy.accuracy.coarser import coarse_solution, coarsened, comparable
 from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.answers.answer import Answer, levels_below
@@ -205,6 +205,7 @@ class Contact(Answer, Solution):
             unseen={name: of.total for name, of in unseen.items() if of},
             of_stress={name: of.total for name, of in of_stress.items() if of},
             by_law=by_law,
+            at_edge=frozenset({"peak_pressure"} if is_highest_beside_edge(self.pressure) else ()),
         )
 
     @property

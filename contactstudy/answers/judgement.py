@@ -41,9 +41,12 @@ AT_EDGE = "highest_residual_stress", "surface_tension", "largest_shear"
 # In the name of a depth, before the index of a body where it has one.
 DEPTH = re.compile(r"_depth(?=(_\d)?$)")
 # The same as `MARGIN` of numbers that have a law of their own beside.
-BESIDE_LAW = {"peak_pressure": 0.75} | dict.fromkeys(
+BESIDE_LAW = {"peak_pressure": 0.75, "pull_off": 0.5} | dict.fromkeys(
     ("traction_coefficient", "creepage", "frictional_power", "largest_slip", "friction_energy"), MARGIN
 )
+# Power of the cell size with which errors fall beside an edge up to which a pressure rises, as at a flat with rounded
+# edges: like the inverse square root of the distance, down to the rounding.
+RISING_ORDER = 0.5
 NO_COARSER_YIELD = "No bound: nothing yields on half the cells, give more."
 
 
@@ -66,6 +69,7 @@ def with_nested_bounds(
     unseen: Mapping[str, float] = MappingProxyType({}),
     of_stress: Mapping[str, float] = MappingProxyType({}),
     by_law: frozenset[str] = frozenset(),
+    at_edge: frozenset[str] = frozenset(),
 ) -> dict[str, Quantity]:
     """Return quantities with bounds by their changes between grids, where their reasons are some of those `replaced`.
 
@@ -94,6 +98,8 @@ def with_nested_bounds(
         Relative errors that no change of a largest stress shows, by name, beside those causes.
     by_law
         Names of numbers with a law of their own, which need no solution on coarser cells.
+    at_edge
+        Names of numbers that rise up to an edge, where their law does not hold.
     """
     other_causes = l1.total - (l1.discretisation or 0.0) if isfinite(l1.total) else inf
     found = dict(quantities)
@@ -134,8 +140,11 @@ def with_nested_bounds(
     for name, margin in BESIDE_LAW.items():
         if name in quantities and isfinite(bound := quantities[name].bound):
             levels = {1: quantities} | dict(below)
-            change = by_changes({k: level[name].value for k, level in levels.items() if name in level}, order)
+            margin, power = (MARGIN, RISING_ORDER) if name in at_edge else (margin, order)
+            change = by_changes({k: level[name].value for k, level in levels.items() if name in level}, power)
             found[name] = replace(found[name], bound=max(bound, margin * change))
+    if "pull_off" in found and "load_per_length" in found:  # the load is that
+        found["load_per_length"] = replace(found["load_per_length"], bound=found["pull_off"].bound)
     for name, depth in found.items():
         largest = found.get(DEPTH.sub("", name), depth)
         if largest is not depth and isfinite(depth.bound):

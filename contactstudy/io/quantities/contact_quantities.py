@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import irfft2, rfft2
 
-from contactstudy.accuracy.coarser import contact_area_in_cells
+from contactstudy.accuracy.coarser import contact_area_in_cells, with_ends
 from contactstudy.accuracy.contact_edge import StraightEdges, straight_edges
 from contactstudy.accuracy.error_terms import NO_LIMIT
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
-from contactstudy.domain.grid import Array
+from contactstudy.domain.grid import Array, axis_first
 from contactstudy.domain.validation import NotDefined, readable
 from contactstudy.io.quantities import traction_quantities as tractions
 from contactstudy.io.quantities.quantity import Quantity, bounded, per_length, roller_length, with_bound
@@ -327,19 +327,34 @@ def _half_size(
     """Return half the distance between the outermost edges in contact along an axis.
 
     Straight smooth edges, which are `resolved`, lie inside their cells. Elsewhere the outer faces of the outermost cells
-    count, and may each be half a cell off. With adhesion, where `area_error` is known, they may each be a cell off,
-    beside what the area is.
+    count, and may each be half a cell off, or lie where the surface protrudes beyond them. With adhesion, where
+    `area_error` is known, they may each be a cell off, beside what the area is.
     """
     cell = solution.problem.grid.cell_size[axis]
-    size = _half_extent(solution.pressure > 0, axis, cell)
+    size = counted = _half_extent(solution.pressure > 0, axis, cell)
     if resolved is not None:
         size = sum(float(edge.max()) for edge in resolved.places) * cell / 2
     name = ("half-width", "half-length")[axis]
     off = cell / 2 if resolved is None else 0.0
+    off += _half_extent(_may_touch(solution), axis, cell) - counted
     half = Quantity(size, "m", f"{name} (outermost edges)", rivals=((size + off, 0.0),))
     if area_error is None or not isfinite(area_error.total):
         return with_bound(half, area_error, fallback_reasons)
     return replace(half, bound=max(cell, area_error.total * size), reason="")
+
+
+def _may_touch(solution: Solution) -> NDArray[np.bool_]:
+    """Return the cells (x, y) in contact, and protrusions whose gap is smaller than what it rises by within a cell."""
+    gap, paddings = solution.gap, solution.problem.paddings
+    is_lowest, rise = np.ones(gap.shape, bool), np.zeros(gap.shape)
+    for axis, count in enumerate(gap.shape):
+        if count > 1:
+            wraps = paddings is not None and paddings[axis].wraps
+            padded = with_ends(axis_first(gap, axis), 1, wraps=wraps)
+            before, after = (axis_first(beside, axis) for beside in (padded[:-2], padded[2:]))
+            is_lowest &= gap <= np.minimum(before, after)
+            rise += (before + after) / 2 - gap
+    return (solution.pressure > 0) | (is_lowest & (gap < rise))
 
 
 def _half_extent(cells: NDArray[np.bool_], axis: int, size: float) -> float:

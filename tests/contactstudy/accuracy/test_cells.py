@@ -45,18 +45,27 @@ def test_edges_of_few_or_separate_cells_are_not_known() -> None:
         assert straight_edges(pressure) is None
 
 
-@pytest.mark.parametrize(("flat", "rounding", "cells"), [(1e-4, 3e-3, 20), (1e-4, 1e-3, 36), (1.1e-4, 1e-3, 31)])
-def test_the_area_of_a_flat_with_rounded_edges_is_bounded_where_two_pairs_of_cells_lie_beyond_the_law_of_an_edge(
+@pytest.mark.parametrize(
+    ("flat", "rounding", "cells"), [(1e-4, 3e-3, 20), (1e-4, 1e-3, 36), (1e-4, 1e-3, 24), (8e-5, 1e-3, 20)]
+)
+def test_area_and_peak_of_a_flat_with_rounded_edges_are_bounded_where_the_pressure_rises_up_to_them(
     flat: float, rounding: float, cells: int
 ) -> None:
     x = np.r_[0, np.linspace(flat, 2e-4, 60)]
     profile = cs.ProfilePoints(tuple(x), tuple(np.maximum(x - flat, 0) ** 2 / 2 / rounding), axis="across")
     steel = cs.HalfSpace(210e9, 0.3)
     scene = cs.Scene(cs.LineLoad(3e4), (steel, steel), (profile,))
-    found, fine = (
-        cs.solve(scene, cs.Grid((n, 1), (4e-4, 4e-4)), EXACT).quantities["contact_area"] for n in (cells, 16 * cells)
-    )
-    assert abs(found.value - fine.value) <= found.bound
+    found, fine = (cs.solve(scene, cs.Grid((n, 1), (4e-4, 4e-4)), EXACT).quantities for n in (cells, 16 * cells))
+    for name in ("contact_area", "peak_pressure"):
+        assert abs(found[name].value - fine[name].value) <= found[name].bound
+
+
+def test_the_half_width_is_bounded_where_an_outer_island_lies_between_the_cells() -> None:
+    shapes = cs.Cylinder(0.054), cs.Texture(cs.Groove(2e-6, 0.317e-3, "parabolic"), (0.841e-3, np.inf))
+    scene = cs.Scene(cs.LineLoad(1.7e6), (cs.HalfSpace(125e9, 0.35), cs.HalfSpace(np.inf, 0.3)), shapes)
+    found, fine = (cs.solve(scene, cs.Grid((n, 1), (3.44e-3, 1e-3)), EXACT).quantities["half_width"] for n in (38, 608))
+    assert fine.value / found.value > 1.2
+    assert fine.value - found.value <= found.bound
 
 
 def test_the_edge_error_is_the_largest_of_edges_nearby(line_contact: LineContact) -> None:

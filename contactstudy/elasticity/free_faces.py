@@ -5,12 +5,12 @@ them together leave the surface with its pressure and the faces without traction
 2017). The load P on the surface is continued evenly about both faces, which leaves no shear on them, but a normal
 stress. A load q on the face that cancels it, mirrored about the surface, leaves the surface in place and a normal stress
 on it, for which P differs from the pressure p. Both stresses come from one operator S, since the geometry is the same
-seen from either plane::
+seen from either plane: the normal stress on the other plane, tension positive, by a load that presses on one::
 
     P = p + S q,   q = S P   so that   u = K P = K p + K (I - S S)^-1 S S p,
 
 where u is the displacement, and K the response of the half-space to an evenly continued load. Each face is that of a
-quarter-space.
+quarter-space, but for `COUPLING`.
 
 :func:`between_faces` makes the operator from p to u, and :class:`StressByFaces` the stress below the surface by the
 loads q. Across the contact everything is a convolution. For waves of the wave number k the last term is a function of
@@ -48,6 +48,9 @@ FIRST_NODE = 0.0625
 COUPLING = 2.0, 1.15
 # Widths of the grid after which the response across repeats where it is summed from waves.
 WIDTHS = 8
+# Depth [body lengths] to which loads on a face are summed: with twice that, the stress under a ridge on bodies of 2 to
+# 40 half-widths changes by at most 3e-4 of the largest. Beyond the body length they are taken for constant.
+DEPTH = 4.0
 # Rows of waves that are multiplied at once.
 ROWS = 8
 
@@ -55,22 +58,23 @@ ROWS = 8
 class FaceTable(NamedTuple):
     """Contribution of a face under a line of unit load along a wave across (n, n), by the distances of point and line.
 
-    Distances (n,) are in units of 1 / k. The point is on the surface, or on the face for its `pressure`.
+    Distances (n,) are in units of 1 / k. The point is on the surface, or on the face for `on_face`.
     """
 
     distances: Array
     #: E* times the displacement of the surface.
     displacement: Array
     #: Additional load P - p on the surface [k], and the load q on the face.
-    load: Array
-    pressure: Array
+    on_surface: Array
+    on_face: Array
 
 
 @lru_cache(maxsize=8)
 def face_table(poisson_ratio: float) -> FaceTable:
     """Return the table of a material, in which loads are constant between the geometric means of distances.
 
-    S is the transform across of Boussinesq's stress on the face.
+    S is the transform across of Boussinesq's stress on the face, of a load and its mirror image. Its rows are depths of
+    the stress, its columns distances of the load from the face.
     """
     from scipy.special import iti0k0, k0, k1  # imported late, since it is slow
 
@@ -105,6 +109,7 @@ def face_table(poisson_ratio: float) -> FaceTable:
     load = np.linalg.solve(np.eye(count) - squared, squared) / widths
     table = displacement @ load
     distances = np.sqrt(edges[1:] * edges[:-1])
+    # by reciprocity it is symmetric but for the discretisation
     return FaceTable(distances, (table + table.T) / 2, load, s / widths + s @ load)
 
 
@@ -117,8 +122,8 @@ class Faces:
     weights
         Value at each cell along y of a function that is 1 at one distance from the first face, 0 at others (ny, m).
     kernel
-        Displacement at these distances over the load at them [m/Pa], for each wave across and for loads that are equal,
-        then opposite, at both faces (px // 2 + 1, 2, m, m).
+        Displacement [m/Pa], or load, at these distances over the pressure at them, for each wave across and pressures
+        that are equal, then opposite, at both faces (px // 2 + 1, 2, m, m).
     """
 
     weights: Array
@@ -131,7 +136,7 @@ class Faces:
         return np.concatenate([first + second, first - second], axis=1)
 
     def __call__(self, pressure: Array, across: int) -> Array:
-        """Return the displacement (x, y) under `pressure`, with transforms of `across` points."""
+        """Return the displacement or load (x, y) under `pressure`, with transforms of `across` points."""
         waves = self.parts(pressure, across).reshape(across // 2 + 1, -1)
         return np.asarray(fft.irfft(waves, across, axis=0)[: len(pressure)] @ self.of_both.T)
 
@@ -139,6 +144,7 @@ class Faces:
         """Return the transform across (wave, 2, m) of the equal and of the opposite part, at the distances."""
         waves = fft.rfft(pressure @ self.of_both, across, axis=0)
         count, m = len(waves), self.weights.shape[1]
+        # the kernel is real: real and imaginary parts are two columns
         parts = self.kernel @ waves.view(pressure.dtype).reshape(count, 2, m, 2)
         of_parts: ComplexField = parts.view(waves.dtype)[..., 0]
         return of_parts
@@ -154,6 +160,7 @@ class Faces:
         if across == 2:
             shortest = len(kernel) - 1
             waves = np.arange(shortest // 2 + 1)
+            # a wave and its alias on cells of half the size add up by the squares of their means over two cells
             low = np.cos(np.pi / (2 * shortest) * waves) ** 2
             low = low[:, None, None, None].astype(kernel.dtype)
             kernel = low * kernel[waves] + (1 - low) * kernel[shortest - waves]
@@ -169,8 +176,8 @@ class EndedConvolution(Convolution):
     Parameters
     ----------
     mirrored
-        Transform of the coefficients by the sum of both distances from the grid's end (px, py // 2 + 1) [m/Pa], of the
-        images mirrored about the faces.
+        Transform (px, py // 2 + 1) [m/Pa] of the coefficients of the images mirrored about the faces, as a function of
+        the sum of the distances of load and point from the end of the grid.
     faces
         What the normal stress on the faces adds, of each length.
     """
@@ -200,7 +207,7 @@ class EndedConvolution(Convolution):
 
     @cached_property
     def _mirrored_with_phase(self) -> ComplexField:
-        """Transform of the mirrored coefficients, moved by the cell that the sum of two indices lacks; half the rows."""
+        """Half the rows of `mirrored`, moved by a cell: cells i and j are ``(i + j + 1) dy`` from the end together."""
         phase = np.exp(2j * np.pi / self.padded[1] * np.arange(self.padded[1] // 2 + 1))
         of_half = self.mirrored[: self.padded[0] // 2 + 1]
         mirrored: ComplexField = of_half * phase.astype(np.result_type(self.mirrored, 1j))
@@ -241,14 +248,14 @@ def between_faces(response: Mapping[Coefficients, float], grid: Grid, paddings: 
         to_face = (body.length - grid.length) / 2
         spectrum += weight * _images(body, 0.0, grid, padded)
         mirrored += weight * _images(body, 2 * to_face, grid, padded)
-        added = faces_on(body, grid, padded[0])
+        added = faces_on(body, grid, padded[0])  # weights are those of 1 / (pi E*), and the table is that of 1 / E*
         faces.append(added.scaled(np.pi * weight, Precision.DOUBLE))
     ends = True, True
     return EndedConvolution(spectrum, grid.cells, padded, mirrored, tuple(faces), ends=ends)
 
 
 def _images(body: FreeFaceCoefficients, offset: float, grid: Grid, padded: tuple[int, int]) -> Array:
-    """Return the transform of the coefficients of loads of twice the period of `body`, an `offset` [m] further along."""
+    """Return the transform of the coefficients of loads an `offset` [m] along, with a period of two body lengths."""
 
     def spectrum() -> Array:
         (nx, ny), (dx, dy) = grid.cells, grid.cell_size
@@ -261,9 +268,9 @@ def _images(body: FreeFaceCoefficients, offset: float, grid: Grid, padded: tuple
 def faces_on(body: FreeFaceCoefficients, grid: Grid, across: int, added: str = "displacement") -> Faces:
     """Return what the faces of `body` add on `grid`, a field of :class:`FaceTable`; transforms have `across` points.
 
-    At a distance x across it is the cosine transform of the table over wave numbers, which are summed in equal steps,
-    and whose values lie between those of the table. Of waves longer than the body, a load at one face also acts on the
-    other, see `COUPLING`.
+    At a distance x across, what they add is the cosine transform of the table over wave numbers, which are summed in
+    equal steps, and whose values lie between those of the table. Of waves longer than the body, a
+    load at one face also acts on the other, see `COUPLING`.
     """
     to_face = (body.length - grid.length) / 2
     (nx, ny), (dx, dy) = grid.cells, grid.cell_size
@@ -290,7 +297,7 @@ def faces_on(body: FreeFaceCoefficients, grid: Grid, across: int, added: str = "
         offsets = np.arange(across // 2 + 1)
         waves = fft.dct(response[np.minimum(offsets, nx - 1)], 1, axis=0)
         # rows and columns of the table at each level, zero beyond it
-        steps = lowest + np.arange(levels)
+        steps = lowest + np.arange(levels)  # none below 0 on cells longer than 4e-6 widths of the grid
         last = steps[-1] + 1 + STRIDE * count
         whole = np.pad(table, (0, max(last - len(table), 0)))
         blocks = np.stack([whole[n:last:STRIDE, n:last:STRIDE][:count, :count] for n in steps])
@@ -355,7 +362,7 @@ class StressByFaces:
     def continued_load(self, pressure: Array) -> Array:
         """Return the load on the surface (x, 2 y) on the continued grid under a `pressure` (x, y)."""
         pressure = self._widened(pressure)
-        load = pressure + self._on_wide_grid("load")(pressure, self._across)
+        load = pressure + self._on_wide_grid("on_surface")(pressure, self._across)
         return np.concatenate([load, load[:, ::-1]], axis=1)
 
     def _widened(self, pressure: Array) -> Array:
@@ -370,7 +377,7 @@ class StressByFaces:
     def _on_wide_grid(self, added: str) -> Faces:
         """Return the field `added` by the faces on the grid with the cells beside the contact.
 
-        It is the name of a field of ``FaceTable``: ``"load"`` on the surface, or ``"pressure"`` on the faces.
+        It is the name of a field of ``FaceTable``: a load ``"on_surface"``, or ``"on_face"``.
         """
         (nx, _), (width, _) = self.continued_grid.cells, self.continued_grid.extent
         grid = Grid((nx, self.grid.cells[1]), (width, self.grid.length))
@@ -379,7 +386,7 @@ class StressByFaces:
     def stress(self, pressure: Array, depths: tuple[float, ...]) -> Array:
         """Return the stress (component, z, x, y) [Pa] at some `depths` [m] by the loads on both faces alone."""
         pressure = self._widened(pressure)
-        faces = self._on_wide_grid("pressure")
+        faces = self._on_wide_grid("on_face")
         equal, opposite = np.moveaxis(faces.parts(pressure, self._across), 1, 0) / np.sqrt(2)
         # transforms of the loads on the first and on the second face (wave, face, node), from their sum and difference
         waves = np.stack([equal + opposite, equal - opposite], axis=1)
@@ -403,7 +410,7 @@ class StressByFaces:
 
     def _edges(self, depth: float) -> Array:
         """Return the edges [m] of cells down a face and its mirror image, finest at the surface and at `depth`."""
-        finest, farthest = self.grid.cell_size[1] / 4, 4 * self.body.length
+        finest, farthest = self.grid.cell_size[1] / 4, DEPTH * self.body.length
         count = int(np.ceil(np.log(farthest / finest) / np.log(GROWTH)))
         steps = np.append(0, finest * GROWTH ** np.arange(count))
         centres = np.array([0, depth, -depth])

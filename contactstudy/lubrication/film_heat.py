@@ -78,7 +78,7 @@ def thermal_shear(
             if change > NEW_START:
                 rise = np.zeros_like(rise)
             rise, residual = _solve_temperature(of_film, line, slip, rise)
-            stress, elastic = line.elastic(_viscosity_ratio(line, rise))
+            stress, elastic = line.stress_and_slip(_viscosity_ratio(line, rise))
             change = float(np.abs(elastic - slip).max()) / (line.sliding or 1.0)
             slip = elastic
             if change <= SLIP_TOLERANCE:

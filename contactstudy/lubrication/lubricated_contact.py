@@ -101,7 +101,8 @@ class FilmSolution:
         Steps on this grid, and iterations of all their linear systems.
     residual
         The larger of the unbalanced flow over the flow along x, and the error of the load over ``p_H a``; on a boundary
-        film also the violation of its contact conditions.
+        film, the least film thickness, on which asperities carry the rest of the load, also the violation of its contact
+        conditions.
     flow
         Volume flow per length [m^2/s], at the density of zero pressure.
     flux_spread
@@ -212,7 +213,7 @@ class FilmSolution:
     @property
     def meniscus(self) -> float:
         """Position x [m] of the inlet meniscus, mean over the length; near the edge of the grid if flooded, or dry."""
-        full = self.film_fraction[INLET_CELLS:] >= 1
+        full = self.film_fraction[INLET_CELLS:] >= 1  # the flow is not balanced in the cells before
         return float(self.grid.x[INLET_CELLS + np.argmax(full, axis=0)].mean() - self.grid.cell_size[0] / 2)
 
     @property
@@ -268,7 +269,7 @@ class FilmSolution:
         """Sentences on what stands still: heights while surfaces roll, and a surface that brings no lubricant."""
         motion, sentences = self.scales.lubrication, []
         still = abs(motion.slide_roll_ratio) == STANDS_STILL
-        standing = [
+        standing = [  # shapes that move with a surface have `gap_after`
             f"Scene.shapes[{number}]"
             for number, shape in enumerate(self.scene.shapes)
             if varies_across(shape) and not hasattr(shape, "gap_after")
@@ -314,8 +315,8 @@ class FilmSolution:
     def spike_reason(self) -> str:
         """Why the peak pressure has no bound; empty where it has one.
 
-        The mean over the length has a second peak downstream of a valley, or the pressure falls so steeply from one cell
-        to the next that such a spike may hide there.
+        The mean over the length has a second peak at larger x than a valley, or the pressure falls so steeply from one
+        cell to the next that such a spike may hide there.
         """
         mean = self.pressure.mean(axis=1)
         falls = np.maximum.accumulate(mean) - mean
@@ -435,14 +436,15 @@ class ShearedFilm:
         sticking = np.minimum(1, slip / (STICK * self.sliding))
         return np.asarray(lubricant + motion.boundary.coefficient * self.contact * sticking)
 
-    def elastic(self, viscosity_ratio: Array | float = 1.0) -> tuple[Array, Array]:
+    def stress_and_slip(self, viscosity_ratio: Array | float = 1.0) -> tuple[Array, Array]:
         """Return stress [Pa] and slip [m/s], both at least zero, in series with the bodies' tangential compliance.
 
         Surfaces enter unsheared, and ``slip = du - u_m C dtau/dx`` (Johnson & Tevaarwerk 1977), with the sliding speed
         du, the mean speed u_m, the shear stress tau and the compliance C. C is that of a Winkler foundation,
         ``4 a / (pi E*)``, on which bodies of the radius R that stick at the slide-roll ratio S on the half-width a have
         Carter's (1926) coefficient of friction, 2 S R / a.
-        Newton's method converges from above, as the stress is a concave function of the slip.
+        Newton's method converges from above, as the stress is a concave function of the slip; after `MAX_STEPS` its last
+        values are returned.
         """
         hertz, sliding = self.scales.hertz, self.sliding
         if not sliding:
@@ -463,6 +465,7 @@ class ShearedFilm:
             weight = rate * slope
             below = np.roll(-weight, -1, axis=0)
             below[-1] = 0
+            # lines along x one after another; the last entry of each, 0, keeps them apart
             bands = np.stack([(1 + weight).T.ravel(), below.T.ravel()])
             change = solve_banded((1, 0), bands, -residual.T.ravel())
             change = change.reshape(shear.T.shape).T

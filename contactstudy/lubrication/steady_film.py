@@ -383,7 +383,7 @@ def film_solution(
     mean_speed = equation.speed * scales.lubrication.largest_speed
     sheared = ShearedFilm(posed.instant, mean_speed, grid.cell_size[0], pressure, film, film_fraction, asperities)
     if scales.lubrication.thermal is None:
-        shear, temperatures = sheared.elastic()[0], None
+        shear, temperatures = sheared.stress_and_slip()[0], None
     else:
         # imported only for films with temperatures
         from contactstudy.lubrication.film_heat import thermal_reduction, thermal_shear

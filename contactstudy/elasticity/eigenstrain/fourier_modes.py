@@ -44,8 +44,8 @@ REMOTE_DEPTHS = 1e3
 NEAR = 0.6
 
 
-# Means of the stress over a layer under a wave of unit traction on the surface, from q times the depth of its upper
-# side, the layer, Poisson's ratio and the direction of the wave (c, s).
+# Means of the stress over a layer under a unit wave of traction on the surface, from the wave number q times the depth
+# of its upper side, the layer, Poisson's ratio and the direction of the wave (c, s).
 TractionWave = Callable[[Array, CellLayer, float, tuple[Array, Array]], Tensor]
 
 
@@ -61,7 +61,7 @@ class LayerCoupling:
     blocks: Array
 
     def add(self, total: Array, strain: Array) -> None:
-        """Add to the stress `total` (components, layers, waves) the stress by `strain` (5, layers, waves)."""
+        """Add to the stress `total` (components, layers, ..., waves) the stress by `strain` (5, layers, ..., waves)."""
         for i, j in self._coupled:
             total[i, self.layers] += self.blocks[i, j] * strain[j, self.sources]
 
@@ -72,10 +72,10 @@ class LayerCoupling:
 
 
 @dataclass(frozen=True, eq=False)
-class Aliases:
-    """Fourier modes shorter than two cells, aliased at the cell centres to the resolved modes.
+class ShortWaves:
+    """Short waves, with the values of resolved waves, their aliases, at the middles of cells.
 
-    `x` and `y` (waves,) [1/m] are the wave numbers of the resolved modes, across and along.
+    `x` and `y` (waves,) [1/m] are the wave numbers of the resolved waves, across and along.
     """
 
     volume: Volume
@@ -83,10 +83,11 @@ class Aliases:
     x: Array
     y: Array
 
-    def alias(self, across: int, along: int) -> WaveDirection:
-        """Return the aliases that have `across` and `along` more periods in a cell than the resolved modes.
+    def shifted(self, across: int, along: int) -> WaveDirection:
+        """Return the waves that have `across` and `along` more periods in a cell than the resolved ones.
 
-        Their weight is the square of the mean of a wave over a cell, ``sinc^2`` along each axis.
+        Those of (0, 0) are the resolved waves themselves. Their weight is the square of the mean of a wave over a cell,
+        ``sinc^2`` along each axis.
         """
         dx, dy = self.volume.grid.cell_size
         x, y = self.x + 2 * pi * across / dx, self.y + 2 * pi * along / dy
@@ -149,13 +150,14 @@ class Aliases:
     def directions(self) -> Iterator[WaveDirection]:
         """Yield the short waves of the first `SUMMED_ORDERS`, then waves that represent all shorter ones together.
 
-        The weights ``sinc^2`` of all aliases along an axis, the resolved wave among them, add up to 1. What the first
-        orders leave of 1 is the weight of the shorter ones, which point along the axis either way.
+        The weights ``sinc^2`` of all waves of one alias along an axis, the resolved one among them, add up to 1. What
+        the first orders leave of 1 is the weight of the shorter ones, which point along the axis either way. Waves that
+        are shorter than the first orders along both axes count as waves across.
         """
         (dx, dy), orders = self.volume.grid.cell_size, range(-SUMMED_ORDERS, SUMMED_ORDERS + 1)
         for shift in product(orders, repeat=2):
             if any(shift):
-                yield self.alias(*shift)
+                yield self.shifted(*shift)
         across, along = (
             sum(np.sinc(number * step / (2 * pi) + shift) ** 2 for shift in orders)
             for number, step in ((self.x, dx), (self.y, dy))
@@ -212,7 +214,7 @@ class Waves:
 
     @classmethod
     def from_orders(cls, volume: Volume, moduli: Moduli, orders: Array, period: int) -> "Waves":
-        """Return the waves with these `orders`, counted in the period along.
+        """Return the waves with these `orders` above 0, the numbers of their periods in the length of the grid.
 
         The `period` across is an odd number of cells.
         """
@@ -241,7 +243,11 @@ class Waves:
         return _complex(unit[:, :, None] * parts, Components.DEVIATOR, shape)
 
     def residual_displacement(self, strain: Complex) -> Complex:
-        """Return the surface displacement (period, orders) [m] by `strain` (5, layers, period, orders)."""
+        """Return the surface displacement (period, orders) [m], into the body, by `strain` (5, layers, period, orders).
+
+        By reciprocity it is the stress under unit pressure on the strain times the thickness of each layer. The factors
+        are real, so that no conjugate is needed, see :func:`_real`.
+        """
         e = _real(strain)
         parts, unit = np.zeros((2, e.shape[3])), self._by_unit(stress_under_pressure)
         for number, thickness in enumerate(self.volume.thicknesses):
@@ -270,15 +276,15 @@ class Waves:
         return blocks
 
     @cached_property
-    def _short(self) -> Aliases:
+    def _short(self) -> ShortWaves:
         """Short waves that have the same values at the middles of cells as these."""
         x, y = np.repeat(self.across, len(self.along)), np.tile(self.along, len(self.across))
-        return Aliases(self.volume, self.moduli, x, y)
+        return ShortWaves(self.volume, self.moduli, x, y)
 
     @cached_property
     def _direction(self) -> WaveDirection:
         """Wave numbers and directions of these waves, with their weights."""
-        return self._short.alias(0, 0)
+        return self._short.shifted(0, 0)
 
     @cached_property
     def _layers(self) -> tuple[CellLayer, ...]:
@@ -301,12 +307,12 @@ class Waves:
         """Return the deviatoric stress (5, layers, waves) by a unit of a traction."""
         volume = self.volume
         total = np.zeros((5, volume.shape[0], len(self._direction.q)))
-        for number, (top, thickness) in enumerate(zip(volume.edges, volume.thicknesses, strict=False)):
+        for number, (top, thickness) in enumerate(zip(volume.edges[:-1], volume.thicknesses, strict=True)):
             is_near = top < DEEP * max(volume.grid.cell_size)
             for direction in (*(self._short.directions() if is_near else ()), self._direction):
                 layer = CellLayer.from_ratio(direction.q * thickness)
-                depth, across = direction.q * top, (direction.c, direction.s)
-                tensor = traction(depth, layer, self.moduli.poisson_ratio, across)
+                ratio, unit_vector = direction.q * top, (direction.c, direction.s)
+                tensor = traction(ratio, layer, self.moduli.poisson_ratio, unit_vector)
                 total[:, number] += direction.weight * direction.stress(tensor, Components.DEVIATOR)
         return total
 
@@ -314,7 +320,8 @@ class Waves:
 def _real(strain: Complex) -> Array:
     """Return complex waves (5, layers, period, orders) as real and imaginary parts (5, layers, 2, waves).
 
-    Components that are odd in depth are divided by i.
+    Components that are odd in depth are divided by i: they are a quarter of a wave out of phase, so that maps of the
+    parts are real.
     """
     waves = strain.reshape(*strain.shape[:2], -1).copy()
     waves[Components.DEVIATOR.signs < 0] *= -1j

@@ -49,13 +49,14 @@ def airy_means(count: int, edges: Array, layer: int) -> Mapping[tuple[int, int],
 def _integrals(x: Array, z: float, source: Array) -> dict[tuple[int, int], Array]:
     """Return ``d_z^(m-1) d_z'^(n-1) d_x^(2-m-n) G`` (source, x) for each (m, n), at offsets `x` and depth `z`.
 
-    G is Airy's stress function, and `source` the depths of its sources. Polynomials that the differences over cells
+    G is Airy's stress function, and `source` the depths z' of its sources. As ``r^2 = R^2 - 4 z z'``,
+    ``8 pi G = r^2 ln r - R^2 ln R + 4 z z' ln R + 2 z z'``. Polynomials that the differences over cells
     remove are left out.
     """
     z_source = source[:, None]
-    direct = _powers(x, z - z_source)
-    image = _powers(x, z + z_source)
-    products = _products(x, z, z_source)
+    direct = _direct_terms(x, z - z_source)
+    image = _direct_terms(x, z + z_source)
+    products = _product_terms(x, z, z_source)
     return {
         (m, n): (-((-1) ** n) * direct[m + n] - image[m + n] + 4 * products[m, n]) / (8 * np.pi)
         for m, n in DERIVATIVE_ORDERS
@@ -67,7 +68,7 @@ def log_distance(squared: Array) -> Array:
     return np.asarray(np.log(squared + (squared == 0)) / 2)
 
 
-def _powers(x: Array, z: Array) -> tuple[Array, ...]:
+def _direct_terms(x: Array, z: Array) -> tuple[Array, ...]:
     """Return ``d_z^(k-2) d_x^(2-k) (r^2 ln r)`` for k = 0 ... 4, with r the distance from the origin to (x, z).
 
     Polynomials that the differences over cells remove are left out.
@@ -86,18 +87,19 @@ def _powers(x: Array, z: Array) -> tuple[Array, ...]:
     )
 
 
-def _products(x: Array, z: float, source: Array) -> dict[tuple[int, int], Array]:
+def _product_terms(x: Array, z: float, source: Array) -> dict[tuple[int, int], Array]:
     """Return ``d_z^(m-1) d_z'^(n-1) d_x^(2-m-n) (z z' ln R)`` for each (m, n), with z' the depths of the `source`.
 
     R is the distance from the mirror source. Polynomials that the differences over cells remove are left out.
     """
+    # ln R is the real part of ln w, and d/dx is i d/dw
     w = (z + source) + 1j * x
     log = np.log(np.where(w == 0, 1.0, w))
     # ln w, integrated zero, one and two times
     log_integrals = log, w * (log - 1), w * w / 2 * (log - 1.5)
     derivatives = {}
     for m, n in DERIVATIVE_ORDERS:
-        s, t = m - 1, n - 1
+        s, t = m - 1, n - 1  # orders in z and z', by Leibniz' rule, which holds for -1 too
         rotation = 1j ** ((2 - m - n) % 4)
         plain, once, twice = ((rotation * term).real for term in log_integrals)
         derivatives[m, n] = z * source * plain + (s * source + t * z) * once + s * t * twice
@@ -195,7 +197,9 @@ PLANE_STRAIN_BASIS = np.array(
         (0, 0, 0, 0, 1 / 2**0.5, 0),
     )
 )
-# The derivatives of the stress function in -(xx, zz, sqrt(2) xz) by strain (xx, zz, sqrt(2) xz), and their factors.
+# The derivatives of G in -(xx, zz, sqrt(2) xz) by strain (xx, zz, sqrt(2) xz), and their factors. With Airy's function
+# phi, xx = d_z^2 phi, zz = d_x^2 phi and xz = -d_x d_z phi, and plastic strain e makes
+# nabla^4 phi = -E' (d_z^2 e_xx + d_x^2 e_zz - 2 d_x d_z e_xz), E' being E / (1 - nu^2); d_x' G = -d_x G.
 DERIVATIVES = (((2, 2), (2, 0), (2, 1)), ((0, 2), (0, 0), (0, 1)), ((1, 2), (1, 0), (1, 1)))
 FACTORS = np.array(((1, 1, 2**0.5), (1, 1, 2**0.5), (-(2**0.5), -(2**0.5), -2)))
 # Number of the component that is odd in x.
@@ -230,11 +234,15 @@ class PlaneStrainOperator:
     def negative_residual_stress(self, strain: Array) -> Array:
         """Return minus the deviatoric residual stress (3, layers, x, 1) [Pa] of plastic `strain`."""
         stress = self.deviator(self._negative_residual(strain))
+        # strain along the length makes -E e_yy there as well; only the second component has it
         stress[1] += self.moduli.youngs_modulus * PLANE_STRAIN_BASIS[1, 1] ** 2 * strain[1]
         return stress
 
     def residual_displacement(self, strain: Array) -> Array:
-        """Return the displacement (x, 1) [m] of the unloaded surface into the body by plastic `strain`."""
+        """Return the displacement (x, 1) [m] of the unloaded surface into the body by plastic `strain`.
+
+        By reciprocity it is the stress under unit pressure on the strain times the thickness of each layer.
+        """
         volume, spectrum = self.volume, self._spectrum_of(stress_means_under_pressure)
         first, last = volume.first, volume.last
         padded = self._padded_grid
@@ -380,7 +388,7 @@ class OuterStrain:
         return self.operator.tensor(-self._negative_residual(left, right), None)
 
     def residual_displacement(self, left: Array, right: Array) -> Array:
-        """Return the surface displacement (x, 1) [m] into the body, on a grid that the volume covers."""
+        """Return the surface displacement (x, 1) [m] into the body; the volume has all cells of the grid across."""
         thicknesses, cells = self.operator.volume.thicknesses, self.operator.volume.grid.cells[0]
         sums = self._surface_displacements[..., :cells]
         by_left, by_right = (

@@ -22,12 +22,11 @@ if TYPE_CHECKING:
 
 NO_BOUND_OF_CELLS = "No bound: the errors of this load by cells and range are not estimated; those of a PullOff are."
 NO_BOUND_OF_DEPTH = "No bound: the error of the peak pressure, which wears the largest depth, has none."
-
-
 BEFORE_RECORDED = "No bound: the load is applied at 0 s, before the first recorded instant: record that one too."
 NO_BOUND_OF_PASS = "No bound: on cells of twice the size nothing yields in the last pass."
 # Bound of what a pass leaves behind over its change from cells of twice the size, and least cells in a half-width: the
-# error was at most 1.9 of that change with elastic pressures of 4.3 and 4.6 k on 5 to 20 cells.
+# error was at most 1.9 of that change with elastic pressures of 4.3 and 4.6 k on 5 to 20 cells, k being the yield stress
+# in shear.
 PASS_MARGIN, CELLS_OF_PASS = 2.0, 5
 NO_BOUND_OF_FEW_CELLS = f"No bound: a half-width has fewer than {CELLS_OF_PASS} cells, give more."
 
@@ -79,7 +78,7 @@ def evolution_quantities(
     fields
         Wear, slip and dent (x, y) at the last instant, by name.
     plastic_fields
-        Residual stress (time, component, z, x, y) [Pa] of the bodies that yielded, at the last instant.
+        Residual stress (time, component, z, x, y) [Pa] of the bodies that yielded, of which the last instant counts.
     posed
         The scene with its grid.
     error
@@ -113,13 +112,13 @@ def _extremes(
         known = [(frame[name], time) for frame, time in zip(frames, times, strict=True) if name in frame]
         if not known:
             continue
-        values = [extreme([quantity.value]) for quantity, _ in known]
+        values = [extreme([quantity.value]) for quantity, _ in known]  # the size of a value, for a magnitude
         index = values.index(extreme(values))
         found, time = known[index]
         bound, beyond = inf if reason else found.bound, 0.0
         if name in ranges:
             beyond = abs(extreme([*ranges[name], values[index]]) - values[index])
-        elif 0 < index < len(known) - 1 and time not in kinks:
+        elif 0 < index < len(known) - 1 and time not in kinks:  # at a kink the extreme is at the instant itself
             around = slice(index - 1, index + 2)
             beyond = _beyond_parabola([instant for _, instant in known[around]], values[around])
         quantities[name] = replace(
@@ -279,12 +278,12 @@ def passes_quantities(rolled: "RepeatedRolling") -> dict[str, Quantity]:
     status = next((s for s in (rolled.status, rolled.coarse.status) if s is not Status.CONVERGED), None)
     hertz, cell = rolled.description.scene.hertz, rolled.grid.cell_size[0]
     is_coarse = hertz is not None and cell * CELLS_OF_PASS > hertz.half_width * (1 + 1e-9)
-    common_reason = f"No bound: {status}" if status is not None else NO_BOUND_OF_FEW_CELLS * bool(is_coarse)
+    common_reason = f"No bound: {status}" if status is not None else (NO_BOUND_OF_FEW_CELLS if is_coarse else "")
     quantities = {}
     for name, (values, unit, label) in found.items():
         bound = PASS_MARGIN * float(np.abs(values - coarse[name][0]).max())
         is_elastic = name.startswith(("last", "forward")) and not coarse[name][0][-1]
-        reason = common_reason or NO_BOUND_OF_PASS * is_elastic
+        reason = common_reason or (NO_BOUND_OF_PASS if is_elastic else "")
         quantities[name] = Quantity(float(values[-1]), unit, label, inf if reason else bound, reason)
     depth = {"z": float(rolled.depths[int(rolled.residual_stress[-1, 0].argmin())])}
     lowest = replace(quantities["lowest_residual_stress"], position=depth)

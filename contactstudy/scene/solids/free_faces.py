@@ -17,10 +17,11 @@ def FreeFaces(solid: HalfSpace, length: float) -> HalfSpace:
 
     The faces are at ``|y| = length / 2``, at right angles to the surface, and contact ends there: no
     :class:`~contactstudy.FiniteLength` is needed. Beside the faces the body is softer, up to two and a half times. Each
-    face is that of a quarter-space, with the load mirrored evenly about both. Of long waves a load at one also acts on
-    the other, by a fit whose error is not in the bounds: 0.4 % of the pressure in L1 in bodies of 20 half-widths, 1.4 %
-    in those of 4. Displacement counts from points at three lengths from the axis. Sources: Hetenyi (1970), Journal of
-    Applied Mechanics 37, 89; Wang, Guo, Wong & Zhang (2017), Tribology International 114, 358.
+    face is that of a quarter-space, with the load mirrored evenly about both. A load that varies over long waves at one
+    face also acts on the other, by a fit whose error is not in the bounds: 0.4 % of the pressure in L1 in bodies of 20
+    half-widths, 1.4 % in those of 4. Displacement counts from points on the surface at three body lengths from the axis.
+    Sources: Hetenyi (1970), Journal of Applied Mechanics 37, 89; Wang, Guo, Wong & Zhang (2017), Tribology International
+    114, 358.
 
     Parameters
     ----------
@@ -43,7 +44,10 @@ def FreeFaces(solid: HalfSpace, length: float) -> HalfSpace:
 
 
 def check_free_faces(scene: SceneContext) -> None:
-    """Raise :class:`~contactstudy.InvalidInput` for a roller of another length, and for faces near the contact."""
+    """Raise :class:`~contactstudy.InvalidInput` for a roller of another length, and for faces too near to each other.
+
+    Faces are too near if they are less than `SHORTEST` half-widths apart. The `scene` has free faces.
+    """
     length = scene.free_length
     for number, shape in enumerate(scene.shapes):
         if isinstance(shape, FiniteLength) and not isclose(shape.length, length):

@@ -83,7 +83,7 @@ def _adhesive_stiffness(contact: Contact, active: Array) -> float:
     assert contact.scene.adhesion is not None
     solver: Any = problem.adhesion
     law = getattr(solver, "solver", solver).law  # a search for the pull-off load has a solver
-    # in contact any value gives K q = 1: it only scales the unknown
+    # in contact any value gives K q = 1: it only scales the unknown; the slope of a law is at least 0
     slope = np.where(contact.pressure > 0, active / problem.operator.self_compliance, law.slope(contact.gap))
     root, count = np.sqrt(slope), slope.size
 
@@ -115,7 +115,8 @@ def _with_longer_range(contact: Contact) -> Contact:
 def stiffness_error(contact: Contact, stiffness: float) -> float:
     """Return the bound of the relative error of a normal stiffness k, by the cells at the border of the contact.
 
-    Of a line contact ``d ln k / d ln a`` is ``2 k / (pi E*)``, where a is the half-width; elsewhere 1 at most. Cells at
+    Of a line contact ``1 / k = 2 ln(c D / a) / (pi E*)``, with the half-width a, so that ``d ln k / d ln a = 2 k / (pi
+    E*)``; elsewhere it is 1 at most. Cells at
     the hardness, which carry no increment, have a border of their own. With adhesion none is known.
     """
     assert contact.scene is not None

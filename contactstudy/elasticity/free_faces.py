@@ -32,7 +32,7 @@ from contactstudy.domain.grid import Array, Grid, Paddings
 from contactstudy.domain.validation import InvalidInput
 from contactstudy.elasticity.coefficients import Coefficients, FreeFaceCoefficients, influence_coefficients
 from contactstudy.elasticity.convolution import Convolution, coarsened_spectrum, even_spectrum
-from contactstudy.elasticity.kernels.stress import COMPONENTS, CellKernel
+from contactstudy.elasticity.kernels.stress import BOUSSINESQ, COMPONENTS, CellKernel
 from contactstudy.elasticity.transforms import ComplexField, transforms
 
 # Ratio of neighbouring distances in the table, every how many of which are used on a grid, and the first and last
@@ -399,7 +399,7 @@ class StressByFaces:
             parts = np.concatenate([on_cells.real, on_cells.imag], axis=1)  # kernels are real
             for number, name in enumerate(COMPONENTS):
                 on_face, sign = ON_FACE[name]
-                component = COMPONENTS[on_face]
+                component = BOUSSINESQ[on_face]
                 kernel = self._kernel(component, depth, edges, waves.shape[2])
                 real, imaginary = np.split(parts @ kernel, 2, axis=1)
                 at_nodes = (real + 1j * imaginary) * (1 if component.parity[0] > 0 else -1j)

@@ -75,12 +75,12 @@ def thermal_shear(
         slip: Array = np.full(len(heated), line.sliding)
         change = 0.0
         for _ in range(MAX_PASSES):
-            if change > NEW_START:
+            if change > NEW_START:  # Newton's method converges from below
                 rise = np.zeros_like(rise)
             rise, residual = _solve_temperature(of_film, line, slip, rise)
-            stress, elastic = line.stress_and_slip(_viscosity_ratio(line, rise))
-            change = float(np.abs(elastic - slip).max()) / (line.sliding or 1.0)
-            slip = elastic
+            stress, new_slip = line.stress_and_slip(_viscosity_ratio(line, rise))
+            change = float(np.abs(new_slip - slip).max()) / (line.sliding or 1.0)
+            slip = new_slip
             if change <= SLIP_TOLERANCE:
                 break
         mean[:, column], shear[:, column] = rise, stress
@@ -91,7 +91,7 @@ def thermal_shear(
 
 
 def _viscosity_ratio(line: ShearedFilm, rise: Array) -> Array:
-    """Return the viscosity (x,) at a temperature rise (x,) [K] over that at the supply."""
+    """Return ``eta(T) / eta``, the viscosity (x,) at a rise (x,) [K] over that at the supply's temperature."""
     oil, heat = line.scales.lubrication.lubricant, line.scales.lubrication.thermal
     assert heat is not None
     factor = oil.law.temperature_factor(line.lubricant_pressure)
@@ -112,7 +112,8 @@ def thermal_reduction(scales: FilmScales, heat: FilmHeat, *, starved: bool = Fal
     """Return the film thickness with a heated inlet over that of an isothermal inlet, by Gupta et al. (1992).
 
     An approximation, whose factor of the load is at least 0.1 here. Zhou & Hoeprich (1991), eq. 21, and Arana et al.
-    (2019), eq. 24, give the same coefficients. A ``starved`` film is thinned down to the flooded one of Moes alone.
+    (2019), eq. 24, give the same coefficients. A ``starved`` film is as thick as its supply, unless
+    the flooded film by Moes with a heated inlet is thinner.
     """
     loading = thermal_loading(scales, heat)
     load = scales.hertz.half_width / (4 * scales.hertz.radius)  # p_H / E'
@@ -128,7 +129,7 @@ def thermal_reduction(scales: FilmScales, heat: FilmHeat, *, starved: bool = Fal
 def moving_source(grid: Grid, body: ThermalBody, speed: float, thickness: float = 0.0) -> Array:
     """Return the temperature rise (x, x') [K] at x by a unit heat flux [W/m^2] into the cell at x'.
 
-    The surface moves at ``speed`` [m/s] towards larger x. A coating has a ``thickness`` [m].
+    The surface moves at ``speed`` [m/s], not 0, towards larger x. A coating has a ``thickness`` [m].
     """
     nx, cell = grid.cells[0], grid.cell_size[0]
     rate = speed * body.heat_capacity / (2 * body.conductivity)
@@ -160,6 +161,7 @@ def _of_coating(grid: Grid, body: ThermalBody, coating: ThermalBody, speed: floa
     (decay, of_coating), (_, of_body) = admittance(coating), admittance(body)
     reflected = (of_coating - of_body) / (of_coating + of_body) * np.exp(-2 * decay * thickness)
     added = (1 + reflected) / (1 - reflected) / of_coating - 1 / of_body
+    # of a unit flux over a cell, which has FINE_CELLS points
     added *= np.sinc(wave * cell / (2 * np.pi)) * FINE_CELLS
     rise = np.roll(np.fft.irfft(added, fine)[::FINE_CELLS], nx - 1)[: 2 * nx - 1]
     return np.asarray(rise * np.exp(shift * cell * np.arange(1 - nx, nx)))

@@ -1,7 +1,8 @@
 """Pressure and plastic strain at the end of a load step, together: a semismooth Newton method.
 
-S maps pressure to deviatoric stress, B plastic strain to minus its residual stress, and C is the number of independent
-components of a deviator. The bodies yield by von Mises' criterion, with linear hardening; their yielding volumes are one
+S maps pressure to deviatoric stress, B plastic strain to minus its residual stress, and S^T is the transpose of S under
+sums over volumes and cell areas. Deviators have C components in an orthonormal basis: plain sums of squares are norms.
+The bodies yield by von Mises' criterion, with linear hardening; their yielding volumes are one
 list of cells. The contact acts by its tangent operator, minus the derivative of the pressure with respect to the gap.
 """
 
@@ -42,10 +43,11 @@ class VonMisesPlasticity:
         return np.asarray(2 / 3 * (self.isotropic + self.kinematic))
 
     def return_mapping(self, stress: Array, strain: Array, strain_n: Array, equivalent_n: Array) -> "ReturnMapping":
-        """Return the plastic strain that puts the trial `stress` at `strain` back onto the yield surface.
+        """Return the plastic strain that puts the trial stress, of the `stress` at `strain`, onto the yield surface.
 
         `strain_n` (C, cells) and `equivalent_n` (cells,) are the plastic strain and its equivalent at the start of the
-        step. Radial return (Simo & Hughes 1998, box 3.1): the proximal step 1 / 2G of the energy.
+        step. This radial return (Simo & Hughes 1998, box 3.1) is one proximal-gradient step, of length 1 / 2G, on the
+        energy.
         """
         trial = stress + self.twice_shear_modulus * (strain - strain_n) - (2 / 3) * self.kinematic * strain_n
         norm = np.sqrt(np.einsum("ck,ck->k", trial, trial))
@@ -226,7 +228,7 @@ class ContactTangent:
     def __call__(self, gap: Array) -> Array:
         """Return minus the change of the pressure, ``Pi gap`` (x, y) [Pa], by a change of the gap (x, y) [m]."""
         count = total(self.contact)
-        if count < 2:
+        if count < 2:  # a single cell keeps the load
             return np.zeros_like(gap)
         real = self.bare.undeformed_gap.dtype
         deviation = self._deviation(((gap / self.scales.gap) * self.contact).astype(real), count)
@@ -242,6 +244,7 @@ class ContactTangent:
 
     def _preconditioned(self, residual: Array, count: float) -> Array:
         """Return the preconditioned `residual` of the gap."""
+        # a displacement of the cells in contact, extended to all cells, and the pressure that makes it
         return self._deviation(self._extension.pressure(self._extension(residual)), count)
 
     def _deviation(self, field: Array, count: float) -> Array:
@@ -276,9 +279,9 @@ class ElastoplasticStep:
     Parameters
     ----------
     solution
-        The last solution of the contact.
+        The last solution of the contact, over the displacement by the strain before its last return mapping.
     strain
-        Plastic strain (C, cells).
+        Plastic strain (C, cells), mapped to the yield surface.
     equivalent_increment
         Increment of the equivalent plastic strain in the step (cells,).
     residual
@@ -288,7 +291,7 @@ class ElastoplasticStep:
     contacts
         All solutions of the contact on the way, in order.
     energy
-        Energy [J] of the residual stress, with what the step dissipates and hardening stores.
+        Incremental energy [J]: that of the residual stress, with what the step dissipates and hardening stores.
     """
 
     solution: Solution
@@ -371,9 +374,10 @@ def solve_elastoplastic_step(
 class _State:
     """Plastic strain (C, cells), the contact under it, and the return mapping of its trial stress.
 
-    The `residual` (C, cells) is the difference of the strain from the mapped one, `residual_norm` the largest of it in
-    units of yield stress over Young's modulus, `energy` [J] the forward-backward envelope, and
-    `incremental_energy` [J] its part that does not depend on the contact.
+    The `residual` r (C, cells) is the strain less the mapped one, `residual_norm` the largest of it in units of yield
+    stress over Young's modulus. The `energy` [J] is the forward-backward envelope ``f(strain) + g(mapped) - <grad f, r>
+    + G |r|^2``, with the potential g of the step and ``grad f = -stress``: f is the energy of the residual stress less
+    the complementary energy of the contact. `incremental_energy` [J] is its part that does not depend on the contact.
     """
 
     strain: Array
@@ -402,7 +406,10 @@ def _mapped_state(
 
 
 def _contact_energy(solution: Solution, cell_area: float) -> float:
-    """Return the complementary energy of the contact [J], ``1/2 p K p + p h`` with the undeformed gap h."""
+    """Return the complementary energy of the contact [J], ``1/2 p K p + p h``.
+
+    The gap h is the undeformed one of the solution's own problem, over the surface lowered by the residual displacement.
+    """
     heights = solution.problem.undeformed_gap + solution.displacement / 2
     return float(np.einsum("xy,xy->", solution.pressure, heights)) * cell_area
 
@@ -421,7 +428,8 @@ def _line_search(state_of: Callable[[Array], _State], state: _State, step: Array
 def _newton_step(bodies: YieldingBodies, tangent: Tangent | None, state: _State) -> Array:
     """Return the step of the plastic strain (C, cells) that solves the linearised return mapping.
 
-    Cells that do not flow take their whole residual at once.
+    On the flowing cells it solves ``(B + S Pi S^T + D^-1 - 2G) step = -D^-1 r``, with the residual r and the derivative
+    D of the return mapping. Cells that do not flow take their whole residual at once.
     """
     mapped, residual = state.mapped, state.residual
     flows = mapped.flows

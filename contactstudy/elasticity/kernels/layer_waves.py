@@ -20,9 +20,9 @@ from contactstudy.elasticity.kernels.layer_response import (
     composite,
 )
 from contactstudy.elasticity.kernels.stress import (
+    BOUSSINESQ,
     CERRUTI_ACROSS,
     CERRUTI_ALONG,
-    COMPONENTS,
     SURFACE,
     SWAPPED,
     CellKernel,
@@ -368,7 +368,7 @@ class DisplacementWaves:
 
 # Components of stress by the load on the surface: pressure, shear across, shear along.
 FAMILIES: Mapping[str, Mapping[str, CellKernel]] = {
-    "pressure": COMPONENTS,
+    "pressure": BOUSSINESQ,
     "across": CERRUTI_ACROSS,
     "along": CERRUTI_ALONG,
 }
@@ -399,13 +399,13 @@ class StressWaves(LayerStress):
 
     def swap_axes(self, name: str) -> tuple["StressWaves", str]:
         """Return the response and the component that take the place of these when the axes are exchanged."""
-        return replace(self, load=SWAPPED_LOADS[self.load]), COMPONENTS[name].swapped
+        return replace(self, load=SWAPPED_LOADS[self.load]), BOUSSINESQ[name].swapped
 
     def harmonics(self, k: RealOrComplex) -> dict[str, dict[int, RealOrComplex]]:
         """Return the components of the remainder by name and number of turns, see :class:`WaveResponse`."""
         if self.load == "along":
             return {
-                COMPONENTS[name].swapped: {
+                BOUSSINESQ[name].swapped: {
                     m: -part if m == 3 or (m == 2 and name != "yz") else part for m, part in parts.items()
                 }
                 for name, parts in replace(self, load="across").harmonics(k).items()

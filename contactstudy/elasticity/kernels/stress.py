@@ -43,9 +43,9 @@ class CellKernel:
     plane
         pi times the field in plane strain under unit load on a :class:`Strip`, from it and Poisson's ratio.
     swapped
-        Name of the field with the axes exchanged.
+        Key in `family` of the field with the axes exchanged.
     family
-        Kernels among which `swapped` is looked up, by default ``COMPONENTS``.
+        Kernels by key, by default ``BOUSSINESQ``.
     """
 
     name: str
@@ -58,7 +58,7 @@ class CellKernel:
 
     def swap_axes(self) -> "CellKernel":
         """Return the kernel with the axes exchanged."""
-        return (COMPONENTS if self.family is None else self.family)[self.swapped]
+        return (BOUSSINESQ if self.family is None else self.family)[self.swapped]
 
     def exchanged(self, name: str, plane: "Callable[[Strip, float], Array | float]") -> "CellKernel":
         """Return the kernel of the field `name`, this one with the axes exchanged; `plane` is that in plane strain."""
@@ -76,9 +76,10 @@ class Strip:
     angle
         Angle that it subtends.
     edge_terms
-        Terms ``z / (a + i z) - z / (b + i z)`` of its edges at offsets a and b.
+        Terms ``z / (a + i z) - z / (b + i z)`` of its edges: the point is ``a = middle + width / 2`` and ``b = middle -
+        width / 2`` away from them.
     middle
-        Offset of its middle.
+        Offset of the point from the middle of the strip.
     depth
         Depth z of the point.
     width
@@ -117,17 +118,17 @@ class Strip:
 
 
 def _angle(x: Array, y: Array, z: float, r: Array) -> Array:
-    """Return the integral of ``-z / r^3``: minus the solid angle of a quadrant."""
+    """Return the integral of ``-z / r^3`` over x and y: minus the solid angle of a quadrant."""
     return np.asarray(-np.arctan2(x * y, z * r))
 
 
 def _second_derivative_inverse(x: Array, y: Array, z: float, r: Array) -> Array:
-    """Return the integral of ``-z (d/dx)^2 (1/r)``."""
+    """Return the integral of ``-z (d/dx)^2 (1/r)`` over x and y; ``-3 z x^2 / r^5`` is that less ``z / r^3``."""
     return np.asarray(z * x * y / ((x * x + z * z) * r))
 
 
 def second_derivative_log(x: Array, y: Array, z: float, r: Array) -> Array:
-    """Return the integral of ``(d/dx)^2 ln(r + z)``, its two arctangents as one that does not cancel."""
+    """Return the integral of ``(d/dx)^2 ln(r + z)`` over x and y, its two arctangents as one that does not cancel."""
     return np.arctan2(x * y * (x * x + y * y) / (r + z), x * x * r + z * y * y)
 
 
@@ -177,8 +178,9 @@ _XZ = CellKernel(
     lambda x, y, z, r, nu: -3 * z * z * x / ((r * r) * (r * r) * r),
     _xz_corner, lambda strip, nu: -strip.edge_terms.imag, "yz",
 )  # fmt: skip
-# Name, parity, point, corner, plane and swapped name. Source: Love (1929), by way of Johnson (1985), eqs. 3.19 and 3.25
-COMPONENTS = {
+# Stress under unit pressure, by component. The points follow from the displacements under a normal force by Hooke's law,
+# with r + z in place of the brackets of the stresses. Source: Johnson (1985), eqs. 3.18; Love (1929), eqs. 3.25
+BOUSSINESQ = {
     component.name: component
     for component in (
         _XX,
@@ -200,6 +202,8 @@ COMPONENTS = {
         ),
     )
 }  # fmt: skip
+# Names of the components of stress, in the order of arrays.
+COMPONENTS = tuple(BOUSSINESQ)
 
 
 def stress_cell(
@@ -280,11 +284,11 @@ def strip(x: Array, z: float, dx: float) -> Strip:
 PLANE_STRAIN_PERIODS = 6.0
 # Nodes of the rule for images at more than twice the distance from the axis: each gains a factor of rho^2 = 8^2.
 TAIL_POINTS = 10
-# Points across and along that all of these are interpolated from: Bernstein ellipses of rho >= 6 and 13.
+# Points across and along from which the images beyond are interpolated: Bernstein ellipses of rho >= 6 and 13.
 INTERPOLATED = 22, 14
-# Points along either axis that all rows of a lattice but three are interpolated from: rho >= 9.
+# Points along either axis from which the rows of a lattice beyond the nearest three are interpolated: rho >= 9.
 LATTICE_INTERPOLATED = 18
-# Images that the tail's rule is made from.
+# Images that the tail's rule is made from. The integral over those beyond is exact to 1 / (12 TAIL_IMAGES^3) ~ 1e-14.
 TAIL_IMAGES = 20_000
 
 
@@ -328,6 +332,7 @@ def stress_cell_periodic(
     if far.any():
         plane = plane_strain(component, strip(x[far], z, dx), poisson_ratio)
         result[far] = plane * (dy / period)
+    # in powers of two, each of which takes a rule for its tail
     reach = np.exp2(np.ceil(np.log2(np.maximum(np.hypot(outer, z) / period, 1)))).astype(int)
     for periods in np.unique(reach[~far]).tolist():
         rows = ~far & (reach == periods)
@@ -399,7 +404,7 @@ def _tail(start: int) -> tuple[Array, Array]:
     """Return positions and weights with ``sum over m >= start of f(m)`` for f(m) = m^-2 polynomial(1/m)."""
     end = start + TAIL_IMAGES
     m = np.arange(start, end, dtype=np.float64)
-    # the sum from there on is an integral but for 1 / (12 end^3)
+    # from there on the sum is an integral
     nodes, tail_weights = np.array(mean_gauss_rule(TAIL_POINTS)).T
     remainder = 1 / (end - 0.5)
     t = np.append(1 / m, (1 + nodes) / 2 * remainder)
@@ -408,6 +413,7 @@ def _tail(start: int) -> tuple[Array, Array]:
     root = np.sqrt(weights)
     basis = np.linalg.qr(root[:, None] * chebvander(2 * start * t - 1, TAIL_POINTS - 1)).Q
     nodes, vectors = np.linalg.eigh(basis.T @ (t[:, None] * basis))
+    # Gauss's weights are those of m^2 f(m)
     return 1 / nodes, (vectors.T @ (basis.T @ root) / nodes) ** 2
 
 
@@ -467,26 +473,27 @@ def stress_cell_doubly_periodic(
     total = _smooth(lambda u, v: rows(u, v, far), x, y, (width / 2, period / 2), points, component.parity)
     total += rows(x, y, [1, -1, 0])
     strips = plane_strain(component, _strips(x, z, dx, width), poisson_ratio)
+    # deep strips have means of xx and yy of -1 and -2 nu; only kernels by pressure have these names and such means
     confined = (1 - 2 * poisson_ratio) / (1 - poisson_ratio) * dx / width
     confinement = {"xx": confined, "yy": poisson_ratio * confined}.get(component.name, 0.0)
     return np.asarray(total + (strips + confinement) * (dy / period))
 
 
-def _strips(x: Array, z: float, dx: float, width: float) -> Strip:
-    """Return strips repeated with `width`: 1/x becomes (pi/W) cot(pi x/W) (Johnson 1985, sect. 13.2)."""
+def _strips(x: Array, z: float, dx: float, period: float) -> Strip:
+    """Return strips repeated with `period`: 1/x becomes (pi/W) cot(pi x/W) (Johnson 1985, sect. 13.2)."""
     # beyond this the harmonics have long underflowed, and cosh would not hold them
-    depth = min(2 * np.pi * z / width, 100.0)
-    twice, cell = 2 * np.pi * x / width, np.pi * dx / width
+    depth = min(2 * np.pi * z / period, 100.0)
+    twice, cell = 2 * np.pi * x / period, np.pi * dx / period
     edges = 2 * np.sin((twice + cell) / 2) * np.sin((twice - cell) / 2)
     fading = 2 * np.sinh(depth / 2) ** 2 * np.cos(twice)
     # cosh(depth) (cos(cell) - cos(twice)) + ..., by products where the difference would cancel
     angle = np.arctan2(np.sin(cell) * np.sinh(depth), edges * np.cosh(depth) + fading)
     denominator = edges - fading + 1j * np.sin(twice) * np.sinh(depth)
-    return Strip(angle, -2 * np.pi * z / width * np.sin(cell) / denominator, x, z, dx, width)
+    return Strip(angle, -2 * np.pi * z / period * np.sin(cell) / denominator, x, z, dx, period)
 
 
-def _asinh(y: Array, x: Array, z: float) -> Array:
-    """Return the integral of 1/r along y."""
+def _inverse_distance_along(y: Array, x: Array, z: float) -> Array:
+    """Return the integral of 1/r over y."""
     return np.asarray(np.arcsinh(y / np.sqrt(x * x + z * z)))
 
 
@@ -499,25 +506,26 @@ def _harmonic_point(x: Array, y: Array, z: float, r: Array) -> Array:
 def _traction_xx_point(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
     """Return 2 pi times the stress xx under a unit force along x at the origin."""
     s = r + z
+    # (d/dx)^3 (r - z ln(r + z))
     third = (-3 + x * x / (r * r) + 2 * x * x / (r * s)) * x / (r * s * s)
     return np.asarray((1 - 2 * nu) * (x / r**3 + third) - 3 * x**3 / r**5)
 
 
 def _traction_xx_corner(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
     """Return the integral over x and y of 2 pi times the stress xx under a unit force along x."""
-    compliant = x * x * y / ((x * x + z * z) * r) + 2 * _asinh(y, x, z)
-    return np.asarray(compliant - (1 - 2 * nu) * y / (r + z))
+    incompressible = x * x * y / ((x * x + z * z) * r) + 2 * _inverse_distance_along(y, x, z)
+    return np.asarray(incompressible - (1 - 2 * nu) * y / (r + z))
 
 
-def _yy_point(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
+def _traction_yy_point(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
     """Return 2 pi times the stress yy under a unit force along x at the origin."""
     lateral = x / r**3 + _harmonic_point(x, y, z, r)
     return np.asarray((1 - 2 * nu) * lateral - 3 * x * y * y / r**5)
 
 
-def _yy_corner(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
+def _traction_yy_corner(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
     """Return the integral over x and y of 2 pi times the stress yy under a unit force along x."""
-    line = _asinh(y, x, z)
+    line = _inverse_distance_along(y, x, z)
     return np.asarray(line - y / r - (1 - 2 * nu) * (line - y / (r + z)))
 
 
@@ -527,35 +535,36 @@ def _traction_xy_point(x: Array, y: Array, z: float, r: Array, nu: float) -> Arr
     return np.asarray((1 - 2 * nu) * lateral - 3 * x * x * y / r**5)
 
 
-def _xy_corner(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
+def _traction_xy_corner(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
     """Return the integral over x and y of 2 pi times the stress xy under a unit force along x."""
-    return np.asarray(_asinh(x, y, z) - x / r + (1 - 2 * nu) * x / (r + z))
-
-
-_NORMAL = COMPONENTS
+    return np.asarray(_inverse_distance_along(x, y, z) - x / r + (1 - 2 * nu) * x / (r + z))
 
 
 def _incompressible(name: str) -> tuple[KernelFunction, KernelFunction]:
-    """Return point and corner of a normal stress for a Poisson's ratio of a half: traction makes them at any ratio."""
-    kernel = _NORMAL[name]
+    """Return point and corner of a stress by pressure at a Poisson's ratio of 1/2.
+
+    Those of xx and xy are also xz and yz by traction along x, whatever the ratio.
+    """
+    kernel = BOUSSINESQ[name]
     return (lambda x, y, z, r, nu: kernel.point(x, y, z, r, 0.5), lambda x, y, z, r, nu: kernel.corner(x, y, z, r, 0.5))
 
 
-# Stress under unit traction along x, and along y. Source: Cerruti, by way of Johnson (1985), eqs. 3.76, sect. 2.5(b)
+# Stress under unit traction along x, and along y. Each is the family in which kernels of the other are swapped.
+# Source: Cerruti, by way of Johnson (1985), eqs. 3.76, sect. 2.5(b)
 CERRUTI_ACROSS: dict[str, CellKernel] = {}
 CERRUTI_ALONG: dict[str, CellKernel] = {}
-for _name, _parity, _point, _corner, _plane, _other in (
+for _name, _parity, _point, _corner, _plane, _plane_along in (
     ("xx", (-1, 1), _traction_xx_point, _traction_xx_corner, lambda s, nu: s.edge_terms.imag - 2 * s.logarithm, _zero),
-    ("yy", (-1, 1), _yy_point, _yy_corner, lambda s, nu: -2 * nu * s.logarithm, _zero),
-    ("zz", (-1, 1), _NORMAL["xz"].point, _NORMAL["xz"].corner, _NORMAL["xz"].plane, _zero),
+    ("yy", (-1, 1), _traction_yy_point, _traction_yy_corner, lambda s, nu: -2 * nu * s.logarithm, _zero),
+    ("zz", (-1, 1), BOUSSINESQ["xz"].point, BOUSSINESQ["xz"].corner, BOUSSINESQ["xz"].plane, _zero),
     ("yz", (-1, -1), *_incompressible("xy"), _zero, _zero),
     # by traction along the strip: antiplane
-    ("xz", (1, 1), *_incompressible("xx"), _NORMAL["xx"].plane, lambda s, nu: -s.angle),
-    ("xy", (1, -1), _traction_xy_point, _xy_corner, _zero, lambda s, nu: -s.logarithm),
+    ("xz", (1, 1), *_incompressible("xx"), BOUSSINESQ["xx"].plane, lambda s, nu: -s.angle),
+    ("xy", (1, -1), _traction_xy_point, _traction_xy_corner, _zero, lambda s, nu: -s.logarithm),
 ):
-    _swapped_name = _NORMAL[_name].swapped
+    _swapped_name = BOUSSINESQ[_name].swapped
     _across = CellKernel(f"{_name} by shear across", _parity, _point, _corner, _plane, _swapped_name, CERRUTI_ALONG)
-    _along = _across.exchanged(f"{_swapped_name} by shear along", _other)
+    _along = _across.exchanged(f"{_swapped_name} by shear along", _plane_along)
     CERRUTI_ACROSS[_name] = _across
     CERRUTI_ALONG[_swapped_name] = replace(_along, swapped=_name, family=CERRUTI_ACROSS)
 
@@ -566,13 +575,14 @@ def _half_log(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
 
 
 def _moment(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
-    """Return the integral of ``x^2 / r^3`` over x and y."""
+    """Return the integral of ``x^2 / r^3`` over x and y, on the surface."""
     return np.asarray(y * np.arcsinh(x / np.where(y == 0, 1.0, np.abs(y))))
 
 
 # 2 pi times these are integrals over the cell of fields on the surface, z = 0: x / r^2 and y / r^2, the normal
 # displacement under traction (Johnson 1985, eq. 3.75c), x^2 / r^3 and x y / r^3, what Poisson's ratio adds to the
-# displacement along the surface (eqs. 3.75a, b). y^2 / r^3 is 1 / r less x^2 / r^3.
+# displacement along the surface (eqs. 3.75a, b). y^2 / r^3 is 1 / r less x^2 / r^3: xx is not swapped.
+# Repeated strips leave out a uniform xx.
 SURFACE: dict[str, CellKernel] = {}
 # Names of the fields with the axes exchanged.
 SWAPPED = {"xx": "yy", "yy": "xx", "xy": "xy", "x": "y", "y": "x"}

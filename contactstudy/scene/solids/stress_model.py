@@ -32,7 +32,7 @@ class HalfSpaceStress:
 
     def coefficients(self, traction: str, component: str, depth: float) -> tuple[tuple[Coefficients, float], ...]:
         """Return the coefficients of Boussinesq and Cerruti, with the weight 1."""
-        families = {"pressure": stress.COMPONENTS, "across": stress.CERRUTI_ACROSS, "along": stress.CERRUTI_ALONG}
+        families = {"pressure": stress.BOUSSINESQ, "across": stress.CERRUTI_ACROSS, "along": stress.CERRUTI_ALONG}
         return ((StressCoefficients(families[traction][component], depth, self.poisson_ratio), 1.0),)
 
 

@@ -27,7 +27,7 @@ from contactstudy.solvers.friction.traction import FrettingTraction
 from contactstudy.solvers.solution import Solution, Status, TangentialTraction, with_traction, worst
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
-# Fraction by which a force may exceed what friction transmits: the load of a solution is exact to rounding.
+# Fraction by which a force may exceed what friction transmits, as a load summed over cells is rounded.
 ROUNDING = 1e-6
 
 
@@ -47,8 +47,8 @@ class SlipStep:
     stick
         Cells (x, y) in contact that stick.
     residual
-        Root mean square of the change by one projection, over the largest traction, or over a fraction of that before
-        the step where that is larger.
+        Root mean square of the change by one projection onto Coulomb's disks, over the largest traction, or over 1e-4 of
+        that before the step where that is larger.
     applications
         Number of applications of the response to traction.
     """
@@ -124,8 +124,9 @@ def slip_step(
     shear, slip, displacement, residual = newton.solve(
         free_slip, newton.gathered(reference), tolerance, max_applications - 1
     )
-    if rigid is None:
+    if rigid is None:  # the displacement that makes the resultant is not in the slip that Newton's method returns
         rigid, slip = displacement, slip - displacement[:, None]
+    # the solved traction may exceed its limit by the residual
     shear = newton.project(shear)
     return SlipStep(
         newton.field(shear), newton.field(slip), rigid, newton.sticks(shear, slip), residual, newton.applications + 1
@@ -151,6 +152,8 @@ SAME_FORCE = 1e-9
 LOOP_PARTS, LOOP_TOLERANCE, LOOP_APPLICATIONS = 8, 1e-6, 1000
 # Factor on friction with which a contact sticks all over.
 STICKING = 1e3
+# Convolutions of the full grid in an application of the response: as many as a traction has components.
+CONVOLUTIONS_PER_APPLICATION = 2.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,7 +165,7 @@ class FrettingShear:
     coefficient
         Coefficient of friction mu.
     forces_per_length
-        Tangential forces along x [N/m], each less than friction transmits, starting from 0.
+        Tangential forces along x [N/m], from a contact without one, each less than friction transmits.
     response
         Displacement under tangential traction.
     bulk
@@ -196,21 +199,21 @@ class FrettingShear:
         sliding: list[Array] = []
         shears: list[Array] = []
         displacements = [0.0]
-        limits = options.tolerance, options.max_iterations
+        stopping = options.tolerance, options.max_iterations
         # without a load there is no tangential force
         forces = self.forces_per_length if limit.any() else ()
         stresses = self._stresses
         for number, force in enumerate(forces):
             stretch = self._stretch(problem.grid, *stresses[number : number + 2])
             total = np.array([force * problem.grid.length / problem.grid.cell_area, 0.0])
-            step = slip_step(self.response, limit, shear, *limits, total=total, stretch=stretch)
+            step = slip_step(self.response, limit, shear, *stopping, total=total, stretch=stretch)
             sliding.append(np.hypot(*step.slip))
             displacements.append(displacements[-1] + float(step.rigid[0]))
             shear, stick = step.shear, step.stick
             shears.append(shear)
             applications += step.applications
             residual = max(residual, step.residual)
-            statuses.append(shear_status(step.residual, step.applications, *limits))
+            statuses.append(shear_status(step.residual, step.applications, *stopping))
         cycle = _last_cycle([0.0, *forces], stresses)
         slip_distance = sum(sliding[slice(*cycle or (None,))], start=np.zeros_like(limit))
         traction = FrettingTraction(
@@ -226,7 +229,9 @@ class FrettingShear:
             cycle=cycle,
             bulk=self.bulk.of_bodies(stresses[-1]),
         )
-        return with_traction(normal, worst(statuses), residual, applications, 2.0 * applications, traction)
+        return with_traction(
+            normal, worst(statuses), residual, applications, CONVOLUTIONS_PER_APPLICATION * applications, traction
+        )
 
     def loop(self, solution: Solution) -> tuple[Array, Array, Array]:
         """Return forces along x [N], rigid displacements [m] and slip [m] along the last whole cycle, or the history.
@@ -264,7 +269,7 @@ class FrettingShear:
 
 @dataclass(frozen=True, eq=False)
 class PartialSlipShear:
-    """Tangential traction of a `fretting` contact, without the slip and the energy, which partial slip does not name."""
+    """Tangential traction of a `fretting` contact, without the slip and the energy, which partial slip leaves out."""
 
     fretting: FrettingShear
 

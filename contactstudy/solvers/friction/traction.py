@@ -43,14 +43,14 @@ class FrettingTraction(TangentialTraction):
     cycle: tuple[int, int] | None
 
     def fields(self, pressure: Array) -> Mapping[str, Field]:
-        """Return traction, area of stick, slip and energy, and the force after each step, as fields by name."""
+        """Return traction, area of stick, slip and energy, and the force from the start on, as fields by name."""
         counted = "so far" if self.cycle is None else "in the last whole cycle"
         slid = "rigid-body displacement of the second against the first body along x"
         return {
             **super().fields(pressure),
             "slip_distance": Field(OF_SURFACE, self.slip_distance, "m", f"distance slipped {counted}"),
             "friction_energy": Field(OF_SURFACE, self.energy, "J m-2", f"energy lost {counted} per area"),
-            "tangential_force": Field(("step",), self.forces, "N", "tangential force after each step"),
+            "tangential_force": Field(("step",), self.forces, "N", "tangential force at the start and after each step"),
             "rigid_displacement": Field(("step",), self.rigid_displacement, "m", slid),
         }  # fmt: skip
 
@@ -58,6 +58,9 @@ class FrettingTraction(TangentialTraction):
 @dataclass(frozen=True)
 class Creepage:
     """Creepage: relative rigid-body velocity of the second against the first body over the rolling speed.
+
+    The slip of the first against the second body is the change of the elastic displacement per distance, less the
+    creepage: a positive creepage makes a positive traction on the first body.
 
     Parameters
     ----------
@@ -86,11 +89,11 @@ class RollingErrors:
     Parameters
     ----------
     force
-        Of the tangential force over the load.
+        Absolute error of the ratio of tangential force to load.
     creepage
-        Of a longitudinal creepage that is found.
+        Absolute error of a longitudinal creepage that is found.
     power
-        Of the frictional power on the grid [W].
+        Absolute error of the frictional power on the grid [W].
     """
 
     force: float = inf
@@ -113,9 +116,11 @@ class RollingTraction(TangentialTraction):
     creepage
         Rigid slip of the second against the first body; found where the tangential force is given.
     power
-        Frictional power per area (x, y) [W/m^2], from the mean of the traction before and after a step of one cell.
+        Frictional power per area (x, y) [W/m^2], of the slip in a step of one cell under the mean of the traction before
+        and after it: the traction after it alone would leave out what the step dissipates.
     power_outside_contact
-        Fraction of the power outside the contact, an error by the cells that one grid shows. `errors` has the one that
+        Fraction of the power in cells just outside the contact, which have the mean of their traction and that of a
+        neighbour: an error by the cells that one grid shows. `errors` has the one that
         coarser grids show; the bound of the power is their sum.
     errors
         Estimated errors of force, creepage and power.

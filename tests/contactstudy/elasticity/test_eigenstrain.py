@@ -13,7 +13,7 @@ from contactstudy.elasticity.eigenstrain.fourier_modes import Waves
 from contactstudy.elasticity.eigenstrain.half_space_wave import Components, EigenstrainOperator, Moduli, Volume
 from contactstudy.elasticity.eigenstrain.periodic_operator import AntiplaneOperator, PeriodicOperator
 from contactstudy.elasticity.eigenstrain.plane_strain_operator import OuterStrain, PlaneStrainOperator
-from contactstudy.elasticity.kernels.stress import COMPONENTS, stress_cell_periodic
+from contactstudy.elasticity.kernels.stress import BOUSSINESQ, stress_cell_periodic
 from tests.conftest import STEEL as STEEL_BODY
 
 STEEL = Moduli(2.6, 0.3)  # 2G = 2
@@ -80,7 +80,7 @@ def test_a_pressed_cell_makes_the_stress_of_its_point_formulas_where_it_varies_a
         for number, name in enumerate(TENSOR):
             for point, weight in zip(points, weights, strict=True):
                 z = (top + bottom) / 2 + point * (bottom - top)
-                at = stress_cell_periodic(COMPONENTS[name], x, y, z, 1.0, 1.5, 12.0, 0.3)
+                at = stress_cell_periodic(BOUSSINESQ[name], x, y, z, 1.0, 1.5, 12.0, 0.3)
                 cells = at.reshape(6, 5, 8, 5)
                 mean[number] += weight * np.einsum("iajb,a,b->ij", cells, weights, weights)
         # short waves: exp(-pi z / dx) of the third in the first layer, nothing of them below

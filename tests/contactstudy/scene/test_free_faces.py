@@ -6,7 +6,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import contactstudy as cs
-from contactstudy.elasticity.kernels.stress import COMPONENTS
+from contactstudy.elasticity.kernels.stress import BOUSSINESQ
 from tests.conftest import STEEL
 
 FREE = cs.ZeroPadding(), cs.ZeroPadding()
@@ -98,7 +98,7 @@ def test_the_stress_of_a_pressure_beside_one_face_is_mirrored_beside_the_other()
     below = cs.SubsurfaceStress((0.3,), body=0).of((cs.FreeFaces(STEEL, 4.0), STEEL), grid, FREE)
     pressure = np.random.default_rng(1).random(grid.cells) * (np.arange(16) < 5)
     stress, mirrored = below(pressure), below(pressure[:, ::-1])[..., ::-1]
-    turning = np.array([kernel.parity[1] for kernel in COMPONENTS.values()])[:, None, None, None]
+    turning = np.array([kernel.parity[1] for kernel in BOUSSINESQ.values()])[:, None, None, None]
     assert_allclose(turning * mirrored, stress, atol=1e-12)
     assert np.abs(stress[..., :3]).max() > 10 * np.abs(stress[..., -3:]).max()
 

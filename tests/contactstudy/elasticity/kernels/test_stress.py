@@ -8,6 +8,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from contactstudy.elasticity.kernels.layer_waves import FAMILIES
 from contactstudy.elasticity.kernels.stress import (
+    BOUSSINESQ,
     CERRUTI_ACROSS,
     CERRUTI_ALONG,
     COMPONENTS,
@@ -31,7 +32,7 @@ IMAGES = 200 * 2 ** np.arange(6)
 
 
 def six(x: float, y: float, z: float, dx: float, dy: float) -> np.ndarray:
-    return np.array([float(stress_cell(c, x, y, z, dx, dy, NU)) for c in COMPONENTS.values()])
+    return np.array([float(stress_cell(c, x, y, z, dx, dy, NU)) for c in BOUSSINESQ.values()])
 
 
 def to_the_limit(sums: list[np.ndarray], steps: np.ndarray) -> np.ndarray:
@@ -121,7 +122,7 @@ def test_stress_on_the_surface_is_that_of_love_with_its_parity() -> None:
     beside = six(0.8, 0.2, 0.0, 1.0, 1.0)
     assert_allclose(beside[[2, 3, 4]], 0, atol=1e-16)
     assert beside[0] + beside[1] == pytest.approx(0, abs=1e-15)
-    across, along = np.array([kernel.parity for kernel in COMPONENTS.values()]).T
+    across, along = np.array([kernel.parity for kernel in BOUSSINESQ.values()]).T
     assert_array_equal(six(-7.0, 0.7, 0.4, 1.0, 0.7), across * six(7.0, 0.7, 0.4, 1.0, 0.7))
     assert_array_equal(six(7.0, -0.7, 0.4, 1.0, 0.7), along * six(7.0, 0.7, 0.4, 1.0, 0.7))
 
@@ -156,7 +157,7 @@ def test_cells_of_one_period_are_a_strip_with_its_textbook_stress() -> None:
         "yy": -2 * NU * turn / np.pi,
     }
     y = np.arange(count) * period / count
-    for name, component in COMPONENTS.items():
+    for name, component in BOUSSINESQ.items():
         cells = stress_cell_periodic(component, x, y, z, 2 * a, period / count, period, NU)
         endless = plane_strain(component, strip(x, z, 2 * a), NU)
         assert_allclose(endless, expected.get(name, 0 * x), rtol=0, atol=1e-15)
@@ -172,22 +173,22 @@ def test_lattice_is_the_sum_of_rows_but_for_its_mean(name: str) -> None:
     """Under uniform pressure the body does not spread, ``xx = yy = -nu / (1 - nu)``, at any depth."""
     width, period, cell = 2.0, 1.3, (0.2, 0.3, 0.2)
     x, y = np.array([0.1, 0.7]), np.array([0.2, 0.6])
-    computed = stress_cell_doubly_periodic(COMPONENTS[name], x, y, *cell, width, period, NU)
+    computed = stress_cell_doubly_periodic(BOUSSINESQ[name], x, y, *cell, width, period, NU)
     strips, rows = np.array([20, 40, 80, 160, 320]), np.arange(1, 321)
     images = np.stack(
         [
-            sum(stress_cell_periodic(COMPONENTS[name], x + s * m * width, y, *cell, period, NU) for s in (1, -1))
+            sum(stress_cell_periodic(BOUSSINESQ[name], x + s * m * width, y, *cell, period, NU) for s in (1, -1))
             for m in rows.tolist()
         ]
     )
     running = np.cumsum(images, axis=0)
-    own = stress_cell_periodic(COMPONENTS[name], x, y, *cell, period, NU)
+    own = stress_cell_periodic(BOUSSINESQ[name], x, y, *cell, period, NU)
     summed = own + to_the_limit([running[n - 1] for n in strips], 1 / (strips + 0.5))
     fraction = 0.3 * 0.2 / (width * period)
     held = {"xx": fraction * (1 - 2 * NU) / (1 - NU), "yy": NU * fraction * (1 - 2 * NU) / (1 - NU)}
     assert_allclose(computed, summed + held.get(name, 0.0), rtol=0, atol=1e-11 * 0.3 * 0.2)
     mean = {"xx": -NU / (1 - NU), "yy": -NU / (1 - NU), "zz": -1.0}.get(name, 0.0)
-    deep = stress_cell_doubly_periodic(COMPONENTS[name], x, y, 1e3, *cell[1:], width, period, NU)
+    deep = stress_cell_doubly_periodic(BOUSSINESQ[name], x, y, 1e3, *cell[1:], width, period, NU)
     assert_allclose(deep, mean * fraction, rtol=0, atol=1e-12 * fraction)
 
 

@@ -51,6 +51,12 @@ def set_fields(instance: object, **values: object) -> None:
         object.__setattr__(instance, name, value)
 
 
+def shortened(value: object) -> str:
+    """Return a value in a message: as Python writes it, and up to 60 characters of it."""
+    text = " ".join(repr(value).split())
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
 def suggestion(name: str, known: Iterable[str]) -> str:
     """Return a suggestion for an unknown `name`: a `known` one that begins so, the most similar one, or all of them."""
     choices = list(known)
@@ -412,7 +418,7 @@ def valid(name: str, value: Any, hint: Any) -> Any:
         return _entries(name, value, options, hint)
     if origin is Literal:
         if not isinstance(value, str) or value not in options:
-            raise InvalidInput(f"{name} is {value!r}: {suggestion(str(value), options)}.")
+            raise InvalidInput(f"{name} is {shortened(value)}: {suggestion(str(value), options)}.")
         return value
     if hint is Any:
         return value
@@ -426,7 +432,7 @@ def valid(name: str, value: Any, hint: Any) -> Any:
             return int(value)
     elif not isinstance(value, type) and isinstance(value, get_origin(kind) or kind):
         return value
-    raise InvalidInput(f"{name} is {value!r}: {remedy(hint)}{_sizes(value)}.")
+    raise InvalidInput(f"{name} is {shortened(value)}: {remedy(hint)}{_sizes(value)}.")
 
 
 def checked_errors(field: str, value: object) -> float | dict[str, float]:
@@ -459,7 +465,7 @@ def _one_of(name: str, value: Any, hint: Any) -> Any:
             is_several = isinstance(value, tuple | list) or getattr(value, "ndim", 0) > 0
             if is_meant or (is_several and get_origin(option) is tuple):
                 refused = refused or error
-    raise refused or InvalidInput(f"{name} is {value!r}: {remedy(hint)}{_sizes(value)}.")
+    raise refused or InvalidInput(f"{name} is {shortened(value)}: {remedy(hint)}{_sizes(value)}.")
 
 
 def _entries(name: str, value: Any, options: tuple[Any, ...], hint: Any) -> tuple[Any, ...]:
@@ -468,7 +474,7 @@ def _entries(name: str, value: Any, options: tuple[Any, ...], hint: Any) -> tupl
         value = value.tolist()
     any_number = options[-1] is ...
     if not isinstance(value, tuple | list) or not (any_number or len(value) == len(options)):
-        raise InvalidInput(f"{name} is {value!r}: {remedy(hint)}.")
+        raise InvalidInput(f"{name} is {shortened(value)}: {remedy(hint)}.")
     kinds = [options[0]] * len(value) if any_number else options
     pairs = enumerate(zip(value, kinds, strict=True))
     return tuple(valid(f"{name}[{n}]", entry, kind) for n, (entry, kind) in pairs)
@@ -532,4 +538,4 @@ def _accepted(hint: Any) -> Iterator[str]:
         word = getattr(kind, "__name__", str(kind))
         examples = (one for one in getattr(hint, "__metadata__", ()) if isinstance(one, Example))
         example = next((f", such as {one.text}" for one in examples), "")
-        yield plain.get(kind, f"{'an' if word[0] in 'AEIOU' else 'a'} {word}{example}")
+        yield plain.get(kind, f"{'an' if word[0] in 'AEIOU' else 'a'} {word}") + example

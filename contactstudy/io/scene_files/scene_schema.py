@@ -55,7 +55,7 @@ class MeasuredSurfaceTable(Reading):
         "quarter" rotates by 90 degrees: the length of the measurement then runs across the contact.
     """
 
-    file: str | MeasuredSurface
+    file: Annotated[str, validation.Example("'surface.csv'")] | MeasuredSurface
     missing: preparation.Missing = field(default_factory=preparation.RefuseMissing)
     trend: preparation.Trend = "plane"
     filter: preparation.GaussianFilter | None = None

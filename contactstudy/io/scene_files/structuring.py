@@ -5,14 +5,25 @@ Before that, times in cycles are converted to seconds, and numbers are found tha
 
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import MISSING, fields, is_dataclass
 from difflib import get_close_matches
 from math import inf
 from types import NoneType, UnionType
-from typing import Annotated, Any, TypeVar, Union, get_args, get_origin
+from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 
 from contactstudy.domain import validation
-from contactstudy.domain.validation import InvalidInput, hint_of, kind_of, parameters, remedy, suggestion, valid
+from contactstudy.domain.validation import (
+    NUMBER,
+    InvalidInput,
+    hint_of,
+    kind_of,
+    parameters,
+    remedy,
+    shortened,
+    suggestion,
+    valid,
+)
 
 # Classes that a table may describe: by the type of the field, and then by the name that the key `kind` gives.
 Kinds = Mapping[Any, Mapping[str, type]]
@@ -99,7 +110,7 @@ class _Reader:
         if isinstance(value, Mapping):
             raise InvalidInput("it is one table: write its name in double brackets, once for each entry.")
         if not isinstance(value, list | tuple):
-            raise InvalidInput(f"it is {value!r}: give {_list_of(hint)}.")
+            raise InvalidInput(f"it is {shortened(value)}: {self._needed(path, hint)}.")
         if following == [...]:
             following = [first] * (len(value) - 1)
         elif len(value) != 1 + len(following):
@@ -111,32 +122,46 @@ class _Reader:
         """Return a table, or the name of a kind, as the dataclass that its kind or its keys choose."""
         if is_dataclass(value):
             return value
+        kinds, plain = self._options(hint)
+        if not kinds or (plain and not isinstance(value, Mapping)):
+            return self._plain(path, value, plain, hint)
+        if isinstance(value, str) and not NUMBER.fullmatch(value):
+            value = {"kind": value}
+        if not isinstance(value, Mapping):
+            raise InvalidInput(f"it is {shortened(value)}: {self._needed(path, hint, value)}.")
+        fields_of = {key: entry for key, entry in value.items() if key != "kind"}
+        return self._table(path, fields_of, _kind_of(value, kinds), kinds)
+
+    def _options(self, hint: Any) -> tuple[dict[str, type], list[Any]]:
+        """Return the dataclasses that an annotation accepts, by the names of their kinds, and its other options."""
         kinds, plain = dict(self.kinds.get(hint, {})), []
-        for option in get_args(hint):
+        for option in get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,) * (not kinds):
             if option in self.kinds:
                 kinds |= self.kinds[option]
             elif isinstance(option, type) and is_dataclass(option):
                 kinds[option.__name__] = option
             elif option is not NoneType:
                 plain.append(option)
-        if not kinds or (plain and not isinstance(value, Mapping)):
-            option = str if isinstance(value, str) and str in plain else plain[0]
-            if isinstance(value, Mapping):
-                option = next((kind for kind in plain if get_origin(kind) is Mapping), option)
-            return self._read(path, value, option)
-        if isinstance(value, str):
-            value = {"kind": value}
-        if not isinstance(value, Mapping):
-            raise InvalidInput(f"it is {value!r}: give a table with a kind.")
-        fields_of = {key: entry for key, entry in value.items() if key != "kind"}
-        return self._table(path, fields_of, _kind_of(value, kinds))
+        return kinds, plain
 
-    def _table(self, path: str, value: object, target: Any) -> Any:
+    def _plain(self, path: str, value: object, options: list[Any], hint: Any) -> Any:
+        """Return a value as that of the `options` of an annotation which has its form: a list, a table, or neither."""
+        origin = next((origin for form, origin in ((Mapping, Mapping), (list, tuple)) if isinstance(value, form)), None)
+        likely = [option for option in options if (get_origin(option) in (Mapping, tuple)) == (origin is not None)]
+        chosen = [option for option in likely if origin is None or get_origin(option) is origin]
+        words = [option for option in chosen if option is str or value in get_args(option)]
+        if isinstance(value, str) and words:
+            return value
+        if len(options) > 1 and all(get_origin(option) is Literal for option in chosen):
+            raise InvalidInput(f"it is {shortened(value)}: {self._needed(path, hint)}.")
+        return self._read(path, value, chosen[0] if chosen else options[0])
+
+    def _table(self, path: str, value: object, target: Any, kinds: Mapping[str, type] | None = None) -> Any:
         """Return a table as a dataclass; a key that is not known is refused, and read as the one likely meant."""
         if is_dataclass(value):
             return value
         if not isinstance(value, Mapping):
-            raise InvalidInput(f"it is {value!r}: give a table.")
+            raise InvalidInput(f"it is {shortened(value)}: {self._needed(path, target, value)}.")
         # the kind may be given although there is only one
         table = {key: entry for key, entry in value.items() if (key, entry) != ("kind", target.__name__)}
         names = {member.name: member for member in fields(target) if member.init}
@@ -144,15 +169,41 @@ class _Reader:
         meant = {key: _closest(key, names.keys() - table.keys()) for key in unknown}
         table = {meant.get(key, key): entry for key, entry in table.items()}
         arguments, before = {}, len(self.refusals)
+        owners = {key: name for name, kind in reversed([*(kinds or {}).items()]) if name for key in parameters(kind)}
         for name, member in names.items():
             key, hint = f"{path}.{name}".lstrip("."), hint_of(target, name)
             if name in table:
+                known = len(self.refusals)
                 arguments[name] = self.read(key, table[name], hint)
+                if name in meant.values():  # the file does not have this key
+                    del self.refusals[known:]
             elif member.default is MISSING and member.default_factory is MISSING:
-                self.refusals.append((key, f"it is missing: {_needed(hint)}."))
+                self.refusals.append((key, f"it is missing: {self._needed(key, hint)}."))
         if unknown:
-            self.refusals.append((path, "; ".join(_unknown(key, names) for key in unknown) + "."))
+            self.refusals.append((path, "; ".join(_unknown(key, names, owners.get(key)) for key in unknown) + "."))
         return None if len(self.refusals) > before else target(**arguments)
+
+    def _needed(self, path: str, hint: Any, value: object = None) -> str:
+        """Return what to give where a key is missing, or its `value` is of another form."""
+        if isinstance(value, list):
+            return "write the name of this table in single brackets, once"
+        kinds, plain = self._options(hint)
+        if plain or not kinds:
+            words = [
+                _list_of(option) if get_origin(option) is tuple else remedy(option).removeprefix("give ")
+                for option in plain
+            ]
+            return "give " + ", or ".join(words)
+        if value is not None and not isinstance(value, bool):
+            for kind in kinds.values():
+                for name in parameters(kind):
+                    with suppress(InvalidInput):
+                        valid("it", value, hint_of(kind, name))
+                        return f"give it as {path}.{name}"
+        if len(kinds) > 1:
+            return "give a table with a kind, one of " + ", ".join(filter(None, kinds))
+        (kind,) = kinds.values()
+        return "give a table of " + ", ".join(parameters(kind))
 
 
 def _kind_of(table: Mapping[str, object], kinds: Mapping[str, type]) -> type:
@@ -176,7 +227,7 @@ def _kind_of(table: Mapping[str, object], kinds: Mapping[str, type]) -> type:
         raise InvalidInput(f"it has no kind: {suggestion('None', named)}.")
     chosen = table["kind"]
     if not isinstance(chosen, str) or chosen not in named:
-        raise InvalidInput(f"its kind is {chosen!r}: {suggestion(str(chosen), named)}.")
+        raise InvalidInput(f"its kind is {shortened(chosen)}: {suggestion(str(chosen), named)}.")
     return named[chosen]
 
 
@@ -196,16 +247,11 @@ def _list_of(hint: Any) -> str:
     return f"{count}, each below its name in double brackets"
 
 
-def _needed(hint: Any) -> str:
-    """Return what to give where a key is missing."""
-    if get_origin(hint) is tuple:
-        return f"give {_list_of(hint)}"
-    is_class = isinstance(hint, type) and hint not in (int, float, str, bool)
-    return "give a table" if is_class else remedy(hint)
-
-
-def _unknown(key: str, names: Collection[str]) -> str:
-    """Return a sentence on a key that is none of the `names`, without its full stop."""
+def _unknown(key: str, names: Collection[str], owner: str | None) -> str:
+    """Return a sentence on a key that is none of the `names`, without its full stop; `owner` is a kind that has it."""
+    if owner:
+        others = f"choose from {', '.join(names)}" if names else "leave it out"
+        return f"{key!r} is a key of {owner}: give that kind, or {others}"
     meant = SYMBOLS_OF_FIELDS.get(key, "")
     remedy = suggestion(meant if meant in names else key, names) if names else "it has no keys, leave it out"
     return f"unknown key {key!r}: {remedy}"

@@ -187,7 +187,7 @@ class Answer(InNotebook):
         if not self._missed and self._l1_ratio <= 1:  # what is named has no bound, which says why
             return ""
         if not all(number.order for number in self._missed):
-            return "finer cells hardly lessen it: a depth is known to the distance of depths, give closer depths"
+            return "finer cells hardly lessen it: the largest stress may lie between depths, give closer depths"
         factor = max((number.finer for number in self._missed), default=1.0)
         factor = max(factor, self._l1_ratio)
         if (cause := self._main_cause) != "discretisation" or factor <= 1:

@@ -20,7 +20,6 @@ from contactstudy.domain.errors import (
     INLET,
     MARGIN,
     PRESSURE,
-    STRESS_FLOOR,
     ErrorParts,
     Request,
 )
@@ -116,14 +115,14 @@ def with_nested_bounds(
             found[name] = replace(quantity, reason=l1.reason or quantity.reason)
         else:
             size = abs(quantity.value)
-            floor = FLOOR * (l1.discretisation or 0.0)
+            floor = max(FLOOR * (l1.discretisation or 0.0), quantity.least_change)
             if name.startswith(BY_YIELD):
                 floor = max(floor, AREA_FLOOR * zone_edge)
             if name == "rolling_resistance":
                 floor = max(floor, AREA_FLOOR * edge_fraction)
             others = unseen.get(name, other_causes)
             if any(stress in name for stress in OF_STRESS):
-                floor = max(floor, DEPTH_FLOOR if DEPTH.search(name) else STRESS_FLOOR)
+                floor = max(floor, DEPTH_FLOOR if DEPTH.search(name) else 0.0)
                 others += 0.0 if "orthogonal" in name else of_stress.get(name, 0.0)  # that is 0 at the surface
             change = by_changes(values, min(order, EDGE_ORDER) if _is_at_edge(name) else order)
             inlet = 0.0
@@ -185,7 +184,7 @@ def _is_at_edge(name: str) -> bool:
 
 
 # Ends of the names of numbers for which finer cells are no remedy: the depth of a largest stress is known only to the
-# distance between the depths at which stress is computed.
+# distance between the depths at which stress is computed, and so is the last part of the stress itself.
 NOT_BY_CELLS = "safety_factor_depth", "von_mises_depth", "shear_stress_depth", "orthogonal_shear_depth"
 # What is in the names of numbers for which no grid is refined unless they are named.
 NOT_REFINED = "shear_stress", "orthogonal_shear", "_safety_factor", *AT_EDGE
@@ -290,7 +289,8 @@ def _judged(name: str, quantities: Quantities, requested: float) -> Judged:
     scale = 1.0 if quantity.is_fraction else max(abs(quantity.value), abs(whole.value))
     bound = quantity.bound / scale if scale else inf
     label = quantity.label.split(" (")[0] + (" (absolute)" if quantity.is_fraction else "")
-    order = 0.5 if _is_at_edge(name) else float(not name.endswith(NOT_BY_CELLS))
+    is_of_depths = name.endswith(NOT_BY_CELLS) or MARGIN * quantity.least_change > requested
+    order = 0.5 if _is_at_edge(name) else float(not is_of_depths)
     return Judged(label, bound, requested, quantity.reason, order)
 
 

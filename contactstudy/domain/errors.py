@@ -83,7 +83,7 @@ STATIC_ORDER = 1.5
 # The same of a number at an edge, beside which a field falls like the square root of the distance: halved cells left
 # 0.65 to 0.75 of the error of the highest residual stress, of which `MARGIN` covers the part below this order.
 EDGE_ORDER = 0.7
-# Least change of a largest stress, relative, and of its depth, which lie between those at which they are computed.
+# Least change of a largest stress, relative, and of its depth, which lie between the depths that were chosen.
 STRESS_FLOOR, DEPTH_FLOOR = 5e-4, 6e-3
 # Least change of a number, over the L1 error of the pressure, since a change may vanish by chance; and of an area, of a
 # rolling resistance or of a number left by a plastic zone, over the fraction of its cells that lie at its edge.

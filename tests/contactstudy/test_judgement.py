@@ -94,3 +94,24 @@ def test_no_cells_are_said_to_keep_the_error_of_a_depth_between_given_depths(lin
     answer = cs.solve(scene, line_contact.grid((40, 1), 1.0), EXACT, error="1 %")
     assert "give closer depths" in answer.accuracy
     assert "cells would meet it" not in answer.accuracy
+
+
+def test_the_error_of_a_stress_at_a_given_depth_is_bounded_as_closely_as_the_cells_allow(
+    line_contact: LineContact,
+) -> None:
+    scene = replace(line_contact.scene, outputs=(cs.SubsurfaceStress(depths=(0.3 * line_contact.hertz.half_width,)),))
+    found, fine = (
+        cs.solve(scene, line_contact.grid((cells, 1), 1.0), EXACT).quantities["largest_von_mises"]
+        for cells in (400, 4000)
+    )
+    assert abs(found.value - fine.value) <= found.bound < 3e-4 * found.value
+    assert fine.bound < 0.1 * found.bound
+
+
+def test_no_cells_are_said_to_keep_the_error_of_a_largest_stress_that_may_lie_between_depths(
+    line_contact: LineContact,
+) -> None:
+    scene = replace(line_contact.scene, outputs=(cs.SubsurfaceStress(),))
+    answer = cs.solve(scene, line_contact.grid((400, 1), 1.0), EXACT, error={"von_mises": 1e-4})
+    assert "may lie between depths" in answer.accuracy
+    assert "cells would meet it" not in answer.accuracy

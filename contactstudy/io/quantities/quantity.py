@@ -42,6 +42,8 @@ class Quantity:
     rivals
         Of a largest value, those that it may have as well at other places or between the cells, each with its depth [m]:
         its bound includes them, and that of its depth the depths of those within its bound.
+    least_change
+        Relative change that counts at least between grids: of a largest stress that may lie between depths.
     """
 
     value: float
@@ -53,6 +55,7 @@ class Quantity:
     detail: str = ""
     is_fraction: bool = False
     rivals: Sequence[tuple[float, float]] = ()
+    least_change: float = 0.0
 
     @property
     def is_formula(self) -> bool:

@@ -10,7 +10,7 @@ import numpy as np
 
 from contactstudy.accuracy.estimate import interface_shear, unbounded_by_peak, unresolved_interface
 from contactstudy.accuracy.plausibility import yield_margin, yield_stresses
-from contactstudy.domain.errors import ErrorEstimate, ErrorParts
+from contactstudy.domain.errors import STRESS_FLOOR, ErrorEstimate, ErrorParts
 from contactstudy.domain.grid import Array, Grid, Paddings, is_free
 from contactstudy.io.quantities.quantity import NO_ESTIMATE, Quantity, with_bound
 from contactstudy.problem.problem import Field
@@ -98,7 +98,9 @@ def stress_quantities(
         if least.ratio < inf:
             label = f"yield stress over von Mises stress in {where if before else least.part}{at_depths}"
             position = found[name_of_mises].position if before else None
-            found[f"{before}safety_factor"] = Quantity(least.ratio, "1", label, position=position)
+            found[f"{before}safety_factor"] = replace(
+                found[name_of_mises], value=least.ratio, unit="1", label=label, position=position, rivals=()
+            )
         strength = yield_stresses(material, axes["z"])
         if not before and strength.min() < strength.max() and least.ratio < inf:
             key_of_weakest, weakest = next(
@@ -195,7 +197,8 @@ def _with_depth(
     if position["z"] == depths[at]:  # no parabola says where between the depths
         near = slice(max(at - 1, 0), at + 2)
         rivals += zip(peaks[near].tolist(), depths[near].tolist(), strict=True)
-    largest = Quantity(value + rise * beyond, "Pa", label, position=position, rivals=rivals)
+    floor = 0.0 if given else STRESS_FLOOR
+    largest = Quantity(value + rise * beyond, "Pa", label, position=position, rivals=rivals, least_change=floor)
     return {name: largest, f"{name}_depth": depth}
 
 

@@ -5,7 +5,7 @@ from math import inf
 
 import numpy as np
 
-from contactstudy.accuracy.bound import CONSTANTS as ONE_GRID
+from contactstudy.accuracy.bound import CONSTANTS as BOUND_CONSTANTS
 from contactstudy.accuracy.bound import (
     discretisation_bound,
     dundurs_of_shear,
@@ -19,6 +19,8 @@ from contactstudy.accuracy.error_terms import (
     ENDS_MARGIN,
     IMAGES_REMEDY,
     L1_OVER_NARROWING,
+    RangeErrors,
+    ResidualErrors,
     image_errors,
     load_range_error,
     peak_range_error,
@@ -51,8 +53,9 @@ GAP_BY_RANGE = 0.3
 # The same of the gap and the approach by the cells, beside their changes between grids: those of a gap that is nearly
 # closed tell little of it.
 GAP_BY_L1 = 0.1
-# Numbers whose errors, besides what the estimate says, are shown by their changes between grids.
-BY_GRIDS = "contact_area", "mean_gap", "approach"
+# Numbers whose errors, besides what the estimate says, are shown by their changes between grids; without adhesion the
+# contact area too.
+BY_GRIDS = "mean_gap", "approach"
 # Error of the largest stress at the surface over the leap of a shear where slip begins: at most 0.8 on 37 to 740 cells,
 # after reversals of the force.
 LEAP = 0.8
@@ -73,6 +76,7 @@ NO_STRESS_LIMIT = (
 def _approach_error(solution: Solution, estimate: ErrorEstimate) -> ErrorParts:
     """Return the relative error of the approach that its change between grids does not show, by that of the pressure.
 
+    The error of the pressure by the cells adds `GAP_BY_L1` of that in L1; not with adhesion, where the changes show it.
     A range of attraction that was chosen for the grid adds `APPROACH_BY_RANGE`, and the state at pull-off what its load
     leaves open. The error is infinite, with the reason, where images are left out or the approach is zero.
     """
@@ -97,11 +101,11 @@ def _approach_error(solution: Solution, estimate: ErrorEstimate) -> ErrorParts:
 def stress_error(solution: Solution, von_mises: Array, depths: Array, estimate: ErrorEstimate) -> ErrorParts:
     """Return the relative error of largest stresses that their changes between grids do not show.
 
-    The error of the peak pressure counts at the surface, where it has no bound by as much as the peak itself, and a part
-    of the leap of a shear where slip begins, a cusp of it. They fall like the stress of a wave of two cells along the
-    axis with the longer ones (Johnson 1985, sect. 13.2). It is infinite
-    where too few cells in contact are neighbours, where the grid cuts the contact off, where images are
-    left out, whose own stress lacks, and where the range of an attraction was chosen for the grid.
+    At the surface it is the error of the peak pressure, at most 100 %, and a part of the leap of a shear where slip
+    begins, a cusp of it. Below it falls like ``(1 + k z) exp(-k z)``, the stress of a wave of two cells along the axis
+    with the longer ones (Johnson 1985, sect. 13.2): ``k = pi / longest cell``. It is infinite where too few cells in
+    contact are neighbours, where the grid cuts the contact off, where images are left out, whose own stress lacks, and
+    where the range of an attraction was chosen for the grid.
 
     Parameters
     ----------
@@ -130,7 +134,7 @@ def stress_error(solution: Solution, von_mises: Array, depths: Array, estimate: 
 
 
 def unbounded_by_peak(estimate: ErrorEstimate, depths: Array, grid: Grid) -> ErrorParts | None:
-    """Return why largest stresses have no bound, where the peak pressure alone has none; None where they have one.
+    """Return why largest stresses have no bound, where the peak pressure alone has none; else None.
 
     Where the pressure is infinite, as at a roller's sharp end, the stress below grows without limit towards the surface,
     and coarse cells may show the largest elsewhere. At given `depths` (z,) [m] of a cell and more it is finite.
@@ -150,7 +154,7 @@ def unresolved_interface(grid: Grid, thickness: float) -> ErrorParts | None:
     It lies beside an edge of the contact, over a length of the `thickness` [m] of the layer above, so that it has a
     bound on cells of up to half of that.
     """
-    cell, largest = grid.cell_size[0], thickness * ONE_GRID.cell_at_interface
+    cell, largest = grid.cell_size[0], thickness * BOUND_CONSTANTS.cell_at_interface
     if cell <= largest * (1 + 1e-9):
         return None
     reason = (
@@ -161,7 +165,10 @@ def unresolved_interface(grid: Grid, thickness: float) -> ErrorParts | None:
 
 
 def interface_shear(stress: Array) -> Array:
-    """Return the shear stress (x, y) on planes of constant depth, from stress (component, x, y)."""
+    """Return the shear stress (x, y) on planes of constant depth, from stress (component, x, y).
+
+    The components are xx, yy, zz, yz, xz and xy.
+    """
     return np.asarray(np.hypot(stress[3], stress[4]))
 
 
@@ -170,8 +177,8 @@ def _longest_cell(grid: Grid) -> float:
     return max(size for size, count in zip(grid.cell_size, grid.cells, strict=True) if count > 1)
 
 
-# Relative change of an attraction that its last outer iteration may leave at least, and the largest one from cells of
-# twice the size with which either grid resolves it.
+# Least relative change of an attraction that is counted as left by the last outer iteration, and the largest change from
+# cells of twice the size with which either grid resolves it.
 LEAST_CHANGE, RESOLVED_CHANGE = 1e-7, 0.5
 NO_ATTRACTION = (
     "No bound for the attraction: it is cut off at the edge of the grid, or not resolved by its cells, give a wider "
@@ -246,7 +253,7 @@ def error_estimate(
     peak_images, l1_images = image_errors(solution.pressure, problem.grid, problem.paddings, margin)
     change = 0.0
     if solution.adhesion is not None:
-        # imported only where it is named
+        # imported late: without adhesion it is not loaded
         from contactstudy.solvers.adhesion import CHANGE_IN_TOLERANCES
 
         # the change of the attraction that counts as much as this residual
@@ -256,33 +263,29 @@ def error_estimate(
     with caching(cache_of(problem.undeformed_gap.nbytes)):
         cells = discretisation_bound(solution, coarse, heights)
     cells = replace(cells, warnings=cells.warnings or range_warning(solution))
+    no_bound = cells.warnings[0] if cells.warnings else ""
+    # residuals are relative to the pressure, errors to the net pressure
     of_net, peak_of_net = over_net(solution)
     l1 = ErrorParts(l1_images, cells.l1, residual.l1 * of_net)
-    no_peak = cells.warnings[0] if cells.peak_pressure == inf and cells.warnings else ""
+    no_peak = no_bound if cells.peak_pressure == inf else ""
     peak = ErrorParts(peak_images, cells.peak_pressure, residual.peak_pressure * peak_of_net, reason=no_peak)
     area = ErrorParts(l1_images, cells.contact_area, residual.contact_area)
-    gap = ErrorParts(_gap_by_images(solution, l1_images), residual=inf, reason=NO_GAP)
-    active = problem.constraint.active(solution.pressure)
-    if solution.mean_gap > 2 * float((np.abs(solution.gap) * active).mean()):
-        gap = replace(gap, residual=change + residual.gap / solution.mean_gap, reason="")
-    spread = max(float(solution.displacement.std()), solution.mean_gap)
-    gap_by_l1 = spread / solution.mean_gap if solution.mean_gap > 0 else inf
-    gap = replace(gap, discretisation=GAP_BY_L1 * cells.l1 * gap_by_l1)
+    by_range = range_errors(solution)
+    gap = _gap_error(solution, l1, residual, change, by_range)
     load = ErrorParts(l1_images, cells.load, residual.l1) if cells.load is not None else None
     slips = isinstance(solution.traction, RollingTraction)
-    if l1_images and (reason := _needs_images(solution, slips=slips)):
+    if l1_images and (reason := _reason_by_images(solution, slips=slips)):
         l1, peak, area, gap = (replace(parts, images=inf, reason=reason) for parts in (l1, peak, area, gap))
         load = load and replace(load, images=inf, reason=reason)
         cells = replace(cells, warnings=(reason, *cells.warnings))
-    if by_range := range_errors(solution):
+    if by_range is not None:
         l1 = replace(l1, range=by_range.l1)
         peak = replace(peak, range=peak_range_error(solution, by_range.area))
         area = replace(area, range=by_range.area)
-        gap = replace(gap, range=GAP_BY_RANGE * by_range.l1 * gap_by_l1)
         load = load and replace(load, range=load_range_error(solution))
     pull_off = None
     if cells.load is not None and is_pull_off(solution):
-        pull_off = pull_off_error(solution, cells.load, cells.warnings[0] if cells.load == inf else "")
+        pull_off = pull_off_error(solution, cells.load, no_bound if cells.load == inf else "")
     if solution.adhesion is not None and (root := root_of_pull_off(pull_off)):
         highest = root * max(solution.pressure.max(), solution.adhesion.attraction.max())
         by_state = float(highest) / abs(solution.peak_pressure) if solution.peak_pressure else inf
@@ -302,20 +305,18 @@ def error_estimate(
             *left_out(scene.shapes if scene else (), solution.problem.grid),
         ),
         slip_reason=NO_SLIP_OF_IMAGES if slips and l1_images else "",
-        by_grids=BY_GRIDS if solution.adhesion is None else BY_GRIDS[1:],
+        by_grids=BY_GRIDS if solution.adhesion else ("contact_area", *BY_GRIDS),
     )
     return replace(estimate, approach=_approach_error(solution, estimate))
 
 
 def _attraction_error(solution: Solution, coarse: Solution | None) -> ErrorParts | None:
-    """Return the error of the load of bodies that only attract each other; None where the load is given.
+    """Return the error of the load of bodies that only attract each other; None if the load is given, or not solved.
 
     It is that of a smooth function at the centres of cells, by its change from cells of twice the size.
     """
-    from contactstudy.solvers.adhesion import (
-        CHANGE_IN_TOLERANCES,  # imported only where it is named
-        is_cut_off,
-    )
+    # imported late: without adhesion it is not loaded
+    from contactstudy.solvers.adhesion import CHANGE_IN_TOLERANCES, is_cut_off
 
     assert solution.adhesion is not None
     if solution.problem.control.approach is None or solution.status.is_failure:
@@ -331,7 +332,7 @@ def _attraction_error(solution: Solution, coarse: Solution | None) -> ErrorParts
     return ErrorParts(discretisation=MARGIN * changed, residual=left, range=by_range)
 
 
-def _needs_images(solution: Solution, *, slips: bool) -> str:
+def _reason_by_images(solution: Solution, *, slips: bool) -> str:
     """Return why a contact has no bound where its padding leaves out images; an empty string where it has one."""
     if solution.problem.control.approach is not None:
         return NO_DATUM
@@ -342,11 +343,33 @@ def _needs_images(solution: Solution, *, slips: bool) -> str:
     return NO_RETARDED_IMAGES if creeping else ""
 
 
+def _gap_error(
+    solution: Solution, l1: ErrorParts, residual: ResidualErrors, change: float, by_range: RangeErrors | None
+) -> ErrorParts:
+    """Return the relative error of the mean gap, by those of the pressure in `l1`, the residual and a range.
+
+    A relative `change` of the attraction adds to the residual. Where most of the mean gap is what the solver leaves on
+    closed cells, it has no bound.
+    """
+    mean, active = solution.mean_gap, solution.problem.constraint.active(solution.pressure)
+    is_residual = mean <= 2 * float((np.abs(solution.gap) * active).mean())
+    by_l1 = max(float(solution.displacement.std()), mean) / mean if mean > 0 else inf
+    return ErrorParts(
+        _gap_by_images(solution, l1.images or 0.0),
+        GAP_BY_L1 * (l1.discretisation or 0.0) * by_l1,
+        inf if is_residual else change + residual.gap / mean,
+        range=None if by_range is None else GAP_BY_RANGE * by_range.l1 * by_l1,
+        reason=NO_GAP if is_residual else "",
+    )
+
+
 def _gap_by_images(solution: Solution, l1: float) -> float:
-    """Return the relative error of the mean gap where images left out change the pressure by `l1`.
+    """Return a bound of the relative error of the mean gap where images left out change the pressure by `l1`.
 
     The contact is narrower by the fraction n that :func:`image_errors` finds, under the same load. The gap of a line
-    contact is then larger by n times ``x dg/dx``, whose mean is n times the gap at the edges of the grid less its mean.
+    contact is then larger by the mean of ``n x dg/dx``: n times the gap at the edges of the grid less its mean. The
+    bound is n times the gap at the edges over its mean, at the highest of the four, as images may lie along y, and at
+    least n.
     """
     if not l1:
         return 0.0

@@ -12,10 +12,11 @@ from numpy.typing import ArrayLike
 from contactstudy.domain.grid import Array
 from contactstudy.domain.validation import Limits, Metres, Newtons, NewtonsPerMetre, Pascals, Unit, valid, validated
 
-# Points in a panel of a quadrature over time, panels to each end, and halvings of a time.
+# Points in a panel of a quadrature over time, and panels to each end: they leave 1e-13 of the pressure for relaxation
+# times from 1e-4 of the time on. Halvings of a time.
 GAUSS, PANELS, BISECTIONS = 10, 16, 60
 
-# Of two bodies together, whose own values may be at the limits of all sizes.
+# Of two bodies together: combined values may exceed the limits of one body's.
 POSITIVE = Limits("above 0", lambda x: 0 < x < inf)
 CombinedRadius = Annotated[Metres, POSITIVE]
 CombinedModulus = Annotated[Pascals, POSITIVE]
@@ -61,7 +62,7 @@ class HertzLine:
         return self.peak_pressure * np.sqrt(np.clip((1 - t) * (1 + t), 0, None))
 
     def displacement(self, x: ArrayLike, datum: float) -> Array:
-        """Return the displacement [m] at `x` [m] from the axis, of a half-space with the modulus E* of both bodies.
+        """Return the displacement [m] at `x` [m] from the axis, that of both bodies together, positive into them.
 
         It counts from the distance `datum` [m], at which the surface would not move if W acted on the axis alone.
         """
@@ -87,6 +88,7 @@ class HertzLine:
         fraction = (z**2 + n**2) / root
         xx, zz = 2 * z - m * (1 + fraction), -m * (1 - fraction)
         xz = -n * (m**2 - z**2) / root
+        # xz by traction is xx by pressure
         of_traction = np.stack([n * (2 - (z**2 - m**2) / root) - 2 * x, xz, xx])
         return self.peak_pressure * (np.stack([xx, zz, xz]) + friction * of_traction)
 
@@ -120,7 +122,7 @@ def first_yield(
     """
     yield_stress = valid("yield_stress", yield_stress, Pascals)
     unit = HertzLine(1.0, radius, contact_modulus)
-    x = np.linspace(-1.2, 1.2, 241 if friction else 1)[:, None] + (0.0 if friction else 1.2)
+    x = (np.linspace(-1.2, 1.2, 241) if friction else np.zeros(1))[:, None]
     xx, zz, xz = unit.stress(x * unit.half_width, np.linspace(0, 2, 401) * unit.half_width, friction)
     yy = poisson_ratio * (xx + zz)
     mises = np.sqrt(((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 2 + 3 * xz**2)
@@ -143,7 +145,8 @@ def first_yield_of_ball(yield_stress: float, poisson_ratio: float) -> float:
 class LeeRadok:
     """Lee & Radok's (1960) line contact under a load that is applied suddenly and held, in plane strain.
 
-    The bodies together relax as ``E*(t) = equilibrium + sum(E_i exp(-t / tau_i))``.
+    The bodies together relax as ``E*(t) = equilibrium + sum(E_i exp(-t / tau_i))``. Their `creep` must be that of this
+    relaxation, which is not checked.
 
     Parameters
     ----------
@@ -202,6 +205,15 @@ class LeeRadok:
             is_outside = self.half_width(middle) < x
             low, high = np.where(is_outside, middle, low), np.where(is_outside, high, middle)
         return high
+
+
+def _graded() -> tuple[Array, Array]:
+    """Return Gauss points and weights from 0 to 1, in panels that halve towards both ends."""
+    halves = 0.5 ** np.arange(PANELS, 0, -1.0)
+    edges = np.concatenate([[0.0], halves, 1 - halves[-2::-1], [1.0]])
+    points, gauss = np.polynomial.legendre.leggauss(GAUSS)
+    sizes = np.diff(edges)[:, None]
+    return (edges[:-1, None] + sizes * (points + 1) / 2).ravel(), (sizes * gauss / 2).ravel()
 
 
 @validated
@@ -292,7 +304,7 @@ class HertzEllipse:
 
     @cached_property
     def semi_axes(self) -> tuple[float, float]:
-        """Semi-axes (across, along) of the contact [m], by Johnson's (1985) eqs. 4.26 with b / a found by bisection."""
+        """Semi-axes (across, along) of the contact [m], by Johnson's (1985) eqs. 4.26; b / a by Brent's method."""
         from scipy.optimize import brentq  # imported late, since they are slow
         from scipy.special import ellipe, ellipkm1
 
@@ -304,6 +316,7 @@ class HertzEllipse:
             e, k = ellipe(1 - square), ellipkm1(square)
             return float((e / square - k) / (k - e) - largest / least)
 
+        # k - e vanishes for round contacts
         nearly_round = largest / least < 1 + 1e-6
         ratio = 1.0 if nearly_round else float(np.exp(brentq(excess, np.log(1e-7), -1e-7)))
         bend = sum(curvatures) / 2
@@ -385,15 +398,6 @@ class Westergaard:
             return np.asarray(mean + closing * np.cos(2 * angle))
         inside = np.clip(mean / closing - np.sin(angle) ** 2, 0, None)
         return np.asarray(2 * closing * np.abs(np.cos(angle)) * np.sqrt(inside))
-
-
-def _graded() -> tuple[Array, Array]:
-    """Return Gauss points and weights from 0 to 1, in panels that halve towards both ends."""
-    halves = 0.5 ** np.arange(PANELS, 0, -1.0)
-    edges = np.concatenate([[0.0], halves, 1 - halves[-2::-1], [1.0]])
-    points, gauss = np.polynomial.legendre.leggauss(GAUSS)
-    sizes = np.diff(edges)[:, None]
-    return (edges[:-1, None] + sizes * (points + 1) / 2).ravel(), (sizes * gauss / 2).ravel()
 
 
 def moes_film(load_parameter: float, viscosity_parameter: float) -> float:

@@ -59,7 +59,7 @@ class Answer(InNotebook):
         Solver statistics, as numbers with their meaning by name.
     """
 
-    if TYPE_CHECKING:
+    if TYPE_CHECKING:  # subclasses define these
 
         @property
         def scene(self) -> Scene | None: ...  # noqa: D102
@@ -232,7 +232,7 @@ class Answer(InNotebook):
         """Return accuracy, up to two warnings, status and the first quantities with their bounds, in up to ten lines."""
         warnings = self._lines_of_warnings[:2]
         shown = SHOWN - len(warnings)
-        counts = range(shown, 0, -1)  # with the reasons of those without a bound
+        counts = range(shown, 0, -1)  # a reason takes a line too: show fewer quantities until the table fits
         tables = (as_text(dict(islice(self.quantities.items(), count))) for count in counts)
         table = next((text for text in tables if text.count("\n") < shown), "")
         head = f"{type(self).__name__}: {self.accuracy}"
@@ -272,7 +272,7 @@ def surface_notes(scene: Scene | None) -> list[str]:
     return [
         f"shapes[{number}]: {getattr(shape, 'description', '')}"
         for number, shape in enumerate(shapes)
-        if hasattr(shape, "digest")
+        if hasattr(shape, "digest")  # of measured heights
     ]
 
 

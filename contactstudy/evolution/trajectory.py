@@ -27,8 +27,8 @@ class Frame(Solution):
 
     Solves, iterations and convolutions are counted since the previous frame, and include rejected steps and the
     integration with doubled steps. The status is the worst one of the contacts since the previous frame, without those
-    of rejected or halved steps and of replaced iterates; DETACHED where that of the last is. The displacement is all by
-    which the surfaces have moved: elastically, by creep, wear and yielding. Errors are relative L1 errors of the
+    of rejected or halved steps and of replaced iterates; it is DETACHED where the last contact is. The displacement is
+    all by which the surfaces have moved: elastically, by creep, wear and yielding. Errors are relative L1 errors of the
     pressure, infinite where there is no estimate; where bodies yield, relative to the pressure under the largest load.
 
     Attributes
@@ -43,8 +43,8 @@ class Frame(Solution):
         Number of contacts solved, of which a step may take several; contact and plastic strain together count as one.
     errors_by_steps
         Estimated time-discretisation errors by name: ``l1`` of the pressure, or of the tangential traction where that of
-        fretting is larger, the peak pressure, and further quantities of a contact that has worn while it rolls; 0 of
-        those without a name.
+        fretting is larger, the peak pressure, and further quantities of a contact that has worn while it rolls. An
+        error that is not named is 0.
     coupled_state
         State solved for together with the pressure, such as plastic strain, as arrays by name.
     grid_error_parts
@@ -99,7 +99,7 @@ class Trajectory:
     description
         The scene, grid and padding.
     coupled
-        Plastic strain, which derives fields from the frames' coupled states; None if no body yields.
+        State variable that derives fields from the frames' coupled states; None if no body yields.
     """
 
     problem: Problem
@@ -145,10 +145,11 @@ class Trajectory:
 
 
 def error_of_peak(pressure: Array, errors: Array) -> float:
-    """Return the error of the peak of a `pressure` (x, y) [Pa] whose cells have these `errors` [Pa].
+    """Return the error [Pa] of the peak of a `pressure` (x, y) [Pa] whose cells have these `errors` [Pa], at least 0.
 
-    That is as far as the peak moves where each cell has its error: those at the edge of a contact that wears are large,
-    and far below the peak. It is at least the mean error, relative, since that of a cell may vanish by chance.
+    It is as far as the peak moves where each cell has its error: cells at the edge of a contact that wears have large
+    errors, and pressures far below the peak. As the error of a cell may vanish by chance, it is at least the relative
+    mean error times the peak, or the largest error where that is less.
     """
     peak, total = float(pressure.max()), float(pressure.sum())
     moved = max(float((pressure + errors).max()) - peak, peak - float((pressure - errors).max()))

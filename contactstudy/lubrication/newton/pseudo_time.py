@@ -10,6 +10,9 @@ inequalities by primal-dual active sets (Hintermueller, Ito & Kunisch 2002). One
    touches, one with a negative asperity pressure no longer does.
 3. Damp the step so that film and viscosity change within their limits, or reject it.
 4. Choose the next step in pseudo-time by the ratio of the residuals.
+
+Units are those of :mod:`~contactstudy.lubrication.film_equation`: time over a / u_m, with the mean speed u_m. H_b is the
+boundary film, M and L are the parameters of Moes (1992).
 """
 
 from collections.abc import Callable
@@ -28,16 +31,16 @@ ROUNDING = 4 * float(np.finfo(float).eps)
 # cells, and on 75 rough films, all from cold starts.
 # Least film thickness, and least content of a cavitated cell, after a step over that before it, and the limits of the
 # factor of the step in pseudo-time, by the ratio of residuals: with these no point failed.
-MIN_FILM_FRACTION, CONTENT_FALL, SHRINK, GROW = 0.3, 0.1, 0.3, 4.0
-# Fraction of the cells of a film without asperities in which the change of ln(eta) is clipped to its limit, so that
-# single cells do not damp the step: light rough films of 432 x 64 cells took 44 steps for 61.
+MIN_FILM_FRACTION, MIN_CONTENT_FRACTION, SHRINK, GROW = 0.3, 0.1, 0.3, 4.0
+# Fraction of the cells in which the change of ln(eta) is clipped to its limit where no cell touches, so that single
+# cells do not damp the step: light rough films of 432 x 64 cells took 44 steps for 61.
 CLIPPED = 2e-3
 # Largest factor of the step in pseudo-time after a damped step, from rough films; and the least factor while the
 # residual falls, or rises by no more than the factor ALLOWED_RISE. With that, beside an ALLOWED_RISE of 1, steps at 210
 # points fell from 2883 to 2426.
 AFTER_DAMPING, MIN_GROWTH, ALLOWED_RISE = 0.7, 2.0, 1.1
 # Factor of the step in pseudo-time after a rejected step, and the step where the iteration ends.
-REJECTED, LEAST = 0.25, 1e-9
+REJECTED, LEAST_TIME_STEP = 0.25, 1e-9
 # Undamped steps within which the residual is halved, or the iteration ends. The slowest film that converges took 105
 # steps, most of them damped.
 STALL_STEPS = 30
@@ -149,6 +152,7 @@ class FilmIteration:
     def rounding(self) -> float:
         """Residual by rounding: of pressures, and of film thicknesses, which are small differences of large heights."""
         linear, heights = self.linear, float(np.abs(self.linear.equation.gap).max())
+        # the diagonals of the derivatives by pressure and by thickness
         by_pressure = float((np.abs(linear.pressure[0, 0]) * self.film.pressure).sum())
         by_film = float(np.abs(linear.thickness[0, 0]).sum()) * heights
         return float(min(ROUNDING * (by_pressure + by_film) / _flow(linear), MAX_ROUNDING))
@@ -175,7 +179,7 @@ def iterate(
         not last.converged(controls.tolerance)
         and waited < STALL_STEPS
         and last.iterations < controls.max_iterations
-        and time_step > LEAST
+        and time_step > LEAST_TIME_STEP
         and np.isfinite(last.residual)
     ):
         step = _step_of_active_sets(last, solver, time_step, controls)
@@ -363,13 +367,14 @@ def _updated_film(last: FilmIteration, step: _ActiveSetStep, damping: float, con
     """Return the film after a damped step, with pressures and void fractions clipped to their ranges."""
     film, equation, change = last.film, last.linear.equation, step.change
     pressure_change = damping * change.pressure
-    if not step.active.touching.any():
+    if not step.active.touching.any():  # the few cells beyond the quantile that limits the damping
         largest = np.full_like(pressure_change, inf)
         log_slope = equation.log_viscosity(film.pressure)[1]
         np.divide(controls.viscosity_change, log_slope, out=largest, where=log_slope > 0)
         pressure_change = np.clip(pressure_change, -largest, largest)
     pressure = np.maximum(film.pressure + pressure_change, 0)
-    largest_void = 1 - CONTENT_FALL * (1 - film.void) if equation.conserves else inf
+    # under Reynolds' cavitation void is a source, without an upper limit
+    largest_void = 1 - MIN_CONTENT_FRACTION * (1 - film.void) if equation.conserves else inf
     void = np.clip(film.void + damping * change.void, 0, largest_void)
     asperity_pressure = np.maximum(film.asperity_pressure + damping * change.asperity_pressure, 0)
     if damping == 1:

@@ -16,7 +16,16 @@ from contactstudy.problem.problem import Problem
 class Shape(Protocol):
     """Contribution to the undeformed gap.
 
-    A shape that curves the body also has the `curvature` of its mean cross-section at the axis [1/m].
+    A shape may also have, each asked for where it is there:
+
+    - ``curvature`` [1/m] of its mean cross-section at the axis, above 0 for a convex body, or ``curvatures`` (across,
+      along) of a body that is curved both ways;
+    - ``length_scales``, the :class:`LengthScales` that decide which grid resolves it;
+    - ``covered_fractions(grid)``, the fraction of each row that a roller covers which ends;
+    - ``with_extent_of(grid)``, the shape with the extent of a grid, of heights that are given cell by cell;
+    - ``left_out(grid)``, a sentence on what a grid leaves out of it, or an empty one;
+    - ``gap_after(grid, shift)``, the gap [m] after the body has moved by a shift [m];
+    - ``is_sampled``, True for measured heights, which shift by interpolation.
     """
 
     def gap(self, grid: Grid) -> Array:
@@ -73,7 +82,7 @@ def curvature_of(shape: object) -> float:
 
 
 def curvatures_of(shape: object) -> tuple[float, float]:
-    """Return the curvatures of a shape (across, along) [1/m], where also those of a surface curved both ways count."""
+    """Return the ``curvatures`` of a shape (across, along) [1/m], else its ``curvature`` and 0; above 0 if convex."""
     return getattr(shape, "curvatures", (curvature_of(shape), 0.0))
 
 
@@ -220,7 +229,7 @@ class MovingShape:
 
     def gap_after(self, grid: Grid, shift: float) -> Array:
         """Return the contribution to the gap [m] after the body has moved by ``shift`` [m]."""
-        if hasattr(self.shape, "seam"):  # sampled heights, shifted by spline interpolation
+        if getattr(self.shape, "is_sampled", False):  # shifted by spline interpolation
             heights = np.broadcast_to(self.shape.gap(grid), grid.cells)
             from scipy import ndimage  # imported late, since it is slow
 
@@ -228,13 +237,13 @@ class MovingShape:
         return self.shape.gap(ShiftedGrid(grid.cells, grid.extent, shift))
 
 
-# Rows on which a shape shows that it varies along the length.
-ROWS = 16
+# Rows on which a shape shows that it varies along the length: a prime number, of which few waves are a multiple.
+ROWS = 17
 
 
 @dataclass(frozen=True)
 class ShapesSource:
-    """Heights of `shapes`, sampled on any grid, and the problem made there.
+    """What grids coarser and finer than a problem's need: the heights of `shapes`, and the problem on any grid.
 
     Parameters
     ----------
@@ -245,7 +254,7 @@ class ShapesSource:
     problem
         Function that makes the problem on a grid.
     sampled
-        A grid with the gap on it, which a problem holds anyway; None to sample every grid.
+        A grid whose gap is known already, with it; None to sample every grid.
     """
 
     shapes: tuple[Shape, ...]
@@ -274,7 +283,7 @@ class ShapesSource:
         return summed_gap([shape for shape in self.shapes if not hasattr(shape, "length_scales")], grid)
 
     def covered_fractions(self, grid: Grid) -> Array | None:
-        """Return the length of both bodies within each row of `grid`, in cells; None where none ends."""
+        """Return the length of the shortest roller in each row of `grid`, in cells; None where none ends on it."""
         rollers = [shape.covered_fractions(grid) for shape in self.shapes if hasattr(shape, "covered_fractions")]
         shortest = min(rollers, key=np.sum, default=None)
         return None if shortest is None or not shortest.any() or (shortest == 1).all() else shortest
@@ -299,7 +308,7 @@ def check_width(shapes: Iterable[Shape], width: float) -> None:
 
 
 def standing_heights(shapes: Iterable[Shape]) -> str:
-    """Return what it means that heights which vary across do not travel with a body; empty for other `shapes`."""
+    """Return the warning that heights which vary across do not travel with a body; empty for other `shapes`."""
     if min((scales.shortest_wavelengths[0] for scales in length_scales_of(shapes)), default=inf) == inf:
         return ""
     return (
@@ -328,7 +337,7 @@ def unresolved(lengths: tuple[float, float], grid: Grid) -> str:
 
 
 def left_out(shapes: Iterable[Shape], grid: Grid) -> Iterator[str]:
-    """Yield a sentence for each of `shapes` of which `grid`, or an extent of its own, holds a part alone."""
+    """Yield a sentence for each of `shapes` that are cut off by `grid` or by an extent of their own."""
     for shape in shapes:
         if hasattr(shape, "left_out") and (sentence := shape.left_out(grid)):
             yield sentence

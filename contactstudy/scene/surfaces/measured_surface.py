@@ -6,7 +6,7 @@ from hashlib import blake2b
 from math import ceil, inf
 from os import PathLike
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -77,6 +77,7 @@ class MeasuredSurface:
     reading: Reading = field(default_factory=Reading, compare=False, repr=False)
     notes: tuple[str, ...] = field(default=(), compare=False, repr=False)
     digest: str = field(init=False)
+    is_sampled: ClassVar[bool] = True
 
     def check_together(self) -> None:
         """Read the heights, which must have the given extent and no missing points that are refused."""

@@ -17,8 +17,10 @@ from contactstudy.domain.validation import InvalidInput
 
 # Units of length [m] by their names in lower case and without the s of a plural (that of "inches" leaves "inche"), the
 # micro sign written u, "metre" and the like written m.
-METRIC = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "micron": 1e-6, "nm": 1e-9, "å": 1e-10, "angstrom": 1e-10}
-LENGTHS = METRIC | {"pm": 1e-12, "in": 25.4e-3, "inch": 25.4e-3, "inche": 25.4e-3, "mil": 25.4e-6, "uin": 25.4e-9}
+LENGTHS = {
+    "m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "micron": 1e-6, "nm": 1e-9, "å": 1e-10, "angstrom": 1e-10, "pm": 1e-12,
+    "in": 25.4e-3, "inch": 25.4e-3, "inche": 25.4e-3, "mil": 25.4e-6, "uin": 25.4e-9,
+}  # fmt: skip
 # Words for a missing point, without their asterisks, hyphens, signs and quotes.
 MISSING = re.compile(
     r"|nan(\(\w+\))?|#?n/?a|null|none|bad|inf(inity|inite)?|no ?data|not measured|void|invalid|missing|masked|"
@@ -74,15 +76,17 @@ TWO = re.compile(
 class Header:
     """Statements of the header of a text file by axis: x (along a row), y (from row to row), z (the height).
 
-    Sizes of all points and steps are in metres, or in a unit that the header leaves open (``is_bare``). `unknown` are
-    units that are no length, `doubts` lines that contradict others, `unused` lines with lengths that nothing uses.
+    `counts` are numbers of points. `sizes` of all points and `steps` between them are in metres, or on the `bare` axes
+    in a unit that the header leaves open. `units` [m] are those of values along an axis, which a line or a number names;
+    `unknown` those that are no length. Heights are numbers of the table times `factor`, and missing where the number is
+    `invalid`. `doubts` are lines that contradict others, `unused` ones with lengths that nothing uses.
     """
 
     counts: dict[str, int] = field(default_factory=dict)
     sizes: dict[str, float] = field(default_factory=dict)
     steps: dict[str, float] = field(default_factory=dict)
     units: dict[str, float] = field(default_factory=dict)
-    is_bare: set[str] = field(default_factory=set)
+    bare: set[str] = field(default_factory=set)
     factor: float = 1.0
     invalid: float | None = None
     unknown: dict[str, str] = field(default_factory=dict)
@@ -104,19 +108,22 @@ class Header:
                 header.unused.append(" ".join(line.split())[:60])
         if "x" in header.units:
             header.units.setdefault("y", header.units["x"])
-        for name in header.is_bare & header.units.keys():  # a line of its own has given the unit
+        for name in header.bare & header.units.keys():  # a line of its own has given the unit
             for values in (header.sizes, header.steps):
                 if name in values:
                     values[name] *= header.units[name]
-        header.is_bare -= header.units.keys()
+        header.bare -= header.units.keys()
         return header
 
     def _read(self, line: str, shape: tuple[int, ...]) -> None:
-        """Take up what one line says."""
+        """Take up what one line says: each number under the words before it, and a unit without a number at its end.
+
+        "bit2nm" is the factor of BCR files. Arrows are those of "factor (-> m)".
+        """
         line, counted = COUNTED.subn("", re.sub(r"\bbit2(\w+)", r"z factor [\1]", line))
-        both = re.sub(r"\b[XYxy]\b", "", line)
-        if TWO.search(both) and len(_axes(_words(line))) != 1:
-            line = TWO.sub(r"\1 x ", both)
+        without_axes = re.sub(r"\b[XYxy]\b", "", line)
+        if TWO.search(without_axes) and len(_axes(_words(line))) != 1:
+            line = TWO.sub(r"\1 x ", without_axes)
         line = PAIR.sub(r" x \1 \4 y \3 \4", line)
         end, before = 0, ""
         for number in NUMBER.finditer(line):
@@ -139,7 +146,11 @@ class Header:
                     self.unknown[axis] = word.strip()
 
     def _take(self, words: frozenset[str], value: float, unit: float | None, shape: tuple[int, ...]) -> None:
-        """Take up one number under the words of a key, in metres if it has a unit."""
+        """Take up one number under the words of a key, in metres if it has a unit.
+
+        The first of these that it can be counts: the value of invalid points, a factor of heights, a count of points, a
+        number that is not used, a step or a size.
+        """
         axes = _axes(words)
         if words & WORDS_OF["invalid"] or {"no", "data"} <= words or {"no", "value"} <= words:
             if not words & WORDS_OF["number"]:
@@ -162,7 +173,7 @@ class Header:
                 size = value * (unit or 1.0)
                 if abs(target.setdefault(axis, size) - size) > 0.01 * size:
                     self.doubts.append(f"{axis} {target[axis]:g} and {size:g}")
-            self.is_bare |= set() if unit else set(lateral)
+            self.bare |= set() if unit else set(lateral)
 
 
 def _words(key: str) -> frozenset[str]:
@@ -202,7 +213,8 @@ class TextTable:
 
 
 def decoded(data: bytes) -> str | None:
-    """Return the text of a file in UTF-8, UTF-16 or Latin-1, look-alike characters as one; None for a binary file."""
+    """Return the text of a file in UTF-8, UTF-16 or Windows-1252, with look-alikes as one; None for a binary file."""
+    # in UTF-16 one byte of nearly every pair is zero; no text has control characters below 7, the bell
     zeros = [data[start:4096:2].count(0) for start in (0, 1)]
     if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         text = data.decode("utf-16", errors="replace")
@@ -250,6 +262,7 @@ def table(name: str, text: str, decimal: str | None) -> TextTable:
             f"path is {name!r}, without rows of numbers: give rows of equally many numbers, separated by commas, "
             "semicolons, tabs or blanks."
         )
+    # rows of the length with the most numbers are the table's
     count = max(lengths, key=lambda length: (lengths[length] * length, length))
     fitting = [fits and len(row) == count for fits, row in zip(whole, rows, strict=True)]
     first = fitting.index(True)
@@ -292,6 +305,7 @@ def _cells(line: str, separator: str | None) -> list[str]:
 def _values(row: list[str], decimal: str) -> Sequence[float | None]:
     """Return the numbers of a row, as :func:`_value` does; most rows hold nothing else."""
     try:
+        # "?" is no number: its ValueError leaves the row to `_value`
         return [float("?" if decimal == "," and "." in word else word) for word in row]
     except ValueError:
         return [_value(word, decimal) for word in row]
@@ -311,13 +325,18 @@ def _value(word: str, decimal: str) -> float | None:
 
 
 def _marks(name: str, lines: list[str], decimal: str | None) -> tuple[str | None, str]:
-    """Return the separator of a file (None for blanks) and its decimal sign, from its last lines with digits."""
+    """Return the separator of a file (None for blanks) and its decimal sign, from its last lines with digits.
+
+    With them most lines are numbers; of several the first tried counts. A `decimal` that is given is kept. Raises
+    InvalidInput where both readings of a sign fit.
+    """
     sample = [line for line in lines if re.search(r"\d", line)][-80:]
     best: tuple[int, str | None, str, list[list[str]]] = (0, None, ".", [])
     for separator in (";", "\t", ", ", ",", None):
         rows = [_cells(line, separator) for line in sample]
         has_comma = any("," in cell for row in rows for cell in row)
-        for sign in (decimal,) if decimal else (",", ".") if has_comma else (".",):
+        signs = (",", ".") if has_comma else (".",)
+        for sign in (decimal,) if decimal else signs:
             good = sum(all(_value(cell, sign) is not None for cell in row) for row in rows)
             if good > best[0] and (separator is None or any(separator in line for line in sample)):
                 best = good, separator, sign, rows

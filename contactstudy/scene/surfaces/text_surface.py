@@ -153,7 +153,7 @@ def _check_matrix(name: str, blocks: int, header: Header, content: FileContent, 
     rows_and_columns, unit = content.values.shape, content.unit
     stated = header.counts.get("x", 0) * header.counts.get("y", 0)
     doubts = list(header.doubts)
-    if len(header.sizes) == len(header.steps) == 2 and not header.is_bare:
+    if len(header.sizes) == len(header.steps) == 2 and not header.bare:
         for axis, count in zip("yx", rows_and_columns, strict=True):
             if abs(header.steps[axis] * count - header.sizes[axis]) > 1.5 * header.steps[axis]:
                 doubts.append(f"{axis} {header.sizes[axis]:g} and {count} times {header.steps[axis]:g}")
@@ -163,7 +163,7 @@ def _check_matrix(name: str, blocks: int, header: Header, content: FileContent, 
         remedy = f"give a file of one map, or {CONFIRMED} if they are one"
     elif doubts:
         fault = f"whose header has two sizes for one: {doubts[0]} m"
-    elif header.is_bare and reading.extent is None and unit < 1e-7:
+    elif header.bare and reading.extent is None and unit < 1e-7:
         fault = f"whose header has sizes without a unit, and heights in {unit_name(unit)}"
         remedy = "give extent, or the unit of the sizes in the header"
     elif stated not in (0, content.values.size):
@@ -212,10 +212,10 @@ def _matrix(text: TextTable, header: Header, unit: float) -> FileContent:
         values = values.reshape(pair)  # lines that are broken, or one number a line
     rows, columns = values.shape
     counts, notes = {"x": columns, "y": rows}, []
-    assumed = f"sizes of the header, which have no unit, count in {unit_name(unit)}" * bool(header.is_bare)
+    assumed = f"sizes of the header, which have no unit, count in {unit_name(unit)}" * bool(header.bare)
     lengths: dict[str, float] = {}
     for axis, count in counts.items():
-        bare = unit if axis in header.is_bare else 1.0
+        bare = unit if axis in header.bare else 1.0
         step = abs(np.diff(places[axis]).mean()) if len(places[axis]) else 0.0
         if step and (step != 1 or places[axis][0] not in (0, 1)):
             lengths[axis] = float(step) * count * header.units.get(axis, unit)

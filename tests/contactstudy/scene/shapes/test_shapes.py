@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.scene.shapes.shape import LengthScales, MovingShape
+from contactstudy.scene.shapes.shape import LengthScales, MovingShape, left_out
 from tests.conftest import STEEL
 
 FINE = cs.Grid((512, 512), (2.0, 3.0))
@@ -32,6 +32,13 @@ def test_round_bodies_have_their_heights_and_curvatures_across_add() -> None:
     straight = (cs.Sphere(5.0), cs.Crown(5.0), cs.Tilt(0.01), cs.Roughness(1e-7, 0.8, 1e-4, 3e-5))
     scene = cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL), (cs.Cylinder(5.0), cs.Cylinder(-10.0), *straight))
     assert scene.radius == pytest.approx(10.0)
+
+
+@pytest.mark.parametrize("waves", [1, 8, 16, 64])
+def test_one_row_of_cells_is_warned_of_waves_along_the_length(waves: int) -> None:
+    row = cs.Grid((4, 1), (4.0, 6.0))
+    assert len(list(left_out([cs.Waviness(0.01, along=6.0 / waves)], row))) == 1
+    assert not list(left_out([cs.Waviness(0.01, across=1.0)], row))
 
 
 @pytest.mark.parametrize(("across", "along"), [(0.5, inf), (inf, 0.75), (2.0, 0.3)])

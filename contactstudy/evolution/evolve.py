@@ -118,7 +118,10 @@ class DrySteps(Method[Instant]):
         self.increments = 0 if self.stepper.coupled is None else INCREMENTS
 
     def begin(self, start: Instant) -> tuple[Instant, Instant | None]:
-        """Return the instant before the first load for short steps, which are halved, and for doubled ones, if any."""
+        """Forget all errors, and return the instant before the first load, for short steps and for doubled ones, if any.
+
+        Short steps are halved where bodies start to yield.
+        """
         self.errors = Errors()
         if self.estimator == "none":
             return start, None
@@ -360,7 +363,8 @@ def evolve(
         Cells and boundary conditions, as for :func:`~contactstudy.solve`.
     times
         Recorded instants [s], which do not decrease. Steps end there, and wherever the load or its rate jumps; where
-        bodies yield or fret, also where it turns. Of two steps that differ much in length each is halved. A time
+        bodies yield or fret, also where it turns. Two steps that differ much in length make no
+        pair, and each is halved. A time
         given twice is recorded before and after a jump of the load.
     error
         Allowed relative L1 time-discretisation error, for which steps are chosen. None steps from one of `times`
@@ -438,8 +442,8 @@ class _Saved:
     fine: Instant
     coarse: Instant | None
     control: Control | None
-    number: int
-    length: float
+    point_index: int
+    pair_length: float
     work: Counter[str]
     total: Counter[str]
     statuses: list[Status]

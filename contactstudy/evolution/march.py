@@ -291,13 +291,13 @@ class March(Generic[S]):
         self._begin()
 
     def _begin(self) -> None:
-        """Return to the start; the work done so far counts in the first record."""
-        self.number = 0
+        """Go back to the start; the work done so far counts in the first record."""
+        self.point_index = 0
         self.fine, self.coarse = self.method.begin(self.start)
         self.duration = self.points[-1].time - self.start.time
         self.work, self.statuses = Counter(self.total), list(self.start.statuses)
         self._count(self.start.work)
-        self.length = inf if self.control is None else min(self.control.first, self.control.longest)
+        self.pair_length = inf if self.control is None else min(self.control.first, self.control.longest)
 
     def run(self) -> Iterator[list[Record[S]] | None]:
         """Yield what is recorded, as soon as its error is known, up to a step that has no solution.
@@ -306,17 +306,17 @@ class March(Generic[S]):
         """
         if self.fine.change == inf:
             yield [self._record(self.fine, None)]
-        while self.number < len(self.points) and self.fine.change < inf:
-            if self.fine.time < self.points[self.number].time:
-                yield self._pair(self.points[self.number])
-            point = self.points[self.number]
+        while self.point_index < len(self.points) and self.fine.change < inf:
+            if self.fine.time < self.points[self.point_index].time:
+                yield self._pair(self.points[self.point_index])
+            point = self.points[self.point_index]
             if self.fine.change == inf or self.fine.time < point.time:
                 continue
             if point.times_recorded == 2:
                 yield [self._record(self.fine, self.coarse)]
             if point.jumps:
                 self._jump()
-            self.number += 1
+            self.point_index += 1
             if self.fine.change == inf:
                 yield [self._record(self.fine, None)]
             elif point.times_recorded:
@@ -331,8 +331,8 @@ class March(Generic[S]):
     @property
     def can_go_on(self) -> bool:
         """True if nothing is left to be recorded at the present time, so that a march may go on from here later."""
-        is_done = self.number == len(self.points)
-        return self.fine.change < inf and (is_done or self.fine.time < self.points[self.number].time)
+        is_done = self.point_index == len(self.points)
+        return self.fine.change < inf and (is_done or self.fine.time < self.points[self.point_index].time)
 
     def _pair(self, point: Breakpoint) -> list[Record[S]] | None:
         """Take a pair of steps towards `point`, unless it is rejected, and return what is recorded.
@@ -342,7 +342,7 @@ class March(Generic[S]):
         begin, doubled, records = self.fine, self.coarse, list[Record[S]]()
         half, end = self._ends(point)
         middle = self._step(self.fine, half)
-        if self._rejects(middle.change, end):
+        if self._shorten_if_too_long(middle.change, end):
             return []
         statuses = list(middle.statuses)
         if middle.change == inf or doubled is None:
@@ -351,16 +351,16 @@ class March(Generic[S]):
             self.statuses, statuses = self.statuses + statuses, []
             if point.times_recorded:
                 records.append(self._record(middle, None))
-            self.number += 1
+            self.point_index += 1
         after = self._step(middle, end), self._step(doubled, end)
         error = self.method.error((begin, doubled), middle, after)
-        if self._rejects(error, end):
+        if self._shorten_if_too_long(error, end):
             return []
         if self.control is not None:
             # a pair cut short by a point is no measure of the allowed length
             longer = (end - begin.time) * self.control.factor(error)
-            longer = max(longer, self.length if end == point.time else 0.0)
-            self.length = min(longer, self.control.longest)
+            longer = max(longer, self.pair_length if end == point.time else 0.0)
+            self.pair_length = min(longer, self.control.longest)
         statuses += [*after[0].statuses, *after[1].statuses]
         further = self._go_on(begin, middle, after, statuses)
         return None if further is None else records + further
@@ -395,18 +395,18 @@ class March(Generic[S]):
             if self.coarse is None:
                 return point.time, point.time
             if self._begins_pair(point):
-                return point.time, self.points[self.number + 1].time
+                return point.time, self.points[self.point_index + 1].time
             return (now + point.time) / 2, point.time
-        if self.length >= remaining * (1 - ROUNDING):
+        if self.pair_length >= remaining * (1 - ROUNDING):
             return now + remaining / 2, point.time
-        pair = min(self.length, remaining / 2)
+        pair = min(self.pair_length, remaining / 2)
         return now + pair / 2, now + pair
 
     def _begins_pair(self, point: Breakpoint) -> bool:
         """Return whether a step to `point` makes a pair with the one after it; if not, two steps lead to it."""
         if point is self.points[-1] or point.is_discontinuity or point.times_recorded == 2:
             return False
-        after = self.points[self.number + 1]
+        after = self.points[self.point_index + 1]
         ratio = (after.time - point.time) / (point.time - self.fine.time)
         # without load both integrations have the same pressure
         return after.before != 0 and max(ratio, 1 / ratio) <= MAX_RATIO_OF_PAIR
@@ -417,14 +417,14 @@ class March(Generic[S]):
         self._count(after.work)
         return after
 
-    def _rejects(self, error: float, end: float) -> bool:
-        """Return whether a pair of steps to `end` [s] is too long for its `error`; if so, the next one is shorter."""
+    def _shorten_if_too_long(self, error: float, end: float) -> bool:
+        """Make the next pair of steps shorter if that to `end` [s] is too long for its `error`; return whether it is."""
         pair = end - self.fine.time
         shortest = SHORTEST if error < inf else SHORTEST_WITHOUT_SOLUTION
         if self.control is None or error <= self.control.limit or pair <= shortest * self.duration:
             return False
         self._count(Counter(rejected=1))
-        self.length = pair * min(self.control.factor(error), MAX_REJECTED_FACTOR)
+        self.pair_length = pair * min(self.control.factor(error), MAX_REJECTED_FACTOR)
         return True
 
     def _jump(self) -> None:
@@ -456,7 +456,7 @@ class March(Generic[S]):
         self.total.update(work)
 
     def _record(self, state: S, coarse: S | None) -> Record[S]:
-        """Return what is recorded of a state, with the outcomes and the work since the record before."""
+        """Return what is recorded of a state, with outcomes and work since the record before, and count anew."""
         record = Record(state, coarse, tuple(self.statuses), self.work)
         self.work, self.statuses = Counter(), []
         return record

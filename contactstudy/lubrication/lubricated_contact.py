@@ -20,9 +20,12 @@ from contactstudy.solvers.solution import Status
 # Largest known shear stress of a lubricant (Bair & Winer 1979, 1992), the sum of two parts: a constant [Pa], and a
 # fraction of the pressure. Then the largest fraction of the friction that may be above that stress without a remark.
 SHEAR_LIMIT, SHEAR_LIMIT_OVER_PRESSURE, FRICTION_BEYOND_LIMIT = 1e7, 0.15, 0.01
-# Least slip at which a stress is evaluated, and below which asperities stick, over the sliding speed; relative step for
-# the derivative of the stress by slip; steps of Newton's method at most, and the relative change where they stop.
-LEAST_SLIP, STICK, SLIP_STEP, MAX_STEPS, SHEAR_TOLERANCE = 1e-9, 1e-6, 1e-5, 100, 1e-7
+# Least slip at which a stress is evaluated, and the slip below which asperities stick, over the sliding speed.
+LEAST_SLIP, STICK = 1e-9, 1e-6
+# Relative step of the slip for the derivative of the stress.
+SLIP_STEP = 1e-5
+# Largest number of Newton's steps for the stress, and its relative change at which they stop.
+MAX_STEPS, SHEAR_TOLERANCE = 100, 1e-7
 # A second peak of pressure is a spike if it rises from the valley before it by more than SPIKE of the highest pressure.
 SPIKE = 0.02
 OF_SPIKE = (

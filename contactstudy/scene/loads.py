@@ -138,8 +138,9 @@ class Approach:
                 "no effect: leave it out, or give ExactPeriodicity along one axis."
             )
         if endless and datum < grid.extent[0] / 2:
+            in_use = f"None, which takes {readable(datum)}" if self.datum is None else repr(self.datum)
             raise InvalidInput(
-                f"Approach.datum is {self.datum!r}: give at least half the width of the grid, "
+                f"Approach.datum is {in_use}: give at least half the width of the grid, "
                 f"{readable(grid.extent[0] / 2)}, or parts of the surface would rise under pressure."
             )
         # displacements count from their mean, which leaves no finite pressure there

@@ -1,6 +1,7 @@
 """Checks of user input, each with a message of one sentence: types, limits, quantities in SI units or with a unit."""
 
 import re
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import MISSING, Field, dataclass, field, fields
@@ -439,7 +440,10 @@ def checked_errors(field: str, value: object) -> float | dict[str, float]:
     """Return a relative error, or those of the numbers that are named, as a table or a text ``"name = 2 %, ..."``."""
     if isinstance(value, str) and "=" in value:
         parts = (part.partition("=") for part in value.split(","))
-        value = {name.strip(): error.strip() for name, _, error in parts}
+        named = [(name.strip(), error.strip()) for name, _, error in parts]
+        if twice := [name for name, count in Counter(name for name, _ in named).items() if count > 1]:
+            raise InvalidInput(f"{field} names {twice[0]} twice: give one error of it.")
+        value = dict(named)
     if not isinstance(value, Mapping):
         return float(valid(field, value, RelativeError))
     if not value:

@@ -23,7 +23,7 @@ from contactstudy.planning.grid_requirements import (
     period_fault,
     with_requirements,
 )
-from contactstudy.planning.refinement import MOST_CELLS, FirstGrids, first_grids, with_width
+from contactstudy.planning.refinement import FirstGrids, first_grids, with_width
 from contactstudy.problem.problem import Problem, solve_bytes
 from contactstudy.scene import scene as methods
 from contactstudy.scene.loads import LineLoad
@@ -247,8 +247,8 @@ def _plan_static(
         grid = first.grid
         if prod(grid.cells) < 0.99 * first.required < inf:
             warnings.append(
-                f"plan.error is {error:.2g}, which takes about {first.required:.2g} cells, and {MOST_CELLS:,} are taken "
-                "at most: give a larger error, and see whether the radii and the wavelengths are those that are meant."
+                f"plan.error is {error:.2g}, which takes about {first.required:.2g} cells, and {prod(grid.cells):,} are "
+                "taken: give a larger error, and see whether the radii and the wavelengths are those that are meant."
             )
         if width > grid.extent[0]:
             grid = with_width(grid, requirements.width(width))

@@ -131,6 +131,9 @@ def _tabulate(dataset: "xr.Dataset", file: Path, out: Path | None, names: Sequen
 
 def surfaces_of(file: Path, extent: str | None, **reading: Any) -> dict[str, MeasuredSurface]:
     """Return the measured surfaces of a file or of a scene by the stems of their pictures; none for another file."""
+    sides: Any = None if extent is None else [side.strip() for side in extent.split(",")]
+    if sides and len(sides) != 2:
+        raise InvalidInput(f"--extent is {extent!r}: give a width and a length, such as '1 mm, 2 mm'.")
     if file.suffix == ".toml":
         shapes = enumerate(cs.read_scene(file).scene.shapes)
         found = {
@@ -141,7 +144,6 @@ def surfaces_of(file: Path, extent: str | None, **reading: Any) -> dict[str, Mea
         return found
     if not file.is_file() or (file.suffix == ".nc" and not _holds_heights(file)):
         return {}
-    sides: Any = None if extent is None else [side.strip() for side in extent.split(",")]
     missing, seam = cs.HarmonicFill(up_to=0.5), cs.AsMeasured()
     return {file.stem: MeasuredSurface.read(file, extent=sides, missing=missing, seam=seam, **reading)}
 

@@ -48,7 +48,7 @@ def surface_parameters(surface: MeasuredSurface) -> Parameters:
         If the surface has no size.
     """
     if surface.extent is None:
-        raise NotDefined("A surface without a size has no slopes: give its extent.")
+        raise NotDefined("A surface without a size has no slopes: give its extent, on the command line --extent.")
     heights = surface.prepared - surface.prepared.mean()
     steps = [side / count for side, count in zip(surface.extent, heights.shape, strict=True)]
     is_profile = 1 in heights.shape

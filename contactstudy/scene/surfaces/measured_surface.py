@@ -139,7 +139,7 @@ class MeasuredSurface:
             size = f"over {readable(self.extent[0])} x {readable(self.extent[1])}"
         parts = [f"{across} x {along} points (across x along) {size}", *self.notes]
         if missing := int(np.isnan(self.heights).sum()):
-            parts.append(f"{missing} missing points ({missing / self.heights.size:.2%}) {self.missing.description}")
+            parts.append(f"missing points: {missing} ({missing / self.heights.size:.2%}) {self.missing.description}")
         parts.append(preparation.trend_text(self.trend, self.missing.fill(self.heights), self.extent))
         if self.filter is not None:
             parts.append(self.filter.description)
@@ -223,8 +223,8 @@ class MeasuredSurface:
         width = self.extent[0]
         if grid.extent[0] > width * (1 + 1e-9):
             raise InvalidInput(
-                f"MeasuredSurface.extent is {self.extent!r}: give a grid no wider than that, which is "
-                f"{grid.extent[0]!r} m wide, or a wider surface."
+                f"The grid is {readable(grid.extent[0])} wide, and MeasuredSurface.extent {readable(width)}: give a "
+                "narrower grid, or a wider surface."
             )
         return -preparation.cell_means(
             heights, 0, extent=width, cells=grid.cells[0], width=grid.extent[0], ends="not-a-knot"

@@ -1,7 +1,8 @@
 """Heights of points and the sizes they come with, from an array, a DataArray or a file."""
 
-import logging
 import warnings
+from contextlib import redirect_stderr
+from io import StringIO
 from os import PathLike, fspath
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,7 @@ import numpy as np
 
 from contactstudy.domain.grid import Array
 from contactstudy.domain.imports import import_for
-from contactstudy.domain.validation import InvalidInput, readable
+from contactstudy.domain.validation import InvalidInput, readable, shortened
 from contactstudy.scene.surfaces import text_surface
 from contactstudy.scene.surfaces.plausibility import check_plausible, measured_points, steps_between
 from contactstudy.scene.surfaces.text_file import decoded, length_unit, table
@@ -115,8 +116,7 @@ def _array(name: str) -> Array:
 
 def _of_library(name: str, reading: Reading) -> FileContent:
     """Return the default channel of a file that the library SurfaceTopography reads."""
-    logging.getLogger("SurfaceTopography").addHandler(logging.NullHandler())
-    with warnings.catch_warnings():
+    with warnings.catch_warnings(), redirect_stderr(StringIO()):  # parts of it log there what they try
         warnings.simplefilter("ignore")
         library = import_for("MeasuredSurface.read", "SurfaceTopography")
         try:
@@ -132,9 +132,10 @@ def _of_library(name: str, reading: Reading) -> FileContent:
                 side = length_unit(str(surface.unit))
                 sizes = tuple(float(size) * (side or 1.0) for size in surface.physical_sizes)
         except Exception as unreadable:
-            why = f"{type(unreadable).__name__}: {' '.join(str(unreadable).split())[:80]}"
+            kind = type(unreadable).__name__
+            why = f" ({kind}: {shortened(str(unreadable))})" * (kind != "CannotDetectFileFormat")
             raise InvalidInput(
-                f"path is {name!r}, in which SurfaceTopography finds no surface ({why}): give a "
+                f"path is {name!r}, in which SurfaceTopography finds no surface{why}: give a "
                 "file in a format that it reads, complete, or export the heights as x3p, txt or csv."
             ) from unreadable
     if values.ndim != 2:

@@ -33,7 +33,7 @@ def measured_points(name: str, content: FileContent, reading: Reading) -> tuple[
         marks = [place for place in lone if abs(heights[place]) in MARKS]
         if marks:
             values[values == heights[marks[0]]] = np.nan
-            notes.append(f"{counts[marks[0]]} points of {heights[marks[0]]:g} in the file count as not measured")
+            notes.append(f"not measured, as {heights[marks[0]]:g} in the file says: {counts[marks[0]]} of the points")
             continue
         second, most = (int(place) for place in np.argsort(counts)[-2:])
         is_frequent = counts[most] >= max(8, 10 * counts[second]) and 0 < most < len(heights) - 1

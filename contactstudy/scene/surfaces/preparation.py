@@ -61,7 +61,7 @@ class RefuseMissing:
         """Raise :class:`~contactstudy.InvalidInput` if any point is missing."""
         if missing:
             raise InvalidInput(
-                f"MeasuredSurface.heights has {missing} missing points of {points}: fill them, or give "
+                f"MeasuredSurface.heights has {missing} missing of {points} points: fill them, or give "
                 'missing = HarmonicFill(), in a scene file missing = "HarmonicFill".'
             )
 
@@ -90,7 +90,7 @@ class HarmonicFill:
         """Raise :class:`~contactstudy.InvalidInput` if more points are missing than the fraction allows."""
         if missing > self.up_to * points:
             raise InvalidInput(
-                f"MeasuredSurface.heights has {missing} missing points of {points}, a fraction of "
+                f"MeasuredSurface.heights has {missing} missing of {points} points, a fraction of "
                 f"{missing / points:.2g}: give another surface, or fill them from their edges nevertheless with "
                 f'missing = {{ kind = "HarmonicFill", up_to = {min(missing / points + 0.01, 0.999):.2g} }}.'
             )

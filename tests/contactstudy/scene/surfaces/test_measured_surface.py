@@ -221,9 +221,9 @@ def test_holes_in_a_harmonic_surface_are_filled_with_it() -> None:
 
 def test_missing_points_are_refused_with_their_count() -> None:
     heights = np.where(HOLES, np.nan, HARMONIC)
-    with pytest.raises(cs.InvalidInput, match="has 10 missing points of 108: fill them, or give"):
+    with pytest.raises(cs.InvalidInput, match="has 10 missing of 108 points: fill them, or give"):
         cs.MeasuredSurface(heights)
-    with pytest.raises(cs.InvalidInput, match=r"has 10 missing points of 108, a fraction of 0\.093: give"):
+    with pytest.raises(cs.InvalidInput, match=r"has 10 missing of 108 points, a fraction of 0\.093: give"):
         cs.MeasuredSurface(heights, missing=cs.HarmonicFill(up_to=0.05))
     assert cs.MeasuredSurface(heights, missing=cs.HarmonicFill())
     assert np.isnan(measurement(np.ma.masked_less(HARMONIC, -20))[0]).sum() == (HARMONIC < -20).sum() > 0

@@ -115,7 +115,7 @@ def test_points_that_were_not_measured_are_missing(tmp_path: Path, mark: str) ->
     text = "NODATA_value 7.5\n" * (mark == "7.5") + "\n".join(holed)
     computed = surface(tmp_path, text, missing=cs.HarmonicFill(), **SIZED)
     assert np.argwhere(np.isnan(computed.heights)).tolist() == [[4, 0]]
-    assert "1 missing points (0.93%) filled by Laplace's equation" in computed.description
+    assert "missing points: 1 (0.93%) filled by Laplace's equation" in computed.description
 
 
 @pytest.mark.parametrize(("height", "cells"), [(-77.0, 2), (0.0, 30)])
@@ -283,7 +283,9 @@ def test_points_are_written_at_the_middle_of_their_cells(tmp_path: Path) -> None
 
 
 @pytest.mark.whole
-def test_an_x3p_file_has_its_sizes_its_unit_and_its_missing_points(tmp_path: Path) -> None:
+def test_an_x3p_file_has_its_sizes_its_unit_and_its_missing_points(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ImportWarning)
         surfaces = pytest.importorskip("SurfaceTopography")
@@ -297,9 +299,10 @@ def test_an_x3p_file_has_its_sizes_its_unit_and_its_missing_points(tmp_path: Pat
             cs.MeasuredSurface.read(path, missing=cs.HarmonicFill(), **keys)  # type: ignore[arg-type]
     with pytest.raises(cs.InvalidInput, match=r"give MeasuredSurface\.read\(path\)"):
         cs.MeasuredSurface(path)
-    path.write_bytes(b"\0nothing")
-    with pytest.raises(cs.InvalidInput, match=r"^path is '.*surface\.x3p', in which .* no surface .*: give a file"):
+    path.write_bytes(10 * bytes(range(256)))
+    with pytest.raises(cs.InvalidInput, match=r"^path is '.*surface\.x3p', in which .* no surface: give a file"):
         cs.MeasuredSurface.read(path)
+    assert capsys.readouterr() == ("", "")
 
 
 def test_a_missing_library_names_its_extra(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

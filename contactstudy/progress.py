@@ -69,6 +69,11 @@ class Reporter:
         text = f"{cells_text(grid.cells)}: {100 * bound:.2g} % in L1"
         self.report(Progress(min(self.target / bound, 1.0), text, solution.pressure, grid))
 
+    def bounds(self, grid: Grid, pressure: Array | None) -> None:
+        """Report that the outputs and the bounds of an answer are computed, on its grid and on coarser ones."""
+        text = f"{cells_text(grid.cells)} solved: outputs and bounds, by 1/2, 1/3 and 1/4 of them along each axis"
+        self.report(Progress(1.0, text, pressure, grid))
+
     def change(self, change: float, allowed: float) -> None:
         """Report the last change of the pressure in outer iterations, and the allowed one."""
         text = f"change of the pressure {change:.1e} of {allowed:.1e}"

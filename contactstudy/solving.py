@@ -55,7 +55,7 @@ def solve(
     scene: Problem,
     *,
     error: Request | str | None = None,
-    start: Array | Contact | None = None,
+    start: Array | Contact | Progress | None = None,
     progress: Callable[[Progress], object] | None = None,
     device: Device = Cpu(),  # noqa: B008 (a frozen value)
     options: SolveOptions | None = None,
@@ -70,7 +70,7 @@ def solve(
     error: Request | str | None = None,
     period: float | None = None,
     times: "ArrayLike | TimeSteps | None" = None,
-    start: "Array | Contact | LubricatedContact | None" = None,
+    start: "Array | Contact | Progress | LubricatedContact | None" = None,
     folder: str | PathLike[str] | None = None,
     progress: Callable[[Progress], object] | None = None,
     device: Device = Cpu(),  # noqa: B008 (a frozen value)
@@ -85,7 +85,7 @@ def solve(
     error: Request | str | None = None,
     period: float | None = None,
     times: "ArrayLike | TimeSteps | None" = None,
-    start: "Array | Contact | LubricatedContact | None" = None,
+    start: "Array | Contact | Progress | LubricatedContact | None" = None,
     folder: str | PathLike[str] | None = None,
     progress: Callable[[Progress], object] | None = None,
     device: Device = Cpu(),  # noqa: B008 (a frozen value)
@@ -110,9 +110,10 @@ def solve(
     times
         Instants [s] to record, or :class:`~contactstudy.TimeSteps`, of a scene that changes in time.
     start
-        Pressure (x, y) [Pa] or answer to begin with, on a grid of the same extent; one of another load is scaled, and
-        the note of the answer says so. Of a film a :class:`~contactstudy.LubricatedContact`. A contact with adhesion
-        continues from the state of an answer.
+        Pressure (x, y) [Pa], answer or :class:`~contactstudy.Progress` to begin with, on a grid of the same extent; one
+        of another load is scaled, and the note of the answer says so. A grid that is chosen is refined from that of the
+        start, and the note says whether it suits the scene. Of a film a :class:`~contactstudy.LubricatedContact`. A
+        contact with adhesion continues from the state of an answer.
     folder
         Folder in which a dry scene with state variables (creep, wear, yielding, fretting) keeps its frames, to go on
         from there after a stop; those of a grid that was refined in a folder of their own in it.
@@ -302,6 +303,7 @@ class _Request:
             padding=self.padding,
             options=self.options,
             start=self.first_pressure,
+            start_grid=getattr(self.start, "grid", None),
             device=self.device,
             progress=self.progress and Reporter(self.progress, target).grid,
         )
@@ -312,7 +314,8 @@ class _Request:
         def solve_on(grid: Grid) -> Contact:
             start = on_cells(refined.solution.pressure, grid.cells)
             problem = posed.scene.problem(grid, posed.padding)
-            return contact_answer(solve_contact(problem, self.options, start, self.device))
+            solution = solve_contact(problem, self.options, start, self.device)
+            return contact_answer(replace(solution, note=refined.solution.note))
 
         return cast(Contact, self._noted(self._refined(answer, solve_on, by_pressure=0)))
 
@@ -476,6 +479,7 @@ class _Request:
         for _ in range(FILM_REFINEMENTS):
             if error is None:
                 break
+            self.report_bounds(answer)
             finer = finer_film_grid(
                 answer.grid, first, answer.requested_errors, error, most_cells, None if smooth else first
             )
@@ -499,6 +503,7 @@ class _Request:
         """
         target = self.target
         assert target is not None  # it has a default without a grid
+        self.report_bounds(answer)
         for number in range(by_pressure + REFINEMENTS_OF_NUMBERS):
             if number < by_pressure:
                 grid = next_grid(answer.grid, answer.error.l1.by_cause, target)
@@ -506,7 +511,14 @@ class _Request:
                 grid = grid_for_numbers(answer, is_default=self.error is None)
             if grid is not None:
                 answer = replace(solve_on(grid), requested=answer.requested)
+                self.report_bounds(answer)
         return answer
+
+    def report_bounds(self, answer: Any) -> None:
+        """Report that the outputs and the bounds of an answer are next; its pressure is kept if it is a static one."""
+        if self.progress is not None:
+            pressure = answer.pressure if self.scene.method is methods.STATIC else None
+            Reporter(self.progress).bounds(answer.grid, pressure)
 
 
 # What a problem is solved with, and methods of a request by those of scenes.

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from math import ceil, inf, prod
+from math import ceil, inf, isclose, prod
 from time import process_time
 
 import numpy as np
@@ -15,7 +15,7 @@ from contactstudy.accuracy.error_terms import IMAGES_REMEDY
 from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.domain.device import Cpu, Device, cache_of, caching
 from contactstudy.domain.errors import ErrorEstimate
-from contactstudy.domain.grid import Array, Grid, Padding, Paddings, on_cells
+from contactstudy.domain.grid import Array, Grid, Padding, Paddings, cells_text, on_cells
 from contactstudy.domain.imports import loaded
 from contactstudy.planning.grid_requirements import CONSTANTS as GRID
 from contactstudy.planning.grid_requirements import GridRequirements, halvable_count, with_requirements
@@ -134,6 +134,10 @@ class RefinementConstants:
 
 
 CONSTANTS = RefinementConstants()
+ON_START = "The refinement of the grid began with solve.start, on {}."
+NOT_ON_START = "The grid of solve.start is not one of this scene or has few cells: it served the coarsest grid alone."
+# Relative difference of extents that is rounding.
+SAME_EXTENT = 1e-6
 
 
 def solve_to(
@@ -144,6 +148,7 @@ def solve_to(
     padding: Padding | Paddings | None = None,
     options: SolveOptions | None = None,
     start: Array | None = None,
+    start_grid: Grid | None = None,
     device: Device = Cpu(),  # noqa: B008 (a frozen value)
     progress: Callable[[Solution, float], object] | None = None,
 ) -> BoundedSolution:
@@ -168,6 +173,8 @@ def solve_to(
         Options of the solver.
     start
         Pressure (x, y) [Pa] of a similar contact of the same extent, on any grid.
+    start_grid
+        Its grid, on which the refinement begins if it suits the scene (:meth:`GridRefinement.grid_of_start`).
     device
         Device.
     progress
@@ -180,9 +187,14 @@ def solve_to(
     """
     scene, requirements = with_requirements(scene, padding, period)
     refinement = GridRefinement(scene, requirements, error, period, options or SolveOptions(), device, progress)
-    last = refinement.solve_levels(start=start)[-1]
+    last = refinement.solve_levels(start=start, start_grid=start_grid)[-1]
     reason = refinement.reason_not_met(last) if last.bound > error else ""
     l1 = replace(last.estimate.l1, reason=reason)
+    if start is not None and start_grid is not None:
+        began = refinement.grid_of_start(start_grid)
+        note = NOT_ON_START if began is None else ON_START.format(cells_text(began.cells))
+        solution = replace(last.solution, note=f"{last.solution.note} {note}".lstrip())
+        last = replace(last, solution=solution)
     return replace(last, estimate=replace(last.estimate, l1=l1))
 
 
@@ -254,7 +266,9 @@ class GridRefinement:
     device: Device = Cpu()  # noqa: RUF009 (a frozen value)
     progress: Callable[[Solution, float], object] | None = None
 
-    def solve_levels(self, most_solved: int = MOST_CELLS, start: Array | None = None) -> list[BoundedSolution]:
+    def solve_levels(
+        self, most_solved: int = MOST_CELLS, start: Array | None = None, start_grid: Grid | None = None
+    ) -> list[BoundedSolution]:
         """Return the solutions on all grids with their bounds; the last one meets the error or cannot be refined.
 
         Parameters
@@ -263,10 +277,14 @@ class GridRefinement:
             Number of cells beyond which a grid is not solved, other than the first one.
         start
             Pressure (x, y) [Pa] to begin with, on any grid.
+        start_grid
+            Its grid, on which to begin if it suits the scene.
         """
         levels: list[BoundedSolution] = []
         coarse: Solution | None = None
         grid: Grid | None = self.first_grid(self.requirements.extent(self.period))
+        if start_grid is not None:
+            grid = self.grid_of_start(start_grid) or grid
         widths, begin = 0, process_time()
         with caching(cache_of(32 * MOST_CELLS)):
             while grid is not None and (not levels or prod(grid.cells) <= most_solved):
@@ -298,6 +316,21 @@ class GridRefinement:
         across, along = self.min_cells(extent)
         shrink = max(1.0, across * along / CONSTANTS.max_first_cells) ** (0.5 if along > 1 else 1.0)
         return self.grid_of_fast_lengths(across / shrink, along / shrink, extent)
+
+    def grid_of_start(self, given: Grid) -> Grid | None:
+        """Return the grid to begin with in place of the first one: that of a start; None where that does not suit.
+
+        It is as long as the scene, has at least the cells of the first grid, and its width is that of the scene where
+        random heights depend on that.
+        """
+        first = self.first_grid(self.requirements.extent(self.period))
+        varies, is_row = first.cells[1] > 1, given.cells[1] == 1
+        is_random = any(getattr(shape, "extent", ()) is None for shape in self.scene.shapes)
+        pairs = list(zip(given.extent, first.extent, strict=True))[0 if is_random else 1 : 2 if varies else 1]
+        suits = all(isclose(there, here, rel_tol=SAME_EXTENT) for there, here in pairs) and varies is not is_row
+        if not suits or not prod(first.cells) <= prod(given.cells) <= MOST_CELLS:
+            return None
+        return self.grid_of_fast_lengths(*given.cells, (given.extent[0], first.length))
 
     def min_cells(self, extent: tuple[float, float]) -> tuple[int, int]:
         """Return the minimum number of cells (across, along) that resolve the surface."""

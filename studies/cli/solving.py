@@ -13,7 +13,6 @@ import numpy as np
 
 import contactstudy as cs
 from contactstudy.answers.answer import Answer
-from contactstudy.domain.grid import Array
 from contactstudy.domain.validation import readable
 from studies.engine.progress import LINE_INTERVAL, bar_of, is_terminal
 from studies.store.stop import Stop, StopRun
@@ -124,8 +123,11 @@ def _keep_stopped(stopped: cs.Progress, path: Path) -> Path:
     return path
 
 
-def pressure_in(path: Path, grid: cs.Grid | None) -> Array:
-    """Return the pressure (x, y) [Pa] in a file of ``contactstudy solve``, as wide as a `grid` if one is given."""
+def pressure_in(path: Path, grid: cs.Grid | None) -> cs.Progress:
+    """Return the pressure (x, y) [Pa] in a file of ``contactstudy solve``, as wide as a `grid` if one is given.
+
+    It comes with its grid, whose length is that of `grid` where the file has one cell along.
+    """
     from studies.store.netcdf import read_any
 
     dataset = read_any(path)
@@ -136,4 +138,8 @@ def pressure_in(path: Path, grid: cs.Grid | None) -> Array:
     if grid is not None and not np.isclose(width, grid.extent[0], rtol=1e-6, atol=0):
         here, there = readable(grid.extent[0]), readable(width)
         raise cs.InvalidInput(f"--start is {str(path)!r}, {there} wide, and the grid is {here}: give one as wide.")
-    return np.asarray(dataset["pressure"].values, dtype=np.float64)
+    y, pressure = dataset["y"].values, np.asarray(dataset["pressure"].values, dtype=np.float64)
+    length = width if grid is None else grid.length
+    if len(y) > 1:
+        length = (y[1] - y[0]) * len(y)
+    return cs.Progress(0.0, str(path), pressure, cs.Grid(pressure.shape, (float(width), float(length))))

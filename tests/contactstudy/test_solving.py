@@ -72,6 +72,16 @@ def test_a_pressure_of_another_load_is_scaled_and_said_and_one_of_another_extent
         cs.solve(scene, films.grid(24, 1.3), EXACT, start=before)
 
 
+def test_a_grid_is_refined_from_that_of_a_start_unless_that_is_of_another_scene() -> None:
+    before = cs.solve(films.DRY, error=0.01)
+    seen: list[cs.Progress] = []
+    again = cs.solve(films.DRY, error=0.01, start=before, progress=seen.append)
+    assert {progress.grid for progress in seen} == {before.grid}
+    assert "began with solve.start" in again.note
+    wavy = replace(films.DRY, shapes=(*films.DRY.shapes, cs.Waviness(1e-8, along=1e-4)))
+    assert "not one of this scene" in cs.solve(wavy, error=0.05, start=before).note
+
+
 def test_an_evolution_says_that_its_bodies_are_too_small_for_half_spaces() -> None:
     soft = cs.HalfSpace(1e6, 0.3)
     scene = cs.Scene(cs.LoadHistory((0.0, 1.0), (500.0, 1000.0)), (soft, soft), (cs.Cylinder(0.01),))

@@ -92,7 +92,8 @@ def with_nested_bounds(
     zone_edge
         Fraction of the cells of a plastic zone that lie at its edge.
     unseen
-        Relative errors that no change shows, by name; those of other numbers are the causes of `l1` but the cells.
+        Relative errors that no change shows, by name; those of other numbers are the causes of `l1` but the cells, and
+        twice the least change.
     of_stress
         Relative errors that no change of a largest stress shows, by name, beside those causes.
     by_law
@@ -115,7 +116,8 @@ def with_nested_bounds(
             found[name] = replace(quantity, reason=l1.reason or quantity.reason)
         else:
             size = abs(quantity.value)
-            floor = max(FLOOR * (l1.discretisation or 0.0), quantity.least_change)
+            by_l1 = FLOOR * (l1.discretisation or 0.0) / (2 if name in unseen and name not in by_law else 1)
+            floor = max(by_l1, quantity.least_change)
             if name.startswith(BY_YIELD):
                 floor = max(floor, AREA_FLOOR * zone_edge)
             if name == "rolling_resistance":

@@ -71,23 +71,31 @@ def thermal_shear(
             contact=None if contact is None else contact[:, column],
         )
         surfaces, of_film = _temperature_influence(influence, heat.conductivity / heated)
-        rise: Array = np.zeros(len(heated))
-        slip: Array = np.full(len(heated), line.sliding)
-        change = 0.0
-        for _ in range(MAX_PASSES):
-            if change > NEW_START:  # Newton's method converges from below
-                rise = np.zeros_like(rise)
-            rise, residual = _solve_temperature(of_film, line, slip, rise)
-            stress, new_slip = line.stress_and_slip(_viscosity_ratio(line, rise))
-            change = float(np.abs(new_slip - slip).max()) / (line.sliding or 1.0)
-            slip = new_slip
-            if change <= SLIP_TOLERANCE:
-                break
-        mean[:, column], shear[:, column] = rise, stress
-        largest_residual = max(largest_residual, residual, change)
-        surface[:, :, column] = surfaces @ (slip * stress)
+        mean[:, column], shear[:, column], slip, residual = _heated_line(of_film, line)
+        largest_residual = max(largest_residual, residual)
+        surface[:, :, column] = surfaces @ (slip * shear[:, column])
     loading = thermal_loading(scales, heat)
     return shear, FilmTemperatures(surface, mean, reduction, loading, largest_residual)
+
+
+def _heated_line(of_film: Array, line: ShearedFilm) -> tuple[Array, Array, Array, float]:
+    """Return temperature rise [K], stress [Pa] and slip [m/s] (x,) of a line of the film, and the relative residual.
+
+    `of_film` (x, x') is the rise of the film by unit heat in it. Temperature and slip are iterated until both hold.
+    """
+    rise: Array = np.zeros(len(line.film))
+    slip: Array = np.full(len(line.film), line.sliding)
+    change = 0.0
+    for _ in range(MAX_PASSES):
+        if change > NEW_START:  # Newton's method converges from below
+            rise = np.zeros_like(rise)
+        rise, residual = _solve_temperature(of_film, line, slip, rise)
+        stress, new_slip = line.stress_and_slip(_viscosity_ratio(line, rise))
+        change = float(np.abs(new_slip - slip).max()) / (line.sliding or 1.0)
+        slip = new_slip
+        if change <= SLIP_TOLERANCE:
+            break
+    return rise, stress, slip, max(residual, change)
 
 
 def _viscosity_ratio(line: ShearedFilm, rise: Array) -> Array:
@@ -148,7 +156,7 @@ def _of_coating(grid: Grid, body: ThermalBody, coating: ThermalBody, speed: floa
     """
     (nx, _), (cell, _) = grid.cells, grid.cell_size
     fine = FINE_CELLS * FINE_PERIODS * nx
-    # the rise times exp(-shift x), so that what the period wraps is small
+    # the rise times exp(-shift x), so that what the period wraps is small; the mean has m^2 = shift (rate - shift) > 0
     slowest = min(abs(speed) * material.heat_capacity / material.conductivity for material in (body, coating))
     shift = np.sign(speed) * min(1 / (nx * cell), slowest / 4)
     wave = 2 * np.pi * np.fft.rfftfreq(fine, cell / FINE_CELLS) - 1j * shift

@@ -193,37 +193,33 @@ class FrettingShear:
         """Return the normal contact with the tangential traction after the last force, and the history of slip."""
         normal = solve_contact(problem, options, start, device)
         limit = self.coefficient * normal.pressure
-        shear, stick = np.zeros((2, *limit.shape)), normal.pressure > 0
+        shear = np.zeros((2, *limit.shape))
         statuses = [transmission_status(force, limit, problem.grid) for force in self.forces_per_length]
-        applications, residual = 0, 0.0
-        sliding: list[Array] = []
-        shears: list[Array] = []
-        displacements = [0.0]
         stopping = options.tolerance, options.max_iterations
         # without a load there is no tangential force
         forces = self.forces_per_length if limit.any() else ()
         stresses = self._stresses
+        steps: list[SlipStep] = []
         for number, force in enumerate(forces):
             stretch = self._stretch(problem.grid, *stresses[number : number + 2])
             total = np.array([force * problem.grid.length / problem.grid.cell_area, 0.0])
             step = slip_step(self.response, limit, shear, *stopping, total=total, stretch=stretch)
-            sliding.append(np.hypot(*step.slip))
-            displacements.append(displacements[-1] + float(step.rigid[0]))
-            shear, stick = step.shear, step.stick
-            shears.append(shear)
-            applications += step.applications
-            residual = max(residual, step.residual)
-            statuses.append(shear_status(step.residual, step.applications, *stopping))
+            shear = step.shear
+            steps.append(step)
+        statuses += [shear_status(step.residual, step.applications, *stopping) for step in steps]
+        residual = max((step.residual for step in steps), default=0.0)
+        applications = sum(step.applications for step in steps)
         cycle = _last_cycle([0.0, *forces], stresses)
-        slip_distance = sum(sliding[slice(*cycle or (None,))], start=np.zeros_like(limit))
+        in_cycle = steps[slice(*cycle or (None,))]
+        slip_distance = sum((np.hypot(*step.slip) for step in in_cycle), start=np.zeros_like(limit))
         traction = FrettingTraction(
             shear=shear,
-            stick=stick,
+            stick=steps[-1].stick if steps else normal.pressure > 0,
             method="fretting, Newton",
             iterations=applications,
             forces=np.array([0.0, *forces]) * problem.grid.length,
-            rigid_displacement=np.array(displacements),
-            shears=np.reshape(shears, (len(shears), 2, *limit.shape)),
+            rigid_displacement=np.cumsum([0.0, *(step.rigid[0] for step in steps)]),
+            shears=np.reshape([step.shear for step in steps], (len(steps), 2, *limit.shape)),
             slip_distance=slip_distance,
             energy=limit * slip_distance,
             cycle=cycle,

@@ -24,8 +24,8 @@ from contactstudy.domain.errors import (
     Request,
 )
 from contactstudy.domain.grid import Grid
-from contactstudy.domain.validation import InvalidInput
-from contactstudy.io.quantities.quantity import RELATIVE_TO_ZERO, Quantities, Quantity, per_cent
+from contactstudy.domain.validation import InvalidInput, readable
+from contactstudy.io.quantities.quantity import MAX_RELATIVE, RELATIVE_TO_ZERO, Quantities, Quantity, per_cent
 
 NO_COARSER = "No bound: there is no solution on half the cells to compare with, give more."
 # In the names of largest stresses.
@@ -212,6 +212,8 @@ class Judged:
         Power of the cell size with which the bound falls; 0 if finer cells do not lessen it.
     refines
         Whether a grid is refined for it.
+    absolute
+        The bound as text with its unit where the number is nearly zero beside it; empty elsewhere.
     """
 
     label: str
@@ -220,6 +222,7 @@ class Judged:
     reason: str = ""
     order: float = 1.0
     refines: bool = True
+    absolute: str = ""
 
     @property
     def ratio(self) -> float:
@@ -236,7 +239,7 @@ class Judged:
 
     def __str__(self) -> str:
         """Return the bound and the name, such as ``0.7 % in the half-width``."""
-        bound = per_cent(self.bound) if isfinite(self.bound) else "no bound"
+        bound = (self.absolute or per_cent(self.bound)) if isfinite(self.bound) else "no bound"
         return f"{bound} in the {self.label}"
 
 
@@ -293,7 +296,8 @@ def _judged(name: str, quantities: Quantities, requested: float) -> Judged:
     label = quantity.label.split(" (")[0] + (" (absolute)" if quantity.is_fraction else "")
     is_of_depths = name.endswith(NOT_BY_CELLS) or MARGIN * quantity.least_change > requested
     order = 0.5 if _is_at_edge(name) else float(not is_of_depths)
-    return Judged(label, bound, requested, quantity.reason, order)
+    absolute = readable(quantity.bound, quantity.unit, 2) if MAX_RELATIVE < bound < inf else ""
+    return Judged(label, bound, requested, quantity.reason, order, absolute=absolute)
 
 
 def without_bound(numbers: Iterable[Judged]) -> str:

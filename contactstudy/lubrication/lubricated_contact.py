@@ -186,7 +186,7 @@ class FilmSolution:
     def minimum_film(self) -> float:
         """Minimum film thickness [m], by a parabola of its logarithm across the lowest cell and its neighbours.
 
-        It is at least the boundary film.
+        It is at least the boundary film, and at most the central film.
         """
         boundary = self.scales.lubrication.boundary
         row, column = np.unravel_index(np.argmin(self.film), self.film.shape)
@@ -196,7 +196,8 @@ class FilmSolution:
         before, lowest, after = np.log(self.film[row - 1 : row + 2, column])
         curvature = before + after - 2 * lowest
         drop = (after - before) ** 2 / (8 * curvature) if curvature > 0 else 0.0
-        return max(float(np.exp(lowest - drop)), 0.0 if boundary is None else boundary.film)
+        least = min(float(np.exp(lowest - drop)), self.central_film)
+        return max(least, 0.0 if boundary is None else boundary.film)
 
     @property
     def peak_pressure(self) -> float:

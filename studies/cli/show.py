@@ -1,5 +1,6 @@
 """The commands on stored files: ``contactstudy show FILE.nc`` and ``contactstudy compare A.nc B.nc``."""
 
+import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -145,7 +146,11 @@ def surfaces_of(file: Path, extent: str | None, **reading: Any) -> dict[str, Mea
     if not file.is_file() or (file.suffix == ".nc" and not _holds_heights(file)):
         return {}
     missing, seam = cs.HarmonicFill(up_to=0.5), cs.AsMeasured()
-    return {file.stem: MeasuredSurface.read(file, extent=sides, missing=missing, seam=seam, **reading)}
+    try:
+        return {file.stem: MeasuredSurface.read(file, extent=sides, missing=missing, seam=seam, **reading)}
+    except InvalidInput as error:  # its fields are options here
+        options = "|".join(("extent", *reading))
+        raise InvalidInput(re.sub(rf"MeasuredSurface\.({options})\b", r"--\1", str(error))) from None
 
 
 def _holds_heights(file: Path) -> bool:

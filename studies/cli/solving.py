@@ -72,6 +72,8 @@ def solve_with_progress(
     contact at rest, stay in `folder`, so that the solve can continue from there.
     """
     frames_folder = folder / f"{scene.stem}.evolution"
+    if start is not None and described.scene.lubrication is not None:
+        raise cs.InvalidInput(f"--start is {str(start)!r}, and a film does not begin from a pressure: leave it out.")
     first = None if start is None else pressure_in(start, described.grid)
     with Stop() as stop:
         try:

@@ -31,6 +31,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for name, load in (("smooth", "100 N/mm"), ("heavy", "110 N/mm")):
         (path / f"{name}.toml").write_text(SMOOTH.replace("100 N/mm", load))
         said("solve", path / f"{name}.toml", "--out", path / "out")
+    oil = "\n[lubrication]\nmean_speed = 1\nlubricant = {viscosity = 0.04, pressure_viscosity = 0}\n"
+    (path / "oil.toml").write_text(SMOOTH + oil)
     vary = ("--vary", "load.per_length=50,100 N/mm", "--vary", "radius=10,20 mm", "--workers", 0)
     said("run", path / "smooth.toml", *vary, "--out", path / "study")
     return path

@@ -98,6 +98,10 @@ def test_a_file_of_another_kind_is_not_replaced_nor_drawn(folder: Path) -> None:
         ("report --error 0.1", "--error is for --scene"),
         ("report --scene smooth.toml --workers 1", "--workers is for chapters"),
         ("solve smooth.toml --start study/smooth-sweep.nc", "no pressure"),
+        (
+            "solve oil.toml --start out/smooth.nc",
+            "--start is 'out/smooth.nc', and a film does not begin from a pressure",
+        ),
         ("solve smooth.toml --error 'approach = 1 %, approach = 2 %'", "--error names approach twice"),
         ("show nowhere.csv --unit um --extent '1 mm'", "--extent is '1 mm': give a width and a length"),
     ],

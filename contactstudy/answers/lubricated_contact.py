@@ -96,7 +96,7 @@ class LubricatedContact(Answer, FilmSolution):
 
     @cached_property
     def requested_errors(self) -> dict[str, ErrorParts]:
-        """Error of each number that the scene asks for: of the film, and of what its motion adds."""
+        """Error of each number that the scene asks for, of the film and of what its motion adds."""
         motion = self.scales.lubrication
         names = ["central_film", "minimum_film"]
         if motion.slide_roll_ratio:

@@ -370,7 +370,7 @@ class SineLoad:
 
     @property
     def end(self) -> float:
-        """Time [s] after which the load only repeats: one cycle."""
+        """Time [s] after which the load only repeats, one cycle."""
         return self.period
 
     def breaks(self, end: float) -> tuple[float, ...]:

@@ -88,7 +88,7 @@ VALUES: list[tuple[str, Callable[[], object]]] = [
     ("Roughness.extent[1] is 70 µm, and the grid", lambda: replace(ROUGH, extent=(2e-4, 7e-5)).gap(GRID)),
     ("Roughness.cut_off is 1e-40: give * waves", lambda: replace(ROUGH, cut_off=1e-40).gap(GRID)),
     ("Texture.pitch is *: give ", lambda: cs.Texture(DIMPLE, (0.9e-4, 2e-4))),
-    ("MeasuredSurface.extent is *: give ", lambda: measured(extent=(1e-4, 1e-4))),
+    ("The grid is 200 µm wide, and MeasuredSurface.extent 100 µm: give ", lambda: measured(extent=(1e-4, 1e-4))),
     ("MeasuredSurface.trend is *: did you mean 'plane'", lambda: measured(trend="plain")),
     ("MeasuredSurface.heights has *: give an array", lambda: measured([[1, 2], [3]])),
     ("*coordinates for 1 of its dimensions", lambda: measured(labelled(width=np.arange(6)))),

@@ -17,7 +17,8 @@ from contactstudy.domain.grid import Grid, Padding, Paddings, cells_text
 from contactstudy.domain.imports import loaded
 from contactstudy.domain.validation import InvalidInput, checked_errors, readable
 from contactstudy.planning.grid_requirements import grid_requirements
-from contactstudy.planning.plan import Plan, plan_grid, speedup
+from contactstudy.planning.plan import plan_grid
+from contactstudy.planning.planned import Plan, speedup
 from contactstudy.planning.refinement import CONSTANTS as REFINEMENT
 from contactstudy.planning.refinement import OTHER_CAUSES, FirstGrids
 from contactstudy.progress import Progress

@@ -20,7 +20,7 @@ from contactstudy.io.scene_files.scene_schema import KINDS, MeanPressure, PlanSe
 from contactstudy.io.scene_files.scene_writer import scene_text
 from contactstudy.io.scene_files.structuring import likely_units, structured, with_cycles
 from contactstudy.planning.grid_requirements import grid_of_waves
-from contactstudy.planning.plan import Plan
+from contactstudy.planning.planned import Plan
 from contactstudy.scene.loads import TotalLoad
 from contactstudy.scene.scene import AnyLoad, Scene
 from contactstudy.scene.shapes.roller import Ellipsoid, Sphere

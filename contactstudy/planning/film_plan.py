@@ -8,7 +8,7 @@ from contactstudy.domain.validation import readable
 from contactstudy.lubrication.film_grid import MAX_CELLS, MAX_REQUESTED_CELLS, PERIOD, expected_error, film_grid
 from contactstudy.lubrication.posed_film import check_film_padding, lubricated_scales
 from contactstudy.planning.grid_requirements import grid_requirements
-from contactstudy.planning.plan import Plan
+from contactstudy.planning.planned import Plan
 from contactstudy.scene.scene import Scene
 
 # Factor on the error that the most cells reach, which is then said in two digits.

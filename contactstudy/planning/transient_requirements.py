@@ -12,7 +12,7 @@ from contactstudy.elasticity.eigenstrain.half_space_wave import Volume
 from contactstudy.evolution.states.plastic import layers
 from contactstudy.planning.grid_requirements import CONSTANTS as GRID
 from contactstudy.planning.grid_requirements import GridRequirements, grid_requirements, halvable_count
-from contactstudy.planning.plan import Plan, plan_on
+from contactstudy.planning.planned import Plan, plan_on
 from contactstudy.planning.refinement import first_grids, with_width
 from contactstudy.scene.adhesion import ZONE_CELLS
 from contactstudy.scene.friction import Fretting

@@ -69,7 +69,7 @@ INNER = (
     "elasticity.convolution.superposed",
     "io.compare.Comparison",
     "io.quantities.quantity.Quantity",
-    "planning.plan.Plan",
+    "planning.planned.Plan",
     "problem.constraint.Gap",
     "problem.constraint.PrescribedApproach",
     "problem.problem.Operator",

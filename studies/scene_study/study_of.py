@@ -20,7 +20,7 @@ from contactstudy.planning.grid_requirements import (
     measured_length_scales,
     with_random_extents,
 )
-from contactstudy.planning.plan import MEMORY_FRACTION, memory
+from contactstudy.planning.planned import MEMORY_FRACTION, memory
 from contactstudy.scene.shapes.shape import length_scales_of
 from contactstudy.scene_file import SceneFile, tables_of
 from studies.model.axis import Axis, Value

@@ -10,7 +10,7 @@ import pytest
 import contactstudy as cs
 import studies
 from contactstudy import InvalidInput
-from contactstudy.planning.plan import memory
+from contactstudy.planning.planned import memory
 from studies.model.case import Case
 from studies.scene_study import study_of as grids
 from tests.studies.scene_study.conftest import CYLINDER, ROUGH, SMOOTH, STEEL, given

@@ -170,7 +170,7 @@ class Linearised:
     equation: "FilmEquation"
     inverse_time_step: float = 0.0
 
-    def with_time_step(self, inverse: float, moved: Array | float = 0.0, stored: Array | float = 0.0) -> "Linearised":
+    def with_time_step(self, inverse: float, moved: Array, stored: Array | float) -> "Linearised":
         """Return the balance with the squeeze term of an implicit Euler step of length 1 / inverse.
 
         The film that it is squeezed from is lower than that of the linearisation by ``moved`` (x, y). A unit change of

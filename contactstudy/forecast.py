@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 from numpy.typing import ArrayLike
 
 from contactstudy.accuracy.bound import SHARP_EDGE
+from contactstudy.answers.answer import judged_numbers
 from contactstudy.answers.contact import contact_answer
-from contactstudy.answers.judgement import judged_numbers
 from contactstudy.domain.device import ONE_THREAD, Device
 from contactstudy.domain.errors import DEFAULT_ERROR, Request, pressure_request
 from contactstudy.domain.grid import Grid, Padding, Paddings, cells_text
@@ -28,7 +28,7 @@ from contactstudy.solvers.solution import Status
 from contactstudy.solving import REFINEMENTS, grid_for_numbers, next_grid, refines, solve
 
 if TYPE_CHECKING:
-    from contactstudy.evolution.time_steps import TimeSteps
+    from contactstudy.evolution.march import TimeSteps
 
 
 @dataclass(frozen=True)
@@ -390,7 +390,7 @@ class _Request:
 
     def grid_of_film(self, last: Level) -> Grid:
         """Return the grid on which a film is expected to end: refined as that to a larger error was."""
-        from contactstudy.lubrication.film_grid import film_grid
+        from contactstudy.lubrication.steady_film import film_grid
 
         planned, found = self.planned.grid, last.grid
         first = film_grid(self.scene, last.answer.requested, found.length)

@@ -11,7 +11,7 @@ from contactstudy.domain.grid import Array, Grid, cells_text
 from contactstudy.problem.problem import Problem
 
 if TYPE_CHECKING:
-    from contactstudy.lubrication.newton.pseudo_time import FilmIteration
+    from contactstudy.lubrication.pseudo_time import FilmIteration
     from contactstudy.solvers.solution import Solution
 
 

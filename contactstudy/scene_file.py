@@ -13,12 +13,17 @@ from contactstudy.domain.device import Cpu, Device
 from contactstudy.domain.errors import InNotebook
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
 from contactstudy.domain.validation import InvalidInput, checked_errors, parameters
-from contactstudy.evolution.time_steps import TimeSteps
+from contactstudy.evolution.march import TimeSteps
 from contactstudy.forecast import plan
-from contactstudy.io.scene_files.materials import with_materials
-from contactstudy.io.scene_files.scene_schema import KINDS, MeanPressure, PlanSettings, SceneDocument, shape_of
-from contactstudy.io.scene_files.scene_writer import scene_text
-from contactstudy.io.scene_files.structuring import likely_units, structured, with_cycles
+from contactstudy.io.scene_files.scene_schema import (
+    KINDS,
+    MeanPressure,
+    PlanSettings,
+    SceneDocument,
+    shape_of,
+    with_materials,
+)
+from contactstudy.io.scene_files.structuring import likely_units, scene_text, structured, with_cycles
 from contactstudy.planning.grid_requirements import grid_of_waves
 from contactstudy.planning.planned import Plan
 from contactstudy.scene.loads import TotalLoad

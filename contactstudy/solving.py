@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from contactstudy.accuracy.coarser import coarsened
+from contactstudy.answers.answer import finer_grid, widened
 from contactstudy.answers.contact import Contact, contact_answer
-from contactstudy.answers.judgement import finer_grid, widened
 from contactstudy.domain.device import ONE_THREAD, Cpu, Device, using
 from contactstudy.domain.errors import DEFAULT_ERROR, Request, pressure_request
 from contactstudy.domain.grid import Array, ExactPeriodicity, Grid, Padding, Paddings, on_cells
@@ -28,7 +28,7 @@ from contactstudy.solvers.solve import ReportingSolver, SolveOptions, solve_cont
 if TYPE_CHECKING:
     from contactstudy.answers.evolution import Evolution
     from contactstudy.answers.lubricated_contact import LubricatedContact
-    from contactstudy.evolution.time_steps import TimeSteps
+    from contactstudy.evolution.march import TimeSteps
 
 # Most iterations of a film by default, the most refinements of its grid, and the fraction of the requested error for its
 # steps in time.
@@ -219,7 +219,7 @@ class _Request:
     def planned(self) -> tuple[Grid, Padding | Paddings]:
         """Return grid and padding: those that are given, else planned for the error."""
         if self.grid is not None and self.scene.lubrication is not None:
-            from contactstudy.lubrication.film_grid import check_varies_on
+            from contactstudy.lubrication.steady_film import check_varies_on
 
             check_varies_on(self.scene, self.grid)
         if self.grid is not None and self.padding is not None:
@@ -240,7 +240,7 @@ class _Request:
     @property
     def steps(self) -> "TimeSteps":
         """Instants to record and how steps are taken."""
-        from contactstudy.evolution.time_steps import TimeSteps
+        from contactstudy.evolution.march import TimeSteps
 
         return TimeSteps.of(self.times)
 
@@ -439,16 +439,16 @@ class _Request:
     def film(self) -> "LubricatedContact":
         """Solve a steady film."""
         from contactstudy.answers.lubricated_contact import film_answer
-        from contactstudy.lubrication.film_grid import (
+        from contactstudy.lubrication.pseudo_time import FilmControls
+        from contactstudy.lubrication.steady_film import (
             MAX_CELLS,
             MAX_REQUESTED_CELLS,
             PERIOD,
             film_grid,
             finer_film_grid,
+            solve_lubricated,
             varies_along,
         )
-        from contactstudy.lubrication.newton.pseudo_time import FilmControls
-        from contactstudy.lubrication.steady_film import solve_lubricated
 
         if self.start is not None and not hasattr(self.start, "film"):
             raise InvalidInput(

@@ -1,5 +1,5 @@
 # The public names, each with the module that defines it, imported on first use.
-from contactstudy.io.pictures.figure import panels
+from contactstudy.io.pictures import panels
 
 from .cli.solving import SolveProgress
 from .engine.options import RunOptions

@@ -7,13 +7,14 @@ import numpy as np
 
 from contactstudy.accuracy.coarser import (
     DiscretisationErrors,
+    StraightEdges,
     around_contact,
     discretisation_errors,
     error_by_change,
     relative_loss,
+    straight_edges,
     unseen_area_error,
 )
-from contactstudy.accuracy.contact_edge import StraightEdges, straight_edges
 from contactstudy.accuracy.hidden_heights import HiddenEffect, HiddenHeights
 from contactstudy.domain.grid import Array, axis_first
 from contactstudy.problem.problem import Problem

@@ -10,10 +10,9 @@ from contactstudy.domain.device import Precision
 from contactstudy.domain.errors import ErrorParts
 from contactstudy.domain.grid import MIN_COMPILED_CELLS, Array, Grid, Padding, Paddings, in_blocks, inner
 from contactstudy.domain.validation import NotDefined, readable
-from contactstudy.problem.constraint import cell_violation
+from contactstudy.problem.constraint import cell_violation, zone_length
 from contactstudy.scene.scene import PosedScene, scene_of
 from contactstudy.scene.solids.bodies import contact_modulus
-from contactstudy.solvers.cohesive_law import zone_length
 from contactstudy.solvers.solution import AdhesiveTraction, Solution
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 

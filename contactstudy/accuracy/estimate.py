@@ -39,8 +39,7 @@ from contactstudy.domain.validation import NotDefined
 from contactstudy.scene.scene import scene_of
 from contactstudy.scene.shapes.shape import left_out, standing_heights
 from contactstudy.scene.solids.bodies import creeps
-from contactstudy.solvers.friction.traction import RollingTraction
-from contactstudy.solvers.solution import Solution, Status
+from contactstudy.solvers.solution import RollingTraction, Solution, Status
 
 # Approach over the largest height up to which it is rounding.
 ROUNDING = 1e-12

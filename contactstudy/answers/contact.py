@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 from contactstudy.accuracy.bound import is_highest_beside_edge, lawful_edges
 from contactstudy.accuracy.coarser import coarse_solution, coarsened, comparable
 from contactstudy.accuracy.estimate import error_estimate
-from contactstudy.answers.answer import Answer, levels_below
-from contactstudy.answers.judgement import OF_EDGES, with_nested_bounds
+from contactstudy.answers.answer import OF_EDGES, Answer, levels_below, with_nested_bounds
 from contactstudy.domain.errors import STATIC_ORDER, ErrorEstimate, ErrorParts, Request
 from contactstudy.domain.grid import Grid, Padding, Paddings, edge_fraction
 from contactstudy.domain.imports import needed_for

@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from contactstudy.accuracy.error_terms import NO_LIMIT
-from contactstudy.answers.answer import Answer, Coarser, levels_below, solved_or_none
+from contactstudy.answers.answer import NO_COARSER, Answer, Coarser, levels_below, solved_or_none, with_nested_bounds
 from contactstudy.answers.contact import Contact, contact_answer
-from contactstudy.answers.judgement import NO_COARSER, with_nested_bounds
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts, Request
 from contactstudy.domain.grid import Array, Grid, Padding, Paddings, edge_fraction
 from contactstudy.domain.imports import needed_for

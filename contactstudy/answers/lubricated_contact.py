@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contactstudy.accuracy.coarser import coarsened
-from contactstudy.answers.answer import Answer, levels_below, solved_or_none
-from contactstudy.answers.judgement import by_changes, widened, with_nested_bounds
+from contactstudy.answers.answer import Answer, by_changes, levels_below, solved_or_none, widened, with_nested_bounds
 from contactstudy.domain.errors import INLET, MARGIN, PRESSURE, ErrorEstimate, ErrorParts, Request
 from contactstudy.domain.grid import across_and_along
 from contactstudy.domain.imports import needed_for

@@ -94,7 +94,7 @@ class CoatingCoefficients:
         "xx", "xy" or "yy" for displacement along one axis under traction along another, "x" or "y" for displacement
         along the normal under traction along that axis, "z" along the normal under pressure.
     datum
-        Distance [m] as in :class:`~contactstudy.elasticity.coefficients.BoussinesqCoefficients`.
+        Distance [m] as in :class:`~contactstudy.elasticity.convolution.BoussinesqCoefficients`.
     """
 
     response: LayerResponse

@@ -30,8 +30,14 @@ from scipy import fft
 from contactstudy.domain.device import Precision, cached_array
 from contactstudy.domain.grid import Array, Grid, Paddings
 from contactstudy.domain.validation import InvalidInput
-from contactstudy.elasticity.coefficients import Coefficients, FreeFaceCoefficients, influence_coefficients
-from contactstudy.elasticity.convolution import Convolution, coarsened_spectrum, even_spectrum
+from contactstudy.elasticity.convolution import (
+    Coefficients,
+    Convolution,
+    FreeFaceCoefficients,
+    coarsened_spectrum,
+    even_spectrum,
+    influence_coefficients,
+)
 from contactstudy.elasticity.kernels.stress import BOUSSINESQ, COMPONENTS, CellKernel
 from contactstudy.elasticity.transforms import ComplexField, transforms
 

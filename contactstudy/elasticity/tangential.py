@@ -7,8 +7,12 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 
 from contactstudy.domain.grid import Array, Grid, Paddings
-from contactstudy.elasticity.coefficients import BoussinesqCoefficients, Coefficients
-from contactstudy.elasticity.convolution import GeneralConvolution, general_convolutions
+from contactstudy.elasticity.convolution import (
+    BoussinesqCoefficients,
+    Coefficients,
+    GeneralConvolution,
+    general_convolutions,
+)
 from contactstudy.elasticity.kernels.stress import (
     SURFACE,
     SWAPPED,
@@ -33,7 +37,7 @@ class CerrutiCoefficients:
         or along the normal "x" or "y" (``x / r^2`` and ``y / r^2``), as in Johnson (1985), eqs. 3.75.
     datum
         Distance [m] from which displacement of a row is counted, for "xx" and "yy", as in
-        :class:`~contactstudy.elasticity.coefficients.BoussinesqCoefficients`.
+        :class:`~contactstudy.elasticity.convolution.BoussinesqCoefficients`.
     """
 
     name: str

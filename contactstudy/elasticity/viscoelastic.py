@@ -13,7 +13,7 @@ import numpy as np
 from scipy.special import eval_legendre, ive
 
 from contactstudy.domain.grid import Array
-from contactstudy.elasticity.coefficients import Coefficients
+from contactstudy.elasticity.convolution import Coefficients
 
 # Halvings, in the logarithm, of a bracket as wide as the floating-point numbers: down to rounding.
 BISECTIONS = 80

@@ -19,20 +19,18 @@ from contactstudy.domain.device import Precision
 from contactstudy.domain.errors import ErrorParts
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.domain.validation import InvalidInput, NotDefined
-from contactstudy.elasticity.coefficients import BoussinesqCoefficients
+from contactstudy.elasticity.convolution import BoussinesqCoefficients
 from contactstudy.elasticity.viscoelastic import Creep
-from contactstudy.evolution.checkpoint import Checkpoint
-from contactstudy.evolution.march import Control, March, Method, Record, schedule
-from contactstudy.evolution.states.fretting_state import FrettingState
+from contactstudy.evolution.march import Control, ErrorEstimator, March, Method, Record, Scheme, schedule
 from contactstudy.evolution.states.state_variables import (
     CreepState,
+    FrettingState,
     WearState,
     least_eigenvalue,
     solved_or_unloaded,
 )
 from contactstudy.evolution.time_stepper import Instant, StateVariable, TimeStepper
-from contactstudy.evolution.time_steps import ErrorEstimator, Scheme
-from contactstudy.evolution.trajectory import UNKNOWN, Frame, Trajectory, error_of_peak, frame_of
+from contactstudy.evolution.trajectory import UNKNOWN, Checkpoint, Frame, Trajectory, error_of_peak, frame_of
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.friction import Fretting, has_proportional_compliances
 from contactstudy.scene.loads import ChangingLoad, LoadHistory

@@ -18,12 +18,11 @@ from numpy.typing import ArrayLike
 
 from contactstudy.domain.grid import Array, ExactPeriodicity, Grid, Padding, Paddings
 from contactstudy.domain.validation import InvalidInput
-from contactstudy.evolution.march import ROUNDING, Breakpoint, Control, March, Method, Record, ascending
-from contactstudy.evolution.time_steps import kinks
+from contactstudy.evolution.march import ROUNDING, Breakpoint, Control, March, Method, Record, ascending, kinks
 from contactstudy.lubrication.film_equation import Film, SqueezeTerm
 from contactstudy.lubrication.lubricated_contact import FilmSolution
-from contactstudy.lubrication.newton.pseudo_time import FilmControls, FilmIteration, LinearSolver, iterate
 from contactstudy.lubrication.posed_film import PosedFilm, linear_solver, lubricated_scales, pose
+from contactstudy.lubrication.pseudo_time import FilmControls, FilmIteration, LinearSolver, iterate
 from contactstudy.lubrication.steady_film import ROUGH_CHANGE, continued, film_solution
 from contactstudy.scene.loads import ChangingLoad, LineLoad
 from contactstudy.scene.scene import Scene

@@ -30,19 +30,18 @@ from contactstudy.evolution.march import Breakpoint, Control, March, Method, Rec
 from contactstudy.evolution.steady_rolling import SteadyRolling, solve_rolling
 from contactstudy.evolution.trajectory import Frame, Trajectory, error_of_peak, frame_of
 from contactstudy.lubrication.lubricated_contact import FilmSolution
-from contactstudy.lubrication.newton.pseudo_time import FilmControls
+from contactstudy.lubrication.pseudo_time import FilmControls
 from contactstudy.lubrication.steady_film import solve_lubricated
 from contactstudy.problem.constraint import PrescribedLoad
 from contactstudy.problem.problem import Field, Problem
+from contactstudy.scene.friction import Wear
 from contactstudy.scene.loads import ChangingLoad, LineLoad, loads_between
 from contactstudy.scene.rolling import check_slow
 from contactstudy.scene.scene import AnyLoad, PosedScene, Scene
 from contactstudy.scene.shapes.shape import LengthScales
 from contactstudy.scene.solids.bodies import creeps, instantaneous
-from contactstudy.scene.wear import Wear
 from contactstudy.solvers.adhesion import AdhesiveSolver
-from contactstudy.solvers.friction.traction import RollingTraction
-from contactstudy.solvers.solution import Solution, Status, unloaded, worst, worst_until
+from contactstudy.solvers.solution import RollingTraction, Solution, Status, unloaded, worst, worst_until
 from contactstudy.solvers.solve import LaggedSolution, SolveOptions, solve_contact
 
 # Work of the contacts that lead to a frame.

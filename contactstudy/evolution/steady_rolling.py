@@ -11,8 +11,7 @@ import numpy as np
 from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.domain.errors import ErrorEstimate
 from contactstudy.domain.grid import Grid, Padding, Paddings
-from contactstudy.elasticity.coefficients import Coefficients
-from contactstudy.elasticity.convolution import by_symmetry, general_convolutions, superposed
+from contactstudy.elasticity.convolution import Coefficients, by_symmetry, general_convolutions, superposed
 from contactstudy.problem.constraint import largest_of
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.scene import PosedScene, Scene

@@ -12,13 +12,13 @@ import numpy as np
 from contactstudy.domain.device import Cpu
 from contactstudy.domain.grid import Array, on_cells
 from contactstudy.elasticity.coating import WithWinklerLayer
-from contactstudy.elasticity.coefficients import Coefficients
-from contactstudy.elasticity.convolution import Convolution, superposed, weighted_sum
+from contactstudy.elasticity.convolution import Coefficients, Convolution, superposed, weighted_sum
 from contactstudy.elasticity.viscoelastic import Creep
-from contactstudy.evolution.states.fretting_state import FrettingState
+from contactstudy.evolution.march import STAGES, Scheme
 from contactstudy.evolution.states.state_variables import (
     Contribution,
     CreepState,
+    FrettingState,
     State,
     Step,
     WarmStartedContact,
@@ -26,12 +26,11 @@ from contactstudy.evolution.states.state_variables import (
     solved_or_unloaded,
     with_added_gap,
 )
-from contactstudy.evolution.time_steps import STAGES, Scheme
 from contactstudy.problem.constraint import PrescribedLoad
 from contactstudy.problem.problem import Problem, Scales
 from contactstudy.scene.loads import ChangingLoad
 from contactstudy.scene.shapes.shape import ShapesSource
-from contactstudy.solvers.friction.coulomb import FullSliding
+from contactstudy.solvers.coulomb import FullSliding
 from contactstudy.solvers.solution import (
     AdhesiveTraction,
     CoupledSolution,

@@ -79,7 +79,7 @@ class Comparison:
     def plot(self) -> "Figure":
         """Draw the difference as a map, and both pressures across the place where it is largest."""
         with needed_for("Comparison.plot"):
-            from contactstudy.io.pictures.picture import comparison_picture
+            from contactstudy.io.pictures import comparison_picture
 
         return comparison_picture(self.difference, self.position)
 

@@ -20,14 +20,14 @@ from contactstudy.domain.imports import VERSION
 from contactstudy.domain.validation import InvalidInput
 from contactstudy.elasticity.kernels.stress import COMPONENTS
 from contactstudy.io.quantities.quantity import Quantities, per_length, roller_length
-from contactstudy.io.scene_files.scene_writer import scene_text
+from contactstudy.io.scene_files.structuring import scene_text
 from contactstudy.problem.problem import Field
 from contactstudy.scene.loads import ChangingLoad, ConstantLoad
 from contactstudy.scene.scene import PosedScene
 from contactstudy.scene.shapes.roller import Crown, EndRelief, LundbergProfile, ProfilePoints
 from contactstudy.scene.shapes.shape import Tilt, with_extent_of
 from contactstudy.scene.surfaces.measured_surface import MeasuredSurface
-from contactstudy.solvers.friction.fretting import FrettingShear
+from contactstudy.solvers.fretting import FrettingShear
 from contactstudy.solvers.solution import Solution
 
 if TYPE_CHECKING:

@@ -10,8 +10,8 @@ import numpy as np
 from contactstudy.domain.device import Precision
 from contactstudy.domain.grid import Array, ExactPeriodicity, Grid, Padding, Paddings, across_and_along
 from contactstudy.domain.validation import InvalidInput, NotDefined, readable
-from contactstudy.elasticity.coefficients import Coefficients
 from contactstudy.elasticity.convolution import (
+    Coefficients,
     Convolution,
     GeneralConvolution,
     by_symmetry,
@@ -19,9 +19,9 @@ from contactstudy.elasticity.convolution import (
     superposed,
 )
 from contactstudy.lubrication.film_equation import Film, FilmEquation, FilmScales, Mask
+from contactstudy.lubrication.linear_solvers import DirectSolver, KrylovSolver
 from contactstudy.lubrication.lubricated_contact import FilmSolution
-from contactstudy.lubrication.newton.linear_solvers import DirectSolver, KrylovSolver
-from contactstudy.lubrication.newton.pseudo_time import FilmIteration, LinearSolver
+from contactstudy.lubrication.pseudo_time import FilmIteration, LinearSolver
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.loads import ConstantLoad, LineLoad
 from contactstudy.scene.scene import Scene

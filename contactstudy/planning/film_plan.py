@@ -5,8 +5,8 @@ from math import inf, prod
 from contactstudy.domain.errors import DEFAULT_ERROR
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings, across_and_along
 from contactstudy.domain.validation import readable
-from contactstudy.lubrication.film_grid import MAX_CELLS, MAX_REQUESTED_CELLS, PERIOD, expected_error, film_grid
 from contactstudy.lubrication.posed_film import check_film_padding, lubricated_scales
+from contactstudy.lubrication.steady_film import MAX_CELLS, MAX_REQUESTED_CELLS, PERIOD, expected_error, film_grid
 from contactstudy.planning.grid_requirements import grid_requirements
 from contactstudy.planning.planned import Plan
 from contactstudy.scene.scene import Scene

@@ -26,7 +26,7 @@ from contactstudy.scene.scene import Scene
 from contactstudy.scene.shapes.shape import LengthScales, left_out
 
 if TYPE_CHECKING:
-    from contactstudy.evolution.time_steps import TimeSteps
+    from contactstudy.evolution.march import TimeSteps
     from contactstudy.planning.transient_requirements import TransientRequirements
 
 
@@ -64,7 +64,7 @@ def plan_grid(
     is_followed = scene.adhesion is None or scene.method is methods.TIME_DEPENDENT
     if scene.method is not methods.STATIC and is_followed:
         # imported only for scenes that change in time or roll
-        from contactstudy.evolution.time_steps import TimeSteps
+        from contactstudy.evolution.march import TimeSteps
         from contactstudy.planning.transient_requirements import transient_requirements
 
         transient = transient_requirements(scene, TimeSteps.of(times).last)

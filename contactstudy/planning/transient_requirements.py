@@ -8,19 +8,19 @@ import numpy as np
 from contactstudy.analytic import HertzLine
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.domain.validation import readable
-from contactstudy.elasticity.eigenstrain.half_space_wave import Volume
+from contactstudy.elasticity.eigenstrain.fourier_modes import Volume
 from contactstudy.evolution.states.plastic import layers
 from contactstudy.planning.grid_requirements import CONSTANTS as GRID
 from contactstudy.planning.grid_requirements import GridRequirements, grid_requirements, halvable_count
 from contactstudy.planning.planned import Plan, plan_on
 from contactstudy.planning.refinement import first_grids, with_width
+from contactstudy.problem.constraint import tabor_length, zone_length
 from contactstudy.scene.adhesion import ZONE_CELLS
 from contactstudy.scene.friction import Fretting
 from contactstudy.scene.loads import DATUM_OVER_RADIUS, ChangingLoad, LineLoad
 from contactstudy.scene.scene import AnyLoad, Scene
 from contactstudy.scene.solids.bodies import Body, contact_modulus, instantaneous, yields
 from contactstudy.scene.solids.inelastic import creeping, relaxed
-from contactstudy.solvers.cohesive_law import tabor_length, zone_length
 
 
 @dataclass(frozen=True)

@@ -6,11 +6,11 @@ from typing import Any, Literal
 from contactstudy.analytic import HertzLine
 from contactstudy.domain.grid import Array, Grid
 from contactstudy.domain.validation import InvalidInput, JoulesPerSquareMetre, Metres, readable, validated
+from contactstudy.problem.constraint import CohesiveLaw, Dugdale, Exponential, tabor_length, zone_length
 from contactstudy.scene.loads import Approach, ChangingLoad
 from contactstudy.scene.shapes.roller import Sphere
 from contactstudy.scene.solids.bodies import Body, SceneContext, contact_modulus, modulus_at_own_width
 from contactstudy.solvers.adhesion import AdhesiveSolver
-from contactstudy.solvers.cohesive_law import CohesiveLaw, Dugdale, Exponential, tabor_length, zone_length
 from contactstudy.solvers.solution import Branch
 
 # Cells in the cohesive zone: of the range that the grid chooses where none is given, and the fewest that are allowed.

@@ -18,8 +18,8 @@ from contactstudy.scene.loads import ChangingLoad, PiecewiseLinear, loads_betwee
 from contactstudy.scene.shapes.shape import LengthScales, Shape, gap_of, length_scales_of
 from contactstudy.scene.solids.bodies import SceneContext
 from contactstudy.scene.solids.inelastic import rolling_bodies
-from contactstudy.solvers.friction.traction import Creepage
-from contactstudy.solvers.friction.tractive_rolling import ShearPressureCoupling, TractiveShear
+from contactstudy.solvers.solution import Creepage
+from contactstudy.solvers.tractive_rolling import ShearPressureCoupling, TractiveShear
 
 RollingPressure = Literal["solved", "elastic"]
 

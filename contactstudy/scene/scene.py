@@ -29,14 +29,13 @@ from contactstudy.scene.shapes.shape import (
     with_extent_of,
 )
 from contactstudy.scene.solids import bodies
-from contactstudy.scene.solids.bodies import Body, creeps, yields
-from contactstudy.scene.solids.free_faces import check_free_faces
+from contactstudy.scene.solids.bodies import Body, check_free_faces, creeps, yields
 
 if TYPE_CHECKING:
     from contactstudy.scene.adhesion import Adhesion
+    from contactstudy.scene.friction import Wear
     from contactstudy.scene.lubrication import Lubrication
     from contactstudy.scene.rolling import Rolling
-    from contactstudy.scene.wear import Wear
     from contactstudy.solvers.adhesion import AdhesiveSolver
 
 

@@ -10,8 +10,7 @@ import numpy as np
 
 from contactstudy.domain.grid import Array, ExactPeriodicity, Grid, Paddings, ZeroPadding, is_free
 from contactstudy.domain.validation import AT_LEAST_ZERO, BodyIndex, InvalidInput, Metres, readable, validated
-from contactstudy.elasticity.coefficients import FreeFaceCoefficients
-from contactstudy.elasticity.convolution import on_padded_grid, padded_cells
+from contactstudy.elasticity.convolution import FreeFaceCoefficients, on_padded_grid, padded_cells
 from contactstudy.elasticity.kernels.stress import COMPONENTS
 from contactstudy.elasticity.transforms import TRANSFORMS
 from contactstudy.problem.problem import Field, ResidualStress

@@ -29,9 +29,8 @@ import numpy as np
 
 from contactstudy.domain.device import Device
 from contactstudy.domain.grid import Array, dot
-from contactstudy.problem.constraint import PrescribedLoad
+from contactstudy.problem.constraint import CohesiveLaw, PrescribedLoad
 from contactstudy.problem.problem import Problem
-from contactstudy.solvers.cohesive_law import CohesiveLaw
 from contactstudy.solvers.solution import AdhesiveTraction, Branch, CoupledSolution, Solution, Status, unloaded
 from contactstudy.solvers.solve import AndersonMixing, SolveOptions, solve_contact
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from contactstudy.domain.device import Precision
 from contactstudy.domain.grid import Array, inner, total
-from contactstudy.elasticity.eigenstrain.half_space_wave import EigenstrainOperator
+from contactstudy.elasticity.eigenstrain.fourier_modes import EigenstrainOperator
 from contactstudy.problem.problem import BareProblem, Extension, Scales
 from contactstudy.solvers.conjugate_gradients import Stall, conjugate_gradients
 from contactstudy.solvers.solution import Solution

@@ -19,8 +19,7 @@ from sphinx.util.typing import stringify_annotation
 
 import contactstudy as cs
 from contactstudy.domain.validation import notes
-from contactstudy.io.scene_files.materials import materials
-from contactstudy.io.scene_files.scene_schema import DESCRIPTIONS, KINDS, NO_KIND, SceneDocument
+from contactstudy.io.scene_files.scene_schema import DESCRIPTIONS, KINDS, NO_KIND, SceneDocument, materials
 from studies.advice.verdict import COLUMNS
 from studies.engine.options import RunOptions
 from studies.engine.run import run

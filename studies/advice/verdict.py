@@ -12,9 +12,9 @@ import numpy as np
 import xarray as xr
 
 import contactstudy as cs
+from contactstudy.domain.files import digest
 from contactstudy.domain.grid import Array
-from contactstudy.domain.identity import digest
-from contactstudy.io.scene_files.scene_writer import scene_text, settings_text
+from contactstudy.io.scene_files.structuring import scene_text, settings_text
 from studies.reference.line_contact import HERTZ, SCENE, WIDTH
 from studies.reference.paddings import padding_text
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-    from contactstudy.io.pictures.figure import Heights
+    from contactstudy.io.pictures import Heights
 
 FORMATS = (*PICTURES, "vtk", "html", "excel")
 
@@ -101,7 +101,7 @@ def show(
 def _figures(context: click.Context, dataset: "xr.Dataset", file: Path, names: Sequence[str]) -> "dict[str, Figure]":
     """Return the figures of a dataset in a file by the stems of their files."""
     if "case_status" not in dataset:
-        from contactstudy.io.pictures.picture import picture_of
+        from contactstudy.io.pictures import picture_of
 
         if (picture := picture_of(dataset)) is not None:
             return {file.stem: picture}
@@ -163,7 +163,7 @@ def _holds_heights(file: Path) -> bool:
 
 def drawn_surfaces(surfaces: dict[str, MeasuredSurface], shown: "tuple[Heights, ...]") -> "dict[str, Figure]":
     """Print what was done to surfaces, and their parameters; return their pictures."""
-    from contactstudy.io.pictures.figure import surface_picture
+    from contactstudy.io.pictures import surface_picture
     from contactstudy.io.quantities.contact_quantities import parameters_text, surface_parameters
 
     for name, surface in surfaces.items():

@@ -8,7 +8,7 @@ import xarray as xr
 
 import contactstudy as cs
 from contactstudy.domain.validation import ABOVE_ZERO, at_least, valid
-from contactstudy.io.scene_files.scene_writer import scene_text
+from contactstudy.io.scene_files.structuring import scene_text
 from studies.model.axis import Axis, one_of
 from studies.model.case import Case, dimensionless
 from studies.model.study import Measures, Point, Study

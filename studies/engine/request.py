@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from contactstudy import InvalidInput
-from contactstudy.domain.identity import Memo, digest
+from contactstudy.domain.files import Memo, digest
 from studies.model.case import Computation
 from studies.model.outcome import RESERVED_NAMES
 from studies.model.plain_text import shortened

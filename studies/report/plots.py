@@ -17,7 +17,7 @@ from matplotlib.ticker import NullLocator
 
 from contactstudy.domain.grid import Array
 from contactstudy.domain.validation import display_unit_of
-from contactstudy.io.pictures.figure import (
+from contactstudy.io.pictures import (
     BLUE,
     COLORS,
     GREEN,

@@ -12,7 +12,7 @@ import numpy as np
 
 import contactstudy as cs
 from contactstudy import InvalidInput, MeasuredSurface
-from contactstudy.domain.identity import digest
+from contactstudy.domain.files import digest
 from contactstudy.domain.validation import Unit, kind_of, parameters, suggestion
 from contactstudy.io.scene_files.scene_schema import MeasuredSurfaceTable, SceneDocument
 from contactstudy.scene.shapes.shape import curvature_of

@@ -13,7 +13,7 @@ from contactstudy.domain.device import available_bytes
 from contactstudy.domain.errors import DEFAULT_ERROR, PRESSURE
 from contactstudy.domain.grid import Padding, Paddings, cells_text
 from contactstudy.domain.validation import readable, whole_quotient
-from contactstudy.io.scene_files.scene_writer import scene_text
+from contactstudy.io.scene_files.structuring import scene_text
 from contactstudy.planning.grid_requirements import (
     grid_requirements,
     halvable_count,

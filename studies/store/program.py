@@ -23,7 +23,7 @@ from typing import Any
 import cloudpickle
 
 from contactstudy import InvalidInput
-from contactstudy.domain.identity import Memo, digest, hashed
+from contactstudy.domain.files import Memo, digest, hashed
 from contactstudy.domain.imports import LOADED
 from studies.model.study import Study
 

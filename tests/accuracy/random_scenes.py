@@ -8,7 +8,7 @@ from scipy import ndimage
 
 import contactstudy as cs
 from contactstudy.domain.grid import Array
-from contactstudy.scene.shapes.texture import Profile
+from contactstudy.scene.shapes.roughness import Profile
 from studies.reference.line_contact import HERTZ, HERTZ_HEIGHT, P_H, SCENE, A
 from tests.accuracy.case import EXACT, FREE, MODULUS, AccuracyCase, Finer, scene
 from tests.accuracy.closed_forms import Power

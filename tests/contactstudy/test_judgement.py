@@ -6,7 +6,7 @@ from math import inf
 import pytest
 
 import contactstudy as cs
-from contactstudy.answers.judgement import judged_numbers
+from contactstudy.answers.answer import judged_numbers
 from contactstudy.io.quantities.quantity import Quantity
 from tests.conftest import LineContact
 

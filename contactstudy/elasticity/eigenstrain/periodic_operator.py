@@ -17,11 +17,13 @@ from scipy import fft
 
 from contactstudy.domain.device import threads
 from contactstudy.domain.grid import Array
-from contactstudy.elasticity.eigenstrain.fourier_modes import Complex, TractionWave, Waves
-from contactstudy.elasticity.eigenstrain.half_space_wave import (
+from contactstudy.elasticity.eigenstrain.fourier_modes import (
+    Complex,
     Components,
     Moduli,
+    TractionWave,
     Volume,
+    Waves,
     stress_under_pressure,
     stress_under_shear,
 )
@@ -130,7 +132,7 @@ TOGETHER = 2**15
 class PeriodicOperator:
     """Linear maps on plastic strain that varies along a period, for more than one cell along.
 
-    An :class:`~contactstudy.elasticity.eigenstrain.half_space_wave.EigenstrainOperator`. The mean along the length is
+    An :class:`~contactstudy.elasticity.eigenstrain.fourier_modes.EigenstrainOperator`. The mean along the length is
     plane strain and antiplane shear, in closed form on an infinite axis. The part that varies along the length is a
     sum of waves that repeat across, with periods so long that an image contributes at most the fraction `WRAP`. Waves
     longer than two cells act on all layers. Shorter waves, which represent the edges of cells, act on their own layer

@@ -20,7 +20,7 @@ from scipy import fft
 from scipy.special import zeta
 
 from contactstudy.domain.grid import Array
-from contactstudy.elasticity.eigenstrain.half_space_wave import Moduli, Volume
+from contactstudy.elasticity.eigenstrain.fourier_modes import Moduli, Volume
 
 # Means of the stresses xx, zz and xz by a traction on one cell, from offsets and edges.
 TractionKernel = Callable[[Array, Array], tuple[Array, Array, Array]]
@@ -210,7 +210,7 @@ ODD = 2
 class PlaneStrainOperator:
     """Linear maps on plastic strain in plane strain, for one cell along the length.
 
-    An :class:`~contactstudy.elasticity.eigenstrain.half_space_wave.EigenstrainOperator`. Strain and stress are means
+    An :class:`~contactstudy.elasticity.eigenstrain.fourier_modes.EigenstrainOperator`. Strain and stress are means
     over cells, so that the residual stress of a piecewise constant strain is minus the derivative of its elastic
     energy: a symmetric map in the inner product of cell volumes.
     """

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from contactstudy.domain.device import Precision
 from contactstudy.domain.grid import Array, Grid
 from contactstudy.domain.validation import InvalidInput
-from contactstudy.elasticity.eigenstrain.half_space_wave import EigenstrainOperator, Moduli, Volume
+from contactstudy.elasticity.eigenstrain.fourier_modes import EigenstrainOperator, Moduli, Volume
 from contactstudy.elasticity.eigenstrain.plane_strain_operator import PlaneStrainOperator
 from contactstudy.elasticity.kernels.stress import COMPONENTS
 from contactstudy.evolution.states.state_variables import State

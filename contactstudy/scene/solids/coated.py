@@ -11,7 +11,7 @@ import numpy as np
 
 from contactstudy.domain.validation import InvalidInput, Metres, validated
 from contactstudy.elasticity.coating import CoatingCoefficients
-from contactstudy.elasticity.coefficients import BoussinesqCoefficients, Coefficients
+from contactstudy.elasticity.convolution import BoussinesqCoefficients, Coefficients
 from contactstudy.elasticity.kernels.layer_response import LayerResponse
 from contactstudy.elasticity.kernels.layer_waves import FAMILIES, StressWaves, WaveCoefficients
 from contactstudy.scene.solids.bodies import HalfSpace

@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Annotated
 
 from contactstudy.domain.validation import AT_LEAST_ZERO, OR_INFINITE, InvalidInput, Pascals, Seconds, validated
-from contactstudy.elasticity.coefficients import BoussinesqCoefficients, Coefficients
+from contactstudy.elasticity.convolution import BoussinesqCoefficients, Coefficients
 from contactstudy.elasticity.viscoelastic import Creep, creep_from_relaxation, retarded
 from contactstudy.scene.solids.bodies import Body, HalfSpace, PoissonRatio
 

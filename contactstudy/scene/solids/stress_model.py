@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import ClassVar, Protocol
 
 from contactstudy.domain.grid import Array
-from contactstudy.elasticity.coefficients import Coefficients
+from contactstudy.elasticity.convolution import Coefficients
 from contactstudy.elasticity.kernels import stress
 
 

@@ -14,9 +14,10 @@ from contactstudy.accuracy.coarser import (
     coarser_problem,
     contact_perimeter,
     discretisation_errors,
+    edge_error,
+    straight_edges,
     unseen_area_error,
 )
-from contactstudy.accuracy.contact_edge import edge_error, straight_edges
 from contactstudy.accuracy.hidden_heights import HiddenHeights
 from contactstudy.io.quantities.quantity import Quantity
 from tests.conftest import LineContact

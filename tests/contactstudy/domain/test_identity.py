@@ -8,7 +8,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy import InvalidInput
-from contactstudy.domain.identity import Memo, digest
+from contactstudy.domain.files import Memo, digest
 from studies.definitions.settings import case_at
 
 CASE = case_at({"padding": "superposed", "images": 2, "period": 0.3, "grid": 16})

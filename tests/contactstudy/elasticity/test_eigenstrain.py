@@ -9,8 +9,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.domain.grid import Grid
-from contactstudy.elasticity.eigenstrain.fourier_modes import Waves
-from contactstudy.elasticity.eigenstrain.half_space_wave import Components, EigenstrainOperator, Moduli, Volume
+from contactstudy.elasticity.eigenstrain.fourier_modes import Components, EigenstrainOperator, Moduli, Volume, Waves
 from contactstudy.elasticity.eigenstrain.periodic_operator import AntiplaneOperator, PeriodicOperator
 from contactstudy.elasticity.eigenstrain.plane_strain_operator import OuterStrain, PlaneStrainOperator
 from contactstudy.elasticity.kernels.stress import BOUSSINESQ, stress_cell_periodic

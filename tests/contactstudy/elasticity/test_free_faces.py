@@ -5,7 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import contactstudy as cs
-from contactstudy.elasticity.coefficients import FreeFaceCoefficients
+from contactstudy.elasticity.convolution import FreeFaceCoefficients
 from contactstudy.elasticity.free_faces import EndedConvolution, between_faces
 
 FREE = cs.ZeroPadding(), cs.ZeroPadding()

@@ -2,8 +2,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.elasticity.coefficients import BoussinesqCoefficients, Coefficients
-from contactstudy.elasticity.convolution import general_convolutions
+from contactstudy.elasticity.convolution import BoussinesqCoefficients, Coefficients, general_convolutions
 from contactstudy.elasticity.tangential import CerrutiCoefficients
 from contactstudy.elasticity.viscoelastic import RetardedCoefficients, creep_from_relaxation
 

@@ -5,8 +5,7 @@ from math import exp, inf, nextafter, pi
 import pytest
 
 import contactstudy as cs
-from contactstudy.evolution.march import Breakpoint, Control, March, Method, Record, schedule
-from contactstudy.evolution.time_steps import TimeSteps
+from contactstudy.evolution.march import Breakpoint, Control, March, Method, Record, TimeSteps, schedule
 
 
 @dataclass(frozen=True)

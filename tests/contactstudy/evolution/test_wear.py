@@ -8,7 +8,7 @@ import pytest
 import contactstudy as cs
 from contactstudy.answers.evolution import evolution_answer
 from contactstudy.evolution.evolve import evolve
-from contactstudy.evolution.time_steps import SDIRK_GAMMA, STAGES, Scheme
+from contactstudy.evolution.march import SDIRK_GAMMA, STAGES, Scheme
 from tests.conftest import STEEL
 from tests.contactstudy.evolution.creeping import EXACT, LOAD, RIGID, evolved, pressures, rolling_cylinder
 from tests.contactstudy.scene.shapes.test_shapes import Own

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.io.scene_files.materials import materials
+from contactstudy.io.scene_files.scene_schema import materials
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 GOOD = """

@@ -5,10 +5,10 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.answers.lubricated_contact import film_answer
+from contactstudy.lubrication import linear_solvers
 from contactstudy.lubrication.film_equation import neighbour
-from contactstudy.lubrication.newton import linear_solvers
-from contactstudy.lubrication.newton.pseudo_time import FilmControls
 from contactstudy.lubrication.posed_film import pose
+from contactstudy.lubrication.pseudo_time import FilmControls
 from contactstudy.lubrication.steady_film import continued, solve_lubricated
 from tests.contactstudy.lubrication.scenes import DRY, STEEL, by_moes, grid, with_motion
 

@@ -9,7 +9,7 @@ import contactstudy as cs
 from contactstudy.domain.grid import Array
 from contactstudy.evolution.evolve_lubricated import FilmTrajectory, evolve_lubricated
 from contactstudy.lubrication.film_equation import FilmEquation
-from contactstudy.lubrication.newton.pseudo_time import FilmIteration, iterate
+from contactstudy.lubrication.pseudo_time import FilmIteration, iterate
 from contactstudy.lubrication.steady_film import solve_lubricated
 from tests.contactstudy.lubrication.scenes import DRY, by_moes, grid, with_motion
 

@@ -7,8 +7,8 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.evolution.evolve_lubricated import evolve_lubricated
-from contactstudy.lubrication.newton.pseudo_time import FilmControls
 from contactstudy.lubrication.posed_film import pose
+from contactstudy.lubrication.pseudo_time import FilmControls
 from contactstudy.lubrication.steady_film import continued, film_solution, solve_lubricated
 from tests.contactstudy.lubrication.scenes import DRY, STEEL, by_moes, grid, in_moes_units, with_motion
 

@@ -7,7 +7,7 @@ import pytest
 import contactstudy as cs
 from contactstudy.answers.lubricated_contact import film_answer
 from contactstudy.lubrication.lubricated_contact import FilmSolution
-from contactstudy.lubrication.newton.pseudo_time import FilmControls
+from contactstudy.lubrication.pseudo_time import FilmControls
 from contactstudy.lubrication.steady_film import solve_lubricated
 from tests.contactstudy.lubrication.scenes import DRY, STEEL, by_moes, grid, in_moes_units, with_motion
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.elasticity.coefficients import influence_coefficients
+from contactstudy.elasticity.convolution import influence_coefficients
 from contactstudy.elasticity.tangential import shear_response
 from tests.conftest import STEEL
 

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
+from contactstudy.problem.constraint import Dugdale, Exponential
 from contactstudy.solvers import adhesion as pull_off
-from contactstudy.solvers.cohesive_law import Dugdale, Exponential
 
 SOFT, RIGID = cs.HalfSpace(1.0, 0.0), cs.HalfSpace(inf, 0.3)
 LINE = cs.ExactPeriodicity()

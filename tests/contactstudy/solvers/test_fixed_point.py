@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.solvers.friction import coulomb
+from contactstudy.solvers import coulomb
 from contactstudy.solvers.solve import solve_with_mixing
 from tests.conftest import LineContact
 

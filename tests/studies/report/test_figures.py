@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 from contactstudy import InvalidInput
-from contactstudy.io.pictures.figure import label_axes, panels
+from contactstudy.io.pictures import label_axes, panels
 from studies.definitions.hard_cases import CASES
 from studies.model.outcome import CaseStatus
 from studies.registry import load_drawing

@@ -3,7 +3,7 @@ import pytest
 import xarray as xr
 
 import contactstudy as cs
-from contactstudy.io.pictures.picture import contact_picture
+from contactstudy.io.pictures import contact_picture
 
 X = np.array([-1e-4, 0.0, 1e-4])
 Y = np.array([0.0, 1e-3, 2e-3, 3e-3])

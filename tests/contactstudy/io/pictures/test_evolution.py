@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from contactstudy.io.pictures.picture import evolution_picture
+from contactstudy.io.pictures import evolution_picture
 
 TIME = np.array([0.0, 1.0, 1.0, 4.0])
 X = np.array([-2e-3, 0.0, 2e-3])

@@ -11,7 +11,6 @@ touching cells have the preconditioner of the dry contact there.
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
-from importlib import import_module
 
 import numpy as np
 from scipy import fft
@@ -22,7 +21,7 @@ from scipy.sparse.linalg import LinearOperator, gmres, splu
 from contactstudy.domain.grid import Array
 from contactstudy.elasticity.convolution import Convolution
 from contactstudy.lubrication.film_equation import Bands, Film, FilmEquation, Linearised, Mask, neighbour
-from contactstudy.lubrication.newton.pseudo_time import ActiveSets, FilmCorrection
+from contactstudy.lubrication.pseudo_time import ActiveSets, FilmCorrection
 from contactstudy.problem.problem import ApproximateInverse, Extension
 
 # Elasticity in the local stage: the coefficient of a change of pressure has the first times that of thickness, and on
@@ -233,11 +232,11 @@ def _coefficient(
 def compiled_sweep() -> Callable[..., Array] | None:
     """Return the compiled sweep; None where numba is not installed."""
     try:
-        module = import_module("contactstudy.lubrication.newton.compiled_sweep")
+        from contactstudy.domain.loops.compiled import sweep  # imported late, since numba may be missing
     except ModuleNotFoundError:
         return None
-    sweep: Callable[..., Array] = module.sweep
-    return sweep
+    compiled: Callable[..., Array] = sweep
+    return compiled
 
 
 @dataclass(frozen=True, eq=False)

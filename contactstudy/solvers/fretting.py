@@ -21,10 +21,8 @@ from contactstudy.domain.grid import Array, Grid
 from contactstudy.domain.validation import InvalidInput, readable
 from contactstudy.elasticity.tangential import ShearResponse
 from contactstudy.problem.problem import Problem
-from contactstudy.solvers.friction.coulomb import BulkStress, ElasticSlip
-from contactstudy.solvers.friction.coulomb_newton import CoulombNewton, shear_status
-from contactstudy.solvers.friction.traction import FrettingTraction
-from contactstudy.solvers.solution import Solution, Status, TangentialTraction, with_traction, worst
+from contactstudy.solvers.coulomb import BulkStress, CoulombNewton, ElasticSlip, shear_status
+from contactstudy.solvers.solution import FrettingTraction, Solution, Status, TangentialTraction, with_traction, worst
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Fraction by which a force may exceed what friction transmits, as a load summed over cells is rounded.

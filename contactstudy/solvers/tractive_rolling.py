@@ -8,7 +8,7 @@ displaced by ``A q`` against the second one. The slip of the first against the s
 with the creepages xi and eta of the second against the first body and the spin phi. Coulomb's law is ``|q| <= mu p``,
 ``s = 0`` where the inequality is strict, and else ``q = -mu p s / |s|``. A is self-adjoint and positive definite, and so
 is the symmetric part of D: a monotone variational inequality, whose solution is unique. It is solved on coarser
-grids first, each by :class:`~contactstudy.solvers.friction.coulomb_newton.CoulombNewton`.
+grids first, each by :class:`~contactstudy.solvers.coulomb.CoulombNewton`.
 
 Source: Carter (1926), Proc. R. Soc. A 112, 151; Kalker (1990), ch. 4.
 """
@@ -25,11 +25,17 @@ from contactstudy.domain.grid import Array, Grid, on_cells
 from contactstudy.elasticity.convolution import GeneralConvolution
 from contactstudy.elasticity.tangential import ShearResponse
 from contactstudy.problem.problem import Problem
-from contactstudy.solvers.friction.coulomb import ElasticSlip
-from contactstudy.solvers.friction.coulomb_newton import CoulombNewton, shear_status
-from contactstudy.solvers.friction.fretting import transmission_status
-from contactstudy.solvers.friction.traction import UNKNOWN, Creepage, RollingErrors, RollingTraction
-from contactstudy.solvers.solution import Solution, TangentialTraction, with_traction
+from contactstudy.solvers.coulomb import CoulombNewton, ElasticSlip, shear_status
+from contactstudy.solvers.fretting import transmission_status
+from contactstudy.solvers.solution import (
+    UNKNOWN,
+    Creepage,
+    RollingErrors,
+    RollingTraction,
+    Solution,
+    TangentialTraction,
+    with_traction,
+)
 from contactstudy.solvers.solve import SolveOptions, solve_contact, solve_with_mixing
 
 # Fewest cells along an axis of a coarser grid.

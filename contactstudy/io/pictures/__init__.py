@@ -1,1 +1,0 @@
-"""Pictures of solutions, comparisons and evolutions, in one style. May import `io.dataset` and below."""

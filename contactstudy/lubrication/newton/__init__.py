@@ -1,1 +1,0 @@
-"""Newton's iteration for a film in pseudo-time, and the solvers of its linear systems."""

@@ -1,1 +1,0 @@
-"""Tangential traction on the surface: sliding, partial slip, fretting, tractive rolling."""

@@ -1,6 +1,6 @@
 """The answer for a scene that changes in time, or rolls repeatedly: a sequence of answers with times."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from math import inf
@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from contactstudy.accuracy.error_terms import NO_LIMIT
 from contactstudy.answers.answer import NO_COARSER, Answer, Coarser, levels_below, solved_or_none, with_nested_bounds
 from contactstudy.answers.contact import Contact, contact_answer
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts, Request
 from contactstudy.domain.grid import Array, Grid, Padding, Paddings, edge_fraction
 from contactstudy.domain.imports import needed_for
 from contactstudy.domain.validation import readable
-from contactstudy.io.quantities.evolution_quantities import cycle_quantities, evolution_quantities, passes_quantities
+from contactstudy.evolution.trajectory import NO_BOUND_OF_STATES
+from contactstudy.io.quantities.evolution_quantities import evolution_quantities, history_quantities, passes_quantities
 from contactstudy.io.quantities.quantity import NO_ESTIMATE, Quantities, Quantity
 from contactstudy.problem.problem import DependsOnStrain, Field
 from contactstudy.scene.scene import PosedScene, Scene
@@ -30,16 +30,13 @@ if TYPE_CHECKING:
     from contactstudy.evolution.evolve_lubricated import FilmTrajectory
     from contactstudy.evolution.repeated_rolling import RepeatedRolling
     from contactstudy.evolution.trajectory import Frame, Trajectory
-    from contactstudy.lubrication.lubricated_contact import FilmSolution
 
-Instant = TypeVar("Instant", bound="Frame | FilmSolution")
+Instant = TypeVar("Instant", "Contact", "LubricatedContact")
 
 NO_BOUND_OF_PASSES = (
     "No bound: the discretisation error of repeated rolling is not estimated. It is of first order in the cell width: "
     "solve again with half the cell width and compare."
 )
-NO_BOUND_OF_STATES = "No bound: this error is not estimated in a contact that has crept, worn or yielded."
-CUT_OFF_STRAIN = "No bound: the plastic strain is cut off at the edge of the grid, give Grid.extent a larger one."
 NO_BOUND_OF_FILMS = "No bound for the discretisation error of a film at one instant: solve bounds that of all together."
 # Reasons for which a number has no bound until it is compared with solutions on coarser cells; these then give the
 # bound.
@@ -116,7 +113,8 @@ class Evolution(Answer):
         touching = [frame for frame in self.frames if frame.pressure.any() or frame.status.is_failure]
         by_pressure = sorted(touching or self.frames, key=lambda frame: -frame.pressure.max())
         estimates = [frame.error for frame in by_pressure]
-        largest = max(estimates, key=lambda estimate: estimate.l1.total)
+        # errors of films by their cells are infinite here and bounded below, which others that are infinite are not
+        largest = max(estimates, key=lambda estimate: (estimate.l1.total, estimate.l1.reason != NO_BOUND_OF_FILMS))
         # of sentences that differ by their numbers alone, only that of the highest pressure is kept
         sentences: dict[str, str] = {}
         for sentence in (text for estimate in estimates for text in estimate.warnings):
@@ -218,12 +216,8 @@ class Evolution(Answer):
             self.films.ranges if self.films else {},
         )
         if self.trajectory is not None and self.scene.adhesion is not None:
-            from contactstudy.evolution.stationary import changes_of_contact, net_work
-
-            frames, load = self.trajectory.frames, self.scene.load
             errors = [frame.quantities["approach"].bound for frame in self.frames]
-            work = net_work(frames, errors, load)
-            numbers = cycle_quantities(work, **changes_of_contact(frames, load)) | numbers
+            numbers = history_quantities(self.trajectory.frames, errors, self.scene.load) | numbers
         return numbers
 
     @property
@@ -254,106 +248,64 @@ class Evolution(Answer):
 
 def evolution_answer(trajectory: "Trajectory", requested: Request | None = None) -> Evolution:
     """Return the frames of a dry contact as an answer, up to that in which a coating is worn through."""
-    posed, fields = trajectory.description, [frame.fields for frame in trajectory.frames]
-    depths = [of["wear_depth"].values if "wear_depth" in of else None for of in fields]
-    kept, sentences = _until_worn_through(posed.scene, trajectory.frames, depths, trajectory.times)
-    trajectory = replace(trajectory, frames=kept)
-    frames = [_frame(trajectory, frame) for frame in kept]
-    frames = [
-        _unbounded(frame, sentence) if sentence else frame for frame, sentence in zip(frames, sentences, strict=True)
-    ]
-    if kept[-1].status is Status.WORN_THROUGH:  # no stress in a coating that is gone
+    posed, times = trajectory.description, trajectory.times
+    frames = _until_worn_through(posed.scene, times, (_frame(trajectory, frame) for frame in trajectory.frames))
+    if frames[-1].status is Status.WORN_THROUGH:  # no stress in a coating that is gone
         frames[-1] = replace(frames[-1], problem=replace(frames[-1].problem, outputs=()))
-    return Evolution(tuple(frames), trajectory.times, posed, requested, trajectory)
+    kept = replace(trajectory, frames=trajectory.frames[: len(frames)])
+    return Evolution(tuple(frames), kept.times, posed, requested, kept)
 
 
-def _until_worn_through(
-    scene: Scene, instants: Sequence[Instant], depths: Sequence[Array | None], times: Array
-) -> tuple[tuple[Instant, ...], list[str]]:
-    """Return the instants up to the first with the coating worn through, and a sentence on the coating at each.
+def _until_worn_through(scene: Scene, times: Array, frames: Iterable[Instant]) -> list[Instant]:
+    """Return the answers at instants, `times` [s], up to the first with the coating worn through, whose status says so.
 
-    A sentence is empty where the coating is as thick as at first. The status of an instant at which the coating is worn
-    through says so.
-
-    Parameters
-    ----------
-    scene
-        The scene.
-    instants
-        Contacts or films.
-    depths
-        Wear depth (x, y) [m] at each instant; None without wear.
-    times
-        The instants [s].
+    Where the coating is thinner than at first, the errors have no bound, since its response is that of its first
+    thickness.
     """
     body = 0 if scene.wear is None else scene.wear.body
     solid = scene.solids[body]
     thickness = getattr(solid, "thickness", inf) if getattr(solid, "interfaces", ()) else inf
-    sentences: list[str] = []
-    for number, (instant, worn) in enumerate(zip(instants, depths, strict=True)):
-        deepest = 0.0 if worn is None else float(worn.max())
+    kept: list[Instant] = []
+    for number, frame in enumerate(frames):
+        worn = frame.state.get("wear_depth")
+        deepest = 0.0 if worn is None else float(worn.values.max())
         if deepest >= thickness:
             since = "at" if not number else f"between {times[number - 1]:g} s and"
-            through = f"No bound: the coating of solids[{body}] is worn through {since} {times[number]:g} s."
-            last = replace(instant, status=Status.WORN_THROUGH)
-            return (*instants[:number], last), [*sentences, through]
-        lost = f"is thinner by up to {readable(deepest)} than the {readable(thickness)} that its response is for"
-        is_thinner = thickness < inf and deepest > 0
-        sentences.append(f"No bound: the coating of solids[{body}] {lost}." if is_thinner else "")
-    return tuple(instants), sentences
+            reason = f"No bound: the coating of solids[{body}] is worn through {since} {times[number]:g} s."
+            kept.append(_unbounded(replace(frame, status=Status.WORN_THROUGH), reason))
+            break
+        if thickness < inf and deepest > 0:
+            lost = f"is thinner by up to {readable(deepest)} than the {readable(thickness)} that its response is for"
+            frame = _unbounded(frame, f"No bound: the coating of solids[{body}] {lost}.")
+        kept.append(frame)
+    return kept
 
 
-def _unbounded(contact: Contact, reason: str) -> Contact:
-    """Return a contact whose errors have no bound, for a reason."""
-    parts: dict[str, Any] = {name: replace(part, discretisation=inf, reason=reason) for name, part in contact.error}
-    warnings = reason, *contact.error.warnings
-    return replace(contact, estimate=replace(contact.error, warnings=warnings, **parts))
+def _unbounded(frame: Instant, reason: str) -> Instant:
+    """Return an answer whose errors have no bound, for a reason."""
+    parts: dict[str, Any] = {name: replace(part, discretisation=inf, reason=reason) for name, part in frame.error}
+    warnings = reason, *frame.error.warnings
+    return replace(frame, estimate=replace(frame.error, warnings=warnings, **parts))
 
 
 def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
     """Return a recorded frame as an answer; its gap includes the wear depth and the residual displacement.
 
-    A frame without `grid_error_parts` is a contact in equilibrium that keeps no state from earlier instants: its errors
-    are those of one at rest, with those by the steps where it has worn. Otherwise only the errors of the pressure and of
-    its peak are known.
+    The errors of a frame without an estimate are those of a contact at rest, with those by the steps where it has worn.
     """
-    contact = contact_answer(frame, time=frame.time, state=frame.fields, rolling=frame.rolling)
-    if frame.grid_error_parts is None:
+    contact = contact_answer(frame, time=frame.time, state=frame.fields, rolling=frame.rolling, estimate=frame.estimate)
+    if frame.estimate is None:
         worn = frame.fields.get("wear_depth")
         has_worn = worn is not None and worn.values.any()
         return _with_steps(contact, frame.errors_by_steps) if has_worn else contact
-    outputs = frame.problem.outputs
-    if trajectory.coupled is not None:
-        residual = partial(trajectory.coupled.residual_stress, frame.coupled_state)
-        outputs = tuple(
-            output.with_residual_stress(residual) if isinstance(output, DependsOnStrain) else output
-            for output in outputs
-        )
-    reason = next(iter(frame.warnings), "")
-    l1 = replace(frame.grid_error_parts, steps=frame.time_discretisation_error)
-    if frame.status is Status.YIELD_AT_EDGE:
-        l1, reason = replace(l1, discretisation=inf), CUT_OFF_STRAIN
-    if frame.time_discretisation_error == inf:
-        reason = reason or "No bound: the time-discretisation error was not estimated."
-    if l1.total == inf:
-        l1 = replace(l1, reason=reason)
-    # the larger of two bounds by each cause: that of the pressure in L1 and that of its peak; by the steps, the latter
-    of_peak = frame.peak_grid_error_parts.by_cause
-    larger: dict[str, Any] = {cause: max(part, of_peak.get(cause, 0.0)) for cause, part in l1.by_cause.items()}
-    larger["steps"] = frame.errors_by_steps["peak_pressure"]
-    peak = replace(l1, **larger)
-    if peak.total == inf:
-        peak = replace(peak, reason=reason)
-    if l1.range is not None:
-        peak = replace(peak, range=inf, reason=NO_LIMIT)
-    unknown = ErrorParts(discretisation=inf, reason=NO_BOUND_OF_STATES)
-    area = unknown if frame.pressure.any() else l1  # separated bodies have no area
-    stress = unknown if outputs else None
-    return replace(
-        contact,
-        problem=replace(frame.problem, outputs=outputs),
-        estimate=ErrorEstimate(l1, peak, area, unknown, unknown, stress, stress, warnings=frame.warnings),
+    if trajectory.coupled is None:
+        return contact
+    residual = partial(trajectory.coupled.residual_stress, frame.coupled_state)
+    outputs = tuple(
+        output.with_residual_stress(residual) if isinstance(output, DependsOnStrain) else output
+        for output in frame.problem.outputs
     )
+    return replace(contact, problem=replace(frame.problem, outputs=outputs))
 
 
 def _with_steps(contact: Contact, by_steps: Mapping[str, float]) -> Contact:
@@ -398,13 +350,11 @@ def films_answer(films: "FilmTrajectory", requested: Request | None = None) -> E
     first = films.contacts[0]
     posed = PosedScene(first.scene, first.grid, first.padding)
     coarse = unresolved(shortest_wavelengths(first.scene.shapes), first.grid)
-    depths = [film.wear_depth for film in films.contacts]
-    kept, sentences = _until_worn_through(first.scene, films.contacts, depths, np.array(films.times))
-    films = replace(films, contacts=kept, times=films.times[: len(kept)])
     frames = []
-    for number, (contact, time) in enumerate(zip(kept, films.times, strict=True)):
-        steps = float(films.time_discretisation_errors[number])
-        l1 = ErrorParts(discretisation=inf, steps=steps, reason=NO_BOUND_OF_FILMS)
-        warnings = (*filter(None, (sentences[number], coarse)), NO_BOUND_OF_FILMS)
+    for contact, time, steps in zip(films.contacts, films.times, films.time_discretisation_errors, strict=True):
+        l1 = ErrorParts(discretisation=inf, steps=float(steps), reason=NO_BOUND_OF_FILMS)
+        warnings = (*filter(None, (coarse,)), NO_BOUND_OF_FILMS)
         frames.append(film_answer(contact, time=time, estimate=ErrorEstimate(l1, warnings=warnings)))
-    return Evolution(tuple(frames), np.array(films.times), posed, requested, films=films)
+    kept = _until_worn_through(first.scene, np.array(films.times), frames)
+    films = replace(films, contacts=films.contacts[: len(kept)], times=films.times[: len(kept)])
+    return Evolution(tuple(kept), np.array(films.times), posed, requested, films=films)

@@ -1,8 +1,7 @@
 """Follow a dry scene through time: its state variables, its steps with their errors, and the frames recorded of them."""
 
-from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import exp, inf, pi
 from os import PathLike
@@ -12,16 +11,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contactstudy.accuracy.error_terms import residual_errors
+from contactstudy.accuracy.error_terms import NO_LIMIT, residual_errors
 from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.accuracy.hidden_heights import HiddenHeights
 from contactstudy.domain.device import Precision
-from contactstudy.domain.errors import ErrorParts
+from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.domain.validation import InvalidInput, NotDefined
 from contactstudy.elasticity.convolution import BoussinesqCoefficients
 from contactstudy.elasticity.viscoelastic import Creep
-from contactstudy.evolution.march import Control, ErrorEstimator, March, Method, Record, Scheme, schedule
+from contactstudy.evolution.march import Control, ErrorEstimator, March, Method, Position, Record, Scheme, schedule
 from contactstudy.evolution.states.state_variables import (
     CreepState,
     FrettingState,
@@ -30,7 +29,14 @@ from contactstudy.evolution.states.state_variables import (
     solved_or_unloaded,
 )
 from contactstudy.evolution.time_stepper import Instant, StateVariable, TimeStepper
-from contactstudy.evolution.trajectory import UNKNOWN, Checkpoint, Frame, Trajectory, error_of_peak, frame_of
+from contactstudy.evolution.trajectory import (
+    NO_BOUND_OF_STATES,
+    Checkpoint,
+    Frame,
+    Trajectory,
+    error_of_peak,
+    frame_of,
+)
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.friction import Fretting, has_proportional_compliances
 from contactstudy.scene.loads import ChangingLoad, LoadHistory
@@ -56,6 +62,8 @@ INCREMENTS = 4
 MAX_HALVINGS = 6
 # Time-discretisation errors: in L1 of the pressure and of the states, and of the peak pressure.
 NAMES_OF_ERRORS = "pressure", "states", "peak_pressure"
+NO_ESTIMATE_OF_STEPS = "No bound: the time-discretisation error was not estimated."
+CUT_OFF_STRAIN = "No bound: the plastic strain is cut off at the edge of the grid, give Grid.extent a larger one."
 # Discretisation error at the end of an integration over that of the last contact alone: with each state variable, which
 # depends on earlier pressures, and with plastic strain, whose cells below the surface add to it. Bounds by the cells
 # held in 238 of 238 frames with creep, wear or both, and were 3 to 4 times too large in the median; with plastic strain
@@ -97,7 +105,7 @@ class Errors:
 
 
 @dataclass(eq=False)
-class DrySteps(Method[Instant]):
+class DrySteps(Method[Instant, Frame]):
     """Steps of a dry scene; errors are relative to the pressure, or where bodies yield to that under the largest load.
 
     Attributes
@@ -167,32 +175,24 @@ class DrySteps(Method[Instant]):
         errors.inside = inside | {"states": of_states / size if size else 0.0}
         return max(errors.by_steps["pressure"], errors.by_steps["states"])
 
-    def frame(self, record: Record[Instant], *, has_failed: bool) -> Frame:
+    def recorded(self, record: Record[Instant], *, has_failed: bool) -> Frame:
         """Return what is recorded as a frame; its errors are infinite if the march ends without a solution."""
         instant, stepper = record.state, self.stepper
+        variables = stepper.all_state_variables
         solution = instant.kept[-1] if instant.kept else unloaded(stepper.problem)
-        by_steps = self.errors.by_steps if record.coarse is not None else self.errors.inside
-        if has_failed or (self.estimator == "none" and stepper.all_state_variables):
-            by_steps = dict.fromkeys(NAMES_OF_ERRORS, inf)
-        # what two integrations have in common: errors of the traction of fretting, and of a pressure that its slip wears
-        fretting = stepper.fretting
-        common = 0.0 if fretting is None else fretting.common_error(instant.states[-1])
-        of_pressure = common if fretting is not None and fretting.wear else 0.0
-        l1 = max(by_steps["pressure"] + of_pressure, by_steps["states"] + common)
-        total = {"peak_pressure": by_steps["peak_pressure"] + of_pressure, "l1": l1}
+        by_steps = self._by_steps_in(record, has_failed=has_failed)
+        status = worst_until(solution.status, record.statuses)
         shown = {
-            name: of
-            for variable, state in zip(stepper.all_state_variables, instant.states, strict=True)
-            for name, of in variable.fields(state).items()
+            name: field
+            for variable, state in zip(variables, instant.states, strict=True)
+            for name, field in variable.fields(state).items()
         }
-        problem, displacement = solution.problem, solution.displacement
-        # of a contact without state variables they are estimated from the frame when they are asked for
-        grid_errors: tuple[Any, ...] = (None, UNKNOWN, ())
-        if stepper.all_state_variables or has_failed or not solution.pressure.any():
+        problem, displacement, estimate = solution.problem, solution.displacement, None
+        # that of a contact without state variables is made of the frame when it is asked for
+        if variables or has_failed or not solution.pressure.any():
             problem = stepper.problem
             displacement = solution.gap + solution.approach - problem.undeformed_gap
-            grid_errors = self._update_by_grid(solution)
-        parts, peak_parts, warnings = grid_errors
+            estimate = self._estimate(solution, status, by_steps)
         work: Any = {name: record.work[name] for name in ("solves", "iterations", "convolutions")}
         return frame_of(
             solution,
@@ -203,14 +203,25 @@ class DrySteps(Method[Instant]):
             traction=stepper.traction(instant),
             fields=shown,
             coupled_state={} if stepper.coupled is None else instant.states[-1],
-            status=worst_until(solution.status, record.statuses),
-            errors_by_steps=total,
-            grid_error_parts=parts,
-            peak_grid_error_parts=peak_parts,
-            warnings=warnings,
+            status=status,
+            errors_by_steps=by_steps,
+            estimate=estimate,
             adhesion=instant.adhesion,
             **work,
         )
+
+    def _by_steps_in(self, record: Record[Instant], *, has_failed: bool) -> dict[str, float]:
+        """Return the relative time-discretisation errors of a record: "l1", and "peak_pressure" of the peak."""
+        stepper, errors = self.stepper, self.errors
+        if has_failed or (self.estimator == "none" and stepper.all_state_variables):
+            return {"l1": inf, "peak_pressure": inf}
+        by_steps = errors.by_steps if record.coarse is not None else errors.inside
+        # what two integrations have in common: errors of the traction of fretting, and of a pressure that its slip wears
+        fretting = stepper.fretting
+        common = 0.0 if fretting is None else fretting.common_error(record.state.states[-1])
+        of_pressure = common if fretting is not None and fretting.wear else 0.0
+        l1 = max(by_steps["pressure"] + of_pressure, by_steps["states"] + common)
+        return {"l1": l1, "peak_pressure": by_steps["peak_pressure"] + of_pressure}
 
     def _update_by_steps(self, fine: Instant, coarse: Instant, step: float) -> dict[str, float]:
         """Return errors of `fine` by steps, by the names of `NAMES_OF_ERRORS`, and keep what later steps inherit.
@@ -278,34 +289,64 @@ class DrySteps(Method[Instant]):
         """Heights inside the cells, which all instants share."""
         return HiddenHeights.from_problem(self.stepper.problem)
 
+    def _estimate(self, solution: Solution, status: Status, by_steps: Mapping[str, float]) -> ErrorEstimate:
+        """Return the errors of a recorded contact, with the `status` and the errors `by_steps` of its frame.
+
+        Those of the pressure and its peak are known. The bound of the peak is by each cause the larger one of both, but
+        by the steps its own.
+        """
+        l1, of_peak, warnings = self._update_by_grid(solution)
+        reason = next(iter(warnings), "")
+        l1 = replace(l1, steps=by_steps["l1"])
+        if status is Status.YIELD_AT_EDGE:
+            l1, reason = replace(l1, discretisation=inf), CUT_OFF_STRAIN
+        if by_steps["l1"] == inf:
+            reason = reason or NO_ESTIMATE_OF_STEPS
+        larger: Any = {cause: max(part, of_peak.by_cause.get(cause, 0.0)) for cause, part in l1.by_cause.items()}
+        peak = replace(l1, **larger | {"steps": by_steps["peak_pressure"]})
+        l1, peak = (replace(parts, reason=reason if parts.total == inf else "") for parts in (l1, peak))
+        if l1.range is not None:
+            peak = replace(peak, range=inf, reason=NO_LIMIT)
+        unknown = ErrorParts(discretisation=inf, reason=NO_BOUND_OF_STATES)
+        return ErrorEstimate(
+            l1=l1,
+            peak_pressure=peak,
+            contact_area=unknown if solution.pressure.any() else l1,  # separated bodies have no area
+            mean_gap=unknown,
+            approach=unknown,
+            stress=unknown if solution.problem.outputs else None,
+            warnings=warnings,
+        )
+
     def _update_by_grid(self, solution: Solution) -> tuple[ErrorParts, ErrorParts, tuple[str, ...]]:
         """Return errors of a contact on this grid by cause, and keep the largest ones, which later frames inherit.
 
         They are those in L1, those of its peak pressure, and the reasons why any is infinite.
         """
-        pressure = solution.pressure
+        unknown, none = ErrorParts(images=0.0, discretisation=inf, residual=0.0), ErrorParts(0.0, 0.0, 0.0)
+        pressure, stepper, errors = solution.pressure, self.stepper, self.errors
         if not np.isfinite(solution.residual):
-            return UNKNOWN, UNKNOWN, (f"No bound: {solution.status}",)
+            return unknown, unknown, (f"No bound: {solution.status}",)
         if not pressure.any():
-            return ErrorParts(0.0, 0.0, 0.0), ErrorParts(0.0, 0.0, 0.0), ()
+            return none, none, ()
         try:
             estimate = error_estimate(solution, heights=self._heights)
         except NotDefined as reason:
-            return UNKNOWN, UNKNOWN, (f"No bound: {reason}",)
+            return unknown, unknown, (f"No bound: {reason}",)
         total = float(pressure.sum())
         # creep and wear keep the errors of earlier pressures, so that they enter later frames
         cells, residual = (estimate.l1.by_cause[cause] for cause in ("discretisation", "residual"))
-        self.errors.largest_by_cells = max(self.errors.largest_by_cells, cells * total)
+        errors.largest_by_cells = max(errors.largest_by_cells, cells * total)
         if not solution.status.has_converged:
-            self.errors.largest_by_residual = max(self.errors.largest_by_residual, residual * total)
-        if self.stepper.all_state_variables:
-            residual = max(residual, self.errors.largest_by_residual / total)
-        if self.stepper.coupled is not None:
+            errors.largest_by_residual = max(errors.largest_by_residual, residual * total)
+        residual = max(residual, errors.largest_by_residual / total)
+        factor = 1.0
+        if stepper.coupled is not None:
             cells *= GROWTH_PLASTIC
-        elif self.stepper.state_variables:
-            growth = GROWTH_PER_STATE_VARIABLE ** len(self.stepper.state_variables)
-            cells = growth * self.errors.largest_by_cells / total
-        factor = 1.0 if self.stepper.coupled is None else self._relative_to_largest_load(total)
+            factor = self._relative_to_largest_load(total)
+        elif stepper.state_variables:
+            growth = GROWTH_PER_STATE_VARIABLE ** len(stepper.state_variables)
+            cells = growth * errors.largest_by_cells / total
         parts = ErrorParts(estimate.l1.images, cells, residual, range=estimate.l1.range)
         assert estimate.peak_pressure is not None
         return parts.scaled(factor), estimate.peak_pressure, estimate.warnings
@@ -413,18 +454,18 @@ def evolve(
     start = stepper.start(breakpoints[0].time)
     march = March(steps, start, breakpoints, control, progress)
     if folder is None:
-        frames = _frames(march, steps, None)
+        march.run()
     else:
         checkpoint = Checkpoint(Path(folder))
         instants = tuple(np.asarray(times, float).ravel().tolist())
         request = scene, grid, padding, instants, error, error_estimator, scheme, options
         with checkpoint.open(request):
-            frames = _frames(march, steps, checkpoint)
+            _run_in(checkpoint, march, steps)
     return Trajectory(
         stepper.problem,
-        tuple(frames),
-        march.total["rejected"],
-        march.total["restarts"],
+        tuple(march.results),
+        march.at.total["rejected"],
+        march.at.total["restarts"],
         PosedScene(scene, grid, padding),
         stepper.coupled,
     )
@@ -432,63 +473,34 @@ def evolve(
 
 @dataclass(frozen=True)
 class _Saved:
-    """What a march holds where it can go on, its errors, and the number of its frames.
+    """Position of a march to go on from, the errors of its method there, and the number of its frames until there."""
 
-    All but `errors` and `frames` are attributes of :class:`~contactstudy.evolution.march.March` of the same name.
-    """
-
-    fine: Instant
-    coarse: Instant | None
-    control: Control | None
-    point_index: int
-    pair_length: float
-    work: Counter[str]
-    total: Counter[str]
-    statuses: list[Status]
+    at: Position[Instant]
     errors: Errors
     frames: int
 
-    @classmethod
-    def of(cls, march: March[Instant], errors: Errors, frames: int) -> "_Saved":
-        """Return what is saved of a march, without the solutions on the way to its instants."""
-        held = {each.name: getattr(march, each.name) for each in fields(cls) if hasattr(march, each.name)}
-        for name in ("fine", "coarse"):
-            held[name] = held[name] and replace(held[name], kept=(), replaced=())
-        return cls(**held, errors=errors, frames=frames)
 
-    def restore(self, march: March[Instant]) -> None:
-        """Set a march to where it was saved."""
-        for each in fields(self):
-            if hasattr(march, each.name):
-                setattr(march, each.name, getattr(self, each.name))
+def _run_in(checkpoint: Checkpoint, march: March[Instant, Frame], steps: DrySteps) -> None:
+    """Run a march from where the folder of a checkpoint holds it, or else from its start, and keep it there."""
+    if (checkpoint.folder / STATE_FILE).exists():
+        saved = checkpoint.read(STATE_FILE, _Saved)
+        march.at, steps.errors = saved.at, saved.errors
+        frames = (checkpoint.read(FRAME_FILE.format(n), Frame) for n in range(saved.frames))
+        march.results += [replace(frame, problem=steps.stepper.problem) for frame in frames]
+    written = list(march.results)
 
+    def save() -> None:
+        """Write the frames that are new, and what the march needs to go on: not the solutions on the way."""
+        frames, at = march.results, march.at
+        for number, frame in enumerate(frames):
+            if number >= len(written) or written[number] is not frame:
+                checkpoint.write(FRAME_FILE.format(number), frame)
+        written[:] = frames
+        coarse = None if at.coarse is None else at.coarse.without_solutions()
+        bare = replace(at, fine=at.fine.without_solutions(), coarse=coarse)
+        checkpoint.write(STATE_FILE, _Saved(bare, steps.errors, len(frames)))
 
-def _frames(march: March[Instant], steps: DrySteps, checkpoint: Checkpoint | None) -> list[Frame]:
-    """Return what a march records as frames; with a checkpoint, it goes on from there and is kept there."""
-    frames = [] if checkpoint is None else _restored(march, steps, checkpoint)
-    for records in march.run():
-        if records is None:  # begun again with shorter steps
-            frames = []
-            continue
-        for record in records:
-            frame = steps.frame(record, has_failed=march.fine.change == inf)
-            if checkpoint is not None:
-                checkpoint.write(FRAME_FILE.format(len(frames)), frame)
-            frames.append(frame)
-        if checkpoint is not None and march.can_go_on:
-            checkpoint.write(STATE_FILE, _Saved.of(march, steps.errors, len(frames)))
-    return frames
-
-
-def _restored(march: March[Instant], steps: DrySteps, checkpoint: Checkpoint) -> list[Frame]:
-    """Set a march to where it was saved, if it was, and return the frames until there."""
-    if not (checkpoint.folder / STATE_FILE).exists():
-        return []
-    saved = checkpoint.read(STATE_FILE, _Saved)
-    saved.restore(march)
-    steps.errors = saved.errors
-    frames = (checkpoint.read(FRAME_FILE.format(n), Frame) for n in range(saved.frames))
-    return [replace(frame, problem=steps.stepper.problem) for frame in frames]
+    march.run(save)
 
 
 def _time_stepper(

@@ -208,7 +208,7 @@ def evolve_lubricated(
     }
     points = [Breakpoint(time, times_recorded=int(time in instants)) for time in sorted({*instants, *between})]
     method = _Films()
-    records = March(method, start, points, control, progress).records()
+    records = March(method, start, points, control, progress).run()
     return film_trajectory(records, [record.state.contact for record in records], method.ranges)
 
 
@@ -226,7 +226,7 @@ def _check_loaded(scene: Scene, instants: list[float]) -> None:
             )
 
 
-class _Films(Method["_FilmStepper"]):
+class _Films(Method["_FilmStepper", Record["_FilmStepper"]]):
     """Steps of a film, and the lowest and highest value of each of `NUMBERS` after all pairs of them."""
 
     order = 3
@@ -247,6 +247,10 @@ class _Films(Method["_FilmStepper"]):
             values = value, *self.ranges.get(name, ())
             self.ranges[name] = min(values), max(values)
         return 0.0
+
+    def recorded(self, record: Record["_FilmStepper"], *, has_failed: bool) -> Record["_FilmStepper"]:
+        """Return the record as it is."""
+        return record
 
 
 @dataclass(frozen=True, eq=False)

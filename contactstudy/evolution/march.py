@@ -6,8 +6,8 @@ Source: Hairer, Norsett & Wanner (1993), sect. II.4, eqs. 4.4 and 4.13, there wi
 """
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from math import ceil, inf, sqrt
 from typing import Annotated, Any, ClassVar, Generic, Literal, Protocol, TypeVar
@@ -267,7 +267,7 @@ def ascending(times: ArrayLike, least: int = 1) -> list[float]:
 
 
 class State(Protocol):
-    """Protocol of a contact or film at one time."""
+    """Contact or film at one time, and the step that led to it."""
 
     @property
     def time(self) -> float:
@@ -275,30 +275,54 @@ class State(Protocol):
 
     @property
     def statuses(self) -> Sequence[Status]:
-        """Outcomes of the solves of the step that led to it."""
+        """Outcomes of the solves of the step."""
 
     @property
     def change(self) -> float:
-        """Error of that step as its method estimates it; 0 if it does not, infinite where it has no solution."""
+        """Relative error of the step as its method estimates it; 0 if it does not, infinite if a solve failed."""
 
     @property
     def work(self) -> Counter[str]:
-        """Work of that step, such as iterations, by name."""
+        """Work of the step, such as its number of iterations, by name."""
 
 
 S = TypeVar("S", bound=State)
+R = TypeVar("R")
 
 
-class Method(Generic[S]):
-    """Method that takes the steps of a march and tells their errors.
+@dataclass(frozen=True, eq=False)
+class Record(Generic[S]):
+    """State at an instant that is recorded, and what led there from the record before.
+
+    Attributes
+    ----------
+    state
+        The state after short steps.
+    coarse
+        The same after doubled steps; None in the middle of one, without them, and where there is no solution.
+    statuses
+        Outcomes of the solves of accepted steps since the record before.
+    work
+        Work since the record before, with the number of ``steps``, of ``rejected`` pairs of steps and jumps, and of
+        ``restarts``.
+    """
+
+    state: S
+    coarse: S | None
+    statuses: tuple[Status, ...]
+    work: Counter[str]
+
+
+class Method(Generic[S, R]):
+    """Method that takes the steps of a march, tells their errors, and makes of a record what the march returns (`R`).
 
     Attributes
     ----------
     order
         Power of its length with which the error of a pair of steps grows.
     increments
-        First number of increments of a jump in doubled steps, twice as many in short ones; 0 where its path does not
-        matter.
+        First number of load increments of a jump in doubled steps, twice as many in short ones; 0 where the path of the
+        load does not matter.
     """
 
     order: ClassVar[int] = 2
@@ -313,11 +337,11 @@ class Method(Generic[S]):
         raise NotImplementedError
 
     def jump(self, state: S, increments: int) -> S:
-        """Return the state after a jump at its time in so many increments."""
+        """Return the state after a jump at its time in so many load increments."""
         raise NotImplementedError
 
     def error(self, before: tuple[S, S], middle: S, after: tuple[S, S]) -> float:
-        """Return the error of a pair of steps, from the (short, doubled) states before and after it.
+        """Return the relative error of a pair of steps, from the (short, doubled) states before and after it.
 
         Here it is the largest :attr:`~State.change` of its steps.
         """
@@ -325,8 +349,15 @@ class Method(Generic[S]):
         return max(middle.change, after[0].change, doubled)
 
     def accept(self, before: S, middle: S, after: tuple[S, S | None]) -> float:
-        """Take a pair of steps or a jump into the error of all steps, and return that; 0 if it is not limited."""
+        """Take note of a pair of steps or a jump, and return the relative error of all steps; 0 if it is not limited.
+
+        The states are those of short steps before and in the middle, and the (short, doubled) ones after it.
+        """
         return 0.0
+
+    def recorded(self, record: Record[S], *, has_failed: bool) -> R:
+        """Return what the march returns of a `record`; `has_failed` says that the last step has no solution."""
+        raise NotImplementedError
 
 
 @dataclass(frozen=True)
@@ -341,7 +372,7 @@ class Control:
     limit
         Largest error of a pair of steps.
     order
-        See :class:`Method`.
+        Power of its length with which the error of a pair of steps grows.
     first, longest
         Length [s] of the first pair of steps, and of any.
     allowed
@@ -370,30 +401,40 @@ class Control:
         return replace(self, limit=self.limit * shorter ** (self.order / (self.order - 1)))
 
 
-@dataclass(frozen=True, eq=False)
-class Record(Generic[S]):
-    """What is recorded at an instant.
+@dataclass(eq=False)
+class Position(Generic[S]):
+    """Where a march stands: all that it needs to go on from there.
 
     Attributes
     ----------
-    state
-        The state after short steps.
-    coarse
-        The same after steps twice as long; None in the middle of one, without them, and where there is no solution.
+    fine, coarse
+        States after short and after doubled steps; None without doubled steps.
+    control
+        Control of the length of pairs of steps; None steps from one point to the next.
+    pair_length
+        Longest length [s] of the next pair of steps.
     statuses
-        Outcomes of the solves of accepted steps since the record before.
-    work
-        Work since the record before, with the number of ``steps`` and of ``rejected`` pairs of them and jumps.
+        Outcomes of the solves of accepted steps since the last record.
+    total
+        Work since the first start of the march, with that of marches given up.
+    recorded_work
+        The part of it that records have counted.
+    point_index
+        Index of the point that comes next.
     """
 
-    state: S
+    fine: S
     coarse: S | None
-    statuses: tuple[Status, ...]
-    work: Counter[str]
+    control: Control | None
+    pair_length: float
+    statuses: list[Status]
+    total: Counter[str]
+    recorded_work: Counter[str] = field(default_factory=Counter)
+    point_index: int = 0
 
 
 @dataclass(eq=False)
-class March(Generic[S]):
+class March(Generic[S, R]):
     """March of a method from its start to the last of `points`, beside one with steps twice as long.
 
     1. Between two points: a pair of steps is rejected, taken, or followed by a new start with a stricter control.
@@ -409,188 +450,187 @@ class March(Generic[S]):
     points
         Instants at which steps end, in the order of time.
     control
-        Control of the length of pairs of steps; None steps from one point to the next.
+        Control of the length of pairs of steps at first; None steps from one point to the next.
     progress
         Called with the time since the start and that of the whole [s] for each accepted step; None calls nothing.
+    at
+        Where the march stands. It is the start at first; another one is set before :meth:`run`.
+    results
+        What the method made of the records so far, in the order of time.
     """
 
-    method: Method[S]
+    method: Method[S, R]
     start: S
     points: Sequence[Breakpoint]
     control: Control | None
     progress: Callable[[float, float], None] | None = None
+    at: Position[S] = field(init=False)
+    results: list[R] = field(init=False)
 
     def __post_init__(self) -> None:
-        self.total: Counter[str] = Counter()
-        self._begin()
-
-    def _begin(self) -> None:
-        """Go back to the start; the work done so far counts in the first record."""
-        self.point_index = 0
-        self.fine, self.coarse = self.method.begin(self.start)
         self.duration = self.points[-1].time - self.start.time
-        self.work, self.statuses = Counter(self.total), list(self.start.statuses)
-        self._count(self.start.work)
-        self.pair_length = inf if self.control is None else min(self.control.first, self.control.longest)
+        self._begin(self.control, Counter())
 
-    def run(self) -> Iterator[list[Record[S]] | None]:
-        """Yield what is recorded, as soon as its error is known, up to a step that has no solution.
+    def _begin(self, control: Control | None, total: Counter[str]) -> None:
+        """Stand at the start, after the `total` work of marches given up, and forget what was recorded."""
+        fine, coarse = self.method.begin(self.start)
+        length = inf if control is None else min(control.first, control.longest)
+        self.at = Position(fine, coarse, control, length, list(self.start.statuses), total + self.start.work)
+        self.results = []
 
-        None says that the march has started again with shorter steps, so that earlier records do not count.
+    def run(self, save: Callable[[], None] | None = None) -> list[R]:
+        """March to the last point, or to a step without a solution, and return what the method made of the records.
+
+        `save` is called wherever :attr:`at` is a position to go on from, with nothing left to be recorded at its time.
         """
-        if self.fine.change == inf:
-            yield [self._record(self.fine, None)]
-        while self.point_index < len(self.points) and self.fine.change < inf:
-            if self.fine.time < self.points[self.point_index].time:
-                yield self._pair(self.points[self.point_index])
-            point = self.points[self.point_index]
-            if self.fine.change == inf or self.fine.time < point.time:
-                continue
-            if point.times_recorded == 2:
-                yield [self._record(self.fine, self.coarse)]
-            if point.jumps:
-                self._jump()
-            self.point_index += 1
-            if self.fine.change == inf:
-                yield [self._record(self.fine, None)]
-            elif point.times_recorded:
-                yield [self._record(self.fine, self.coarse)]
-            else:
-                yield []
+        if self.at.fine.change == inf:
+            self._record(self.at.fine, None)
+        while self.at.fine.change < inf and self.at.point_index < len(self.points):
+            if self.at.fine.time < self.points[self.at.point_index].time:
+                self._pair(self.points[self.at.point_index])
+            point = self.points[self.at.point_index]
+            if self.at.fine.time >= point.time and self.at.fine.change < inf:
+                self._arrive(point)
+            if save is not None and self.at.fine.change < inf:
+                save()
+        return self.results
 
-    def records(self) -> tuple[Record[S], ...]:
-        """Return what is recorded up to the last point, or a step without a solution, by a march that starts once."""
-        return tuple(record for records in self.run() for record in records or ())
-
-    @property
-    def can_go_on(self) -> bool:
-        """True if nothing is left to be recorded at the present time, so that a march may go on from here later."""
-        is_done = self.point_index == len(self.points)
-        return self.fine.change < inf and (is_done or self.fine.time < self.points[self.point_index].time)
-
-    def _pair(self, point: Breakpoint) -> list[Record[S]] | None:
-        """Take a pair of steps towards `point`, unless it is rejected, and return what is recorded.
-
-        None says that the march starts again.
-        """
-        begin, doubled, records = self.fine, self.coarse, list[Record[S]]()
+    def _pair(self, point: Breakpoint) -> None:
+        """Take a pair of steps towards `point`, unless its error is too large; a single one without doubled steps."""
+        at, begin, doubled = self.at, self.at.fine, self.at.coarse
         half, end = self._ends(point)
-        middle = self._step(self.fine, half)
-        if self._shorten_if_too_long(middle.change, end):
-            return []
-        statuses = list(middle.statuses)
+        middle = self._step(begin, half)
+        if self._rejects(middle.change, end):
+            return
         if middle.change == inf or doubled is None:
-            return self._go_on(begin, middle, (middle, doubled), statuses)
+            self._accept(begin, middle, (middle, doubled), list(middle.statuses))
+            return
+        statuses, passed = list(middle.statuses), None
         if half == point.time:
-            self.statuses, statuses = self.statuses + statuses, []
-            if point.times_recorded:
-                records.append(self._record(middle, None))
-            self.point_index += 1
+            at.statuses, statuses = at.statuses + statuses, []
+            at.point_index += 1
+            passed = self._cut(middle, None) if point.times_recorded else None
         after = self._step(middle, end), self._step(doubled, end)
         error = self.method.error((begin, doubled), middle, after)
-        if self._shorten_if_too_long(error, end):
-            return []
-        if self.control is not None:
+        if self._rejects(error, end):
+            return
+        if at.control is not None:
             # a pair cut short by a point is no measure of the allowed length
-            longer = (end - begin.time) * self.control.factor(error)
-            longer = max(longer, self.pair_length if end == point.time else 0.0)
-            self.pair_length = min(longer, self.control.longest)
-        statuses += [*after[0].statuses, *after[1].statuses]
-        further = self._go_on(begin, middle, after, statuses)
-        return None if further is None else records + further
-
-    def _go_on(self, begin: S, middle: S, after: tuple[S, S | None], statuses: list[Status]) -> list[Record[S]] | None:
-        """Continue from the states after a pair of steps, or start again where the error of all is too large.
-
-        Return what is recorded; None says that the march starts again.
-        """
-        self.fine, self.coarse = after
-        fine = self.fine
-        self.statuses += statuses
-        if fine.change == inf:
-            return [self._record(fine, None)]
-        self._count(Counter(steps=1 if fine is middle else 2))
-        error = self.method.accept(begin, middle, after)
-        if self.control is not None and error > self.control.allowed:
-            self.control = self.control.stricter(error)
-            self._count(Counter(restarts=1))
-            self._begin()
-            return None
-        if self.progress is not None:
-            for state in (fine,) if fine is middle else (middle, fine):
-                self.progress(state.time - self.start.time, self.duration)
-        return []
+            longer = (end - begin.time) * at.control.factor(error)
+            at.pair_length = min(max(longer, at.pair_length if end == point.time else 0.0), at.control.longest)
+        self._accept(begin, middle, after, [*statuses, *after[0].statuses, *after[1].statuses], passed)
 
     def _ends(self, point: Breakpoint) -> tuple[float, float]:
         """Return the times [s] at which the steps of the next pair towards `point` end."""
-        now = self.fine.time
+        at, now = self.at, self.at.fine.time
         remaining = point.time - now
-        if self.control is None:
-            if self.coarse is None:
+        if at.control is None:
+            if at.coarse is None:
                 return point.time, point.time
             if self._begins_pair(point):
-                return point.time, self.points[self.point_index + 1].time
+                return point.time, self.points[at.point_index + 1].time
             return (now + point.time) / 2, point.time
-        if self.pair_length >= remaining * (1 - ROUNDING):
+        if at.pair_length >= remaining * (1 - ROUNDING):
             return now + remaining / 2, point.time
-        pair = min(self.pair_length, remaining / 2)
+        pair = min(at.pair_length, remaining / 2)
         return now + pair / 2, now + pair
 
     def _begins_pair(self, point: Breakpoint) -> bool:
         """Return whether a step to `point` makes a pair with the one after it; if not, two steps lead to it."""
         if point is self.points[-1] or point.is_discontinuity or point.times_recorded == 2:
             return False
-        after = self.points[self.point_index + 1]
-        ratio = (after.time - point.time) / (point.time - self.fine.time)
+        after = self.points[self.at.point_index + 1]
+        ratio = (after.time - point.time) / (point.time - self.at.fine.time)
         # without load both integrations have the same pressure
         return after.before != 0 and max(ratio, 1 / ratio) <= MAX_RATIO_OF_PAIR
 
     def _step(self, state: S, end: float) -> S:
         """Return the state after a step to `end` [s], whose work counts whether it is accepted or not."""
         after = self.method.step(state, end)
-        self._count(after.work)
+        self.at.total.update(after.work)
         return after
 
-    def _shorten_if_too_long(self, error: float, end: float) -> bool:
-        """Make the next pair of steps shorter if that to `end` [s] is too long for its `error`; return whether it is."""
-        pair = end - self.fine.time
+    def _rejects(self, error: float, end: float) -> bool:
+        """Return whether the pair of steps to `end` [s] is too long for its `error`; the next one is then shorter."""
+        at, pair = self.at, end - self.at.fine.time
         shortest = SHORTEST if error < inf else SHORTEST_WITHOUT_SOLUTION
-        if self.control is None or error <= self.control.limit or pair <= shortest * self.duration:
+        if at.control is None or error <= at.control.limit or pair <= shortest * self.duration:
             return False
-        self._count(Counter(rejected=1))
-        self.pair_length = pair * min(self.control.factor(error), MAX_REJECTED_FACTOR)
+        at.total["rejected"] += 1
+        at.pair_length = pair * min(at.control.factor(error), MAX_REJECTED_FACTOR)
         return True
+
+    def _accept(
+        self, begin: S, middle: S, after: tuple[S, S | None], statuses: list[Status], passed: Record[S] | None = None
+    ) -> None:
+        """Continue from the states `after` a pair of steps, or start again where the error of all is too large.
+
+        The record `passed` is that of a point in the middle, if there is one. Without doubled steps, and where the first
+        step has no solution, `middle` is the state after it.
+        """
+        at, fine = self.at, after[0]
+        at.fine, at.coarse = after
+        at.statuses += statuses
+        steps = [fine] if fine is middle else [middle, fine]
+        if fine.change < inf:
+            at.total["steps"] += len(steps)
+            error = self.method.accept(begin, middle, after)
+            if at.control is not None and error > at.control.allowed:
+                at.total["restarts"] += 1
+                self._begin(at.control.stricter(error), at.total)
+                return
+        if passed is not None:
+            self.results.append(self.method.recorded(passed, has_failed=fine.change == inf))
+        if fine.change == inf:
+            self._record(fine, None)
+        elif self.progress is not None:
+            for state in steps:
+                self.progress(state.time - self.start.time, self.duration)
+
+    def _arrive(self, point: Breakpoint) -> None:
+        """Record the state at a `point`, before and after a jump there, and go on to the next point."""
+        at = self.at
+        if point.times_recorded == 2:
+            self._record(at.fine, at.coarse)
+        if point.jumps:
+            self._jump()
+        at.point_index += 1
+        if at.fine.change == inf:
+            self._record(at.fine, None)
+        elif point.times_recorded:
+            self._record(at.fine, at.coarse)
 
     def _jump(self) -> None:
         """Take a jump at the present time in as many increments as the error of a pair allows."""
-        increments, limit = self.method.increments, self.control.limit if self.control else inf
-        begin, doubled = self.fine, self.coarse
+        at, begin, doubled = self.at, self.at.fine, self.at.coarse
+        increments, limit = self.method.increments, at.control.limit if at.control else inf
         while True:
             fine, coarse = self.method.jump(begin, max(2 * increments, 1)), doubled
-            self._count(fine.work)
+            at.total.update(fine.work)
             if fine.change == inf or doubled is None:
                 break
             coarse = self.method.jump(doubled, max(increments, 1))
-            self._count(coarse.work)
+            at.total.update(coarse.work)
             error = self.method.error((begin, doubled), fine, (fine, coarse))
             if not increments or error <= limit or increments >= MAX_INCREMENTS:
                 break
-            self._count(Counter(rejected=1))
+            at.total["rejected"] += 1
             increments *= 2
-        self.fine, self.coarse = fine, coarse
-        self.statuses += fine.statuses
+        at.fine, at.coarse = fine, coarse
+        at.statuses += fine.statuses
         if coarse is not None and coarse is not doubled:
-            self.statuses += coarse.statuses
+            at.statuses += coarse.statuses
         if fine.change < inf:
             self.method.accept(begin, fine, (fine, coarse))
 
-    def _count(self, work: Counter[str]) -> None:
-        """Count work that was done."""
-        self.work.update(work)
-        self.total.update(work)
-
-    def _record(self, state: S, coarse: S | None) -> Record[S]:
-        """Return what is recorded of a state, with outcomes and work since the record before, and count anew."""
-        record = Record(state, coarse, tuple(self.statuses), self.work)
-        self.work, self.statuses = Counter(), []
+    def _cut(self, state: S, coarse: S | None) -> Record[S]:
+        """Return the record of a state, with outcomes and work since the record before, and count anew."""
+        at = self.at
+        record = Record(state, coarse, tuple(at.statuses), at.total - at.recorded_work)
+        at.statuses, at.recorded_work = [], Counter(at.total)
         return record
+
+    def _record(self, state: S, coarse: S | None) -> None:
+        """Record a state at the present time."""
+        record = self._cut(state, coarse)
+        self.results.append(self.method.recorded(record, has_failed=self.at.fine.change == inf))

@@ -13,12 +13,11 @@ Source of the wear law: Archard (1953).
 """
 
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import pairwise
 from math import inf
-from typing import Any, Generic, TypeVar, cast
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -35,9 +34,9 @@ from contactstudy.lubrication.steady_film import solve_lubricated
 from contactstudy.problem.constraint import PrescribedLoad
 from contactstudy.problem.problem import Field, Problem
 from contactstudy.scene.friction import Wear
-from contactstudy.scene.loads import ChangingLoad, LineLoad, loads_between
+from contactstudy.scene.loads import ChangingLoad, LineLoad
 from contactstudy.scene.rolling import check_slow
-from contactstudy.scene.scene import AnyLoad, PosedScene, Scene
+from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.scene.shapes.shape import LengthScales
 from contactstudy.scene.solids.bodies import creeps, instantaneous
 from contactstudy.solvers.adhesion import AdhesiveSolver
@@ -45,9 +44,85 @@ from contactstudy.solvers.solution import RollingTraction, Solution, Status, unl
 from contactstudy.solvers.solve import LaggedSolution, SolveOptions, solve_contact
 
 # Work of the contacts that lead to a frame.
-WORK = "solves", "iterations", "convolutions"
+WORK = "solves", "iterations", "convolutions", "linear_iterations"
 # Turns of the load below this fraction of the largest one are rounding.
 ROUNDING = 1e-9
+
+
+Contact = TypeVar("Contact", Frame, FilmSolution)
+
+
+@dataclass(frozen=True, eq=False)
+class QuasiStatic(Generic[Contact]):
+    """A contact or film that is in equilibrium at a time [s], and the step that led to it.
+
+    Attributes
+    ----------
+    time
+        Time [s].
+    contacts
+        Contacts solved in the step, in their order; the last one is that at the time.
+    change
+        Change of the pressure by the correction of the step, relative in L1; 0 without one, infinite if a solve failed.
+    depth
+        Wear depth (x, y) [m]; None without wear.
+    """
+
+    time: float
+    contacts: tuple[Contact, ...]
+    change: float = 0.0
+    depth: Array | None = None
+
+    @property
+    def contact(self) -> Contact:
+        """Contact at the time."""
+        return self.contacts[-1]
+
+    @property
+    def statuses(self) -> tuple[Status, ...]:
+        """Outcomes of the contacts."""
+        return tuple(contact.status for contact in self.contacts)
+
+    @property
+    def work(self) -> Counter[str]:
+        """Solves and iterations of the contacts, and their convolutions (dry) or linear iterations (film)."""
+        counts: Any = [{name: getattr(contact, name, 0) for name in WORK} for contact in self.contacts]
+        return sum(map(Counter, counts), Counter())
+
+
+def _recorded_frame(record: Record[QuasiStatic[Frame]], errors_by_steps: Mapping[str, float]) -> Frame:
+    """Return the dry contact of a record, with the outcomes and work since the record before."""
+    state = record.state
+    status = worst_until(state.contact.status, record.statuses)
+    work: Any = {name: record.work[name] for name in ("solves", "iterations", "convolutions")}
+    return replace(state.contact, time=state.time, status=status, errors_by_steps=errors_by_steps, **work)
+
+
+@dataclass(frozen=True, eq=False)
+class _LoadSteps(Method[QuasiStatic[Frame], Frame]):
+    """Contacts under the loads at the `points` of a history, by their times [s], without doubled steps.
+
+    `solved` solves a contact at a time [s] under a load [N/m] from the one before; None begins anew.
+    """
+
+    solved: Callable[[float, float, Frame | None], Frame]
+    points: Mapping[float, Breakpoint]
+
+    def begin(self, start: QuasiStatic[Frame]) -> tuple[QuasiStatic[Frame], None]:
+        """Return the start, and no state of doubled steps."""
+        return start, None
+
+    def step(self, state: QuasiStatic[Frame], end: float) -> QuasiStatic[Frame]:
+        """Return the contact at `end` [s] under the load before any jump there."""
+        return QuasiStatic(end, (self.solved(end, self.points[end].before, state.contact),))
+
+    def jump(self, state: QuasiStatic[Frame], increments: int) -> QuasiStatic[Frame]:
+        """Return the contact under the load after the jump at its time."""
+        return QuasiStatic(state.time, (self.solved(state.time, self.points[state.time].after, state.contact),))
+
+    def recorded(self, record: Record[QuasiStatic[Frame]], *, has_failed: bool) -> Frame:
+        """Return the contact of a record."""
+        return _recorded_frame(record, {})
 
 
 def follow_load(
@@ -87,50 +162,42 @@ def follow_load(
     load = scene.load
     assert isinstance(load, ChangingLoad)
     turns = load.turning_points(schedule(load, times)[-1].time)
-    breakpoints = schedule(load, times, kinks=turns)
-    first = load.at(breakpoints[0].time)
+    start, *later = schedule(load, times, kinks=turns)
+    points = [replace(start, before=start.after), *later]  # no load jumps at the start
     elastic = scene
     if (speed := scene.rolling_speed) is not None:
         if any(map(creeps, scene.solids)):
             check_slow("Scene.rolling", speed, load, scene.hertz)
         elastic = replace(scene, rolling=None, solids=instantaneous(scene.solids))
-    adhesive_solver = None if scene.adhesion is None else _under(elastic, first).problem(grid, padding).adhesion
-    assert adhesive_solver is None or isinstance(adhesive_solver, AdhesiveSolver)
+    adhesive_solver: Any = None
+    if scene.adhesion is not None:
+        adhesive_solver = _under(elastic, start.after).problem(grid, padding).adhesion
+    else:  # the contact does not depend on those before: only what is recorded is solved
+        recorded = [point for point in points if point.times_recorded]
+        points = [point if point.times_recorded == 2 else replace(point, before=point.after) for point in recorded]
     largest = replace(elastic, load=LineLoad(load.largest)).problem(grid, padding)
-    frames: list[Frame] = []
-    since_recorded: list[Frame] = []
-    last: Solution | None = None
-    for point in breakpoints:
-        jumps = point.jumps and point is not breakpoints[0]
-        loads = (point.before, point.after) if jumps else (point.after,) * max(1, point.times_recorded)
-        for number, value in enumerate(loads):
-            # a jump that is recorded once is recorded after it
-            is_recorded = number >= len(loads) - point.times_recorded
-            if adhesive_solver is None and not is_recorded:
-                continue  # without adhesion the contact does not depend on those before
-            rolling = None
-            if value == 0 and adhesive_solver is None:
-                posed = PosedScene(scene, grid, padding)
-                last = unloaded(replace(largest, control=PrescribedLoad(0.0), description=posed))
-            elif speed is not None and adhesive_solver is None:
-                rolling = solve_rolling(_under(scene, value), grid, padding, options=options)
-                last = rolling.solution
-            else:
-                last = _next_solution(_problem_under(largest, elastic, value, adhesive_solver), last, options)
-                if speed is not None:  # elastic bodies, which roll without resistance
-                    lagged = LaggedSolution(last)
-                    rolling = SteadyRolling(lagged, {}, partial(solve_rolling, scene, padding=padding))
-            solves = 1 if rolling is None else rolling.lagged.outer_iterations
-            if last.adhesion is not None:
-                solves = last.adhesion.outer_iterations
-            since_recorded.append(frame_of(last, time=point.time, load=value, solves=solves, rolling=rolling))
-            if is_recorded:
-                frames.append(_with_work_of(since_recorded))
-                since_recorded = []
-        if progress is not None:
-            start = breakpoints[0].time
-            progress(point.time - start, breakpoints[-1].time - start)
-    return Trajectory(largest, tuple(frames), 0, 0, PosedScene(scene, grid, padding))
+    posed = PosedScene(scene, grid, padding)
+
+    def solved(time: float, value: float, last: Frame | None) -> Frame:
+        solution: Solution
+        rolling, solves = None, 1
+        if value == 0 and adhesive_solver is None:
+            solution = unloaded(replace(largest, control=PrescribedLoad(0.0), description=posed))
+        elif speed is not None and adhesive_solver is None:
+            rolling = solve_rolling(_under(scene, value), grid, padding, options=options)
+            solution, solves = rolling.solution, rolling.lagged.outer_iterations
+        else:
+            solution = _next_solution(_problem_under(largest, elastic, value, adhesive_solver), last, options)
+            if speed is not None:  # elastic bodies, which roll without resistance
+                rolling = SteadyRolling(LaggedSolution(solution), {}, partial(solve_rolling, scene, padding=padding))
+        if solution.adhesion is not None:
+            solves = solution.adhesion.outer_iterations
+        return frame_of(solution, time=time, load=value, solves=solves, rolling=rolling)
+
+    first = points[0]
+    at_first = QuasiStatic(first.time, (solved(first.time, first.after, None),))
+    steps = _LoadSteps(solved, {point.time: point for point in points})
+    return Trajectory(largest, tuple(March(steps, at_first, points, None, progress).run()), 0, 0, posed)
 
 
 def _under(scene: Scene, load: float) -> Scene:
@@ -163,79 +230,6 @@ def _next_solution(problem: Problem, last: Solution | None, options: SolveOption
     return solve_contact(problem, options, start)
 
 
-def _with_work_of(contacts: Sequence[Frame]) -> Frame:
-    """Return the last of successive contacts with the work of all, and the status of the last after the others."""
-    last = contacts[-1]
-    return replace(
-        last,
-        status=worst_until(last.status, [frame.status for frame in contacts]),
-        solves=sum(frame.solves for frame in contacts),
-        iterations=sum(frame.iterations for frame in contacts),
-        convolutions=sum(frame.convolutions for frame in contacts),
-    )
-
-
-def net_work(frames: Sequence[Frame], approach_errors: Sequence[float], load: AnyLoad) -> tuple[float, float, str]:
-    """Return the net work of the load in a history [J/m], the bound of its error, and why that is infinite where it is.
-
-    It is the integral of the load over the approach: the hysteresis loss where the history ends at the load and on the
-    branch of its beginning, else with the elastic energy stored meanwhile. Where the load does not turn between two
-    instants, load and approach go one way, also where contact jumps in, so that the trapezoid is wrong by half the
-    product of their changes at most. Errors of the approaches [m] count with the changes of the load around them.
-
-    Parameters
-    ----------
-    frames
-        Recorded instants of a contact with adhesion.
-    approach_errors
-        Bound of the approach [m] of each of them.
-    load
-        Load of the scene.
-    """
-    work = error = 0.0
-    largest = max(abs(frame.load) for frame in frames)
-    reason = "" if np.isfinite(approach_errors).all() else "No bound: the approach has none."
-    for number, (a, b) in enumerate(pairwise(frames)):
-        if Status.DETACHED in (a.status, b.status):
-            reason = "No bound: contact is made or lost between two instants."
-            continue
-        loads = _loads_between(a, b, load)
-        variation, change = sum(abs(y - x) for x, y in pairwise(loads)), abs(b.load - a.load)
-        if variation - change > ROUNDING * largest:
-            reason = reason or "No bound: the load turns between two instants: record where it turns."
-        work += (a.load + b.load) / 2 * (b.approach - a.approach)
-        error += abs(change * (b.approach - a.approach)) / 2
-        error += change / 2 * (approach_errors[number] + approach_errors[number + 1])
-    if reason:
-        return work, inf, reason
-    ends = [abs(frames[n].load) * approach_errors[n] for n in (0, -1)]
-    return work, error + sum(ends), ""
-
-
-def _loads_between(a: Frame, b: Frame, load: AnyLoad) -> list[float]:
-    """Return the loads [N/m] from one frame to the next, with those between which the load only rises or falls."""
-    if not isinstance(load, ChangingLoad):
-        return [a.load, b.load]
-    return [a.load, *loads_between(load, a.time, b.time), b.load]
-
-
-def changes_of_contact(frames: Sequence[Frame], load: AnyLoad) -> dict[str, tuple[float, float]]:
-    """Return the loads between which contact is first lost ("pull_off") and made ("jump_in"), as far as it is.
-
-    The first of each two is a recorded load [N/m] in contact. The other is a recorded one without contact, or one beyond
-    where the `load` turns between the two instants.
-    """
-    changes: dict[str, tuple[float, float]] = {}
-    for before, after in pairwise(frames):
-        touched, touches = (frame.status is not Status.DETACHED for frame in (before, after))
-        if touched != touches:
-            loads = _loads_between(before, after, load)
-            touching, *others = loads if touched else reversed(loads)
-            farthest = max(others, key=lambda other: abs(other - touching))
-            changes.setdefault("pull_off" if touched else "jump_in", (touching, farthest))
-    return changes
-
-
 # Largest depth that the first step wears, over the scale of the gap or the boundary film. If the step is too long for
 # the error, it is rejected.
 FIRST_DEPTH = 0.01
@@ -265,96 +259,82 @@ class SurfaceDepth:
         return np.asarray(ndimage.map_coordinates(around, places, order=3, mode="nearest"))
 
 
-def _differences(fine: Frame, coarse: Frame | None) -> dict[str, float]:
-    """Return relative differences of a worn contact to that after longer steps, by quantity; infinite without either.
+def _differences(record: Record[QuasiStatic[Frame]]) -> dict[str, float]:
+    """Return relative differences of a worn contact to that after doubled steps, by quantity; infinite without that.
 
     That of the area counts cells in contact in one of both alone, and is at least that in L1, since a small change may
     move no edge to another cell.
     """
-    if coarse is None or not fine.pressure.any():
+    if record.coarse is None or not record.state.contact.pressure.any():
         return dict.fromkeys(("l1", "peak_pressure", "contact_area"), inf)
-    touching, change = fine.pressure > 0, np.abs(fine.pressure - coarse.pressure)
-    moved = np.count_nonzero(touching ^ (coarse.pressure > 0)) / np.count_nonzero(touching)
-    l1, peak = float(change.sum() / fine.pressure.sum()), float(fine.pressure.max())
-    of_peak = float(error_of_peak(fine.pressure, change) / peak)
+    fine, coarse = record.state.contact.pressure, record.coarse.contact.pressure
+    change, touching = np.abs(fine - coarse), fine > 0
+    moved = np.count_nonzero(touching ^ (coarse > 0)) / np.count_nonzero(touching)
+    l1, of_peak = float(change.sum() / fine.sum()), error_of_peak(fine, change) / float(fine.max())
     return {"l1": l1, "peak_pressure": of_peak, "contact_area": float(max(l1, moved))}
 
 
-Contact = TypeVar("Contact", Frame, FilmSolution)
-
-
 @dataclass(frozen=True, eq=False)
-class _Worn(Generic[Contact]):
-    """A contact at a time [s], on the gap that is worn by a `depth` (x, y) [m].
-
-    The `statuses` are those of the solves in the last step, and `work` counts them. The `change` is that of the
-    pressure by the correction of this step, relative in L1; infinite where a solve failed.
-    """
-
-    time: float
-    contact: Contact
-    depth: Array
-    statuses: tuple[Status, ...]
-    work: Counter[str]
-    change: float = 0.0
-
-
-@dataclass(frozen=True, eq=False)
-class _Wearing(Method[_Worn[Contact]]):
-    """Heun's method for a contact that wears.
+class _Wearing(Method[QuasiStatic[Contact], Record[QuasiStatic[Contact]]]):
+    """Heun's method for the wear depth of a contact.
 
     Attributes
     ----------
+    wear
+        Wear of the scene.
+    grid
+        Grid of the contact.
     solved
-        Solves the contact with a wear depth (x, y) [m], from the one before if there is one.
-    rate
-        Wear rate (x, y) [m/s] of a contact.
-    counted
-        Number of solves of a contact, of their iterations, and of their FFT convolutions (dry) or linear iterations
-        (film).
+        Solves the contact with a wear depth (x, y) [m], from the one before; None begins anew.
+    power
+        Product (x, y) [W/m^2] of pressure and sliding speed in a contact.
     first_depth
         Largest depth [m] of the first step.
     """
 
+    wear: Wear
+    grid: Grid
     solved: Callable[[Array, Contact | None], Contact]
-    rate: Callable[[Contact], Array]
-    counted: Callable[[Contact], Counter[str]]
+    power: Callable[[Contact], Array]
     first_depth: float
 
-    def step(self, state: _Worn[Contact], end: float) -> _Worn[Contact]:
+    def rate(self, contact: Contact) -> Array:
+        """Return the wear rate (x, y) [m/s] of a contact, a mean over the circumference of a body that turns."""
+        power = self.power(contact)
+        if self.wear.circumference is None:
+            return self.wear.coefficient * power
+        around = power.sum(axis=0) * self.grid.cell_size[0] / self.wear.circumference
+        return np.broadcast_to(self.wear.coefficient * around, power.shape)
+
+    def step(self, state: QuasiStatic[Contact], end: float) -> QuasiStatic[Contact]:
         """Return the contact after a step to `end` [s], with the change from Euler's predictor to it."""
+        assert state.depth is not None
         rate, duration = self.rate(state.contact), end - state.time
         predicted = self.solved(state.depth + duration * rate, state.contact)
         depth = state.depth + duration / 2 * (rate + self.rate(predicted))
         after = self.solved(depth, predicted)
-        change = np.abs(after.pressure - predicted.pressure).sum() / state.contact.pressure.sum()
-        failed = after.status.is_failure or predicted.status.is_failure
-        return _Worn(
-            end,
-            after,
-            depth,
-            (predicted.status, after.status),
-            self.counted(predicted) + self.counted(after),
-            inf if failed else float(change),
-        )
+        change = float(np.abs(after.pressure - predicted.pressure).sum() / state.contact.pressure.sum())
+        has_failed = after.status.is_failure or predicted.status.is_failure
+        return QuasiStatic(end, (predicted, after), inf if has_failed else change, depth)
+
+    def recorded(self, record: Record[QuasiStatic[Contact]], *, has_failed: bool) -> Record[QuasiStatic[Contact]]:
+        """Return the record as it is."""
+        return record
 
     def records(
-        self,
-        cells: tuple[int, int],
-        times: ArrayLike,
-        error: float | None,
-        progress: Callable[[float, float], None] | None,
-    ) -> tuple[Record[_Worn[Contact]], ...]:
-        """Return the contact of so many `cells` (x, y) at each of `times` [s], or up to one without a solution."""
-        instants = ascending(times)
-        unworn = np.zeros(cells)
+        self, times: ArrayLike, error: float | None, progress: Callable[[float, float], None] | None
+    ) -> list[Record[QuasiStatic[Contact]]]:
+        """Return the contact at each of `times` [s], or up to one without a solution; see :func:`follow_wear`."""
+        instants, unworn = ascending(times), np.zeros(self.grid.cells)
         contact = self.solved(unworn, None)
-        rate, change = float(self.rate(contact).max()), inf if contact.status.is_failure else 0.0
-        start = _Worn(min(0.0, instants[0]), contact, unworn, (contact.status,), self.counted(contact), change)
+        change = inf if contact.status.is_failure else 0.0
+        start = QuasiStatic(min(0.0, instants[0]), (contact,), change, unworn)
+        rate = float(self.rate(contact).max())
+        # a pair of steps
         first = 2 * self.first_depth / rate if rate else inf
         control = Control(STEP_ERROR if error is None else error, self.order, first)
         points = [Breakpoint(time, times_recorded=1) for time in instants]
-        return March(self, start, points, control, progress=progress).records()
+        return March(self, start, points, control, progress).run()
 
 
 def follow_wear(
@@ -418,27 +398,18 @@ def follow_wear(
             rolling=rolling,
         )
 
-    def rate(contact: Frame) -> Array:
+    def power(contact: Frame) -> Array:
         traction = contact.traction
         if isinstance(traction, RollingTraction):
             # where it slips, friction times slip is the coefficient of friction times pressure times slip
-            pv = traction.power / getattr(scene.friction, "coefficient", 1.0)
-            return _wear_rate(wear, pv, grid)
-        return _wear_rate(wear, wear.speed * contact.pressure, grid)
+            return traction.power / float(getattr(scene.friction, "coefficient", 1.0))
+        return wear.speed * contact.pressure
 
-    def counted(contact: Frame) -> Counter[str]:
-        return Counter({name: getattr(contact, name) for name in WORK})
-
-    wearing = _Wearing(solved, rate, counted, FIRST_DEPTH * problem.scales.gap)
-    records = wearing.records(grid.cells, times, error, progress)
-    frames = []
-    for record in records:
-        state, work = record.state, cast(dict[str, Any], {name: record.work[name] for name in WORK})
-        by_steps = _differences(state.contact, None if record.coarse is None else record.coarse.contact)
-        status = worst(record.statuses)
-        frames.append(replace(state.contact, time=state.time, status=status, errors_by_steps=by_steps, **work))
+    wearing = _Wearing(wear, grid, solved, power, FIRST_DEPTH * problem.scales.gap)
+    records = wearing.records(times, error, progress)
+    frames = tuple(_recorded_frame(record, _differences(record)) for record in records)
     rejected = sum(record.work["rejected"] for record in records)
-    return Trajectory(problem, tuple(frames), rejected, restarts=0, description=posed)
+    return Trajectory(problem, frames, rejected, restarts=0, description=posed)
 
 
 def follow_film_wear(
@@ -468,22 +439,11 @@ def follow_film_wear(
         film = solve_lubricated(worn, grid, padding, controls, before)
         return replace(film, scene=scene, wear_depth=depth)
 
-    def rate(film: FilmSolution) -> Array:
+    def power(film: FilmSolution) -> Array:
         assert film.contact_pressure is not None
-        return _wear_rate(wear, abs(film.sliding_speed) * film.contact_pressure, grid)
+        return abs(film.sliding_speed) * film.contact_pressure
 
-    def counted(film: FilmSolution) -> Counter[str]:
-        return Counter(iterations=film.iterations, linear_iterations=film.linear_iterations)
-
-    wearing = _Wearing(solved, rate, counted, FIRST_DEPTH * lubrication.boundary.film)
-    records = wearing.records(grid.cells, times, error, progress)
+    wearing = _Wearing(wear, grid, solved, power, FIRST_DEPTH * lubrication.boundary.film)
+    records = wearing.records(times, error, progress)
     films = [replace(record.state.contact, status=worst(record.statuses)) for record in records]
     return film_trajectory(records, films)
-
-
-def _wear_rate(wear: Wear, pv: Array, grid: Grid) -> Array:
-    """Return the wear rate (x, y) [m/s] where the product of pressure and sliding speed is `pv` (x, y) [W/m^2]."""
-    if wear.circumference is None:
-        return wear.coefficient * pv
-    around = pv.sum(axis=0) * grid.cell_size[0] / wear.circumference
-    return np.broadcast_to(wear.coefficient * around, pv.shape)

@@ -109,6 +109,10 @@ class Instant:
         counts: Any = {name: sum(getattr(contact, name) for contact in contacts) for name in WORK}
         return Counter(counts | {"solves": len(contacts)})
 
+    def without_solutions(self) -> "Instant":
+        """Return this instant without the contacts of the step that led to it."""
+        return replace(self, kept=(), replaced=())
+
     def after(self, before: "Instant", *replaced: Solution) -> "Instant":
         """Return this instant with the contacts on the way to that `before` too, and with those `replaced`."""
         return replace(self, kept=before.kept + self.kept, replaced=replaced + before.replaced + self.replaced)
@@ -206,7 +210,7 @@ class TimeStepper:
     def jump(self, instant: Instant, increments: int) -> Instant:
         """Return the contact after the jump of the load at an `instant`, in so many equal load increments."""
         load = self.load.at(instant.time)
-        last = replace(instant, kept=(), replaced=())
+        last = instant.without_solutions()
         for increment in range(1, increments + 1):
             between = instant.load + (load - instant.load) * increment / increments
             target = load if increment == increments else between
@@ -239,7 +243,7 @@ class TimeStepper:
         if duration == 0:
             return self._stage(instant, Step(end, end, (instant.load, load), load))
         stages = STAGES[self.scheme] if self._wears else SINGLE_STAGE
-        fraction, last = 0.0, replace(instant, kept=(), replaced=())
+        fraction, last = 0.0, instant.without_solutions()
         for number, (part, explicit) in enumerate(stages, start=1):
             fraction += part
             is_end = number == len(stages)

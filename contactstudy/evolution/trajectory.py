@@ -6,14 +6,13 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, fields
 from functools import cache
 from io import BytesIO
-from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, get_origin
 from zipfile import BadZipFile
 
 import numpy as np
 
-from contactstudy.domain.errors import ErrorParts
+from contactstudy.domain.errors import ErrorEstimate
 from contactstudy.domain.files import digest, locked, read_verified, remove_partial_files, write_with_checksum
 from contactstudy.domain.grid import Array
 from contactstudy.domain.imports import VERSION, import_for, source_hash
@@ -26,8 +25,7 @@ from contactstudy.solvers.solution import Counts, Solution, Status, worst
 if TYPE_CHECKING:
     from contactstudy.evolution.states.plastic import PlasticState
 
-# Errors of a contact by images, cells and residual, where that by cells is not known.
-UNKNOWN = ErrorParts(images=0.0, discretisation=inf, residual=0.0)
+NO_BOUND_OF_STATES = "No bound: this error is not estimated in a contact that has crept, worn or yielded."
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -56,14 +54,9 @@ class Frame(Solution):
         error that is not named is 0.
     coupled_state
         State solved for together with the pressure, such as plastic strain, as arrays by name.
-    grid_error_parts
-        Estimated error of the contact on this grid by cause, without that by the steps, see
-        :func:`~contactstudy.accuracy.estimate.error_estimate`; None for a contact in equilibrium that keeps no state
-        variable from earlier instants, whose errors are those of one at rest.
-    peak_grid_error_parts
-        The same of the peak pressure.
-    warnings
-        A sentence for each error that has no bound.
+    estimate
+        Estimated errors of a contact that keeps a state from earlier instants, with those by the steps; None for others,
+        whose errors are those of a contact at rest.
     rolling
         Rolling resistance and centroid of a steadily rolling contact; None for others.
     """
@@ -74,9 +67,7 @@ class Frame(Solution):
     solves: int = 1
     errors_by_steps: Mapping[str, float] = field(default_factory=dict)
     coupled_state: Mapping[str, Array] = field(default_factory=dict)
-    grid_error_parts: ErrorParts | None = None
-    peak_grid_error_parts: ErrorParts = UNKNOWN
-    warnings: tuple[str, ...] = ()
+    estimate: ErrorEstimate | None = None
     rolling: SteadyRolling | None = None
 
     @property

@@ -13,12 +13,14 @@ from contactstudy.domain.grid import Array
 from contactstudy.domain.validation import readable
 from contactstudy.io.quantities.quantity import Quantity, per_length, roller_length, with_bound
 from contactstudy.problem.problem import Field
-from contactstudy.scene.scene import PosedScene, Scene
+from contactstudy.scene.loads import ChangingLoad, loads_between
+from contactstudy.scene.scene import AnyLoad, PosedScene, Scene
 from contactstudy.scene.solids.bodies import creeps
 from contactstudy.solvers.solution import Status
 
 if TYPE_CHECKING:
     from contactstudy.evolution.repeated_rolling import RepeatedRolling
+    from contactstudy.evolution.trajectory import Frame
 
 NO_BOUND_OF_CELLS = "No bound: the errors of this load by cells and range are not estimated; those of a PullOff are."
 NO_BOUND_OF_DEPTH = "No bound: the error of the peak pressure, which wears the largest depth, has none."
@@ -48,7 +50,7 @@ EXTREMES: tuple[tuple[str, Callable[[Iterable[float]], float], str], ...] = (
     ("frictional_power", max, "largest frictional power in time"),
     ("rolling_resistance", max, "largest coefficient of rolling resistance in time"),
 )
-# Relative excess of a history between the recorded instants up to which it is rounding.
+# Relative difference of two values of a history that is rounding.
 HISTORY_ROUNDING = 1e-9
 # Quantities of an instant whose last value is reported.
 FINAL = (
@@ -242,30 +244,93 @@ def _of_residual_stress(fields: Mapping[str, Field]) -> dict[str, Quantity]:
     return quantities
 
 
-def cycle_quantities(
-    net_work: tuple[float, float, str],
-    pull_off: tuple[float, float] | None = None,
-    jump_in: tuple[float, float] | None = None,
+def history_quantities(
+    frames: "Sequence[Frame]", approach_errors: Sequence[float], load: AnyLoad
 ) -> dict[str, Quantity]:
     """Return what a history of an adhesive contact says: where contact is lost and made, and the net work.
 
     Parameters
     ----------
-    net_work
-        Net work done by the load [J/m], the bound of its error, and why that is infinite.
-    pull_off, jump_in
-        A load in contact [N/m], and another so that contact is lost, or made, at one between both; None where it is not.
+    frames
+        Recorded instants of a contact with adhesion.
+    approach_errors
+        Bound of the approach [m] of each of them.
+    load
+        Load of the scene.
     """
-    work, error, reason = net_work
+    work, error, reason = net_work(frames, approach_errors, load)
+    changes = changes_of_contact(frames, load)
     quantities: dict[str, Quantity] = {}
-    for name, loads, sign, label, beyond in (
-        ("pull_off", pull_off, -1, "pull-off load", "lost before"),
-        ("jump_in", jump_in, 1, "load at which contact jumps in", "not made at"),
+    for name, sign, label, beyond in (
+        ("pull_off", -1, "pull-off load", "lost before"),
+        ("jump_in", 1, "load at which contact jumps in", "not made at"),
     ):
-        if loads is not None:
-            detail = f", {beyond} {readable(sign * loads[1], 'N m-1')}"
-            quantities[name] = Quantity(sign * loads[0], "N m-1", label, reason=NO_BOUND_OF_CELLS, detail=detail)
+        if name in changes:
+            in_contact, farthest = changes[name]
+            detail = f", {beyond} {readable(sign * farthest, 'N m-1')}"
+            quantities[name] = Quantity(sign * in_contact, "N m-1", label, reason=NO_BOUND_OF_CELLS, detail=detail)
     return quantities | {"net_work": Quantity(work, "J m-1", "net work of the load", error, reason)}
+
+
+def net_work(frames: "Sequence[Frame]", approach_errors: Sequence[float], load: AnyLoad) -> tuple[float, float, str]:
+    """Return the net work of the load in a history [J/m], the bound of its error, and why that is infinite where it is.
+
+    It is the integral of the load over the approach: the hysteresis loss where the history ends at the load and on the
+    branch of its beginning, else with the elastic energy stored meanwhile. Where the load does not turn between two
+    instants, load and approach go one way, also where contact jumps in, so that the trapezoid is wrong by half the
+    product of their changes at most. Errors of the approaches [m] count with the changes of the load around them.
+
+    Parameters
+    ----------
+    frames
+        Recorded instants of a contact with adhesion.
+    approach_errors
+        Bound of the approach [m] of each of them.
+    load
+        Load of the scene.
+    """
+    work = error = 0.0
+    largest = max(abs(frame.load) for frame in frames)
+    reason = "" if np.isfinite(approach_errors).all() else "No bound: the approach has none."
+    for number, (a, b) in enumerate(pairwise(frames)):
+        if Status.DETACHED in (a.status, b.status):
+            reason = "No bound: contact is made or lost between two instants."
+            continue
+        loads = _loads_between(a, b, load)
+        variation, change = sum(abs(y - x) for x, y in pairwise(loads)), abs(b.load - a.load)
+        if variation - change > HISTORY_ROUNDING * largest:
+            reason = reason or "No bound: the load turns between two instants: record where it turns."
+        work += (a.load + b.load) / 2 * (b.approach - a.approach)
+        error += abs(change * (b.approach - a.approach)) / 2
+        error += change / 2 * (approach_errors[number] + approach_errors[number + 1])
+    if reason:
+        return work, inf, reason
+    ends = [abs(frames[n].load) * approach_errors[n] for n in (0, -1)]
+    return work, error + sum(ends), ""
+
+
+def _loads_between(a: "Frame", b: "Frame", load: AnyLoad) -> list[float]:
+    """Return the loads [N/m] from one frame to the next, with those between which the load only rises or falls."""
+    if not isinstance(load, ChangingLoad):
+        return [a.load, b.load]
+    return [a.load, *loads_between(load, a.time, b.time), b.load]
+
+
+def changes_of_contact(frames: "Sequence[Frame]", load: AnyLoad) -> dict[str, tuple[float, float]]:
+    """Return the loads between which contact is first lost ("pull_off") and made ("jump_in"), as far as it is.
+
+    The first of each two is a recorded load [N/m] in contact. The other is a recorded one without contact, or one beyond
+    where the `load` turns between the two instants.
+    """
+    changes: dict[str, tuple[float, float]] = {}
+    for before, after in pairwise(frames):
+        touched, touches = (frame.status is not Status.DETACHED for frame in (before, after))
+        if touched != touches:
+            loads = _loads_between(before, after, load)
+            touching, *others = loads if touched else reversed(loads)
+            farthest = max(others, key=lambda other: abs(other - touching))
+            changes.setdefault("pull_off" if touched else "jump_in", (touching, farthest))
+    return changes
 
 
 def passes_quantities(rolled: "RepeatedRolling") -> dict[str, Quantity]:

@@ -7,7 +7,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.domain.validation import readable
-from contactstudy.evolution.stationary import net_work
+from contactstudy.io.quantities.evolution_quantities import net_work
 from tests.contactstudy.evolution.creeping import EXACT, RIGID
 
 SOFT = cs.HalfSpace(1.0, 0.0)

@@ -181,7 +181,7 @@ def test_contacts_that_stop_early_count_in_the_errors_of_later_instants() -> Non
     found = evolve(scene, GRID, EXACT, times=times, options=cs.SolveOptions(max_iterations=3))
     assert found.status is cs.Status.ITERATION_LIMIT
     for frame, true in zip(found.frames, exact.frames, strict=True):
-        assert 1e-9 < relative(frame.pressure, true.pressure) <= frame.grid_error_parts.residual
+        assert 1e-9 < relative(frame.pressure, true.pressure) <= frame.estimate.l1.residual
 
 
 def test_steps_whose_error_is_not_estimated_go_from_instant_to_instant() -> None:

@@ -20,7 +20,7 @@ class Decay:
     work: Counter[str] = field(default_factory=lambda: Counter(solves=2))
 
 
-class Heun(Method[Decay]):
+class Heun(Method[Decay, Record[Decay]]):
     def step(self, state: Decay, end: float) -> Decay:
         duration = end - state.time
         predicted = state.value * (1 - duration)
@@ -29,15 +29,18 @@ class Heun(Method[Decay]):
             return replace(state, time=end, change=inf, statuses=(cs.Status.NOT_FINITE,))
         return replace(state, time=end, value=after, change=abs(after - predicted))
 
+    def recorded(self, record: Record[Decay], *, has_failed: bool) -> Record[Decay]:
+        return record
+
 
 def marched(
     start: Decay,
     *instants: float,
     error: float = 1e-4,
     longest: float = inf,
-) -> tuple[Record[Decay], ...]:
+) -> list[Record[Decay]]:
     points = [Breakpoint(time, times_recorded=1) for time in instants]
-    return March(Heun(), start, points, Control(error, 2, 2.0, longest)).records()
+    return March(Heun(), start, points, Control(error, 2, 2.0, longest)).run()
 
 
 def test_steps_keep_to_their_error_and_the_longer_ones_tell_that_of_all() -> None:
@@ -74,9 +77,9 @@ class Summed(Heun):
 
 def test_a_march_whose_error_of_all_steps_is_too_large_starts_again_with_shorter_ones() -> None:
     march = March(Summed(), Decay(), [Breakpoint(2.0, times_recorded=1)], Control(1e-2, 2, 2.0, allowed=1e-4))
-    *_, (last,) = march.run()
-    assert march.total["restarts"] > 0
-    assert last.work == march.total  # with that of the marches given up
+    (last,) = march.run()
+    assert march.at.total["restarts"] > 0
+    assert last.work == march.at.total  # with that of the marches given up
     assert abs(last.state.value - exp(-2.0)) < 1e-4
 
 

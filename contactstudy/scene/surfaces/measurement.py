@@ -129,6 +129,8 @@ Measurement = tuple[Array, tuple[float, float] | None]
 DIMENSIONS = (("x", "y"), ("width", "length"))
 # Text files that the library reads: surface data formats of ISO 25178-71 and BCR, and Wyko's.
 OF_LIBRARY = ("aISO", "aBCR", "Wyko ASCII")
+# First bytes of files in numpy's format, netCDF, HDF5 and of zipped files, which X3P are.
+BINARY = (b"\x93NUMPY", b"CDF", b"\x89HDF", b"PK")
 METRES = (None, "", "m", "metre", "metres", "meter", "meters")
 
 
@@ -158,16 +160,14 @@ def read(path: str | PathLike[str], reading: Reading) -> tuple[Array, tuple[floa
     be read, lacks a unit, contradicts `reading`, or has implausible sizes.
     """
     name = fspath(path)
-    with Path(path).open("rb") as file:
-        head = file.read(65536)
-    text = None if head.startswith((b"\x93NUMPY", b"CDF", b"\x89HDF", b"PK")) else decoded(head)
-    if head.startswith(b"\x93NUMPY"):
+    data = Path(path).read_bytes()
+    text = None if data.startswith(BINARY) else decoded(data)
+    if data.startswith(b"\x93NUMPY"):
         content = FileContent(_array(name), text_surface.unit_of_heights(name, reading), None)
-    elif head.startswith((b"CDF", b"\x89HDF")) and (written := _written(path)) is not None:
+    elif data.startswith((b"CDF", b"\x89HDF")) and (written := _written(path)) is not None:
         text_surface.unit_of_heights(name, reading, 1.0)
         content = FileContent(written[0], 1.0, written[1], is_own=True)
     elif text is not None and not text.startswith(OF_LIBRARY):
-        text = decoded(Path(path).read_bytes()) or ""
         content = text_surface.surface_of_text(name, table(name, text, reading.decimal), reading)
     else:
         content = _of_library(name, reading)
@@ -179,14 +179,8 @@ def read(path: str | PathLike[str], reading: Reading) -> tuple[Array, tuple[floa
     notes += ["across and along were exchanged (transpose)"] * reading.transpose
     if reading.flip != "none":
         notes.append(f"reversed (flip {reading.flip})")
-    is_open = reading.sizes == "confirmed"
-    if reading.extent is not None and sizes is not None and content.assumed:
-        agrees = np.isclose(sizes, reading.extent, rtol=0.01, atol=0)
-        is_open = is_open or content.assumed != text_surface.SQUARE or bool(agrees.any())
-    if reading.extent is not None and is_open:
+    if reading.extent is not None and reading.sizes == "confirmed":
         sizes = None
-    elif content.assumed:
-        notes.append(content.assumed)
     sizes = agreed_extent(sizes, reading.extent)
     if reading.sizes == "checked" and not content.is_own:
         check_plausible(name, points, sizes, content.unit)

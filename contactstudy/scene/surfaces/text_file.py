@@ -1,11 +1,14 @@
-"""Numbers and header of a text file, whatever its encoding, separators and decimal sign."""
+"""Numbers and header of a text file that holds a measured surface: its table, and what the lines around it state.
+
+The file may be in any usual encoding, with blanks, tabs, semicolons or commas between numbers and a decimal point or
+comma. What the table means, a matrix or points in columns, is decided in the module `text_surface`.
+"""
 
 import codecs
 import csv
 import re
 import unicodedata
 from collections import Counter
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise, zip_longest
 from math import nan
@@ -26,15 +29,198 @@ MISSING = re.compile(
     r"|nan(\(\w+\))?|#?n/?a|null|none|bad|inf(inity|inite)?|no ?data|not measured|void|invalid|missing|masked|"
     r"undefined|1\.#(qnan|inf|ind)|#[a-z/]+[!?]?|n\.a\.?|\?"
 )
+# A number in its usual form, also with the exponent letter D of Fortran.
 NUMERAL = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+)?")
-# An integer in groups of three digits, which is a decimal number where the mark between them is the decimal sign.
+# Whole numbers in groups of three digits, by the mark between the groups: they may also be decimal numbers.
 GROUPED = {mark: re.compile(rf"[-+]?[1-9]\d{{0,2}}(?:\{mark}\d{{3}})+") for mark in ",."}
+# Number of lines from the end of a file that decide on its separator and its decimal sign. Headers stand before them,
+# and so many lines of a rough surface hold numbers of every form that the file has.
+SAMPLE_LINES = 80
 
 
-# Words of a header, in English and as Gwyddion, MountainsMap and others translate them. Axes come first. A number is
-# a step between points, a size of all, a `factor` of heights (by `times` even where no axis is named), the value of
-# `invalid` points, or a count of points if whole and by a word of `count`. One by a word of `other` is not used, nor
-# the `number` of invalid points.
+@dataclass(frozen=True)
+class TextTable:
+    """Table of numbers in a text file.
+
+    Attributes
+    ----------
+    values
+        Numbers (rows, columns), nan where one is missing.
+    header
+        Lines before and after the table, with a point as decimal sign.
+    names
+        Name of each column, empty texts without names.
+    blocks
+        Number of parts between which blank lines stand.
+    """
+
+    values: Array
+    header: list[str]
+    names: list[str]
+    blocks: int = 1
+
+
+def decoded(data: bytes) -> str | None:
+    """Return the text of a file in UTF-8, UTF-16 or Windows-1252, with look-alikes as one; None for a binary file.
+
+    UTF-16 is known by its byte order mark. No text has bytes below 7, the bell.
+    """
+    is_utf16 = data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    if not is_utf16 and re.search(rb"[\0-\6]", data):
+        return None
+    try:
+        text = data.decode("utf-16" if is_utf16 else "utf-8-sig")
+    except UnicodeDecodeError:
+        text = data.decode("cp1252", errors="replace")
+    text = re.sub("[\u2010-\u2015\u2212]", "-", unicodedata.normalize("NFKC", text))
+    return re.sub(r'(?<=[\[(])"(?=[\])])', "in", text).replace("\u03bc", "u")
+
+
+def length_unit(text: str) -> float | None:
+    """Return the unit of length [m] that `text` names, None for any other text."""
+    text = unicodedata.normalize("NFKC", text).replace("\u03bc", "u").strip(" []().'\"").lower()
+    text = re.sub(r"met(re|er)$", "m", re.sub(r"(?<=\w{3})s$", "", text)).replace("microm", "um")
+    return LENGTHS.get(re.sub(r"^(milli|nano|centi)m$", lambda prefix: f"{prefix[1][0]}m", text))
+
+
+def table(name: str, text: str, decimal: str | None) -> TextTable:
+    """Return the table of the `text` of a file, whose rows have the length with the most numbers.
+
+    Parameters
+    ----------
+    name
+        Path of the file, for messages.
+    text
+        Content of the file.
+    decimal
+        Decimal sign, "," or "."; None where the file decides.
+
+    Raises
+    ------
+    InvalidInput
+        If the file has no table of numbers, several, uneven rows, or two readings.
+    """
+    numbered = [(number, line) for number, line in enumerate(text.splitlines()) if line.strip()]
+    lines = [line for _, line in numbered]
+    separator, decimal = _marks(name, lines, decimal)
+    rows = [_cells(line, separator) for line in lines]
+    if not any(row[-1] for row in rows if len(row) > 1):  # each line ends with a separator
+        rows = [row[:-1] or row for row in rows]
+    values = [[_number(cell, decimal) for cell in row] for row in rows]
+    is_numeric = [None not in row for row in values]
+    numeric = zip(rows, is_numeric, lines, strict=True)
+    lengths = Counter(len(row) for row, fits, line in numeric if fits and re.search(r"\d", line))
+    if not lengths:
+        raise InvalidInput(
+            f"path is {name!r}, without rows of numbers: give rows of equally many numbers, separated by commas, "
+            "semicolons, tabs or blanks, with no marks between thousands."
+        )
+    count = max(lengths, key=lambda length: (lengths[length] * length, length))
+    fitting = [fits and len(row) == count for fits, row in zip(is_numeric, rows, strict=True)]
+    first = next(n for n, row in enumerate(rows) if is_numeric[n] and (fitting[n] or (len(row) > 2 and any(row))))
+    # a line of digits and marks is one of the table, even if its numbers cannot be read
+    last = max(n for n, line in enumerate(lines) if is_numeric[n] or re.fullmatch(r"[\d\s.,;+-]+", line))
+    if not all(fitting[first : last + 1]):
+        number = fitting.index(False, first)
+        fault = f"has {len(rows[number])} numbers beside {count}"
+        if len(rows[number]) == count:
+            bad = rows[number][values[number].index(None)]
+            fault = f"has {bad[:40]!r}, which stands for a height (nan if missing)"
+        raise InvalidInput(
+            f"path is {name!r}, whose row {number + 1} {fault}: give rows of equally many numbers in one table, with "
+            "one decimal sign and no marks between thousands."
+        )
+    around = [*lines[:first], *lines[last + 1 :]]
+    if decimal == ",":
+        around = [re.sub(r"(?<=\d),(?=\d)", ".", line) for line in around]
+    numbers = np.array(values[first : last + 1], dtype=float)
+    # blank lines separate parts of the table, unless one follows every line
+    blocks = 1 + sum(after - before > 1 for (before, _), (after, _) in pairwise(numbered[first : last + 1]))
+    names = _column_names(lines[max(first - 3, 0) : first], count, separator)
+    return TextTable(
+        np.where(np.isfinite(numbers), numbers, nan), around, names, blocks if blocks <= len(numbers) / 2 else 1
+    )
+
+
+def _column_names(lines: list[str], count: int, separator: str | None) -> list[str]:
+    """Return the names of `count` columns, each from the words in its place of all `lines` with so many words.
+
+    A second line often holds the units of the columns.
+    """
+    names = [""] * count
+    for line in lines:
+        bare = line.strip("#%/ \t")
+        for row in (_cells(bare, separator), re.findall(r"[^\s\[(,;]+\s*(?:[\[(][^\])]*[\])])?", bare)):
+            if len(row) == count:
+                names = [f"{name} {word}".strip() for name, word in zip(names, row, strict=True)]
+                break
+    return names
+
+
+def _cells(line: str, separator: str | None) -> list[str]:
+    """Return the cells of a line between separators (None for blanks); a separator within quotes is none."""
+    if separator and '"' in line:
+        return [cell.strip() for cell in next(csv.reader([line], delimiter=separator[0], skipinitialspace=True))]
+    return [cell.strip() for cell in line.strip(" ").split(separator)]
+
+
+def _number(cell: str, decimal: str) -> float | None:
+    """Return the number in a cell, nan for a missing point, None for any other text."""
+    text = cell.replace(".", "?").replace(",", ".") if decimal == "," else cell
+    try:
+        return float(text)
+    except ValueError:
+        if NUMERAL.fullmatch(text):  # with the exponent letter D
+            return float(text.lower().replace("d", "e"))
+        return nan if MISSING.fullmatch(cell.strip("*-+'\" ").lower()) else None
+
+
+def _marks(name: str, lines: list[str], decimal: str | None) -> tuple[str | None, str]:
+    """Return the separator of a file, None for blanks, and its decimal sign, from its last lines with digits.
+
+    With them most lines are numbers; of several the first tried counts. A `decimal` sign that is given is kept. Raises
+    InvalidInput where numbers can be read in two ways.
+    """
+    sample = [line for line in lines if re.search(r"\d", line)][-SAMPLE_LINES:]
+    frequent = [mark for mark in (";", "\t", ", ", ",") if 2 * sum(mark in line for line in sample) > len(sample)]
+    # a comma alone may be the decimal sign between blanks; the others are separators wherever most lines have them
+    separators = frequent[:1] if frequent and frequent[0] != "," else [*frequent * (decimal != ","), None]
+    best: tuple[str | None, str] = separators[0], decimal or "."
+    rows: list[list[str]] = []
+    for separator in separators:
+        split = [_cells(line, separator) for line in sample]
+        for sign in decimal or ".,":
+            good = [row for row in split if all(_number(cell, sign) is not None for cell in row)]
+            if len(good) > len(rows):
+                best, rows = (separator, sign), good
+    separator, sign = best
+    cells = [cell for row in rows for cell in row]
+    remedy = 'give decimal = "," or decimal = "."'
+    if rows and separator == "," and not decimal and not any("." in cell for cell in cells):
+        second = [cell for row in rows for cell in row[1::2]]
+        is_pair = all(len(row) % 2 == 0 for row in rows) and all(map(str.isdigit, second))
+        if is_pair and (len(rows[0]) == 2 or any(re.match(r"0\d", cell) for cell in second)):
+            raise InvalidInput(
+                f"path is {name!r}, in which {rows[0][0] + ',' + rows[0][1]!r} is two numbers or one with a decimal "
+                f"comma: {remedy}, or separate numbers by semicolons."
+            )
+    marked = [cell for cell in cells if sign in cell]
+    if not decimal and marked and all(map(GROUPED[sign].fullmatch, marked)):
+        # decimals that a program writes have one number of digits: a column with and without them has thousands
+        for column in zip_longest(*rows, fillvalue=""):
+            if len({sign in cell for cell in column if cell.strip("+-").isdigit() or sign in cell}) > 1:
+                what = "point" if sign == "." else "comma"
+                raise InvalidInput(
+                    f"path is {name!r}, in which {marked[0]!r} has a decimal {what} or one between thousands: {remedy}."
+                )
+    return separator, sign
+
+
+# Words of a header, in English and as Gwyddion, MountainsMap and others translate them. Those of `x` (along a row), `y`
+# (from row to row) and `z` (the height) name an axis. The others say what a number is: a `step` between points, a `size`
+# of all, a `factor` of heights (by `times` even where no axis is named), the value of `invalid` points unless a word of
+# `number` says that it is their number, or a `count` of points. One by a word of `other` is not used. `unit` words name
+# a unit alone.
 WORDS = {
     "x": "x dx nx w width columns cols ncols breite largeur ancho anchura larghezza horizontal fast "
     "column point punkt spalten",
@@ -50,57 +236,73 @@ WORDS = {
     "times": "factor faktor multiplier mult conversion",
     "invalid": "nodata invalid missing bad void undefined masked dummy fill novalue",
     "other": "radius tip speed force cutoff cut wavelength working objective filter offset origin position start date "
-    "time optical magnification evaluation traverse range min max version intensity xllcorner yllcorner",
+    "time optical magnification evaluation traverse min max version intensity xllcorner yllcorner",
     "count": "nx ny points pixels lines rows columns cols ncols nrows profiles w h",
     "number": "points pixels count number percent ratio samples",
 }
 WORDS_OF = {name: frozenset(words.split()) for name, words in WORDS.items()}
-# "nm/count", "um per LSB": heights are integers, and the number before it is their factor.
+# Words that are the height before a word of a unit or a factor, and an axis of a picture elsewhere.
+HEIGHT_OR_SIDE = frozenset(("height", "höhe", "hauteur", "altura", "altezza", "vertical"))
+# "nm/count", "um per LSB": heights are whole numbers, and the number before it is their factor.
 COUNTED = re.compile(r"\s*(?:/|\bper )\s*(?:count|lsb|bit|digit|inc)\w*", re.I)
-# A number within a line, what may be a unit after it, and two numbers such as "2 um x 3 um".
+# A number within a line, and what may be a unit after it: no word before a colon, and no "in" before another word.
 NUMBER = re.compile(r"(?<![\w.])" + NUMERAL.pattern + r"(?![\d.])")
 UNIT = re.compile(r"[\s,;\t]*[\[(]?(?!in\s+(?:\d|\w\w))([^\W\d_]+)[\])]?(?!\s*[=:]|\w|/(?!p))")
-PAIR = re.compile(rf"({NUMERAL.pattern})\s*([^\W\d_]*)\s*[x×*]\s*({NUMERAL.pattern})\s*([^\W\d_]*)")
 # Parts of a word of a header that are words of their own, such as "xsize" and "pixelsize".
 JOINED = re.compile(
     r"\b([xyz](?=size|pixel|length|range|unit|scale|step|spacing|calibration|res|real)|"
     r"(?:pixel|punkt|zeilen|spalten|bild|mess|scan)(?=\w{4}))"
 )
-# Two numbers after one key, such as "size X/Y: 2 um / 3 um" and "size: 2 um (X), 3 um (Y)" without X and Y.
-TWO = re.compile(
-    rf"({NUMERAL.pattern}[^\W\d_]*(?:\s*[num]?m\b)?)(?:/[a-z]+)?(?:\s*/\s*|(?:\s*\(\))?,?\s+)(?={NUMERAL.pattern})"
-)
+# Words between two numbers of one statement for both axes, such as "2 um/px (X), 3 um/px (Y)" and "2 um by 3 um".
+BETWEEN = frozenset(("x", "y", "by", "px", "pixel"))
 
 
 @dataclass
 class Header:
-    """Statements of the header of a text file by axis: x (along a row), y (from row to row), z (the height).
+    """Statements in the header of a text file, by axis: "x" along a row, "y" from row to row, "z" the height.
 
-    `counts` are numbers of points. `sizes` of all points and `steps` between them are in metres, or on the `bare` axes
-    in a unit that the header leaves open. `units` [m] are those of values along an axis, which a line or a number names;
-    `unknown` those that are no length. Heights are numbers of the table times `factor`, and missing where the number is
-    `invalid`. `doubts` are lines that contradict others, `unused` ones with lengths that nothing uses.
+    Attributes
+    ----------
+    counts
+        Numbers of points by axis.
+    stated
+        Lengths in the order of the file: "size" of all points or "step" between two, axis, number, and its unit [m],
+        None where the number has none of its own.
+    lengths
+        First of these lengths [m] by kind and axis, nan without any unit.
+    units
+        Units [m] of the numbers along an axis, from a line that names the unit alone.
+    unknown
+        Units that are no length, by axis.
+    factor
+        Factor of all heights.
+    invalid
+        Number that stands for a point that was not measured, if any.
+    doubts
+        Two statements of one length that differ, as texts.
+    unused
+        Lines with lengths that nothing uses.
     """
 
     counts: dict[str, int] = field(default_factory=dict)
-    sizes: dict[str, float] = field(default_factory=dict)
-    steps: dict[str, float] = field(default_factory=dict)
+    stated: list[tuple[str, str, float, float | None]] = field(default_factory=list)
+    lengths: dict[tuple[str, str], float] = field(default_factory=dict)
     units: dict[str, float] = field(default_factory=dict)
-    bare: set[str] = field(default_factory=set)
+    unknown: dict[str, str] = field(default_factory=dict)
     factor: float = 1.0
     invalid: float | None = None
-    unknown: dict[str, str] = field(default_factory=dict)
     doubts: list[str] = field(default_factory=list)
     unused: list[str] = field(default_factory=list)
 
     @classmethod
     def of(cls, lines: list[str], shape: tuple[int, ...]) -> "Header":
-        """Return what the lines around a table of that shape say."""
+        """Return what the `lines` around a table of the `shape` (rows, columns) state."""
         header = cls()
         for line in lines:
             line = line.replace('"', " ")
-            if len(_axes(_words(line))) == 1:  # 2,5 um is one number
-                line = re.sub(r"(?<=\d),(?=\d+\s*[\[(]?[num]?m\b)", ".", line)
+            words = _words(line)
+            if len(_axes(words)) == 1 or words & WORDS_OF["times"]:  # one number with a decimal comma
+                line = re.sub(r"(?<=\d),(?=\d)", ".", line)
             before = repr(header)
             header._read(re.sub(r"(?<=[a-zß-ÿ])(?=[A-Z])|_", " ", line), shape)
             lengths = [UNIT.match(line, number.end()) for number in NUMBER.finditer(line)]
@@ -108,34 +310,44 @@ class Header:
                 header.unused.append(" ".join(line.split())[:60])
         if "x" in header.units:
             header.units.setdefault("y", header.units["x"])
-        for name in header.bare & header.units.keys():  # a line of its own has given the unit
-            for values in (header.sizes, header.steps):
-                if name in values:
-                    values[name] *= header.units[name]
-        header.bare -= header.units.keys()
+        for kind, axis, number, unit in header.stated:
+            length = number * (unit or header.units.get(axis, nan))
+            first = header.lengths.setdefault((kind, axis), length)
+            if abs(first - length) > 0.01 * length:
+                header.doubts.append(f"{axis} {first:g} and {length:g}")
         return header
 
-    def _read(self, line: str, shape: tuple[int, ...]) -> None:
-        """Take up what one line says: each number under the words before it, and a unit without a number at its end.
+    def length(self, axis: str, count: int) -> float | None:
+        """Return the length [m] of `count` points along an axis; nan if it has no unit, None if nothing is stated."""
+        if ("step", axis) in self.lengths:
+            return self.lengths["step", axis] * count
+        return self.lengths.get(("size", axis))
 
-        "bit2nm" is the factor of BCR files. Arrows are those of "factor (-> m)".
+    def _read(self, line: str, shape: tuple[int, ...]) -> None:
+        """Take up each number of a line under the words before it, and a unit without a number at its end.
+
+        "bit2nm" is the factor of BCR files. Arrows are those of "factor (-> m)". Of two numbers of which the second has
+        no words of its own, the first is that of x and the second that of y.
         """
         line, counted = COUNTED.subn("", re.sub(r"\bbit2(\w+)", r"z factor [\1]", line))
-        without_axes = re.sub(r"\b[XYxy]\b", "", line)
-        if TWO.search(without_axes) and len(_axes(_words(line))) != 1:
-            line = TWO.sub(r"\1 x ", without_axes)
-        line = PAIR.sub(r" x \1 \4 y \3 \4", line)
-        end, before = 0, ""
+        statements: list[tuple[frozenset[str], float, float | None]] = []
+        end = 0
         for number in NUMBER.finditer(line):
             key = line[end : number.start()]
-            if _words(key) == {"y"} and "x" in _words(before):  # the second number of a pair, as in "X/Y: 2 um / 3 um"
-                key = re.sub(r"\bx\b", "y", before)
+            words = _words(key + " factor" * (counted > 0))
             following = UNIT.match(line, number.end())
             unit = length_unit(following[1]) if following else None
-            end, before = following.end() if following and unit else number.end(), key
+            end = following.end() if following and unit else number.end()
             bracketed = map(length_unit, re.findall(r"[\[(](?:->)?([^\])]*)[\])]", key))
-            words = _words(key + " factor" * (counted > 0))
-            self._take(words, float(number[0]), unit or next(filter(None, bracketed), None), shape)
+            unit = unit or next(filter(None, bracketed), None)
+            if statements and words <= BETWEEN and key != ",":
+                before, first, first_unit = statements[-1]
+                if len(_axes(before)) != 1 or (_axes(before) == ["x"] and "y" in words):
+                    statements[-1] = before - {"y"} | {"x"}, first, first_unit or unit
+                    words = before - {"x"} | {"y"}
+            statements.append((words, float(number[0].lower().replace("d", "e")), unit))
+        for statement in statements:
+            self._take(*statement, shape)
         key, _, word = re.sub(r"[\[(:=,;\t]+|\bin\b", ":", line[end:].strip(" #%\t;,:=")).rpartition(":")
         words, unit = _words(key), length_unit(word)
         if not words & WORDS_OF["other"] and (unit or words & WORDS_OF["unit"]):
@@ -146,45 +358,37 @@ class Header:
                     self.unknown[axis] = word.strip()
 
     def _take(self, words: frozenset[str], value: float, unit: float | None, shape: tuple[int, ...]) -> None:
-        """Take up one number under the words of a key, in metres if it has a unit.
+        """Take up one number under the words of a key.
 
         The first of these that it can be counts: the value of invalid points, a factor of heights, a count of points, a
         number that is not used, a step or a size.
         """
         axes = _axes(words)
-        if words & WORDS_OF["invalid"] or {"no", "data"} <= words or {"no", "value"} <= words:
-            if not words & WORDS_OF["number"]:
-                self.invalid = value
-            return
-        if ("z" in axes and words & WORDS_OF["factor"]) or (not axes and words & WORDS_OF["times"]):
-            self.factor = value
-            self.units |= {"z": unit} if unit else {}
-            return
         lateral = [axis for axis in axes if axis != "z"] or (["x", "y"] if "z" not in axes else [])
         is_whole = unit is None and value == int(value)
         is_count = is_whole and (value in (*shape, shape[0] * shape[-1]) or words & WORDS_OF["count"])
-        if is_count and not {"pixel", "size"} <= words:
+        kind = next((kind for kind in ("step", "size") if words & WORDS_OF[kind]), "")
+        if words & WORDS_OF["invalid"]:
+            self.invalid = self.invalid if words & WORDS_OF["number"] else value
+        elif ("z" in axes and words & WORDS_OF["factor"]) or (not axes and words & WORDS_OF["times"]):
+            self.factor = value
+            self.units |= {"z": unit} if unit else {}
+        elif is_count and not {"pixel", "size"} <= words:
             self.counts |= {axis: int(value) for axis in lateral if axes}
-        elif words & WORDS_OF["other"] - {"range"} or {"sampling", "length"} <= words or value <= 0:
-            return
-        elif words & (WORDS_OF["step"] | WORDS_OF["size"]):
-            target = self.steps if words & WORDS_OF["step"] else self.sizes
-            for axis in lateral:
-                size = value * (unit or 1.0)
-                if abs(target.setdefault(axis, size) - size) > 0.01 * size:
-                    self.doubts.append(f"{axis} {target[axis]:g} and {size:g}")
-            self.bare |= set() if unit else set(lateral)
+        elif kind and value > 0 and not words & WORDS_OF["other"] and not {"sampling", "length"} <= words:
+            self.stated += [(kind, axis, value, unit) for axis in lateral]
 
 
 def _words(key: str) -> frozenset[str]:
-    """Return the words of a key in lower case."""
-    return frozenset(re.findall(r"[^\W\d_]+", JOINED.sub(r"\1 ", key.lower())))
+    """Return the words of a key in lower case; "no data" is one."""
+    key = re.sub(r"\bno (?=data|value)", "no", JOINED.sub(r"\1 ", key.lower()))
+    return frozenset(re.findall(r"[^\W\d_]+", key))
 
 
 def _axes(words: frozenset[str]) -> list[str]:
     """Return the axes that the words of a key name: a "height unit" is one of z, the "height" of a picture one of y."""
-    heights = words & frozenset(("height", "höhe", "hauteur", "altura", "altezza", "vertical"))
-    if words & WORDS_OF["z"] or (heights and words & (WORDS_OF["factor"] | {"unit", "units", "range", "resolution"})):
+    is_of_height = words & (WORDS_OF["factor"] | {"unit", "units", "range", "resolution"})
+    if words & WORDS_OF["z"] or (words & HEIGHT_OR_SIDE and is_of_height):
         return ["z"]
     if "line" in words and words & {"per", "length"}:
         return ["x"]
@@ -194,183 +398,3 @@ def _axes(words: frozenset[str]) -> list[str]:
     if not named & (WORDS_OF["x"] | WORDS_OF["y"]):
         named = words
     return [axis for axis in "xy" if named & WORDS_OF[axis]]
-
-
-@dataclass(frozen=True)
-class TextTable:
-    """Table of numbers in a text file.
-
-    It has `values` (rows, columns), nan where one is missing, the lines around them as `header`, `names` of the columns
-    (empty texts without), the numbers in the line `above`, which may be positions, and the number of `blocks` between
-    blank lines.
-    """
-
-    values: Array
-    header: list[str]
-    names: list[str]
-    above: list[float]
-    blocks: int = 1
-
-
-def decoded(data: bytes) -> str | None:
-    """Return the text of a file in UTF-8, UTF-16 or Windows-1252, with look-alikes as one; None for a binary file."""
-    # in UTF-16 one byte of nearly every pair is zero; no text has control characters below 7, the bell
-    zeros = [data[start:4096:2].count(0) for start in (0, 1)]
-    if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
-        text = data.decode("utf-16", errors="replace")
-    elif max(zeros) > 0.7 * len(data[:4096:2]) and min(zeros) == 0:
-        text = data.decode("utf-16-be" if zeros[0] else "utf-16-le", errors="replace")
-    elif any(byte < 7 for byte in data[:65536]):
-        return None
-    else:
-        try:
-            text = data.decode("utf-8-sig")
-        except UnicodeDecodeError:
-            text = data.decode("cp1252", errors="replace")
-    text = re.sub("[\u2010-\u2015\u2212]", "-", unicodedata.normalize("NFKC", text))
-    text = re.sub(r'(?<=[\[(])"(?=[\])])', "in", text)
-    return text.replace("\u03bc", "u").replace("\ufeff", "").replace("\0", "")
-
-
-def length_unit(text: str) -> float | None:
-    """Return the unit of length [m] that `text` names, None for any other text."""
-    text = unicodedata.normalize("NFKC", text).replace("\u03bc", "u").strip(" []().'\"").lower()
-    text = re.sub(r"met(re|er)$", "m", re.sub(r"(?<=\w{3})s$", "", text)).replace("microm", "um")
-    return LENGTHS.get(re.sub(r"^(milli|nano|centi)m$", lambda prefix: f"{prefix[1][0]}m", text))
-
-
-def table(name: str, text: str, decimal: str | None) -> TextTable:
-    """Return the table of a text file and its header; `decimal` is the decimal sign where the file leaves it open.
-
-    Raises
-    ------
-    InvalidInput
-        If the file has no table of numbers, several, uneven rows, or two readings.
-    """
-    numbered = [(number, line) for number, line in enumerate(text.splitlines()) if line.strip()]
-    lines = [line for _, line in numbered]
-    separator, decimal = _marks(name, lines, decimal)
-    rows = [_cells(line, separator) for line in lines]
-    if rows and not any(row[-1] for row in rows if len(row) > 1):  # each line ends with a separator
-        rows = [row[:-1] if len(row) > 1 else row for row in rows]
-    values = [_values(row, decimal) for row in rows]
-    whole = [None not in row for row in values]
-    numeric = zip(rows, whole, lines, strict=True)
-    lengths = Counter(len(row) for row, fits, line in numeric if fits and re.search(r"\d", line))
-    if not lengths:
-        raise InvalidInput(
-            f"path is {name!r}, without rows of numbers: give rows of equally many numbers, separated by commas, "
-            "semicolons, tabs or blanks."
-        )
-    # rows of the length with the most numbers are the table's
-    count = max(lengths, key=lambda length: (lengths[length] * length, length))
-    fitting = [fits and len(row) == count for fits, row in zip(whole, rows, strict=True)]
-    first = fitting.index(True)
-    last = max(n for n, line in enumerate(lines) if whole[n] or re.fullmatch(r"[\d\s.,;+-]+", line))
-    if not all(fitting[first : last + 1]):
-        number = fitting.index(False, first)
-        fault = f"has {len(rows[number])} numbers beside {count}"
-        if len(rows[number]) == count:
-            bad = rows[number][values[number].index(None)]
-            fault = f"has {bad[:40]!r}, which stands for a height (nan if missing)"
-        raise InvalidInput(
-            f"path is {name!r}, whose row {number + 1} {fault}: give rows of equally many numbers in one table, with "
-            "one decimal sign (a comma between semicolons, tabs or blanks)."
-        )
-    around = [*lines[:first], *lines[last + 1 :]]
-    if decimal == ",":
-        around = [re.sub(r"(?<=\d),(?=\d)", ".", line) for line in around]
-    names = [""] * count
-    for line in lines[max(first - 3, 0) : first]:
-        bare = line.strip("#%/ \t")
-        for row in (_cells(bare, separator), re.findall(r"[^\s\[(,;]+\s*(?:[\[(][^\])]*[\])])?", bare)):
-            if len(row) == count:
-                names = [f"{name} {word}".strip() for name, word in zip(names, row, strict=True)]
-                break
-    above = [value for value in values[first - 1] if value is not None] if first else []
-    numbers = np.array(values[first : last + 1], dtype=float)
-    # blank lines separate parts of the table, unless one follows every line
-    blocks = 1 + sum(after - before > 1 for (before, _), (after, _) in pairwise(numbered[first : last + 1]))
-    blocks = blocks if blocks <= len(numbers) / 2 else 1
-    return TextTable(np.where(np.isfinite(numbers), numbers, nan), around, names, above, blocks)
-
-
-def _cells(line: str, separator: str | None) -> list[str]:
-    """Return the cells of a line; a separator within quotes is none."""
-    if separator and '"' in line:
-        return [cell.strip() for cell in next(csv.reader([line], delimiter=separator[0], skipinitialspace=True))]
-    return [cell.strip() for cell in line.strip(" ").split(separator)]
-
-
-def _values(row: list[str], decimal: str) -> Sequence[float | None]:
-    """Return the numbers of a row, as :func:`_value` does; most rows hold nothing else."""
-    try:
-        # "?" is no number: its ValueError leaves the row to `_value`
-        return [float("?" if decimal == "," and "." in word else word) for word in row]
-    except ValueError:
-        return [_value(word, decimal) for word in row]
-
-
-def _value(word: str, decimal: str) -> float | None:
-    """Return the number that a word is, nan for a missing point, None for any other word."""
-    word = re.sub(r"(?<=\d)['’ ](?=\d{3}(?!\d))", "", word)
-    between = "." if decimal == "," else ","
-    if GROUPED[between].fullmatch(word.partition(decimal)[0]):
-        word = word.replace(between, "")
-    if decimal == ",":
-        word = word.replace(".", "?").replace(",", ".")
-    if NUMERAL.fullmatch(word):
-        return float(word.lower().replace("d", "e"))
-    return nan if MISSING.fullmatch(word.strip("*-+'\" ").lower()) else None
-
-
-def _marks(name: str, lines: list[str], decimal: str | None) -> tuple[str | None, str]:
-    """Return the separator of a file (None for blanks) and its decimal sign, from its last lines with digits.
-
-    With them most lines are numbers; of several the first tried counts. A `decimal` that is given is kept. Raises
-    InvalidInput where both readings of a sign fit.
-    """
-    sample = [line for line in lines if re.search(r"\d", line)][-80:]
-    best: tuple[int, str | None, str, list[list[str]]] = (0, None, ".", [])
-    for separator in (";", "\t", ", ", ",", None):
-        rows = [_cells(line, separator) for line in sample]
-        has_comma = any("," in cell for row in rows for cell in row)
-        signs = (",", ".") if has_comma else (".",)
-        for sign in (decimal,) if decimal else signs:
-            good = sum(all(_value(cell, sign) is not None for cell in row) for row in rows)
-            if good > best[0] and (separator is None or any(separator in line for line in sample)):
-                best = good, separator, sign, rows
-    _, separator, sign, rows = best
-    cells = [cell for row in rows for cell in row]
-    remedy = 'give decimal = "," or decimal = "."'
-    if separator == "," and not any("." in cell or "," in cell for cell in cells) and decimal != ".":
-        second = [cell for row in rows for cell in row[1::2]]
-        is_pair = all(len(row) % 2 == 0 for row in rows) and all(map(str.isdigit, second))
-        # decimals of one column, or of more where some begin with 0; positions at even steps begin lines of a trace
-        is_single = is_pair and len(rows[0]) == 2 and not _has_even_steps([_value(row[0], ".") or 0.0 for row in rows])
-        if is_single and decimal == ",":
-            return None, ","
-        if is_single or (is_pair and len(rows[0]) > 2 and any(re.match(r"0\d", cell) for cell in second)):
-            raise InvalidInput(
-                f"path is {name!r}, in which {rows[0][0] + ',' + rows[0][1]!r} is two numbers or one with a decimal "
-                f"comma: {remedy}, or separate numbers by semicolons."
-            )
-    for mark, what in ((",", "comma"), (".", "point")):
-        marked = [cell for cell in cells if mark in cell]
-        if decimal or not marked or not all(map(GROUPED[mark].fullmatch, marked)):
-            continue
-        is_mixed = any(
-            len({mark in cell for cell in column if cell.strip("+-").isdigit() or mark in cell}) > 1
-            for column in zip_longest(*rows, fillvalue="")
-        )
-        if is_mixed and (mark == "." or sign == ",") and not any({",": ".", ".": ","}[mark] in cell for cell in cells):
-            raise InvalidInput(
-                f"path is {name!r}, in which {marked[0]!r} has a decimal {what} or one between thousands: {remedy}."
-            )
-    return separator, sign
-
-
-def _has_even_steps(positions: list[float]) -> bool:
-    """Return whether steps between two or more `positions` differ by less than a fifth of their mean."""
-    steps = np.diff(positions)
-    return len(steps) > 0 and bool(np.ptp(steps) < 0.2 * abs(steps.mean()))

@@ -2,10 +2,10 @@
 
 import re
 from dataclasses import KW_ONLY
-from math import inf
-from typing import Annotated, Any, ClassVar, Literal, NamedTuple
+from typing import Annotated, ClassVar, Literal, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contactstudy.domain.grid import Array
 from contactstudy.domain.validation import FINITE, InvalidInput, Metres, Number, readable, validated
@@ -62,10 +62,22 @@ class Reading:
 
 
 class FileContent(NamedTuple):
-    """Numbers of a file (x, y), nan where one is missing, their unit [m], the sizes [m], and notes on them.
+    """Numbers of a file and what it says of them.
 
-    `invalid` is the number that stands for a missing one, if the file says so. `is_own` says whether this program wrote
-    the file. `assumed` is a note on sizes that the file leaves open, which a given extent replaces.
+    Attributes
+    ----------
+    values
+        Numbers (x, y), nan where one is missing.
+    unit
+        Unit of the numbers [m].
+    sizes
+        Width and length (x, y) [m] of all points, each standing for an equal cell; None if the file does not say.
+    notes
+        Sentences on what was done to the numbers.
+    invalid
+        Number that stands for a point that was not measured, if the file names one.
+    is_own
+        Whether this program wrote the file, so that its sizes need no check.
     """
 
     values: Array
@@ -74,7 +86,6 @@ class FileContent(NamedTuple):
     notes: tuple[str, ...] = ()
     invalid: float | None = None
     is_own: bool = False
-    assumed: str = ""
 
 
 def unit_of_heights(name: str, reading: Reading, own: float | None = None, unknown: str | None = None) -> float:
@@ -98,8 +109,8 @@ def unit_name(unit: float) -> str:
     return next((name for name, size in UNITS.items() if np.isclose(size, unit, atol=0)), readable(unit))
 
 
-# Points along each side of a matrix, of which a table of something else has fewer.
-MIN_POINTS = 8
+# Points along each side of a matrix, and rows of points in columns. A table of fewer is one of something else.
+MIN_POINTS, MIN_COLUMN_POINTS = 8, 4
 # First words of the names of columns.
 COLUMNS = {
     "x": ("x", "dx", "lateral", "distance", "position", "length", "weg", "scan"),
@@ -108,16 +119,23 @@ COLUMNS = {
 }
 # A column of angles, times or voltages, by its unit or its name.
 NO_LENGTH = re.compile(
-    r"°|[\[(](?!(?:[xyz]|lateral|unitless)?[\])])[^\])]+[\])]|\b(deg\w*|grad|m?rad|sec\w*|[mu]?s|m?v|angle|winkel|time|zeit|index|frame)\b",
+    r"°|[\[(](?!(?:[xyz]|lateral|unitless)?[\])])[^\])]+[\])]|"
+    r"\b(deg\w*|grad|m?rad|sec\w*|[mu]?s|m?v|angle|winkel|time|zeit|index|frame)\b",
     re.I,
 )
-SQUARE = "points are taken as square"
 # What a message offers where a file may be right all the same.
 CONFIRMED = 'sizes = "confirmed"'
+# Largest distance of a point from a regular grid, in steps, with which it is put onto the grid. Positions written with
+# few digits, or measured by a stage, lie within it; those of a scan of changing speed do not.
+MAX_SHIFT = 0.1
 
 
 def surface_of_text(name: str, text: TextTable, reading: Reading) -> FileContent:
-    """Return heights and sizes of a text file: a matrix, or points in columns."""
+    """Return heights and sizes of a text file: a matrix, or points in columns.
+
+    Raises :class:`~contactstudy.InvalidInput`, which says what is missing or contradictory, for a file that has two
+    readings.
+    """
     header = Header.of(text.header, text.values.shape)
     columns = _columns(name, text)
     own = {**header.units, **{axis: unit for axis, (_, unit) in columns.items() if unit}}
@@ -135,42 +153,14 @@ def surface_of_text(name: str, text: TextTable, reading: Reading) -> FileContent
                     f"path is {name!r}, whose column {text.names[place]!r} is no length: give positions in mm."
                 )
         places = [(text.values[:, columns[axis][0]], own.get(axis, unit)) for axis in "xy" if axis in columns]
-        content = _gridded(name, places, text.values[:, columns["z"][0]])
+        values, sizes, notes = _gridded(name, places, text.values[:, columns["z"][0]])
     else:
-        content = _matrix(text, header, unit)
-        if reading.sizes == "checked":
-            _check_matrix(name, text.blocks, header, content, reading)
-    notes = list(content.notes)
+        values, sizes, notes = _matrix(name, text, header, unit, reading)
     if header.factor != 1:
         notes.append(f"numbers times the factor {header.factor:g} of the header")
     if header.unused:
         notes.append(f"these lines of the header were not used: {', '.join(map(repr, header.unused))}")
-    return content._replace(unit=unit * header.factor, invalid=header.invalid, notes=tuple(notes))
-
-
-def _check_matrix(name: str, blocks: int, header: Header, content: FileContent, reading: Reading) -> None:
-    """Raise :class:`~contactstudy.InvalidInput` for a matrix, in so many blocks, that has two readings by its header."""
-    rows_and_columns, unit = content.values.shape, content.unit
-    stated = header.counts.get("x", 0) * header.counts.get("y", 0)
-    doubts = list(header.doubts)
-    if len(header.sizes) == len(header.steps) == 2 and not header.bare:
-        for axis, count in zip("yx", rows_and_columns, strict=True):
-            if abs(header.steps[axis] * count - header.sizes[axis]) > 1.5 * header.steps[axis]:
-                doubts.append(f"{axis} {header.sizes[axis]:g} and {count} times {header.steps[axis]:g}")
-    fault, remedy = "", f"give the right one, or extent and {CONFIRMED}"
-    if blocks > 1 and not stated:
-        fault = f"with {blocks} blocks of numbers between blank lines"
-        remedy = f"give a file of one map, or {CONFIRMED} if they are one"
-    elif doubts:
-        fault = f"whose header has two sizes for one: {doubts[0]} m"
-    elif header.bare and reading.extent is None and unit < 1e-7:
-        fault = f"whose header has sizes without a unit, and heights in {unit_name(unit)}"
-        remedy = "give extent, or the unit of the sizes in the header"
-    elif stated not in (0, content.values.size):
-        fault = f"of {content.values.size} numbers, where its header says {stated}"
-        remedy = f"give the whole file, or {CONFIRMED} if the header is wrong"
-    if fault:
-        raise InvalidInput(f"path is {name!r}, {fault}: {remedy}.")
+    return FileContent(values, unit * header.factor, sizes, tuple(notes), header.invalid)
 
 
 def _columns(name: str, text: TextTable) -> dict[str, tuple[int, float | None]]:
@@ -185,9 +175,10 @@ def _columns(name: str, text: TextTable) -> dict[str, tuple[int, float | None]]:
                 named[axis] = place, column_unit(label)
     if {"x", "z"} <= named.keys():
         return named
-    units = [column_unit(label) for label in text.names]
-    if count in (2, 3) and rows >= MIN_POINTS - 4 * (count == 3):
-        return {axis: (place, units[place]) for place, axis in enumerate("xz" if count == 2 else "xyz")}
+    if count in (2, 3) and rows >= (MIN_POINTS if count == 2 else MIN_COLUMN_POINTS):
+        return {
+            axis: (place, column_unit(text.names[place])) for place, axis in enumerate("xz" if count == 2 else "xyz")
+        }
     if rows < MIN_POINTS or 1 < count < MIN_POINTS:
         raise InvalidInput(
             f"path is {name!r}, of {rows} rows of {count} numbers: give a surface of at least {MIN_POINTS} x "
@@ -204,67 +195,121 @@ def column_unit(label: str) -> float | None:
     return next(filter(None, map(length_unit, reversed(words))), None)
 
 
-def _matrix(text: TextTable, header: Header, unit: float) -> FileContent:
-    """Return a matrix, whose rows run along the contact, with sizes of its header or of places on its margins."""
-    values, places = _without_margins(text.values, np.array(text.above))
-    pair = header.counts.get("y", 0), header.counts.get("x", 0)
-    if pair[0] * pair[1] == values.size and sorted(pair) != sorted(values.shape):
-        values = values.reshape(pair)  # lines that are broken, or one number a line
+# Heights (x, y) in the unit of the file, their sizes (x, y) [m], None if they are not known, and notes on them.
+Heights = tuple[Array, tuple[float, float] | None, list[str]]
+
+
+def _matrix(name: str, text: TextTable, header: Header, unit: float, reading: Reading) -> Heights:
+    """Return a matrix, whose rows run along the contact, with sizes of its header or of positions on its margins."""
+    values, steps = _without_margins(text.values)
+    stated = header.counts.get("y", 0), header.counts.get("x", 0)
+    if stated[0] * stated[1] == values.size and sorted(stated) != sorted(values.shape):
+        values = values.reshape(stated)  # lines that are broken, or one number a line
     rows, columns = values.shape
-    counts, notes = {"x": columns, "y": rows}, []
-    assumed = f"sizes of the header, which have no unit, count in {unit_name(unit)}" * bool(header.bare)
-    lengths: dict[str, float] = {}
-    for axis, count in counts.items():
-        bare = unit if axis in header.bare else 1.0
-        step = abs(np.diff(places[axis]).mean()) if len(places[axis]) else 0.0
-        if step and (step != 1 or places[axis][0] not in (0, 1)):
-            lengths[axis] = float(step) * count * header.units.get(axis, unit)
-        elif axis in header.steps or axis in header.sizes:
-            lengths[axis] = header.steps.get(axis, 0.0) * count * bare or header.sizes[axis] * bare
-    if columns == 1 and lengths:  # a profile, whose places may be called x
-        size = lengths.get("x", 0.0) * (rows if "x" in header.steps else 1) or lengths["y"]
-        lengths = {"y": size, "x": size / rows}
-    if len(lengths) == 2 and lengths["x"] == lengths["y"] and rows != columns and not header.steps:
-        notes.append("the one size of the header counts both ways")
-    if len(lengths) == 1:  # a lone width or length may be that of the part
-        steps = [lengths[axis] / counts[axis] for axis in lengths if axis in header.steps or any(places[axis])]
-        lengths = {axis: step * count for step in steps for axis, count in counts.items()}
-        assumed = SQUARE * len(steps)
-    sizes = (lengths["y"], lengths["x"]) if lengths else None
-    return FileContent(values, unit, sizes, tuple(notes), assumed=assumed * bool(lengths))
+    if columns == 1:  # a profile, whose length may be called that along x or y
+        length = header.length("x", rows) or header.length("y", rows)
+        sizes = [] if length is None else [length, length / rows]
+    else:
+        lengths = [header.length("y", rows), header.length("x", columns)]
+        for axis, step in enumerate(steps):
+            if step:
+                lengths[axis] = step * values.shape[axis] * header.units.get("yx"[axis], unit)
+        sizes = [length for length in lengths if length is not None]
+    if reading.sizes == "checked":
+        _check_matrix(name, text.blocks, header, values, sizes, reading)
+    if len(sizes) < 2 or not np.isfinite(sizes).all():
+        return values, None, []
+    is_one_size = sizes[0] == sizes[1] and rows != columns and ("step", "x") not in header.lengths
+    return values, (sizes[0], sizes[1]), ["the one size of the header counts both ways"] * is_one_size
 
 
-def _without_margins(values: Array, above: Array) -> tuple[Array, dict[str, Array]]:
-    """Return a matrix without positions in its first column and first row or above it, and these, by axis."""
+def _check_matrix(name: str, blocks: int, header: Header, values: Array, sizes: list[float], reading: Reading) -> None:
+    """Raise :class:`~contactstudy.InvalidInput` for a matrix that has two readings by its header.
+
+    Parameters
+    ----------
+    name
+        Path of the file.
+    blocks
+        Number of parts of the matrix between blank lines.
+    header
+        Statements of the file.
+    values
+        Matrix (x, y).
+    sizes
+        Sizes [m] that the file gives, fewer than two where it gives none of an axis, nan where one has no unit.
+    reading
+        What is said beside the file.
+    """
+    count = header.counts.get("x", 0) * header.counts.get("y", 0)
+    doubts = list(header.doubts)
+    if len(header.lengths) == 4:  # sizes and steps of both axes
+        for axis, points in zip("yx", values.shape, strict=True):
+            step, size = header.lengths["step", axis], header.lengths["size", axis]
+            if abs(step * points - size) > 1.5 * step:
+                doubts.append(f"{axis} {size:g} and {points} times {step:g}")
+    fault, remedy = "", f"give the right one, or extent and {CONFIRMED}"
+    if blocks > 1 and not count:
+        fault = f"with {blocks} blocks of numbers between blank lines"
+        remedy = f"give a file of one map, or {CONFIRMED} if they are one"
+    elif doubts:
+        fault = f"whose header has two sizes for one: {doubts[0]} m"
+    elif reading.extent is None and (len(sizes) == 1 or np.isnan(sizes).any()):
+        fault = "whose sizes have no unit" if np.isnan(sizes).any() else "which has a size along one axis alone"
+        remedy = "give extent, or sizes with a unit for both axes in the header"
+    elif count not in (0, values.size):
+        fault = f"of {values.size} numbers, where its header says {count}"
+        remedy = f"give the whole file, or {CONFIRMED} if the header is wrong"
+    if fault:
+        raise InvalidInput(f"path is {name!r}, {fault}: {remedy}.")
+
+
+def _without_margins(values: Array) -> tuple[Array, list[float]]:
+    """Return a matrix without positions in its first column and row, and their step along either axis.
+
+    A step is zero without positions, and where they are the numbers of the points. Where positions fall the matrix is
+    reversed.
+    """
     left = top = np.array([])
     if min(values.shape) > 2 and _is_even(values[1:, 0]) and not _is_even(values[1:, 1]):
         left, values = values[:, 0], values[:, 1:]
-    count = values.shape[1]
-    if 2 < count <= len(above) and _is_even(above[-count:]):
-        top = above[-count:]
-    elif min(values.shape) > 2 and _is_even(values[0]) and not _is_even(values[1]):
+    if min(values.shape) > 2 and _is_even(values[0]) and not _is_even(values[1]):
         top, left, values = values[0], left[1:], values[1:]
-    falling = [axis for axis, places in ((0, left), (1, top)) if len(places) and places[0] > places[-1]]
-    return np.flip(values, tuple(falling)), {"x": top, "y": left}
+    falling = [axis for axis, places in enumerate((left, top)) if len(places) and places[0] > places[-1]]
+    steps = [float(abs(np.diff(places).mean())) if len(places) else 0.0 for places in (left, top)]
+    are_numbers = [step == 1 and places[0] in (0, 1) for step, places in zip(steps, (left, top), strict=True)]
+    return np.flip(values, tuple(falling)), [
+        step * (not is_number) for step, is_number in zip(steps, are_numbers, strict=True)
+    ]
 
 
 def _is_even(places: Array) -> bool:
-    """Return whether numbers rise or fall in equal steps."""
+    """Return whether numbers rise or fall in steps that are equal to 1 %, as rounded positions do and heights do not."""
     steps = np.diff(places)
     return len(steps) > 0 and bool(np.ptp(steps) <= 0.01 * abs(steps.mean())) and steps.mean() != 0
 
 
-def _gridded(name: str, places: list[tuple[Array, float]], z: Array) -> FileContent:
-    """Return heights (x, y) and sizes [m] of points with places (positions, unit) near those of a regular grid."""
+def _gridded(name: str, places: list[tuple[Array, float]], z: Array) -> Heights:
+    """Return heights of points near a regular grid.
+
+    Parameters
+    ----------
+    name
+        Path of the file.
+    places
+        Positions of all points along x, and along y unless they are a profile, each with its unit [m].
+    z
+        Heights of all points.
+    """
     remedy = "give points on a rectangular grid, in columns x, y and height, or x and height of a profile"
     keep = np.isfinite(np.sum([positions for positions, _ in places], axis=0))
     indices, sizes, shift = [], [], 0.0
     for positions, unit in places:
         index, step, off = _on_line(positions[keep])
-        if off > 0.1:
+        if off > MAX_SHIFT:
             raise InvalidInput(
                 f"path is {name!r}, whose points are not equidistant: they are up to {off:.2g} of a step beside a "
-                f"regular grid, and 0.1 is the most: {remedy}."
+                f"regular grid, and {MAX_SHIFT} is the most: {remedy}."
             )
         indices.append(index)
         sizes.append(step * (index.max() + 1) * unit)
@@ -279,26 +324,27 @@ def _gridded(name: str, places: list[tuple[Array, float]], z: Array) -> FileCont
     if not np.array_equal(heights[indices[0], indices[1]], z[keep], equal_nan=True):
         raise InvalidInput(f"path is {name!r}, which has two heights at one place: {remedy}.")
     is_moved = bool(shift > 1e-3 * min(sizes) / max(heights.shape))
-    notes = (f"points moved by up to {readable(shift)} onto a regular grid",) * is_moved
-    return FileContent(heights, 1.0, (sizes[0], sizes[1]), notes)
+    return heights, (sizes[0], sizes[1]), [f"points moved by up to {readable(shift)} onto a regular grid"] * is_moved
 
 
-def _on_line(positions: Array) -> tuple[Any, float, float]:
-    """Return the indices of positions on a regular line, its step, and the largest distance from it in steps."""
+def _on_line(positions: Array) -> tuple[NDArray[np.intp], float, float]:
+    """Return the indices of positions on a regular line, its step, and the largest distance from it in steps.
+
+    Gaps between the lines of a grid are those above a limit: of limits from a half to 1/1024 of the largest gap, for
+    holes of as many lines, the one that gives the most regular line counts.
+    """
     order = np.sort(positions)
     gaps = np.diff(order)
-    best: tuple[Any, float, float] = np.zeros(len(positions), dtype=int), 1.0, inf
     if gaps.max(initial=0.0) <= 1e-6 * (order[-1] - order[0]):
-        return best[0], 1.0, 0.0
-    # gaps between lines of points are the ones above a limit: that which gives the most regular line
-    for limit in gaps.max() / 2.0 ** np.arange(1, 11):
+        return np.zeros(len(positions), dtype=int), 1.0, 0.0
+
+    def fitted(limit: float) -> tuple[NDArray[np.intp], float, float]:
         line = np.concatenate([[0], np.cumsum(gaps > limit)])
         centres = np.bincount(line, order) / np.bincount(line)
         between = np.diff(centres)
         number = np.concatenate([[0.0], np.cumsum(np.round(between / np.median(between)))])
         step, start = np.polyfit(number, centres, 1)
         index = np.round((positions - start) / step)
-        off = float(np.abs(positions - start - step * index).max() / step)
-        if off < best[2]:
-            best = index.astype(int), float(step), off
-    return best
+        return index.astype(int), float(step), float(np.abs(positions - start - step * index).max() / step)
+
+    return min(map(fitted, gaps.max() / 2.0 ** np.arange(1, 11)), key=lambda line: line[2])

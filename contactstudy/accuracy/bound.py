@@ -1,4 +1,10 @@
-"""Bound of the discretisation error of a solution: its edges, heights inside its cells, the change from larger ones."""
+"""Bound of the discretisation error of a solution: its edges, heights inside its cells, the change from larger ones.
+
+`discretisation_bound` takes the largest of three: what the pressure shows of itself (edges, ends, peak), what heights
+inside the cells may hide, and, where neither determines the error, the change from the same contact on cells of twice
+the size. With adhesion the net pressure is the pressure less the attraction. The load is a result, with an error of its
+own, at a given approach and at pull-off.
+"""
 
 from dataclasses import dataclass, replace
 from math import inf, sqrt
@@ -14,6 +20,7 @@ from contactstudy.accuracy.coarser import (
     relative_loss,
     straight_edges,
     unseen_area_error,
+    wraps_of,
 )
 from contactstudy.accuracy.hidden_heights import HiddenEffect, HiddenHeights
 from contactstudy.domain.grid import Array, axis_first
@@ -22,11 +29,11 @@ from contactstudy.scene.scene import scene_of
 from contactstudy.scene.shapes.shape import unresolved
 from contactstudy.solvers.solution import Solution
 
-# Least cells in a layer beside which edges follow the law of those of a half-space: on fewer their places by two pairs
-# of cells were off by up to 0.2 cells where they agreed by chance.
+# Least number of cells across in the thickness of a layer with which the edges of its contact follow the law of those
+# of a half-space: on fewer their places by two pairs of cells were off by up to 0.2 cells where they agreed by chance.
 CELLS_IN_LAYER = 3.0
-# Distance of a peak pressure in the two cells at an edge from the opposite edge, over that from its own, from which it
-# belongs to its own.
+# A peak pressure in one of the two cells at an edge belongs to that edge if the opposite one is this many times as far:
+# it is 3 from the second of five cells, the middle of whose contact is smooth.
 OPPOSITE = 4
 SHARP_EDGE = "a sharp edge or corner"
 UNKNOWN_HEIGHTS = (
@@ -49,36 +56,43 @@ class OneGridConstants:
     Attributes
     ----------
     smooth_ratio
-        Ratio of the hidden fraction of the load to the error of smooth edges below which no coarser solution is needed.
+        Ratio of the hidden fraction of the load to the error of smooth edges below which no coarser solution is needed:
+        hidden heights then add less than the edges, whose law is a bound by some times.
     hidden_error
-        Largest error in L1 over the hidden fraction of the load.
+        Largest error in L1 over the hidden fraction of the load, see :class:`HiddenEffect`.
     hidden_area
-        Largest error of the area over the fraction of it that may open: at most 0.2 in 25 rough contacts.
+        Largest error of the area over the fraction of it that may open: at most 0.2 in 25 rough contacts, of which four
+        times as much is taken, since openings are not bounded by anything else.
     max_l1
-        Largest L1 difference of two pressures of one load.
+        Largest relative L1 difference of two pressures of one load, that of contacts without a common point.
     load_error
         Error of the load at a given approach over the L1 error due to the edges or the hidden fraction of the load: at
         most 0.27 of the former on 288 smooth line contacts of 10 to 255 cells across the width, whose datum was half
         the width of the grid or more.
     negligible_attraction
-        Fraction of the largest force up to which heights under an attraction do not count.
+        Fraction of the largest sum of pressure and attraction up to which heights below an attraction do not count: its
+        tail covers most of the grid, where hidden heights change it little.
     sharp_rise
-        Fraction of the peak pressure that a corner adds at each halving of the cells, from which it counts as sharp.
+        Fraction of the peak pressure that a corner adds at each halving of the cells, from which it counts as sharp:
+        three halvings of such a corner change the peak by less than a half per cent.
     min_cells_across
-        Least cells across the contact at the peak for its edges to follow their law.
+        Least number of neighbouring cells in contact, along each axis, for edges to follow their law, which uses the
+        two or three cells next to each of them.
     peak_by_shear
-        Error of the peak pressure over Dundurs' beta times the leap of the shear where slip begins: at most 0.42 in 32
+        Error of the peak pressure over Dundurs' beta times the jump of the shear where slip begins: at most 0.42 in 32
         contacts on 41 to 324 cells.
     end_over_peak
-        Pressure at a roller's end over the peak pressure, from which that end may have the peak.
+        Pressure at a roller's end over the peak pressure, from which that end may have the peak: sharp rollers of 2.5
+        to 30 half-widths have it there on 6 to 48 cells along; where a profile relieves the end, the pressure at it
+        falls below a half as the cells become finer.
     falling_end
         Pressure at free faces over that in the next cell, up to which it falls towards them on finer cells too.
-    end_rise
-        Error in the end cells of a roller over their rise above the next ones, in cells as long as the half-width.
-    end_length
-        Error over the pressure on the length by which the cells make an end of a roller too long or too short: it is 2,
-        as that pressure lies elsewhere, and more for what it moves. With both, bounds were 1.9 to 2.3 times the errors
-        of 16 sharp rollers that fit their cells, and 1.1 to 10 times those of 41 that do not.
+    end_rise, end_length
+        Errors in the end cells of a roller, of which with both bounds were 1.9 to 2.3 times the errors of 16 sharp
+        rollers that fit their cells, and 1.1 to 10 times those of 41 that do not. `end_rise` is the error over the rise
+        of the end cells above the next ones, in cells as long as the half-width. `end_length` is that over the pressure
+        on the length by which the cells make an end too long or too short: 2, as that pressure lies elsewhere, and as
+        much again for what it moves.
     cell_at_interface
         Largest cell over the thickness of a coating with which the grid resolves the shear stress at its interface.
     """
@@ -107,11 +121,11 @@ def discretisation_bound(
 ) -> DiscretisationErrors:
     """Return the errors of `solution` due to its cells; without adhesion of the area what no other grid shows.
 
-    Parameters are those of :func:`~contactstudy.accuracy.estimate.error_estimate`.
+    Parameters are those of :func:`~contactstudy.accuracy.estimate.error_estimate`. The error of the load is None where
+    it is given.
     """
     problem = solution.problem
     pressure = solution.pressure[around_contact(solution.pressure)]
-    wraps = _wraps(problem)
     load_is_result = problem.control.approach is not None or is_pull_off(solution)
     no_load = inf if load_is_result else None
     if reason := _cut_off(solution) or _unresolved_length(problem):
@@ -127,7 +141,7 @@ def discretisation_bound(
     # where the grid chooses the range of an attraction, edges follow another law
     peak, edges = (0.0, (0.0, 0.0)) if solution.regularised else shown_errors(solution)
     l1, at_end, at_hardness = sum(edges), end_error(solution), _at_hardness(solution)
-    area = 0.0 if adheres else unseen_area_error(solution.pressure, wraps, lawful_edges(solution))
+    area = 0.0 if adheres else unseen_area_error(solution.pressure, wraps_of(problem), lawful_edges(solution))
     load = CONSTANTS.load_error * max(0.0 if adheres else l1, inside.hidden_load)
     changes = DiscretisationErrors(0.0, 0.0, 0.0)
     follows_law = (
@@ -149,10 +163,10 @@ def discretisation_bound(
     of_net, peak_of_net = over_net(solution)
     l1 = max(l1 * of_net, changes.l1, hidden_error / float(pressure.sum()) * of_net)
     l1 = min(largest_l1, l1) if _has_run_in_contact(pressure, 2) else largest_l1
-    reason = ""
+    reason = "" if at_hardness else _no_peak(solution, inside)
     if at_hardness:  # the peak pressure is the hardness
         peak = changes.peak_pressure
-    elif reason := _no_peak(solution, inside):
+    elif reason:
         peak = inf
     else:
         peak = max(changes.peak_pressure, max(peak, inside.peak_rise) * peak_of_net) + _peak_by_shear(solution)
@@ -162,7 +176,7 @@ def discretisation_bound(
         if adheres:
             net = abs(float(solution.net_pressure.sum()))
             load = max(load, hidden_error / net) if net else inf
-        if not adheres:  # the level of the pressure beside its shape, which its edges show
+        else:  # the level of the pressure beside its shape, which its edges show
             l1, peak = l1 + load, peak + load
     area = max(area, hidden_area, changes.contact_area if adheres else 0.0)
     if not adheres and not _has_run_in_contact(solution.pressure, 2):
@@ -172,7 +186,7 @@ def discretisation_bound(
 
 
 def lawful_edges(solution: Solution) -> StraightEdges | None:
-    """Return the edges of a contact if they follow the law of straight ones.
+    """Return the edges of a contact if they follow the law of straight ones, else None.
 
     They do not with adhesion, on a layer of few cells, and where a limit of the pressure makes a plateau.
     """
@@ -202,7 +216,10 @@ def is_highest_beside_edge(pressure: Array) -> bool:
 
 
 def dundurs_of_shear(solution: Solution) -> float:
-    """Return Dundurs' beta of the bodies of a solution with a tangential traction; 0 without one."""
+    """Return Dundurs' parameter beta of the bodies of a solution with a tangential traction; 0 without one.
+
+    It is 0 of similar bodies, in which a tangential traction does not displace the surface along its normal.
+    """
     scene = scene_of(solution.problem)
     if solution.traction is None or scene is None:
         return 0.0
@@ -212,41 +229,38 @@ def dundurs_of_shear(solution: Solution) -> float:
 
 
 def _peak_by_shear(solution: Solution) -> float:
-    """Return the relative error of the peak pressure by a shear of dissimilar bodies, which leaps where slip begins."""
+    """Return the relative error of the peak pressure by a shear of dissimilar bodies, which jumps where slip begins."""
     beta = dundurs_of_shear(solution)
-    return CONSTANTS.peak_by_shear * abs(beta) * leap_of_shear(solution) / solution.peak_pressure if beta else 0.0
+    return CONSTANTS.peak_by_shear * abs(beta) * jump_of_shear(solution) / solution.peak_pressure if beta else 0.0
 
 
-def leap_of_shear(solution: Solution) -> float:
-    """Return the largest change [Pa] of a tangential traction between two cells where slip begins, or one cell away."""
+def jump_of_shear(solution: Solution) -> float:
+    """Return the largest change [Pa] of a tangential traction between two cells where slip begins, or one cell away.
+
+    It is 0 without a traction.
+    """
     from scipy.ndimage import binary_dilation  # imported late, since it is slow
 
-    traction, leap = solution.traction, 0.0
+    traction, largest = solution.traction, 0.0
     if traction is None:
-        return leap
+        return largest
     for axis in (0, 1):
-        rise = np.abs(np.diff(traction.shear, axis=axis + 1)).max(axis=0)
+        change = np.abs(np.diff(traction.shear, axis=axis + 1)).max(axis=0)
         near = binary_dilation(np.diff(np.asarray(traction.stick, bool), axis=axis))
-        leap = max(leap, float(rise[near].max(initial=0.0)))
-    return leap
+        largest = max(largest, float(change[near].max(initial=0.0)))
+    return largest
 
 
 def shown_errors(solution: Solution) -> tuple[float, tuple[float, float]]:
     """Return the errors of the peak pressure and in L1 (across, along) that the pressure of the cells shows.
 
-    A roller that ends within the grid ends there as at the end of the grid.
+    Of a roller that ends within the grid, the rows of cells beyond its ends do not count.
     """
-    pressure, lengths = solution.pressure, solution.problem.covered_fractions
-    if lengths is not None:
-        pressure = pressure[:, lengths > 0]
-    peak, (across, along) = discretisation_errors(pressure[around_contact(pressure)], _wraps(solution.problem))
+    pressure, covered = solution.pressure, solution.problem.covered_fractions
+    if covered is not None:
+        pressure = pressure[:, covered > 0]
+    peak, (across, along) = discretisation_errors(pressure[around_contact(pressure)], wraps_of(solution.problem))
     return peak, (across, along + end_error(solution))
-
-
-def _wraps(problem: Problem) -> tuple[bool, bool]:
-    """Return whether a surface is periodic across and along."""
-    assert problem.paddings is not None
-    return problem.paddings[0].wraps, problem.paddings[1].wraps
 
 
 def end_error(solution: Solution) -> float:
@@ -259,23 +273,23 @@ def end_error(solution: Solution) -> float:
     problem, pressure = solution.problem, solution.pressure
     if pressure.shape[1] == 1 or problem.source is None or not problem.source.ends_along:
         return 0.0
-    lengths = problem.covered_fractions
-    lengths = np.ones(pressure.shape[1]) if lengths is None else lengths
-    lines = np.flatnonzero(lengths)
-    off = abs(len(lines) - float(lengths.sum())) / 2
+    covered = problem.covered_fractions  # of each line of cells, the fraction along y that the roller covers
+    covered = np.ones(pressure.shape[1]) if covered is None else covered
+    lines = np.flatnonzero(covered)
+    misfit = abs(len(lines) - float(covered.sum())) / 2  # of the cells at each end, in cells
     error = 0.0
-    for end, inward in (lines[:2], lines[:-3:-1]) if len(lines) > 1 else ():
-        beside = pressure[:, end]
-        if cells := np.count_nonzero(beside):
+    for last, next_inward in (lines[:2], lines[:-3:-1]) if len(lines) > 1 else ():
+        at_end = pressure[:, last]
+        if cells := np.count_nonzero(at_end):
             half_width = cells * problem.grid.cell_size[0] / 2
-            rise = float(np.abs(beside - pressure[:, inward]).sum())
+            rise = float(np.abs(at_end - pressure[:, next_inward]).sum())
             error += CONSTANTS.end_rise * sqrt(problem.grid.cell_size[1] / half_width) * rise
-            error += CONSTANTS.end_length * off * float(beside.sum())
+            error += CONSTANTS.end_length * misfit * float(at_end.sum())
     return error / float(pressure.sum())
 
 
 def _force(solution: Solution) -> Array:
-    """Return pressure and attraction (x, y) [Pa] together, without the tail of the attraction far from contact."""
+    """Return the sum of pressure and attraction (x, y) [Pa], below which heights count; 0 where it is negligible."""
     if solution.adhesion is None:
         return solution.pressure
     force = solution.pressure + solution.adhesion.attraction
@@ -283,7 +297,7 @@ def _force(solution: Solution) -> Array:
 
 
 def over_net(solution: Solution) -> tuple[float, float]:
-    """Return the L1 norm of the pressure, and its peak, over those of the net pressure; 1 without adhesion."""
+    """Return the L1 norm of the pressure, and its peak, over those of the net pressure; both 1 without adhesion."""
     if solution.adhesion is None:
         return 1.0, 1.0
     pressure, peak = solution.pressure, abs(solution.peak_pressure)
@@ -333,13 +347,13 @@ def _no_peak(solution: Solution, inside: HiddenEffect) -> str:
 
 
 def _at_hardness(solution: Solution) -> bool:
-    """Return whether the peak pressure is a limit of the constraint, which finer cells have too."""
+    """Return whether the peak pressure is the limit of a hardness, which finer cells have too."""
     ix, iy = np.unravel_index(np.argmax(solution.pressure), solution.pressure.shape)
     active = solution.problem.constraint.active(solution.pressure[ix : ix + 1])
     return bool(active[0, iy] == 0)
 
 
-def _at_sharp_end(problem: Problem, pressure: np.ndarray) -> bool:
+def _at_sharp_end(problem: Problem, pressure: Array) -> bool:
     """Return whether an end of the roller has pressure of the order of the peak pressure.
 
     There it is infinite in the limit of small cells, though coarse cells may not show a rise; at free faces it is only
@@ -360,9 +374,10 @@ def _at_sharp_end(problem: Problem, pressure: np.ndarray) -> bool:
 
 
 def has_isolated_cells(solution: Solution) -> bool:
-    """Return whether too few neighbours are in contact for a bound of the peak pressure: two, under a given load three.
+    """Return whether fewer neighbouring cells are in contact than a bound of the peak pressure needs.
 
-    Under a given load the peak of two cells may be any multiple of theirs.
+    It needs two along each axis, and three under a given load, where the peak of two cells may be any multiple of their
+    pressure.
     """
     return not _has_run_in_contact(solution.pressure, 3 if _load_is_fixed(solution) else 2)
 
@@ -372,8 +387,8 @@ def _load_is_fixed(solution: Solution) -> bool:
     return solution.adhesion is None and solution.problem.control.approach is None
 
 
-def _has_run_in_contact(pressure: np.ndarray, neighbours: int) -> bool:
-    """Return whether as many `neighbours` along each axis are in contact; of a shorter axis all, of one cell any."""
+def _has_run_in_contact(pressure: Array, neighbours: int) -> bool:
+    """Return whether somewhere as many `neighbours` along each axis are in contact; all of them on a shorter axis."""
     touching = pressure > 0
     runs = ((along, min(neighbours, len(along))) for along in (touching, touching.T))
     return all(

@@ -1,5 +1,12 @@
-"""Error terms beside those of the cells: images left out, the residual of the solver, a finite range of attraction."""
+"""Error terms beside those of the cells: images left out, the residual of the solver, a finite range of attraction.
 
+All are relative to the number that they belong to. Images are the periods of the pressure beside the domain; a padding
+sums those of its `window`, a range of periods relative to that of a point, and all of them where the window is None. In
+the JKR limit (Johnson, Kendall & Roberts 1971) the range of the attraction is zero; where no range is given, the solver
+takes the shortest that the cells hold, and the attraction is called `regularised`.
+"""
+
+from dataclasses import replace
 from math import inf, sqrt
 from typing import Any, NamedTuple
 
@@ -21,34 +28,37 @@ IMAGES_REMEDY = (
     "give ExactPeriodicity along their axis, or for a body without neighbours ZeroPadding and a grid that holds its "
     "contact"
 )
-# L1 change of Hertz's ellipse over the small fraction of its half-width by which it is made narrower, or shifted.
+# Relative L1 change of Hertz's ellipse under one load, over the small fraction of its half-width by which it is made
+# narrower, ``(2 / pi) int |cos 2 t| dt`` over half a turn, or shifted.
 L1_OVER_NARROWING = 4 / np.pi
 # With n images to each side, in a window centred on the domain, the line load varies by
-# END_VARIATION (a / L)^END_VARIATION_POWER / (2 n + 1)^2 in the mean over the length L, a being the half-width: measured
-# for L from 0.15 to 9.6 half-widths, on 32 to 288 cells.
+# END_VARIATION (a / L)^END_VARIATION_POWER / (2 n + 1)^2 in the mean over the length L, a being the half-width:
+# measured for L from 0.15 to 9.6 half-widths, on 32 to 288 cells.
 END_VARIATION, END_VARIATION_POWER = 0.5, 0.7
-# Bound over the errors of a roller that ends, by the law of an endless contact with the larger of the half-widths across
-# and along: they were at most 1.31 times that on 336 sharp and Lundberg rollers of 2.5 to 30 half-widths, on grids of 1
-# to 3 times the length with 1 to 4 images on either axis.
+# Bound for a roller that ends, over the law of an endless contact with the larger of the half-widths across and along:
+# errors were at most 1.31 times that law on 336 sharp and Lundberg rollers of 2.5 to 30 half-widths, on grids of 1 to 3
+# times the length with 1 to 4 images on either axis.
 ENDS_MARGIN = 1.5
 
 
 def image_errors(pressure: Array, grid: Grid, paddings: Paddings, margin: float = 1.0) -> tuple[float, float]:
     """Return the relative errors of the peak pressure and of the pressure in L1 due to images left out by a padding.
 
-    A window that reaches D to each side takes ``x^2 / (2 D^2)`` from the logarithm of each image row, and so makes the
-    contact, of half-width ``a = 2 rms(x)``, too highly curved by the factor ``1 + a^2 / (4 D^2)``. A window centred on
-    the domain, of length L with n images to each side, also misses more at its ends, by ``-ln(1 - (2 y / L)^2 / (2 n +
-    1)^2)``: under that kink the pressure
-    rises, j cells from the end by the fraction ``(2 / pi) (a / L) ln(cells / (2 j + 1)) / (2 n + 1)^2``. Without any
-    images the solution's own line load shows the error at the ends. The errors are zero where all images are summed, or
-    a length without images holds the whole contact. A body that ends along the length is not uniform along it, so that
-    the images bend it along both axes, by its larger half-width, within `ENDS_MARGIN`.
+    The displacement by a uniform line of pressure at the distance x is a logarithm of x. A window that reaches the
+    distance D to each side along that line takes ``x^2 / (2 D^2)`` from the logarithm, and so makes the contact, of the
+    half-width ``a = 2 rms(x)``, too highly curved by the factor ``1 + a^2 / (4 D^2)``. A window centred on the domain,
+    of the length L with n images to each side, also misses more at the ends ``y = L / 2``, by
+    ``-ln(1 - (2 y / L)^2 / (2 n + 1)^2)``: under that kink the pressure rises, j cells from the end by the fraction
+    ``(2 / pi) (a / L) ln(cells / (2 j + 1)) / (2 n + 1)^2``. Without any images the solution's own line load shows the
+    error at the ends. The errors are zero where all images are summed, or a length without images holds the whole
+    contact. A body that ends along the length is not uniform along it, so that the images bend it along both axes, by
+    its larger half-width, within `ENDS_MARGIN`. An attraction beside the contact bends it as pressure does, so that the
+    load at pull-off, which goes with the third root of the radius, has an error below that in L1.
 
     Parameters
     ----------
     pressure
-        Pressure (x, y).
+        Pressure (x, y) in any unit; with adhesion the size of the net pressure.
     grid
         Its grid.
     paddings
@@ -63,7 +73,7 @@ def image_errors(pressure: Array, grid: Grid, paddings: Paddings, margin: float 
         For a window on one axis with images on the other.
     """
     across, along = paddings
-    if _counts_images(across):
+    if _counts_images(across):  # the law is that along the axis of the images: exchange the axes
         pressure, (along, across) = pressure.T, (across, along)
         period, positions, others = grid.extent[0], grid.y, grid.x
     else:
@@ -87,12 +97,16 @@ def image_errors(pressure: Array, grid: Grid, paddings: Paddings, margin: float 
 
 
 def _counts_images(padding: Padding) -> bool:
-    """Return whether a `padding` has images, a finite number of them."""
+    """Return whether a `padding` sums images, and a finite number of them."""
     return padding.window is not None and len(padding.window) > 1
 
 
 def _narrowing(half_width: float, period: float, cells: int, along: Padding) -> float:
-    """Return the fraction by which the images left out raise the peak of a contact and narrow it."""
+    """Return the fraction by which the images left out raise the peak of a contact and narrow it.
+
+    The contact has a `half_width` [m]; the images repeat after a `period` [m] of some `cells` under the padding
+    `along`.
+    """
     assert along.window is not None
     reach = along.reach(period)
     # an even number of cells cannot lie symmetrically about the cell whose displacement is summed
@@ -102,13 +116,16 @@ def _narrowing(half_width: float, period: float, cells: int, along: Padding) -> 
 
 
 def _kink(ratio: float, window: int, cells: int) -> Array:
-    """Return the rise of the pressure towards the ends of a window centred on the domain, in the cells along it."""
+    """Return the factor (y,) by which the pressure rises towards the ends of a window centred on the domain.
+
+    The `ratio` is that of half-width and period, and the `window` has that many periods of some `cells` each.
+    """
     odd = 2 * np.minimum(np.arange(cells), np.arange(cells)[::-1]) + 1
     return np.asarray(1 + 2 / np.pi * ratio * np.log(cells / odd) / window**2)
 
 
 def _end_errors(pressure: Array, along: Padding, ratio: float) -> tuple[float, float]:
-    """Return the errors of peak pressure and pressure in L1 by the variation along the length.
+    """Return the errors of the peak pressure and of the pressure in L1 by its variation along the length.
 
     Parameters
     ----------
@@ -144,13 +161,13 @@ def _half_width(pressure: Array, x: Array) -> float:
     return 2 * float(np.sqrt((fraction * (x - middle) ** 2).sum()))
 
 
-# Bound over the error of the approximate inverse, which was at most 2.3 in 2320 solves, where the padding is a window
-# on an odd number of cells.
+# Factor on the pressure by the approximate inverse, which was too small by a factor of up to 2.3 in 2320 solves, most
+# where the padding is a window on an odd number of cells.
 INVERSE_MARGIN = 2.5
 
 
 class ResidualErrors(NamedTuple):
-    """Relative errors of the peak pressure, the pressure in L1 and the contact area, and the error of the gap [m]."""
+    """Errors by the residual: those of peak pressure, pressure in L1 and contact area are relative, `gap` is in m."""
 
     peak_pressure: float
     l1: float
@@ -159,12 +176,13 @@ class ResidualErrors(NamedTuple):
 
 
 def residual_errors(solution: Solution, change: float = 0.0) -> ResidualErrors:
-    """Return the errors by the remaining gap: of the pressure that would close it, and of the gap itself.
+    """Return the errors by the gap that the solver left on cells in contact: of the pressure that would close it.
 
-    Beside the contact the gap changes by no more than in it, by the maximum principle. A cell that enters or leaves the
-    contact changes the pressure by its own: the cells of the smallest pressures, as many as carry the L1 error, may do
-    so. The error of the load, and of a gap beside far larger heights, add to that of the pressure. A relative `change`
-    of the pressure may be left beside the residual.
+    That pressure follows from the preconditioner of the solver, an approximate inverse of the operator. Beside the
+    contact the gap changes by no more than in it, by the maximum principle. A cell that enters or leaves the contact
+    changes the pressure by its own: the cells of the smallest pressures, as many as carry the L1 error, may do so. The
+    error of the load, and of a gap beside far larger heights, add to that of the pressure. A relative `change` of the
+    pressure, such as that of an attraction in the last iteration around the contact, may be left beside the residual.
     """
     pressure, gap, scales = solution.pressure, solution.gap, solution.problem.scales
     scale = scales.pressure / scales.gap
@@ -174,12 +192,14 @@ def residual_errors(solution: Solution, change: float = 0.0) -> ResidualErrors:
     inverse = operator.approximate_inverse(Precision.SINGLE if pressure.size >= MIN_COMPILED_CELLS else None)
     cells = solution.problem.constraint.active(pressure).astype(inverse.real, copy=False)
     correction, level = (gap / scales.gap).astype(cells.dtype) * cells, 0.0
-    if count := np.count_nonzero(cells):  # not where all pressures are at a limit
+    # the active set, in which a gap is an error, is empty where all pressures are at a limit
+    if count := np.count_nonzero(cells):
         extension = inverse.extension(cells)
         correction = extension.pressure(extension(correction))
         level = inner(correction, cells) / count
 
     def errors_in_block(pressure: Array, gap: Array, cells: Array, correction: Array) -> tuple[float, ...]:
+        """Return the sum of pressure errors [Pa], the largest pressure with its error [Pa], and the largest gap [m]."""
         # cells at a limit that should not be there, and the pressure that closes the others
         violation = cell_violation(pressure, gap, cells)
         pressure_error = violation / (scales.gap * compliance)
@@ -203,8 +223,8 @@ def residual_errors(solution: Solution, change: float = 0.0) -> ResidualErrors:
         # has not the least energy of all with the same mean displacement
         displacement = inner(pressure, solution.problem.operator(pressure))
         l1 += INVERSE_MARGIN * abs(inner(pressure, gap)) / displacement
-    # the peak may be in another cell; the inverse, which takes both axes for periodic, is more accurate for the sum than
-    # for a single cell
+    # the peak may be in another cell; the inverse, which takes both axes for periodic, is more accurate for the sum
+    # than for a single cell
     peak = max(float(max(peaks) / pressure.max()) - 1, l1) + change
     return ResidualErrors(peak, l1 + change, _area_error(pressure, l1 + change), max(gaps))
 
@@ -218,10 +238,12 @@ def _area_error(pressure: Array, l1: float) -> float:
 
 
 # Factor on the errors due to a finite range: for cylinders of a Tabor parameter of 0.4 to 6.4 the difference from the
-# JKR limit was at most 1.09 times what :func:`range_errors` has without this factor, most at the largest parameter.
+# JKR limit was at most 1.09 times what :func:`range_errors` has without this factor, most at the largest parameter, so
+# that a margin is left for larger ones.
 RANGE_MARGIN = 1.25
-# Error of the peak net pressure over that of the area times the peak and the mean net pressure: at most 0.06 for 15
-# cylinders, from near pull-off to loads of many times it, on 152 to 2432 cells.
+# Error of the peak net pressure over that of the area times the sum of peak and mean net pressure: at most 0.06 for 15
+# cylinders, from near pull-off to loads of many times it, on 152 to 2432 cells. Of other shapes no limit is known, and
+# four times that is taken.
 PEAK_BY_RANGE = 0.25
 NO_LIMIT = (
     "No bound: in the JKR limit the repulsive part of the pressure and the attraction grow without limit, give "
@@ -235,32 +257,33 @@ PRESSED_FLAT = (
     "No bound for the pull-off load: the surface is pressed flat, and without an edge of the contact the load at which "
     "it opens grows without limit as the range of the attraction shrinks, give Adhesion.range."
 )
-# Largest gap over the range of the attraction, up to which no part of a surface is free of it: waves pressed flat on
+# Largest gap over the range of the attraction, up to which a surface counts as pressed flat: waves that are flat on
 # fine grids have at most 1.2 on coarse ones, others 2.4 and more.
 FLAT_GAP = 2.0
 # Error of the load at a given approach, over the L1 norm of the net traction and the error of the area by the range: at
 # most 0.015 for cylinders on 96 to 384 cells, before and after contact is made by the load.
 LOAD_BY_RANGE = 0.03
 ZERO_PULL_OFF = "No bound for the pull-off load: it is zero, and its error is relative to it."
-# Power of the work of adhesion in the pull-off load of a cylinder.
+# Power of the work of adhesion to which the pull-off load of a cylinder is proportional (Barquins 1988, J. Adhesion 26,
+# 1, in the JKR limit).
 POWER_OF_WORK = 2 / 3
 
 
 class RangeErrors(NamedTuple):
-    """Relative errors of the L1 pressure and of the contact area due to a range that was chosen for the grid."""
+    """Relative errors of net pressure in L1 and contact area due to a range that was chosen for the grid."""
 
     l1: float
     area: float
 
 
 def range_errors(solution: Solution) -> RangeErrors | None:
-    """Return the relative errors of the L1 pressure and of the contact area due to a range that was chosen for the grid.
+    """Return the relative errors of net pressure and contact area due to a range that was chosen for the grid.
 
-    It is None for a range that is given. In the JKR limit the traction has an inverse square-root singularity at the
-    edge of the contact, which a range r replaces by a cohesive zone. That moves a force E* r per length of edge, where
-    E* is the contact modulus, and the edge by at most the length of the zone (Maugis 1992). As r goes to zero, pressure
-    and attraction grow without limit at the edge, and only their difference, the net traction, converges. The L1 error
-    is the error of the net traction, and the peak pressure has no bound.
+    It is None for a range that is given, and without a scene. In the JKR limit the traction has an inverse square-root
+    singularity at the edge of the contact, which a range r replaces by a cohesive zone. That moves a force E* r per
+    length of edge, where E* is the contact modulus, and the edge by at most the length of the zone (Maugis 1992). As r
+    goes to zero, pressure and attraction grow without limit at the edge, and only their difference, the net pressure,
+    converges. The L1 error is that of the net pressure.
     """
     adhesion, problem = solution.adhesion, solution.problem
     scene = scene_of(problem)
@@ -288,10 +311,10 @@ def peak_range_error(solution: Solution, area_error: float) -> float:
 
 
 def load_range_error(solution: Solution) -> float | None:
-    """Return the relative error of the load at a given approach due to a range that was chosen for the grid, or None.
+    """Return the relative error of the load at a given approach due to a range that was chosen for the grid.
 
-    In the JKR limit the bodies do not attract each other across a gap, so that without contact the error is all of the
-    load. It is None for a range that is given, and infinite without a scene.
+    In the JKR limit the bodies do not attract each other across a gap, so that without contact the error is 1, all of
+    the load. It is None for a range that is given, and infinite without a scene or a load.
     """
     adhesion = solution.adhesion
     if adhesion is None or not adhesion.regularised:
@@ -306,18 +329,18 @@ def load_range_error(solution: Solution) -> float | None:
 
 
 def range_warning(solution: Solution) -> tuple[str, ...]:
-    """Return a sentence on a range of the attraction that was chosen for the grid."""
+    """Return one sentence on the range of the attraction if it was chosen for the grid, else none."""
     adhesion = solution.adhesion
     if adhesion is None or not adhesion.regularised:
         return ()
     return (f"The range of the attraction, {readable(adhesion.range)}, is the shortest that this grid can hold.",)
 
 
-def pull_off_error(solution: Solution, discretisation: float, reason: str) -> ErrorParts:
-    """Return the error of the pull-off load of `solution`, by its relative error `discretisation`.
+def pull_off_error(solution: Solution, load: ErrorParts) -> ErrorParts:
+    """Return the relative error of the pull-off load of `solution`, by that of a `load` as the result of a solve.
 
-    The `reason` says why that is infinite where it is. The residual is the distance between the last load in
-    equilibrium and the first one without.
+    Images left out count as in that. The cells add what they trap, and the residual is the distance between the last
+    load in equilibrium and the first one without.
     """
     adhesion, pull_off = solution.adhesion, solution.load_per_length
     assert adhesion is not None
@@ -326,12 +349,10 @@ def pull_off_error(solution: Solution, discretisation: float, reason: str) -> Er
     trapped = POWER_OF_WORK * TRAPPED_WORK[type(search.solver.law)] / adhesion.cells_in_zone
     is_flat = adhesion.regularised and _is_pressed_flat(solution)
     by_range = inf if is_flat else _pull_off_range_error(solution, adhesion, pull_off)
-    if is_flat:
-        reason = PRESSED_FLAT
-    elif by_range == inf:
-        reason = reason or NO_LONGER_RANGE
-    return ErrorParts(
-        discretisation=discretisation + trapped,
+    reason = PRESSED_FLAT if is_flat else load.reason or (NO_LONGER_RANGE if by_range == inf else "")
+    return replace(
+        load,
+        discretisation=(load.discretisation or 0.0) + trapped,
         residual=abs(pull_off - adhesion.first_unstable_load) / abs(pull_off) if pull_off else inf,
         range=by_range,
         reason=reason if pull_off else ZERO_PULL_OFF,
@@ -339,14 +360,13 @@ def pull_off_error(solution: Solution, discretisation: float, reason: str) -> Er
 
 
 def root_of_pull_off(pull_off: ErrorParts | None) -> float:
-    """Return the relative error of pressure and approach at pull-off by that of the load, apart from its range.
+    """Return the root of the relative error of the `pull_off` load, apart from its range; 0 where None is given.
 
-    A load that is stationary there changes by the square of what they change by. It is 0 of a contact that is not pulled
-    off.
+    The load is stationary at pull-off, so that it changes by the square of what pressure and approach change by.
     """
     if pull_off is None:
         return 0.0
-    return sqrt((pull_off.discretisation or 0.0) + (pull_off.residual or 0.0))
+    return sqrt(sum(part or 0.0 for part in (pull_off.images, pull_off.discretisation, pull_off.residual)))
 
 
 def _is_pressed_flat(solution: Solution) -> bool:
@@ -365,7 +385,7 @@ def _is_pressed_flat(solution: Solution) -> bool:
 
 
 def _pull_off_range_error(solution: Solution, adhesion: AdhesiveTraction, pull_off: float) -> float | None:
-    """Return the error of a pull-off load due to a range chosen for the grid in place of the JKR limit, or None.
+    """Return the relative error of a `pull_off` load [N/m] due to a range chosen for the grid instead of the JKR limit.
 
     It is the change from cells of twice the size, whose range is longer. It is infinite where no pull-off load is found
     on these, and None for a range that is given.

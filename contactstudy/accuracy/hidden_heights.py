@@ -1,11 +1,12 @@
 """Heights inside the cells, which a pressure on the grid does not resolve, and their effect on the contact.
 
-1. The gap is sampled at points inside the cells, on lines through their centres along each axis, and where a shape names
-   no length scales also at points between the lines.
+1. The gap is sampled at points inside the cells, on lines through their centres along each axis, and where a shape
+   names no length scales (how short its waves are) also at points between the lines.
 2. What a cubic through the centres misses is hidden. It counts as the pressure that would flatten it. A corner raises
    the pressure at each halving of the cells.
 
-E* is the contact modulus and dx the size of a cell along the axis in question.
+E* is the contact modulus and dx the size of a cell along the axis in question. Samples along a line are arrays
+(n, lines), with the axis that the lines run along first. Heights of the gap grow away from the contact.
 """
 
 from dataclasses import dataclass
@@ -19,10 +20,11 @@ from contactstudy.domain.validation import InvalidInput
 from contactstudy.elasticity.convolution import Convolution
 from contactstudy.problem.problem import Problem
 
-# Steps of a two-dimensional sequence of low discrepancy to which points can be added one by one:
-# Roberts (2018), "The unreasonable effectiveness of quasirandom sequences".
+# Steps of a two-dimensional sequence of low discrepancy to which points can be added one by one: 1 / g and 1 / g^2 with
+# g^3 = g + 1 (Roberts 2018, "The unreasonable effectiveness of quasirandom sequences").
 STEPS = 0.7548776662466927, 0.5698402909980532
-# The cubic through the last four points of a row, at the second and the first place beyond them.
+# Weights of four points at the end of a row, the outermost first, in the value of their cubic at the second and at the
+# first place beyond them.
 BEYOND = np.array([[10.0, -20.0, 15.0, -4.0], [4.0, -6.0, 4.0, -1.0]])
 
 
@@ -33,27 +35,28 @@ class HiddenHeightsConstants:
     Attributes
     ----------
     points
-        Points in a cell along a line, where all shapes name their length scales.
+        Points in a cell along a line, where all shapes name their length scales: four show 81 % and more of the largest
+        error of the cubics in waves of two cells and longer.
     points_at_corners
-        Points in a cell along a line that may have a corner, where all shapes name their length scales.
+        Points in a cell along a line that may have a corner, where all shapes name their length scales: the bend of a
+        smooth surface between two points is then a quarter of that at `points`, and that of a corner the same.
     points_without_scales
-        Points in a cell along a line, where a shape names no length scales.
+        Points in a cell along a line, where a shape names no length scales: features of 2 % of a cell are found.
     points_off_lines
         Points in a cell off the lines, where a shape names no length scales: a feature that covers 3 % of the cell is
         found with a probability of 95 %.
-    lines
-        Least number of lines along an axis that are examined, or all if there are fewer.
-    sparse
-        Of many lines, one in this many is examined, but at least `lines`.
+    lines, sparse
+        Of many lines along an axis one in `sparse` is examined, but at least `lines`, or all if there are fewer.
+        Surfaces with length scales are alike on neighbouring lines.
     pressure_rise
         Rise of the pressure where a hidden height h is pressed flat, over ``E* h / dx``. It is pi / 2 and pi for waves
         of two cells and of one, and pi / 2 for a bump ``exp(-r^2 / dx^2)``.
     further_rise
-        Rise on all finer cells over that, where a shape names no length scales: at most 3.2 under heights ``|x|^n`` with
-        n from 1.5 on.
+        Rise on all finer cells over that rise, where a shape names no length scales: at most 3.2 under heights
+        ``|x|^n`` with n from 1.5 on.
     corner_fraction
-        Fraction of the slope change between two neighbouring points that their neighbours do not have, from which it
-        is a corner, as is a height ``|x|^n`` with n below 1.5.
+        Fraction of the slope change at two neighbouring points, less those at the points before and after them, from
+        which it counts as a corner: a height ``|x|^n`` with n below 1.5 has more, a smooth one none.
     """
 
     points: int = 4
@@ -74,18 +77,21 @@ CONSTANTS = HiddenHeightsConstants()
 class HiddenEffect:
     """Effect of the heights inside the cells on a contact.
 
+    The hidden pressure of a cell is that which would flatten its hidden height.
+
     Attributes
     ----------
     hidden_load
-        Fraction of the load whose cells hide heights.
+        Sum over the cells of the hidden pressure, at most that acting in or beside the cell, over the load.
     corner_rise
         Largest rise at a corner in the contact when the cells are halved, over the peak pressure.
     protrudes
-        Whether the surface protrudes from a cell so far that it would carry more than the peak pressure.
+        True if the surface protrudes from a cell so far that it would carry more than the peak pressure.
     peak_rise
         Fraction of the peak pressure by which hidden heights may raise it.
     area_loss
-        Fraction of the contact that may open: the hidden pressure over that of each cell, at most 1, in the mean.
+        Fraction of the contact that may open: the mean over its cells of hidden over acting pressure, at most 1 in
+        each.
     """
 
     hidden_load: float
@@ -106,15 +112,15 @@ class HiddenHeights:
     Attributes
     ----------
     missed
-        What would flatten the heights that cubics through the centres miss.
+        Pressure that would flatten the heights which cubics through the centres miss.
     protrusion
-        What would flatten the heights above all centres about a cell.
+        Pressure that would flatten the heights above the centres of a cell and its neighbours.
     rise
-        By how much the missed heights raise the pressure.
+        Rise of the pressure by the missed heights.
     corner
-        Rise at a corner when the cells are halved.
+        Rise of the pressure at a corner when the cells are halved.
     moduli
-        E* [Pa] along each axis of several cells, with which all are pressures.
+        E* [Pa] along each axis of several cells, by which heights became pressures.
     """
 
     missed: Array
@@ -125,7 +131,7 @@ class HiddenHeights:
 
     @classmethod
     def from_problem(cls, problem: Problem) -> "HiddenHeights | None":
-        """Return the heights inside the cells of `problem`, or None where they are not known."""
+        """Return the heights inside the cells of `problem`; None where no source samples them."""
         source, grid = problem.source, problem.grid
         if source is None or problem.paddings is None:
             return None
@@ -138,9 +144,9 @@ class HiddenHeights:
             for axis, modulus, stiff in zip(axes, moduli, stiffness, strict=True):
                 if (fields := _on_lines(problem, axis, points)) is None:
                     continue
-                halving = modulus * log(2) / (2 * pi)
-                missed, protrusion = missed + fields[0] * stiff, protrusion + fields[1] * stiff
-                corner = np.maximum(corner, fields[2] * halving)
+                missed_here, protruding, slope_change = fields
+                missed, protrusion = missed + missed_here * stiff, protrusion + protruding * stiff
+                corner = np.maximum(corner, slope_change * modulus * log(2) / (2 * pi))
             # the pressure below a height ``|x|^n`` goes on rising on finer cells
             rise = CONSTANTS.pressure_rise * missed * (1 if source.has_length_scales else CONSTANTS.further_rise)
             if not source.has_length_scales and len(axes) == 2:
@@ -148,7 +154,7 @@ class HiddenHeights:
                 missed = np.maximum(missed, missed_there * max(stiffness))
                 protrusion = np.maximum(protrusion, protrusion_there * max(stiffness))
                 rise = np.maximum(rise, rise_there * max(stiffness))
-        except InvalidInput:
+        except InvalidInput:  # a shape refuses so many points
             return None
         missed, protrusion, rise, corner = (
             np.broadcast_to(field, grid.cells) for field in (missed, protrusion, rise, corner)
@@ -158,7 +164,8 @@ class HiddenHeights:
     def effect_under(self, problem: Problem, pressure: Array) -> HiddenEffect:
         """Return the effect of the heights where `pressure` (x, y) [Pa] acts, and in the neighbouring cells.
 
-        In a step in which the bodies creep or wear, `problem` is softer than at first, and less pressure flattens them.
+        In a step in time in which the bodies creep or wear, `problem` is softer than that of the heights, and less
+        pressure flattens them.
         """
         from scipy.ndimage import maximum_filter  # imported late, since it is slow
 
@@ -172,6 +179,7 @@ class HiddenHeights:
         softer = max((now / first for now, first in pairs), default=1.0)
 
         def largest(field: Array) -> float:
+            """Return the largest value near the contact of a `field` of pressures, over the peak pressure."""
             return softer * float(np.where(near, field[rows], 0.0).max()) / peak
 
         hidden = softer * self.missed[rows]
@@ -186,20 +194,20 @@ class HiddenHeights:
 
 
 def _on_lines(problem: Problem, axis: int, points: int) -> list[Array] | None:
-    """Return heights on lines through the centres along an `axis`; None where they do not vary along it.
+    """Return what lines through the centres along an `axis` show, with some `points` in each cell.
 
-    They are (missed [m], protrusion [m], corner), fields (x, y) or fewer where they do not vary. Lines with bends like
-    those of a corner are examined again at more points.
+    They show missed heights [m], protrusions [m] and slope changes at corners, each a field (x, y), of one cell along
+    an axis along which it does not vary. The answer is None where the heights do not vary along `axis`. Where a bend
+    may be that of a corner, all lines are examined again at more points.
     """
     source, grid, paddings = problem.source, problem.grid, problem.paddings
     assert source is not None
     assert paddings is not None
     cells = list(grid.cells)
     cells[1 - axis] = min(cells[1 - axis], max(CONSTANTS.lines, cells[1 - axis] // CONSTANTS.sparse))
-    grids = [
-        Grid((n * cells[0], cells[1]) if axis == 0 else (cells[0], n * cells[1]), grid.extent) for n in (1, points)
-    ]
-    centres, inside = (axis_first(source.gap(one), axis) for one in grids)
+    finer = (points * cells[0], cells[1]) if axis == 0 else (cells[0], points * cells[1])
+    sampled = (source.gap(Grid(counts, grid.extent)) for counts in ((cells[0], cells[1]), finer))
+    centres, inside = (axis_first(heights, axis) for heights in sampled)
     if len(inside) == len(centres) == 1:
         return None
     # a shape may vary along an axis at the points alone, or at the centres alone
@@ -224,9 +232,11 @@ def _on_lines(problem: Problem, axis: int, points: int) -> list[Array] | None:
 
 
 def _shown(centres: Array, inside: Array, *, wraps: bool) -> tuple[Array, Array]:
-    """Return what cubics through the `centres` (n, lines) miss of the heights `inside` (n points, lines), [m].
+    """Return the heights (n, lines) [m] that cubics miss and those that protrude, as shown by points inside the cells.
 
-    And the heights above the centres of a cell and its neighbours: a step between two centres is not hidden.
+    The cubics go through the `centres` (n, lines) [m], and the heights `inside` (n x points, lines) [m] are compared
+    with them. What lies closer than the centres of a cell and of both its neighbours protrudes: a step between two
+    centres is not hidden.
     """
     heights = inside.reshape(len(centres), -1, centres.shape[1])
     points, padded = heights.shape[1], _extended(centres, wraps=wraps)
@@ -239,7 +249,10 @@ def _shown(centres: Array, inside: Array, *, wraps: bool) -> tuple[Array, Array]
 
 
 def _slope_changes(inside: Array, step: float, *, wraps: bool) -> Array:
-    """Return the change of the slope at each point (n points, lines), above zero where it points out of the body."""
+    """Return the change of the slope at each point (n, lines), above zero where it points out of the body.
+
+    The points `inside` (n, lines) [m] stand at the distance `step` [m]; changes by rounding are zero.
+    """
     changes = np.diff(with_ends(inside, 1, wraps=wraps), n=2, axis=0)
     rounding = 8 * np.finfo(float).eps * max(inside.max(), -inside.min())
     changes[np.abs(changes) < rounding] = 0.0
@@ -249,10 +262,10 @@ def _slope_changes(inside: Array, step: float, *, wraps: bool) -> Array:
 
 
 def _corners(slope_changes: Array, points: int) -> Array:
-    """Return the slope of the corner in each cell (n, lines), 0 where its bend is that of a smooth surface.
+    """Return the slope change at a corner in each cell (n, lines), 0 where its bend is that of a smooth surface.
 
-    A corner bends between two neighbouring points alone, and more than the mean of its cell; a smooth surface bends as
-    much on either side.
+    The `slope_changes` (n x points, lines) are those at the points. A corner bends between two neighbouring points
+    alone, and more than the mean of its cell; a smooth surface bends as much on either side.
     """
     outward, size = np.maximum(slope_changes, 0), np.abs(slope_changes)
     pairs = outward + np.roll(outward, -1, axis=0)  # of each point and the next one
@@ -263,13 +276,14 @@ def _corners(slope_changes: Array, points: int) -> Array:
 
 
 def _off_lines(problem: Problem) -> tuple[Array, Array, Array]:
-    """Return (missed, protrusion, rise) [m], fields (x, y) of the heights off the lines; 0 for a profile.
+    """Return missed heights, protrusions and rises, fields (x, y) [m] of the heights off the lines; 0 for a profile.
 
-    `missed` is the largest interpolation error of cubics through the centres, and `protrusion` the height above all
-    centres about a cell. The `rise` is that of the pressure over ``E* / dx``: that of a round bump ``exp(-r^2 / s^2)``
-    with the same largest and mean square error in the cell, of which the mean square is ``pi s^2 / 2`` of the square of
-    the largest. With the probability ``(1 - q)^k`` none of k random points in a cell hits a feature over the fraction q
-    of it; points of low discrepancy leave smaller holes. Each point is examined in all cells at once.
+    A missed height is the largest interpolation error in the cell of cubics through the centres, and a protrusion lies
+    closer than the centres of the cell and all its neighbours. The rise is that of the pressure over ``E* / dx``: that
+    of a round bump ``exp(-r^2 / s^2)`` with the same largest and mean square error in the cell, of which the mean
+    square is ``pi s^2 / 2`` of the square of the largest. With the probability ``(1 - q)^k`` none of k random points in
+    a cell hits a feature over the fraction q of it; points of low discrepancy leave smaller holes. Each point is
+    examined in all cells at once.
     """
     from scipy.ndimage import minimum_filter  # imported late, since it is slow
 
@@ -350,7 +364,7 @@ def _on_grid(field: Array, grid: Grid) -> Array:
 
 
 def _moduli(problem: Problem) -> tuple[float, ...]:
-    """Return E* [Pa] along each axis of several cells."""
+    """Return E* [Pa] of the bodies of `problem` along each axis of several cells."""
     return tuple(float(_modulus(problem, axis)) for axis in (0, 1) if problem.grid.cells[axis] > 1)
 
 
@@ -362,7 +376,7 @@ def _modulus(problem: Problem, axis: int) -> float:
     across, along = (np.ones(count) for count in problem.grid.cells)
     alternating = along if axis else across
     alternating[1::2] = -1
-    alternating[len(alternating) // 2 * 2 :] = 0  # the mean of an odd number of cells
+    alternating[len(alternating) // 2 * 2 :] = 0  # so that the mean of an odd number of cells is zero
     if isinstance(problem.operator, Convolution):
         energy = problem.operator.work_of_product(across, along)
     else:

@@ -1,6 +1,10 @@
-"""Warnings: bodies too small to be half-spaces, unrelieved ends of a roller, implausible numbers, lack of strength.
+"""Warnings of an answer: where elastic half-spaces are no model of the bodies, or the input is most likely mistaken.
 
-The margin to yield of an elastic body is here too.
+They are sentences, empty where there is nothing to warn of: bodies too small to be half-spaces (`beyond_half_space`),
+ends of a roller that carry more than its middle (`end_of_half_space`, `unrelieved_ends`), implausible numbers
+(`implausible`), and stresses beyond hardness or yield stress (`beyond_strength`). The margin to yield of an elastic
+body by a computed stress is here too. A body is layered if it has a coating; each of its parts is a layer or the
+substrate, given by words, material, and depths [m] at its top and its bottom.
 """
 
 from collections.abc import Mapping
@@ -18,23 +22,27 @@ from contactstudy.problem.problem import Field
 from contactstudy.scene.scene import Scene, scene_of
 from contactstudy.scene.shapes.roller import Crown, EndRelief, LundbergProfile, ProfilePoints
 from contactstudy.scene.shapes.shape import curvatures_of, length_scales_of
-from contactstudy.scene.solids.bodies import Body, HalfSpace, in_part, is_layered, modulus_at_own_width
+from contactstudy.scene.solids.bodies import HalfSpace, in_part, is_layered, modulus_at_own_width
 from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
-# Largest half-width of the contact over a body's radius, and least thickness of a body over the half-width, for which
-# the body counts as a half-space. At that half-width a parabola in place of a circle changes the load by 0.6 %.
-LARGEST_WIDTH, LEAST_THICKNESS = 1 / 8, 4.0
+# Largest half-width of the contact over a body's radius for which the body counts as a half-space. At that half-width a
+# parabola in place of a circle changes the load by 0.6 %.
+LARGEST_WIDTH = 1 / 8
+# Least thickness of a body over the half-width for which it counts as a half-space: bonded to a rigid base, a layer of
+# that thickness is stiffer than a half-space by less than 1 %.
+LEAST_THICKNESS = 4.0
 # Radius of a hollow body less that of the convex body in it, over the latter, below which the two are called conforming
-# and are compared with a pin in a hole.
+# and are compared with a pin in a hole. Plain bearings have some thousandths.
 CONFORMING_CLEARANCE = 0.2
 
 
 def beyond_half_space(scene: Scene | None) -> str:
     """Return a sentence if a body is too small for its contact to be a half-space, with the error where it is known.
 
-    The half-width is that of Hertz's theory. The radius of a body is that of its shape. Its thickness is the field
-    ``thickness`` of a half-space.
+    The half-width is that of Hertz's theory, of a point contact along each axis. The radius of a body is that of its
+    shape. Its thickness is the field ``thickness`` of a half-space. Nothing is said without a scene, and of one whose
+    shapes have no curvature.
     """
     if scene is None or (hertz := scene.hertz) is None:
         return ""
@@ -119,16 +127,20 @@ def pin_in_hole(load: float) -> float:
     return float(2 * b / (pi * root) + log((root + b) / (root - b)) / (2 * pi * b**2 * (1 + b**2)))
 
 
-# Most cells of a contact that is solved once more, and the residual at which that ends.
+# Largest number of cells of a contact that is solved once more for a suggested drop, which takes seconds, and the
+# residual at which that solve ends: pressures at the ends are then known to a per cent.
 MOST_CELLS, TOLERANCE = 2**17, 1e-4
-# Pressure at the ends over that of the rest up to which these are relieved, and parts of Lundberg's drop to try.
-RELIEVED, PARTS = 1.05, (1.0, 1.5, 2.25, 3.4)
-# Shapes that another profile takes the place of.
+# Highest pressure in the outer tenths of a roller over that of the rest, up to which the ends count as relieved.
+RELIEVED = 1.05
+# Multiples of Lundberg's drop to try in turn, each half as large again: Lundberg's own, for one load on a centred
+# roller, leaves ends under a tilt or a peak load unrelieved.
+MULTIPLES = 1.0, 1.5, 2.25, 3.4
+# Shapes that the suggested profile would replace.
 PROFILES = Crown, LundbergProfile, EndRelief, ProfilePoints
 
 
 def end_of_half_space(solution: Solution) -> str:
-    """Return a sentence if a roller's ends carry more than its middle without free faces, else ``""``."""
+    """Return a sentence if a roller's ends carry more than its middle, and no body ends there with free faces."""
     if (roller := _roller_of(solution)) is None:
         return ""
     scene, rows = roller
@@ -153,7 +165,7 @@ def unrelieved_ends(solution: Solution) -> str:
         return ""
     scene, rows = roller
     hertz, length, paddings = scene.hertz, scene.roller_length, solution.problem.paddings
-    is_rough = any(each.height for each in length_scales_of(scene.shapes))
+    is_rough = any(scales.height for scales in length_scales_of(scene.shapes))
     if hertz is None or length is None or paddings is None or is_rough:
         return ""
     excess = _excess(solution.pressure, rows)
@@ -164,8 +176,8 @@ def unrelieved_ends(solution: Solution) -> str:
         hertz.load_per_length, contact_modulus=hertz.contact_modulus, radius=hertz.radius, length=length
     )
     kept = tuple(shape for shape in scene.shapes if not isinstance(shape, PROFILES))
-    for part in PARTS:
-        amplitude, drop = part * even.amplitude, part * even.end_drop
+    for multiple in MULTIPLES:
+        amplitude, drop = multiple * even.amplitude, multiple * even.end_drop
         shapes = (*kept, LundbergProfile(amplitude, drop, length))
         try:
             problem = replace(scene, shapes=shapes, outputs=()).problem(solution.problem.grid, paddings)
@@ -183,26 +195,31 @@ def unrelieved_ends(solution: Solution) -> str:
 
 
 def _roller_of(solution: Solution) -> tuple[Scene, NDArray[np.intp]] | None:
-    """Return the scene and the rows along y of a roller of a known length that ends; None of another contact."""
+    """Return the scene of a roller that ends within the grid or with it, and the indices along y of its rows of cells.
+
+    Of a contact without a roller of known length it is None.
+    """
     problem, scene = solution.problem, scene_of(solution.problem)
     if scene is None or scene.roller_length is None or problem.source is None or not problem.source.ends_along:
         return None
-    lengths = problem.covered_fractions
-    return scene, np.arange(problem.grid.cells[1]) if lengths is None else np.flatnonzero(lengths)
+    covered = problem.covered_fractions
+    return scene, np.arange(problem.grid.cells[1]) if covered is None else np.flatnonzero(covered)
 
 
 def _excess(pressure: Array, rows: NDArray[np.intp]) -> float:
-    """Return the highest pressure in the outer tenths of the `rows` along y over that between them."""
+    """Return the highest `pressure` (x, y) in the outer tenths of the `rows` along y over that between them, or 0."""
     along = pressure.max(axis=0)[rows]
     count = max(len(rows) // 10, 1)
     between = along[count:-count].max(initial=0.0)
     return float(max(along[:count].max(), along[-count:].max()) / between) if between else 0.0
 
 
-# Beyond these a contact is not one of elastic half-spaces: peak pressure over E*, slope of the heights, approach over
-# the radius, and width of the grid over that of the contact.
-MAX_PRESSURE, MAX_SLOPE, MAX_APPROACH, MAX_WIDTH = 0.1, 1.0, 1.0, 1e3
-# The substrate's side of an interface, over the thickness, and what to do about a material beyond its strength.
+# Largest peak pressure over E*, slope of the heights, and approach over the radius of a contact of elastic half-spaces,
+# where strains are a tenth and surfaces nearly flat. Each is many times what machines have.
+MAX_PRESSURE, MAX_SLOPE, MAX_APPROACH = 0.1, 1.0, 1.0
+# Largest width of the grid over that of the contact: wider, a row of a thousand cells has the contact in one cell.
+MAX_WIDTH = 1e3
+# Depth on the substrate's side of an interface, over that of the interface.
 BELOW_INTERFACE = 1 + 1e-9
 GIVE_STRENGTH = "give an ElasticPlasticHalfSpace, or the strength of your material."
 HEIGHTS_HINT = "are heights given in µm as if they were m?"
@@ -217,7 +234,7 @@ MIN_MODULUS = 1e3
 
 
 def implausible(solution: Solution) -> str:
-    """Return one sentence about implausible numbers, with the unit that was likely mistaken; else ``""``."""
+    """Return a sentence about implausible numbers of a contact, with the unit that was likely mistaken; else ``""``."""
     scene, grid, pressure = scene_of(solution.problem), solution.problem.grid, solution.pressure
     if scene is None or not np.isfinite(pressure).all():
         return ""
@@ -226,7 +243,7 @@ def implausible(solution: Solution) -> str:
     slope, radius = _slope(solution), inf if hertz is None else hertz.radius
     wider = grid.cells[0] / max(int(pressure.any(axis=1).sum()), 1)
     of_load = EXTENT_HINT if solution.status is Status.CONTACT_AT_EDGE else LOAD_HINT
-    facts = (
+    facts = (  # number, its limit, what is said of it, and which unit may be mistaken
         (slope, MAX_SLOPE, "the heights have slopes of {:.2g}", HEIGHTS_HINT),
         (peak / modulus, MAX_PRESSURE, "the peak pressure is {:.2g} times the contact modulus E*", of_load),
         (abs(solution.approach) / radius, MAX_APPROACH, "the approach is {:.2g} times the radius", LOAD_HINT),
@@ -242,9 +259,9 @@ def implausible(solution: Solution) -> str:
 def beyond_strength(solution: Solution) -> str:
     """Return a sentence if the contact is beyond the hardness or the yield stress of an elastic body, or ``""``.
 
-    Hardness and yield stress are those of the bodies, of a coated one of both its materials. The load at first yield is
-    that of the smooth line contact under the traction over the pressure. Nothing is said of a body that yields, nor
-    together with ``Scene.hardness``, which caps the pressure.
+    Hardness and yield stress are those of the bodies, of a coated one of all its materials. First yield is that of the
+    smooth line contact with the same ratio of largest shear to peak pressure, or of a ball. Nothing is said of a body
+    that yields, nor together with ``Scene.hardness``, which caps the pressure.
     """
     scene, peak = scene_of(solution.problem), solution.peak_pressure
     if scene is None or scene.hardness < inf or not peak > 0:
@@ -267,14 +284,9 @@ def beyond_strength(solution: Solution) -> str:
         first = first_yield(radius, scene.contact_modulus, body.yield_stress, body.poisson_ratio, shear / peak)
         pressure, kind = first.peak_pressure, "line"
         if scene.ellipse is not None:
-            kind, by_point = "point", first_yield_of_ball(body.yield_stress, body.poisson_ratio)
-            pressure = min(pressure, by_point)
+            kind, pressure = "point", min(pressure, first_yield_of_ball(body.yield_stress, body.poisson_ratio))
         if peak > pressure:
-            load = _load_of_peak(pressure, radius, scene.solids)
-            if scene.ellipse is not None:
-                load = 1e3 * scene.ellipse.load * (pressure / scene.ellipse.peak_pressure) ** 3
-            unit = "N/mm" if kind == "line" else "N"
-            at = f" at {load / 1e3:.3g} {unit}" if scene.hertz else ""
+            at = f" at {_load_at_peak(scene, pressure)}" if scene.hertz else ""
             return (
                 f"The peak pressure of {peak / 1e9:.3g} GPa is {peak / pressure:.3g} times that at which "
                 f"Scene.solids[{number}] first yields in a smooth {kind} contact{at}: give an ElasticPlasticHalfSpace, "
@@ -283,58 +295,68 @@ def beyond_strength(solution: Solution) -> str:
     return ""
 
 
-def _load_of_peak(pressure: float, radius: float, solids: tuple[Body, ...]) -> float:
-    """Return the load [N/m] of the smooth line contact with this peak `pressure` [Pa], by the modulus at its width."""
-    modulus = modulus_at_own_width(lambda modulus: 2 * pressure * radius / modulus, solids)
-    return pi * radius * pressure**2 / modulus
+def _load_at_peak(scene: Scene, pressure: float) -> str:
+    """Return the load of the smooth contact of a scene with this peak `pressure` [Pa], with its unit.
+
+    A line contact has ``W = pi R p^2 / E*`` per length with the modulus at its own half-width ``2 p R / E*``; the load
+    of a point contact goes with the third power of the pressure (Johnson 1985, eqs. 4.45 and 4.24).
+    """
+    if (ellipse := scene.ellipse) is not None:
+        return f"{ellipse.load * (pressure / ellipse.peak_pressure) ** 3:.3g} N"
+    assert scene.hertz is not None
+    radius = scene.hertz.radius
+    modulus = modulus_at_own_width(lambda modulus: 2 * pressure * radius / modulus, scene.solids)
+    return f"{pi * radius * pressure**2 / modulus / 1e3:.3g} N/mm"
 
 
 def _beyond_varying_strength(solution: Solution, number: int, body: Any, shear: float) -> str:
     """Return a sentence if a body whose strength varies with depth is beyond its yield stress or hardness, or ``""``.
 
-    The stress is that at the surface, in the middle of each layer, on both sides of its lower interface, and where that
-    in a half-space is largest; of a hardness profile, at depths up to those of its points. The pressure on what is below
-    a layer is compared with its hardness.
+    The `body` is that of the `number` in the scene, and `shear` the largest tangential traction [Pa]. The stress is that
+    at the surface, in the middle of each layer, on both sides of its lower interface, and at up to a width of the
+    contact, where that in a half-space is largest; of a hardness profile, also at the depths of its points. The pressure
+    on each part below a layer is compared with the hardness of that part.
     """
     parts, name = list(getattr(body, "parts", {}).values()), f"Scene.solids[{number}]"
-    if parts and all(isinf(min(one.yield_stress, one.hardness)) for _, one, *_ in parts):
-        return ""
     # the stress in a half-space is at most its pressure; a stiff layer takes the strain of what is below
-    moduli = [one.youngs_modulus for _, one, *_ in parts if not isinf(one.youngs_modulus)] or [1.0]
+    moduli = [material.youngs_modulus for _, material, *_ in parts if not isinf(material.youngs_modulus)] or [1.0]
     largest = (solution.peak_pressure + 2 * shear) * max(moduli) / min(moduli)
-    if parts and largest < min(min(one.yield_stress, one.hardness) for _, one, *_ in parts):
+    if parts and largest < min(min(material.yield_stress, material.hardness) for _, material, *_ in parts):
         return ""
     from contactstudy.scene.stress import SubsurfaceStress, von_mises  # imported only where it is needed
 
     problem = solution.problem
     assert problem.paddings is not None
     width = np.count_nonzero(solution.pressure.any(axis=1)) * problem.grid.cell_size[0]
-    found = {0.0, 0.1 * width, 0.2 * width, 0.35 * width, 0.7 * width, width}
+    examined = {0.0, 0.1 * width, 0.2 * width, 0.35 * width, 0.7 * width, width}
     if not parts:
-        found |= {*body.hardness_profile.points[0]}
+        examined |= {*body.hardness_profile.points[0]}
     for _, _, top, bottom in parts[:-1]:
-        found |= {(top + bottom) / 2, bottom, bottom * BELOW_INTERFACE}
-    depths = tuple(sorted(found))
-    # neighbours hardly matter at these depths, and each image of a window takes a second
+        examined |= {(top + bottom) / 2, bottom, bottom * BELOW_INTERFACE}
+    depths = tuple(sorted(examined))
+    # images along hardly matter at these depths, and each image of a window takes a second
     paddings = problem.paddings[0], ExactPeriodicity()
     operator = SubsurfaceStress(depths, number).of((body, body), problem.grid, paddings)
     if solution.traction is not None:
         operator = operator.with_shear(solution.traction.shear)
     stress = operator(solution.net_pressure)
-    for said, material, top, _ in parts[1:]:
-        pressed = -float(stress[2, depths.index(top * BELOW_INTERFACE)].min())
-        if pressed > (hardness := material.hardness):
+    for part, material, top, _ in parts[1:]:
+        pressure = -float(stress[2, depths.index(top * BELOW_INTERFACE)].min())
+        if pressure > (hardness := material.hardness):
             return (
-                f"The pressure on {said} of {name} of {pressed / 1e9:.3g} GPa is "
-                f"{pressed / hardness:.2g} times its hardness, {hardness / 1e9:.3g} GPa: {GIVE_STRENGTH}"
+                f"The pressure on {part} of {name} of {pressure / 1e9:.3g} GPa is "
+                f"{pressure / hardness:.2g} times its hardness, {hardness / 1e9:.3g} GPa: {GIVE_STRENGTH}"
             )
-    margin = yield_margin(body, number, np.array(depths), von_mises(stress))
-    return margin.sentence
+    return yield_margin(body, number, np.array(depths), von_mises(stress)).sentence
 
 
 @dataclass(frozen=True)
 class YieldMargin:
-    """Yield stress over the largest von Mises stress [Pa] at the `depth` [m] and `part` of a body where it is least."""
+    """Margin to yield of a body: where the `ratio` of the yield stress to the largest von Mises stress is least.
+
+    There the stress is `von_mises` [Pa], at the `depth` [m] in the `part` of the body, in words. The ratio is infinite
+    where nothing is known of the yield stress.
+    """
 
     ratio: float = inf
     von_mises: float = 0.0
@@ -353,27 +375,30 @@ class YieldMargin:
 
 
 def stress_margin(scene: Scene, derived: Mapping[str, Field]) -> YieldMargin:
-    """Return the margin to yield by the fields `derived` of the body whose stress is an output of `scene`."""
+    """Return the margin to yield of the body whose stress is an output of `scene`, by its fields.
+
+    Those are `derived` from the solution: ``z``, depths (z,) [m], and ``von_mises``, the stress (z, x, y) [Pa].
+    """
     number = next(output.body for output in scene.outputs if hasattr(output, "body"))
     depths, stress = derived["z"].values, derived["von_mises"].values
     return yield_margin(scene.solids[number], number, depths, stress)
 
 
 def yield_margin(body: Any, number: int, depths: Array, von_mises: Array) -> YieldMargin:
-    """Return the margin to yield of the elastic body `number` of a scene, of a coated one that of the weakest part.
+    """Return the margin to yield of the elastic `body` with this `number` in a scene; if coated, of its weakest part.
 
-    The stress `von_mises` (z, x, y) [Pa] is that at `depths` (z,) [m]; a depth of the thickness is in the coating.
+    The stress `von_mises` (z, x, y) [Pa] is that at `depths` (z,) [m]; the depth of an interface is in the part above.
     """
     largest, strength = von_mises.max(axis=(1, 2)), yield_stresses(body, depths)
     ratios = np.divide(strength, largest, out=np.full(largest.shape, inf), where=largest > 0)
-    level = int(ratios.argmin())
-    if isinf(ratios[level]):
+    least = int(ratios.argmin())
+    if isinf(ratios[least]):
         return YieldMargin()
-    depth, part = float(depths[level]), f"Scene.solids[{number}]"
-    for said, _, top, bottom in body.parts.values() if is_layered(body) else ():
+    depth, part = float(depths[least]), f"Scene.solids[{number}]"
+    for words, _, top, bottom in body.parts.values() if is_layered(body) else ():
         if in_part(np.array(depth), top, bottom):
-            part = f"{said} of {part}"
-    return YieldMargin(float(ratios[level]), float(largest[level]), part, depth)
+            part = f"{words} of {part}"
+    return YieldMargin(float(ratios[least]), float(largest[least]), part, depth)
 
 
 def yield_stresses(body: Any, depths: Array) -> Array:
@@ -391,7 +416,7 @@ def yield_stresses(body: Any, depths: Array) -> Array:
 
 
 def _slope(solution: Solution) -> float:
-    """Return the median slope of the heights over the grid, along the steeper axis; 0 if none is above `MAX_SLOPE`."""
+    """Return the median slope of the undeformed gap, along the steeper axis; 0 if no slope is above `MAX_SLOPE`."""
     largest = 0.0
     for axis, step in enumerate(solution.problem.grid.cell_size):
         slopes = np.abs(np.diff(solution.problem.undeformed_gap, axis=axis)) / step

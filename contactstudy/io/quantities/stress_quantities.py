@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from contactstudy.accuracy.estimate import interface_shear, unbounded_by_peak, unresolved_interface
+from contactstudy.accuracy.estimate import unbounded_by_peak, unresolved_interface
 from contactstudy.accuracy.plausibility import yield_margin, yield_stresses
 from contactstudy.domain.errors import STRESS_FLOOR, ErrorEstimate, ErrorParts
 from contactstudy.domain.grid import Array, Grid, Paddings, is_free
@@ -138,7 +138,7 @@ def stress_quantities(
         ends[name_of_range] = [largest_place(sign * of_range, coordinates)[1] for sign in (1, -1)]
     for part, (said, _, top, bottom) in layers.items():
         if (at_interface := depths == bottom).any():
-            shear = interface_shear(stress[:, at_interface][:, 0])
+            shear = np.hypot(*stress[3:5, at_interface][:, 0])  # yz and xz
             largest, position = largest_place(shear, coordinates)
             below = "" if part == "coating" and len(layers) == 2 else f" below {said}"
             label = f"largest shear stress at the interface{below} of {name}"

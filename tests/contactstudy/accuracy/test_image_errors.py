@@ -97,6 +97,21 @@ def test_images_left_out_beside_a_body_that_creeps_as_it_rolls_have_no_bound() -
             assert (contact.quantities[name].bound < np.inf) is is_bounded
 
 
+@pytest.mark.parametrize("padding", [cs.DuplicatedPadding(), cs.Superposition(1)], ids=str)
+def test_pull_off_load_counts_images_left_out(padding: cs.Padding) -> None:
+    """The attraction beside the contact bends it too: the repulsive pressure alone shows a tenth of the error."""
+    bodies = cs.HalfSpace(1e6, 0.49), cs.HalfSpace(np.inf, 0.3)
+    adhesion = cs.Adhesion(0.05, range=8e-6)
+    scene = cs.Scene(cs.PullOff(preload=5.0), bodies, (cs.Cylinder(0.01),), adhesion=adhesion)
+    grid = cs.Grid((192, 1), (6e-3, 1e-3))
+    cut, whole = cs.solve(scene, grid, padding), cs.solve(scene, grid, EXACT)
+    error = cut.error.pull_off
+    assert error is not None
+    assert error.images is not None
+    change = abs(cut.quantities["pull_off"].value / whole.quantities["pull_off"].value - 1)
+    assert 0 < change < error.images < 0.5
+
+
 @pytest.mark.parametrize(("period", "images"), [(2.4, 1), (4.8, 6), (9.6, 2)])
 def test_load_varies_along_a_centred_window_by_the_measured_law(
     period: float, images: int, line_contact: LineContact

@@ -417,6 +417,8 @@ def valid(name: str, value: Any, hint: Any) -> Any:
         return _one_of(name, value, hint)
     if origin is tuple:
         return _entries(name, value, options, hint)
+    if origin is Mapping:
+        return checked_errors(name, value)
     if origin is Literal:
         if not isinstance(value, str) or value not in options:
             raise InvalidInput(f"{name} is {shortened(value)}: {suggestion(str(value), options)}.")
@@ -466,8 +468,8 @@ def _one_of(name: str, value: Any, hint: Any) -> Any:
             return valid(name, value, option)
         except InvalidInput as error:
             is_meant = isinstance(value, str) and notes(option)[0] is not None
-            is_several = isinstance(value, tuple | list) or getattr(value, "ndim", 0) > 0
-            if is_meant or (is_several and get_origin(option) is tuple):
+            is_several = isinstance(value, tuple | list | Mapping) or getattr(value, "ndim", 0) > 0
+            if is_meant or (is_several and get_origin(option) in (tuple, Mapping)):
                 refused = refused or error
     raise refused or InvalidInput(f"{name} is {shortened(value)}: {remedy(hint)}{_sizes(value)}.")
 
@@ -530,7 +532,7 @@ def _accepted(hint: Any) -> Iterator[str]:
         yield from map(repr, options)
     elif origin is tuple:
         entries = [next(_accepted(one)).split(", such as")[0] for one in options if one is not ...]
-        yield f"({', '.join(entries)}{', ...' * (options[-1] is ...)})"
+        yield f"[{', '.join(entries)}{', ...' * (options[-1] is ...)}]"
     elif unit is not None:
         yield remedy_of(unit, f" {limits.text}".rstrip()).removeprefix("give ")
     elif kind is int and limits.text[:1].isdigit():

@@ -19,7 +19,7 @@ from contactstudy.domain.grid import Array, cells_text
 from contactstudy.domain.imports import source_hash
 from contactstudy.io.scene_files.scene_schema import PlanSettings
 from contactstudy.planning.grid_requirements import grid_requirements, with_random_extents
-from contactstudy.scene import scene as methods
+from contactstudy.scene import combinations as methods
 from studies.advice.reference_error import last_of
 from studies.advice.verdict import (
     EVERY_NUMBER,

@@ -17,7 +17,7 @@ from contactstudy.scene import loads
 from contactstudy.scene.solids import bodies
 from contactstudy.scene.solids.bodies import Body, HalfSpace, SceneContext
 from contactstudy.scene.solids.coated import CoatedHalfSpace
-from contactstudy.solvers.coulomb import BulkStress, FullSliding
+from contactstudy.solvers.coulomb import FullSliding
 from contactstudy.solvers.fretting import FrettingShear, PartialSlipShear
 
 FrictionCoefficient = Annotated[validation.Number, validation.BELOW_ONE]
@@ -344,8 +344,7 @@ class Fretting:
         if not any(self.bulk_stresses or ()):
             return FrettingShear(self.coefficient, forces, response)
         compliance = bulk_compliance(scene, self.bulk_body, "Fretting.bulk_stresses", paddings)
-        bulk = BulkStress(0.0, self.bulk_body, compliance)
-        return FrettingShear(self.coefficient, forces, response, bulk, self.bulk_stresses or ())
+        return FrettingShear(self.coefficient, forces, response, self.bulk_stresses or (), self.bulk_body, compliance)
 
     @staticmethod
     def response(scene: SceneContext, grid: Grid, paddings: Paddings, datum: float) -> tangential.ShearResponse:

@@ -19,9 +19,18 @@ from numpy.typing import ArrayLike
 
 from contactstudy.domain.imports import import_for
 
+# A list of numbers in brackets: its first 40 to 60 characters up to a comma, and its closing bracket.
+LONG_LIST = re.compile(r"([(\[][-+.,:e\s\dnaif]{40,60}?, )[-+.,:e\s\dnaif]{20,}([)\]])")
+
 
 class InvalidInput(ValueError):
-    """Error for a value that cannot be used; the message names the field, the value and the remedy."""
+    """Error for a value that cannot be used; the message names the field, the value and the remedy.
+
+    Of a long list of numbers in it the first ones are kept.
+    """
+
+    def __init__(self, message: str = "") -> None:
+        super().__init__(LONG_LIST.sub(r"\1...\2", message))
 
 
 class UnknownField(InvalidInput, TypeError):

@@ -1,6 +1,6 @@
 """Influence coefficients that a bonded layer adds, and an operator in series with a Winkler layer."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import log
 
 import numpy as np
@@ -10,9 +10,7 @@ from contactstudy.domain.device import Precision
 from contactstudy.domain.grid import Array, on_cells
 from contactstudy.elasticity.approximate_inverse import ExactInverse, FreeEndsInverse, SpectralInverse
 from contactstudy.elasticity.convolution import Convolution, weighted_sum
-from contactstudy.elasticity.kernels.layer_response import LayerResponse
-from contactstudy.elasticity.kernels.layer_waves import DisplacementWaves, WaveCoefficients
-from contactstudy.elasticity.kernels.stress import SWAPPED
+from contactstudy.elasticity.kernels.layer_waves import WaveCoefficients, field_of_line
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,81 +70,39 @@ class WithWinklerLayer:
         return inverse
 
 
-# Width over its distance of a strip that stands for a line.
-LINE = 1e-4
-
-
 @dataclass(frozen=True)
-class CoatingCoefficients:
+class CoatingCoefficients(WaveCoefficients):
     """Influence coefficients [m] that a bonded layer adds to those of a half-space of its own material.
 
-    Under long waves the displacement is that of a half-space of the substrate. A row's mean has these waves in closed
-    form, as those of lines buried at two thicknesses; all else is found from the
-    :class:`~contactstudy.elasticity.kernels.layer_waves.DisplacementWaves`.
+    They are one field of :class:`~contactstudy.elasticity.kernels.layer_response.DisplacementWaves`. For a strip its
+    closed form is the field of a line that is buried at two thicknesses.
 
     Parameters
     ----------
-    response
-        Ratio of the moduli and Poisson's ratios.
-    thickness
-        Thickness of the layer [m].
-    name
-        "xx", "xy" or "yy" for displacement along one axis under traction along another, "x" or "y" for displacement
-        along the normal under traction along that axis, "z" along the normal under pressure.
+    waves, thickness, name
+        Response of the layer, its thickness [m], and the name of the field.
     datum
         Distance [m] as in :class:`~contactstudy.elasticity.convolution.BoussinesqCoefficients`.
     """
 
-    response: LayerResponse
-    thickness: float
-    name: str
     datum: float
 
-    @property
-    def parity(self) -> tuple[int, int]:
-        """Parity along each axis."""
-        return self._waves().parity
-
-    def swap_axes(self) -> "CoatingCoefficients":
-        """Return the field with x and y exchanged."""
-        return replace(self, name=SWAPPED.get(self.name, self.name))
-
-    def _waves(self, *, has_long_waves: bool = True) -> WaveCoefficients:
-        """Return the sums of waves of the response."""
-        load = "pressure" if self.name == "z" else "traction"
-        return WaveCoefficients(DisplacementWaves(self.response, load, has_long_waves), self.thickness, self.name)
-
-    def _remainder(self, x: Array, dx: float) -> Array:
-        """Return the response to a strip as :meth:`_strip`, without that to long waves."""
-        return self.thickness * self._waves(has_long_waves=False).strip(x, dx)
-
-    def cell(self, x: Array, y: Array, dx: float, dy: float) -> Array:
-        """Return the response to one cell; x and y broadcast."""
-        return self.thickness * self._waves().cell(x, y, dx, dy)
-
-    def row(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
-        """Return the response to an infinite row of images along y; x is a column, y a row."""
-        varying = self.thickness * self._waves().varying(x, y, dx, dy, period)
-        return np.asarray(varying + self._strip(x.ravel(), dx)[:, None] * (dy / period))
-
-    def _strip(self, x: Array, dx: float) -> Array:
+    def strip(self, x: Array, dx: float) -> Array:
         """Return the response to a strip of width `dx`, infinite along y, at offsets `x`."""
-        depth, coupling = 2 * self.thickness, self.response.contrasts[2]
-        total = self._remainder(x, dx)
+        depth, total = 2 * self.thickness, super().strip(x, dx)
         if self.name == "x":
+            coupling = self.waves.materials.contrasts[2]
             upper, lower = (
                 edge * np.arctan(edge / depth) - depth / 2 * np.log(edge**2 + depth**2)
                 for edge in (x + dx / 2, x - dx / 2)
             )
             return np.asarray(total + 2 * coupling * (upper - lower))
-        if contrast := self._contrast:
-            total = total - dx * contrast * _log_mean(np.abs(x), dx / 2, depth)
-        return np.asarray(total + self.rigid_shift(dx))
+        return np.asarray(total - dx * self._contrast * _log_mean(np.abs(x), dx / 2, depth) + self.rigid_shift(dx))
 
     @property
     def _contrast(self) -> float:
-        """First term of long waves whose displacement along its load grows with the logarithm of the distance."""
-        pressed, along, _, across = self.response.contrasts
+        """Factor of ``-ln(x^2 + 4 h^2)`` in the displacement at a distance x from a line, with the thickness h."""
+        pressed, along, _, across = self.waves.materials.contrasts
         return {"xx": along, "yy": across, "z": pressed}.get(self.name, 0.0)
 
     def rigid_shift(self, line: float) -> float:
@@ -156,13 +112,8 @@ class CoatingCoefficients:
         """
         if self.name not in ("xx", "yy", "z"):
             return 0.0
-        width = LINE * self.datum
-        of_waves = float(self._remainder(np.array([self.datum]), width)[0]) / width
-        return line * (self._contrast * log(self.datum**2 + 4 * self.thickness**2) - of_waves)
-
-    def lattice(self, x: Array, y: Array, dx: float, dy: float, width: float, period: float) -> Array:
-        """Return the response to an infinite lattice of images along both axes; x is a column, y a row."""
-        return self.thickness * self._waves().lattice(x, y, dx, dy, width, period)
+        short = field_of_line(self.waves).at(self.name, self.datum / self.thickness)
+        return line * (self._contrast * log(self.datum**2 + 4 * self.thickness**2) - short)
 
 
 def _log_mean(x: Array, half: float, depth: float) -> Array:

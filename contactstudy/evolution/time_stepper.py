@@ -33,6 +33,7 @@ from contactstudy.scene.shapes.shape import ShapesSource
 from contactstudy.solvers.coulomb import FullSliding
 from contactstudy.solvers.solution import (
     AdhesiveTraction,
+    CoupledSolution,
     Solution,
     Status,
     TangentialTraction,
@@ -312,22 +313,23 @@ class TimeStepper:
             contact = WarmStartedContact(problem, self.options, pressure)
             solution, after, _ = coupled.solve_step(state, contact, tolerance)
             return solution, after
-        after = state
+        guess = state
 
         def solve_under(
             frozen: Problem, attraction: Array, options: SolveOptions, start: Array | None
-        ) -> tuple[Solution, float]:
-            nonlocal after
+        ) -> CoupledSolution:
+            nonlocal guess
             contact = WarmStartedContact(frozen, options, pressure if start is None else start)
-            solution, after, energy = coupled.solve_step(state, contact, options.tolerance, attraction, after)
-            return solution, energy
+            solution = coupled.solve_step(state, contact, options.tolerance, attraction, guess)
+            guess = solution.state
+            return solution
 
         start = pressure if pressure.any() else None
         solver: Any = problem.adhesion
         limit = CONTACTS_PER_COUPLED_STEP * self.options.max_iterations
         options = replace(self.options, max_iterations=limit)
-        solution = solver.solve(problem, options, start, Cpu(), solve_under)
-        if not solution.pressure.any():  # the bodies came apart
+        solution, after = solver.solve_coupled(solve_under, problem, options, start, Cpu())
+        if after is None:  # the bodies came apart
 
             def separated(added_gap: Array) -> Solution:
                 return unloaded(with_added_gap(problem, added_gap))

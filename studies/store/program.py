@@ -78,8 +78,8 @@ class Program:
             For a file that cannot be read, that changed since it was loaded, and measures whose state cannot be seen.
         """
         about = {MEASURES: digest(study.measures, memo)}
-        memo_key = (study.case_at, case, *(of for of, _ in memo.values()))
-        named = {getattr(of, "__module__", "") for of in memo_key}
+        held = (study.case_at, case, *(of for of, _ in memo.values()))
+        named = {getattr(of, "__module__", "") for of in held}
         modules = {name: vars(sys.modules[name]) for name in named if name in sys.modules}
         users = {name: module for name, module in modules.items() if _is_users(name, module)}
         sources = {name: of["__source__"] for name, of in users.items() if "__source__" in of}
@@ -88,7 +88,7 @@ class Program:
                 about[Path(module["__file__"]).name] = hashed(sources[name])
             elif "__file__" not in module:
                 # typed at a prompt or in a notebook: known in this session alone
-                kinds = {of for of in memo_key if isinstance(of, type) and of.__module__ == name}
+                kinds = {of for of in held if isinstance(of, type) and of.__module__ == name}
                 kinds_by_name = sorted(kinds, key=lambda of: of.__qualname__)
                 about["typed code"] = hashed(_pickled((study.measures, kinds_by_name)))
         if users:
@@ -128,11 +128,9 @@ class Program:
         files = {name: path for name, path in files.items() if name in self.digests}
         now = {name: content(of) for name, of in ({**_own_files(), **files, **self.paths}).items()}
         now = {**own_digests(), **now}
-        own_modules = set(filter(_is_own, self.digests))
+        own = set(filter(_is_own, self.digests))
         stale = {name for name, path in _own_files().items() if _is_newer(path, LOADED)}
-        differing = sorted(
-            {name for name in own_modules | now.keys() if now.get(name) != self.digests.get(name)} | stale
-        )
+        differing = sorted({name for name in own | now.keys() if now.get(name) != self.digests.get(name)} | stale)
         if differing:
             what = f"{_listed(differing)} changed since the run was started"
             remedy = "start it again"
@@ -178,13 +176,13 @@ def _listed(names: list[str]) -> str:
 @cache
 def own_digests() -> Digests:
     """Return the digests of this program's files, and the versions of Python and of the libraries that compute."""
-    versions = {"Python": platform.python_version()}
+    found = {"Python": platform.python_version()}
     for name in LIBRARIES:
         try:
-            versions[name] = version(name)
+            found[name] = version(name)
         except PackageNotFoundError:
             continue
-    return {**{name: content(path) for name, path in _own_files().items()}, **versions}
+    return {**{name: content(path) for name, path in _own_files().items()}, **found}
 
 
 @cache
@@ -225,23 +223,21 @@ def _imported(start: Iterable[str], sources: Mapping[str, bytes]) -> tuple[dict[
     """
     loaded, files, words = user_files(), dict[str, Path](), set[str]()
     queue = list(start)
-    other_modules = loaded.keys() - set(queue)
+    others = loaded.keys() - set(queue)
     while queue:
         name = queue.pop()
         files |= {name: loaded[name]} if name in loaded else {}
         source = sources.get(name) or (_bytes(loaded[name]) if name in loaded else None) or b""
         text = source.decode("utf-8", "replace")
         statements = " ".join(IMPORT.findall(text.replace("\\\n", " ")))
-        names_used = set(re.findall(r"\w+", statements))
-        words |= names_used
+        known = set(re.findall(r"\w+", statements))
+        words |= known
         if "from ." in statements:
-            names_used |= set(name.split("."))
+            known |= set(name.split("."))
         is_any = AT_RUN_TIME.search(text)
-        news = {
-            of for of in other_modules if is_any or names_used.issuperset(of.split(".")) or name.startswith(f"{of}.")
-        }
+        news = {of for of in others if is_any or known.issuperset(of.split(".")) or name.startswith(f"{of}.")}
         queue += news
-        other_modules -= news
+        others -= news
     return files, words
 
 

@@ -1,63 +1,72 @@
-"""Layers on a half-space under a wave of pressure or tangential traction: displacement of the surface, stress below it.
+"""Layers on a half-space under one wave of load: displacement of the surface, and stress at a depth.
 
-The change by the layers has a closed form, but for a remainder. It is zero for the longest waves, and so short-ranged:
-:class:`LayerResponse` gives that of the displacement, :class:`LayerStress` that of the stress. With the wave number k,
-``t = k z`` and Airy's stress function ``f(t) cos(k x) / k^2``, a pressure ``P cos(k x)`` and a traction ``Q sin(k x)``
-along x give the stresses ``s_zz = -f cos(k x)``, ``s_xz = f' sin(k x)`` and ``s_xx = f'' cos(k x)``.
+A load on the surface is a pressure or a tangential traction, in proportion to ``exp(i k x)``. :class:`LayerResponse` has
+the response of all layers, by stiffness matrices. A :class:`WaveResponse` is what layers add to bodies without them, for
+every direction of the wave: :class:`DisplacementWaves` to the displacement of the surface, :class:`StressWaves` to the
+stress at one depth. Part of it has a closed form. The rest, the remainder, is zero for the longest waves, so that its
+field is short-ranged. :mod:`~contactstudy.elasticity.kernels.layer_waves` sums these waves to the fields of cells.
 
-The field of a cell alone is found by tables of the field of a point load over the distance.
+Lengths are in units of the depth of the deepest interface, called the thickness; so are wave numbers k, in units of its
+inverse. With Airy's stress function ``f(t) cos(k x) / k^2``, ``t = k z``, a pressure ``P cos(k x)`` and a traction ``Q
+sin(k x)`` along x give the stresses ``s_zz = -f cos(k x)``, ``s_xz = f' sin(k x)`` and ``s_xx = f'' cos(k x)``, tension
+positive, with z into the body.
 """
 
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import pairwise
 from math import factorial
-from typing import Any, Protocol
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.polynomial import chebyshev, polynomial
+from numpy.polynomial import polynomial
 from numpy.typing import NDArray
 from scipy.interpolate import PPoly, make_interp_spline
-from scipy.special import gamma, j0, j1, jv, k0, k1, rgamma
 
 from contactstudy.domain.grid import Array
-from contactstudy.elasticity.kernels.displacement import mean_gauss_rule
+from contactstudy.elasticity.kernels.stress import (
+    BOUSSINESQ,
+    CERRUTI_ACROSS,
+    CERRUTI_ALONG,
+    SURFACE,
+    SWAPPED,
+    CellKernel,
+)
 
+# Real numbers for real wave numbers, complex ones for complex ones.
 RealOrComplex = NDArray[np.inexact[Any]]
+# Parts of one field by their number m of turns, see :meth:`WaveResponse.harmonics`.
+Parts = Mapping[int, RealOrComplex]
 
-# Largest wave number times thickness of one step through a layer: in a longer one exponentials cancel.
-LONGEST_STEP = 4.0
 # Wave number times thickness beyond which a layer is a half-space: exp(-2 * 20) is below rounding.
 DEEP = 20.0
-# Largest length of a piece of the spline through a remainder: over its wave number, and at long waves.
-SPLINE_PIECE, LONG_PIECE = 1 / 64, 0.25
-# Points on each piece of the spline, and its degree.
-SPLINE_POINTS, SPLINE_DEGREE = 48, 7
-# Wave number over the distance of the nearest pole up to which a remainder is its Taylor series to k^6. The error is of
-# the order of SERIES_END^7.
-SERIES_END = 0.02
-# Values of a remainder beyond which a spline is made for all of them.
-MAX_DIRECT = 4096
-# Last wave number of that spline. The shortest wave that is asked for has 17 along both axes, 24 in all. Beyond 20
-# remainders are below 2e-14 of the largest.
-LAST_SPLINE_WAVE = 25.0
-# Gauss points on each piece of k, at most two oscillations long.
-GAUSS_POINTS = 18
+# Number of wave numbers beyond which they are read off a spline: more than most quadratures over the waves of a point or
+# a line take. Those of a lattice, (across, along), always are, since many sums of them read the same spline.
+MAX_DIRECT = 8192
+# Last wave number of the spline times the rate of decay. Sums of waves end where exp(-34) is left of a wave along
+# either axis, and the shortest wave is sqrt(2) times as short.
+LAST_SPLINE_WAVE = 49.0
+# Largest length of a piece of the spline, points on each piece, and its degree. With them it has the digits of what it
+# interpolates; pieces of a quarter of the length change nothing.
+LONGEST_PIECE, SPLINE_POINTS, SPLINE_DEGREE = 1.0, 48, 7
+# Wave number over the distance of the nearest pole up to which a remainder of displacement is its Taylor series, and the
+# last power in that. The error of the series is of the order of 0.02^7 ~ 1e-12 of its terms.
+SERIES_END, SERIES_POWER = 0.02, 6
 
 
 @dataclass(frozen=True)
 class LayerResponse:
-    """Layers on a half-space under a wave, and what the half-space adds to one of the deepest layer's material.
+    """Layers on a half-space under a wave of load on the surface.
 
-    The state is (2 G k U, 2 G k V, s_zz, s_xz), with displacement U along the wave and V along the normal, k the wave
-    number times the depth of the deepest interface, and G of the material at hand. The compliance under pressure and
-    shear is carried up through the layers from that of the half-space, and traction down: neither step has exponentials
-    that cancel. Normal displacement under pressure, over that of a half-space of the top layer, changes by
-    ``d0 exp(-2 k) + R(k)``; d0 is the first of `contrasts`, and R is the first of `remainders`, zero at k = 0.
+    In the plane of the wave the state at a depth is (2 G k U, 2 G k V, s_zz, s_xz), with the displacement U along the
+    wave and V along the normal, the wave number k, and the shear modulus G of the material at that depth. The
+    compliance, displacement over stress, is found upwards through the layers from that of the half-space, then the
+    traction on planes of constant depth downwards: neither step has exponentials that cancel.
 
-    Source: plane strain of bonded layers (Burmister 1945; Johnson 1985, sect. 5.8), antiplane strain across the wave.
-    It holds for every direction of the wave.
+    Source: plane strain of bonded layers (Burmister 1945; Johnson 1985, sect. 5.8), and antiplane strain for the
+    displacement W along the crests of the wave. It holds for every direction of the wave.
 
     Parameters
     ----------
@@ -127,13 +136,14 @@ class LayerResponse:
         return float(0.85 * self._stiffness_ratio**-power)
 
     def index(self, depth: float) -> int:
-        """Return the number of the material at a depth, to which its lower interface belongs."""
+        """Return the number of the material at a depth, 0 for the top layer; an interface belongs to the layer above."""
         return int(np.searchsorted(self.interfaces, depth))
 
     def _slabs(self, depth: float) -> Iterator[tuple[int, float, float, float]]:
-        """Yield (material, factor, top, bottom) of each layer from below, cut at a depth.
+        """Yield (number of the material, factor, top, bottom) of each layer from below, cut in two at a `depth`.
 
-        The factor takes a compliance times the shear modulus of the material below to one times that of this layer.
+        The factor takes a compliance times the shear modulus of the material below to one times that of this layer; top
+        and bottom are depths.
         """
         ratios, below = self.all_shear_ratios, len(self.interfaces)
         for top, bottom in reversed(list(pairwise(sorted({0.0, *self.interfaces, depth})))):
@@ -142,9 +152,10 @@ class LayerResponse:
             below = material
 
     def plane(self, k: RealOrComplex, depth: float = 0.0) -> tuple[RealOrComplex, RealOrComplex]:
-        """Return compliance and traction at a depth (k, 2, 2) in the plane of the wave.
+        """Return compliance and traction (k, 2, 2) at a `depth` in the plane of the wave, for wave numbers `k` (k,).
 
-        The compliance is (2 G k U, 2 G k V) over (s_zz, s_xz), and the traction that over the same at the surface.
+        The compliance takes (s_zz, s_xz) to (2 G k U, 2 G k V), both at the depth. The traction takes (s_zz, s_xz) at
+        the surface to that at the depth.
         """
         nu, unity = self.poisson_ratios[-1], np.ones((k.size, 1, 1), k.dtype)
         compliance = unity * np.array([[1 - 2 * nu, 2 * nu - 2], [2 * nu - 2, 1 - 2 * nu]])
@@ -154,15 +165,13 @@ class LayerResponse:
             compliance, t = compliance * factor, k * (bottom - top)
             if bottom == depth:
                 at_depth = compliance
-            if bottom > depth:
+            if bottom > depth:  # traction is not needed there: a deep layer counts as thick as DEEP
                 t = t / np.maximum(np.abs(t) / DEEP, 1)
-            steps = max(1, int(np.ceil(np.abs(t).max(initial=0.0) / LONGEST_STEP)))
-            up = _transfer(-t / steps, self.poisson_ratios[material])
-            for _ in range(steps):
-                inverse = _inverse(up[:, 2:, :2] @ compliance + up[:, 2:, 2:])
-                compliance = (up[:, :2, :2] @ compliance + up[:, :2, 2:]) @ inverse
-                if bottom <= depth:
-                    traction = traction @ inverse
+            up = _transfer(-t, self.poisson_ratios[material])
+            inverse = _inverse(up[:, 2:, :2] @ compliance + up[:, 2:, 2:])
+            compliance = (up[:, :2, :2] @ compliance + up[:, :2, 2:]) @ inverse
+            if bottom <= depth:
+                traction = traction @ inverse
         return at_depth if depth else compliance, traction
 
     def antiplane(self, k: RealOrComplex, depth: float = 0.0) -> tuple[RealOrComplex, RealOrComplex]:
@@ -183,43 +192,15 @@ class LayerResponse:
         return at_depth if depth else compliance, through
 
     def compliances(self, k: RealOrComplex) -> RealOrComplex:
-        """Return displacements by pressure and by shear along the wave, their coupling, and across (4, k).
+        """Return four displacements of the surface under waves `k` (k,), each times k over the load (4, k).
 
-        They are over ``(1 - nu^2) / E`` of the top layer, but for the coupling, which is over 1 / (2 G).
+        They are the one along the normal by pressure and the one along the wave by shear along the wave, in units of ``2
+        (1 - nu^2) / E`` of the top layer; their coupling, the one along the wave by s_zz, in units of 1 / (2 G); and the
+        one along the crests by shear along these, in the unit of the first.
         """
         plane, stiff = self.plane(k)[0], 1 - self.poisson_ratios[0]
         normal, along = -plane[:, 1, 0] / (2 * stiff), -plane[:, 0, 1] / (2 * stiff)
         return np.stack([normal, along, plane[:, 0, 0], self.antiplane(k)[0] / stiff])
-
-    def remainders(self, k: RealOrComplex, which: slice = slice(None)) -> RealOrComplex:
-        """Return `compliances` less those of :attr:`above`, less ``contrasts exp(-2 k)``, of shape (4, ...).
-
-        `which` selects some of the four. Many real values are read off a spline.
-        """
-        if k.size > MAX_DIRECT and not np.iscomplexobj(k):
-            fitted = _spline(self)
-            return np.asarray(np.moveaxis(PPoly(fitted.c[..., which], fitted.x)(k), -1, 0))
-        flat = k.ravel()
-        change = self._change(flat)
-        long = np.abs(flat) < SERIES_END * self.pole_distance_from_zero
-        if long.any():
-            change[:, long] = polynomial.polyval(flat[long], np.array(self._series).T)
-        change = change[which]
-        return np.asarray(change.reshape(len(change), *k.shape))
-
-    def _change(self, k: RealOrComplex) -> RealOrComplex:
-        """Return :meth:`remainders` at `k` (k,) as differences, which lose digits to cancellation for long waves."""
-        change = self.compliances(k) - self.above.compliances(k)
-        change -= np.multiply.outer(np.array(self.contrasts), np.exp(-2 * k))
-        return np.asarray(change)
-
-    @cached_property
-    def _series(self) -> list[list[float]]:
-        """Taylor coefficients up to k^6 of all `remainders`, of which the first is zero."""
-        radius = 0.5 * self.pole_distance_from_zero  # of a circle around zero: Cauchy's integrals on it
-        unit_circle = np.exp(2j * np.pi * np.arange(64) / 64)
-        terms = np.real(np.fft.fft(self._change(radius * unit_circle)))[:, :7] / 64
-        return [[0.0, *row[1:]] for row in (terms / radius ** np.arange(7.0)).tolist()]
 
 
 def _inverse(matrix: RealOrComplex) -> RealOrComplex:
@@ -239,58 +220,200 @@ def _transfer(t: RealOrComplex, nu: float) -> RealOrComplex:
     return np.asarray(sum(np.multiply.outer(term, power) for term, power in zip(terms, powers, strict=True)))
 
 
-def spline(function: Callable[[Array], RealOrComplex], first: float, last: float) -> PPoly:
-    """Return a spline through a `function` (..., k) of wave numbers up to `last`, whose first piece ends at `first`.
+class WaveResponse(ABC):
+    """What layers add to the fields of a body under a wave of load, over that load, less what has a closed form.
 
-    The function is asked for at most `MAX_DIRECT` values at once. Polynomials take a third of the time of a sum of
-    B-splines.
+    Subclasses are frozen dataclasses, equal if their responses are: tables and splines are kept for each. Names of
+    fields and the closed form are those of the subclass.
     """
-    ends = [0.0, first]
-    while ends[-1] < last:
-        ends.append(ends[-1] + min(ends[-1], max(LONG_PIECE, SPLINE_PIECE * ends[-1])))
+
+    #: Materials and interfaces, which determine the singularities in k.
+    materials: LayerResponse
+    #: Power of the thickness by which the fields of a cell are multiplied, since lengths are in thicknesses here.
+    length_power: ClassVar[int]
+
+    @property
+    @abstractmethod
+    def decay_rate(self) -> float:
+        """Rate at which remainders decay with the wave number, as exp(-k `decay_rate`)."""
+
+    @abstractmethod
+    def parity(self, name: str) -> tuple[int, int]:
+        """Return the parity of the field `name` in x and y: 1 if it is even, -1 if it is odd."""
+
+    @abstractmethod
+    def swap_axes(self, name: str) -> "tuple[WaveResponse, str]":
+        """Return the response and the field that take the place of these when the axes x and y are exchanged."""
+
+    @abstractmethod
+    def harmonics(self, k: RealOrComplex) -> Mapping[str, Parts]:
+        """Return all fields by name, each as its parts by their number m of turns, under waves with wave numbers `k`.
+
+        Under a wave at an angle t from x a field is the sum of its parts times cos(m t), or times sin(m t) if it is odd
+        along y. Parts with an even m are real for real `k`, others imaginary. Wave numbers may be complex.
+        """
+
+    def short_harmonics(self, k: RealOrComplex) -> Mapping[str, Parts]:
+        """Return :meth:`harmonics` without long waves whose field of a line load has a closed form and no end."""
+        return self.harmonics(k)
+
+    @abstractmethod
+    def direct_remainders(self, k: RealOrComplex) -> RealOrComplex:
+        """Return the remainders of the response in the subclass's order (n, k), without the spline."""
+
+    def remainders(self, k: RealOrComplex) -> RealOrComplex:
+        """Return the remainders (n, ...) at wave numbers `k` (...). Many real ones are read off a spline."""
+        if (k.ndim > 1 or k.size > MAX_DIRECT) and not np.iscomplexobj(k):
+            return np.asarray(np.moveaxis(_spline(self)(k), -1, 0))
+        values = self.direct_remainders(k.ravel())
+        return values.reshape(len(values), *k.shape)
+
+
+@lru_cache(maxsize=64)
+def _spline(waves: WaveResponse) -> PPoly:
+    """Return all remainders of `waves` as a spline of the real wave number; its values are (k, n).
+
+    Its pieces grow with the wave number, from half the distance of the nearest pole on. A polynomial on each piece takes
+    a third of the time of a sum of B-splines.
+    """
+    ends = [0.0, waves.materials.pole_distance_from_zero / 2]
+    while ends[-1] < LAST_SPLINE_WAVE / waves.decay_rate:
+        ends.append(ends[-1] + min(ends[-1], LONGEST_PIECE))
     k = np.concatenate([np.arange(SPLINE_POINTS) / SPLINE_POINTS * (end - at) + at for at, end in pairwise(ends)])
     k = np.append(k, ends[-1])
-    blocks = [function(block) for block in np.array_split(k, 1 + k.size // MAX_DIRECT)]
-    fitted = make_interp_spline(k, np.concatenate(blocks, axis=-1).reshape(-1, k.size).T, SPLINE_DEGREE)
+    blocks = [waves.direct_remainders(block) for block in np.array_split(k, 1 + k.size // MAX_DIRECT)]
+    fitted = make_interp_spline(k, np.concatenate(blocks, axis=-1).T, SPLINE_DEGREE)
     knots = fitted.t[SPLINE_DEGREE:-SPLINE_DEGREE]
     powers = [fitted(knots[:-1], n) / factorial(n) for n in range(SPLINE_DEGREE, -1, -1)]
     return PPoly(np.array(powers), knots)
 
 
-@lru_cache(maxsize=32)
-def _spline(response: LayerResponse) -> PPoly:
-    """Return all remainders of a response as a spline."""
-    return spline(response.remainders, response.pole_distance_from_zero / 2, LAST_SPLINE_WAVE)
+def taylor_coefficients(values: RealOrComplex, radius: float) -> Array:
+    """Return Taylor coefficients (..., 64) about zero of functions that are real on the real axis.
+
+    `values` (..., 64) are theirs on the :func:`circle` with this `radius`, within which they are analytic. The
+    coefficients are Cauchy's integrals.
+    """
+    return np.asarray(np.real(np.fft.fft(values)) / 64 / radius ** np.arange(64.0))
 
 
-def composite(ends: Array) -> tuple[Array, Array]:
-    """Return Gauss points and weights on pieces between `ends`."""
-    nodes, weights = np.array(mean_gauss_rule(GAUSS_POINTS)).T
-    middle, width = (ends[1:] + ends[:-1]) / 2, np.diff(ends)
-    points = middle[:, None] + width[:, None] / 2 * nodes
-    return points.ravel(), (width[:, None] * weights).ravel()
-
-
-# Last wave number of the spline through the remainder of a stress, times the rate at which that decays. A wave with 34
-# along each axis, where the remainder is below rounding, has 48 in all.
-LAST_STRESS_WAVE = 49.0
-# Wave numbers beyond which that spline is made: more than the integral over the waves of a strip takes. On a lattice it
-# is always made, since many sums read it.
-MAX_DIRECT_STRESS = 2**13
-
-
-def half_space(t: RealOrComplex) -> tuple[tuple[RealOrComplex, RealOrComplex, RealOrComplex], ...]:
-    """Return (s_zz, s_xz, s_xx) in a half-space at ``t = k z``, under a unit pressure and under a unit shear."""
-    e = np.exp(-t)
-    return (-(1 + t) * e, -t * e, -(1 - t) * e), (t * e, (t - 1) * e, (2 - t) * e)
+def circle(radius: float) -> NDArray[np.complex128]:
+    """Return 64 points (64,) on a circle around zero, for :func:`taylor_coefficients`."""
+    return np.asarray(radius * np.exp(2j * np.pi * np.arange(64) / 64))
 
 
 @dataclass(frozen=True)
-class LayerStress:
-    """Stress under a wave at one depth, and its change by the layers.
+class DisplacementWaves(WaveResponse):
+    """Displacement of the surface that the half-space adds to that of the same layers on more of the deepest layer.
+
+    Fields "xx", "xy" and "yy" are the displacements along the surface under traction, and "z" is that along the normal
+    under pressure, over ``(1 - nu1^2) / (pi E1)`` of the top layer; "x" and "y" are the normal displacement under
+    traction along either axis, over ``1 / (4 pi G1)``. The closed form are the :attr:`LayerResponse.contrasts` times
+    ``exp(-2 k)``: under long waves they make the displacement that of the half-space alone.
+
+    Parameters
+    ----------
+    materials
+        Materials and depths of their interfaces.
+    load
+        "pressure", or "traction" along the surface.
+    """
+
+    length_power: ClassVar[int] = 1
+    decay_rate: ClassVar[float] = 2.0
+
+    materials: LayerResponse
+    load: str
+
+    def parity(self, name: str) -> tuple[int, int]:
+        """Return the parity of the field `name` in x and y."""
+        return (1, 1) if name in ("yy", "z") else SURFACE[name].parity
+
+    def swap_axes(self, name: str) -> tuple["DisplacementWaves", str]:
+        """Return the response and the field that take the place of these when the axes are exchanged."""
+        return self, SWAPPED.get(name, name)
+
+    def harmonics(self, k: RealOrComplex) -> dict[str, dict[int, RealOrComplex]]:
+        """Return all fields by name and number of turns, see :meth:`WaveResponse.harmonics`; they are 0 at k = 0."""
+        return self._turned(k, self.remainders(k) + np.multiply.outer(self._contrasts, np.exp(-2 * k)))
+
+    def short_harmonics(self, k: RealOrComplex) -> dict[str, dict[int, RealOrComplex]]:
+        """Return the :meth:`harmonics` of the remainders alone."""
+        return self._turned(k, self.remainders(k))
+
+    def _turned(self, k: RealOrComplex, responses: RealOrComplex) -> dict[str, dict[int, RealOrComplex]]:
+        """Return the fields of :meth:`harmonics` from `responses` (1 or 3, ...) in the order of the compliances."""
+        weighted = np.divide(2 * np.pi, k, out=np.zeros_like(k), where=k != 0) * responses
+        if self.load == "pressure":
+            return {"z": {0: weighted[0]}}
+        along, coupling, across = weighted
+        mean, turning = (along + across) / 2, (along - across) / 2
+        return {
+            "xx": {0: mean, 2: turning},
+            "yy": {0: mean, 2: -turning},
+            "xy": {2: turning},
+            "x": {1: -1j * coupling},
+            "y": {1: -1j * coupling},
+        }
+
+    @property
+    def _of_load(self) -> slice:
+        """Places of the responses to this load among the four of :meth:`LayerResponse.compliances`."""
+        return slice(1) if self.load == "pressure" else slice(1, 4)
+
+    @property
+    def _contrasts(self) -> Array:
+        """Factors of ``exp(-2 k)`` in the responses to this load (1 or 3,)."""
+        return np.array(self.materials.contrasts[self._of_load])
+
+    def direct_remainders(self, k: RealOrComplex) -> RealOrComplex:
+        """Return the compliances of this load less those without the half-space, less the closed form (1 or 3, k)."""
+        change = self._change(k)
+        long = np.abs(k) < SERIES_END * self.materials.pole_distance_from_zero
+        if long.any():
+            change[:, long] = polynomial.polyval(k[long], self._series.T)
+        return change
+
+    def _change(self, k: RealOrComplex) -> RealOrComplex:
+        """Return :meth:`direct_remainders` as differences, which lose digits to cancellation for long waves."""
+        change = (self.materials.compliances(k) - self.materials.above.compliances(k))[self._of_load]
+        return np.asarray(change - np.multiply.outer(self._contrasts, np.exp(-2 * k)))
+
+    @cached_property
+    def _series(self) -> Array:
+        """Taylor coefficients (1 or 3, power) of the remainders at k = 0, where they are zero."""
+        radius = self.materials.pole_distance_from_zero / 2
+        terms = taylor_coefficients(self._change(circle(radius)), radius)[:, : SERIES_POWER + 1]
+        terms[:, 0] = 0
+        return terms
+
+
+# Components of stress by the load on the surface: pressure, shear across (along x), shear along (along y).
+FAMILIES: Mapping[str, Mapping[str, CellKernel]] = {
+    "pressure": BOUSSINESQ,
+    "across": CERRUTI_ACROSS,
+    "along": CERRUTI_ALONG,
+}
+SWAPPED_LOADS = {"pressure": "pressure", "across": "along", "along": "across"}
+
+
+def half_space(t: RealOrComplex, load: str) -> RealOrComplex:
+    """Return the stress in a half-space at ``t = k z`` in the order of :meth:`StressWaves.stresses`."""
+    e = np.exp(-t)
+    if load == "pressure":
+        return np.stack([-(1 + t) * e, -t * e, -(1 - t) * e])
+    return np.stack([t * e, (t - 1) * e, (2 - t) * e, -e, e])
+
+
+@dataclass(frozen=True)
+class StressWaves(WaveResponse):
+    """Stress at one depth under a wave of load, and its change by the layers.
 
     In the layers it is the change from the same layers on a half-space of the deepest layer's material, below them that
-    from the half-space without layers.
+    from the half-space without layers. Its closed form in a layer is a change of the stresses along the surface, taken
+    at the depth of the point's mirror image in the deepest interface: the stress of this layer under the strain of the
+    half-space there, less that under the strain of one of the deepest layer's material. There is none below the layers.
+    Fields are the components of stress over the load, such as "xz".
 
     Parameters
     ----------
@@ -298,10 +421,15 @@ class LayerStress:
         Materials and depths of their interfaces.
     depth
         Depth over that of the deepest interface, at least 0.
+    load
+        Load on the surface, a key of ``FAMILIES``.
     """
+
+    length_power: ClassVar[int] = 0
 
     materials: LayerResponse
     depth: float
+    load: str
 
     @property
     def in_layer(self) -> bool:
@@ -315,278 +443,86 @@ class LayerStress:
 
     @property
     def decay_rate(self) -> float:
-        """Rate at which a remainder decays as exp(-k `decay_rate`), with `k` as in :meth:`plane`."""
+        """Rate of decay of the remainders: the depth, of the mirror image in the deepest interface for a layer."""
         return 2 - self.depth if self.in_layer else self.depth
 
-    def plane(self, k: RealOrComplex) -> RealOrComplex:
-        """Return (s_zz, s_xz, s_xx) under a unit pressure and a unit shear (load, component, k).
+    def parity(self, name: str) -> tuple[int, int]:
+        """Return the parity of the component `name` of stress in x and y."""
+        return FAMILIES[self.load][name].parity
 
-        `k` is the wave number times the depth of the deepest interface, on the real or the imaginary axis. s_xx follows
-        from s_zz and the strain along x: ``(1 - nu) s_xx = 2 G du/dx + nu s_zz``.
+    def swap_axes(self, name: str) -> tuple["StressWaves", str]:
+        """Return the response and the component that take the place of these when the axes are exchanged."""
+        return replace(self, load=SWAPPED_LOADS[self.load]), BOUSSINESQ[name].swapped
+
+    def harmonics(self, k: RealOrComplex) -> dict[str, dict[int, RealOrComplex]]:
+        """Return the remainder of all components by name and number of turns, see :meth:`WaveResponse.harmonics`.
+
+        In the names of stresses here l is the direction of the wave and t that of its crests.
+        """
+        if self.load == "along":
+            return {
+                BOUSSINESQ[name].swapped: {
+                    m: -part if m == 3 or (m == 2 and name != "yz") else part for m, part in parts.items()
+                }
+                for name, parts in replace(self, load="across").harmonics(k).items()
+            }
+        normal, shear, s_ll, *along_crests = self.remainders(k)
+        s_tt = self.poisson_ratio * (s_ll + normal)
+        if self.load == "pressure":
+            mean, turning = (s_ll + s_tt) / 2, (s_ll - s_tt) / 2
+            return {
+                "xx": {0: mean, 2: turning},
+                "yy": {0: mean, 2: -turning},
+                "zz": {0: normal},
+                "yz": {1: -1j * shear},
+                "xz": {1: -1j * shear},
+                "xy": {2: turning},
+            }
+        # the shear along the wave is the cosine, that along its crests minus the sine of the angle
+        s_tz, s_lt = along_crests
+        turning = (s_ll - s_tt) / 4 - s_lt / 2
+        return {
+            "xx": {1: 1j * (s_ll - turning), 3: 1j * turning},
+            "yy": {1: 1j * (s_tt + turning), 3: -1j * turning},
+            "zz": {1: 1j * normal},
+            "yz": {2: (shear - s_tz) / 2},
+            "xz": {0: (shear + s_tz) / 2, 2: (shear - s_tz) / 2},
+            "xy": {1: 1j * (turning + s_lt), 3: 1j * turning},
+        }
+
+    def stresses(self, k: RealOrComplex) -> RealOrComplex:
+        """Return the stress of the body under waves with real or imaginary numbers `k` (k,).
+
+        Under a unit pressure it is (s_zz, s_xz, s_xx) (3, k). For the other loads it is that under a unit shear along
+        the wave, then (s_yz, s_xy) under a unit shear along its crests, with the stress proportional to exp(i k x) and
+        s_xy divided by i (5, k). s_xx follows from s_zz and the strain along x: ``(1 - nu) s_xx = 2 G du/dx + nu s_zz``.
         """
         compliance, traction = self.materials.plane(k, self.depth)
+        # the load at the surface is the stress -1
+        traction = -traction[:, :, [0 if self.load == "pressure" else 1]]
+        normal, shear = traction[:, :, 0].T
+        strain = (compliance @ traction)[:, 0, 0]  # 2 G du/dx
         nu = self.poisson_ratio
-        # the stress at the surface is -P and -Q
-        normal, shear = -np.moveaxis(traction, 0, -1)
-        strain = -np.moveaxis(compliance @ traction, 0, -1)[0]  # 2 G du/dx
-        return np.stack([normal, shear, (strain + nu * normal) / (1 - nu)], axis=1)
+        in_plane = [normal, shear, (strain + nu * normal) / (1 - nu)]
+        if self.load == "pressure":
+            return np.stack(in_plane)
+        slope_over_shear, down = self.materials.antiplane(k, self.depth)
+        return np.stack([*in_plane, -down, slope_over_shear * down])
 
-    def remainder(self, k: RealOrComplex) -> RealOrComplex:
-        """Return the change of :meth:`plane` less what is known in closed form.
-
-        It is zero at k = 0, and decays as exp(-k `decay_rate`). In a layer the closed form is a change of s_xx alone,
-        taken at the depth of the point's mirror image in the deepest interface: the stress of this layer under the
-        strain of the half-space there, less that under the strain of one of the deepest layer's material. Values at
-        many real `k`, up to LAST_STRESS_WAVE over the decay rate, and at those of a lattice (across, along) are read
-        off a spline.
-        """
-        if (k.ndim > 1 or k.size > MAX_DIRECT_STRESS) and not np.iscomplexobj(k):
-            values = np.asarray(np.moveaxis(_stress_spline(LayerStress(self.materials, self.depth))(k), -1, 0))
-        else:
-            values = self._remainder(k.ravel())
-        return values.reshape(2, 3, *k.shape)
-
-    def _remainder(self, k: RealOrComplex) -> RealOrComplex:
-        """Return :meth:`remainder` at wave numbers `k` (k,)."""
+    def direct_remainders(self, k: RealOrComplex) -> RealOrComplex:
+        """Return the change of :meth:`stresses` by the layers, less its closed form (3 or 5, k)."""
         if not self.in_layer:
-            return np.asarray(self.plane(k) - np.array(half_space(k * self.depth)))
-        above, image = self.materials.above, np.array(half_space(k * self.decay_rate))
-        change: RealOrComplex = self.plane(k) - LayerStress(above, self.depth).plane(k)
-        for sign, below in ((1, self.materials), (-1, above)):
-            change[:, 2] = change[:, 2] - sign * self._strained(below, image[:, 0], image[:, 2])
-        return change
+            return np.asarray(self.stresses(k) - half_space(k * self.depth, self.load))
+        change = self.stresses(k) - replace(self, materials=self.materials.above).stresses(k)
+        image = half_space(k * self.decay_rate, self.load)
+        for sign, below in ((1, self.materials), (-1, self.materials.above)):
+            shear_ratio, nu, nu_below = self.ratios(below)
+            strain = shear_ratio * ((1 - nu_below) * image[2] - nu_below * image[0])
+            change[2] -= sign * strain / (1 - nu)
+            change[4:] -= sign * shear_ratio * image[4:]
+        return np.asarray(change)
 
     def ratios(self, below: LayerResponse) -> tuple[float, float, float]:
         """Return the shear modulus here over that of a half-space `below`, and Poisson's ratios here and there."""
         own_ratio = self.materials.all_shear_ratios[self.materials.index(self.depth)]
         return below.all_shear_ratios[-1] / own_ratio, self.poisson_ratio, below.poisson_ratios[-1]
-
-    def _strained(self, below: LayerResponse, normal: RealOrComplex, across: RealOrComplex) -> RealOrComplex:
-        """Return s_xx here under the strain of a half-space `below`, whose s_zz and s_xx are `normal` and `across`."""
-        ratio, nu1, nu2 = self.ratios(below)
-        strain = ratio * ((1 - nu2) * across - nu2 * normal)
-        return np.asarray((strain + nu1 * normal) / (1 - nu1))
-
-    def antiplane(self, k: RealOrComplex) -> tuple[RealOrComplex, RealOrComplex]:
-        """Return the remainder, as :meth:`remainder`, of the shear stresses along the crests under a unit shear there.
-
-        With the stress proportional to exp(i k x) and y along the crests, they are s_yz and the imaginary part of s_xy.
-        """
-        down, around = self._antiplane(k)
-        if not self.in_layer:
-            decay = np.exp(-k * self.depth)
-            return decay - down, around - decay
-        without = LayerStress(self.materials.above, self.depth)._antiplane(k)
-        contrast = self.ratios(self.materials)[0] - self.ratios(self.materials.above)[0]
-        return without[0] - down, around - without[1] - contrast * np.exp(-k * self.decay_rate)
-
-    def _antiplane(self, k: RealOrComplex) -> tuple[RealOrComplex, RealOrComplex]:
-        """Return the shear along the crests over that at the surface, and G times the slope of the displacement."""
-        compliance, traction = self.materials.antiplane(k, self.depth)
-        return traction, compliance * traction
-
-
-@lru_cache(maxsize=64)
-def _stress_spline(stress: LayerStress) -> PPoly:
-    """Return the remainder as a spline (load and component) of the wave number."""
-    return spline(stress.remainder, stress.materials.pole_distance_from_zero / 2, LAST_STRESS_WAVE / stress.decay_rate)
-
-
-# Tables and cells are divided at r/2 times 0, 1, 2, 4, ..., if waves decay as exp(-k r): the singularities of fields, at
-# i r and, of far fields, at zero, are outside a Bernstein ellipse of rho = 5.8.
-CHEBYSHEV_POINTS = 22
-# exp(-x) is neglected beyond this x.
-NEGLIGIBLE_EXPONENT = 42.0
-# Terms of the Taylor series of a spectrum about k = 0; how many the far field has in closed form; and up to which part
-# of its circle of convergence the others stand for the rest.
-SERIES_TERMS, LONG_TERMS, TABLE_SERIES_END = 9, 3, 0.02
-
-# Parts of a field, by the number of turns.
-Parts = Mapping[int, RealOrComplex]
-
-
-class WaveResponse(Protocol):
-    """Fields in a layered half-space under a wave of load; wave numbers are those times the layer's thickness."""
-
-    def __hash__(self) -> int: ...
-
-    @property
-    def decay_rate(self) -> float:
-        """Rate, per wave number times thickness, at which amplitudes decay: exp(-k `decay_rate`)."""
-
-    @property
-    def materials(self) -> LayerResponse:
-        """Ratio of the moduli and Poisson's ratios, which determine the singularities in k."""
-
-    def parity(self, name: str) -> tuple[int, int]:
-        """Return the parity of a field in x and y."""
-
-    def swap_axes(self, name: str) -> "tuple[WaveResponse, str]":
-        """Return the response and the field that take the place of these when the axes are exchanged."""
-
-    def harmonics(self, k: RealOrComplex) -> Mapping[str, Parts]:
-        """Return the fields over the load, by name and by number m of turns, under waves with wave numbers `k`.
-
-        Under a wave at an angle t from x a field is the sum of its parts times cos(m t), or times sin(m t) if it is odd
-        along y. Parts with an even m are real for real `k`, others imaginary. Wave numbers may be complex.
-        """
-
-
-class PointField:
-    """Fields of a point load on a layered body, as tables of the distance that are filled as they are used.
-
-    A part F of :meth:`WaveResponse.harmonics` with m turns is ``i^m / (2 pi) int F(k) J_m(k s) k dk`` times cos or sin
-    of m times the angle from x, at a distance of s thicknesses.
-    """
-
-    def __init__(self, waves: WaveResponse) -> None:
-        self.waves = waves
-        self._around = min(0.5 * waves.materials.pole_distance_from_zero, 1 / waves.decay_rate)
-        circle = self._around * np.exp(2j * np.pi * np.arange(64) / 64)
-        self._parts = [(name, m) for name, parts in waves.harmonics(circle).items() for m in parts]
-        terms = np.real(np.fft.fft(self._spectra(circle)))[:, :SERIES_TERMS] / 64
-        self._series = terms / self._around ** np.arange(float(SERIES_TERMS))
-        self._pieces: dict[int, Array] = {}
-
-    def _spectra(self, k: RealOrComplex) -> RealOrComplex:
-        """Return ``i^m F(k) k`` of all parts (parts, k), which is real for real `k`."""
-        harmonics = self.waves.harmonics(k)
-        return np.stack([harmonics[name][m] * (k * 1j**m) for name, m in self._parts])
-
-    def __call__(self, name: str, x: Array, y: Array) -> Array:
-        """Return the field `name` at offsets `x` and `y`, which broadcast, but not at the load itself."""
-        place = x + 1j * y
-        s = np.abs(place)
-        direction = place / s
-        scaled = 2 * s / self.waves.decay_rate
-        # frexp: scaled in [2^(e-1), 2^e)
-        piece = np.maximum(np.frexp(scaled)[1], 0)
-        local = np.where(piece == 0, 2 * scaled, scaled / np.exp2(piece - 2.0)) - np.where(piece == 0, 1, 3)
-        chosen = [at for at, (field, _) in enumerate(self._parts) if field == name]
-        radial = np.empty((len(chosen), *s.shape))
-        for number in np.unique(piece).tolist():
-            on_piece = piece == number
-            radial[:, on_piece] = chebyshev.chebval(local[on_piece], self._piece(number)[:, chosen])
-        total = np.zeros(s.shape)
-        for at, values in zip(chosen, radial, strict=True):
-            turned = direction ** self._parts[at][1]
-            total += values * (turned.real if self.waves.parity(name)[1] > 0 else turned.imag)
-        return total
-
-    def _piece(self, number: int) -> Array:
-        """Return the Chebyshev coefficients (degree, parts) of all radial fields on a piece of distances."""
-        if number not in self._pieces:
-            nodes = chebyshev.chebpts1(CHEBYSHEV_POINTS)
-            start, end = piece_ends(self.waves, number)
-            values = self._radial((start + end) / 2 + (end - start) / 2 * nodes)
-            self._pieces[number] = chebyshev.chebfit(nodes, values.T, CHEBYSHEV_POINTS - 1)
-        return self._pieces[number]
-
-    def _radial(self, s: Array) -> Array:
-        """Return the radial fields (parts, s) at distances `s` in order, by quadrature over k."""
-        materials, turns = self.waves.materials, np.array([m for _, m in self._parts])
-        result = np.empty((turns.size, s.size))
-        far = NEGLIGIBLE_EXPONENT / materials.pole_distance_from_real_axis
-        if s[0] < max(far, self.waves.decay_rate):
-            k, weight = self._real(float(s[-1]))
-            spectra, waves = np.real(self._spectra(k)) * weight, np.multiply.outer(k, s)
-            for m, bessel in enumerate(_bessel_j(turns.max(), waves)):
-                result[turns == m] = spectra[turns == m] @ bessel
-            return result / (2 * np.pi)
-        # along the imaginary axis, where J_m decays as K_m; the neglected part is below rounding
-        tau, weight = self._imaginary(float(s[0]))
-        known, unknown = np.split(self._series, [LONG_TERMS], axis=1)
-        rest = self._spectra(1j * tau) - polynomial.polyval(1j * tau, known.T)
-        short = tau < TABLE_SERIES_END * self._around
-        rest[:, short] = polynomial.polyval(1j * tau[short], unknown.T) * (1j * tau[short]) ** LONG_TERMS
-        powers = np.arange(LONG_TERMS)
-        for m, bessel in enumerate(_bessel_k(turns.max(), np.multiply.outer(tau, s))):
-            # int k^p J_m(k s) dk
-            moments = 2.0**powers * gamma((1 + m + powers) / 2) * rgamma((1 + m - powers) / 2)
-            outer = known[turns == m] @ (moments[:, None] / s ** (powers[:, None] + 1))
-            decaying = np.real((rest * weight)[turns == m] * (-1j) ** m) @ bessel
-            result[turns == m] = outer + 2 / np.pi * decaying
-        return result / (2 * np.pi)
-
-    def _real(self, s: float) -> tuple[Array, Array]:
-        """Return Gauss points and weights for integrals over k of a field that oscillates with ``k s``."""
-        longest = min(1 / self.waves.decay_rate, 4 * np.pi / s)
-        ends = [0.0, min(self.waves.materials.pole_distance_from_zero, longest)]
-        while ends[-1] < NEGLIGIBLE_EXPONENT / self.waves.decay_rate:
-            ends.append(ends[-1] + min(ends[-1], longest))
-        return composite(np.array(ends))
-
-    def _imaginary(self, s: float) -> tuple[Array, Array]:
-        """Return Gauss points and weights for integrals over tau of a field that decays like ``exp(-s tau)``."""
-        materials = self.waves.materials
-        end = min(materials.pole_distance_from_real_axis, NEGLIGIBLE_EXPONENT / s)
-        start = 1e-3 * min(materials.pole_distance_from_zero, 1 / s)
-        count = int(np.ceil(np.log2(end / start)))
-        return composite(np.concatenate([[0.0], np.geomspace(start, end, count + 1)]))
-
-
-@lru_cache(maxsize=256)
-def point_field(waves: WaveResponse) -> PointField:
-    """Return the tables of one response."""
-    return PointField(waves)
-
-
-def piece_ends(waves: WaveResponse, number: int) -> tuple[float, float]:
-    """Return the ends of a piece of distances in thicknesses."""
-    unit = waves.decay_rate / 2
-    return (0.0, unit) if number == 0 else (unit * 2.0 ** (number - 1), unit * 2.0**number)
-
-
-def _bessel_j(last: int, x: Array) -> list[Array]:
-    """Return the Bessel functions J_0 to J_last, by recurrence where that keeps their digits."""
-    values = [j0(x), j1(x)]
-    small = x < 0.1
-    for m in range(2, last + 1):
-        values.append(2 * (m - 1) / x * values[m - 1] - values[m - 2])
-        values[m][small] = jv(m, x[small])
-    return values
-
-
-def _bessel_k(last: int, x: Array) -> list[Array]:
-    """Return the modified Bessel functions K_0 to K_last, by recurrence."""
-    values = [k0(x), k1(x)]
-    for m in range(2, last + 1):
-        values.append(2 * (m - 1) / x * values[m - 1] + values[m - 2])
-    return values
-
-
-def cell_alone(waves: WaveResponse, name: str, x: Array, y: Array, dx: float, dy: float) -> Array:
-    """Return the field `name` of a cell of sides `dx` and `dy` alone; all lengths are in thicknesses.
-
-    The field of a point load is interpolated by Chebyshev polynomials on pieces of x times pieces of y, which are
-    integrated over the cell. The offsets `x` and `y` broadcast, and form a grid where there are many.
-    """
-    even_x, even_y = waves.parity(name)
-    nodes_x, over_x = _integrals(waves, np.ravel(x), dx, even_x)
-    nodes_y, over_y = _integrals(waves, np.ravel(y), dy, even_y)
-    response = over_x @ point_field(waves)(name, nodes_x[:, None], nodes_y) @ over_y.T
-    at_x, at_y = (np.arange(np.size(offset)).reshape(np.shape(offset)) for offset in (x, y))
-    return np.asarray(response[at_x, at_y])
-
-
-def _integrals(waves: WaveResponse, offsets: Array, size: float, parity: int) -> tuple[Array, Array]:
-    """Return offsets above 0 (nodes,), and weights (offsets, nodes) of values there: integrals over cells of a `size`.
-
-    Values are those of a field that is even or odd, by its `parity`.
-    """
-    edges = offsets[:, None] + np.array([-size / 2, size / 2])
-    distances, local = np.abs(edges), chebyshev.chebpts1(CHEBYSHEV_POINTS)
-    basis = chebyshev.chebfit(local, np.eye(CHEBYSHEV_POINTS), CHEBYSHEV_POINTS - 1)
-    primitives = chebyshev.chebint(basis, lbnd=-1)
-    nodes, weights, number, end = [], [], 0, 0.0
-    while end < distances.max():
-        start, end = piece_ends(waves, number)
-        middle, half = (start + end) / 2, (end - start) / 2
-        nodes.append(middle + half * local)
-        within = np.clip((distances - middle) / half, -1, 1)
-        up_to = half * chebyshev.chebvander(within, CHEBYSHEV_POINTS) @ primitives
-        if parity > 0:
-            up_to *= np.sign(edges)[..., None]
-        weights.append(up_to[:, 1] - up_to[:, 0])
-        number += 1
-    return np.concatenate(nodes), np.concatenate(weights, axis=1)

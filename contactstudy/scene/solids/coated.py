@@ -12,8 +12,8 @@ import numpy as np
 from contactstudy.domain.validation import InvalidInput, Metres, validated
 from contactstudy.elasticity.coating import CoatingCoefficients
 from contactstudy.elasticity.convolution import BoussinesqCoefficients, Coefficients
-from contactstudy.elasticity.kernels.layer_response import LayerResponse
-from contactstudy.elasticity.kernels.layer_waves import FAMILIES, StressWaves, WaveCoefficients
+from contactstudy.elasticity.kernels.layer_response import FAMILIES, DisplacementWaves, LayerResponse, StressWaves
+from contactstudy.elasticity.kernels.layer_waves import WaveCoefficients
 from contactstudy.scene.solids.bodies import HalfSpace
 from contactstudy.scene.solids.stress_model import StressCoefficients
 
@@ -184,8 +184,7 @@ class CoatedHalfSpace:
         """Return the coefficients of a half-space of the coating's material, and the change by each material below."""
         alone = self.coating.response(datum)
         weight = alone[BoussinesqCoefficients(datum)]
-        changes = (CoatingCoefficients(*interface, "z", datum) for interface in self.interfaces)
-        return {**alone, **dict.fromkeys(changes, weight)}
+        return {**alone, **dict.fromkeys(self._changes("pressure", "z", datum), weight)}
 
     def shear_compliance(self, datum: float) -> "ShearCompliance":
         """Return the displacement under traction of a half-space of the coating, and the change by each one below."""
@@ -194,13 +193,17 @@ class CoatedHalfSpace:
         return {
             name: {
                 **of_coating,
-                **{
-                    CoatingCoefficients(response, depth, name, datum): (normal if name in ("x", "y") else along)
-                    for response, depth in self.interfaces
-                },
+                **dict.fromkeys(self._changes("traction", name, datum), normal if name in ("x", "y") else along),
             }
             for name, of_coating in self.coating.shear_compliance(datum).items()
         }
+
+    def _changes(self, load: str, name: str, datum: float) -> list[Coefficients]:
+        """Return the coefficients of the displacement `name` by each material below the coating, under a `load`."""
+        return [
+            CoatingCoefficients(DisplacementWaves(response, load), depth, name, datum)
+            for response, depth in self.interfaces
+        ]
 
     @property
     def stress_model(self) -> "StressModel":

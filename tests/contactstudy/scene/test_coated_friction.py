@@ -4,8 +4,8 @@ import pytest
 import contactstudy as cs
 from contactstudy.elasticity.coating import CoatingCoefficients
 from contactstudy.elasticity.convolution import general_convolutions
-from contactstudy.elasticity.kernels.layer_response import LayerResponse, LayerStress
-from contactstudy.elasticity.kernels.layer_waves import DisplacementWaves, amplitudes
+from contactstudy.elasticity.kernels.layer_response import DisplacementWaves, LayerResponse, StressWaves
+from contactstudy.elasticity.kernels.layer_waves import amplitudes
 from tests.conftest import STEEL
 
 STIFF = cs.HalfSpace(420e9, 0.2)
@@ -21,7 +21,7 @@ def test_a_wave_of_shear_moves_the_surface_as_its_stress_says(layer: LayerRespon
     """By the stress s_xx at the surface, which is 2 under shear and -1 under pressure without a substrate."""
     k, waves = np.linspace(0.05, 6, 40), DisplacementWaves(layer, "traction")
     along = amplitudes(waves, k, 0 * k)["xx"]
-    pressed, sheared = LayerStress(layer, 0.0).plane(k)[:, 2]
+    pressed, sheared = (StressWaves(layer, 0.0, load).stresses(k)[2] for load in ("pressure", "across"))
     nu, (m,) = layer.poisson_ratios[0], layer.shear_ratios
     np.testing.assert_allclose(along, 2 * np.pi / k * (sheared / 2 - 1), atol=1e-12)
     coupling = amplitudes(waves, k, 0 * k)["x"]
@@ -37,12 +37,11 @@ def test_a_wave_of_shear_moves_the_surface_as_its_stress_says(layer: LayerRespon
 def test_a_lattice_answers_a_wave_by_its_amplitude(name: str) -> None:
     layer, thickness, n, width = MATERIALS[0], 0.2, 64, 1.0
     grid = cs.Grid((n, n), (width, width))
-    coefficients = CoatingCoefficients(layer, thickness, name, 1.0)
+    waves = DisplacementWaves(layer, "pressure" if name == "z" else "traction")
+    coefficients = CoatingCoefficients(waves, thickness, name, 1.0)
     (convolution,) = general_convolutions([{coefficients: 1.0}], grid, (EXACT, EXACT))
     qx, qy = 2 * np.pi / width * np.array([3, 2])
     phase = qx * grid.x[:, None] + qy * grid.y
-    load = "pressure" if name == "z" else "traction"
-    waves = DisplacementWaves(layer, load)
     kx, ky = np.array([[qx * thickness]]), np.array([[qy * thickness]])
     amplitude = thickness * complex(amplitudes(waves, kx, ky)[name][0, 0])
     # piecewise constant cells have the mean of the wave, and add what is aliased: below 1e-3 of it

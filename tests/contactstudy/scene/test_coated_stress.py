@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.elasticity.kernels.layer_response import LayerResponse
-from contactstudy.elasticity.kernels.layer_waves import StressWaves, amplitudes
+from contactstudy.elasticity.kernels.layer_response import LayerResponse, StressWaves
+from contactstudy.elasticity.kernels.layer_waves import amplitudes
 from contactstudy.elasticity.kernels.stress import COMPONENTS
 from contactstudy.scene.solids.coated import BELOW, CoatedStress
 from contactstudy.scene.solids.stress_model import HalfSpaceStress

@@ -12,13 +12,12 @@ from scipy.special import j0, j1
 from contactstudy.elasticity.coating import CoatingCoefficients
 from contactstudy.elasticity.kernels.displacement import mean_gauss_rule
 from contactstudy.elasticity.kernels.layer_response import (
+    DisplacementWaves,
     LayerResponse,
-    LayerStress,
+    StressWaves,
     WaveResponse,
-    cell_alone,
-    composite,
 )
-from contactstudy.elasticity.kernels.layer_waves import DisplacementWaves, StressWaves, WaveCoefficients
+from contactstudy.elasticity.kernels.layer_waves import WaveCoefficients, composite
 
 # alike and unlike, compressible or not, on a soft, a stiff and a rigid base
 LAYERS = {
@@ -75,11 +74,14 @@ def test_layers_respond_as_the_boundary_value_problem_of_all_says(name: str, k: 
         computed = layers.compliances(np.array([k]))[:3, 0]
         np.testing.assert_allclose(computed, wanted, rtol=1e-12, atol=1e-13)
         changes = np.multiply.outer(layers.contrasts, np.exp(-2 * np.array([k])))
-        parts = layers.above.compliances(np.array([k])) + changes + layers.remainders(np.array([k]))
+        parts = layers.above.compliances(np.array([k])) + changes
+        parts[:1] += DisplacementWaves(layers, "pressure").remainders(np.array([k]))
+        parts[1:] += DisplacementWaves(layers, "traction").remainders(np.array([k]))
         np.testing.assert_allclose(parts[:3, 0], wanted, rtol=1e-12, atol=1e-13)
         for number, (top, bottom) in enumerate(pairwise([*ends, 1.4][: size // 4 + 2])):
             middle = (top + bottom) / 2
-            stresses = LayerStress(layers, middle).plane(np.array([k]))[..., 0]
+            responses = (StressWaves(layers, middle, load) for load in ("pressure", "across"))
+            stresses = [waves.stresses(np.array([k]))[:3, 0] for waves in responses]
             within = [[at(load, number, middle, part) for part in range(3)] for load in (0, 1)]
             np.testing.assert_allclose(stresses, within, rtol=1e-11, atol=1e-13)
 
@@ -124,7 +126,7 @@ def test_a_cell_is_the_integral_over_it_and_over_all_waves(name: str) -> None:
         for cell in CELLS:
             x, y, dx, dy = cell
             for field, wanted in by_quadrature(waves, cell).items():
-                computed = cell_alone(waves, field, np.array(x), np.array(y), dx, dy)
+                computed = WaveCoefficients(waves, 1.0, field).cell(np.array(x), np.array(y), dx, dy)
                 assert abs(float(computed) - wanted) <= 1e-11 * own
 
 
@@ -133,7 +135,12 @@ def test_a_cell_far_longer_than_the_layer_is_thick_is_the_sum_of_its_parts(name:
     """Alone, in a row and in a lattice, at edges and corners too, where fields along one axis are largest."""
     x, y, sheared = np.arange(3.0)[:, None], np.arange(4.0), responses(name)[3]
     cases: list[Any] = [
-        (CoatingCoefficients(LAYERS[name], 0.2, "z", 1.0).row, (15 * x, y / 8), (15.0, 1 / 8, 1.0), (3, 1)),
+        (
+            CoatingCoefficients(DisplacementWaves(LAYERS[name], "pressure"), 0.2, "z", 1.0).row,
+            (15 * x, y / 8),
+            (15.0, 1 / 8, 1.0),
+            (3, 1),
+        ),
         (WaveCoefficients(sheared, 0.1, "xy").lattice, (x, 3 * y), (1.0, 3.0, 30.0, 18.0), (5, 15)),
     ]
     for field in sheared.harmonics(np.ones(1)):
@@ -153,7 +160,7 @@ def test_a_cell_far_longer_than_the_layer_is_thick_is_the_sum_of_its_parts(name:
 )
 def test_a_row_is_the_sum_of_its_images(name: str, thickness: float, period: float, images: int) -> None:
     """Those far away are felt as lines: what is left of them falls as the square of their number, but for a constant."""
-    coating = CoatingCoefficients(LAYERS[name], thickness, "z", 1.0)
+    coating = CoatingCoefficients(DisplacementWaves(LAYERS[name], "pressure"), thickness, "z", 1.0)
     dx, dy = 0.3, 0.25
     x, y = np.array([[0.0], [0.3], [2.7]]), np.array([0.0, 0.25, 0.5])
     away = (y[:, None] + period * np.arange(-images, images + 1)).ravel()

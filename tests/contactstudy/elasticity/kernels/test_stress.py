@@ -6,7 +6,7 @@ import pytest
 from numpy.polynomial.legendre import leggauss
 from numpy.testing import assert_allclose, assert_array_equal
 
-from contactstudy.elasticity.kernels.layer_waves import FAMILIES
+from contactstudy.elasticity.kernels.layer_response import FAMILIES
 from contactstudy.elasticity.kernels.stress import (
     BOUSSINESQ,
     CERRUTI_ACROSS,

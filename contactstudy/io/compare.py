@@ -1,4 +1,9 @@
-"""Comparison of two contacts on two grids: differences of their pressures, quantities and scenes."""
+"""Comparison of two contacts, a and b, on two grids: differences of their pressures, quantities and scenes.
+
+Both pressures are brought to the common refinement of both grids, whose cells lie in one cell of each. The pressure is
+the net one: with adhesion less the attraction. Edges are coordinates [m] of the borders of the cells along an axis, one
+more than there are cells.
+"""
 
 import tomllib
 from collections.abc import Iterable, Mapping
@@ -17,24 +22,27 @@ from contactstudy.io.dataset import labelled
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-# Relative differences up to this are rounding, and are not printed.
+# Relative differences up to this are rounding: those of quantities are not printed, edges closer together are one.
 ROUNDING = 1e-9
-# Quantities that a comparison prints separately.
+# Relative difference of two periods up to which they are the same: files have their lengths with seven digits or more.
+SAME_PERIOD = 1e-6
+# Quantities that a comparison has as fields of its own.
 COMPARED = "peak_pressure", "contact_area", "approach", "load_per_length", "total_load"
 
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """Difference of the contact b from the contact a.
+    """Difference of the contact b from the contact a, with the pressures p_a and p_b.
 
     Parameters
     ----------
     l1
         ``sum |p_b - p_a| / sum p_a`` of the means over the larger cells of both grids, the measure of error estimates.
     peak_pressure, contact_area, load
-        ``b / a - 1``; the load is the pressure less the adhesive traction, and the area is NaN for films.
+        ``b / a - 1`` of the net peak pressure, the area of cells in contact, and the load of the net pressure; the area
+        is NaN for films.
     approach
-        ``b - a`` [m], meaningful if both have the same datum, as on one grid with one load. NaN for films.
+        ``b - a`` [m], meaningful if both are counted from the same point, as on one grid with one load. NaN for films.
     largest, position
         Largest ``|p_b - p_a|`` [Pa], and the place (x, y) [m] where it is.
     difference
@@ -125,18 +133,18 @@ def compare(a: Any, b: Any) -> Comparison:
     centres = (x[1:] + x[:-1]) / 2, (y[1:] + y[:-1]) / 2
     index = np.unravel_index(int(np.abs(change).argmax()), change.shape)
     loads = [float((pressure * area).sum()) for pressure in pressures]
-    labels = {"a": "pressure of a", "b": "pressure of b", "difference": "pressure of b less that of a"}
     difference = xr.Dataset(
         {
-            name: labelled(("x", "y"), of, "Pa", labels[name])
-            for name, of in zip(labels, (p_a, p_b, change), strict=True)
+            "a": labelled(("x", "y"), p_a, "Pa", "pressure of a"),
+            "b": labelled(("x", "y"), p_b, "Pa", "pressure of b"),
+            "difference": labelled(("x", "y"), change, "Pa", "pressure of b less that of a"),
         },
         {"x": ("x", centres[0], first["x"].attrs), "y": ("y", centres[1], first["y"].attrs)},
     )
-    means = _sums_over_larger_cells(change * area, x, x_a, x_b)
-    means = _sums_over_larger_cells(means, y, y_a, y_b, axis=1)
+    across = _sums_over_larger_cells(change * area, x, x_a, x_b)
+    forces = _sums_over_larger_cells(across, y, y_a, y_b, axis=1)
     return Comparison(
-        l1=float(np.abs(means).sum()) / total,
+        l1=float(np.abs(forces).sum()) / total,
         peak_pressure=float(p_b.max() / p_a.max() - 1),
         contact_area=areas[1] / areas[0] - 1,
         load=loads[1] / loads[0] - 1 if loads[0] else np.nan,
@@ -169,7 +177,8 @@ def _quantities(first: xr.Dataset, second: xr.Dataset) -> dict[str, float]:
 def _scene(dataset: xr.Dataset, attribute: str = "scene") -> dict[str, object]:
     """Return the values of the scene in a dataset by their paths, without its grid; empty if it has no scene.
 
-    That in the attribute ``scene_file`` has the keys which the user wrote.
+    The scene is the TOML text of an attribute: ``scene``, of every answer, or ``scene_file``, with the keys which the
+    user wrote.
     """
     try:
         return _flattened(tomllib.loads(str(dataset.attrs.get(attribute, ""))), "")
@@ -209,7 +218,7 @@ def _check_kinds(first: Mapping[str, object], second: Mapping[str, object]) -> N
 
 
 def _differing(first: Mapping[str, object], second: Mapping[str, object]) -> tuple[str, ...]:
-    """Return a sentence for each key of two scenes that differs."""
+    """Return the path and both values, as text, for each key of two scenes that differs; none if a scene is unknown."""
     keys = [key for key in {**first, **second} if first.get(key) != second.get(key)] if first and second else []
     return tuple(f"{key}: {_value_text(first.get(key))} and {_value_text(second.get(key))}" for key in keys)
 
@@ -220,7 +229,7 @@ def _value_text(value: object) -> str:
 
 
 def _labelled(name: str, contact: Any) -> xr.Dataset:
-    """Return the dataset of the contact `name`; raise InvalidInput if it has no pressure over (x, y)."""
+    """Return the dataset of the contact `name`, "a" or "b"; raise InvalidInput if it has no pressure over (x, y)."""
     if hasattr(contact, "to_dataset"):
         contact = contact.to_dataset()
     if (
@@ -235,10 +244,10 @@ def _labelled(name: str, contact: Any) -> xr.Dataset:
 
 
 def _at_one_instant(first: xr.Dataset, second: xr.Dataset) -> tuple[xr.Dataset, xr.Dataset, float | None]:
-    """Return both contacts at the instant [s] of the highest pressure of the first, and it; None without instants.
+    """Return both contacts at the instant of the highest pressure of the first, and that time [s]; None without times.
 
-    Of an instant that both have twice, before and after a jump of the load, it is the same one; one that only one has
-    twice is that after the jump.
+    An instant at which the load jumps stands twice, before and after the jump. Where both contacts have it twice, the
+    same one of the two is taken; where one has it once, it is compared with that after the jump.
     """
     if ("time" in first["pressure"].dims) != ("time" in second["pressure"].dims):
         raise InvalidInput(
@@ -262,7 +271,7 @@ def _at_one_instant(first: xr.Dataset, second: xr.Dataset) -> tuple[xr.Dataset, 
 
 
 def _edges(dataset: xr.Dataset, axis: str) -> Array:
-    """Return the edges of the cells along an axis; the edges of a single cell are -0.5 and 0.5."""
+    """Return the edges of the cells along an axis; those of a single cell, whose size is unknown, are -0.5 and 0.5."""
     centres = dataset[axis].values
     if len(centres) > 1:
         step = float(centres[-1] - centres[0]) / (len(centres) - 1)
@@ -271,13 +280,13 @@ def _edges(dataset: xr.Dataset, axis: str) -> Array:
 
 
 def _one_period(first: xr.Dataset, second: xr.Dataset, a: Array, b: Array) -> tuple[Array, Array]:
-    """Return the edges `a` and `b` of the cells along y; a contact of one cell takes the period of the other."""
+    """Return the edges `a` and `b` of the cells along y; a contact of one cell there takes the period of the other."""
     if first.sizes["y"] == 1:
         a = np.array([b[0], b[-1]])
     if second.sizes["y"] == 1:
         b = np.array([a[0], a[-1]])
     lengths = a[-1] - a[0], b[-1] - b[0]
-    if abs(lengths[1] / lengths[0] - 1) > 1e-6:
+    if abs(lengths[1] / lengths[0] - 1) > SAME_PERIOD:
         raise InvalidInput(
             f"The contacts have the periods {readable(lengths[0])} and {readable(lengths[1])}: compare contacts of "
             "the same period."
@@ -288,21 +297,21 @@ def _one_period(first: xr.Dataset, second: xr.Dataset, a: Array, b: Array) -> tu
 def _merged_edges(a: Array, b: Array) -> Array:
     """Return the edges of both grids; edges that differ only by rounding are merged."""
     edges = np.unique(np.concatenate([a, b]))
-    is_separate = np.diff(edges) > 1e-9 * (edges[-1] - edges[0])
+    is_separate = np.diff(edges) > ROUNDING * (edges[-1] - edges[0])
     return np.asarray(edges[np.concatenate([[True], is_separate])])
 
 
 def _resampled(pressure: Array, x: Array, y: Array, to_x: Array, to_y: Array) -> Array:
-    """Return the pressure on finer cells, zero beyond the grid."""
+    """Return a `pressure` from cells with the edges `x` and `y` on finer ones with other edges; 0 beyond its grid."""
     cells = (np.searchsorted(edges, (to[1:] + to[:-1]) / 2) for edges, to in ((x, to_x), (y, to_y)))
     return np.asarray(np.pad(pressure, 1)[np.ix_(*cells)])  # with a border of cells without pressure
 
 
 def _sums_over_larger_cells(values: Array, edges: Array, a: Array, b: Array, axis: int = 0) -> Array:
-    """Return the sums of `values` on fine cells over the larger cells of the grids with the edges `a` and `b`."""
-    coarse = a if np.diff(a).max() >= np.diff(b).max() else b
-    rounding = 1e-9 * (edges[-1] - edges[0])
-    starts = np.abs(edges[:-1, None] - coarse[None, :]).min(axis=1) <= rounding
-    beyond = (edges[:-1] < coarse[0] - rounding) | (edges[:-1] >= coarse[-1] - rounding)
-    starts |= beyond
-    return np.asarray(np.add.reduceat(values, np.flatnonzero(starts), axis=axis))
+    """Return the sums of `values` on fine cells over the larger cells of two grids, and over what lies beyond these.
+
+    The fine cells have the `edges` along the `axis`, those of both grids the edges `a` and `b`.
+    """
+    larger = a if np.diff(a).max() >= np.diff(b).max() else b
+    cells = np.searchsorted(larger, (edges[1:] + edges[:-1]) / 2)
+    return np.asarray(np.add.reduceat(values, np.flatnonzero(np.diff(cells, prepend=-1)), axis=axis))

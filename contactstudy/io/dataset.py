@@ -1,4 +1,9 @@
-"""Labelled datasets (xarray) of contacts, dry and lubricated, and of evolutions and repeated rolling."""
+"""Labelled datasets (xarray) of contacts, dry and lubricated, and of evolutions and repeated rolling.
+
+They follow the CF conventions for netCDF: each variable has its unit and long name, and a status is a flag, the index
+of the status with all names as attributes. What may differ between two contacts is a variable; what does not is an
+attribute, such as the scene as TOML.
+"""
 
 import shlex
 import sys
@@ -35,8 +40,11 @@ if TYPE_CHECKING:
     from contactstudy.evolution.trajectory import Frame, Trajectory
     from contactstudy.lubrication.lubricated_contact import FilmSolution
 
+# Attributes of the coordinates. The time is that of the histories of a scene and no date.
 X = {"units": "m", "axis": "X", "long_name": "position across the contact"}
 Y = {"units": "m", "axis": "Y", "long_name": "position along the contact"}
+Z = {"units": "m", "long_name": "depth", "axis": "Z", "positive": "down"}
+TIME = {"long_name": "time", "units": "s"}
 # Shapes that drop along a roller.
 PROFILES = (Crown, LundbergProfile, EndRelief, ProfilePoints, Tilt)
 
@@ -48,6 +56,7 @@ def labelled(
     return xr.Variable(dimensions, values, {"units": units, "long_name": long_name} | attributes)
 
 
+# The same over (x, y), and of a number without dimensions.
 _plane, _number = partial(labelled, ("x", "y")), partial(labelled, ())
 
 
@@ -62,7 +71,7 @@ def flags(dimensions: Sequence[str], values: object, meanings: Sequence[str], lo
 
 
 def field_variables(fields: Mapping[str, Field]) -> dict[str, xr.Variable]:
-    """Return fields as variables with their units, long names and attributes, by name."""
+    """Return `fields` as variables with their units, long names and attributes, by name."""
     return {
         name: labelled(field.dimensions, field.values, field.units, field.long_name, **field.attributes)
         for name, field in fields.items()
@@ -135,7 +144,10 @@ def contact_dataset(
 
 
 def _profile(posed: PosedScene) -> dict[str, xr.Variable]:
-    """Return the drop of profiles, crowns and tilt along a roller; empty for a scene without."""
+    """Return the variable ``drop`` (y,) [m] of profiles, crowns and tilt along a roller; none for a scene without.
+
+    It is that from the highest place of the roller, not a number beyond its ends.
+    """
     length, grid = posed.scene.roller_length, posed.grid
     drops = [shape.gap(grid) for shape in posed.scene.shapes if isinstance(shape, PROFILES)]
     along = [drop[0] for drop in drops if drop.shape[0] == 1]
@@ -147,7 +159,10 @@ def _profile(posed: PosedScene) -> dict[str, xr.Variable]:
 
 
 def fretting_loop(solution: Solution) -> dict[str, xr.Variable]:
-    """Return the loop of force over displacement of a contact that frets, by further solves; empty without fretting."""
+    """Return the loop of force over displacement of a contact that frets, by further solves; none without fretting.
+
+    The variables along the dimension ``loop`` are the tangential force, the rigid displacement and the slip.
+    """
     friction, posed = solution.problem.friction, solution.problem.description
     if not isinstance(friction, FrettingShear) or not isinstance(posed, PosedScene):
         return {}
@@ -205,9 +220,10 @@ def _statuses(dimensions: tuple[str, ...], statuses: Sequence[Enum], long_name: 
 
 
 def scene_attributes(posed: PosedScene) -> dict[str, str]:
-    """Return the scene, with extents of surfaces, as TOML, or as Python if a part of it is not of this package.
+    """Return the attributes ``scene`` and, where it has any, ``measured_surfaces``.
 
-    Beside it is what was done to its measured surfaces, with their files and digests.
+    The scene is TOML with the extents of its surfaces, or Python in comments where a part of it cannot be written. The
+    other attribute says what was done to each measured surface, with its file and digest.
     """
     scene = replace(posed.scene, shapes=with_extent_of(posed.scene.shapes, posed.grid))
     try:
@@ -223,9 +239,10 @@ def scene_attributes(posed: PosedScene) -> dict[str, str]:
 
 
 def _with_errors(dataset: xr.Dataset, estimate: ErrorEstimate) -> xr.Dataset:
-    """Return `dataset` with the estimated errors by cause, and their warnings as one text; 0 where no error applies.
+    """Return `dataset` with the estimated errors by cause, and their warnings as one text.
 
-    An error that is not known is NaN, with the reason as ``comment``.
+    Each quantity has a variable along the dimension ``cause``. A cause that does not apply to a quantity is 0; an error
+    that is not known is NaN, with the reason as ``comment``.
     """
     causes = list(dict.fromkeys(cause for _, parts in estimate for cause in parts.by_cause))
     dataset = dataset.assign_coords(cause=("cause", causes, {"units": "1", "long_name": "cause of the error"}))
@@ -241,7 +258,7 @@ def _with_errors(dataset: xr.Dataset, estimate: ErrorEstimate) -> xr.Dataset:
 
 
 def film_dataset(contact: "FilmSolution", error: ErrorEstimate, quantities: Quantities) -> xr.Dataset:
-    """Return a lubricated contact with dimensions (x, y), units and long names; errors along ``cause``."""
+    """Return a lubricated contact over (x, y), as :func:`contact_dataset` does a dry one."""
     carrier = "the lubricant" if contact.contact_pressure is None else "lubricant and asperities together"
     variables = {
         "pressure": _plane(contact.pressure, "Pa", f"pressure of {carrier}"),
@@ -267,12 +284,7 @@ def film_dataset(contact: "FilmSolution", error: ErrorEstimate, quantities: Quan
     return with_quantities(_with_errors(dataset, error), quantities)
 
 
-Z = {"units": "m", "long_name": "depth", "axis": "Z", "positive": "down"}
-# a time of the scene's histories, not a date
-TIME = {"long_name": "time", "units": "s"}
-
-
-# Numbers of an instant beside its quantities, with unit and label.
+# Numbers of an instant beside its quantities, with unit and label, by attribute of its frame.
 NUMBERS = {
     "load": ("N m-1", "load per length"),
     "residual": ("1", "residual of the solver"),
@@ -283,13 +295,13 @@ NUMBERS = {
 
 
 def evolution_dataset(evolution: "Trajectory", contacts: Sequence[Any]) -> xr.Dataset:
-    """Return the instants of a dry scene along time, with the strain of bodies that yield; ``status`` as CF flags.
+    """Return the instants of a dry scene along time, with the strain of bodies that yield.
 
-    The `contacts` are the answers at the instants.
+    The `contacts` are the answers at the instants of the `evolution`.
     """
     frames, posed = evolution.frames, evolution.description
     # the last one has no outputs where a coating is worn through
-    highest = max(contacts, key=lambda one: (len(one.problem.outputs), one.peak_pressure))
+    highest = max(contacts, key=lambda contact: (len(contact.problem.outputs), contact.peak_pressure))
     instants = [_instant(*pair, highest) for pair in zip(frames, contacts, strict=True)]
     dataset = over_time(evolution.times, instants)
     dataset.attrs = title_attributes("evolution of a line contact") | scene_attributes(posed)
@@ -301,10 +313,10 @@ def evolution_dataset(evolution: "Trajectory", contacts: Sequence[Any]) -> xr.Da
 
 
 def _instant(frame: "Frame", contact: Any, highest: Any) -> xr.Dataset:
-    """Return one instant of a dry scene: fields of the `contact`, its state and its outputs, and numbers.
+    """Return one instant of a dry scene: fields of the `contact`, its state and its outputs, and numbers of the `frame`.
 
     The displacement is left out, which follows from gap and approach. Depths of outputs are those of the contact with
-    the `highest` pressure.
+    the `highest` pressure, an answer as the `contact` is.
     """
     variables = field_variables(contact.state | contact.derived_at_depths_of(highest))
     for name in ("approach", "peak_pressure", "contact_area"):
@@ -321,7 +333,7 @@ def _instant(frame: "Frame", contact: Any, highest: Any) -> xr.Dataset:
 
 
 def over_time(times: Array, instants: Sequence[xr.Dataset]) -> xr.Dataset:
-    """Return the datasets of instants [s] along the dimension ``time``.
+    """Return the datasets of instants along the dimension ``time``, at their `times` (time,) [s].
 
     A field that an instant lacks is zero there without pressure, and else not a number.
     """
@@ -354,7 +366,11 @@ OF_PASSES: Mapping[str, tuple[tuple[str, ...], str, str]] = {
 
 
 def passes_dataset(rolling: "RepeatedRolling") -> xr.Dataset:
-    """Return the state after each pass over (pass_number, component, z), and the last window over (component, z, x)."""
+    """Return the state after each pass over (pass_number, component, z), and that around the last contact.
+
+    The latter, over (component, z, x), is the pressure, strain and residual stress in the window of the grid, which
+    moves with the contact.
+    """
     passes, track, volume = rolling.passes, rolling.track, rolling.track.operator.volume
     window = "component", "z", "x"
     pressure = passes[-1].solution.pressure[:, 0]
@@ -366,8 +382,8 @@ def passes_dataset(rolling: "RepeatedRolling") -> xr.Dataset:
         name: labelled(("pass_number", *dimensions), getattr(rolling, name), unit, label)
         for name, (dimensions, unit, label) in OF_PASSES.items()
     } | {
-        "distance": labelled("pass_number", np.array([one.distance for one in passes]), "m", "distance rolled"),
-        "status": _statuses(("pass_number",), [one.status for one in passes], "worst status of the steps"),
+        "distance": labelled("pass_number", np.array([each.distance for each in passes]), "m", "distance rolled"),
+        "status": _statuses(("pass_number",), [each.status for each in passes], "worst status of the steps"),
         "pressure": labelled("x", pressure, "Pa", "contact pressure in the last pass"),
         "window_plastic_strain": labelled(window, strain, "1", below),
         "window_residual_stress": labelled(window, stress, "Pa", unloaded),

@@ -1,12 +1,12 @@
 """Pictures of any answer, by what its dataset holds, and of a measured surface as it enters a contact."""
 
+import re
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial
 from io import BytesIO
-from math import floor, log10
+from math import floor, inf, log10
 from pathlib import Path
 from textwrap import fill
-from typing import Any, Literal, TypeVar
+from typing import Any, Literal, NamedTuple, TypeVar
 
 import matplotlib as mpl
 import numpy as np
@@ -200,21 +200,77 @@ def _heights(ax: Axes, places: Sequence[Array], unit: str, heights: Array, title
         draw_map(ax, places[1], places[0], heights / size, names)
 
 
-# Fraction of half a roller's length that is drawn at each end, and half-width of a film in Hertz's half-widths.
-OF_LENGTH, FILM_WIDTH = 0.4, 2.0
+# Fraction of half a roller's length that is drawn at each end.
+OF_LENGTH = 0.4
+# Half-width of what is drawn of a film, steady and in time, in Hertz's half-widths: the inlet is several times as wide.
+FILM_WIDTH, FILM_WIDTH_IN_TIME = 2.0, 1.5
+# Film thickness over the least one up to which a film is drawn on a linear axis.
+THICKEST_FILM = 8.0
+# Largest number of instants, or passes, whose profiles are drawn: more colours are not told apart.
+PROFILES = 6
+# Decades that a logarithmic axis of errors has at the most.
+DECADES = 6
+# Place of the legend of a panel, beside it.
+BESIDE: Any = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0)}
+# Draws one panel of a dataset: the variable of this name, and what belongs to it.
+Panel = Callable[[Axes, xr.Dataset, str], None]
+# Variables whose panel is drawn even if all of their values are zero.
+ALWAYS_DRAWN = "pressure", "gap", "load"
 
 
-# Draws one panel of a dataset.
-Panel = Callable[[Axes, xr.Dataset], None]
+class Kind(NamedTuple):
+    """A kind of dataset and its picture.
+
+    Attributes
+    ----------
+    needed
+        Variables and dimensions that such a dataset has.
+    panels
+        Names of variables, each with what draws its panel. Variables of each body, which end with an underscore and its
+        number, are drawn by the name without that.
+    width
+        Width of a panel [in].
+    reach
+        Half-width of what is drawn, in Hertz's half-widths.
+    """
+
+    needed: set[str]
+    panels: Sequence[tuple[str, Panel]]
+    width: float = 4.6
+    reach: float = inf
 
 
-def _picture(dataset: xr.Dataset, drawn: Sequence[Panel], columns: int, width: float = 4.6) -> Figure:
-    """Return a figure of a dataset with the panels that `drawn` draws, each of a `width` in inches."""
+def picture_of(dataset: xr.Dataset) -> Figure | None:
+    """Return the picture of a contact or a film, of either in time, or of passes; None of another dataset."""
+    names = {*map(str, dataset.variables), *map(str, dataset.dims)}
+    kind = next((kind for kind in KINDS if kind.needed <= names), None)
+    return None if kind is None else _picture(dataset, kind)
+
+
+def _picture(dataset: xr.Dataset, kind: Kind) -> Figure:
+    """Return a figure of a dataset with a panel for each variable of its `kind` that has values."""
+    if kind.reach < inf:
+        dataset = _inside(dataset, kind.reach)
+    drawn = [
+        (draw, str(name))
+        for variable, draw in kind.panels
+        for name in dataset
+        if re.fullmatch(rf"{variable}(_\d+)?", str(name))
+        if name in ALWAYS_DRAWN or (np.isfinite(dataset[name]) & (dataset[name] != 0)).any()
+        if draw not in (_map, _along) or dataset.sizes["y"] > 1
+    ]
     with mpl.rc_context(SETTINGS):
-        figure, axes = panels(len(drawn), columns=columns, width=width, height=3.4)
-        for draw, ax in zip(drawn, axes, strict=True):
-            draw(ax, dataset)
+        columns = 3 if len(drawn) > 4 and kind.width < 5 else 2
+        figure, axes = panels(len(drawn), columns=columns, width=kind.width, height=3.4)
+        for (draw, name), ax in zip(drawn, axes, strict=True):
+            draw(ax, dataset, name)
         return finish(figure, dataset)
+
+
+def _inside(dataset: xr.Dataset, reach: float) -> xr.Dataset:
+    """Return a dataset within `reach` half-widths of Hertz of the axis."""
+    distance = reach * float(dataset["hertz_half_width"].max())
+    return dataset.sel(x=slice(-distance, distance))
 
 
 def _curves(
@@ -228,40 +284,32 @@ def _curves(
     name_axes(ax, across, f"{names[0]} [{scale[1]}]", names[1])
 
 
-def contact_picture(dataset: xr.Dataset) -> Figure:
-    """Draw a contact as its dataset labels it: pressure, cross-sections, gap and stress."""
-    drawn: list[Panel] = [_across, _gap] if dataset.sizes["y"] == 1 else [_map, _along, _across, _gap]
-    drawers = {"drop": _ends, "shear_x": _shear, "loop_force": _fretting_loop, "von_mises": _stress}
-    drawn += [draw for name, draw in drawers.items() if name in dataset]
-    return _picture(dataset, drawn, columns=2 if len(drawn) < 5 else 3)
-
-
-def _map(ax: Axes, dataset: xr.Dataset) -> None:
+def _map(ax: Axes, dataset: xr.Dataset, name: str) -> None:
     """Draw the pressure over the grid."""
     x, across = in_display_unit(dataset["x"], "m", "across")
     y, along = in_display_unit(dataset["y"], "m", "along")
-    pressure, title = in_display_unit(dataset["pressure"], "Pa", "pressure")
+    pressure, title = in_display_unit(dataset[name], "Pa", "pressure")
     draw_map(ax, y, x, pressure, (along, across, title))
     if "half_length" in dataset:  # a point contact is drawn to equal scale
         ax.set_aspect(display_unit_of(dataset["x"], "m")[0] / display_unit_of(dataset["y"], "m")[0])
 
 
-def _along(ax: Axes, dataset: xr.Dataset) -> None:
+def _along(ax: Axes, dataset: xr.Dataset, name: str) -> None:
     """Draw the pressure along the middle of the contact, and Hertz's peak pressure."""
     y, along = in_display_unit(dataset["y"], "m", "along")
-    scale, unit = display_unit_of(dataset["pressure"], "Pa")
+    scale, unit = display_unit_of(dataset[name], "Pa")
     axis = np.abs(dataset["x"]) <= np.abs(dataset["x"]).min() * (1 + 1e-9)
-    middle = dataset["pressure"].where(axis, drop=True).mean("x")
+    middle = dataset[name].where(axis, drop=True).mean("x")
     ax.plot(y, middle / scale, label="in the middle", color=BLUE)
     if "hertz_peak_pressure" in dataset:
         ax.axhline(float(dataset["hertz_peak_pressure"]) / scale, **LAW_STYLE)
     name_axes(ax, along, f"pressure [{unit}]", "along the contact")
 
 
-def _across(ax: Axes, dataset: xr.Dataset) -> None:
+def _across(ax: Axes, dataset: xr.Dataset, name: str) -> None:
     """Draw the pressure across, with its range along the length, the attraction and Hertz's pressure."""
     x, _ = in_display_unit(dataset["x"], "m", "across")
-    pressure = dataset["pressure"]
+    pressure = dataset[name]
     scale = display_unit_of(pressure, "Pa")
     if dataset.sizes["y"] > 1:
         look: Any = {"color": BLUE, "alpha": 0.18, "linewidth": 0, "label": "lowest to highest"}
@@ -276,24 +324,24 @@ def _across(ax: Axes, dataset: xr.Dataset) -> None:
         ax.plot(x, hertz / scale[0], label="Hertz", **LAW_STYLE)
 
 
-def _gap(ax: Axes, dataset: xr.Dataset) -> None:
+def _gap(ax: Axes, dataset: xr.Dataset, name: str) -> None:
     """Draw the gap across the middle of the length."""
-    gap = in_the_middle(dataset["gap"])
+    gap = in_the_middle(dataset[name])
     _curves(ax, dataset, {"": (gap, GREEN)}, display_unit_of(gap, "m"), ("gap", "gap in the middle"))
 
 
-def _shear(ax: Axes, dataset: xr.Dataset) -> None:
+def _shear(ax: Axes, dataset: xr.Dataset, name: str) -> None:
     """Draw both components of the tangential traction across the middle of the length."""
-    across, along = (in_the_middle(dataset[name]) for name in ("shear_x", "shear_y"))
+    across, along = (in_the_middle(dataset[component]) for component in (name, "shear_y"))
     curves = {"traction across": (across, RED), "traction along": (along, GREEN)}
     shown = {label: curve for label, curve in curves.items() if curve[0].any()}
     scale = display_unit_of(abs(across) + abs(along), "Pa")
     _curves(ax, dataset, shown, scale, ("traction", "tangential traction in the middle"))
 
 
-def _ends(ax: Axes, dataset: xr.Dataset) -> None:
+def _ends(ax: Axes, dataset: xr.Dataset, name: str) -> None:
     """Draw the largest pressure across, and the drop, against the distance from the end of a roller."""
-    drop = dataset["drop"].dropna("y")
+    drop = dataset[name].dropna("y")
     y = drop["y"]
     middle, half = float(y[[0, -1]].mean()), float(y[-1] - y[0]) * (0.5 + 0.5 / max(len(y) - 1, 1))
     pressure, up = in_display_unit(dataset["pressure"].max("x").sel(y=y), "Pa", "pressure")
@@ -311,17 +359,17 @@ def _ends(ax: Axes, dataset: xr.Dataset) -> None:
     beside.invert_yaxis()
 
 
-def _fretting_loop(ax: Axes, dataset: xr.Dataset) -> None:
+def _fretting_loop(ax: Axes, dataset: xr.Dataset, name: str) -> None:
     """Draw the tangential force over the slip in a cycle."""
     slid, slip = in_display_unit(dataset["loop_slip"], "m", "slip")
-    force, up = in_display_unit(dataset["loop_force"], dataset["loop_force"].attrs["units"], "tangential force")
+    force, up = in_display_unit(dataset[name], dataset[name].attrs["units"], "tangential force")
     ax.plot(slid, force, ".-", color=BLUE)
     name_axes(ax, slip, up, "loop of a cycle")
 
 
-def _stress(ax: Axes, dataset: xr.Dataset) -> None:
+def _stress(ax: Axes, dataset: xr.Dataset, name: str) -> None:
     """Draw the von Mises stress below the middle of the length, over the depth where there are several."""
-    middle = in_the_middle(dataset["von_mises"])
+    middle = in_the_middle(dataset[name])
     x, across = in_display_unit(dataset["x"], "m", "across")
     z, down = in_display_unit(dataset["z"], "m", "depth")
     stress, up = in_display_unit(middle, "Pa", "von Mises")
@@ -340,138 +388,56 @@ def _stress(ax: Axes, dataset: xr.Dataset) -> None:
 
 
 def comparison_picture(fields: xr.Dataset, at: tuple[float, float]) -> Figure:
-    """Draw the difference of two contacts as a map, and both pressures across the place `at` (x, y) [m]."""
+    """Draw the difference of two contacts as a map, and both pressures across the place `at` (x, y) [m].
+
+    The `fields` (x, y) [Pa] are the pressures ``a`` and ``b``, and ``difference``, that of b less that of a.
+    """
     scale = display_unit_of(fields["a"], "Pa")
 
-    def change(ax: Axes, fields: xr.Dataset) -> None:
-        x, across = in_display_unit(fields["x"], "m", "across")
-        y, along = in_display_unit(fields["y"], "m", "along")
-        values = fields["difference"] / scale[0]
-        largest = float(np.abs(values).max()) or 1.0
-        names = along, across, f"b - a [{scale[1]}]"
-        draw_map(ax, y, x, values, names, cmap="RdBu_r", vmin=-largest, vmax=largest)
-
-    def sections(ax: Axes, fields: xr.Dataset) -> None:
+    def sections(ax: Axes, fields: xr.Dataset, name: str) -> None:
         section = fields.sel(y=at[1], method="nearest")
-        curves = {"a": (section["a"], BLUE), "b": (section["b"], RED)}
+        curves = {"a": (section[name], BLUE), "b": (section["b"], RED)}
         _curves(ax, fields, curves, scale, ("pressure", "where they differ most"))
         ax.lines[-1].set_linestyle("--")
 
-    return _picture(fields, [sections] if fields.sizes["y"] == 1 else [change, sections], columns=2)
+    def change(ax: Axes, fields: xr.Dataset, name: str) -> None:
+        x, across = in_display_unit(fields["x"], "m", "across")
+        y, along = in_display_unit(fields["y"], "m", "along")
+        values = fields[name] / scale[0]
+        largest = float(np.abs(values).max()) or 1.0
+        draw_map(ax, y, x, values, (along, across, f"b - a [{scale[1]}]"), cmap="RdBu_r", vmin=-largest, vmax=largest)
+
+    maps = [("difference", change)] if fields.sizes["y"] > 1 else []
+    return _picture(fields, Kind(set(), [*maps, ("a", sections)]))
 
 
-def film_picture(contact: xr.Dataset) -> Figure:
-    """Draw pressure and film across the middle of a lubricated contact, and a map of a pressure that varies along it."""
-    return _picture(contact, [_film, _film_alone, *[_map] * (contact.sizes["y"] > 1)], columns=3)
-
-
-def _film_alone(ax: Axes, contact: xr.Dataset) -> None:
+def _film_alone(ax: Axes, contact: xr.Dataset, name: str) -> None:
     """Draw the film across the middle on a logarithmic axis, with its lambda ratio if it has one."""
-    film = in_the_middle(contact["film"])
+    film = in_the_middle(contact[name])
     ratio = f", lambda ratio {float(contact['lambda_ratio']):.3g}" if "lambda_ratio" in contact else ""
     _curves(ax, contact, {"": (film, GREEN)}, display_unit_of(film, "m"), ("film", f"film in the middle{ratio}"))
     ax.set_yscale("log")
 
 
-def _film(ax: Axes, contact: xr.Dataset) -> None:
-    """Draw pressure, film and temperature across the middle of a film, each on a scale of its own."""
-    middle = in_the_middle(contact)
-    reach = FILM_WIDTH * float(contact["hertz_half_width"])
-    inside = middle.sel(x=slice(-reach, reach))
-    _across(ax, contact.sel(x=slice(-reach, reach)))
+def _film(ax: Axes, contact: xr.Dataset, name: str) -> None:
+    """Draw pressure, film and temperature across the middle of a film, each on a scale of its own.
+
+    The film is drawn up to `THICKEST_FILM` times its least thickness; beside the contact it is far thicker.
+    """
+    inside = _inside(contact, FILM_WIDTH)
+    _across(ax, inside, "pressure")
     ax.yaxis.label.set_color(BLUE)
-    scales = [("film", "m", "film", GREEN)]
-    if "film_temperature_rise" in contact:
-        scales.append(("film_temperature_rise", "K", "temperature rise", PURPLE))
-    x, _ = in_display_unit(inside["x"], "m", "across")
-    for number, (name, unit, label, color) in enumerate(scales):
-        # in the unit of the film in the contact, which is hundreds of times as thick beside it
-        shown = inside[name].where(inside["film"] < 8 * inside["film"].min()) if name == "film" else inside[name]
+    middle = in_the_middle(inside)
+    scales = [(middle[name].where(middle[name] < THICKEST_FILM * middle[name].min()), "m", "film", GREEN)]
+    if "film_temperature_rise" in middle:
+        scales.append((middle["film_temperature_rise"], "K", "temperature rise", PURPLE))
+    x, _ = in_display_unit(middle["x"], "m", "across")
+    for number, (shown, unit, label, color) in enumerate(scales):
         values, up = in_display_unit(shown, unit, label)
         beside = second_axis(ax, up, color, 1 + 0.2 * number)
         beside.plot(x, values, label=label, color=color)
         beside.set_ylim(bottom=0)
     ax.set_title("pressure and film" if len(scales) == 1 else "pressure, film and temperature")
-
-
-# Number of instants whose profiles are drawn.
-PROFILES = 6
-# Decades that a logarithmic axis of errors has at the most.
-DECADES = 6
-BESIDE: Any = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0)}
-# Half-width of a picture of a film in Hertz's half-widths.
-EVOLUTION_FILM_WIDTH = 1.5
-# Variables of each body that yields, before the suffix of the body.
-STRAIN, STRESS, DENT = "equivalent_plastic_strain", "residual_stress", "residual_displacement"
-
-
-def evolution_picture(evolved: xr.Dataset) -> Figure:
-    """Draw an evolution as ``Evolution.to_dataset`` labels it: profiles, a map over time, numbers and errors."""
-    drawn: list[Any] = [
-        partial(_lines, name="pressure"),
-        _map_over_time,
-        _numbers,
-        _loop if "attraction" in evolved else _errors,
-        *(partial(_lines, name=name) for name in ("wear_depth", "shear_x") if name in evolved),
-    ]
-    names = [str(name) for name in evolved]
-    drawn += [partial(_dent, name=name) for name in names if name.startswith(DENT)]
-    for name in names:
-        if name.startswith(STRAIN) and evolved[name].values.any():
-            stress = name.replace(STRAIN, STRESS)
-            drawn += [partial(_plastic, name=name), *[partial(_residual, name=stress)] * (stress in evolved)]
-    return _picture(evolved, drawn, columns=2, width=5.4)
-
-
-def film_evolution_picture(evolved: xr.Dataset) -> Figure:
-    """Draw a film in time: profiles of pressure and film, the film over time and width, and numbers against time."""
-    reach = EVOLUTION_FILM_WIDTH * float(evolved["hertz_half_width"][0])
-    inside = evolved.sel(x=slice(-reach, reach))
-    scale = display_unit_of(inside["film"].mean(), "m")
-
-    def profiles(ax: Axes, inside: xr.Dataset) -> None:
-        _lines(ax, inside, "film", scale)
-        ax.set_yscale("log")
-
-    def over_time(ax: Axes, inside: xr.Dataset) -> None:
-        x, across = in_display_unit(inside["x"], "m", "across")
-        film = in_the_middle(inside["film"]).T / scale[0]
-        draw_map(ax, inside["time"], x, film, ("time [s]", across, f"film in the middle [{scale[1]}]"), norm="log")
-        ax.set_xlim(*inside["time"].values[[0, -1]])
-
-    def numbers(ax: Axes, inside: xr.Dataset) -> None:
-        for name, color in (("central_film", BLUE), ("minimum_film", RED)):
-            label = inside[name].attrs["long_name"]
-            ax.plot(inside["time"], inside[name] / scale[0], color=color, label=label)
-        ax.set(xlabel="time [s]", ylabel=f"film [{scale[1]}]")
-
-    return _picture(inside, [partial(_lines, name="pressure"), profiles, over_time, numbers], columns=2, width=5.4)
-
-
-def passes_picture(rolled: xr.Dataset) -> Figure:
-    """Draw residual stress and plastic strain against depth after some passes, the first dark, the last bright."""
-    chosen = np.unique(np.linspace(0, rolled.sizes["pass_number"] - 1, PROFILES).round().astype(int))
-    after = rolled.isel(pass_number=chosen)
-    stress = after["residual_stress"].sel(component="xx")
-    scale, unit = display_unit_of(abs(rolled["residual_stress"]), "Pa")
-    strain = after["equivalent_plastic_strain"] * 100
-
-    def profiles(ax: Axes, _: xr.Dataset, values: xr.DataArray, across: str, label: str = "") -> None:
-        depth, down = in_display_unit(rolled["z"], "m", "depth")
-        for profile, color in zip(values, _dark_to_bright(len(chosen)), strict=True):
-            ax.plot(profile, depth, color=color, label=label and f"{label} {int(profile['pass_number'])}")
-        ax.set(xlabel=across, ylabel=down)
-        ax.invert_yaxis()
-
-    label = f"residual stress in the rolling direction [{unit}]"
-    of_stress = partial(profiles, values=stress / scale, across=label, label="pass")
-    of_strain = partial(profiles, values=strain, across="equivalent plastic strain [%]")
-    return _picture(rolled, [of_stress, of_strain], columns=2)
-
-
-def _dark_to_bright(count: int) -> Any:
-    """Return colours of `count` profiles, from the first to the last."""
-    return mpl.colormaps["viridis"](np.linspace(0, 0.9, count))
 
 
 def _lines(ax: Axes, evolved: xr.Dataset, name: str, scale: tuple[float, str] | None = None) -> None:
@@ -490,6 +456,57 @@ def _lines(ax: Axes, evolved: xr.Dataset, name: str, scale: tuple[float, str] | 
     ax.legend(**BESIDE)
 
 
+def _film_over_time(ax: Axes, evolved: xr.Dataset, name: str) -> None:
+    """Draw the film across the middle over time and width, as colours on a logarithmic scale."""
+    scale, unit = _film_unit(evolved)
+    x, across = in_display_unit(evolved["x"], "m", "across")
+    film = in_the_middle(evolved[name]).T / scale
+    draw_map(ax, evolved["time"], x, film, ("time [s]", across, f"film in the middle [{unit}]"), norm="log")
+    ax.set_xlim(*evolved["time"].values[[0, -1]])
+
+
+def _film_lines(ax: Axes, evolved: xr.Dataset, name: str) -> None:
+    """Draw the film across the middle at some instants, on a logarithmic axis."""
+    _lines(ax, evolved, name, _film_unit(evolved))
+    ax.set_yscale("log")
+
+
+def _film_numbers(ax: Axes, evolved: xr.Dataset, name: str) -> None:
+    """Draw the central and the minimum film against time."""
+    scale, unit = _film_unit(evolved)
+    for number, color in ((name, BLUE), ("minimum_film", RED)):
+        ax.plot(evolved["time"], evolved[number] / scale, color=color, label=evolved[number].attrs["long_name"])
+    ax.set(xlabel="time [s]", ylabel=f"film [{unit}]")
+
+
+def _film_unit(evolved: xr.Dataset) -> tuple[float, str]:
+    """Return the unit for display [m] of the mean film, and its name."""
+    return display_unit_of(evolved["film"].mean(), "m")
+
+
+def _passes(ax: Axes, rolled: xr.Dataset, name: str) -> None:
+    """Draw a residual stress in the rolling direction, or a strain, against the depth after some passes.
+
+    The first pass is dark, the last one bright.
+    """
+    chosen = np.unique(np.linspace(0, rolled.sizes["pass_number"] - 1, PROFILES).round().astype(int))
+    depth, down = in_display_unit(rolled["z"], "m", "depth")
+    if name == "residual_stress":
+        scale, unit = display_unit_of(abs(rolled[name]), "Pa")
+        values, across = rolled[name].sel(component="xx") / scale, f"residual stress in the rolling direction [{unit}]"
+    else:
+        values, across = rolled[name] * 100, f"{rolled[name].attrs['long_name']} [%]"
+    for profile, color in zip(values.isel(pass_number=chosen), _dark_to_bright(len(chosen)), strict=True):
+        ax.plot(profile, depth, color=color, label=f"pass {int(profile['pass_number'])}")
+    ax.set(xlabel=across, ylabel=down)
+    ax.invert_yaxis()
+
+
+def _dark_to_bright(count: int) -> Any:
+    """Return colours (count, RGBA) of profiles, from the first to the last."""
+    return mpl.colormaps["viridis"](np.linspace(0, 0.9, count))
+
+
 def _instants(values: Any) -> list[int]:
     """Return the numbers of the instants to draw of values (time, x), evenly spaced without those that are all zero."""
     drawn = np.flatnonzero(values.any(axis=1)) if values.any() else np.array([len(values) - 1])
@@ -497,6 +514,7 @@ def _instants(values: Any) -> list[int]:
 
 
 def _dent(ax: Axes, evolved: xr.Dataset, name: str) -> None:
+    """Draw the residual displacement of a body at some instants, downwards into the body."""
     _lines(ax, evolved, name)
     ax.set_ylabel(f"{ax.get_ylabel()}, into the bodies")
     ax.invert_yaxis()
@@ -522,16 +540,16 @@ def _residual(ax: Axes, evolved: xr.Dataset, name: str) -> None:
     factor, pressure_unit = display_unit_of(abs(stress), "Pa")
     for component, direction, color in (("xx", "across", BLUE), ("yy", "along", GREEN), ("zz", "in depth", RED)):
         ax.plot(stress.sel(component=component) / factor, evolved[depth] / length, color=color, label=direction)
-    of = str(evolved[STRAIN + name.removeprefix(STRESS)].attrs["long_name"]).partition(" of ")[2]
+    title = f"{str(stress.attrs['long_name']).partition(',')[0]} at the end"
     across = f"residual stress below the middle, tension positive [{pressure_unit}]"
-    name_axes(ax, across, f"depth [{length_unit}]", f"residual stress{of and f' of {of}'} at the end")
+    name_axes(ax, across, f"depth [{length_unit}]", title)
     ax.invert_yaxis()
     ax.legend(**BESIDE)
 
 
-def _map_over_time(ax: Axes, evolved: xr.Dataset) -> None:
+def _map_over_time(ax: Axes, evolved: xr.Dataset, name: str) -> None:
     """Draw the mean pressure along the length over time and width."""
-    pressure, title = in_display_unit(evolved["pressure"].mean("y"), "Pa", "mean pressure")
+    pressure, title = in_display_unit(evolved[name].mean("y"), "Pa", "mean pressure")
     x, across = in_display_unit(evolved["x"], "m", "across")
     # an instant given twice is a jump: the map has room for one
     time = evolved["time"].values
@@ -543,51 +561,61 @@ def _map_over_time(ax: Axes, evolved: xr.Dataset) -> None:
         ax.set_xlim(time[0], time[-1])
 
 
-def _numbers(ax: Axes, evolved: xr.Dataset) -> None:
+def _numbers(ax: Axes, evolved: xr.Dataset, name: str) -> None:
     """Draw load, peak pressure and contact area over their largest values."""
-    for name, color in (("load", "#595959"), ("peak_pressure", BLUE), ("contact_area", GREEN)):
-        values = evolved[name]
+    for number, color in ((name, "#595959"), ("peak_pressure", BLUE), ("contact_area", GREEN)):
+        values = evolved[number]
         largest = float(values.max()) or 1.0
         label = f"{values.attrs['long_name']} over {readable(largest, values.attrs['units'], 3)}"
         ax.plot(evolved["time"], values / largest, color=color, label=label)
     ax.set(xlabel="time [s]", ylabel="relative to the maximum")
-    ax.set_ylim(bottom=min(0.0, float(evolved["load"].min() / (evolved["load"].max() or 1.0))))
+    ax.set_ylim(bottom=min(0.0, float(evolved[name].min() / (evolved[name].max() or 1.0))))
     ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2))
 
 
-def _loop(ax: Axes, evolved: xr.Dataset) -> None:
-    """Draw the load against the approach, where the bodies touch: a loop of approach and separation."""
-    touching = (evolved["pressure"] > 0).any(("x", "y"))
+def _loop(ax: Axes, evolved: xr.Dataset, name: str) -> None:
+    """Draw the load of bodies with an attraction against the approach, where they touch."""
+    touching = ((evolved["pressure"] > 0) & (evolved[name] > 0)).any(("x", "y"))
     approach, across = in_display_unit(evolved["approach"].where(touching), "m", "approach")
     ax.plot(approach, evolved["load"].where(touching), ".-", color=BLUE)
     ax.axhline(0.0, **LAW_STYLE)
     name_axes(ax, across, "load [N/m]", "approach and separation")
 
 
-def _errors(ax: Axes, evolved: xr.Dataset) -> None:
-    """Draw the time-discretisation and the discretisation error, where they are known and not zero."""
-    for name, color in (("time_discretisation_error", RED), ("grid_error", BLUE)):
-        values = evolved[name].values
-        if (shown := np.isfinite(values) & (values > 0)).any():
-            label = evolved[name].attrs["long_name"]
-            ax.semilogy(evolved["time"].values[shown], values[shown], ".-", color=color, label=label)
-    ax.set(xlabel="time [s]", ylabel="relative error")
-    if ax.get_legend_handles_labels()[0]:
-        ax.set_ylim(bottom=max(ax.get_ylim()[0], ax.get_ylim()[1] * 10.0**-DECADES))
-        ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2))
+def _errors(ax: Axes, evolved: xr.Dataset, name: str) -> None:
+    """Draw an estimated error against time, where it is known and not zero."""
+    values = evolved[name].values
+    shown = np.isfinite(values) & (values > 0)
+    ax.semilogy(evolved["time"].values[shown], values[shown], ".-", color=RED)
+    ax.set(xlabel="time [s]", ylabel="relative error", title=evolved[name].attrs["long_name"])
+    ax.set_ylim(bottom=max(ax.get_ylim()[0], ax.get_ylim()[1] * 10.0**-DECADES))
 
 
-# Variables and dimensions that a dataset has, and what draws it; the first that fits.
-PICTURES = (
-    ({"film", "time"}, film_evolution_picture),
-    ({"film"}, film_picture),
-    ({"pass_number"}, passes_picture),
-    ({"gap", "time"}, evolution_picture),
-    ({"gap"}, contact_picture),
-)
-
-
-def picture_of(dataset: xr.Dataset) -> Figure | None:
-    """Return the picture of a contact or a film, of either in time, or of passes; None of another dataset."""
-    names = {*map(str, dataset.variables), *map(str, dataset.dims)}
-    return next((draw(dataset) for needed, draw in PICTURES if needed <= names), None)
+# Kinds of datasets with their pictures; that of a dataset is the first whose needs it has.
+KINDS = (
+    Kind(
+        {"film", "time"},
+        [("pressure", _lines), ("film", _film_lines), ("film", _film_over_time), ("central_film", _film_numbers)],
+        width=5.4,
+        reach=FILM_WIDTH_IN_TIME,
+    ),
+    Kind({"film"}, [("film", _film), ("film", _film_alone), ("pressure", _map)]),
+    Kind({"pass_number"}, [("residual_stress", _passes), ("equivalent_plastic_strain", _passes)]),
+    Kind(
+        {"gap", "time"},
+        [
+            ("pressure", _lines), ("pressure", _map_over_time), ("load", _numbers), ("attraction", _loop),
+            ("time_discretisation_error", _errors), ("grid_error", _errors), ("wear_depth", _lines), ("shear_x",
+            _lines), ("residual_displacement", _dent), ("equivalent_plastic_strain", _plastic), ("residual_stress",
+            _residual),
+        ],
+        width=5.4,
+    ),
+    Kind(
+        {"gap"},
+        [
+            ("pressure", _map), ("pressure", _along), ("pressure", _across), ("gap", _gap), ("drop", _ends),
+            ("shear_x", _shear), ("loop_force", _fretting_loop), ("von_mises", _stress),
+        ],
+    ),
+)  # fmt: skip

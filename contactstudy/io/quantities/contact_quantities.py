@@ -1,4 +1,12 @@
-"""Quantities of a dry contact, and parameters of a measured surface (ISO 25178-2, ISO 21920-2)."""
+"""Quantities of a dry contact: those of friction, those of adhesion, and `contact_quantities`, which joins them.
+
+A quantity is a number of an answer with its unit, its label and the bound of its error; one without a bound says why,
+and is bounded later by its changes between grids where it can be. A solution has parts beside its pressure: a
+tangential traction and an attraction. The net pressure is the pressure less the attraction. Totals are those of a
+roller where the scene has one, and else per length.
+
+At the end stand the parameters of a measured surface (ISO 25178-2, ISO 21920-2), as its picture lists them.
+"""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -9,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import irfft2, rfft2
 
-from contactstudy.accuracy.coarser import StraightEdges, contact_area_in_cells, straight_edges, with_ends
+from contactstudy.accuracy.coarser import StraightEdges, contact_area_in_cells, straight_edges, with_ends, wraps_of
 from contactstudy.accuracy.error_terms import NO_LIMIT
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.grid import Array, axis_first
@@ -32,11 +40,11 @@ from contactstudy.solvers.solution import (
 if TYPE_CHECKING:
     from contactstudy.evolution.steady_rolling import SteadyRolling
 
-# ENERGY_ERROR / n^2 is the relative error of the energy of a cycle with n cells across the slip zone: at most 0.82 / n^2
-# in 190 smooth contacts against the closed form, and less in 16 rough ones. The largest slip grows as the width of the
-# zone to the power of 3/2: a zone that is wider by SLIP_ZONE_MARGIN cells bounds it, where at most 1.1 were needed.
+# ENERGY_ERROR / n^2 is the relative error of the energy of a cycle with n cells across the slip zone: at most 0.82 /
+# n^2 in 190 smooth contacts against the closed form, and less in 16 rough ones. The largest slip grows as the width of
+# the zone to the power of 3/2: a zone that is wider by SLIP_ZONE_MARGIN cells bounds it, where at most 1.1 were needed.
 ENERGY_ERROR, SLIP_ZONE_MARGIN = 1.0, 1.25
-# Slip over the rigid displacement up to which it is the residual of the solver.
+# Slip over the rigid displacement up to which it is the residual of the solver: a hundred times its default tolerance.
 SLIP_ROUNDING = 1e-6
 NO_BOUND_OF_ONE_CELL = "No bound: the slip zone is at most one cell wide; solve again on cells of half the width."
 
@@ -44,28 +52,38 @@ NO_BOUND_OF_ONE_CELL = "No bound: the slip zone is at most one cell wide; solve 
 def traction_quantities(
     solution: Solution, traction: TangentialTraction, estimate: ErrorEstimate, _: float | None
 ) -> dict[str, Quantity]:
-    """Return the tangential force on the first body over the load, and the part of the contact that sticks."""
+    """Return the tangential force on the first body over the load, and the fraction of the contact that sticks.
+
+    The ratio has a bound where it is given: where the contact sticks with its force, in full sliding itself. It has
+    none under a given tangential displacement, and in full sliding of bodies that attract each other, as the grid
+    changes the load with the repulsion. The last argument is that of :data:`OF_PARTS`.
+    """
     coefficient = Quantity(_force_over_load(solution, traction)[0], "1", "tangential force over load")
     friction = getattr(scene_of(solution.problem), "friction", None)
-    sticks = getattr(friction, "sticks", False)
-    if solution.adhesion is not None and not sticks:
-        # full sliding over the load, which the grid changes with the repulsion
+    if solution.adhesion is not None and not _sticks(friction):
         if solution.adhesion.regularised:
             coefficient = replace(coefficient, reason=NO_LIMIT)
-    elif not (friction is None or getattr(friction, "displacements", None) is not None):
+    elif friction is not None and getattr(friction, "displacements", None) is None:
         pressed, load = float(solution.pressure.sum()), abs(_net_load(solution))
         error = ErrorParts(residual=solution.residual * (pressed / load if load else 1.0))
-        # where the contact sticks the force is given, else in full sliding that over the load
-        if sticks and estimate.load is not None:
-            error = estimate.load
-        coefficient = with_bound(coefficient, error)
+        # a load that is the result of an approach has an error of its own
+        of_load = estimate.load if _sticks(friction) else None
+        coefficient = with_bound(coefficient, of_load or error)
     return _of_force(solution, traction, estimate, {"traction_coefficient": coefficient})
+
+
+def _sticks(friction: object) -> bool:
+    """Return whether a part of the contact may stick under a `friction`, and not all of it slides."""
+    return getattr(friction, "sticks", False)
 
 
 def rolling_traction_quantities(
     solution: Solution, traction: RollingTraction, estimate: ErrorEstimate, length: float | None
 ) -> dict[str, Quantity]:
-    """Return both forces over the load, the part of the contact that sticks, creepage, and power."""
+    """Return tangential and lateral force over the load, the fraction that sticks, creepage, and frictional power.
+
+    Their bounds are the `errors` that the solver of the traction found by its own coarser grids, and that of the load.
+    """
     pressed, load = float(solution.pressure.sum()), abs(_net_load(solution))
     by_cells = traction.errors.force * pressed / load if load else 0.0
     # at a given approach the load is a result
@@ -78,8 +96,8 @@ def rolling_traction_quantities(
     grid = solution.problem.grid
     total = float(traction.power.sum() * grid.cell_area)
     power = per_length(total, "W", "frictional power", length, grid.length)
-    over_length = 1.0 if length is not None else 1 / grid.length
-    bound = traction.power_outside_contact * abs(power.value) + traction.errors.power * over_length
+    error = traction.errors.power if length is not None else traction.errors.power / grid.length
+    bound = traction.power_outside_contact * abs(power.value) + error
     creepage = Quantity(traction.creepage.longitudinal, "1", "longitudinal creepage")
     return _of_force(solution, traction, estimate, forces) | {
         "creepage": replace(creepage, bound=0.0, reason="")
@@ -103,9 +121,10 @@ def _net_load(solution: Solution) -> float:
 def _of_force(
     solution: Solution, traction: TangentialTraction, estimate: ErrorEstimate, forces: dict[str, Quantity]
 ) -> dict[str, Quantity]:
-    """Return `forces` over the load, and the part of the contact that sticks, with its bound.
+    """Return `forces` over the load, and the fraction of the contact that sticks, with its bound.
 
-    Where bodies attract each other there is also the force over the repulsion, which alone means something under a pull.
+    Where bodies attract each other there is also the force over the repulsion. Under a pull, where the net load is not
+    above 0, the forces over that load are left out.
     """
     pressed, touching = float(solution.pressure.sum()), int(np.count_nonzero(solution.pressure))
     sticking = float(np.count_nonzero(traction.stick) / touching) if touching else 0.0
@@ -120,8 +139,8 @@ def _of_force(
     over = float(traction.shear[0].sum()) / pressed if pressed else 0.0
     repulsive = Quantity(over, "1", "tangential force over repulsion")
     friction = getattr(scene_of(solution.problem), "friction", None)
-    if friction is not None and not getattr(friction, "sticks", False):
-        repulsive = replace(repulsive, bound=0.0, reason="")  # where it slips, the coefficient of friction
+    if friction is not None and not _sticks(friction):  # it is the coefficient of friction
+        repulsive = replace(repulsive, bound=0.0, reason="")
     of_load = forces if _net_load(solution) > 0 else {}
     return of_load | {"stick_fraction": stick, "traction_over_repulsion": repulsive}
 
@@ -129,10 +148,12 @@ def _of_force(
 def fretting_quantities(
     solution: Solution, traction: FrettingTraction, estimate: ErrorEstimate, length: float | None
 ) -> dict[str, Quantity]:
-    """Return force and stick, energy and largest slip of the last whole cycle, else of all, and the largest shear.
+    """Return force and stick, energy and largest slip of the last whole cycle, and the largest shear of all steps.
 
-    The stick-slip boundary is uncertain by one cell. Slip starts there with zero slope, so that for a zone n cells
-    wide the relative error of the energy is about 1 / n^2. The largest slip is bounded by that of a slightly wider zone.
+    Before a cycle is whole, energy and slip are those so far. The stick-slip boundary is uncertain by one cell. Slip
+    starts there with zero slope, so that for a zone n cells wide the relative error of the energy is about 1 / n^2. The
+    largest slip is bounded by that of a slightly wider zone. The width n is the number of slipping cells over that of
+    those at the boundary.
     """
     grid = solution.problem.grid
     energy = float(traction.energy.sum() * grid.cell_area)
@@ -149,10 +170,8 @@ def fretting_quantities(
     energy_error = ENERGY_ERROR / slip_zone_cells**2 if slip_zone_cells > 1 else inf
     slip_error = (1 + SLIP_ZONE_MARGIN / slip_zone_cells) ** 1.5 - 1 if slip_zone_cells > 1 else inf
     reason = estimate.l1.reason or ("" if slip_zone_cells > 1 else NO_BOUND_OF_ONE_CELL)
-    dissipated, largest_slip = (
-        with_bound(number, replace(estimate.l1, discretisation=relative, reason=reason))
-        for number, relative in ((dissipated, energy_error), (largest_slip, slip_error))
-    )
+    dissipated = with_bound(dissipated, replace(estimate.l1, discretisation=energy_error, reason=reason))
+    largest_slip = with_bound(largest_slip, replace(estimate.l1, discretisation=slip_error, reason=reason))
     shear = np.hypot(traction.shears[:, 0], traction.shears[:, 1]).max(axis=0, initial=0.0)
     return traction_quantities(solution, traction, estimate, length) | {
         name: dissipated,
@@ -164,30 +183,29 @@ def fretting_quantities(
 def _at_stick_slip_boundary(solution: Solution, traction: TangentialTraction) -> NDArray[np.bool_]:
     """Return the touching cells (x, y) at the stick-slip boundary, the uncertainty of which is one row of cells.
 
-    Where all of a rolling contact slips, a zone of stick may hide in the cells at its leading edge; where no cell slips
-    under a traction, a zone of slip in those at any edge.
+    They stick beside one that slips, or slip beside one that sticks. Where all of a rolling contact slips, a zone of
+    stick may hide in the cells at its leading edge, and those at either edge across are returned; where no cell slips
+    under a traction, a zone of slip may hide in those at any edge.
     """
     touching, stick = solution.pressure > 0, np.asarray(traction.stick, bool)
     if isinstance(traction, RollingTraction) and not stick.any():
         padded = np.pad(touching, ((1, 1), (0, 0)))
         return touching & ~(padded[2:] & padded[:-2])
-    paddings = solution.problem.paddings
-    may_slip_at_edge = bool(stick[touching].all() and np.any(traction.shear))
-    within = touching
-    if may_slip_at_edge:
-        stick, within = touching, np.ones_like(touching)
-    beside = np.zeros_like(touching)
-    for axis in (0, 1):
+    counted = touching  # neighbours that count
+    if stick[touching].all() and traction.shear.any():
+        stick, counted = touching, np.ones_like(touching)
+    at_boundary = np.zeros_like(touching)
+    for axis, wraps in enumerate(wraps_of(solution.problem)):
         for step in (1, -1):
-            edge = np.roll(within, step, axis) & (np.roll(stick, step, axis) != stick)
-            if paddings is None or not paddings[axis].wraps:
-                edge[(slice(None),) * axis + (0 if step == 1 else -1,)] = False
-            beside |= touching & edge
-    return beside
+            differs = np.roll(counted, step, axis) & (np.roll(stick, step, axis) != stick)
+            if not wraps:
+                axis_first(differs, axis)[0 if step == 1 else -1] = False
+            at_boundary |= touching & differs
+    return at_boundary
 
 
 def _with_slip_bound(quantity: Quantity, bound: float, estimate: ErrorEstimate) -> Quantity:
-    """Return a quantity with its `bound` if that is finite, and slip and pressure have one."""
+    """Return a quantity with its absolute `bound` if that is finite, and slip and pressure have one."""
     if estimate.slip_reason:
         return replace(quantity, reason=estimate.slip_reason)
     if not isfinite(estimate.l1.total):
@@ -196,101 +214,13 @@ def _with_slip_bound(quantity: Quantity, bound: float, estimate: ErrorEstimate) 
     return replace(quantity, bound=bound, reason="") if isfinite(bound) else quantity
 
 
-# Height of the autocorrelation at which it counts as decayed (ISO 25178-2, default of Sal and Str).
-DECAYED = 0.2
-
-# Value, SI unit and label by the name of the parameter.
-Parameters = dict[str, tuple[float, str, str]]
-
-
-def surface_parameters(surface: MeasuredSurface) -> Parameters:
-    """Return parameters of the heights that enter a contact: form removed, filtered, holes filled, ends as measured.
-
-    They are Sq, Sa, Sz, Ssk, Sku, Sdq, Sal and Str of a surface, and Rq, Ra, Rt, Rsk, Rku and Rdq of a profile. Slopes
-    are those between neighbouring points. Sal and Str are nan where the surface is too small for its waves.
-
-    Raises
-    ------
-    NotDefined
-        If the surface has no size.
-    """
-    if surface.extent is None:
-        raise NotDefined("A surface without a size has no slopes: give its extent, on the command line --extent.")
-    heights = surface.prepared - surface.prepared.mean()
-    steps = [side / count for side, count in zip(surface.extent, heights.shape, strict=True)]
-    is_profile = 1 in heights.shape
-    letter, largest = ("R", "Rt") if is_profile else ("S", "Sz")
-    rms = float(np.sqrt((heights**2).mean()))
-    slopes = sum(
-        (np.diff(heights, axis=axis) ** 2).mean() / step**2
-        for axis, step in enumerate(steps)
-        if heights.shape[axis] > 1
-    )
-    scaled = heights / (rms or 1.0)
-    parameters: Parameters = {
-        f"{letter}q": (rms, "m", "root mean square height"),
-        f"{letter}a": (float(np.abs(heights).mean()), "m", "arithmetical mean height"),
-        largest: (float(np.ptp(heights)), "m", "largest height"),
-        f"{letter}sk": (float((scaled**3).mean()), "1", "skewness"),
-        f"{letter}ku": (float((scaled**4).mean()), "1", "kurtosis"),
-        f"{letter}dq": (float(np.sqrt(slopes)), "1", "root mean square slope"),
-    }
-    if not is_profile and rms:
-        shortest, longest = _decay_lengths(scaled, steps)
-        parameters["Sal"] = shortest, "m", "autocorrelation length"
-        parameters["Str"] = shortest / longest, "1", "texture aspect ratio"
-    return parameters
-
-
-def parameters_text(parameters: Parameters) -> list[str]:
-    """Return a line for each parameter."""
-    return [
-        f"{name:<4} {'none' if np.isnan(value) else readable(value, unit):<12} {label}"
-        + ", which the surface is too small to show" * bool(np.isnan(value))
-        for name, (value, unit, label) in parameters.items()
-    ]
-
-
-def _decay_lengths(heights: Array, steps: list[float]) -> tuple[float, float]:
-    """Return the shortest and the longest distance [m] at which the autocorrelation falls to :data:`DECAYED`.
-
-    It is the mean product over all pairs of points at a distance. A length that is not reached within half the surface
-    is nan.
-    """
-    shape = heights.shape
-    padded = [2 * count for count in shape]
-    pairs = irfft2(np.abs(rfft2(np.ones(shape), padded)) ** 2, padded)
-    products = irfft2(np.abs(rfft2(heights, padded)) ** 2, padded)
-    half = [count // 2 for count in shape]
-    lags = [np.arange(-count, count + 1) for count in half]
-    correlation = (products / np.maximum(pairs, 0.5))[np.ix_(*lags)]
-    correlation = correlation / correlation[half[0], half[1]]
-    angles = np.linspace(0, np.pi, 360, endpoint=False)
-    # along rays from the middle, in steps of an eighth of a point
-    reach = np.hypot(half[0] * steps[0], half[1] * steps[1])
-    radii = np.arange(0, reach, min(steps) / 8)
-    x = half[0] + np.outer(np.cos(angles), radii) / steps[0]
-    y = half[1] + np.outer(np.sin(angles), radii) / steps[1]
-    from scipy.ndimage import map_coordinates  # imported only where it is needed
-
-    along = map_coordinates(correlation, [x, y], order=1, cval=np.nan)
-    has_decayed = (along <= DECAYED).any(axis=1)
-    if not has_decayed.any():
-        return np.nan, np.nan
-    after = (along[has_decayed] <= DECAYED).argmax(axis=1)
-    rows = np.flatnonzero(has_decayed)
-    high, low = along[rows, after - 1], along[rows, after]
-    lengths = radii[after - 1] + (high - DECAYED) / (high - low) * radii[1]
-    return float(lengths.min()), float(lengths.max()) if has_decayed.all() else np.nan
-
-
 def adhesion_quantities(
     solution: Solution, adhesion: AdhesiveTraction, estimate: ErrorEstimate, length: float | None
 ) -> dict[str, Quantity]:
     """Return quantities of the attraction, by name; with the pull-off load of bodies that are pulled apart.
 
-    In contact the repulsive part of the pressure is the strength above the net one, whose peak has the same error. Loads
-    are per `length` [m] of a roller, or of the grid if that is None.
+    In contact the repulsive part of the pressure is the net pressure and the strength of the attraction, so that the
+    peaks of both have the same error. Loads are per `length` [m] of a roller, or of the grid if that is None.
     """
     grid = solution.problem.grid
     on_length = grid.length / (length or grid.length)
@@ -324,10 +254,10 @@ def adhesion_quantities(
 
 
 def moved_force(solution: Solution, estimate: ErrorEstimate) -> float:
-    """Return the error [Pa] of two sums over cells: of the attraction, and of the net pressure where bodies touch.
+    """Return the error [Pa] of a sum over cells, of the attraction or of the net pressure where bodies touch.
 
-    It is the error of the net pressure in L1, and the largest attraction in the cells by which the contact may be larger
-    or smaller.
+    It is the error of the net pressure in L1, and the largest attraction in the cells by which the contact may be
+    larger or smaller. Times the area of a cell it is a force.
     """
     norm, touching = float(np.abs(solution.net_pressure).sum()), np.count_nonzero(solution.pressure)
     assert solution.adhesion is not None
@@ -335,8 +265,8 @@ def moved_force(solution: Solution, estimate: ErrorEstimate) -> float:
     return estimate.l1.total * norm + area * touching * float(solution.adhesion.attraction.max())
 
 
-# Functions of a solution, one of its parts, the errors, and the length [m] of a roller, None for others: they return the
-# quantities of that part.
+# For the type of each part of a solution, the function that returns its quantities by name. Its arguments are the
+# solution, the part, the errors of the solution, and the length [m] of a roller, None for others.
 OF_PARTS: Mapping[type, Callable[..., dict[str, Quantity]]] = {
     TangentialTraction: traction_quantities,
     RollingTraction: rolling_traction_quantities,
@@ -350,7 +280,8 @@ def contact_quantities(
 ) -> dict[str, Quantity]:
     """Return the quantities of a dry contact and of the effects that its scene names; none without a finite pressure.
 
-    Areas, energies and powers are per length where the scene has no length of its own.
+    Areas, energies and powers are per length where the scene has no length of its own. Numbers without a law of their
+    error get none here (`_shown_error`).
 
     Parameters
     ----------
@@ -369,24 +300,21 @@ def contact_quantities(
     scene, touching, warnings = scene_of(solution.problem), solution.pressure > 0, estimate.warnings
     posed = solution.problem.description
     length = roller_length(posed if isinstance(posed, PosedScene) else None)
-    paddings = solution.problem.paddings
-    wraps = (False, False) if paddings is None else (paddings[0].wraps, paddings[1].wraps)
+    wraps, adheres = wraps_of(solution.problem), solution.adhesion is not None
     # an attraction makes edges steep, and nothing is known of where in their cells they lie
-    edges_are_steep = solution.adhesion is not None
-    count = np.count_nonzero(touching)
-    edges = None if edges_are_steep else straight_edges(solution.pressure)
-    in_cells = count if edges_are_steep else contact_area_in_cells(solution.pressure, wraps, edges)
+    edges = None if adheres else straight_edges(solution.pressure)
+    in_cells = np.count_nonzero(touching) if adheres else contact_area_in_cells(solution.pressure, wraps, edges)
     area = in_cells * grid.cell_area
     total = float(pressure[touching].sum() * grid.cell_area)
     pressed = np.where(touching, pressure, -inf) if touching.any() else np.zeros(grid.cells)
     peak, place = largest_place(pressed, {"x": grid.x, "y": grid.y})
     area_error = _shown_error(estimate, "contact_area")
     half_width, half_length = (
-        _half_size(solution, axis, along, area_error, warnings) for axis, along in enumerate((edges, None))
+        _half_size(solution, axis, smooth, area_error, warnings) for axis, smooth in enumerate((edges, None))
     )
     is_point = scene is not None and scene.ellipse is not None
     width_note = "" if wraps[0] else f", over the grid's width of {readable(grid.extent[0], 'm')}"
-    label = f"peak {'net ' * edges_are_steep}pressure"
+    label = f"peak {'net ' if adheres else ''}pressure"
     quantities = {"peak_pressure": bounded(peak, "Pa", label, estimate.peak_pressure, warnings, position=place)}
     quantities |= stress_quantities(scene, derived, grid, estimate, solution.problem.paddings)
     if rolling is not None:
@@ -395,7 +323,7 @@ def contact_quantities(
         quantities |= OF_PARTS[type(part)](solution, part, estimate, length)
     in_contact = per_length(area, "m2", "contact area", length, grid.length)
     mean, mean_error = total / area if area else 0.0, area_error
-    if edges_are_steep and mean and area_error is not None:
+    if adheres and mean and area_error is not None:
         moved = moved_force(solution, estimate) * grid.cell_area + area_error.total * abs(total)
         mean_error = ErrorParts(discretisation=moved / abs(total), reason=area_error.reason)
     if mean_error is not None and estimate.load is not None:  # at a given approach the load has an error too
@@ -431,7 +359,7 @@ def contact_quantities(
 
 
 def _approach(solution: Solution, estimate: ErrorEstimate) -> Quantity:
-    """Return the approach, which is exact where it is given, and the point that it is counted from."""
+    """Return the approach, which is exact where it is given, with the point from which it counts in its label."""
     detail = datum_text(solution)
     if solution.problem.control.approach is not None:
         return Quantity(solution.approach, "m", "approach", 0.0, "", detail=detail)
@@ -440,15 +368,16 @@ def _approach(solution: Solution, estimate: ErrorEstimate) -> Quantity:
 
 
 def _shown_error(estimate: ErrorEstimate, name: str) -> ErrorParts | None:
-    """Return the error of a number; None where its changes between grids add to it, which then give the bound."""
+    """Return the error of the number `name`; None where its changes between grids bound it and it is finite."""
     parts: ErrorParts | None = getattr(estimate, name)
     return None if name in estimate.by_grids and parts is not None and isfinite(parts.total) else parts
 
 
 def approach_datum(solution: Solution) -> float | None:
-    """Return the distance [m] from the axis at which the surface does not move; None where the padding fixes it.
+    """Return the distance [m] from the axis at which the surface does not move; None where there is none.
 
-    Along an endless contact the approach grows with the logarithm of this distance (Johnson 1985, eq. 2.20).
+    Along an endless contact, with images along y alone, the approach grows with the logarithm of this distance (Johnson
+    1985, eq. 2.20). Under other paddings, or without a scene, there is none.
     """
     problem, scene = solution.problem, scene_of(solution.problem)
     if scene is None or problem.paddings is None:
@@ -460,7 +389,10 @@ def approach_datum(solution: Solution) -> float | None:
 
 
 def datum_text(solution: Solution) -> str:
-    """Return from where an approach counts, in words: of a pair that conforms also why that is far; empty without."""
+    """Return from where an approach counts, as the end of a label; empty where no distance matters.
+
+    Of a pair that conforms it says too that this is twice the equivalent radius, which is far.
+    """
     if not (datum := approach_datum(solution)):
         return ""
     scene = scene_of(solution.problem)
@@ -471,7 +403,10 @@ def datum_text(solution: Solution) -> str:
 
 
 def _of_rolling(rolling: "SteadyRolling") -> dict[str, Quantity]:
-    """Return the coefficient of rolling resistance, and the distance of the pressure's centroid from the axis."""
+    """Return the coefficient of rolling resistance, and the distance [m] of the pressure's centroid ahead of the axis.
+
+    Heights that stand still while a body slides past them make the resistance one to sliding.
+    """
     scene = scene_of(rolling.solution.problem)
     slides = scene is not None and standing_heights(scene.shapes)
     label = f"coefficient of {'hysteretic sliding friction' if slides else 'rolling resistance'}"
@@ -487,23 +422,25 @@ def _of_rolling(rolling: "SteadyRolling") -> dict[str, Quantity]:
 def _half_size(
     solution: Solution,
     axis: int,
-    resolved: StraightEdges | None,
+    edges: StraightEdges | None,
     area_error: ErrorParts | None,
     fallback_reasons: Sequence[str],
 ) -> Quantity:
-    """Return half the distance between the outermost edges in contact along an axis.
+    """Return half the distance between the outermost edges in contact along an axis: half-width or half-length.
 
-    Straight smooth edges, which are `resolved`, lie inside their cells. Elsewhere the outer faces of the outermost cells
-    count, and may each be half a cell off, or lie where the surface protrudes beyond them. With adhesion, where
-    `area_error` is known, they may each be a cell off, beside what the area is.
+    Straight smooth `edges` lie inside their cells. Elsewhere the outer faces of the outermost cells count, and may each
+    be half a cell off, or lie where the surface protrudes beyond them. With adhesion, where `area_error` is known, the
+    bound is a cell, or the relative error of the area if that is more. The `fallback_reasons` are those of
+    :func:`~contactstudy.io.quantities.quantity.with_bound`.
     """
     cell = solution.problem.grid.cell_size[axis]
     size = counted = _half_extent(solution.pressure > 0, axis, cell)
-    if resolved is not None:
-        size = sum(float(edge.max()) for edge in resolved.places) * cell / 2
+    off = _half_extent(_may_touch(solution), axis, cell) - counted
+    if edges is not None:
+        size = sum(float(edge.max()) for edge in edges.places) * cell / 2
+    else:
+        off += cell / 2
     name = ("half-width", "half-length")[axis]
-    off = cell / 2 if resolved is None else 0.0
-    off += _half_extent(_may_touch(solution), axis, cell) - counted
     half = Quantity(size, "m", f"{name} (outermost edges)", rivals=((size + off, 0.0),))
     if area_error is None or not isfinite(area_error.total):
         return with_bound(half, area_error, fallback_reasons)
@@ -511,12 +448,14 @@ def _half_size(
 
 
 def _may_touch(solution: Solution) -> NDArray[np.bool_]:
-    """Return the cells (x, y) in contact, and protrusions whose gap is smaller than what it rises by within a cell."""
-    gap, paddings = solution.gap, solution.problem.paddings
+    """Return the cells (x, y) in contact, and those of a lowest gap that may close between the cell centres.
+
+    That gap is smaller than the mean of its neighbours exceeds it.
+    """
+    gap = solution.gap
     is_lowest, rise = np.ones(gap.shape, bool), np.zeros(gap.shape)
-    for axis, count in enumerate(gap.shape):
-        if count > 1:
-            wraps = paddings is not None and paddings[axis].wraps
+    for axis, wraps in enumerate(wraps_of(solution.problem)):
+        if gap.shape[axis] > 1:
             padded = with_ends(axis_first(gap, axis), 1, wraps=wraps)
             before, after = (axis_first(beside, axis) for beside in (padded[:-2], padded[2:]))
             is_lowest &= gap <= np.minimum(before, after)
@@ -525,6 +464,99 @@ def _may_touch(solution: Solution) -> NDArray[np.bool_]:
 
 
 def _half_extent(cells: NDArray[np.bool_], axis: int, size: float) -> float:
-    """Return half the distance between the outer edges of the outermost of some cells (x, y) along an axis [m]."""
+    """Return half the distance [m] between the outer edges of the outermost of some `cells` (x, y) along an axis.
+
+    The cells have this `size` [m] along it; without any it is 0.
+    """
     at = np.flatnonzero(cells.any(axis=1 - axis))
     return float((at[-1] - at[0] + 1) * size / 2) if len(at) else 0.0
+
+
+# Height of the autocorrelation at which it counts as decayed (ISO 25178-2, default of Sal and Str).
+DECAYED = 0.2
+
+# Value, SI unit and label of each parameter, by the symbol of the standard.
+Parameters = dict[str, tuple[float, str, str]]
+
+
+def surface_parameters(surface: MeasuredSurface) -> Parameters:
+    """Return parameters of the heights that enter a contact: form removed, filtered, holes filled, ends as measured.
+
+    They are Sq, Sa, Sz, Ssk, Sku, Sdq, Sal and Str of a surface, and Rq, Ra, Rt, Rsk, Rku and Rdq of a profile, which
+    is one point wide along an axis. Slopes are those between neighbouring points. Sal and Str are nan where the surface
+    is too small for its waves, and left out of a plane.
+
+    Raises
+    ------
+    NotDefined
+        If the surface has no size.
+    """
+    if surface.extent is None:
+        raise NotDefined("A surface without a size has no slopes: give its extent, on the command line --extent.")
+    heights = surface.prepared - surface.prepared.mean()
+    steps = [side / count for side, count in zip(surface.extent, heights.shape, strict=True)]
+    is_profile = 1 in heights.shape
+    letter, largest = ("R", "Rt") if is_profile else ("S", "Sz")
+    rms = float(np.sqrt((heights**2).mean()))
+    slopes = sum(
+        (np.diff(heights, axis=axis) ** 2).mean() / step**2
+        for axis, step in enumerate(steps)
+        if heights.shape[axis] > 1
+    )
+    scaled = heights / (rms or 1.0)
+    parameters: Parameters = {
+        f"{letter}q": (rms, "m", "root mean square height"),
+        f"{letter}a": (float(np.abs(heights).mean()), "m", "arithmetical mean height"),
+        largest: (float(np.ptp(heights)), "m", "largest height"),
+        f"{letter}sk": (float((scaled**3).mean()), "1", "skewness"),
+        f"{letter}ku": (float((scaled**4).mean()), "1", "kurtosis"),
+        f"{letter}dq": (float(np.sqrt(slopes)), "1", "root mean square slope"),
+    }
+    if not is_profile and rms:
+        shortest, longest = _decay_lengths(scaled, steps)
+        parameters["Sal"] = shortest, "m", "autocorrelation length"
+        parameters["Str"] = shortest / longest, "1", "texture aspect ratio"
+    return parameters
+
+
+def parameters_text(parameters: Parameters) -> list[str]:
+    """Return a line of text for each parameter: symbol, value with unit, and label."""
+    return [
+        f"{name:<4} {'none' if np.isnan(value) else readable(value, unit):<12} {label}"
+        + ", which the surface is too small to show" * bool(np.isnan(value))
+        for name, (value, unit, label) in parameters.items()
+    ]
+
+
+def _decay_lengths(heights: Array, steps: list[float]) -> tuple[float, float]:
+    """Return the shortest and the longest distance [m] at which the autocorrelation falls to :data:`DECAYED`.
+
+    That is the mean product of the `heights` (x, y), points apart by the `steps` [m], over all pairs of points at a
+    distance, relative to that at no distance. It is computed by transforms padded with zeros, and followed along rays
+    in 360 directions. A length that is not reached within half the surface is nan.
+    """
+    shape = heights.shape
+    padded = [2 * count for count in shape]
+    pairs = irfft2(np.abs(rfft2(np.ones(shape), padded)) ** 2, padded)
+    products = irfft2(np.abs(rfft2(heights, padded)) ** 2, padded)
+    half = [count // 2 for count in shape]
+    lags = [np.arange(-count, count + 1) for count in half]
+    correlation = (products / np.maximum(pairs, 0.5))[np.ix_(*lags)]
+    correlation = correlation / correlation[half[0], half[1]]
+    angles = np.linspace(0, np.pi, 360, endpoint=False)
+    # along rays from the middle, in steps of an eighth of a point
+    reach = np.hypot(half[0] * steps[0], half[1] * steps[1])
+    radii = np.arange(0, reach, min(steps) / 8)
+    x = half[0] + np.outer(np.cos(angles), radii) / steps[0]
+    y = half[1] + np.outer(np.sin(angles), radii) / steps[1]
+    from scipy.ndimage import map_coordinates  # imported only where it is needed
+
+    along = map_coordinates(correlation, [x, y], order=1, cval=np.nan)
+    has_decayed = (along <= DECAYED).any(axis=1)
+    if not has_decayed.any():
+        return np.nan, np.nan
+    after = (along[has_decayed] <= DECAYED).argmax(axis=1)
+    rows = np.flatnonzero(has_decayed)
+    high, low = along[rows, after - 1], along[rows, after]
+    lengths = radii[after - 1] + (high - DECAYED) / (high - low) * radii[1]
+    return float(lengths.min()), float(lengths.max()) if has_decayed.all() else np.nan

@@ -1,4 +1,4 @@
-"""Number of an answer with unit and bound, and how numbers are written."""
+"""Quantity: a number of an answer with its unit and the bound of its error, and how quantities are written as text."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -12,7 +12,8 @@ from contactstudy.scene.scene import PosedScene
 NO_ESTIMATE = "No bound: no estimate of its error is known."
 RELATIVE_TO_ZERO = "No bound: the value is 0, and its error is known relative to it alone."
 FORMULA = "No bound: the value is that of a formula."
-# Relative bound above which a number is zero beside its bound, which is then said as it is.
+# Relative bound above which a number counts as zero beside its bound, which is then written in the unit of the number:
+# "error <= 1000 %" tells no more.
 MAX_RELATIVE = 10.0
 
 
@@ -36,14 +37,14 @@ class Quantity:
         Coordinates at which the value is found, by the names of the axes, [m], or [s] for ``time``; None where it has
         none.
     detail
-        What is said of this value alone, behind its label.
+        Text on this value alone, written behind its label, such as from where an approach counts.
     is_fraction
-        Whether it is a part of one, whose error is said as it is and not relative to the value.
+        True for a part of a whole, from 0 to 1, whose error is written as it is and not relative to the value.
     rivals
-        Of a largest value, those that it may have as well at other places or between the cells, each with its depth [m]:
-        its bound includes them, and that of its depth the depths of those within its bound.
+        Pairs of a value and its depth [m], 0 at the surface, that a largest value may have as well, at other places or
+        between the cells: its bound includes them, and that of its depth the depths of those within its bound.
     least_change
-        Relative change that counts at least between grids: of a largest stress that may lie between depths.
+        Least relative change between grids that its bound assumes: of a largest stress that may lie between depths.
     """
 
     value: float
@@ -71,10 +72,10 @@ class Quantity:
 
     def __str__(self) -> str:
         """Return value and bound, such as ``0.427 GPa (error <= 0.1 %)``, or the reason why there is none."""
-        said = _error_text(self) or self.reason.rstrip(".")
-        return f"{readable(self.value, self.unit)} ({said})"
+        return f"{readable(self.value, self.unit)} ({_error_text(self) or self.reason.rstrip('.')})"
 
 
+# Quantities of an answer, by their names such as "peak_pressure".
 Quantities = Mapping[str, Quantity]
 
 
@@ -108,7 +109,11 @@ def bounded(
 
 
 def roller_length(posed: PosedScene | None) -> float | None:
-    """Return the length [m] of the roller of a scene; None for an endless one, whose load is that of a period."""
+    """Return the length [m] of the roller of a scene on its grid; None without one, and of an endless one.
+
+    The load of an endless contact is that of a period. A body that is cut off at the ends of the grid, whose contact
+    repeats by the padding, is endless.
+    """
     if posed is None:
         return None
     scene, length = posed.scene, posed.scene.roller_length
@@ -118,7 +123,7 @@ def roller_length(posed: PosedScene | None) -> float | None:
 
 
 def per_length(value: float, unit: str, label: str, length: float | None, period: float) -> Quantity:
-    """Return a total over the grid: as it is for a roller of a `length` [m], else divided by the `period` [m]."""
+    """Return a total over the grid: as it is for a roller of a `length` [m], if None divided by the `period` [m]."""
     if length is not None:
         return Quantity(value, unit, label)
     return Quantity(value / period, f"{unit} m-1", f"{label} per length")
@@ -129,37 +134,27 @@ def as_text(quantities: Quantities) -> str:
 
     A number without a bound has no text in the column of errors, and its reason below.
     """
-    rows = [
-        (
-            quantity.label + quantity.detail,
-            readable(quantity.value, quantity.unit),
-            _error_text(quantity),
-            ", ".join(_position_text(axis, at) for axis, at in (quantity.position or {}).items()),
+    rows, formulas, unbounded = list[tuple[str, str, str, str]](), list[str](), dict[str, list[str]]()
+    for quantity in quantities.values():
+        label, value = quantity.label + quantity.detail, readable(quantity.value, quantity.unit)
+        if quantity.is_formula:
+            formulas.append(f"{label} {value}")
+            continue
+        places = (
+            f"{at:.3g} s" if axis == "time" else f"{axis} = {readable(at, 'm', 3)}"
+            for axis, at in (quantity.position or {}).items()
         )
-        for quantity in quantities.values()
-        if not quantity.is_formula
-    ]
+        rows.append((label, value, _error_text(quantity), ", ".join(places)))
+        if not isfinite(quantity.bound):
+            unbounded.setdefault(quantity.reason, []).append(quantity.label)
     widths = [max((len(row[column]) for row in rows), default=0) for column in range(3)]
     lines = []
-    for label, value, error, position_text in rows:
+    for label, value, error, place in rows:
         line = f"  {label:<{widths[0]}}  {value:>{widths[1]}}  {error:<{widths[2]}}"
-        lines.append(f"{line}  at {position_text}" if position_text else line.rstrip())
-    formulas = [
-        f"{quantity.label}{quantity.detail} {readable(quantity.value, quantity.unit)}"
-        for quantity in quantities.values()
-        if quantity.is_formula
-    ]
-    lines += [f"  by formulas: {'; '.join(formulas)}"] * bool(formulas)
-    unbounded: dict[str, list[str]] = {}
-    for quantity in quantities.values():
-        if not isfinite(quantity.bound) and not quantity.is_formula:
-            unbounded.setdefault(quantity.reason, []).append(quantity.label)
+        lines.append(f"{line}  at {place}" if place else line.rstrip())
+    if formulas:
+        lines.append(f"  by formulas: {'; '.join(formulas)}")
     return "\n".join([*lines, *(f"  {', '.join(labels)}: {reason}" for reason, labels in unbounded.items())])
-
-
-def _position_text(axis: str, at: float) -> str:
-    """Return the coordinate of a value as text."""
-    return f"{at:.3g} s" if axis == "time" else f"{axis} = {readable(at, 'm', 3)}"
 
 
 def _error_text(quantity: Quantity) -> str:
@@ -176,7 +171,7 @@ def _error_text(quantity: Quantity) -> str:
 
 
 def per_cent(ratio: float) -> str:
-    """Return a ratio in per cent with two digits, or whole from 100 % on."""
+    """Return a ratio as text in per cent, with two digits below 100 % and whole from there on."""
     percent = 100 * ratio
     return f"{percent:.2g} %" if percent < 99.5 else f"{percent:.0f} %"
 

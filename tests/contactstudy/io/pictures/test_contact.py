@@ -3,7 +3,7 @@ import pytest
 import xarray as xr
 
 import contactstudy as cs
-from contactstudy.io.pictures import contact_picture
+from contactstudy.io.pictures import picture_of
 
 X = np.array([-1e-4, 0.0, 1e-4])
 Y = np.array([0.0, 1e-3, 2e-3, 3e-3])
@@ -15,7 +15,9 @@ def test_the_map_and_both_sections_show_each_number_in_its_unit() -> None:
     fields = {"pressure": (("x", "y"), PRESSURE), "gap": (("x", "y"), GAP)}
     of_hertz = {"hertz_peak_pressure": 45e6, "hertz_half_width": 2e-4}
     dataset = xr.Dataset({**fields, **of_hertz}, coords={"x": X, "y": Y})
-    pressed, along, across, gaped, *_ = contact_picture(dataset).axes
+    figure = picture_of(dataset)
+    assert figure is not None
+    pressed, along, across, gaped, *_ = figure.axes
     [mesh] = pressed.collections
     assert np.asarray(mesh.get_array()) == pytest.approx(PRESSURE / 1e6)
     middle, law = along.lines

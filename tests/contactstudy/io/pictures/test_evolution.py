@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from contactstudy.io.pictures import evolution_picture
+from contactstudy.io.pictures import picture_of
 
 TIME = np.array([0.0, 1.0, 1.0, 4.0])
 X = np.array([-2e-3, 0.0, 2e-3])
@@ -17,6 +17,7 @@ def labelled(**more: object) -> xr.Dataset:
     return xr.Dataset(
         {
             "pressure": (("time", "x", "y"), PRESSURE, {"long_name": "pressure", "units": "Pa"}),
+            "gap": (("time", "x", "y"), np.zeros_like(PRESSURE), {"long_name": "gap", "units": "m"}),
             "load": named([1.0, 2.0, 4.0, 4.0], "load", "N/m"),
             "peak_pressure": named([6e6, 12e6, 18e6, 24e6], "peak pressure", "Pa"),
             "contact_area": named([0.0, 0.0, 0.0, 0.0], "contact area", "m2"),
@@ -29,7 +30,9 @@ def labelled(**more: object) -> xr.Dataset:
 
 
 def test_profiles_map_numbers_and_known_errors_are_drawn_over_time() -> None:
-    profiles, over_time, numbers, errors, *_ = evolution_picture(labelled()).axes
+    figure = picture_of(labelled())
+    assert figure is not None
+    profiles, over_time, numbers, errors, *_ = figure.axes
     for line, rows in zip(profiles.lines, PRESSURE[:, :, 1], strict=True):
         assert line.get_xydata() == pytest.approx(np.transpose([X * 1e3, rows / 1e6]))
     [mesh] = over_time.collections

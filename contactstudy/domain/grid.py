@@ -471,22 +471,19 @@ def on_cells(field: Array, cells: tuple[int, int]) -> Array:
     for axis, count in enumerate(cells):
         along = axis_first(field, axis)
         present = len(along)
-        if present == count:
-            continue
         if count % present == 0:
-            field = axis_first(np.repeat(along, count // present, axis=0), axis)
-            continue
-        if present % count == 0:
+            along = np.repeat(along, count // present, axis=0)
+        elif present % count == 0:
             merged = present // count
-            sums = sum((along[k::merged] for k in range(1, merged)), start=along[::merged])
-            field = axis_first(sums / merged, axis)
-            continue
-        # the integral up to each border of the new cells, which is linear inside a given cell
-        sums = np.concatenate([np.zeros((1, along.shape[1])), np.cumsum(along, axis=0)])
-        border = np.arange(count + 1) * (present / count)
-        full_cells = np.minimum(border.astype(int), present - 1)
-        integral = sums[full_cells] + (border - full_cells)[:, None] * along[full_cells]
-        field = axis_first(np.diff(integral, axis=0) * (count / present), axis)
+            along = sum((along[k::merged] for k in range(1, merged)), start=along[::merged]) / merged
+        else:
+            # the integral up to each border of the new cells, which is linear inside a given cell
+            sums = np.concatenate([np.zeros((1, along.shape[1])), np.cumsum(along, axis=0)])
+            border = np.arange(count + 1) * (present / count)
+            full_cells = np.minimum(border.astype(int), present - 1)
+            integral = sums[full_cells] + (border - full_cells)[:, None] * along[full_cells]
+            along = np.diff(integral, axis=0) * (count / present)
+        field = axis_first(along, axis)
     return field
 
 

@@ -1,4 +1,10 @@
-"""Heights of points and the sizes they come with, from an array, a DataArray or a file, and if they are plausible."""
+"""Heights of points and the sizes they come with, from an array, a DataArray or a file, and if they are plausible.
+
+Heights (x, y) lie across and along the contact and count out of the body. In the words of this file a surface has
+points, each standing for an equal cell, and `sizes`, the width and length of all cells. What is said beside a file is
+its :class:`Reading`; a text file is read by the modules `text_file` and `text_surface`, other formats of instruments by
+the library SurfaceTopography.
+"""
 
 import warnings
 from contextlib import redirect_stderr
@@ -15,16 +21,38 @@ from contactstudy.domain.validation import InvalidInput, readable, shortened
 from contactstudy.scene.surfaces import text_surface
 from contactstudy.scene.surfaces.preparation import polynomial
 from contactstudy.scene.surfaces.text_file import decoded, length_unit, table
-from contactstudy.scene.surfaces.text_surface import FileContent, Reading, unit_name
+from contactstudy.scene.surfaces.text_surface import FileContent, Reading
 
 # Numbers, of either sign, that instruments write for a point that was not measured; any from VOID on is one.
 MARKS = (999, 9999, 99999, 999999, 32767, 32768, 65535, 2147483648)
 VOID = 1e30
+# With fewer different heights, as of a step or of a plane, no height is unusual.
+MIN_HEIGHTS = 4
+# A height between others that so many points share, and so many times more than the next frequent one, is that of points
+# that were not measured: rounded heights of a rough surface are shared by many, but by similar numbers of points.
+MIN_SHARED, SHARED_MORE = 8, 10
 
 
 def measured_points(name: str, content: FileContent, reading: Reading) -> tuple[Array, list[str]]:
-    """Return the numbers of a file, nan at each point that was not measured, and notes on these."""
-    values, notes = np.array(content.values, dtype=np.float64), []
+    """Return the numbers of a file, nan at each point that was not measured, and notes on these.
+
+    Parameters
+    ----------
+    name
+        Path of the file, for messages.
+    content
+        Content of the file.
+    reading
+        What is said beside the file.
+
+    Raises
+    ------
+    InvalidInput
+        If the file says another number for such points than `reading`, or has one height at many points that may have
+        been measured or not.
+    """
+    values = np.array(content.values, dtype=np.float64)
+    notes: list[str] = []
     number = content.invalid if reading.invalid is None else reading.invalid
     if number != content.invalid is not None and reading.sizes == "checked":
         raise InvalidInput(
@@ -34,56 +62,48 @@ def measured_points(name: str, content: FileContent, reading: Reading) -> tuple[
         values[~(np.abs(values) < VOID)] = np.nan
         if number is not None:
             values[np.isclose(values, number, rtol=1e-6, atol=0)] = np.nan
-    while reading.sizes == "checked":
+    if reading.sizes == "confirmed":
+        return values, notes
+    while True:
         heights, counts = np.unique(values[np.isfinite(values)], return_counts=True)
-        if len(heights) < 4:
-            break
+        if len(heights) < MIN_HEIGHTS:
+            return values, notes
+        # a lowest or highest one is alone if it is further from the next than all others lie apart
         gaps, spread = np.diff(heights), (heights[-1] - heights[1], heights[-2] - heights[0])
         lone = [place for place in (-1, 0) if gaps[place] > spread[place]]
         marks = [place for place in lone if abs(heights[place]) in MARKS]
-        if marks:
-            values[values == heights[marks[0]]] = np.nan
-            notes.append(f"not measured, as {heights[marks[0]]:g} in the file says: {counts[marks[0]]} of the points")
-            continue
-        second, most = (int(place) for place in np.argsort(counts)[-2:])
-        is_frequent = counts[most] >= max(8, 10 * counts[second]) and 0 < most < len(heights) - 1
-        for place in [place for place in lone if counts[place] > 1] + [most] * int(is_frequent):
-            height = heights[place] + 0.0
-            raise InvalidInput(
-                f"path is {name!r}, in which {counts[place]} points have the one height {height:g}, as points that were "
-                f'not measured: give invalid = {height:g}, or sizes = "confirmed" if they were measured.'
-            )
-        break
+        if not marks:
+            break
+        values[values == heights[marks[0]]] = np.nan
+        notes.append(f"not measured, as {heights[marks[0]]:g} in the file says: {counts[marks[0]]} of the points")
+    second, most = (int(place) for place in np.argsort(counts)[-2:])
+    is_frequent = counts[most] >= max(MIN_SHARED, SHARED_MORE * counts[second]) and 0 < most < len(heights) - 1
+    for place in [place for place in lone if counts[place] > 1] + [most] * int(is_frequent):
+        height = heights[place] + 0.0
+        raise InvalidInput(
+            f"path is {name!r}, in which {counts[place]} points have the one height {height:g}, as points that were "
+            f'not measured: give invalid = {height:g}, or sizes = "confirmed" if they were measured.'
+        )
     return values, notes
 
 
-def check_plausible(name: str, points: Array, sizes: tuple[float, float] | None, unit: float) -> None:
-    """Raise :class:`~contactstudy.InvalidInput` if no rough surface has these sizes, with the unit that is likely."""
+def check_plausible(name: str, points: Array, sizes: tuple[float, float] | None) -> None:
+    """Raise :class:`~contactstudy.InvalidInput` if no rough surface has these heights (x, y) and sizes [m]."""
     level = _levelled(points)
     if not (fault := _fault(level, sizes)):
         return
-    powers = (1e-3, 1e-6, 1e-9, 1e3, 1e6, 1e9)
-    trials = [(p, 1.0) for p in powers] + [(1.0, p) for p in powers] + [(p, p) for p in powers]
-    likely = ""
-    calm = np.clip(level, *np.nanquantile(level, (0.005, 0.995)))
-    if not _fault(calm, sizes):
+    spikes = ""
+    if not _fault(np.clip(level, *np.nanquantile(level, (0.005, 0.995))), sizes):
         steps = "; ".join(steps_between(points)) or "a few points far from the others"
-        likely, trials = f" ({steps}: spikes, or points that were not measured)", []
-    for up, side in trials:
-        if not _fault(level * up, sizes and (sizes[0] * side, sizes[1] * side)):
-            what = "heights" if side == 1 else "sizes across and along" if up == 1 else "all numbers"
-            likely = f" (likely {what} {side:g} times these)"
-            if side == 1 or side == up:
-                likely = f" (likely {what} in {unit_name(unit * up)}, not {unit_name(unit)})"
-            break
+        spikes = f" ({steps}: spikes, or points that were not measured)"
     raise InvalidInput(
-        f'path is {name!r}, with {fault}{likely}: give unit and extent that are right, with sizes = "confirmed" if the '
+        f'path is {name!r}, with {fault}{spikes}: give unit and extent that are right, with sizes = "confirmed" if the '
         "file itself is wrong, or if they are right."
     )
 
 
 def _levelled(points: Array) -> Array:
-    """Return heights less the plane through the measured points."""
+    """Return heights less the plane through the measured points; what is left of a plane by rounding is zero."""
     if not np.isfinite(points).any():
         return points
     level = points - polynomial(points, 1)[0]
@@ -91,7 +111,12 @@ def _levelled(points: Array) -> Array:
 
 
 def _fault(level: Array, sizes: tuple[float, float] | None) -> str:
-    """Return what is implausible about levelled heights and sizes [m], nothing if they are plausible."""
+    """Return what is implausible about levelled heights (x, y) and sizes [m], an empty text if they are plausible.
+
+    Heights or points closer than atoms, 0.01 and 0.1 nm here, are no measurement. Surfaces of machine elements are
+    measured at points less than 1 mm apart over less than 1 m; their heights are far below a tenth of the width, or
+    1 cm, and their rms slope is below 1, which is 45 degrees.
+    """
     height = float(np.nanmax(level) - np.nanmin(level)) if np.isfinite(level).any() else 0.0
     if 0 < height < 1e-11:
         return f"heights of {height:.2g} m in all, less than an atom"
@@ -110,7 +135,10 @@ def _fault(level: Array, sizes: tuple[float, float] | None) -> str:
 
 
 def steps_between(points: Array) -> list[str]:
-    """Return a note on steps between neighbours that no surface of these slopes has."""
+    """Return a note on steps between neighbouring points of `points` (x, y) that are far above the usual ones, if any.
+
+    Far above is 50 times the median: of Gaussian heights no step is above 10 times.
+    """
     steps = [np.abs(np.diff(points, axis=axis)).ravel() for axis in (0, 1)]
     steps = [step[np.isfinite(step)] for step in steps]
     typical = [float(np.median(step)) if len(step) else 0.0 for step in steps]
@@ -123,14 +151,16 @@ def steps_between(points: Array) -> list[str]:
     ]
 
 
-# Points and their sizes (x, y) [m], if they have any.
+# Heights (x, y) [m], nan where a point is missing, and the width and length [m] of all points, None if not known.
 Measurement = tuple[Array, tuple[float, float] | None]
 
+# Names of the dimensions (across, along) of a DataArray.
 DIMENSIONS = (("x", "y"), ("width", "length"))
-# Text files that the library reads: surface data formats of ISO 25178-71 and BCR, and Wyko's.
+# Beginnings of text files that the library reads: surface data formats of ISO 25178-71 and BCR, and Wyko's.
 OF_LIBRARY = ("aISO", "aBCR", "Wyko ASCII")
 # First bytes of files in numpy's format, netCDF, HDF5 and of zipped files, which X3P are.
 BINARY = (b"\x93NUMPY", b"CDF", b"\x89HDF", b"PK")
+# Units of a DataArray that is in metres, or says nothing.
 METRES = (None, "", "m", "metre", "metres", "meter", "meters")
 
 
@@ -183,7 +213,7 @@ def read(path: str | PathLike[str], reading: Reading) -> tuple[Array, tuple[floa
         sizes = None
     sizes = agreed_extent(sizes, reading.extent)
     if reading.sizes == "checked" and not content.is_own:
-        check_plausible(name, points, sizes, content.unit)
+        check_plausible(name, points, sizes)
     notes = [*content.notes, *notes, *steps_between(points)]
     return _plane(points), sizes, tuple(notes)
 
@@ -203,6 +233,7 @@ def agreed_extent(sizes: tuple[float, float] | None, extent: tuple[float, float]
 
 
 def _sides(sizes: tuple[float, float]) -> str:
+    """Return sizes as a text."""
     return f"{readable(sizes[0])} x {readable(sizes[1])} (across x along)"
 
 
@@ -249,16 +280,15 @@ def _of_library(name: str, reading: Reading) -> FileContent:
 
 
 def _topography(field: str, surface: Any) -> Measurement:
-    """Return points and sizes of a ``Topography`` of the library SurfaceTopography."""
+    """Return points and sizes of a ``Topography`` of the library SurfaceTopography, which messages call `field`."""
     if surface.dim != 2 or surface.unit is None or surface.physical_sizes is None:
         raise InvalidInput(
             f"{field} is a topography of {surface.dim} dimension(s) with the unit {surface.unit!r} and the "
             f"sizes {surface.physical_sizes!r}: give a surface with sizes and a unit."
         )
     surface = surface.to_unit("m")
-    points = np.ma.filled(np.ma.asarray(surface.heights(), dtype=np.float64), np.nan)
     width, length = (float(size) for size in surface.physical_sizes)
-    return _plane(points), (width, length)
+    return _plane(surface.heights()), (width, length)
 
 
 def write(points: Array, extent: tuple[float, float] | None, path: str | PathLike[str]) -> None:
@@ -274,7 +304,7 @@ def write(points: Array, extent: tuple[float, float] | None, path: str | PathLik
 
 
 def _written(path: str | PathLike[str]) -> Measurement | None:
-    """Return the points that :func:`write` wrote; None for a file of another kind."""
+    """Return the points of a netCDF file that :func:`write` wrote; None for a file of another kind."""
     xr = import_for("MeasuredSurface.read of a .nc file", "xarray")
     try:
         with xr.open_dataset(path) as dataset:
@@ -284,7 +314,10 @@ def _written(path: str | PathLike[str]) -> Measurement | None:
 
 
 def _plane(heights: Any) -> Array:
-    """Return the heights as a read-only array of floats, a copy."""
+    """Return heights (x, y) as a read-only array of floats, a copy, nan where they are masked or not finite.
+
+    Raises InvalidInput for what is no plane field of real numbers.
+    """
     remedy = "give an array (x, y) of real numbers, heights in m"
     try:
         values = np.ma.asarray(heights) if np.ma.isMaskedArray(heights) else np.asarray(heights)
@@ -327,7 +360,10 @@ def _labelled(heights: Any) -> Measurement:
 
 
 def _size(name: str, coordinate: Any) -> tuple[float, float]:
-    """Return the size [m] of as many cells as there are points, and the step between two points."""
+    """Return the size [m] of as many cells as a coordinate has points, and the step between two, negative if it falls.
+
+    Raises InvalidInput, which names the dimension `name`, unless the points are equidistant.
+    """
     _in_metres(f"MeasuredSurface.heights.{name}", coordinate)
     positions = _plane(np.asarray(coordinate)[:, None])[:, 0]
     step = (positions[-1] - positions[0]) / max(len(positions) - 1, 1)

@@ -140,23 +140,17 @@ def without_trend(trend: Trend, heights: Array, extent: tuple[float, float] | No
 
 
 def trend_text(trend: Trend, heights: Array, extent: tuple[float, float] | None) -> str:
-    """Return what is subtracted from `heights` (x, y) over `extent` [m], with its coefficients."""
+    """Return words on the tilt of `heights` (x, y) over `extent` [m], and on the form that is subtracted."""
     plane = polynomial(heights, 1)[0]
     rises = plane[-1, 0] - plane[0, 0], plane[0, -1] - plane[0, 0]
     across, along = (f"{1e6 * rise:.3g} um" for rise in rises)
-    text = f"a plane that rises {across} across and {along} along"
-    if trend in ("none", "mean"):
-        return f"{text} is left{', and the mean was subtracted' if trend == 'mean' else ''}"
-    if trend == "plane":
-        return f"{text} was subtracted"
+    rest = {"none": "is left", "mean": "is left, and the mean was subtracted", "plane": "was subtracted"}.get(trend)
     if trend == "cylinder":
         curvature, axis = _cylinder(heights, extent)[1:]
         radius = readable(1 / curvature) if curvature else "infinite"
-        turned = f"its axis at {axis:.1f} degrees to the length"
-        return f"{text} and a cylinder of radius {radius}, {turned}, were subtracted"
-    powers = polynomial(heights, DEGREES[trend])[1].items()
-    terms = ", ".join(f"x^{i} y^{j}: {1e6 * factor:.3g} um" for (i, j), factor in powers)
-    return f"{text}, in a polynomial with {terms} (x and y from -1 to 1 over the points), was subtracted"
+        rest = f"and a cylinder of radius {radius}, its axis at {axis:.1f} degrees to the length, were subtracted"
+    tilt = f"a plane that rises {across} across and {along} along"
+    return f"{tilt} {rest or f'was subtracted with a {trend} polynomial'}"
 
 
 def polynomial(heights: Array, degree: int) -> tuple[Array, dict[tuple[int, int], float]]:

@@ -139,16 +139,14 @@ def test_a_flat_with_dimples_has_a_height_that_most_points_share(tmp_path: Path)
 @pytest.mark.parametrize(
     ("keys", "sentence"),
     [
-        ({"unit": "mm", "extent": EXTENT}, r"likely heights in um, not mm"),
-        ({"unit": "um", "extent": (24.0, 36.0)}, r"points 4 m apart .* 1e-06 times these"),
-        ({"unit": "nm", "extent": (1e-9, 1e-9)}, r"likely sizes across and along"),
-        ({"unit": "m"}, r"heights of 1.\d+ m in all \(likely heights in mm, not m\)"),
-        ({"unit": "um", "extent": (2e-6, 2e-5)}, r"an rms slope of .* \(likely heights in nm"),
+        ({"unit": "mm", "extent": EXTENT}, r"heights of 1.\d+ mm over 36 µm: give unit and extent"),
+        ({"unit": "um", "extent": (24.0, 36.0)}, r"points 4 m apart over 36 m: give unit"),
+        ({"unit": "nm", "extent": (1e-9, 1e-9)}, r"points .* apart, closer than atoms"),
+        ({"unit": "m"}, r"heights of 1.\d+ m in all: give unit"),
+        ({"unit": "um", "extent": (2e-6, 2e-5)}, r"an rms slope of "),
     ],
 )  # fmt: skip
-def test_implausible_sizes_are_refused_with_the_likely_unit(
-    tmp_path: Path, keys: dict[str, Any], sentence: str
-) -> None:
+def test_implausible_sizes_are_refused_in_a_sentence(tmp_path: Path, keys: dict[str, Any], sentence: str) -> None:
     with pytest.raises(cs.InvalidInput, match=sentence):
         surface(tmp_path, matrix(), **keys)
     assert surface(tmp_path, matrix(), sizes="confirmed", **keys)

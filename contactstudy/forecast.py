@@ -22,7 +22,7 @@ from contactstudy.planning.planned import Plan, speedup
 from contactstudy.planning.refinement import CONSTANTS as REFINEMENT
 from contactstudy.planning.refinement import OTHER_CAUSES, FirstGrids
 from contactstudy.progress import Progress
-from contactstudy.scene import scene as methods
+from contactstudy.scene import combinations as methods
 from contactstudy.scene.scene import Scene
 from contactstudy.solvers.solution import Status
 from contactstudy.solving import REFINEMENTS, grid_for_numbers, next_grid, refines, solve

@@ -1,4 +1,7 @@
-"""Progress of a solve, and what turns the reports of each method into it."""
+"""Progress of a solve as its caller gets it, and the reporter that methods of solution call.
+
+A method calls the one function of :class:`Reporter` for its kind of step, such as `iteration` or `time`.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -46,7 +49,7 @@ class Reporter:
     report
         Function that gets the progress.
     target
-        Residual, or relative error in L1, to reach.
+        Residual at which the method stops, or relative error in L1 that a refinement has to reach.
     problem
         Problem of the iterations that are reported.
     """
@@ -57,14 +60,14 @@ class Reporter:
     first_residual: float = field(default=0.0, init=False)
 
     def iteration(self, residual: float, pressure: Array) -> None:
-        """Report residual and dimensionless pressure (x, y) of an iteration of one contact."""
+        """Report the residual and the dimensionless pressure (x, y) after an iteration of one static contact."""
         assert self.problem is not None
         text = f"residual {residual:.1e} of {self.target:.1e}"
         dimensional = np.array(pressure, dtype=np.float64) * self.problem.scales.pressure
         self.report(Progress(self._fallen(residual, self.target), text, dimensional, self.problem.grid))
 
     def grid(self, solution: "Solution", bound: float) -> None:
-        """Report the solution on a grid of a refinement, and the bound of its error in L1."""
+        """Report the solution on one grid of a refinement, and the bound of its relative error in L1."""
         grid = solution.problem.grid
         text = f"{cells_text(grid.cells)}: {100 * bound:.2g} % in L1"
         self.report(Progress(min(self.target / bound, 1.0), text, solution.pressure, grid))
@@ -75,16 +78,16 @@ class Reporter:
         self.report(Progress(1.0, text, pressure, grid))
 
     def change(self, change: float, allowed: float) -> None:
-        """Report the last change of the pressure in outer iterations, and the allowed one."""
+        """Report the last relative change of the pressure in outer iterations, and the one at which they stop."""
         text = f"change of the pressure {change:.1e} of {allowed:.1e}"
         self.report(Progress(self._fallen(change, allowed), text))
 
     def passes(self, done: float, passes: int) -> None:
-        """Report the number of passes done, and that of all."""
+        """Report how many passes of a rolling contact are done, of all `passes`."""
         self.report(Progress(done / passes, f"{done:.3g} of {passes} passes"))
 
     def time(self, done: float, whole: float) -> None:
-        """Report the time since the start, and that of the whole [s]."""
+        """Report the time that is computed, from the start, and the time at the end of the evolution [s]."""
         self.report(Progress(done / whole if whole else 1.0, f"{done:.3g} s of {whole:.3g} s"))
 
     def film_step(self, last: "FilmIteration") -> None:
@@ -95,7 +98,7 @@ class Reporter:
         self.report(Progress(self._fallen(last.residual, self.target), text))
 
     def _fallen(self, residual: float, target: float) -> float:
-        """Return how far a residual has fallen from the first one to its target, in logarithms."""
+        """Return the fraction, in logarithms, that a residual has fallen from the first one to its target."""
         if not isfinite(residual) or residual <= 0:
             return float(residual == 0)
         first = self.first_residual = self.first_residual or max(residual, 10 * target)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from contactstudy.domain.device import Cpu, Device
 from contactstudy.domain.errors import InNotebook
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
-from contactstudy.domain.validation import InvalidInput, checked_errors, parameters
+from contactstudy.domain.validation import InvalidInput, parameters
 from contactstudy.evolution.march import TimeSteps
 from contactstudy.forecast import plan
 from contactstudy.io.scene_files.scene_schema import (
@@ -152,19 +152,10 @@ def document_from(raw: Mapping[str, Any], source: str) -> SceneDocument:
     used.
     """
     try:
-        raw = _with_named_errors(with_cycles(with_materials(raw)))
+        raw = with_cycles(with_materials(raw))
     except InvalidInput as error:
         raise InvalidInput(f"{source}: {error}") from error
     return structured(raw, SceneDocument, KINDS, source)
-
-
-def _with_named_errors(raw: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Return tables whose error is a number, or a table where a text such as ``peak_pressure = 2 %`` has names."""
-    plan = raw.get("plan")
-    error = plan.get("error") if isinstance(plan, Mapping) else None
-    if not isinstance(plan, Mapping) or not isinstance(error, str):
-        return raw
-    return {**raw, "plan": {**plan, "error": checked_errors("plan.error", error)}}
 
 
 def write_scene(described: Scene | SceneFile, path: str | PathLike[str]) -> None:

@@ -19,7 +19,7 @@ from contactstudy.domain.grid import Array, ExactPeriodicity, Grid, Padding, Pad
 from contactstudy.domain.validation import InvalidInput, Metres, checked_errors, readable, valid
 from contactstudy.problem.problem import Problem
 from contactstudy.progress import Progress, Reporter
-from contactstudy.scene import scene as methods
+from contactstudy.scene import combinations as methods
 from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.scene.solids.bodies import is_layered, yields
 from contactstudy.solvers.solution import Solution

@@ -17,13 +17,10 @@ from contactstudy.io.quantities.quantity import Quantity
 from contactstudy.scene.loads import PullOff
 from contactstudy.scene.solids.bodies import Body
 from contactstudy.scene.solids.coated import CoatedHalfSpace
-from contactstudy.solvers.conjugate_gradients import conjugate_gradients
+from contactstudy.solvers.conjugate_gradients import contact_tangent
 from contactstudy.solving import solve
 
-# Relative residual, whose square is the order of the relative error of the stiffness, and the largest number of operator
-# applications.
-RTOL, MAXITER = 3e-2, 60
-# The same with adhesion, relative to the norm of the indefinite operator.
+# Relative residual with adhesion, over the norm of the indefinite operator, and the largest number of its applications.
 ADHESIVE_RTOL, ADHESIVE_MAXITER = 1e-10, 1000
 # Factor on a range that was chosen for the grid: the zone grows with the square of the range, to 2^2 x 6 cells.
 LONGER_RANGE = 2.0
@@ -36,30 +33,18 @@ def normal_stiffness(solution: Contact) -> float:
     """Return the normal stiffness d load / d approach [N/m per m of length], with the cells in contact fixed.
 
     It is the inverse of the energy of the pressure increment that carries a unit of load and displaces all cells in
-    contact equally. The increment follows from conjugate gradients among pressures without a load, to which a
-    constant added to the displacement does not matter. Cells at the hardness carry no increment. The result is nan if
-    no cell carries one. With adhesion see :func:`_adhesive_stiffness`.
+    contact equally: a uniform one, less what the tangent operator makes of its displacement. Cells at the hardness carry
+    no increment. The result is nan if no cell carries one. With adhesion see :func:`_adhesive_stiffness`.
     """
     problem = solution.problem
     active = (problem.constraint.active(solution.pressure) > 0).astype(np.float64)
     if solution.adhesion is not None:
         return _adhesive_stiffness(solution, active)
-    count = np.count_nonzero(active)
-    if not count:
+    if not active.any():
         return float("nan")
-    extension = problem.operator.approximate_inverse().extension(active)
-
-    def deviation(field: Array) -> Array:
-        """Return a field less its mean over the active set, and zero elsewhere."""
-        return np.asarray((field - inner(field, active) / count) * active)
-
-    uniform = active / count
+    uniform = active / np.count_nonzero(active)
     displacement = problem.operator(uniform)
-    increment = uniform + conjugate_gradients(
-        lambda pressure: deviation(problem.operator(pressure)),
-        lambda residual: deviation(extension.pressure(extension(residual))),
-        inner, -deviation(displacement), RTOL, MAXITER,
-    )  # fmt: skip
+    increment = uniform - contact_tangent(solution)(displacement)
     # the energy of a unit of load [m per unit of summed pressure]: the residual is orthogonal to the correction
     compliance = inner(increment, displacement)
     return float(problem.grid.cell_area / problem.grid.length / compliance)

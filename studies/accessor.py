@@ -59,7 +59,7 @@ class StudyAccessor(InNotebook):
         """
         one_of("axis", axis, [name for name in self.axes if self._dataset[name].dtype.kind in "iuf"])
         for name, value in at.items():
-            one_of("order", name, [other for other in self.axes if other != axis])
+            one_of("order", name, [known_name for known_name in self.axes if known_name != axis])
             if value not in self._dataset[name].values:
                 raise InvalidInput(f"order is at {name} {value!r}, which is not on that axis.")
         line = abs(self._variable(error).sel(at))

@@ -1,4 +1,9 @@
-"""Devices and precision of a solve: the cores of this machine, a GPU, or your own; and a cache of arrays on them."""
+"""Devices and precision of a solve: the cores of this machine, a GPU, or your own; and a cache of arrays on them.
+
+A solve uses one device, and its functions call :func:`arrays` for the array library of that device: numpy's own on a
+:class:`Cpu`, else one that follows the array API standard. Device, library and cache in use are context variables, so
+that solves in several threads do not meet.
+"""
 
 from collections import OrderedDict
 from collections.abc import Callable, Hashable, Iterator
@@ -18,8 +23,10 @@ from numpy.typing import DTypeLike, NDArray
 
 from contactstudy.domain.validation import InvalidInput, at_least, validated
 
-# During a solve this is an array of floats of the device's library.
+# Type of a field of floats. During a solve such a field is an array of the library of the device in use.
 Array = NDArray[np.floating[Any]]
+# Type of an array of any numbers, floats, complex ones, integers or booleans.
+Numbers = NDArray[Any]
 
 
 class Namespace(Protocol):
@@ -45,21 +52,18 @@ class Precision(Enum):
 
     @property
     def real(self) -> DTypeLike:
-        """Type of the numbers in fields."""
+        """Type of the numbers in numpy's arrays."""
         return np.float32 if self is Precision.SINGLE else np.float64
 
     @property
     def on_device(self) -> Any:
-        """Type of the numbers in fields of the device in use."""
+        """Type of the numbers in arrays of the device in use."""
         return getattr(arrays(), np.dtype(self.real).name)
 
     @property
     def bytes(self) -> int:
         """Size of a number [bytes]."""
         return np.dtype(self.real).itemsize
-
-
-Numbers = NDArray[Any]
 
 
 @runtime_checkable
@@ -117,7 +121,8 @@ class Cpu:
         return field
 
 
-# Methods of an array return what numpy's functions of the same names do, in half the time on a small field.
+# Functions of numpy for which its arrays have methods. The methods return what the functions of the same names do, in
+# half the time on a small field.
 _METHODS = "all", "any", "astype", "max", "min", "repeat", "reshape", "sum", "take"
 _NUMPY = cast(Namespace, SimpleNamespace(**vars(np) | {name: getattr(np.ndarray, name) for name in _METHODS}))
 ONE_THREAD = Cpu()
@@ -128,7 +133,7 @@ arrays = _ARRAYS.get
 
 
 def checked(chosen: Device, field: str) -> Device:
-    """Return `chosen` if it is a device, else raise InvalidInput that names the `field`."""
+    """Return the `chosen` device; raise InvalidInput, which names the `field`, for what is no device."""
     if isinstance(chosen, Cpu):  # a check of its protocol takes as long as a small solve
         return chosen
     if isinstance(chosen, type) or not isinstance(chosen, Device):
@@ -219,19 +224,17 @@ def _cupy() -> Any:
     return import_module("cupy")
 
 
+# Folder in which Linux shows limits of a container (cgroup, version 2).
 CGROUP = Path("/sys/fs/cgroup")
 
 
 def available_bytes() -> float:
     """Return the memory that this process may still take [bytes]; infinite where the system does not say."""
-    return max(min(_of_system(), _of_container(), _of_process()), 0.0)
+    return max(min(_free_in_system(), _left_in_container(), _left_to_process()), 0.0)
 
 
-def _of_system() -> float:
-    """Return free memory and swap [bytes].
-
-    They are read from Linux directly, and on other systems from psutil, if it is installed.
-    """
+def _free_in_system() -> float:
+    """Return free memory and swap [bytes]; infinite where neither Linux nor the package psutil says them."""
     with suppress(OSError, ValueError, IndexError, KeyError):
         lines = Path("/proc/meminfo").read_text(encoding="utf-8").splitlines()
         amounts = {name: amount.split() for name, _, amount in (line.partition(":") for line in lines)}
@@ -242,7 +245,7 @@ def _of_system() -> float:
     return inf
 
 
-def _of_container() -> float:
+def _left_in_container() -> float:
     """Return the memory left in a container [bytes]; infinite where there is no limit.
 
     Pages of files that were not read lately count as free: the system takes them back when memory is short.
@@ -256,7 +259,7 @@ def _of_container() -> float:
     return inf
 
 
-def _of_process() -> float:
+def _left_to_process() -> float:
     """Return the memory [bytes] left below the limit of the address space; infinite without a limit."""
     with suppress(ImportError, OSError, ValueError, IndexError):
         resource = import_module("resource")
@@ -268,7 +271,7 @@ def _of_process() -> float:
 
 
 class ArrayCache:
-    """Arrays by the values that they follow from, the last ones used, up to a number of bytes.
+    """Cache of arrays by the values that they follow from: of all, the ones used last, up to a number of bytes.
 
     Parameters
     ----------
@@ -296,14 +299,14 @@ class ArrayCache:
         return array
 
 
-# The coefficients of 700 x 700 cells that are periodic along their length, which loads on one grid share. Larger arrays
-# take long beside them, and fresh memory costs as much as the coefficients of some thousand cells.
+# The default cache, of the size of the coefficients of 700 x 700 cells that are periodic along their length, which loads
+# on one grid share. The solve of a larger grid takes long beside its coefficients.
 _SMALL = ArrayCache(2**22)
 _CACHE: ContextVar[ArrayCache | None] = ContextVar("array_cache", default=_SMALL)
 
 
 def cache_of(size: int) -> ArrayCache:
-    """Return the cache in use, or one of this `size` [bytes] if that is smaller or there is none."""
+    """Return the cache in use, or a new one of `size` [bytes] if the one in use is smaller or there is none."""
     cache = _CACHE.get()
     return cache if cache is not None and cache.max_bytes >= size else ArrayCache(size)
 

@@ -1,6 +1,9 @@
-"""Estimated errors by quantity and by cause, the one measure of accuracy of every answer, and what a notebook shows.
+"""Estimated errors of an answer by quantity and by cause, the constants of their bounds, and what a notebook shows.
 
-A number without a law of its error is bounded by its changes between nested grids.
+All errors are relative. Those of a pressure are in L1: the sum over the cells of its absolute error, over that of the
+pressure. A number without a law of its error is bounded by its changes between grids: the same contact is solved on a
+half, a third and a quarter of the cells along each axis, and what the number changes there is extrapolated with the
+power of the cell size with which errors fall. How these bounds are computed stands with the answers.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -14,7 +17,7 @@ import numpy as np
 
 from contactstudy.domain.validation import is_default
 
-# Letters of a value in a row.
+# Letters of a value in a row of a notebook, which with its name then fits into a line of 120.
 WIDTH = 90
 
 
@@ -22,12 +25,14 @@ class InNotebook:
     """Value that a notebook shows as a few rows, by default the fields of a dataclass that are not at their default."""
 
     def _rows(self) -> str:
+        """Return the name of the class, and below it a line for each row."""
         entries = list(_entries(self))
         width = max((len(name) for name, _ in entries), default=0)
         rows = (f"  {name:<{width}}  {shorten(_text(entry), WIDTH, placeholder=' ...')}" for name, entry in entries)
         return "\n".join((type(self).__name__, *rows))
 
     def _repr_html_(self) -> str:
+        """Return the rows as HTML, for which IPython asks by this name."""
         return f"<pre style='font-family: monospace'>{escape(self._rows())}</pre>"
 
 
@@ -40,7 +45,11 @@ def _given(value: Any) -> Iterator[tuple[str, Any]]:
 
 
 def _entries(value: Any) -> Iterator[tuple[str, Any]]:
-    """Yield name and value of each row of a dataclass: one of each entry of a tuple, and those of values inside it."""
+    """Yield name and value of each row of a dataclass.
+
+    A tuple has a row for each of its entries, unless all are numbers; a field that is an :class:`InNotebook` itself has
+    its own rows in place of one.
+    """
     for name, entry in _given(value):
         if isinstance(entry, InNotebook):
             yield from _entries(entry)
@@ -66,37 +75,47 @@ def _text(value: object) -> str:
     return str(value)
 
 
-# A requested relative error: of every number, or of those that are named.
+# A requested relative error: of every number, or of the numbers that are its keys.
 Request = float | Mapping[str, float]
-# Name of the pressure in L1 in a request.
+# Key of a request for the error of the pressure in L1.
 PRESSURE = "pressure"
-# Relative error that is requested where neither an error nor a grid is given.
+# Relative error that is requested where neither an error nor a grid is given: loads and shapes of machine elements are
+# seldom known better than to a per cent.
 DEFAULT_ERROR = 1e-2
 
-# Grids with which an answer is compared: on 1 / k of the cells along each axis.
+# Grids with which an answer is compared: those with 1 / k of its cells along each axis.
 COARSER = 2, 3, 4
 # Bound over the error that the largest change of a number between grids shows: set on 760 static contacts of 60 kinds,
 # where the largest change was at least 0.7 of the error in 98.5 %.
 MARGIN = 1.5
-# Power of the cell size with which errors of a static contact fall, where no body ends nor attracts another.
+# Power of the cell size with which errors of a static contact fall, where no body ends nor attracts another: that of a
+# pressure that falls to zero at its edge like the square root of the distance.
 STATIC_ORDER = 1.5
-# The same of a number at an edge, beside which a field falls like the square root of the distance: halved cells left
-# 0.65 to 0.75 of the error of the highest residual stress, of which `MARGIN` covers the part below this order.
+# Power of the cell size with which the error of a number at such an edge falls: halved cells left 0.65 to 0.75 of the
+# error of the highest residual stress, of which `MARGIN` covers the part below this order.
 EDGE_ORDER = 0.7
-# Least change of a largest stress, relative, and of its depth, which lie between the depths that were chosen.
+# Least relative change of a largest stress, and of the depth at which it lies, that a bound counts: both lie between the
+# depths that the program has chosen. At given depths, where the first is left out, 120 largest stresses of 40 cylinders
+# had errors of up to half of their bounds.
 STRESS_FLOOR, DEPTH_FLOOR = 5e-4, 6e-3
-# Least change of a number, over the L1 error of the pressure, since a change may vanish by chance; and of an area, of a
-# rolling resistance or of a number left by a plastic zone, over the fraction of its cells that lie at its edge.
-FLOOR, AREA_FLOOR = 0.1, 0.5
-# Bound over the change of a number of a film from twice the width. The error by the inlet falls with its length^-2 in a
-# film thickness, which leaves 4/3 of the change, and with length^-1 in a rolling resistance, which leaves 2 of it. On
-# 750 random films, plain, wavy, rough, crowned, starved, soft, heated and on a boundary film, 97 in 100 left up to 1.4
-# and 1.7.
+# Least change of a number that a bound counts, over the L1 error of the pressure, since all changes may be small by
+# chance: it decides where they are below a tenth of that error.
+FLOOR = 0.1
+# Least change of an area, of a rolling resistance or of a number left by a plastic zone, over the fraction of its cells
+# that lie at its edge: the edge passes anywhere through such a cell, so that half of the cell is wrong in the mean.
+AREA_FLOOR = 0.5
+# Bound of the error by the inlet of a film over the change of a number from twice the width. That error falls with its
+# length^-2 in a film thickness, which leaves 4/3 of the change, and with length^-1 in a rolling resistance, which leaves
+# 2 of it. On 750 random films, plain, wavy, rough, crowned, starved, soft, heated and on a boundary film, 97 in 100 left
+# up to 1.4 and 1.7.
 INLET = 1.75
 
 
 def pressure_request(request: Request) -> float:
-    """Return the relative L1 error of the pressure to begin with, from which the named numbers refine the cells."""
+    """Return the relative L1 error of the pressure with which a request begins.
+
+    Numbers that a request names without the pressure refine the cells from there, see :data:`DEFAULT_ERROR`.
+    """
     if not isinstance(request, Mapping):
         return request
     return request.get(PRESSURE, max(DEFAULT_ERROR, min(request.values())))
@@ -163,15 +182,15 @@ class ErrorEstimate(InNotebook):
     peak_pressure, contact_area, mean_gap, approach
         Errors of the numbers of a contact; None where the answer does not have the number.
     by_grids
-        Those of them to which their changes between grids add.
+        Names of the errors above to which changes of their numbers between grids are still added.
     stress
-        Error of largest stresses that their changes between grids do not show; None where no stress is computed.
+        Part of the error of largest stresses that changes between grids do not show; None where no stress is computed.
     central_film, minimum_film, friction_coefficient
         Errors of the numbers of a film; None for a dry contact.
     contact_load_fraction, contact_area_ratio
-        Errors of the load and the area of asperity contacts in a film, as they are; None without a boundary film.
+        Errors of the fractions of load and of area that asperity contacts in a film have; None without a boundary film.
     flash_temperature, film_temperature
-        Errors of the temperatures of a film, as the model has them; None for a film of one temperature.
+        Errors of the rises of the temperature of a film; None for a film of one temperature.
     load, pull_off
         Errors of the load at a given approach, and of the pull-off load; None where they are not sought.
     warnings
@@ -200,14 +219,14 @@ class ErrorEstimate(InNotebook):
     by_grids: Sequence[str] = ()
 
     def __iter__(self) -> Iterator[tuple[str, ErrorParts]]:
-        """Iterate over names and errors of the quantities that have one."""
+        """Yield name and error of each quantity that has one."""
         for member in fields(self):
             parts = getattr(self, member.name)
             if isinstance(parts, ErrorParts):
                 yield member.name, parts
 
     def _rows(self) -> str:
-        """Return a row for each quantity: its error, and the parts by cause or why it has no bound."""
+        """Return a line for each quantity: its error, and the parts by cause or why it has no bound."""
         errors = {name: parts for name, parts in self if parts.by_cause}
         rows = [
             f"  {name:<24}{100 * parts.total:8.2g} %  "

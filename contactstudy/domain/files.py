@@ -1,6 +1,8 @@
 """Files and the identity of what is in them: atomic replacement, checksums, locks between processes, digests of values.
 
-All differences between operating systems in opening, reading, locking and syncing files are in this module.
+All differences between operating systems in opening, reading, locking and syncing files are in this module. A digest of
+a value says whether a computation was done before; a checksum at the end of a file says whether the file is still as it
+was written. Formats of files are not known here.
 """
 
 import errno
@@ -26,9 +28,12 @@ import numpy as np
 
 from contactstudy.domain.validation import InvalidInput
 
-# Digests of dataclasses by their id, with the object, so that the id stays its own; classes by their names.
+# What was met in digests: under the id of a dataclass the object, so that no other one gets its id, and its digest;
+# under the name of a class the class, and under "def " and the name of a function the function, each with "".
 Memo = dict[int | str, tuple[object, str]]
+# Types whose repr is their whole state.
 PLAIN = (str, int, float, complex, bytes)
+# Hexadecimal digits of a digest: 96 bits, so that two of a billion values have the same one by a chance of 1e-11.
 DIGITS = 24
 
 
@@ -37,8 +42,15 @@ def digest(value: object, memo: Memo | None = None) -> str:
 
     Numbers count with all their digits and with their types: 1, 1.0, True, "1" and numpy's 1 differ, as do 0.0 and
     -0.0. Fields that a dataclass does not compare are left out. A function counts by its name, its own code, its
-    defaults and what it encloses, and so do the methods of a class made in a function. A memo also gets these functions
-    and the classes of all values.
+    defaults and what it encloses, and so do the methods of a class made in a function.
+
+    Parameters
+    ----------
+    value
+        Value of these kinds, to any depth.
+    memo
+        Dataclasses with their digests, which are not computed again, classes and functions that were met before. Those
+        of `value` are added.
 
     Raises
     ------
@@ -54,7 +66,11 @@ def hashed(content: bytes) -> str:
 
 
 def _parts(value: Any, memo: Memo) -> Any:
-    """Return a value as text, None, True, False, and tuples of these."""
+    """Return a value as text, None, True, False, and tuples of these, which differ where two values differ.
+
+    A container is its class and what it holds; a dataclass is its digest; an array its class, type, shape, strides if
+    not contiguous, and a digest of its bytes; a function its name, its code, and what it encloses.
+    """
     kind = type(value)
     if value is None or kind is bool:
         return value
@@ -107,45 +123,55 @@ def _name(kind: type, memo: Memo) -> str:
 
 
 def _of_dataclass(value: Any, memo: Memo) -> Any:
-    """Return the compared fields of a dataclass, and its further attributes, by their names."""
+    """Return pairs of name and parts: of the compared fields of a dataclass and of its further attributes.
+
+    Methods of a class that was made in a function follow, with empty names.
+    """
     kind: Any = type(value)
     compared, known = _fields(kind)
     further = getattr(value, "__dict__", {}).keys() - known
     parts = [(name, _parts(getattr(value, name), memo)) for name in (*compared, *sorted(further))]
     if "<locals>" in kind.__qualname__:
         methods = (member for member in vars(kind).values() if isinstance(member, FunctionType))
-        # not those that dataclasses makes
-        parts += [("", _parts(of, memo)) for of in methods if of.__code__.co_filename != "<string>"]
+        # the file of methods that dataclasses makes is "<string>"
+        parts += [("", _parts(method, memo)) for method in methods if method.__code__.co_filename != "<string>"]
     return parts
 
 
 def _code(code: CodeType) -> tuple[object, ...]:
-    """Return what of the code of a function does not depend on its place in a file."""
+    """Return bytecode, names and constants of a function, which do not depend on its place in a file."""
     constants = (
-        _code(of) if isinstance(of, CodeType) else sorted(map(repr, of)) if isinstance(of, frozenset) else repr(of)
-        for of in code.co_consts
+        _code(constant)
+        if isinstance(constant, CodeType)
+        else sorted(map(repr, constant))
+        if isinstance(constant, frozenset)
+        else repr(constant)
+        for constant in code.co_consts
     )
     return code.co_code, code.co_names, tuple(constants)
 
 
 @cache
 def _fields(kind: Any) -> tuple[list[str], set[str]]:
-    """Return the names of the fields that a dataclass compares; those of all its fields and cached properties."""
+    """Return the names of the fields that a dataclass compares, and those of all its fields and cached properties.
+
+    Raises InvalidInput for a dataclass that is a container or a number as well, whose content is no field.
+    """
     if issubclass(kind, (*PLAIN, list, tuple, dict, set, frozenset, np.ndarray)):
         raise InvalidInput(
             f"{kind.__qualname__} is a dataclass and a container or number as well: give its content a field."
         )
     every = fields(kind)
-    members = [member for of in kind.__mro__ for member in vars(of).items()]
+    members = [member for base in kind.__mro__ for member in vars(base).items()]
     cached = {name for name, member in members if isinstance(member, cached_property)}
     return [part.name for part in every if part.compare], {part.name for part in every} | cached
 
 
-# What a lock file says of its holder.
+# Text of a lock file: process, machine and time of its holder.
 HOLDER = re.compile(r"process (\d+) on (.*) \(since .*\)")
 # Name of an unfinished file: that of the whole one, with the process that writes it and its machine.
 PARTIAL = re.compile(r"^\..+\.(\d+)@(.+)\.partial(\.\w+)?$")
-# With less free space [bytes], an unspecific error of a library means that the disk is full.
+# With less free space [bytes], too little for a file of numbers, an unspecific error of a library is a full disk.
 MIN_FREE_BYTES = 2**20
 # one of the two exists: the first on Linux and macOS, the other on Windows
 _fcntl: Any = import_module("fcntl") if find_spec("fcntl") else None
@@ -154,10 +180,10 @@ _msvcrt: Any = None if _fcntl else import_module("msvcrt")
 OPEN_FLAGS = sum(getattr(os, name, 0) for name in ("O_BINARY", "O_CLOEXEC", "O_NOFOLLOW", "O_NONBLOCK"))
 # the byte that is locked on Windows: far beyond the content, which stays readable
 LOCKED_BYTE = 2**30
-POLL_SECONDS = 0.1  # seconds between two tries of a lock on Windows
+POLL_SECONDS = 0.1  # seconds between two tries of a lock on Windows, little beside the writing that it waits for
 MAGIC = b"\ncontactstudy "  # at the end of a file with a checksum, before the digits of a digest of its content
-DIGEST = 32
-CHUNK = 2**20  # bytes read at a time
+DIGEST = 32  # number of these digits
+CHUNK = 2**20  # bytes read at a time, so that a large file does not fill the memory
 
 
 def open_descriptor(path: Path, flags: int) -> int:

@@ -1,4 +1,7 @@
-"""The grid of cells over the width and one period of the length, and its padding along both axes.
+"""The grid of cells over the width and one period of the length, its padding along both axes, and sums over its fields.
+
+A field (x, y) has one number for each cell. Work on large fields is done in blocks of rows that fit into the cache of a
+core, is shared between threads, or is left to compiled loops; results do not depend on the number of threads.
 
 For one axis a padding defines the ``window`` of periods whose pressure acts on a point, and whether the convolution is
 circular (``wraps``, n points) or padded with zeros (2 n points). A line contact is usually unbounded along x and
@@ -22,14 +25,14 @@ from contactstudy.domain.device import Array as Array
 from contactstudy.domain.device import Cpu, Numbers, arrays, device, threads, using
 from contactstudy.domain.validation import InvalidInput, Limits, Metres, at_least, validated
 
-S = TypeVar("S")
-T = TypeVar("T")
+S = TypeVar("S")  # what the work is shared by, such as blocks of rows
+T = TypeVar("T")  # what it returns
 
 # Cells in a block: six blocks of double precision fit into the cache of a core.
 BLOCK_CELLS = 2**15
 # From this number of cells on, compiled loops save more time in about a dozen solves than loading them takes.
 MIN_COMPILED_CELLS = 2**14
-# In rows of fewer cells, the overhead of a compiled loop exceeds its work.
+# In rows of fewer cells, as of a line contact in plane strain, a compiled loop over each row is slower than numpy.
 MIN_COMPILED_COLUMNS = 4
 # Smallest number of cells for a thread: waking a thread takes as long as a loop over about 100 000 cells.
 CELLS_PER_THREAD = 2**17
@@ -66,7 +69,10 @@ def equal(first: Array, second: Array) -> bool:
 
 
 def in_threads(work: Callable[[slice], object], shape: tuple[int, ...]) -> None:
-    """Call `work` on one part of the rows of a field of that `shape` in each thread, an even number but in the last."""
+    """Call `work` in each thread on one part of the rows of a field of that `shape`.
+
+    A part has an even number of rows, unless it is the last one, so that no block of 2 x 2 cells is cut.
+    """
     rows, columns = shape
 
     def on_rows(pairs: Sequence[int]) -> object:
@@ -76,7 +82,7 @@ def in_threads(work: Callable[[slice], object], shape: tuple[int, ...]) -> None:
 
 
 def first_cells(field: Array, shape: tuple[int, ...]) -> Array:
-    """Return the first cells of `field` along both axes, as many as `shape` says, in an array of their own."""
+    """Return the first cells of `field` along both axes, as many as `shape` says: the field itself, or else a copy."""
     if field.shape == shape:
         return field
     cells: Array = arrays().asarray(field[: shape[0], : shape[1]], copy=True)
@@ -94,7 +100,7 @@ def replace_blocks(field: Array, new: Callable[[Array], Array]) -> Array:
 
 
 def _blocks(rows: int, columns: int) -> list[slice]:
-    """Return the rows of each block of a field, an even number but in the last."""
+    """Return the rows of each block of a field, an even number except in the last block."""
     step = max(2, BLOCK_CELLS // columns // 2 * 2)
     return [slice(begin, min(begin + step, rows)) for begin in range(0, rows, step)]
 
@@ -119,7 +125,7 @@ def _distributed(work: Callable[[Sequence[S]], T], items: Sequence[S], cells: in
 
 
 def compiled_loops(shape: tuple[int, ...]) -> Any:
-    """Return compiled loops over fields of that `shape` (x, y); None if they are missing or too slow.
+    """Return compiled loops over fields of that `shape` (x, y); None if they are not installed or would not pay.
 
     ``loops.NAME(*arguments, results=n)`` runs one, where the first argument is a field. It returns the sums or maxima
     that it takes (n, parts), of parts of the field.
@@ -137,7 +143,7 @@ def device_loops() -> Any:
 
 
 class ThreadedLoops:
-    """Loops of a compiled `module`, each called once a thread with the rows of that thread."""
+    """Loops of a `module` compiled by numba, each called once in every thread with a part of the rows."""
 
     def __init__(self, module: Any) -> None:
         self._module = module
@@ -184,11 +190,11 @@ def _loops() -> ThreadedLoops | None:
 
 @cache
 def _pool(threads: int) -> ThreadPoolExecutor:
-    """Return the pool with that number of threads."""
+    """Return the pool of so many threads, which is kept, so that they are started once."""
     return ThreadPoolExecutor(threads, thread_name_prefix="contactstudy")
 
 
-# Up to this many cells BLAS starts no threads, and sums in single precision need not be taken by rows.
+# Up to this many cells BLAS starts no threads, and sums in single precision are accurate without sums of rows.
 MAX_FLAT_CELLS = 1024
 
 
@@ -234,8 +240,9 @@ def matrix_product(a: Array, b: Array) -> Array:
     return np.asarray(np.matmul(a[:, None], b)[:, 0])
 
 
-# Largest length of a cell over its width, and largest width over its length. A row of cells wider than their period is
-# summed image by image.
+# Largest length of a cell over its width: beyond it the coefficients of the displacement, differences of logarithms of
+# the corners of a cell, are lost in rounding. Largest width over length: beyond it the images of a cell along the
+# length, which are then summed one by one, take minutes.
 LONGEST_CELL, WIDEST_CELL = 1e9, 1e6
 
 
@@ -345,17 +352,18 @@ class ZeroPadding(_Windowed):
 class DuplicatedPadding(_Windowed):
     """Padding with a copy of the pressure in the padded half of the axis, in place of zeros.
 
-    The pressure within one period to either side then acts on every point. The doubled transform equals a circular one
-    with the folded coefficients ``K(d) + K(d - L)``, which is used here. The coefficient ``K(L)``, which wrap-around
-    order leaves open, is kept and not set to zero. The window therefore covers half a cell more on one side of a point
-    than on the other, which matters with few cells along.
+    The pressure within one period to either side then acts on every point. With ``K(d)`` the displacement at the
+    distance ``d`` from a loaded cell and ``L`` the length of the axis, the doubled transform equals a circular one with
+    the folded coefficients ``K(d) + K(d - L)``, which is used here. The coefficient ``K(L)``, which the wrap-around
+    order of the transform leaves open, is kept and not set to zero. The window therefore covers half a cell more on one
+    side of a point than on the other, which matters with few cells along.
     """
 
     wraps: ClassVar[bool] = True
     window = range(-1, 1)
 
 
-# More images than these, each of which is summed, are those of ExactPeriodicity to five digits, at no cost.
+# The displacement of so many images is that of ExactPeriodicity to five digits, and each one is summed.
 MAX_IMAGES = 10_000
 Images = Annotated[
     int,
@@ -422,7 +430,7 @@ class ExactPeriodicity(_Windowed):
     window = None
 
 
-# The padding across the width and the one along the length.
+# The padding across the width and the padding along the length.
 Paddings = tuple[Padding, Padding]
 
 

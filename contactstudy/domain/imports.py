@@ -1,4 +1,8 @@
-"""Version of this program, with a hash of its code, and what it imports on first use."""
+"""Version of this program, with a hash of its code, and what it imports on first use.
+
+A package that only some features need is imported when such a feature is used, and an error names the feature and the
+command that installs the package.
+"""
 
 import ast
 import hashlib
@@ -12,9 +16,10 @@ from pathlib import Path
 from typing import Any
 
 VERSION = "0.1.0"
-# instant at which its first module was loaded [s since the epoch]
+# Instant at which the first module of this program was loaded [s since the epoch]. A file that is newer is not the code
+# that runs.
 LOADED = time.time()
-# folders and modules of the core that cannot change a number
+# Folders and modules of the core that cannot change a number of a solution: they read, write, show and plan.
 NOT_NUMERICAL = ("io", "planning", "forecast.py")
 
 
@@ -30,6 +35,7 @@ def source_hash(core: Path = Path(__file__).parents[2]) -> str:
     return digest.hexdigest()[:12]
 
 
+# Packages of this program, of which no module can be missing.
 OWN_PACKAGES = ("contactstudy", "studies")
 # What pip is asked for, where it differs from the name of the package.
 INSTALLS = {
@@ -58,7 +64,10 @@ def import_for(use: str, module: str) -> Any:
 
 
 def loaded() -> int:
-    """Return how many modules are imported, loops compiled and tables of materials made, which a first call does."""
+    """Return how many modules are imported, loops compiled and tables of free faces made in this process.
+
+    Where the number has grown during a solve, its time is longer than that of the same solve again.
+    """
     compiled: Any = sys.modules.get("contactstudy.domain.loops.compiled")
     loops = () if compiled is None else compiled.LOOPS
     faces: Any = sys.modules.get("contactstudy.elasticity.free_faces")

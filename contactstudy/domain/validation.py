@@ -1,4 +1,9 @@
-"""Checks of user input, each with a message of one sentence: types, limits, quantities in SI units or with a unit."""
+"""Checks of user input, each with a message of one sentence: types, limits, quantities in SI units or with a unit.
+
+A class made by :func:`validated` says in the annotation of each field what the field accepts: its type, and in
+``Annotated`` its :class:`Unit` and its :class:`Limits`. :func:`valid` checks a value by an annotation, and
+:func:`remedy` says in words what an annotation accepts. Numbers are in SI units; a text such as "10 mm" is converted.
+"""
 
 import re
 from collections import Counter
@@ -19,9 +24,18 @@ from numpy.typing import ArrayLike
 
 from contactstudy.domain.imports import import_for
 
+# A list of numbers in brackets: its first 40 to 60 characters up to a comma, and its closing bracket.
+LONG_LIST = re.compile(r"([(\[][-+.,:e\s\dnaif]{40,60}?, )[-+.,:e\s\dnaif]{20,}([)\]])")
+
 
 class InvalidInput(ValueError):
-    """Error for a value that cannot be used; the message names the field, the value and the remedy."""
+    """Error for a value that cannot be used; the message names the field, the value and the remedy.
+
+    Of a long list of numbers in it the first ones are kept.
+    """
+
+    def __init__(self, message: str = "") -> None:
+        super().__init__(LONG_LIST.sub(r"\1...\2", message))
 
 
 class UnknownField(InvalidInput, TypeError):
@@ -36,8 +50,8 @@ class NotDefined(InvalidInput):
 
 
 def parameters(cls: Any) -> list[str]:
-    """Return the names of the parameters of a dataclass."""
-    return [field.name for field in fields(cls) if field.init]
+    """Return the names of the fields of a dataclass that its constructor takes."""
+    return [member.name for member in fields(cls) if member.init]
 
 
 def is_default(field: Field[Any], value: object) -> bool:
@@ -47,7 +61,7 @@ def is_default(field: Field[Any], value: object) -> bool:
 
 
 def set_fields(instance: object, **values: object) -> None:
-    """Replace values of a frozen dataclass by checked ones, in its ``__post_init__``."""
+    """Replace fields of a frozen dataclass by checked values, while it is constructed."""
     for name, value in values.items():
         object.__setattr__(instance, name, value)
 
@@ -68,7 +82,17 @@ def suggestion(name: str, known: Iterable[str]) -> str:
 
 @dataclass(frozen=True)
 class Unit:
-    """A unit: its symbol, the name of the quantity and an example, for error messages."""
+    """Unit of a number, with what messages say of the quantity.
+
+    Attributes
+    ----------
+    symbol
+        Symbol of the SI unit, empty for a number without one.
+    quantity
+        Name of the quantity, with its article.
+    example
+        Value of it as a user may write it.
+    """
 
     symbol: str
     quantity: str
@@ -97,8 +121,7 @@ PerSecond = Annotated[float, Unit("Hz", "a frequency", "50 Hz")]
 Radians = Annotated[float, Unit("rad", "an angle", "1 degree")]
 Number = Annotated[float, Unit("", "a number", "0.3")]
 
-# Units for display, by the SI unit, largest first: the first one in which the value is at least 1 is used,
-# of areas 1e-3 and of volumes 1e-4.
+# Units for display, each with its size in SI units, by the SI unit as files name it, largest first.
 DISPLAY_UNITS: Mapping[str, tuple[tuple[float, str], ...]] = {
     "Pa": ((1e9, "GPa"), (1e6, "MPa"), (1e3, "kPa"), (1.0, "Pa")),
     "m": ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm")),
@@ -119,7 +142,10 @@ DISPLAY_UNITS: Mapping[str, tuple[tuple[float, str], ...]] = {
 
 
 def display_unit(largest: float, unit: str) -> tuple[float, str]:
-    """Return size and name of the unit in which numbers up to `largest`, in the SI unit `unit`, are read best."""
+    """Return size and name of the unit for display of numbers up to `largest`, in the SI unit `unit`.
+
+    It is the largest one in which that number is at least 1, an area at least 1e-3 and a volume at least 1e-4.
+    """
     scales = DISPLAY_UNITS.get(unit, ((1.0, unit),))
     # successive units of areas and volumes differ by 1e6, 1e9 and more
     least = {"m2": 1e-3, "m3": 1e-4}.get(unit[:2], 1.0)
@@ -127,7 +153,7 @@ def display_unit(largest: float, unit: str) -> tuple[float, str]:
 
 
 def display_unit_of(values: ArrayLike, unit: str) -> tuple[float, str]:
-    """Return size and name of the unit in which the largest finite number of `values`, in SI units, is read best."""
+    """Return size and name of the unit for display of the largest finite number of `values`, in the SI unit `unit`."""
     sizes = np.abs(np.asarray(values))
     return display_unit(float(np.max(sizes, where=np.isfinite(sizes), initial=0.0)), unit)
 
@@ -139,7 +165,10 @@ def readable(value: float, unit: str = "m", digits: int = 4) -> str:
 
 
 def whole_quotient(field: str, length: float, period: float) -> int:
-    """Return ``period / length`` [m] of a grid, which must be a whole number, or raise :class:`InvalidInput`."""
+    """Return how often a `length` [m], which messages call `field`, fits into the `period` [m] of a grid.
+
+    Raises :class:`InvalidInput` unless that is a whole number, but for rounding.
+    """
     times = period / length
     if abs(times - round(times)) > 1e-9 * max(times, 1):
         raise InvalidInput(
@@ -165,13 +194,13 @@ ONE: Scale = (0, (0, 0, 0, 0))
 KNOWN: dict[str, Scale] = {"": ONE, "1": ONE} | {
     prefix + unit: (power, powers) for prefix, power in PREFIXES.items() for unit, powers in UNITS.items()
 }
-# A number, and what stands behind it.
+# A text of a number, the first group, and what stands behind it, the second.
 NUMBER = re.compile(r"\s*([-+]?(?:inf|(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?))\s*(.*?)\s*")
 # What stands between a number and its tolerance.
 PLUS_MINUS = re.compile(r"\s*(?:\+/?-|±)\s*")
-# A number with its tolerance, whose unit stands behind brackets.
+# A number with its tolerance in brackets, and their unit behind them.
 IN_BRACKETS = re.compile(r"^\(([^()]*)\)(.*)")
-# Patterns of powers and products without signs, and how they are written with them.
+# Patterns of powers and products that lack a sign, and how units write them: m3 is m^3, Pas is Pa*s.
 REPLACED = (
     (r"²", "^2"), (r"³", "^3"), (r"([mM])([23])(?![\d])", r"\1^\2"), (r"\b(m?)Pas\b", r"\1Pa*s"), (r"\bNm\b", "N*m"),
     (r"^°$", "degree"),
@@ -181,7 +210,7 @@ ROCKWELL = (
     (20, 238), (25, 266), (30, 302), (35, 345), (40, 392), (45, 446), (50, 513), (55, 595), (58, 653), (60, 697),
     (62, 746), (64, 800), (66, 865), (68, 940),
 )  # fmt: skip
-VICKERS = 9.80665e6  # [Pa], a kgf/mm^2
+VICKERS = 9.80665e6  # [Pa], a kgf/mm^2, in which Vickers hardness counts
 # Units: names, powers, products, quotients also of 1 and by products in brackets, and no other expressions.
 POWER = r"°?[^\W\d_]+\d?(?:\s*(?:\*\*|\^)\s*-?\d)?"
 FACTOR = rf"(?:{POWER}|\(\s*{POWER}(?:\s*[*·]\s*{POWER}|\s+{POWER})*\s*\))"
@@ -258,7 +287,7 @@ def parted(field: str, text: str) -> tuple[str, str, float | None]:
 
 
 def _usual(text: str) -> str:
-    """Return `text` with powers and products of units written out, such as ``mm^3/(N*m)`` for ``mm3/Nm``."""
+    """Return a `text` of a number and a unit with powers and products written out, ``mm^3/(N*m)`` for ``mm3/Nm``."""
     number, unit = (match[1], match[2]) if (match := NUMBER.fullmatch(text)) else (text, "")
     for pattern, replacement in REPLACED:
         unit = re.sub(pattern, replacement, unit)
@@ -267,7 +296,10 @@ def _usual(text: str) -> str:
 
 
 def _of_hardness(field: str, value: object, number: float, scale: str) -> float:
-    """Return the indentation hardness [Pa] of a number of Vickers or, of steel, Rockwell C."""
+    """Return the indentation hardness [Pa] of a `number` on the `scale` "HV" (Vickers) or, of steel, "HRC" (Rockwell C).
+
+    `field` and `value` are named in the message about a number beyond the scale.
+    """
     if scale == "HRC":
         rockwell, vickers = zip(*ROCKWELL, strict=True)
         if not rockwell[0] <= number <= rockwell[-1]:
@@ -288,9 +320,9 @@ def remedy_of(unit: Unit, limits: str = "") -> str:
 
 @cache
 def _registry() -> Any:
+    """Return pint's units, which compute in decimals, so that 30 um is exactly the float 3e-5 m."""
     from pint import UnitRegistry
 
-    # in decimals, so that 30 um is exactly the float 3e-5 m
     return UnitRegistry(non_int_type=Decimal)
 
 
@@ -318,7 +350,15 @@ Class = TypeVar("Class", bound=type)
 
 @dataclass(frozen=True)
 class Limits:
-    """Limits of a number, and how a message says them. A number with a unit is above 0 where no others are given."""
+    """Limits of a number. A number with a unit is above 0 where no others are given.
+
+    Attributes
+    ----------
+    text
+        Words of a message, behind "a number".
+    hold
+        Function that returns whether a number lies within them.
+    """
 
     text: str
     hold: Callable[[float], bool] = field(repr=False)
@@ -326,7 +366,7 @@ class Limits:
 
 @dataclass(frozen=True)
 class Example:
-    """Value of a kind that its name alone does not say, as it is written in Python."""
+    """Example of a value, in Python, for messages about a field whose type alone does not say what it holds."""
 
     text: str
 
@@ -350,7 +390,7 @@ CURVED = Limits(
 UP_TO_ONE = Limits("above 0 and up to 1", lambda x: MIN_SIZE <= x <= 1)
 BELOW_ONE = Limits("above 0 and below 1", lambda x: MIN_SIZE <= x < 1)
 FROM_ZERO_BELOW_ONE = Limits("of at least 0 and below 1", lambda x: x == 0 or MIN_SIZE <= x < 1)
-# Of a number without a unit, unless it has others.
+# Limits of a number without a unit, unless it has others.
 FINITE = Limits("", lambda x: -inf < x < inf)
 # Index of a body in Scene.solids.
 BodyIndex = Annotated[int, Limits("0 or 1, the body's index in Scene.solids", lambda x: x in (0, 1))]
@@ -392,10 +432,10 @@ def called(cls: type) -> str:
 
 @cache
 def hint_of(cls: type, name: str) -> Any:
-    """Return the annotation of a field.
+    """Return the annotation of the field `name` of a class.
 
-    A name that the module of the class imports for type checkers alone is a public one of its package, which is
-    imported here: a field that nothing is given for costs no import.
+    A class in it that the module imports for type checkers alone is a public one of its package, and is imported here:
+    a field that nothing is given for costs no import.
     """
     owner = next(base for base in cls.__mro__ if name in vars(base).get("__annotations__", {}))
     module = import_module(owner.__module__)
@@ -417,6 +457,8 @@ def valid(name: str, value: Any, hint: Any) -> Any:
         return _one_of(name, value, hint)
     if origin is tuple:
         return _entries(name, value, options, hint)
+    if origin is Mapping:
+        return checked_errors(name, value)
     if origin is Literal:
         if not isinstance(value, str) or value not in options:
             raise InvalidInput(f"{name} is {shortened(value)}: {suggestion(str(value), options)}.")
@@ -437,7 +479,10 @@ def valid(name: str, value: Any, hint: Any) -> Any:
 
 
 def checked_errors(field: str, value: object) -> float | dict[str, float]:
-    """Return a relative error, or those of the numbers that are named, as a table or a text ``"name = 2 %, ..."``."""
+    """Return a relative error, or errors by the names of numbers, in a table or a text ``"name = 2 %, other = 1 %"``.
+
+    Raises :class:`InvalidInput`, which names the `field`, for errors that are not above 0 and below 1.
+    """
     if isinstance(value, str) and "=" in value:
         parts = (part.partition("=") for part in value.split(","))
         named = [(name.strip(), error.strip()) for name, _, error in parts]
@@ -452,7 +497,7 @@ def checked_errors(field: str, value: object) -> float | dict[str, float]:
 
 
 def _sizes(value: object) -> str:
-    """Return the limits of all sizes, for a number that is beyond them."""
+    """Return words on the limits of all sizes for a number beyond them, else an empty text."""
     number = _float(value)
     is_size = not number or MIN_SIZE <= abs(number) <= MAX_SIZE or abs(number) == inf
     return "" if is_size or number != number else f", between {MIN_SIZE:g} and {MAX_SIZE:g}"
@@ -466,8 +511,8 @@ def _one_of(name: str, value: Any, hint: Any) -> Any:
             return valid(name, value, option)
         except InvalidInput as error:
             is_meant = isinstance(value, str) and notes(option)[0] is not None
-            is_several = isinstance(value, tuple | list) or getattr(value, "ndim", 0) > 0
-            if is_meant or (is_several and get_origin(option) is tuple):
+            is_several = isinstance(value, tuple | list | Mapping) or getattr(value, "ndim", 0) > 0
+            if is_meant or (is_several and get_origin(option) in (tuple, Mapping)):
                 refused = refused or error
     raise refused or InvalidInput(f"{name} is {shortened(value)}: {remedy(hint)}{_sizes(value)}.")
 
@@ -490,7 +535,7 @@ def kind_of(hint: Any) -> Any:
 
 
 def notes(hint: Any) -> tuple[Unit | None, Limits]:
-    """Return the unit of an annotation, if it has one, and its limits."""
+    """Return the unit of an annotation, None without one, and its limits, by default those of its kind of number."""
     marks = getattr(hint, "__metadata__", ())
     unit = next((note for note in marks if isinstance(note, Unit)), None)
     default = FINITE if unit is None else ABOVE_ZERO
@@ -498,6 +543,7 @@ def notes(hint: Any) -> tuple[Unit | None, Limits]:
 
 
 def _is(value: object, kind: Any) -> bool:
+    """Return whether a value is of a kind of numbers, of which True and False are none."""
     return isinstance(value, kind) and not isinstance(value, bool)
 
 
@@ -530,7 +576,7 @@ def _accepted(hint: Any) -> Iterator[str]:
         yield from map(repr, options)
     elif origin is tuple:
         entries = [next(_accepted(one)).split(", such as")[0] for one in options if one is not ...]
-        yield f"({', '.join(entries)}{', ...' * (options[-1] is ...)})"
+        yield f"[{', '.join(entries)}{', ...' * (options[-1] is ...)}]"
     elif unit is not None:
         yield remedy_of(unit, f" {limits.text}".rstrip()).removeprefix("give ")
     elif kind is int and limits.text[:1].isdigit():

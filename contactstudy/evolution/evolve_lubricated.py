@@ -21,8 +21,8 @@ from contactstudy.domain.validation import InvalidInput
 from contactstudy.evolution.march import ROUNDING, Breakpoint, Control, March, Method, Record, ascending, kinks
 from contactstudy.lubrication.film_equation import Film, SqueezeTerm
 from contactstudy.lubrication.lubricated_contact import FilmSolution
-from contactstudy.lubrication.posed_film import PosedFilm, linear_solver, lubricated_scales, pose
-from contactstudy.lubrication.pseudo_time import FilmControls, FilmIteration, LinearSolver, iterate
+from contactstudy.lubrication.posed_film import PosedFilm, lubricated_scales, pose
+from contactstudy.lubrication.pseudo_time import FilmControls, FilmIteration, iterate
 from contactstudy.lubrication.steady_film import ROUGH_CHANGE, continued, film_solution
 from contactstudy.scene.loads import ChangingLoad, LineLoad
 from contactstudy.scene.scene import Scene
@@ -265,7 +265,6 @@ class _FilmStepper:
     grid: Grid
     padding: Padding | Paddings
     posed: PosedFilm
-    solver: LinearSolver
     time_unit: float
     tolerance: float
     time: float
@@ -285,7 +284,7 @@ class _FilmStepper:
             largest, first_load = replace(scene, load=LineLoad(load.largest)), load.at(start)
         posed = pose(largest, grid, padding)
         time_unit = posed.scales.hertz.half_width / posed.scales.lubrication.largest_speed
-        stepper = cls(scene, grid, padding, posed, linear_solver(posed), time_unit, tolerance, start, 0.0, (), posed)
+        stepper = cls(scene, grid, padding, posed, time_unit, tolerance, start, 0.0, (), posed)
         now = stepper._posed_at(start, 0.0, first_load)
         if now.equation.speed <= 0:
             raise InvalidInput(
@@ -339,7 +338,7 @@ class _FilmStepper:
             viscosity_change=ROUGH_CHANGE,
         )
         last = iterate(
-            equation, expected, self.solver, controls,
+            equation, expected, controls,
             squeeze=self._squeeze_term(step, [instant.content for instant in self.past]),
             cavitated=self.last.cavitated,
         )  # fmt: skip

@@ -30,8 +30,8 @@ from contactstudy.problem.problem import Problem
 from contactstudy.scene.loads import ConstantLoad
 from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.scene.solids.bodies import creeps, instantaneous
+from contactstudy.solvers.conjugate_gradients import contact_tangent
 from contactstudy.solvers.plasticity import (
-    ContactTangent,
     ElastoplasticStep,
     Hardening,
     Tangent,
@@ -57,7 +57,7 @@ class SolvedContact(WarmStartedContact):
 
     def tangent(self, solution: Solution) -> Tangent:
         """Return the linearised contact in which the same cells stay in contact."""
-        return ContactTangent.from_solution(solution, Precision(self.options.precision))
+        return contact_tangent(solution, Precision(self.options.precision))
 
 
 @dataclass(frozen=True, eq=False)

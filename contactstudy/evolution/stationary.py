@@ -225,8 +225,8 @@ def _problem_under(problem: Problem, scene: Scene, load: float, solver: Adhesive
 def _next_solution(problem: Problem, last: Solution | None, options: SolveOptions) -> Solution:
     """Return the solution that continues from the `last` one, or the first solution."""
     start = last.pressure if last is not None and last.pressure.any() else None
-    if isinstance(problem.adhesion, AdhesiveSolver) and last is not None:
-        problem = replace(problem, adhesion=problem.adhesion.after(last))
+    if problem.adhesion is not None and last is not None and last.adhesion is not None:
+        problem = replace(problem, adhesion=problem.adhesion.continued(last.adhesion.attraction))
     return solve_contact(problem, options, start)
 
 

@@ -158,7 +158,7 @@ def solve_rolling(
             operator=superposed(symmetric_weights, problem.grid, padding),
             friction=None
             if friction is None
-            else friction.solver(scene, problem.undeformed_gap, problem.grid, paddings, scene.datum(problem.grid)),
+            else friction.solver(scene, problem.grid, paddings, scene.datum(problem.grid)),
         )
 
     source = problem.source

@@ -33,7 +33,6 @@ from contactstudy.scene.shapes.shape import ShapesSource
 from contactstudy.solvers.coulomb import FullSliding
 from contactstudy.solvers.solution import (
     AdhesiveTraction,
-    CoupledSolution,
     Solution,
     Status,
     TangentialTraction,
@@ -313,23 +312,22 @@ class TimeStepper:
             contact = WarmStartedContact(problem, self.options, pressure)
             solution, after, _ = coupled.solve_step(state, contact, tolerance)
             return solution, after
-        guess = state
+        after = state
 
         def solve_under(
             frozen: Problem, attraction: Array, options: SolveOptions, start: Array | None
-        ) -> CoupledSolution:
-            nonlocal guess
+        ) -> tuple[Solution, float]:
+            nonlocal after
             contact = WarmStartedContact(frozen, options, pressure if start is None else start)
-            solution = coupled.solve_step(state, contact, options.tolerance, attraction, guess)
-            guess = solution.state
-            return solution
+            solution, after, energy = coupled.solve_step(state, contact, options.tolerance, attraction, after)
+            return solution, energy
 
         start = pressure if pressure.any() else None
         solver: Any = problem.adhesion
         limit = CONTACTS_PER_COUPLED_STEP * self.options.max_iterations
         options = replace(self.options, max_iterations=limit)
-        solution, after = solver.solve_coupled(solve_under, problem, options, start, Cpu())
-        if after is None:  # the bodies came apart
+        solution = solver.solve(problem, options, start, Cpu(), solve_under)
+        if not solution.pressure.any():  # the bodies came apart
 
             def separated(added_gap: Array) -> Solution:
                 return unloaded(with_added_gap(problem, added_gap))

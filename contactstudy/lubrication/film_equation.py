@@ -28,9 +28,19 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import toeplitz
 
 from contactstudy.analytic import HertzLine, moes_film
-from contactstudy.domain.grid import Array
+from contactstudy.domain.device import Precision
+from contactstudy.domain.grid import Array, Grid, Paddings
+from contactstudy.elasticity.convolution import (
+    Coefficients,
+    Convolution,
+    GeneralConvolution,
+    by_symmetry,
+    general_convolutions,
+    superposed,
+)
 from contactstudy.scene.lubrication import Cavitation, ElrodAdams, Lubrication
 
 # The logarithmic mean is a series where half the difference of the logarithms is below this.
@@ -93,6 +103,37 @@ class FilmScales:
     def relative_half_width(self) -> float:
         """Half-width that carries load, over that of Hertz; ``sqrt(2 H)`` in a thick film."""
         return max(1.0, sqrt(2 * self.expected_film))
+
+
+@dataclass(frozen=True, eq=False)
+class Deflection:
+    """Displacement under a pressure, by influence coefficients that are ``even`` across, and ``odd`` ones of creep."""
+
+    even: Convolution
+    odd: GeneralConvolution | None
+
+    @classmethod
+    def on(cls, grid: Grid, paddings: Paddings, response: Mapping[Coefficients, float], factor: float) -> "Deflection":
+        """Return the deflection on a grid by the ``response`` of both bodies, times a ``factor``."""
+        even, odd = by_symmetry(response)
+        return cls(
+            superposed(even, grid, paddings).scaled(factor, Precision.DOUBLE),
+            general_convolutions([odd], grid, paddings)[0].scaled(factor) if odd else None,
+        )
+
+    @cached_property
+    def influence(self) -> Array:
+        """Displacement (x, x') at x under a unit pressure at x', in plane strain."""
+        n = self.even.cells[0]
+        unit = np.zeros((n, 1))
+        unit[0] = 1
+        downstream, upstream = (self(end)[:, 0] for end in (unit, unit[::-1]))
+        return np.asarray(toeplitz(downstream, upstream[::-1]))
+
+    def __call__(self, pressure: Array) -> Array:
+        """Return the displacement (x, y) under a pressure (x, y)."""
+        displacement = self.even(pressure)
+        return displacement if self.odd is None else displacement + self.odd(pressure)
 
 
 @dataclass(frozen=True, eq=False)
@@ -210,7 +251,7 @@ class FilmEquation:
     """
 
     gap: Array
-    deflection: Callable[[Array], Array]
+    deflection: Deflection
     cell: tuple[float, float]
     speed_parameter: float
     load: float

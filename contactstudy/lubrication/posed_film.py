@@ -1,27 +1,23 @@
 """Film equation of a scene in Hertz units, its coarser grids, and films to start from."""
 
 from collections import defaultdict
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import ceil, inf
 
 import numpy as np
 
-from contactstudy.domain.device import Precision
 from contactstudy.domain.grid import Array, ExactPeriodicity, Grid, Padding, Paddings, across_and_along
 from contactstudy.domain.validation import InvalidInput, NotDefined, readable
 from contactstudy.elasticity.convolution import (
     Coefficients,
-    Convolution,
     GeneralConvolution,
     by_symmetry,
     general_convolutions,
-    superposed,
 )
-from contactstudy.lubrication.film_equation import Film, FilmEquation, FilmScales, Mask
-from contactstudy.lubrication.linear_solvers import DirectSolver, KrylovSolver
+from contactstudy.lubrication.film_equation import Deflection, Film, FilmEquation, FilmScales, Mask
 from contactstudy.lubrication.lubricated_contact import FilmSolution
-from contactstudy.lubrication.pseudo_time import FilmIteration, LinearSolver
+from contactstudy.lubrication.pseudo_time import FilmIteration
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.loads import ConstantLoad, LineLoad
 from contactstudy.scene.scene import Scene
@@ -87,28 +83,6 @@ def dry_reach(scene: Scene, period: float, cells_along: int) -> float:
         light = np.count_nonzero(outside < LIGHTLY_LOADED * load.sum())
         reach = max(1.0, float(grid.x[-1 - light]) / a)
     return reach
-
-
-@dataclass(frozen=True, eq=False)
-class Deflection:
-    """Displacement under a pressure, by influence coefficients that are ``even`` across, and ``odd`` ones of creep."""
-
-    even: Convolution
-    odd: GeneralConvolution | None
-
-    @classmethod
-    def on(cls, grid: Grid, paddings: Paddings, response: Mapping[Coefficients, float], factor: float) -> "Deflection":
-        """Return the deflection on a grid by the ``response`` of both bodies, times a ``factor``."""
-        even, odd = by_symmetry(response)
-        return cls(
-            superposed(even, grid, paddings).scaled(factor, Precision.DOUBLE),
-            general_convolutions([odd], grid, paddings)[0].scaled(factor) if odd else None,
-        )
-
-    def __call__(self, pressure: Array) -> Array:
-        """Return the displacement (x, y) under a pressure (x, y)."""
-        displacement = self.even(pressure)
-        return displacement if self.odd is None else displacement + self.odd(pressure)
 
 
 @dataclass(frozen=True, eq=False)
@@ -322,15 +296,6 @@ def pose(scene: Scene, grid: Grid, padding: Padding | Paddings, outlet: float = 
     )
     x = grid.x[:rows] / hertz.half_width
     return PosedFilm(equation, upstream, x, scales, operator_on, problem, displacement, dry_pressure, scales, creep)
-
-
-def linear_solver(posed: PosedFilm) -> LinearSolver:
-    """Return the solver of the linear systems: direct in plane strain, else GMRES."""
-    if posed.upstream.cells[1] == 1:
-        return DirectSolver.for_equation(posed.equation)
-    deflection = posed.equation.deflection
-    assert isinstance(deflection, Deflection)
-    return KrylovSolver(deflection.even)
 
 
 def prolongated(posed: PosedFilm, coarser: PosedFilm, coarse: FilmIteration) -> tuple[Film, Mask]:

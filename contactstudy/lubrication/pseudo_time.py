@@ -18,12 +18,13 @@ boundary film, M and L are the parameters of Moes (1992).
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 
 from contactstudy.domain.grid import Array
 from contactstudy.lubrication.film_equation import Film, FilmEquation, Linearised, Mask, SqueezeTerm
+from contactstudy.lubrication.linear_solvers import ActiveSets, FilmCorrection, StepSolver
 
 # Rounding of a pressure over the pressure, and of a film thickness over the largest height.
 ROUNDING = 4 * float(np.finfo(float).eps)
@@ -54,42 +55,6 @@ ARTIFICIAL_COMPRESSIBILITY, NEAR_CONTACT = 0.3, 2.0
 # A cell enters the contact where its film is thinner than the boundary film by this fraction, which is above the
 # rounding of heights; and the largest residual that counts as rounding.
 CONTACT_TOLERANCE, MAX_ROUNDING = 1e-9, 1e-3
-
-
-class ActiveSets(NamedTuple):
-    """Cells (x, y) that are cavitated, and cells in contact at the boundary film (``touching``; none without one)."""
-
-    cavitated: Mask
-    touching: Mask
-
-    def changes(self, sets: "ActiveSets") -> int:
-        """Return the number of differences between these sets and others."""
-        pairs = zip(self, sets, strict=True)
-        return sum(int(np.count_nonzero(ours != theirs)) for ours, theirs in pairs)
-
-
-class FilmCorrection(NamedTuple):
-    """Solution of the linear system of a step: changes of both pressures, of void fraction (x, y) and of separation.
-
-    ``solver`` is for the next system: it keeps what this one may reuse. ``solved`` is False where the system is
-    singular, or its residual too large; ``iterations`` are linear ones.
-    """
-
-    pressure: Array
-    asperity_pressure: Array
-    void: Array
-    separation: float
-    solver: "LinearSolver"
-    solved: bool = True
-    iterations: int = 0
-
-
-class LinearSolver(Protocol):
-    """Solver of the linear system of a step."""
-
-    def step(self, linear: Linearised, film: Film, active: ActiveSets, load_residual: float) -> FilmCorrection:
-        """Return the step for given active sets: without pressure in cavitated cells, at H_b in touching ones."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -161,7 +126,6 @@ class FilmIteration:
 def iterate(
     equation: FilmEquation,
     start: Film,
-    solver: LinearSolver,
     controls: FilmControls,
     *,
     squeeze: SqueezeTerm | None = None,
@@ -172,7 +136,7 @@ def iterate(
     ``cavitated`` are the cells that are cavitated at first, none by default.
     """
     linear = equation.linearise(start, squeeze)
-    active = _initial_active_sets(equation, start, cavitated)
+    active, solver = _initial_active_sets(equation, start, cavitated), StepSolver()
     last = FilmIteration(start, linear, active, _residual(linear, start), 0, 0)
     time_step, best, waited = controls.time_step, last.residual, 0
     while (
@@ -183,7 +147,6 @@ def iterate(
         and np.isfinite(last.residual)
     ):
         step = _step_of_active_sets(last, solver, time_step, controls)
-        solver = step.change.solver
         damping = _damping_factor(last, step, controls)
         film = _updated_film(last, step, damping, controls)
         rejected = damping < controls.min_damping or not (film.thickness > 0).all()
@@ -257,7 +220,7 @@ class _ActiveSetStep(NamedTuple):
 
 
 def _step_of_active_sets(
-    last: FilmIteration, solver: LinearSolver, time_step: float, controls: FilmControls
+    last: FilmIteration, solver: StepSolver, time_step: float, controls: FilmControls
 ) -> _ActiveSetStep:
     """Return a step in pseudo-time whose active sets are corrected until they hold, recur, or at the limit."""
     film, next_active, iterations = last.film, last.active, 0
@@ -271,7 +234,7 @@ def _step_of_active_sets(
     for _ in range(controls.max_active_set_iterations):
         active = next_active
         change = solver.step(linear, film, active, load_residual)
-        solver, converged = change.solver, False
+        converged = False
         iterations += change.iterations
         if not change.solved:
             break

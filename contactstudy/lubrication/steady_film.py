@@ -26,7 +26,6 @@ from contactstudy.lubrication.posed_film import (
     PosedFilm,
     dry_reach,
     hertz_start,
-    linear_solver,
     lubricated_scales,
     pose,
     prolongated,
@@ -370,7 +369,7 @@ def _iterated(posed: PosedFilm, film: Film, controls: FilmControls, cavitated: M
     """Return the film from a given one; where it varies along its length, in steps that change the viscosity less."""
     if posed.upstream.cells[1] > 1:
         controls = replace(controls, viscosity_change=ROUGH_CHANGE)
-    return iterate(posed.equation, film, linear_solver(posed), controls, cavitated=cavitated)
+    return iterate(posed.equation, film, controls, cavitated=cavitated)
 
 
 def _from_higher_speeds(
@@ -495,7 +494,7 @@ def _dry_start(posed: PosedFilm) -> Film:
 def _mixed_iterated(
     posed: PosedFilm, start: Film, controls: FilmControls, cavitated: Mask | None = None
 ) -> FilmIteration:
-    return iterate(posed.equation, start, linear_solver(posed), controls, cavitated=cavitated)
+    return iterate(posed.equation, start, controls, cavitated=cavitated)
 
 
 def film_solution(

@@ -21,7 +21,7 @@ from contactstudy.planning.grid_requirements import (
 )
 from contactstudy.planning.planned import MEMORY_FRACTION, Plan, memory, plan_on
 from contactstudy.planning.refinement import FirstGrids, first_grids, with_width
-from contactstudy.scene import scene as methods
+from contactstudy.scene import combinations as methods
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.shapes.shape import LengthScales, left_out
 

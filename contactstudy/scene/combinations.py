@@ -1,7 +1,72 @@
-"""Effects that a scene cannot combine, and why."""
+"""What the effects of a scene decide together: the method that solves it, and the pairs that it cannot combine.
 
-# What is refused, beside what, and the reason with what to give instead, in the words of `Scene._effects`. What
-# composes through the gap, the operator, the constraint, the traction or a state has no line here.
+Both are tables. Their words are those of :func:`named_by`: a slot of the scene that is not empty, such as
+``Scene.wear``; the class that stands in it, such as ``TractiveRolling``; a field of that which is given, such as
+``Wear.circumference``; and conditions on several of them, such as ``a change in time``. What composes through the gap,
+the operator, the constraint, the traction or a state has no line here.
+"""
+
+from dataclasses import dataclass
+from math import inf
+from typing import Any
+
+from contactstudy.scene import loads
+from contactstudy.scene.solids.bodies import creeps, yields
+
+
+@dataclass(frozen=True)
+class Method:
+    """Method by which the scenes of a kind are solved.
+
+    Parameters
+    ----------
+    kind
+        The kind, as messages call it.
+    keywords
+        Keywords of :func:`~contactstudy.solve` and settings of :class:`~contactstudy.TimeSteps` that it uses, beside
+        those that all methods use: an error, a period, progress, and a tolerance.
+    """
+
+    kind: str
+    keywords: tuple[str, ...]
+
+    @property
+    def takes_times(self) -> bool:
+        """True if it solves for several instants."""
+        return "times" in self.keywords
+
+
+OPTIONS = "max_iterations", "solver", "precision"
+STATIC = Method("a static contact", ("start", "device", *OPTIONS))
+STEADY_ROLLING = Method("a contact that rolls", OPTIONS)
+PASSES = Method("a contact that rolls in passes", OPTIONS)
+QUASI_STATIC = Method("a load history with adhesion or rolling", ("times", *OPTIONS))
+TIME_DEPENDENT = Method(
+    "a scene that changes in time", ("times", "folder", "error", "scheme", "error_estimator", *OPTIONS)
+)
+STEADY_WEAR = Method("a contact that rolls and wears", ("times", "error", *OPTIONS))
+FILM = Method("a steady film", ("start", "max_iterations"))
+FILM_IN_TIME = Method("a film that changes in time", ("times", "error", "step"))
+FILM_WEAR = Method("a film that wears", ("times", "error", "max_iterations"))
+
+# The method of a scene stands in the first row all of whose words it names.
+METHODS: tuple[tuple[tuple[str, ...], Method], ...] = (
+    (("Scene.lubrication", "Scene.wear"), FILM_WEAR),
+    (("Scene.lubrication", "a change in time"), FILM_IN_TIME),
+    (("Scene.lubrication",), FILM),
+    (("Wear.circumference",), STEADY_WEAR),
+    (("rolling at a speed", "Scene.load that changes"), QUASI_STATIC),
+    (("rolling at a speed",), STEADY_ROLLING),
+    (("Scene.rolling",), PASSES),
+    (("Scene.solids that creep", "a change in time"), TIME_DEPENDENT),
+    (("Scene.solids that yield", "a change in time"), TIME_DEPENDENT),
+    (("TractiveRolling", "a change in time"), QUASI_STATIC),
+    (("Scene.adhesion", "a change in time"), QUASI_STATIC),
+    (("a change in time",), TIME_DEPENDENT),
+    ((), STATIC),
+)
+
+# What is refused, beside what, and the reason with what to give instead.
 REFUSED: tuple[tuple[str, tuple[str, ...], str], ...] = (
     ("Scene.load on a point contact", ("Scene.lubrication", "Scene.adhesion", "Scene.rolling"),
      "films, adhesion and rolling with hysteresis are of line contacts alone, leave it out, or give a Cylinder"),
@@ -84,3 +149,79 @@ REFUSED: tuple[tuple[str, tuple[str, ...], str], ...] = (
     ("a change in time under a film", ("Scene.solids that creep", "Lubrication.boundary", "Lubrication.thermal"),
      "these are computed under a steady film only, leave one of them out"),
 )  # fmt: skip
+
+
+def named_by(scene: Any) -> frozenset[str]:
+    """Return what a :class:`~contactstudy.Scene` names, in the words of the tables."""
+    load, film, friction, solids = scene.load, scene.lubrication, scene.friction, scene.solids
+    slots = "rolling", "friction", "lubrication", "adhesion", "wear"
+    effects = {name: effect for name in slots if (effect := getattr(scene, name)) is not None}
+    named = {f"Scene.{name}" for name in effects} | {type(effect).__name__ for effect in effects.values()}
+    for effect in effects.values():
+        fields = getattr(effect, "__dict__", {})
+        named |= {f"{type(effect).__name__}.{name}" for name, value in fields.items() if value}
+    has_rolling, drives, has_passes = "Scene.rolling" in named, "TractiveRolling" in named, "Rolling.passes" in named
+    creep, plastic = any(map(creeps, solids)), any(map(yields, solids))
+    rolls, changes = has_rolling or (drives and creep), changing_field(scene) is not None
+    is_history, slips = isinstance(load, loads.ChangingLoad), not named.isdisjoint(("PartialSlip", "Fretting"))
+    unlike = False
+    if (slips or "Sliding" in named) and friction.coefficient > 0:
+        from contactstudy.scene.friction import are_similar  # imported only where there is friction
+
+        unlike = not are_similar(solids)
+    film_changes = film is not None and (not isinstance(film.mean_speed, float) or (changes and scene.wear is None))
+    conditions = {
+        "Scene.load on a point contact": scene.is_point_contact,
+        "Scene.load is an Approach": isinstance(load, loads.Approach),
+        "Scene.load is a PullOff": isinstance(load, loads.PullOff),
+        "Scene.load that changes": is_history,
+        "Scene.load that falls": isinstance(load, loads.PullOff) or (is_history and loads.falls(load)),
+        "a change in time": changes,
+        "a change in time under a film": film_changes,
+        "Scene.hardness": scene.hardness < inf,
+        "Scene.outputs": bool(scene.outputs),
+        "Scene.solids that creep": creep,
+        "Scene.solids that yield": plastic,
+        "Scene.solids at rest that creep or yield": (creep or plastic) and film is None and not rolls,
+        "Scene.solids that are elastically dissimilar": unlike,
+        "Scene.solids with free_faces": scene.free_length < inf,
+        "Scene.shapes that move with a body": any(hasattr(shape, "gap_after") for shape in scene.shapes),
+        "Scene.rolling without passes": has_rolling and not has_passes,
+        "passes over Scene.solids that yield": has_passes and plastic,
+        "rolling of Scene.solids that creep": rolls and creep,
+        "rolling at a speed": rolls and not has_passes,
+        "a contact that rolls": has_rolling or drives,
+        "Scene.friction with stick": getattr(friction, "sticks", False),
+        "Scene.friction of unequal bodies": friction is not None and solids[0] != solids[1],
+        "friction and Scene.outputs": friction is not None and bool(scene.outputs),
+        "Scene.friction in partial slip": slips,
+        "Scene.friction in partial slip without times": slips and "Fretting.times" not in named,
+        "Scene.friction in sliding of dissimilar bodies": unlike and not slips,
+        "Adhesion.range is None": "Scene.adhesion" in named and "Adhesion.range" not in named,
+        "Scene.lubrication without a boundary film": film is not None and film.boundary is None,
+        "Scene.wear of a body that turns or in a film": "Wear.circumference" in named
+        or {"Scene.wear", "Scene.lubrication"} <= named,
+    }
+    return frozenset(named | {condition for condition, is_met in conditions.items() if is_met})
+
+
+def changing_field(scene: Any) -> str | None:
+    """Return the first field of a scene that changes in time by itself, such as a body that creeps; None without one.
+
+    In steady :class:`~contactstudy.Rolling` the contact with such a body is steady all the same.
+    """
+    film = scene.lubrication
+    # what rolls or passes through a film steadily has crept
+    has_crept = film is not None or (scene.rolling is None and scene.rolls)
+    changing = {
+        "Scene.load": isinstance(scene.load, loads.ChangingLoad),
+        "Scene.wear": scene.wear is not None,
+        "Scene.friction": getattr(scene.friction, "times", None) is not None,
+    }
+    for number, solid in enumerate(scene.solids):
+        changing[f"Scene.solids[{number}]"] = yields(solid) or (creeps(solid) and not has_crept)
+    if film is not None:
+        changing["Scene.lubrication.mean_speed"] = not isinstance(film.mean_speed, float)
+        for number, shape in enumerate(scene.shapes):
+            changing[f"Scene.shapes[{number}]"] = hasattr(shape, "gap_after")
+    return next((field for field, changes in changing.items() if changes), None)

@@ -17,11 +17,12 @@ from contactstudy.scene import loads
 from contactstudy.scene.solids import bodies
 from contactstudy.scene.solids.bodies import Body, HalfSpace, SceneContext
 from contactstudy.scene.solids.coated import CoatedHalfSpace
-from contactstudy.solvers.coulomb import BulkStress, FullSliding
+from contactstudy.solvers.coulomb import FullSliding
 from contactstudy.solvers.fretting import FrettingShear, PartialSlipShear
 
 FrictionCoefficient = Annotated[validation.Number, validation.BELOW_ONE]
-# Instants at which a force is compared with the friction limit under a load that changes.
+# Instants at which a force is compared with the friction limit under a load that changes. Between two of them a load of
+# one sinusoidal cycle differs from a straight line by 1.2e-4 of its amplitude.
 SAMPLES = 201
 
 
@@ -42,32 +43,35 @@ def has_proportional_compliances(solids: tuple[Body, ...], gap: Array, paddings:
 def dundurs(solids: tuple[Body, ...]) -> float:
     """Return Dundurs' beta of the instantaneous response of two bodies, 0 for two equal bodies of any kind.
 
-    That of a coated body is the largest in magnitude, by its layers and by its substrate. Source: Dundurs
-    (1969); Johnson (1985), sect. 5.4. Raises :class:`~contactstudy.InvalidInput` for bodies whose response to traction
-    is not known.
+    ``beta = (a1 - a2) / (2 (b1 + b2))`` with a = (1 - 2 nu) / G and b = (1 - nu) / G of either body, of Poisson's ratio
+    nu and shear modulus G (Johnson 1985, eq. 5.3). For coated bodies it is the value of largest magnitude between any
+    two of their materials, those of the layers and of the substrates.
+
+    Raises
+    ------
+    InvalidInput
+        For bodies whose response to traction is not known.
     """
     first, second = solids
     if first == second:
         return 0.0
-    pairs = product(_materials(first), _materials(second))
-    return max((_dundurs(upper, lower) for upper, lower in pairs), key=abs)
+    return max((_dundurs(*pair) for pair in product(_materials(first), _materials(second))), key=abs)
 
 
 def _dundurs(first: HalfSpace, second: HalfSpace) -> float:
-    """Return Dundurs' beta ``(a1 - a2) / (2 (b1 + b2))`` of two materials, a = (1 - 2 nu) / G and b = (1 - nu) / G.
-
-    It is 0 for two rigid materials, neither of which is displaced.
-    """
-    (a1, b1), (a2, b2) = (
-        ((1 - 2 * solid.poisson_ratio) / shear, (1 - solid.poisson_ratio) / shear)
-        for solid in (first, second)
-        for shear in (solid.youngs_modulus / (2 * (1 + solid.poisson_ratio)),)
+    """Return Dundurs' beta of two materials; 0 if both are rigid, since neither is displaced."""
+    a1, a2 = (
+        (1 - 2 * solid.poisson_ratio) * (1 + solid.poisson_ratio) / solid.youngs_modulus for solid in (first, second)
     )
-    return float((a1 - a2) / (2 * (b1 + b2))) if b1 + b2 else 0.0
+    total = first.compliance + second.compliance
+    return (a1 - a2) / (2 * total) if total else 0.0
 
 
 def _materials(solid: Body) -> tuple[HalfSpace, ...]:
-    """Return the material of a body, or those of its layers and its substrate."""
+    """Return the material of a body, or those of its layers and its substrate.
+
+    Raises InvalidInput for a body of another kind, whose response to traction is not known.
+    """
     if isinstance(solid, CoatedHalfSpace):
         return *solid.layers, solid.substrate
     body: Any = getattr(solid, "instantaneous", solid)
@@ -91,19 +95,12 @@ def are_similar(solids: tuple[Body, ...]) -> bool:
 
 
 def shearable(solids: tuple[Body, ...]) -> tuple[tangential.ShearableBody, ...]:
-    """Return bodies that respond to tangential traction as `solids` do, creeping ones at rest as at first.
+    """Return bodies that respond to tangential traction as `solids` do; one that creeps responds as at first.
 
     Raises :class:`~contactstudy.InvalidInput` for a body whose response is not known.
     """
-    return tuple(map(_shearable, solids))
-
-
-def _shearable(solid: Body) -> tangential.ShearableBody:
-    """Return the body that responds to tangential traction as `solid` does."""
-    body = getattr(solid, "instantaneous", solid)
-    if isinstance(body, tangential.ShearableBody):
-        return body
-    return _materials(body)[0]
+    at_first = (getattr(solid, "instantaneous", solid) for solid in solids)
+    return tuple(body if isinstance(body, tangential.ShearableBody) else _materials(body)[0] for body in at_first)
 
 
 def shear_coupling(
@@ -116,14 +113,20 @@ def shear_coupling(
     return tangential.normal_displacement(first, second, axes, grid, paddings, datum)
 
 
-def transmitted_force(scene: SceneContext, coefficient: float, load: float) -> float:
-    """Return the tangential force [N/m] that friction transmits under a `load` [N/m].
+def refuse_gross_slip(
+    scene: SceneContext, field: str, force: float | None, coefficient: float, load: float, remedy: str
+) -> None:
+    """Raise InvalidInput for a tangential `force` [N/m] that friction does not transmit under a `load` [N/m].
 
-    It is infinite where it is known only with the pressure, at a given approach or beside an attraction; the law then
-    refuses a larger force once the normal contact is solved.
+    Nothing is refused where the largest force is known only with the pressure, at a given approach or beside an
+    attraction; the law then refuses a larger one once the normal contact is solved. The message names the `field`.
     """
-    follows = scene.adhesion is not None or isinstance(scene.load, loads.Approach)
-    return inf if follows else coefficient * load
+    is_known = scene.adhesion is None and not isinstance(scene.load, loads.Approach)
+    if force and is_known and abs(force) >= coefficient * load:
+        raise InvalidInput(
+            f"{field} is {readable(force, 'N m-1')}: friction transmits less than "
+            f"{readable(coefficient * load, 'N m-1')}, give {remedy}."
+        )
 
 
 def bulk_compliance(scene: SceneContext, body: int, field: str, paddings: Paddings | None = None) -> float:
@@ -147,16 +150,10 @@ def bulk_compliance(scene: SceneContext, body: int, field: str, paddings: Paddin
 
 
 def check_force(scene: SceneContext, law: Any, load: float, remedy: str) -> None:
-    """Raise InvalidInput for a force of `law` that is more than friction transmits under a `load` [N/m]."""
-    limit, force = transmitted_force(scene, law.coefficient, load), force_per_length(law, scene)
-    if force is not None and not abs(force) < limit:
-        name = "tangential" if law.total is None else "total"
-        length = 1.0 if law.total is None else scene.roller_length or 1.0
-        unit = "N m-1" if law.total is None else "N"
-        raise InvalidInput(
-            f"{type(law).__name__}.{name} is {readable(getattr(law, name), unit)}: friction transmits less than "
-            f"{readable(limit * length, unit)}, give {remedy}."
-        )
+    """Refuse a ``tangential`` or ``total`` force of a `law` that friction does not transmit under a `load` [N/m]."""
+    name = "tangential" if law.total is None else "total, over the length of the roller,"
+    field, force = f"{type(law).__name__}.{name}", force_per_length(law, scene)
+    refuse_gross_slip(scene, field, force, law.coefficient, load, remedy)
 
 
 def force_per_length(law: Any, scene: SceneContext) -> float | None:
@@ -205,7 +202,7 @@ class Sliding:
     coefficient: Annotated[validation.Number, validation.FROM_ZERO_BELOW_ONE]
     standing: validation.BodyIndex | None = None
 
-    def solver(self, scene: SceneContext, gap: Array, grid: Grid, paddings: Paddings, datum: float) -> FullSliding:
+    def solver(self, scene: SceneContext, grid: Grid, paddings: Paddings, datum: float) -> FullSliding:
         """Return the solver of this scene on a grid, with the coupling of traction and normal displacement."""
         if self.coefficient == 0:
             return FullSliding(self.coefficient, None)
@@ -314,12 +311,10 @@ class Fretting:
         amplitude of `bulk_stress` [Pa] is in phase.
         """
         count = valid("Fretting.cycle.steps", steps, Annotated[int, at_least(1)])
-        down = [1 - 2 * (n + 1) / count for n in range(count)]
-        down[-1] = -1.0
-        parts = (1.0, *down, *(-part for part in down))
-        stresses = tuple(bulk_stress * part for part in parts) if bulk_stress else None
-        forces = tuple(amplitude * part for part in parts)
-        return cls(coefficient, forces, bulk_stresses=stresses)
+        down = np.linspace(1, -1, count + 1)[1:].tolist()
+        fractions = (1.0, *down, *(-fraction for fraction in down))
+        stresses = tuple(bulk_stress * fraction for fraction in fractions) if bulk_stress else None
+        return cls(coefficient, tuple(amplitude * fraction for fraction in fractions), bulk_stresses=stresses)
 
     def check(self, scene: SceneContext) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if the contact cannot stick, or its traction is not supported."""
@@ -327,26 +322,21 @@ class Fretting:
         if self.bulk_stresses is not None:
             bulk_compliance(scene, self.bulk_body, "Fretting.bulk_stresses")
         for place, force, load in self._forces_and_loads(scene):
-            limit = transmitted_force(scene, self.coefficient, load)
-            if force and not abs(force) < limit:
-                raise InvalidInput(
-                    f"Fretting.forces{place} is {readable(force, 'N m-1')}, where friction transmits less than "
-                    f"{readable(limit, 'N m-1')}: the contact would slide fully, give a smaller force, or displacements."
-                )
+            remedy = "a smaller force, or displacements"
+            refuse_gross_slip(scene, f"Fretting.forces{place}", force, self.coefficient, load, remedy)
 
     def _forces_and_loads(self, scene: SceneContext) -> Iterator[tuple[str, float, float]]:
-        """Yield an index or a time in words, the force and the load there [N/m]."""
+        """Yield the index of each force, or an instant, in words, with the force and the load there [N/m]."""
         load, history = scene.load, self.history
-        if self.forces is None:
-            return
         if history is None:
-            yield from ((f"[{number}]", force, scene.largest_load) for number, force in enumerate(self.forces))
-            return
-        for time in history.compared_with(load):
-            pressed = load.at(time) if isinstance(load, loads.ChangingLoad) else scene.largest_load
-            yield f" at {time:g} s", history.at(time), pressed
+            for number, force in enumerate(self.forces or ()):
+                yield f"[{number}]", force, scene.largest_load
+        elif self.forces is not None:
+            for time in history.compared_with(load):
+                pressed = load.at(time) if isinstance(load, loads.ChangingLoad) else scene.largest_load
+                yield f" at {time:g} s", history.at(time), pressed
 
-    def solver(self, scene: SceneContext, gap: Array, grid: Grid, paddings: Paddings, datum: float) -> FrettingShear:
+    def solver(self, scene: SceneContext, grid: Grid, paddings: Paddings, datum: float) -> FrettingShear:
         """Return the solver of this scene on a grid."""
         assert self.forces is not None
         forces = tuple(mean_over_grid(force, scene, grid, paddings) for force in self.forces)
@@ -354,8 +344,7 @@ class Fretting:
         if not any(self.bulk_stresses or ()):
             return FrettingShear(self.coefficient, forces, response)
         compliance = bulk_compliance(scene, self.bulk_body, "Fretting.bulk_stresses", paddings)
-        bulk = BulkStress(0.0, self.bulk_body, compliance)
-        return FrettingShear(self.coefficient, forces, response, bulk, self.bulk_stresses or ())
+        return FrettingShear(self.coefficient, forces, response, self.bulk_stresses or (), self.bulk_body, compliance)
 
     @staticmethod
     def response(scene: SceneContext, grid: Grid, paddings: Paddings, datum: float) -> tangential.ShearResponse:
@@ -414,13 +403,13 @@ class PartialSlip:
         if self.bulk_stress:
             bulk_compliance(scene, self.bulk_body, "PartialSlip.bulk_stress")
 
-    def solver(self, scene: SceneContext, gap: Array, grid: Grid, paddings: Paddings, datum: float) -> PartialSlipShear:
+    def solver(self, scene: SceneContext, grid: Grid, paddings: Paddings, datum: float) -> PartialSlipShear:
         """Return the solver of this scene on a grid: that of fretting with one force."""
         force = force_per_length(self, scene)
         assert force is not None
         stresses = (self.bulk_stress,) if self.bulk_stress else None
         fretting = Fretting(self.coefficient, (force,), bulk_stresses=stresses, bulk_body=self.bulk_body)
-        return PartialSlipShear(fretting.solver(scene, gap, grid, paddings, datum))
+        return PartialSlipShear(fretting.solver(scene, grid, paddings, datum))
 
 
 @validated

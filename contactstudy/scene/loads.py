@@ -3,7 +3,7 @@
 from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
 from itertools import pairwise
-from math import asin, ceil, e, exp, floor, isclose, pi, sin
+from math import asin, ceil, e, exp, floor, isclose, pi, sin, sqrt
 from typing import Annotated, ClassVar
 
 import numpy as np
@@ -152,12 +152,11 @@ class Approach:
                 "give a smaller approach, or a LineLoad."
             )
 
-    def estimated_load(self, contact_modulus: float, radius: float) -> float:
-        """Return the load [N/m] of a smooth cylinder of a `radius` [m] at this approach; 0 if it does not touch.
+    def estimated_half_width(self, radius: float) -> float:
+        """Return the half-width a [m] of a smooth cylinder of a `radius` R [m] at this approach; 0 if it does not touch.
 
-        ``approach = u (2 ln(2 datum / a) + 1)`` with ``u = W / (pi E*)`` and ``a^2 = 4 u R``, Johnson (1985), sect. 5.6,
-        solved by Lambert's function for the term with the logarithm. Beyond its largest approach, ``datum^2 / R``, the
-        load is that there.
+        ``approach = u (2 ln(2 datum / a) + 1)`` with ``u = a^2 / (4 R)``, Johnson (1985), sect. 5.6, solved by Lambert's
+        function for the term with the logarithm. Beyond its largest approach, ``datum^2 / R``, it is that there.
         """
         if self.approach <= 0:
             return 0.0
@@ -165,7 +164,7 @@ class Approach:
 
         largest = (self.datum or DATUM_OVER_RADIUS * radius) ** 2 / radius
         log_term = -lambertw(-min(self.approach / largest, 1.0) / e, -1).real
-        return float(pi * contact_modulus * largest * exp(1 - log_term))
+        return float(sqrt(4 * radius * largest * exp(1 - log_term)))
 
 
 @validated

@@ -10,7 +10,7 @@ import numpy as np
 
 from contactstudy.analytic import HertzLine
 from contactstudy.domain import validation
-from contactstudy.domain.grid import Array, Grid, Paddings
+from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.domain.validation import InvalidInput, at_least, validated
 from contactstudy.elasticity.tangential import shear_response
 from contactstudy.scene import friction
@@ -166,7 +166,7 @@ class TractiveRolling:
         self._refuse_endless(_rollers(scene))
         friction.check_force(scene, self, _least(scene), "less, or a longitudinal creepage")
 
-    def solver(self, scene: SceneContext, gap: Array, grid: Grid, paddings: Paddings, datum: float) -> TractiveShear:
+    def solver(self, scene: SceneContext, grid: Grid, paddings: Paddings, datum: float) -> TractiveShear:
         """Return the solver of this scene on a grid.
 
         Raises

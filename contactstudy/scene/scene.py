@@ -1,7 +1,8 @@
 """A scene names the effects of a contact, which decide on the method, and makes a problem of them on a grid."""
 
 from dataclasses import dataclass, replace
-from math import inf, log2, prod, sqrt
+from functools import cached_property
+from math import inf, log2, pi, prod, sqrt
 from operator import is_
 from typing import TYPE_CHECKING, Annotated, Any, Protocol, runtime_checkable
 
@@ -9,13 +10,13 @@ import numpy as np
 
 from contactstudy.analytic import HertzEllipse, HertzLine
 from contactstudy.domain.errors import InNotebook
-from contactstudy.domain.grid import Array, Grid, Padding, Paddings, across_and_along, is_free
+from contactstudy.domain.grid import Grid, Padding, Paddings, across_and_along, is_free
 from contactstudy.domain.validation import OR_INFINITE, Example, Hardness, InvalidInput, valid, validated
 from contactstudy.elasticity.convolution import Convolution, padded_cells, superposed
 from contactstudy.problem.constraint import Constraint, Control, PrescribedApproach, PrescribedLoad
 from contactstudy.problem.problem import AdhesionSolver, Derived, OuterSolver, Problem, Scales, refuse_too_large
 from contactstudy.scene import loads
-from contactstudy.scene.combinations import REFUSED
+from contactstudy.scene.combinations import METHODS, REFUSED, STATIC, Method, changing_field, named_by
 from contactstudy.scene.shapes.roller import FiniteLength
 from contactstudy.scene.shapes.shape import (
     Shape,
@@ -29,7 +30,7 @@ from contactstudy.scene.shapes.shape import (
     with_extent_of,
 )
 from contactstudy.scene.solids import bodies
-from contactstudy.scene.solids.bodies import Body, check_free_faces, creeps, yields
+from contactstudy.scene.solids.bodies import Body, check_free_faces, creeps
 
 if TYPE_CHECKING:
     from contactstudy.scene.adhesion import Adhesion
@@ -37,42 +38,6 @@ if TYPE_CHECKING:
     from contactstudy.scene.lubrication import Lubrication
     from contactstudy.scene.rolling import Rolling
     from contactstudy.solvers.adhesion import AdhesiveSolver
-
-
-@dataclass(frozen=True)
-class Method:
-    """Method by which the scenes of a kind are solved.
-
-    Parameters
-    ----------
-    kind
-        The kind, as messages call it.
-    keywords
-        Keywords of :func:`~contactstudy.solve` and settings of :class:`~contactstudy.TimeSteps` that it uses, beside
-        those that all methods use: an error, a period, progress, and a tolerance.
-    """
-
-    kind: str
-    keywords: tuple[str, ...]
-
-    @property
-    def takes_times(self) -> bool:
-        """True if it solves for several instants."""
-        return "times" in self.keywords
-
-
-OPTIONS = "max_iterations", "solver", "precision"
-STATIC = Method("a static contact", ("start", "device", *OPTIONS))
-STEADY_ROLLING = Method("a contact that rolls", OPTIONS)
-PASSES = Method("a contact that rolls in passes", OPTIONS)
-QUASI_STATIC = Method("a load history with adhesion or rolling", ("times", *OPTIONS))
-TIME_DEPENDENT = Method(
-    "a scene that changes in time", ("times", "folder", "error", "scheme", "error_estimator", *OPTIONS)
-)
-STEADY_WEAR = Method("a contact that rolls and wears", ("times", "error", *OPTIONS))
-FILM = Method("a steady film", ("start", "max_iterations"))
-FILM_IN_TIME = Method("a film that changes in time", ("times", "error", "step"))
-FILM_WEAR = Method("a film that wears", ("times", "error", "max_iterations"))
 
 
 AnyLoad = loads.ConstantLoad | loads.ChangingLoad | loads.Approach | loads.PullOff
@@ -93,7 +58,7 @@ class Output(Protocol):
 class Friction(Protocol):
     """Friction law, as a value in ``Scene.friction``; its ``check(scene)``, if it has one, may refuse a scene."""
 
-    def solver(self, scene: "Scene", gap: Array, grid: Grid, paddings: Paddings, datum: float) -> OuterSolver:
+    def solver(self, scene: "Scene", grid: Grid, paddings: Paddings, datum: float) -> OuterSolver:
         """Return the solver of this scene with friction, on a grid."""
 
 
@@ -181,15 +146,14 @@ class Scene(InNotebook):
 
     def _check_combinations(self) -> None:
         """Refuse two effects that cannot be combined."""
-        effects = self._effects
         for effect, others, reason in REFUSED:
             for other in others:
-                if {effect, other} <= effects:
+                if self.named.issuperset((effect, other)):
                     field = effect.removeprefix("Scene.")
                     value = repr(getattr(self, field, None))
                     is_short = hasattr(self, field) and len(value) < 60
                     pair = f"{effect}{f' is {value}' * is_short} together with {other}"
-                    changing = f"{self.time_dependent_field}, which changes in time"
+                    changing = f"{changing_field(self)}, which changes in time"
                     raise InvalidInput(f"{pair.replace('a change in time', changing)}: {reason}.")
 
     def _check_outputs(self) -> None:
@@ -205,57 +169,15 @@ class Scene(InNotebook):
                 )
             output.check(self.solids)
 
-    @property
-    def _effects(self) -> set[str]:
-        """Effects of the scene and what is given of them, as far as the table of refused pairs names them."""
-        load, film, wear, rolling, friction = self.load, self.lubrication, self.wear, self.rolling, self.friction
-        slots = "rolling", "friction", "lubrication", "adhesion", "wear"
-        parts = {name: part for name in slots if (part := getattr(self, name)) is not None}
-        named = {f"Scene.{name}" for name in parts} | {type(part).__name__ for part in parts.values()}
-        for part in parts.values():
-            named |= {f"{type(part).__name__}.{name}" for name, value in getattr(part, "__dict__", {}).items() if value}
-        creep, plastic = any(map(creeps, self.solids)), any(map(yields, self.solids))
-        has_passes, changes = "Rolling.passes" in named, self.time_dependent_field is not None
-        slips = not named.isdisjoint(("PartialSlip", "Fretting"))
-        unlike = False
-        if (slips or "Sliding" in named) and getattr(friction, "coefficient", 0) > 0:
-            from contactstudy.scene.friction import are_similar  # imported only where there is friction
+    @cached_property
+    def named(self) -> frozenset[str]:
+        """What the scene names, in the words of :mod:`~contactstudy.scene.combinations`."""
+        return named_by(self)
 
-            unlike = not are_similar(self.solids)
-        falls = isinstance(load, loads.PullOff) or (isinstance(load, loads.ChangingLoad) and loads.falls(load))
-        film_changes = film is not None and (not isinstance(film.mean_speed, float) or (changes and wear is None))
-        conditions = {
-            "Scene.load on a point contact": self.is_point_contact,
-            "Scene.load is an Approach": isinstance(load, loads.Approach),
-            "Scene.load is a PullOff": isinstance(load, loads.PullOff),
-            "Scene.load that changes": isinstance(load, loads.ChangingLoad),
-            "Scene.load that falls": falls,
-            "a change in time": changes,
-            "a change in time under a film": film_changes,
-            "Scene.hardness": self.hardness < inf,
-            "Scene.outputs": bool(self.outputs),
-            "Scene.solids that creep": creep,
-            "Scene.solids that yield": plastic,
-            "Scene.solids at rest that creep or yield": (creep or plastic) and film is None and not self.rolls,
-            "Scene.solids that are elastically dissimilar": unlike,
-            "Scene.solids with free_faces": self.free_length < inf,
-            "Scene.shapes that move with a body": any(hasattr(shape, "gap_after") for shape in self.shapes),
-            "Scene.rolling without passes": rolling is not None and not has_passes,
-            "passes over Scene.solids that yield": has_passes and plastic,
-            "rolling of Scene.solids that creep": self.rolls and creep,
-            "a contact that rolls": self.rolls or self.has_tractive_rolling,
-            "Scene.friction with stick": getattr(friction, "sticks", False),
-            "Scene.friction of unequal bodies": friction is not None and self.solids[0] != self.solids[1],
-            "friction and Scene.outputs": friction is not None and bool(self.outputs),
-            "Scene.friction in partial slip": slips,
-            "Scene.friction in partial slip without times": slips and "Fretting.times" not in named,
-            "Scene.friction in sliding of dissimilar bodies": unlike and not slips,
-            "Adhesion.range is None": self.adhesion is not None and self.adhesion.range is None,
-            "Scene.lubrication without a boundary film": film is not None and film.boundary is None,
-            "Scene.wear of a body that turns or in a film": wear is not None
-            and (wear.circumference is not None or film is not None),
-        }
-        return named | {name for name, is_named in conditions.items() if is_named}
+    @property
+    def method(self) -> Method:
+        """Method by which :func:`~contactstudy.solve` solves the scene."""
+        return next(method for words, method in METHODS if self.named.issuperset(words))
 
     @property
     def radius(self) -> float | None:
@@ -357,11 +279,9 @@ class Scene(InNotebook):
         """Largest load [N/m], given or estimated from an approach, or more where the attraction adds to it."""
         largest = self.largest_load
         if isinstance(self.load, loads.Approach) and self.radius is not None:
-            largest = self.load.estimated_load(self.contact_modulus, self.radius)
-            if largest > 0:  # the half-width under it is that of any modulus
-                width = HertzLine(largest, self.radius, self.contact_modulus).half_width
-                modulus = bodies.contact_modulus(self.solids, width)
-                largest = self.load.estimated_load(modulus, self.radius)
+            width = self.load.estimated_half_width(self.radius)
+            modulus = bodies.contact_modulus(self.solids, width or None)
+            largest = pi / 4 * modulus * width**2 / self.radius  # Hertz
         adhesion = self.adhesion
         return largest if adhesion is None else max(largest, adhesion.reference_load(self))
 
@@ -418,55 +338,6 @@ class Scene(InNotebook):
         """
         of_radius = loads.DATUM_OVER_RADIUS * self.radius if self.radius else grid.extent[0]
         return getattr(self.load, "datum", None) or of_radius
-
-    @property
-    def method(self) -> Method:
-        """Method by which :func:`~contactstudy.solve` solves the scene, the first whose condition it meets."""
-        film, wears, changes = (
-            self.lubrication is not None,
-            self.wear is not None,
-            self.time_dependent_field is not None,
-        )
-        keeps_states = any(creeps(solid) or yields(solid) for solid in self.solids)
-        wears_evenly = self.has_tractive_rolling or getattr(self.wear, "circumference", None) is not None
-        rolls_at_speed = self.rolling_speed is not None
-        methods = (
-            (film and wears, FILM_WEAR),
-            (film and changes, FILM_IN_TIME),
-            (film, FILM),
-            (wears and (rolls_at_speed or wears_evenly), STEADY_WEAR),
-            (rolls_at_speed and isinstance(self.load, loads.ChangingLoad), QUASI_STATIC),
-            (rolls_at_speed, STEADY_ROLLING),
-            (self.rolling is not None, PASSES),
-            (changes and (self.has_tractive_rolling or (self.adhesion is not None and not keeps_states)), QUASI_STATIC),
-            (changes, TIME_DEPENDENT),
-            (True, STATIC),
-        )
-        return next(method for applies, method in methods if applies)
-
-    @property
-    def time_dependent_field(self) -> str | None:
-        """Name of the first field that changes in time by itself, such as a body that creeps; None if there is none.
-
-        In steady :class:`~contactstudy.Rolling` the contact with such a body is steady all the same.
-        """
-        if not isinstance(self.load, loads.ConstantLoad | loads.Approach | loads.PullOff):
-            return "Scene.load"
-        if self.wear is not None:
-            return "Scene.wear"
-        if getattr(self.friction, "times", None) is not None:
-            return "Scene.friction"
-        # what rolls or passes through a film steadily has crept
-        steady = self.lubrication is not None or (self.rolling is None and self.rolls)
-        for number, solid in enumerate(self.solids):
-            if yields(solid) or (creeps(solid) and not steady):
-                return f"Scene.solids[{number}]"
-        if self.lubrication is None:
-            return None
-        if not isinstance(self.lubrication.mean_speed, float):
-            return "Scene.lubrication.mean_speed"
-        moving = [hasattr(shape, "gap_after") for shape in self.shapes]
-        return f"Scene.shapes[{moving.index(True)}]" if any(moving) else None
 
     @property
     def histories(self) -> tuple[Any, ...]:
@@ -530,7 +401,7 @@ class Scene(InNotebook):
         """
         valid("grid", grid, Grid)
         if self.method is not STATIC:
-            changing = self.time_dependent_field
+            changing = changing_field(self)
             reason = f"{changing} changes in time" if changing else f"Scene is {self.method.kind}"
             raise InvalidInput(
                 f"{reason}, which takes more than one problem: call contactstudy.solve(scene, grid, padding), with "
@@ -566,7 +437,7 @@ class Scene(InNotebook):
             source=source,
             outputs=tuple(output.of(self.solids, grid, paddings) for output in self.outputs),
             description=PosedScene(self, grid, padding),
-            friction=None if self.friction is None else self.friction.solver(self, gap, grid, paddings, datum),
+            friction=None if self.friction is None else self.friction.solver(self, grid, paddings, datum),
             adhesion=self._adhesion_solver(adhesion_solver),
             covered_fractions=source.covered_fractions(grid),
         )

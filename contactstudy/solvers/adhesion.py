@@ -21,9 +21,9 @@ The pull-off is the load at which the equilibrium is lost, found by a search ove
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from math import inf
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 
@@ -31,8 +31,8 @@ from contactstudy.domain.device import Device
 from contactstudy.domain.grid import Array, dot
 from contactstudy.problem.constraint import CohesiveLaw, PrescribedLoad
 from contactstudy.problem.problem import Problem
-from contactstudy.solvers.solution import AdhesiveTraction, Branch, CoupledSolution, Solution, Status, unloaded
-from contactstudy.solvers.solve import AndersonMixing, SolveOptions, solve_contact
+from contactstudy.solvers.solution import AdhesiveTraction, Branch, Solution, Status, unloaded
+from contactstudy.solvers.solve import SolveOptions, fixed_point, solve_contact
 
 # Constants of the outer iteration, judged by the convolutions of six contacts, smooth and rough, and of pull-offs.
 # Relative change of the attraction in the last outer iteration, in tolerances of the contact. A tenth of it takes up to
@@ -44,12 +44,6 @@ MAX_CHANGE = 0.1
 # Largest error of the gap in an inner contact over the range of the attraction. Below it the error is a tenth of the
 # last change of the attraction. Solving each contact to its tolerance takes 1.3 to 1.6 times the convolutions.
 MAX_INNER_ERROR = 1e-3
-# Plain updates of the attraction before the first mixed iterate, and after the one that replaces the first rejected one;
-# twice as many after each further one. From 0 to 4 convolutions change by 0.6 to 1.3 times, with no best value.
-PLAIN_ITERATIONS = 2
-# Fraction of the tolerance by which an attraction may change load and heights without another solve, so that a
-# negligible adhesion costs one solve.
-NEGLIGIBLE = 1e-3
 # Traction at an open edge over the largest, above which the attraction that is cut off there matters.
 EDGE = 1e-3
 
@@ -62,9 +56,10 @@ def is_cut_off(problem: Problem, attraction: Array) -> bool:
     return at_edge > EDGE * float(attraction.max())
 
 
-# Solves a problem without adhesion coupled to a state of the bodies: from the frozen attraction (x, y) [Pa] that its
-# heights contain, options, and a pressure (x, y) [Pa] to begin with.
-InnerSolve = Callable[[Problem, Array, SolveOptions, Array | None], CoupledSolution]
+# Solves a problem without adhesion, together with a state of the bodies such as plastic strain. Its arguments are the
+# problem, whose heights contain the displacement by the frozen attraction, that attraction (x, y) [Pa], options, and a
+# pressure (x, y) [Pa] to begin with or None. It returns the contact and the energy [J] that the state adds.
+InnerSolve = Callable[[Problem, Array, SolveOptions, Array | None], tuple[Solution, float]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,226 +97,164 @@ class AdhesiveSolver:
         """Return this solver for a contact that comes from a state with this `attraction` (x, y) [Pa]."""
         return replace(self, branch=Branch.CONTINUED, attraction=attraction)
 
-    def after(self, solution: Solution) -> "AdhesiveSolver":
-        """Return this solver for a contact that comes from the state of `solution`."""
-        assert solution.adhesion is not None
-        return self.continued(solution.adhesion.attraction)
+    def solve(
+        self,
+        problem: Problem,
+        options: SolveOptions,
+        start: Array | None,
+        device: Device,
+        inner: InnerSolve | None = None,
+    ) -> Solution:
+        """Return the solution of the contact `problem` with adhesion, from the state that the branch names.
 
-    def solve(self, problem: Problem, options: SolveOptions, start: Array | None, device: Device) -> Solution:
-        """Return the solution of the contact `problem` with adhesion, from the state that the branch names."""
-        return self.solve_coupled(None, problem, options, start, device)[0]
-
-    def solve_coupled(
-        self, inner: InnerSolve | None, problem: Problem, options: SolveOptions, start: Array | None, device: Device
-    ) -> tuple[Solution, Any]:
-        """Return the solution of :meth:`solve`, and the coupled state of the bodies.
-
-        `inner` solves each contact under a frozen attraction together with a state such as plastic strain. The state
-        returned is that of the last contact, empty where `inner` is None; it is None where the bodies came apart,
-        because the attraction does not carry the tensile load.
+        The first contact begins with the pressure `start` (x, y) [Pa]. `inner` solves each contact under a frozen
+        attraction, lastly that of the solution; None solves it alone. Where the attraction does not carry a tensile
+        load, the solution is the undeformed bodies as they just touch.
         """
-        first = {Branch.FROM_AFAR: 0.0, Branch.FROM_FULL_CONTACT: self.law.strength, Branch.CONTINUED: self.attraction}[
-            self.branch
-        ]
-        attraction = np.broadcast_to(np.asarray(first), problem.undeformed_gap.shape)
-        return OuterIteration(problem, self, options, device, inner).solution(attraction, start)
-
-
-@dataclass(frozen=True, eq=False)
-class _State:
-    """Contact under a frozen `attraction` (x, y) [Pa].
-
-    `attraction_displacement` (x, y) [m] is the displacement of the surface by it, `updated` the attraction (x, y) [Pa]
-    at its gap, `change` the distance to that over its sum, `energy` [J] that of the bodies, the load and the surfaces,
-    and `remaining_work` [J] the remaining work of separation. The state `of_bodies` has added `added_gap` (x, y) [m].
-    """
-
-    contact: Solution
-    of_bodies: Any
-    added_gap: Array
-    attraction: Array
-    attraction_displacement: Array
-    updated: Array
-    change: float
-    energy: float
-    remaining_work: float
-
-    def accepts(self, following: "_State") -> bool:
-        """Return whether the energy of a `following` state is no higher, up to `change**2 * remaining_work`."""
-        return following.energy <= self.energy + following.change**2 * following.remaining_work
-
-
-@dataclass(eq=False)
-class OuterIteration:
-    """Outer iteration over the attraction of one problem, and its counts."""
-
-    problem: Problem
-    solver: AdhesiveSolver
-    options: SolveOptions
-    device: Device
-    inner: InnerSolve | None = None
-    count: int = 0
-    iterations: int = 0
-    convolutions: float = 0.0
-    energies: list[float] = field(default_factory=list)
-
-    def solution(self, attraction: Array, start: Array | None) -> tuple[Solution, Any]:
-        """Return the solution from an `attraction` (x, y) [Pa] on, and the coupled state of the bodies.
-
-        The first contact begins with the pressure `start` (x, y) [Pa].
-        """
-        tolerance = min(CHANGE_IN_TOLERANCES * self.options.tolerance, MAX_CHANGE)
-        loosest = 0.0 if self.solver.depth == 0 or self._is_weak() else MAX_INNER_ERROR
-        gap_error, mixing = loosest, AndersonMixing(self.solver.depth)
-        plain_left = plain_after_rejection = PLAIN_ITERATIONS
-        is_mixed, pressure, last = False, start, None
-        while True:
-            if last is not None and self._iterations_left() == 0:
-                return self._ended(last)
-            load = self._contact_load(attraction)
-            if load <= 0 and not is_mixed:
-                return self._detached(), None
-            displacement = self.problem.operator(attraction)
-            self.convolutions += 1
-            if last is not None and self._is_negligible(attraction, displacement, last):
-                return self._ended(replace(last, attraction=attraction, change=0.0))
-            state = self._frozen(attraction, displacement, load, pressure, gap_error) if load > 0 else None
-            if state is not None and not np.isfinite(state.contact.residual):
-                return self._ended(state)
-            if is_mixed and last is not None and (state is None or not last.accepts(state)):
-                attraction, is_mixed = last.updated, False
-                mixing.restart()
-                plain_left, plain_after_rejection = plain_after_rejection, 2 * plain_after_rejection
-                continue
-            assert state is not None
-            last, pressure = state, state.contact.pressure
-            self.energies.append(state.energy)
-            converged = state.change <= tolerance
-            is_exact = self._inner_tolerance(gap_error) <= self.options.tolerance
-            if converged and is_exact:
-                return self._ended(state)
-            if converged:  # the same attraction once more, to the tolerance of the contact
-                gap_error = 0.0
-                continue
-            gap_error = min(max(state.change, tolerance) / 10, loosest)
-            mixing.record(state.attraction, state.updated - state.attraction)
-            plain_left -= 1
-            is_mixed, attraction = plain_left < 0 and mixing.mixes, state.updated
-            if is_mixed:
-                attraction = np.clip(mixing.mixed_iterate(), 0, self.solver.law.strength)
-
-    def _is_weak(self) -> bool:
-        """Return whether the largest attraction everywhere is below the tolerance of the load."""
-        control = self.problem.control
-        largest = self.solver.law.strength * self.problem.undeformed_gap.size
-        return control.total is not None and largest < self.options.tolerance * control.total
-
-    def _contact_load(self, attraction: Array) -> float:
-        """Return the load of the pressure alone, over the area of a cell [Pa]; infinite under a given approach."""
-        control = self.problem.control
-        if control.total is None:
-            return inf
-        return control.total + float(attraction.sum())
-
-    def _inner_tolerance(self, gap_error: float) -> float:
-        """Return the dimensionless tolerance of a contact for an error of its gap, a fraction of the range."""
-        allowed = gap_error * self.solver.law.range / self.problem.scales.gap
-        return max(self.options.tolerance, allowed)
-
-    def _iterations_left(self) -> int:
-        """Return how many inner and outer iterations together are left to their limit."""
-        return max(self.options.max_iterations - self.iterations - self.count, 0)
-
-    def _is_negligible(self, attraction: Array, displacement: Array, last: _State) -> bool:
-        """Return whether the step from the `last` state to an `attraction` is far below the tolerance of the contact."""
-        problem, allowed = self.problem, NEGLIGIBLE * self.options.tolerance
-        change = float(np.abs(displacement - last.attraction_displacement).max())
-        added = float(np.abs(attraction - last.attraction).sum())
-        is_exact = last.contact.residual <= self.options.tolerance
-        load = float(last.contact.pressure.sum())
-        return is_exact and change <= allowed * problem.scales.gap and added <= allowed * load
-
-    def _frozen(
-        self, attraction: Array, displacement: Array, load: float, start: Array | None, gap_error: float
-    ) -> _State:
-        """Return the contact under a frozen `attraction`, which displaces the surface by `displacement`."""
-        problem, law = self.problem, self.solver.law
-        control = problem.control if load == inf else PrescribedLoad(load)
-        frozen = replace(problem, undeformed_gap=problem.undeformed_gap - displacement, control=control, adhesion=None)
-        options = replace(
-            self.options, tolerance=self._inner_tolerance(gap_error), max_iterations=max(self._iterations_left() - 1, 0)
-        )
-        if self.inner is None:
-            coupled = CoupledSolution(solve_contact(frozen, options, start, self.device))
-        else:
-            coupled = self.inner(frozen, attraction, options, start)
-        contact = coupled.solution
-        self.count += 1
-        self.iterations += contact.iterations
-        self.convolutions += contact.convolutions
-        updated = law.traction(contact.gap)
-        total = float(updated.sum())
-        change = float(np.abs(updated - attraction).sum())
-        area = problem.grid.cell_area
-        remaining_work = area * float(law.remaining_work(contact.gap).sum())
-        net = contact.pressure - attraction
-        energy = area * dot(net, contact.displacement - displacement) / 2 - remaining_work + coupled.energy
-        if load != inf:
-            energy -= area * (load - float(attraction.sum())) * contact.approach
-        relative = change / total if total else change
-        added_gap = contact.problem.undeformed_gap - frozen.undeformed_gap
-        return _State(
-            contact, coupled.state, added_gap, attraction, displacement, updated, relative, energy, remaining_work
-        )
-
-    def _ended(self, state: _State) -> tuple[Solution, Any]:
-        """Return the solution of the last `state`, and the coupled state of the bodies."""
-        contact = state.contact
-        gap = self.problem.undeformed_gap + state.added_gap
-        residual = max(contact.residual, state.change / CHANGE_IN_TOLERANCES)
+        control, law = problem.control, self.law
+        # an attraction below the tolerance of the load, which is as if there were none
+        largest = law.strength * problem.undeformed_gap.size
+        is_negligible = control.total is not None and largest < options.tolerance * control.total
+        tolerance = inf if is_negligible else min(CHANGE_IN_TOLERANCES * options.tolerance, MAX_CHANGE)
+        loosest = 0.0 if is_negligible or self.depth == 0 else MAX_INNER_ERROR
+        outer = _OuterIteration(problem, law, options, start, device, inner, tolerance, loosest)
+        first = {Branch.FROM_AFAR: 0.0, Branch.FROM_FULL_CONTACT: law.strength, Branch.CONTINUED: self.attraction}
+        attraction = np.broadcast_to(np.asarray(first[self.branch]), problem.undeformed_gap.shape)
+        energies: list[float] = []
+        for state in fixed_point(outer.state_at, attraction, self.depth, _State.accepts):
+            energies.append(state.energy)
+            if state.change <= tolerance or not outer.iterations_left or not np.isfinite(state.contact.residual):
+                break
+        contact: Solution = state.contact
+        residual = contact.residual
+        if not is_negligible:
+            residual = max(residual, state.change / CHANGE_IN_TOLERANCES)
         status = contact.status
-        if status.has_converged and residual > self.options.tolerance:
+        if status.has_converged and residual > options.tolerance:
             status = Status.ITERATION_LIMIT
         elif status is Status.CONVERGED and not contact.pressure.any():
             status = Status.DETACHED
-        elif status is Status.CONVERGED and is_cut_off(self.problem, state.attraction):
+        elif status is Status.CONVERGED and is_cut_off(problem, state.iterate):
             status = Status.ATTRACTION_AT_EDGE
-        solution = replace(
-            contact,
-            problem=replace(self.problem, undeformed_gap=gap),
-            displacement=contact.displacement - state.attraction_displacement,
-            status=status,
-            iterations=self.iterations,
-            convolutions=self.convolutions,
-            residual=residual,
-            adhesion=self._part(state.attraction, tuple(self.energies)),
-        )
-        return solution, state.of_bodies
-
-    def _detached(self) -> Solution:
-        """Return the undeformed bodies as they just touch: the attraction does not carry the tensile load."""
-        touching = unloaded(self.problem)
+        added_gap = contact.problem.undeformed_gap - (problem.undeformed_gap - state.displacement)
         return replace(
-            touching,
-            status=Status.DETACHED,
-            iterations=self.iterations,
-            convolutions=self.convolutions,
-            adhesion=self._part(touching.pressure, (0.0,)),
+            contact,
+            problem=replace(problem, undeformed_gap=problem.undeformed_gap + added_gap),
+            displacement=contact.displacement - state.displacement,
+            status=status,
+            iterations=outer.iterations,
+            convolutions=outer.convolutions,
+            residual=residual,
+            adhesion=AdhesiveTraction(
+                attraction=state.iterate,
+                branch=self.branch.value,
+                energies=tuple(energies),
+                cells_in_zone=self.cells_in_zone,
+                tabor=self.tabor,
+                regularised=self.regularised,
+                outer_iterations=outer.count,
+                range=law.range,
+            ),
         )
 
-    def _part(self, attraction: Array, energies: tuple[float, ...]) -> AdhesiveTraction:
-        """Return the part of a solution that adhesion adds."""
-        solver = self.solver
-        return AdhesiveTraction(
-            attraction=attraction,
-            branch=solver.branch.value,
-            energies=energies,
-            cells_in_zone=solver.cells_in_zone,
-            tabor=solver.tabor,
-            regularised=solver.regularised,
-            outer_iterations=self.count,
-            range=solver.law.range,
-        )
+
+class _State(NamedTuple):
+    """Contact under a frozen attraction, the `iterate` (x, y) [Pa], and the attraction at its gap, the `image` (x, y).
+
+    `displacement` (x, y) [m] is that of the surface by the frozen attraction. `change` is the distance between both
+    attractions over the sum of the second, `energy` [J] that of the bodies, the load and the surfaces, and
+    `uncertainty` [J] what the change leaves uncertain of it.
+    """
+
+    contact: Solution
+    iterate: Array
+    image: Array
+    displacement: Array
+    change: float
+    energy: float
+    uncertainty: float
+
+    def accepts(self, following: "_State") -> bool:
+        """Return whether a `following` state is in contact, with an energy that is no higher up to its uncertainty."""
+        in_contact = following.contact.status is not Status.DETACHED
+        return in_contact and following.energy <= self.energy + following.uncertainty
+
+
+@dataclass(eq=False)
+class _OuterIteration:
+    """Contacts under frozen attractions of one problem, and their number and work so far.
+
+    `tolerance` is the largest relative change of the attraction in the last of them, and `loosest` the largest error of
+    the gap in those before, over the range of the attraction. The other parameters are those of
+    :meth:`AdhesiveSolver.solve`.
+    """
+
+    problem: Problem
+    law: CohesiveLaw
+    options: SolveOptions
+    start: Array | None
+    device: Device
+    inner: InnerSolve | None
+    tolerance: float
+    loosest: float
+    count: int = 0
+    iterations: int = 0
+    convolutions: float = 0.0
+
+    @property
+    def iterations_left(self) -> int:
+        """Number of inner and outer iterations together that are left to their limit."""
+        return max(self.options.max_iterations - self.iterations - self.count, 0)
+
+    def state_at(self, attraction: Array, last: _State | None) -> _State:
+        """Return the contact under a frozen `attraction` (x, y) [Pa], which begins with the pressure of the `last` one.
+
+        It is solved to the tolerance of the options where it changes the attraction by no more than `tolerance`. Where
+        the attraction does not carry a tensile load, the bodies just touch, detached.
+        """
+        problem, control = self.problem, self.problem.control
+        attraction = np.clip(attraction, 0, self.law.strength)
+        if control.total is not None:
+            control = PrescribedLoad(control.total + float(attraction.sum()))
+            if control.total <= 0:
+                detached, none = replace(unloaded(problem), status=Status.DETACHED), np.zeros_like(attraction)
+                return _State(detached, none, none, none, 0.0, 0.0, 0.0)
+        displacement = problem.operator(attraction)
+        self.convolutions += 1
+        frozen = replace(problem, undeformed_gap=problem.undeformed_gap - displacement, control=control, adhesion=None)
+        gap_error, start = self.loosest, self.start
+        if last is not None:
+            gap_error = min(max(last.change, self.tolerance) / 10, self.loosest)
+            start = last.contact.pressure
+        tolerance = max(self.options.tolerance, gap_error * self.law.range / problem.scales.gap)
+        state = self._contact(frozen, attraction, displacement, start, tolerance)
+        if state.change <= self.tolerance and tolerance > self.options.tolerance:
+            state = self._contact(frozen, attraction, displacement, state.contact.pressure, self.options.tolerance)
+        return state
+
+    def _contact(
+        self, frozen: Problem, attraction: Array, displacement: Array, start: Array | None, tolerance: float
+    ) -> _State:
+        """Return the contact of the `frozen` problem, whose `attraction` displaces the surface by `displacement`."""
+        limit = max(self.iterations_left - 1, 0)
+        options = replace(self.options, tolerance=tolerance, max_iterations=limit)
+        if self.inner is None:
+            contact, energy = solve_contact(frozen, options, start, self.device), 0.0
+        else:
+            contact, energy = self.inner(frozen, attraction, options, start)
+        self.count += 1
+        self.iterations += contact.iterations
+        self.convolutions += contact.convolutions
+        image, area = self.law.traction(contact.gap), frozen.grid.cell_area
+        change, total = float(np.abs(image - attraction).sum()), float(image.sum())
+        relative_change = change / total if total else change
+        remaining_work = area * float(self.law.remaining_work(contact.gap).sum())
+        net = contact.pressure - attraction
+        energy += area * dot(net, contact.displacement - displacement) / 2 - remaining_work
+        if self.problem.control.total is not None:
+            energy -= area * self.problem.control.total * contact.approach
+        uncertainty = relative_change**2 * remaining_work
+        return _State(contact, attraction, image, displacement, relative_change, energy, uncertainty)
 
 
 # Iterations of each load but the first over those of a solve: just beyond the last stable load the bodies detach slowly.
@@ -372,7 +305,9 @@ class PullOffSearch:
             # bodies that attract each other do not separate under a load of at least 0
             trial = min(load - pull, 0.0) if first_unstable == -inf else (load + first_unstable) / 2
             lowered = replace(problem, control=PrescribedLoad(trial))
-            state = self.solver.after(last_stable).solve(lowered, options, last_stable.pressure, device)
+            state = self.solver.continued(last_stable.adhesion.attraction).solve(
+                lowered, options, last_stable.pressure, device
+            )
             iterations += state.iterations
             convolutions += state.convolutions
             if state.status is Status.DETACHED:

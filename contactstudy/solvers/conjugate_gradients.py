@@ -3,14 +3,16 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import prod
+from typing import NamedTuple
 
 import numpy as np
 
-from contactstudy.domain.device import arrays
+from contactstudy.domain.device import Precision, arrays
 from contactstudy.domain.grid import Array, device_loops, equal, first_cells, inner, mean_over, total
 from contactstudy.problem.constraint import Gap
 from contactstudy.problem.field_operations import Direction
 from contactstudy.problem.problem import BareProblem, Extension
+from contactstudy.solvers.solution import Solution
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,6 +92,45 @@ def conjugate_gradients(
         last, size = size, inner(residual, preconditioned)
         direction = preconditioned + (size / last) * direction
     return solution
+
+
+# Relative residual of a tangent operator, with which Newton's method of a plastic step takes as many iterations as with
+# an exact one, and the largest number of its operator applications.
+TANGENT_RTOL, TANGENT_MAXITER = 1e-2, 200
+
+
+def contact_tangent(solution: Solution, precision: Precision = Precision.DOUBLE) -> Callable[[Array], Array]:
+    """Return the tangent operator ``-dp/dgap`` of a contact under a fixed load, with its active set as it is.
+
+    The operator maps a change of the gap (x, y) [m] to minus the change of the pressure (x, y) [Pa]. It is
+    ``K^-1 - K^-1 1 1^T K^-1 / (1^T K^-1 1)``, with the map K from pressure to displacement of the active set, the cells
+    in contact below their hardness, and the vector 1 of ones there. It is applied by conjugate gradients among pressures
+    without a load, in this `precision` and preconditioned as the contact is.
+    """
+    problem, bare = solution.problem, solution.problem.bare(precision)
+    active = np.asarray(problem.constraint.active(solution.pressure), dtype=precision.real)
+    count = total(active)
+    if count < 2:  # a single cell keeps the load
+        return np.zeros_like
+    extension = bare.operator.approximate_inverse().extension(active)
+
+    def deviation(field: Array) -> Array:
+        """Return a field less its mean over the active set, and zero elsewhere."""
+        field = field * active
+        return np.asarray((field - total(field) / count) * active)
+
+    def tangent(gap: Array) -> Array:
+        pressure = conjugate_gradients(
+            lambda pressure: deviation(bare.operator(pressure)),
+            lambda residual: deviation(extension.pressure(extension(residual))),
+            inner,
+            deviation((gap / problem.scales.gap).astype(active.dtype)),
+            TANGENT_RTOL,
+            TANGENT_MAXITER,
+        )
+        return np.asarray(pressure * problem.scales.pressure, dtype=np.float64)
+
+    return tangent
 
 
 @dataclass(frozen=True)
@@ -180,88 +221,6 @@ MAX_DIRECT_CELLS = 4096
 MAX_DIRECT_GPU_CELLS = 2**18
 
 
-@dataclass(frozen=True)
-class PressureStep:
-    """Pressure and displacement before and after a step, and the inner product `curvature` of their changes.
-
-    `cut` says whether a limit cut the step off, so that the next one cannot be conjugate to it.
-    """
-
-    after: Array
-    before: Array
-    displacement_after: Array
-    displacement_before: Array
-    curvature: float
-    cut: bool = False
-
-
-@dataclass(frozen=True)
-class Trial:
-    """Trial pressure (x, y), `slope` of the complementary energy along the step to it, and whether limits `cut` it."""
-
-    pressure: Array
-    slope: float
-    cut: bool
-
-
-class ContactState:
-    """Pressure, displacement and gap of an iteration, and its last step.
-
-    The pressure before the last step is the buffer of the next trial.
-    """
-
-    def __init__(self, problem: BareProblem, pressure: Array, convolutions: float) -> None:
-        self.problem, self.pressure = problem, pressure
-        self.displacement, self.convolutions = problem.operator(pressure), convolutions + 1
-        self.gap = problem.gap(pressure, self.displacement)
-        self._last: PressureStep | None = None
-
-    @property
-    def residual(self) -> float:
-        """Residual of the pressure."""
-        return self.problem.residual(self.pressure, self.gap)
-
-    @property
-    def has_contact(self) -> bool:
-        """True if any cell has pressure, which under a given load is always so."""
-        return self.problem.control.approach is None or bool(arrays().any(self.pressure > 0))
-
-    def take_last_step(self) -> PressureStep | None:
-        """Return the last step and forget it, so that its fields are free for the next convolution."""
-        last, self._last = self._last, None
-        return last
-
-    def advance(self, trial: Trial) -> float:
-        """Step towards the `trial` and return the fraction of the step at which the complementary energy is least.
-
-        The energy is quadratic along the step: one convolution gives its minimum. The step ends there, or at the
-        `trial` where limits of the pressure are in the way.
-        """
-        operations = self.problem.operations
-        displacement = self.problem.operator(trial.pressure)
-        self.convolutions += 1
-        ends = trial.pressure, self.pressure, displacement, self.displacement
-        curvature = operations.curvature(*ends)
-        best = -trial.slope / curvature if curvature > 0 else 0.0
-        fraction = self._fraction(trial, best)
-        if fraction != 1:
-            operations.take_fraction(*ends, fraction)
-        self._last = PressureStep(*ends, curvature * fraction**2, trial.cut)
-        self.pressure, self.displacement = trial.pressure, displacement
-        self.gap = self.problem.gap(self.pressure, displacement, self.gap)
-        return best
-
-    def _fraction(self, trial: Trial, best: float) -> float:
-        """Return the fraction of a step to take: `best`, of least complementary energy, unless limits are in the way."""
-        if trial.cut:
-            # cut cells are at a limit of their pressure, and would be beyond it after more than the whole step
-            return 1.0 if best > LEAST_FRACTION else best
-        # not up to the first limit beyond it: rounding would decide which of many cells reaches it
-        operations = self.problem.operations
-        crosses = best > 1 and operations.crosses_a_limit(trial.pressure, self.pressure, best)
-        return 1.0 if crosses else best
-
-
 class ContactPreconditioner:
     """Prediction of the active set, and preconditioner on it, whose extension is kept until the set changes.
 
@@ -321,72 +280,114 @@ class ContactPreconditioner:
         return active, entered, self._extension.pressure(extended)
 
 
-def trial_step(state: ContactState, preconditioner: ContactPreconditioner, step_length: float) -> Trial:
-    """Return the trial pressure a `step_length` along the conjugate direction, projected to the load.
+class LastStep(NamedTuple):
+    """Pressure and displacement (x, y) after and before a step, and the inner product `curvature` of their changes.
 
-    The direction is against the preconditioned residual. It is zero outside the active set, and such that the load
-    stays as it is; under a prescribed approach it has a uniform part too, which closes the mean gap, and the load
-    follows. It is conjugate to the last step where the active set is the same, no limit cut that step off and the
-    direction is still a descent direction.
+    `cut` says whether a limit of the pressure cut the step off, so that the next one cannot be conjugate to it.
     """
-    problem, pressure, height = state.problem, state.pressure, state.gap.height
-    operations, control = problem.operations, problem.control
-    active, entered, preconditioned = preconditioner.predict(pressure, state.gap, step_length)
-    uniform = None if control.approach is None else preconditioner.uniform_correction(active, height)
-    last = state.take_last_step()
-    trial = arrays().empty_like(pressure) if last is None else last.before
-    usable = None if last is None or last.cut or entered or last.curvature <= 0 else last
-    shift, beta = _shift_and_beta(problem, height, preconditioned, active, usable, uniform)
-    direction = Direction(preconditioned, active, shift, beta)
-    sums = operations.trial(pressure, height, direction, step_length, trial)
-    slope, rounding = sums.slope, 16 * float(arrays().finfo(pressure.dtype).eps)  # rounding of a sum
-    if sums.cut or control.error(sums.load) > rounding:
-        slope = operations.project_to_load(trial, sums, active, control, pressure, height)
-    return Trial(trial, slope, sums.cut)
+
+    after: Array
+    before: Array
+    displacement_after: Array
+    displacement_before: Array
+    curvature: float
+    cut: bool
 
 
-def _shift_and_beta(
-    problem: BareProblem,
-    height: Array,
-    preconditioned: Array,
-    active: Array,
-    last: PressureStep | None,
-    uniform: float | None,
-) -> tuple[float, float]:
-    """Return what to add to the direction against the residual: a uniform pressure, and beta times the last step.
+class Descent:
+    """Pressure, displacement and gap (x, y) of a `problem`, and the steps that lower its complementary energy.
 
-    Beta is that of Hestenes & Stiefel (1952), eq. 3:1, for directions that keep the load; 0 where the direction would
-    not be a descent direction.
+    The energy is ``1/2 p K p + p h`` with the operator K and the undeformed gap h, and its gradient the gap. Steps go
+    on with the `step_length` of the last one, the fraction of the preconditioned residual that a trial takes.
     """
-    operations = problem.operations
-    if last is None:
-        if uniform is not None:
-            return -uniform, 0.0
-        count, summed = operations.direction_sums(active, preconditioned)
-        return summed / count, 0.0
-    fields = last.before, last.after, last.displacement_before, last.displacement_after
-    sums = operations.conjugacy_sums(height, preconditioned, active, *fields)
-    shift = sums.preconditioned / sums.cells if uniform is None else -uniform
-    beta = (sums.preconditioned_response - shift * sums.active_response) / last.curvature
-    descent = sums.gap_preconditioned
-    if uniform is not None:
-        descent += uniform * inner(active, height)
-    if not beta * sums.gap_step < descent:
-        return shift, 0.0
-    if uniform is None:  # the direction keeps the load
-        shift -= beta * sums.step / sums.cells
-    return shift, beta
 
+    def __init__(self, problem: BareProblem, pressure: Array, convolutions: float) -> None:
+        self.problem, self.pressure, self.step_length = problem, pressure, 1.0
+        self.displacement, self._convolutions = problem.operator(pressure), convolutions + 1
+        self.gap = problem.gap(pressure, self.displacement)
+        self._preconditioner = ContactPreconditioner(problem)
+        self._last: LastStep | None = None
 
-def projected_gradient_step(state: ContactState, trial: Array) -> Trial:
-    """Return the projected gradient step, against the gap; `trial` is overwritten.
+    @property
+    def convolutions(self) -> float:
+        """Number of convolutions of the full grid so far, those of the preconditioner in proportion to its cells."""
+        return self._convolutions + self._preconditioner.convolutions
 
-    Its direction is always a descent direction. Source: Nocedal & Wright (2006), sect. 16.7.
-    """
-    problem, pressure, height = state.problem, state.pressure, state.gap.height
-    trial[...] = pressure - height / problem.operator.self_compliance
-    problem.project(trial)
-    return Trial(trial, problem.operations.slope(trial, pressure, height), cut=True)
+    def step(self) -> None:
+        """Take a step towards a trial pressure, to the least energy along it or up to limits of the pressure.
+
+        The energy is quadratic along the step: the convolution of the trial gives its minimum.
+        """
+        problem, operations, last = self.problem, self.problem.operations, self._last
+        # the pressure before the last step is the buffer of the trial
+        trial = arrays().empty_like(self.pressure) if last is None else last.before
+        slope, is_cut = 0.0, True
+        if problem.control.approach is None or bool(arrays().any(self.pressure > 0)):  # else nothing to precondition
+            slope, is_cut = self._conjugate_trial(trial, last)
+            if slope >= 0:
+                self.step_length = max(self.step_length / 4, SHORTEST)
+        if slope >= 0:
+            # the projected gradient step, always a descent direction: Nocedal & Wright (2006), sect. 16.7
+            trial[...] = self.pressure - self.gap.height / problem.operator.self_compliance
+            problem.project(trial)
+            slope, is_cut = operations.slope(trial, self.pressure, self.gap.height), True
+        self._last = last = None  # free its fields before the next convolution
+        displacement = problem.operator(trial)
+        self._convolutions += 1
+        ends = trial, self.pressure, displacement, self.displacement
+        curvature = operations.curvature(*ends)
+        best = -slope / curvature if curvature > 0 else 0.0
+        if is_cut:  # cells at a limit of their pressure would be beyond it after more than the whole step
+            is_whole = best > LEAST_FRACTION
+        else:  # not up to the first limit beyond it: rounding would decide which of many cells reaches it
+            is_whole = best > 1 and operations.crosses_a_limit(trial, self.pressure, best)
+        fraction = 1.0 if is_whole else best
+        if fraction != 1:
+            operations.take_fraction(*ends, fraction)
+        self._last = LastStep(*ends, curvature * fraction**2, is_cut)
+        self.pressure, self.displacement = trial, displacement
+        self.gap = problem.gap(trial, displacement, self.gap)
+        self.step_length = min(max(self.step_length * best, SHORTEST), LONGEST)
+
+    def _conjugate_trial(self, trial: Array, last: LastStep | None) -> tuple[float, bool]:
+        """Write a trial pressure (x, y) into `trial`, one step length along the conjugate direction.
+
+        The slope of the energy along the step is returned, and whether limits of the pressure cut it off.
+
+        The direction is against the preconditioned residual, plus beta times the `last` step, which `trial` holds the
+        start of. It is zero outside the active set, and such that the load stays as it is; under a prescribed approach
+        it has a uniform part too, which closes the mean gap, and the load follows. Beta is that of Hestenes & Stiefel
+        (1952), eq. 3:1; it is 0 where a cell entered the active set, a limit cut the last step off, or the direction
+        would not be a descent direction.
+        """
+        pressure, height, control = self.pressure, self.gap.height, self.problem.control
+        operations, preconditioner = self.problem.operations, self._preconditioner
+        active, has_entered, preconditioned = preconditioner.predict(pressure, self.gap, self.step_length)
+        uniform = None if control.approach is None else preconditioner.uniform_correction(active, height)
+        shift, beta = 0.0 if uniform is None else -uniform, 0.0
+        if last is not None and not (last.cut or has_entered) and last.curvature > 0:
+            fields = last.before, last.after, last.displacement_before, last.displacement_after
+            with_last = operations.conjugacy_sums(height, preconditioned, active, *fields)
+            descent = with_last.gap_preconditioned
+            if uniform is None:
+                shift = with_last.preconditioned / with_last.cells
+            else:
+                descent += uniform * inner(active, height)
+            beta = (with_last.preconditioned_response - shift * with_last.active_response) / last.curvature
+            if not beta * with_last.gap_step < descent:
+                beta = 0.0
+            elif uniform is None:  # the direction keeps the load
+                shift -= beta * with_last.step / with_last.cells
+        elif uniform is None:
+            count, summed = operations.direction_sums(active, preconditioned)
+            shift = summed / count
+        sums = operations.trial(
+            pressure, height, Direction(preconditioned, active, shift, beta), self.step_length, trial
+        )
+        rounding = 16 * float(arrays().finfo(pressure.dtype).eps)  # of a sum
+        if sums.cut or control.error(sums.load) > rounding:
+            return operations.project_to_load(trial, sums, active, control, pressure, height), sums.cut
+        return sums.slope, sums.cut
 
 
 @dataclass(frozen=True)
@@ -467,32 +468,17 @@ class PreconditionedCG:
 
         It also ends at a residual of this `reduction` times the first one.
         """
-        preconditioner = ContactPreconditioner(problem)
-        state = ContactState(problem, *self._first_pressure(problem, start, tolerance))
-        stall, iteration, step_length = Stall(self.patience), 0, 1.0
-        residual = state.residual
+        descent = Descent(problem, *self._first_pressure(problem, start, tolerance))
+        stall, iteration = Stall(self.patience), 0
+        residual = problem.residual(descent.pressure, descent.gap)
         tolerance = max(tolerance, reduction * residual)
         while not (
-            problem.should_stop(residual, state.displacement, tolerance, state.gap.largest_displacement)
+            problem.should_stop(residual, descent.displacement, tolerance, descent.gap.largest_displacement)
             or iteration == max_iterations
             or stall.stalled(residual)
         ):
             iteration += 1
-            if state.has_contact:
-                trial = trial_step(state, preconditioner, step_length)
-            else:  # no contact to precondition: it begins in the cells that penetrate
-                trial = projected_gradient_step(state, arrays().empty_like(state.pressure))
-            if trial.slope >= 0:  # not a descent direction after projection
-                step_length = max(step_length / 4, SHORTEST)
-                trial = projected_gradient_step(state, trial.pressure)
-            step_length *= state.advance(trial)
-            step_length = min(max(step_length, SHORTEST), LONGEST)
-            residual = state.residual
-        return Iterate(
-            state.pressure,
-            state.displacement,
-            state.gap.approach,
-            residual,
-            iteration,
-            state.convolutions + preconditioner.convolutions,
-        )
+            descent.step()
+            residual = problem.residual(descent.pressure, descent.gap)
+        end = descent.pressure, descent.displacement, descent.gap.approach
+        return Iterate(*end, residual, iteration, descent.convolutions)

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactstudy.domain.device import Device
-from contactstudy.domain.grid import Array, Grid
+from contactstudy.domain.grid import Array
 from contactstudy.elasticity.approximate_inverse import at_unpadded_wave_numbers
 from contactstudy.elasticity.convolution import GeneralConvolution
 from contactstudy.elasticity.tangential import ShearResponse
@@ -221,7 +221,8 @@ class ElasticSlip:
             # phase factors of a shift by one cell
             shift = np.exp(2j * np.pi * np.sign(step) / rows * np.arange(rows))
             self._slip = response.scaled((1 - shift)[:, None] / abs(step))
-        direct = _coefficients(self._slip.xx)
+        part = self._slip.xx  # whose inverse transform is the slip by a unit in the first cell
+        direct = TRANSFORMS.backward(part.spectrum.copy(), part.cells, part.padded)
         self.self_compliance = float(direct[0, 0] - (0 if step else direct.mean()))
 
     def __call__(self, shear: Array) -> Array:
@@ -237,12 +238,8 @@ class ElasticSlip:
         if self._step:
             back = -1 if self._step > 0 else 1
             slip = abs(self._step) * np.cumsum(slip[:, ::back], axis=1)[:, ::back]
-        return _filtered(slip, self._inverse)
-
-
-def _coefficients(part: GeneralConvolution) -> Array:
-    """Return the convolution (x, y) of a unit in the first cell."""
-    return TRANSFORMS.backward(part.spectrum.copy(), part.cells, part.padded)
+        pairs = zip(slip, self._inverse, strict=True)
+        return np.stack([TRANSFORMS.filtered(component, factors, None) for component, factors in pairs])
 
 
 def _inverses(response: ShearResponse) -> list[Array]:
@@ -254,40 +251,6 @@ def _inverses(response: ShearResponse) -> list[Array]:
         sizes[0, 0] = largest = sizes.max()
         inverses.append(1 / np.maximum(sizes, 1e-9 * largest))
     return inverses
-
-
-def _filtered(field: Array, factors: list[Array]) -> Array:
-    """Return a `field` (component, x, y) with its Fourier coefficients on the unpadded grid times the `factors`."""
-    pairs = zip(field, factors, strict=True)
-    return np.stack([TRANSFORMS.filtered(component, factor, None) for component, factor in pairs])
-
-
-@dataclass(frozen=True)
-class BulkStress:
-    """Stress of a whole body along x, whose strain along y is prevented.
-
-    Parameters
-    ----------
-    size
-        Stress [Pa], tension positive.
-    body
-        Index of the body.
-    compliance
-        Strain over stress [1/Pa], ``(1 - nu^2) / E``.
-    """
-
-    size: float = 0.0
-    body: int = 0
-    compliance: float = 0.0
-
-    def stretch(self, grid: Grid, before: float, after: float) -> Array:
-        """Return the displacement (x, 1) [m] of the first against the second body, as a stress of `before` changes."""
-        strain = (1 - 2 * self.body) * self.compliance * (after - before)
-        return strain * grid.x[:, None]
-
-    def of_bodies(self, size: float) -> tuple[float, float]:
-        """Return the stress of each body [Pa]."""
-        return (0.0, size) if self.body else (size, 0.0)
 
 
 # Largest fraction of F that the linear equations of a step may leave: 0.1 takes fewer steps and more applications.
@@ -332,6 +295,37 @@ class _State:
     relative_residual: float
 
 
+@dataclass(frozen=True, eq=False)
+class SlipStep:
+    """Tangential traction that fulfils Coulomb's law, and the slip under it.
+
+    Parameters
+    ----------
+    shear
+        Traction (component, x, y) [Pa] on the first body.
+    slip
+        Slip (component, x, y) of the first against the second body, zero outside the contact: in a step [m], or per
+        distance rolled.
+    rigid
+        Rigid displacement (2,) [m] of the second against the first body in the step, or its creepage, that was found for
+        a given resultant; a positive one makes a positive traction.
+    stick
+        Cells (x, y) in contact that stick.
+    residual
+        Root mean square of the change by one projection onto Coulomb's disks, over the largest traction, or over 1e-4 of
+        that before the step where that is larger.
+    applications
+        Number of applications of the response to traction.
+    """
+
+    shear: Array
+    slip: Array
+    rigid: Array
+    stick: NDArray[np.bool_]
+    residual: float
+    applications: int
+
+
 class CoulombNewton:
     """Newton's method, and its fallback, for the tangential traction (2, cells) of the cells in contact on one grid.
 
@@ -352,61 +346,23 @@ class CoulombNewton:
         self._rho = 1 / slip.self_compliance
         self.applications, self._least = 0, 0.0
 
-    def slip(self, shear: Array) -> Array:
-        """Return the slip (2, cells) by elastic deformation under `shear` (2, cells)."""
-        return self.gathered(self.slip_field(shear))
+    def solve(self, free_slip: Array, shear: Array, tolerance: float, max_applications: int) -> SlipStep:
+        """Return the traction, and the slip less the rigid displacement or creepage that a given sum asks for.
 
-    def slip_field(self, shear: Array) -> Array:
-        """Return the slip (component, x, y) of all cells by elastic deformation under `shear` (2, cells)."""
-        self.applications += 1
-        return self._operator(self.field(shear))
-
-    def field(self, values: Array) -> Array:
-        """Return `values` (2, cells) as a field (component, x, y), zero outside the contact."""
-        full = np.zeros((2, *self._shape))
-        full.reshape(2, -1)[:, self._cells] = values
-        return full
-
-    def gathered(self, whole: Array) -> Array:
-        """Return a field (component, x, y) in the cells in contact (2, cells)."""
-        gathered: Array = whole.reshape(2, -1)[:, self._cells]
-        return gathered
-
-    def project(self, shear: Array) -> Array:
-        """Return the nearest traction (2, cells) that friction can transmit, with the given sum if there is one."""
-        return self._set.project(shear).traction
-
-    def sticks(self, shear: Array, slip: Array) -> NDArray[np.bool_]:
-        """Return which cells (x, y) stick under `shear` and `slip` (2, cells): whose trial traction is below its limit.
-
-        The trial traction decides and not the traction itself, which rounding may leave just inside the disk of a
-        slipping cell.
+        The iteration begins with a first `shear` (component, x, y) [Pa], and ends at a residual of `tolerance`, or after
+        `max_applications` of the slip operator. `free_slip` (component, x, y) is the slip without traction. The residual
+        is the root mean square of F over the largest traction, or over a ten-thousandth of that at the start (of its
+        limit where that is zero) if that is more.
         """
-        radius, stick = self._set.radius, np.zeros(self._shape, dtype=bool)
-        trial = np.hypot(*(shear - self._rho * slip))
-        stick.ravel()[self._cells] = trial < radius - STICKING * radius.max()
-        return stick
-
-    def solve(
-        self, free_slip: Array, shear: Array, tolerance: float, max_applications: int
-    ) -> tuple[Array, Array, Array, float]:
-        """Return traction [Pa] and slip (2, cells), the multiplier of the given sum (2,), and the relative residual.
-
-        The iteration begins with a first `shear` (2, cells), and ends at a relative residual of `tolerance` or after
-        `max_applications` of the slip operator. `free_slip` (component, x, y) is the slip without traction. The
-        multiplier is the rigid displacement, or creepage, that the given sum asks for; the slip is without it. The
-        relative residual is the root mean square of F over the largest traction, or over a ten-thousandth of that at the
-        start (of its limit where that is zero) if that is more.
-        """
-        free, max_total = self.gathered(free_slip), max_applications + self.applications
-        projected = self.project(shear)
+        free, shear = self._gathered(free_slip), self._gathered(shear)
+        projected = self._project(shear)
         first = max(float(np.hypot(*each).max()) for each in (shear, projected))
         self._least = LEAST_SHEAR * (first or float(self._set.radius.max()))
-        state = self._state(projected, free + self.slip(projected))
+        state = self._state(projected, free + self._slip(projected))
         length, extragradient_iterations = self._rho, FIRST_EXTRAGRADIENT
-        while state.relative_residual > tolerance and self.applications < max_total:
+        while state.relative_residual > tolerance and self.applications < max_applications:
             forcing = _forcing(tolerance, state.relative_residual)
-            change, slip_change = self._newton_step(state, forcing, max_total)
+            change, slip_change = self._newton_step(state, forcing, max_applications)
             # slip is linear in the tangential traction: shorter steps cost nothing
             for halving in range(MAX_HALVINGS):
                 part = 0.5**halving
@@ -418,11 +374,37 @@ class CoulombNewton:
                 for _ in range(extragradient_iterations):
                     shear, slip, length = self._extragradient(free, state.shear, state.slip, length)
                     state = self._state(shear, slip)
-                    if state.relative_residual <= tolerance or self.applications >= max_total:
+                    if state.relative_residual <= tolerance or self.applications >= max_applications:
                         break
                 extragradient_iterations *= 2
-        multiplier = state.projection.multiplier / self._rho
-        return state.shear, state.slip, multiplier, state.relative_residual
+        rigid = state.projection.multiplier / self._rho
+        # the solved traction may exceed its limit by the residual
+        shear, slip, radius = self._project(state.shear), state.slip - rigid[:, None], self._set.radius
+        # the trial traction decides on stick: rounding may leave the traction just inside the disk of a slipping cell
+        stick = np.zeros(self._shape, dtype=bool)
+        stick.ravel()[self._cells] = np.hypot(*(shear - self._rho * slip)) < radius - STICKING * radius.max()
+        fields = self._field(shear), self._field(slip)
+        return SlipStep(*fields, rigid, stick, state.relative_residual, self.applications)
+
+    def _slip(self, shear: Array) -> Array:
+        """Return the slip (2, cells) by elastic deformation under `shear` (2, cells)."""
+        self.applications += 1
+        return self._gathered(self._operator(self._field(shear)))
+
+    def _field(self, values: Array) -> Array:
+        """Return `values` (2, cells) as a field (component, x, y), zero outside the contact."""
+        full = np.zeros((2, *self._shape))
+        full.reshape(2, -1)[:, self._cells] = values
+        return full
+
+    def _gathered(self, field: Array) -> Array:
+        """Return a `field` (component, x, y) in the cells in contact (2, cells)."""
+        gathered: Array = field.reshape(2, -1)[:, self._cells]
+        return gathered
+
+    def _project(self, shear: Array) -> Array:
+        """Return the nearest traction (2, cells) that friction can transmit, with the given sum if there is one."""
+        return self._set.project(shear).traction
 
     def _state(self, shear: Array, slip: Array) -> "_State":
         """Return the state of this `shear` and `slip` (2, cells)."""
@@ -433,18 +415,18 @@ class CoulombNewton:
         relative_residual = mean / max(float(np.hypot(*projected).max()), self._least)
         return _State(shear, slip, projection, residual, relative_residual)
 
-    def _newton_step(self, state: "_State", forcing: float, max_total: int) -> tuple[Array, Array]:
+    def _newton_step(self, state: "_State", forcing: float, max_applications: int) -> tuple[Array, Array]:
         """Return the changes of traction and slip (2, cells) that leave the fraction `forcing` of the linearised F."""
         projection = state.projection.derivative()
         steps: list[tuple[Array, Array]] = []
 
         def derivative(values: Array) -> Array:
             change = self._preconditioned(values, projection)
-            slip_change = self.slip(change)
+            slip_change = self._slip(change)
             steps.append((change, slip_change))
             return change - projection(change - self._rho * slip_change)
 
-        max_vectors = min(MAX_VECTORS, max_total - self.applications)
+        max_vectors = min(MAX_VECTORS, max_applications - self.applications)
         weights = gmres(derivative, -state.residual, forcing, max_vectors)
         change, slip_change = np.zeros_like(state.shear), np.zeros_like(state.slip)
         for weight, (shear_step, its_slip) in zip(weights, steps, strict=True):
@@ -458,20 +440,20 @@ class CoulombNewton:
         It is the inverse where P is 0 or 1, and about that of the cells that slip, whose P is between.
         """
         projected = projection(values)
-        inverse = self._operator.approximate_inverse(self.field(projected))
-        return values - projected + projection(self.gathered(inverse) / self._rho)
+        inverse = self._operator.approximate_inverse(self._field(projected))
+        return values - projected + projection(self._gathered(inverse) / self._rho)
 
     def _extragradient(self, free: Array, shear: Array, slip: Array, length: float) -> tuple[Array, Array, float]:
         """Return traction and slip after two projections, and their step length, which is shortened as needed."""
         while True:
-            half = self.project(shear - length * slip)
-            half_slip = free + self.slip(half)
+            half = self._project(shear - length * slip)
+            half_slip = free + self._slip(half)
             shear_change, slip_change = norm(half - shear), norm(half_slip - slip)
             if length * slip_change <= 0.9 * shear_change:
                 break
             length *= 0.7
-        shear = self.project(shear - length * half_slip)
-        return shear, free + self.slip(shear), length
+        shear = self._project(shear - length * half_slip)
+        return shear, free + self._slip(shear), length
 
 
 def _forcing(tolerance: float, residual: float) -> float:

@@ -14,49 +14,18 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contactstudy.domain.device import Device
 from contactstudy.domain.grid import Array, Grid
 from contactstudy.domain.validation import InvalidInput, readable
 from contactstudy.elasticity.tangential import ShearResponse
 from contactstudy.problem.problem import Problem
-from contactstudy.solvers.coulomb import BulkStress, CoulombNewton, ElasticSlip, shear_status
+from contactstudy.solvers.coulomb import CoulombNewton, ElasticSlip, SlipStep, shear_status
 from contactstudy.solvers.solution import FrettingTraction, Solution, Status, TangentialTraction, with_traction, worst
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Fraction by which a force may exceed what friction transmits, as a load summed over cells is rounded.
 ROUNDING = 1e-6
-
-
-@dataclass(frozen=True, eq=False)
-class SlipStep:
-    """Tangential traction at the end of a step, and the slip in it.
-
-    Parameters
-    ----------
-    shear
-        Traction (component, x, y) [Pa] on the first body.
-    slip
-        Slip (component, x, y) [m] of the first against the second body in this step, zero outside the contact.
-    rigid
-        Rigid displacement (2,) [m] of the second against the first body in this step: a positive one makes a positive
-        traction.
-    stick
-        Cells (x, y) in contact that stick.
-    residual
-        Root mean square of the change by one projection onto Coulomb's disks, over the largest traction, or over 1e-4 of
-        that before the step where that is larger.
-    applications
-        Number of applications of the response to traction.
-    """
-
-    shear: Array
-    slip: Array
-    rigid: Array
-    stick: NDArray[np.bool_]
-    residual: float
-    applications: int
 
 
 def transmission_status(force: float, limit: Array, grid: Grid) -> Status:
@@ -113,22 +82,14 @@ def slip_step(
     if not limit.any():
         zeros, displacement = np.zeros_like(reference), np.zeros(2) if rigid is None else rigid
         return SlipStep(zeros, zeros, displacement, np.zeros(limit.shape, dtype=bool), 0.0, 0)
-    newton = CoulombNewton(ElasticSlip(response), limit, total)
     free_slip = -response(reference)
     if rigid is not None:
         free_slip -= rigid[:, None, None]
     if stretch is not None:
         free_slip[0] += stretch
-    shear, slip, displacement, residual = newton.solve(
-        free_slip, newton.gathered(reference), tolerance, max_applications - 1
-    )
-    if rigid is None:  # the displacement that makes the resultant is not in the slip that Newton's method returns
-        rigid, slip = displacement, slip - displacement[:, None]
-    # the solved traction may exceed its limit by the residual
-    shear = newton.project(shear)
-    return SlipStep(
-        newton.field(shear), newton.field(slip), rigid, newton.sticks(shear, slip), residual, newton.applications + 1
-    )
+    newton = CoulombNewton(ElasticSlip(response), limit, total)
+    step = newton.solve(free_slip, reference, tolerance, max_applications - 1)
+    return replace(step, rigid=step.rigid if rigid is None else rigid, applications=step.applications + 1)
 
 
 def locked_shear(shear: Array, before: Array, after: Array, slope: float) -> Array:
@@ -166,17 +127,21 @@ class FrettingShear:
         Tangential forces along x [N/m], from a contact without one, each less than friction transmits.
     response
         Displacement under tangential traction.
-    bulk
-        Body that carries a bulk stress.
     bulk_stresses
-        Bulk stresses [Pa] that act with the forces; none if empty.
+        Bulk stresses [Pa] along x of one body that act with the forces, tension positive; none if empty. The strain
+        along y is prevented.
+    bulk_body
+        Index of that body.
+    bulk_compliance
+        Its strain over stress [1/Pa], ``(1 - nu^2) / E``.
     """
 
     coefficient: float
     forces_per_length: tuple[float, ...]
     response: ShearResponse
-    bulk: BulkStress = BulkStress()  # noqa: RUF009 (frozen)
     bulk_stresses: tuple[float, ...] = ()
+    bulk_body: int = 0
+    bulk_compliance: float = 0.0
 
     @property
     def _stresses(self) -> tuple[float, ...]:
@@ -184,8 +149,12 @@ class FrettingShear:
         return (0.0, *(self.bulk_stresses or (0.0,) * len(self.forces_per_length)))
 
     def _stretch(self, grid: Grid, before: float, after: float) -> Array | None:
-        """Return the displacement by a change of the bulk stress [Pa], None where it stays the same."""
-        return None if before == after else self.bulk.stretch(grid, before, after)
+        """Return the displacement (x, 1) [m] of the first against the second body as the bulk stress [Pa] changes.
+
+        It is None where the stress stays the same.
+        """
+        strain = (1 - 2 * self.bulk_body) * self.bulk_compliance * (after - before)
+        return None if before == after else strain * grid.x[:, None]
 
     def solve(self, problem: Problem, options: SolveOptions, start: Array | None, device: Device) -> Solution:
         """Return the normal contact with the tangential traction after the last force, and the history of slip."""
@@ -221,7 +190,7 @@ class FrettingShear:
             slip_distance=slip_distance,
             energy=limit * slip_distance,
             cycle=cycle,
-            bulk=self.bulk.of_bodies(stresses[-1]),
+            bulk=(0.0, stresses[-1]) if self.bulk_body else (stresses[-1], 0.0),
         )
         return with_traction(
             normal, worst(statuses), residual, applications, CONVOLUTIONS_PER_APPLICATION * applications, traction

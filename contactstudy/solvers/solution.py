@@ -22,48 +22,48 @@ Counts = Mapping[str, tuple[float, str]]
 
 
 class Status(Enum):
-    """The outcome of a solve; ``str(status)`` is a sentence with cause and remedy."""
+    """Outcome of a solve; ``str(status)`` is a sentence with cause and remedy.
 
-    CONVERGED = "the residual is below the tolerance"
-    CONTACT_AT_EDGE = (
-        "converged, but the contact reaches the edge of the width, or the end of a length that is not periodic, and is "
-        "cut off there: give Grid.extent a larger width or length"
+    The most serious outcomes stand first: those without a pressure, those without an equilibrium, those whose residual
+    is above the tolerance, and what a converged contact or film warns of.
+    """
+
+    NOT_FINITE = (
+        "the iteration left the range of floating-point numbers: "
+        "check the heights for nan and for values far beyond the contact's own scale"
     )
-    ITERATION_LIMIT = "max_iterations was reached before the tolerance: allow more iterations or a larger tolerance"
-    PRECISION_LIMIT = (
-        "the residual is as small as rounding lets it be, and above the tolerance: "
-        "give a tolerance no smaller than the residual reached, or solve in double precision"
+    NO_ADMISSIBLE_PRESSURE = (
+        "the hardness everywhere would not carry the load: give a larger hardness, a smaller load or a larger width"
+    )
+    WORN_THROUGH = (
+        "a coating is worn through, and what is below it bears the load from here on: end before, or give a body of the "
+        "substrate alone"
+    )
+    SHEAR_BEYOND_YIELD = (
+        "no equilibrium: friction is larger than the yield stress in shear of a body that does not harden, which flows "
+        "without limit: give a smaller coefficient or load, or a hardening modulus"
+    )
+    NOT_CONVERGED = (
+        "pressure and the displacement, plastic strain or shear that depends on it did not converge together: "
+        "the residual says how far; give a larger tolerance or, where a load is applied in steps, shorter steps"
+    )
+    FILM_NOT_CONVERGED = (
+        "the residual of the film stayed above the tolerance: give more cells across where a spike of pressure is "
+        "unresolved, more iterations, or start from the film at a higher speed"
     )
     STALLED = (
         "the residual stopped falling above the tolerance: give a tolerance no smaller than the "
         "residual reached, check the heights for values far beyond the contact's own scale, and the grid "
         "for cells a thousand times as long as wide or more"
     )
-    NO_ADMISSIBLE_PRESSURE = (
-        "the hardness everywhere would not carry the load: give a larger hardness, a smaller load or a larger width"
+    ITERATION_LIMIT = "max_iterations was reached before the tolerance: allow more iterations or a larger tolerance"
+    PRECISION_LIMIT = (
+        "the residual is as small as rounding lets it be, and above the tolerance: "
+        "give a tolerance no smaller than the residual reached, or solve in double precision"
     )
-    NOT_CONVERGED = (
-        "pressure and the displacement, plastic strain or shear that depends on it did not converge together: "
-        "the residual says how far; give a larger tolerance or, where a load is applied in steps, shorter steps"
-    )
-    SHEAR_BEYOND_YIELD = (
-        "no equilibrium: friction is larger than the yield stress in shear of a body that does not harden, which flows "
-        "without limit: give a smaller coefficient or load, or a hardening modulus"
-    )
-    FILM_NOT_CONVERGED = (
-        "the residual of the film stayed above the tolerance: give more cells across where a spike of pressure is "
-        "unresolved, more iterations, or start from the film at a higher speed"
-    )
-    STARVED_INLET = (
-        "converged, but the inlet is so short that its film is more than 5 % too thin: give Grid.extent a larger width"
-    )
-    FILM_BELOW_CELL = (
-        "converged, but the film is thinner than the change of the gap over one cell, in the inlet or beside the "
-        "smallest film, which may be more than 10 % off: give more cells across"
-    )
-    SEVERAL_FILMS = (
-        "converged, but the Reynolds equation has another steady solution at the same speed, as the roughness is higher "
-        "than the film, and the initial guess decides which one is found: give more cells across"
+    CONTACT_AT_EDGE = (
+        "converged, but the contact reaches the edge of the width, or the end of a length that is not periodic, and is "
+        "cut off there: give Grid.extent a larger width or length"
     )
     YIELD_AT_EDGE = (
         "converged, but plastic strain reaches the edge of the width and is cut off there: "
@@ -73,22 +73,26 @@ class Status(Enum):
         "converged, but the plastic strain that a pass leaves at the edge of the grid did not become steady: "
         "give a longer Rolling.distance, or none, or a larger Rolling.steady"
     )
-    DETACHED = (
-        "the bodies do not touch: under this load there is no equilibrium in contact, or at this approach they only "
-        "attract each other across the gap, or nothing holds the tangential force: give a larger load or approach"
+    SEVERAL_FILMS = (
+        "converged, but the Reynolds equation has another steady solution at the same speed, as the roughness is higher "
+        "than the film, and the initial guess decides which one is found: give more cells across"
+    )
+    FILM_BELOW_CELL = (
+        "converged, but the film is thinner than the change of the gap over one cell, in the inlet or beside the "
+        "smallest film, which may be more than 10 % off: give more cells across"
+    )
+    STARVED_INLET = (
+        "converged, but the inlet is so short that its film is more than 5 % too thin: give Grid.extent a larger width"
     )
     ATTRACTION_AT_EDGE = (
         "converged, but the attraction reaches the edge of the width and is cut off there: "
         "give Grid.extent a larger width"
     )
-    NOT_FINITE = (
-        "the iteration left the range of floating-point numbers: "
-        "check the heights for nan and for values far beyond the contact's own scale"
+    DETACHED = (
+        "the bodies do not touch: under this load there is no equilibrium in contact, or at this approach they only "
+        "attract each other across the gap, or nothing holds the tangential force: give a larger load or approach"
     )
-    WORN_THROUGH = (
-        "a coating is worn through, and what is below it bears the load from here on: end before, or give a body of the "
-        "substrate alone"
-    )
+    CONVERGED = "the residual is below the tolerance"
 
     def __str__(self) -> str:
         """Return name, cause and remedy as a sentence."""
@@ -100,10 +104,8 @@ class Status(Enum):
 
         What the status warns of makes no difference, except detachment: without contact there is no pressure to trust.
         """
-        return self in (
-            Status.CONVERGED, Status.CONTACT_AT_EDGE, Status.YIELD_AT_EDGE, Status.ATTRACTION_AT_EDGE,
-            Status.STARVED_INLET, Status.FILM_BELOW_CELL, Status.SEVERAL_FILMS, Status.PASS_NOT_STEADY,
-        )  # fmt: skip
+        order = list(Status)
+        return self is not Status.DETACHED and order.index(self) >= order.index(Status.CONTACT_AT_EDGE)
 
     @property
     def is_failure(self) -> bool:
@@ -113,15 +115,7 @@ class Status(Enum):
 
 def worst(statuses: Sequence[Status]) -> Status:
     """Return the most serious of `statuses`; converged if there is none."""
-    # first those without a pressure, then those without an equilibrium, then those whose residual is above the
-    # tolerance, then what a converged contact or film warns of
-    order = (
-        Status.NOT_FINITE, Status.NO_ADMISSIBLE_PRESSURE, Status.WORN_THROUGH, Status.SHEAR_BEYOND_YIELD,
-        Status.NOT_CONVERGED, Status.FILM_NOT_CONVERGED, Status.STALLED, Status.ITERATION_LIMIT, Status.PRECISION_LIMIT,
-        Status.CONTACT_AT_EDGE, Status.YIELD_AT_EDGE, Status.PASS_NOT_STEADY, Status.SEVERAL_FILMS,
-        Status.FILM_BELOW_CELL, Status.STARVED_INLET, Status.ATTRACTION_AT_EDGE, Status.DETACHED, Status.CONVERGED,
-    )  # fmt: skip
-    return min(statuses, key=order.index, default=Status.CONVERGED)
+    return min(statuses, key=list(Status).index, default=Status.CONVERGED)
 
 
 def worst_until(last: Status, earlier: Sequence[Status]) -> Status:

@@ -3,11 +3,11 @@
 The mixing is that of Anderson (1965), in the form of Walker & Ni (2011), eq. 2.2.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from math import inf
-from typing import Annotated, ClassVar, Literal, Protocol, runtime_checkable
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -264,43 +264,51 @@ FIRST_TOLERANCE = 1e-4
 PRESSURE_CHANGE = 10.0
 
 
-class AndersonMixing:
-    """Mixing of the last iterates of a fixed-point iteration, by Anderson (1965).
+def fixed_point(
+    state_at: Callable[[Array, Any], Any],
+    first: Array,
+    depth: int,
+    accepts: Callable[[Any, Any], bool] = lambda last, state: True,
+) -> Iterator[Any]:
+    """Yield the accepted states of a fixed-point iteration that is accelerated by Anderson's (1965) mixing, without end.
+
+    A state is what a map finds at an iterate: an object with the attributes ``iterate`` and ``image``, arrays of one
+    shape. The next iterate is the combination of the last ones whose step, ``image - iterate``, is smallest, moved by
+    that step. After a first state, and in place of an iterate that is rejected, it is the plain image of the last state,
+    and the mixing begins anew.
 
     Parameters
     ----------
+    state_at
+        Function of an iterate and of the last accepted state, None at first, that returns the state at the iterate.
+    first
+        First iterate.
     depth
-        Number of iterates before the last that enter a mixed iterate.
+        Number of iterates before the last that enter a mixed one; 0 mixes none.
+    accepts
+        Function of the last accepted state and of the state at a mixed iterate: whether the iterate is accepted.
     """
+    iterate, last = first, None
+    iterates: list[Array] = []
+    steps: list[Array] = []
+    while True:
+        state = state_at(iterate, last)
+        if last is not None and len(steps) > 1 and not accepts(last, state):
+            iterate, iterates, steps = last.image, [], []
+            continue
+        yield state
+        last = state
+        iterates = [*iterates, state.iterate][-depth - 1 :]
+        steps = [*steps, state.image - state.iterate][-depth - 1 :]
+        iterate = _mixed(iterates, steps) if len(steps) > 1 else state.image
 
-    def __init__(self, depth: int) -> None:
-        self._depth = depth
-        self.restart()
 
-    def restart(self) -> None:
-        """Forget all iterates."""
-        self._iterates: list[Array] = []
-        self._steps: list[Array] = []
-
-    def record(self, iterate: Array, step: Array) -> None:
-        """Record an `iterate` and the `step` that the fixed-point map adds to it."""
-        self._iterates = [*self._iterates, iterate][-self._depth - 1 :]
-        self._steps = [*self._steps, step][-self._depth - 1 :]
-
-    @property
-    def mixes(self) -> bool:
-        """True if there are several iterates, so that the mixed iterate differs from the plain next one."""
-        return len(self._steps) > 1
-
-    def mixed_iterate(self) -> Array:
-        """Return the combination of the iterates with the smallest step, moved by that step."""
-        iterate, step = self._iterates[-1], self._steps[-1]
-        if not self.mixes:
-            return iterate + step
-        changes = np.stack([(b - a).ravel() for a, b in pairwise(self._steps)], axis=1)
-        moves = np.stack([(b - a).ravel() for a, b in pairwise(self._iterates)], axis=1)
-        weights = np.linalg.lstsq(changes, step.ravel(), rcond=CUT_OFF)[0]
-        return iterate + step - ((moves + changes) @ weights).reshape(step.shape)
+def _mixed(iterates: Sequence[Array], steps: Sequence[Array]) -> Array:
+    """Return the combination of the `iterates` with the smallest step, moved by that step."""
+    changes = np.stack([(b - a).ravel() for a, b in pairwise(steps)], axis=1)
+    moves = np.stack([(b - a).ravel() for a, b in pairwise(iterates)], axis=1)
+    weights = np.linalg.lstsq(changes, steps[-1].ravel(), rcond=CUT_OFF)[0]
+    return iterates[-1] + steps[-1] - ((moves + changes) @ weights).reshape(steps[-1].shape)
 
 
 @dataclass(frozen=True, eq=False)
@@ -336,6 +344,21 @@ class LaggedSolution:
         )
 
 
+class _LaggedState(NamedTuple):
+    """Contact under a displacement, the `iterate` (x, y) [m], and the `image` (x, y) [m] that its pressure makes.
+
+    `gap_change` is the change from one to the other in the contact, in units of ``problem.scales.gap``, and
+    `pressure_change` that of the pressure from the contact before, relative in L1.
+    """
+
+    solution: Solution
+    iterate: Array
+    image: Array
+    gap_change: float
+    pressure_change: float
+    converged: bool
+
+
 def solve_with_mixing(
     problem: Problem,
     displacement_of: Callable[[Array], Array] | None,
@@ -345,7 +368,7 @@ def solve_with_mixing(
     max_outer: int = 100,
     progress: Callable[[float, float], object] | None = None,
 ) -> LaggedSolution:
-    """Return the solution of a problem with a displacement that follows from its own pressure, by Anderson's mixing.
+    """Return the solution of a problem with a displacement that follows from its own pressure, by fixed-point iteration.
 
     Each outer iteration solves the contact with the mixed displacements under the pressures before, until the one under
     the last pressure changes the gap in the contact by at most the tolerance, in units of ``problem.scales.gap``, or the
@@ -366,36 +389,39 @@ def solve_with_mixing(
     progress
         Called after each outer iteration with the change of the gap in it, and with the tolerance.
     """
-    mixing, added = AndersonMixing(DEPTH), np.zeros_like(problem.undeformed_gap)
-    change, change_of_pressure, outer, iterations, convolutions = inf, inf, 0, 0, 0.0
-    while True:
-        loose = 0.0 if displacement_of is None else min(INNER_REDUCTION * change, FIRST_TOLERANCE)
+    if displacement_of is None:
+        return LaggedSolution(solve_contact(problem, options, start, device))
+
+    def state_at(added: Array, last: _LaggedState | None) -> _LaggedState:
+        before = start if last is None else last.solution.pressure
+        loose = FIRST_TOLERANCE if last is None else min(INNER_REDUCTION * last.gap_change, FIRST_TOLERANCE)
         inner = replace(options, tolerance=max(options.tolerance, loose))
-        displaced = replace(problem, undeformed_gap=problem.undeformed_gap + added) if outer else problem
-        solution = solve_contact(displaced, inner, start, device)
-        outer += 1
-        iterations += solution.iterations
-        convolutions += solution.convolutions
-        solution = replace(solution, iterations=iterations, convolutions=convolutions)
-        if displacement_of is None or not solution.pressure.any():
-            return LaggedSolution(solution)
-        if start is not None:
-            change_of_pressure = float(np.abs(solution.pressure - start).sum() / solution.pressure.sum())
-        start = solution.pressure
-        following = displacement_of(start)
-        change = _change_in_contact(following - added, solution) / problem.scales.gap
-        if progress is not None:
-            progress(change, options.tolerance)
-        is_settled = change <= options.tolerance or change_of_pressure <= PRESSURE_CHANGE * options.tolerance
+        displaced = replace(problem, undeformed_gap=problem.undeformed_gap + added)
+        solution = solve_contact(displaced, inner, before, device)
+        pressure = solution.pressure
+        if not pressure.any():
+            return _LaggedState(solution, added, added, 0.0, 0.0, converged=True)
+        pressure_change = inf if before is None else float(np.abs(pressure - before).sum() / pressure.sum())
+        image = displacement_of(pressure)
+        change = _change_in_contact(image - added, solution) / problem.scales.gap
+        is_settled = change <= options.tolerance or pressure_change <= PRESSURE_CHANGE * options.tolerance
         converged = is_settled and inner.tolerance == options.tolerance
-        if converged or outer == max_outer or not np.isfinite(change):
+        return _LaggedState(solution, added, image, change, pressure_change, converged)
+
+    iterations, convolutions = 0, 0.0
+    for outer, state in enumerate(fixed_point(state_at, np.zeros_like(problem.undeformed_gap), DEPTH), 1):
+        iterations += state.solution.iterations
+        convolutions += state.solution.convolutions
+        if progress is not None:
+            progress(state.gap_change, options.tolerance)
+        is_finite = np.isfinite(state.gap_change)
+        if state.converged or outer == max_outer or not is_finite:
             break
-        mixing.record(added, following - added)
-        added = mixing.mixed_iterate()
-    if not converged:
-        status = Status.NOT_CONVERGED if np.isfinite(change) else Status.NOT_FINITE
-        solution = replace(solution, status=status, residual=largest_of(solution.residual, change))
-    return LaggedSolution(solution, added, change_of_pressure, outer)
+    solution = replace(state.solution, iterations=iterations, convolutions=convolutions)
+    if not state.converged:
+        status = Status.NOT_CONVERGED if is_finite else Status.NOT_FINITE
+        solution = replace(solution, status=status, residual=largest_of(solution.residual, state.gap_change))
+    return LaggedSolution(solution, state.iterate, state.pressure_change, outer)
 
 
 def _change_in_contact(change: Array, solution: Solution) -> float:

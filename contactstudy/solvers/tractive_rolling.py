@@ -113,118 +113,99 @@ class TractiveShear:
 
     def solve(self, problem: Problem, options: SolveOptions, start: Array | None, device: Device) -> Solution:
         """Return the normal contact with its traction; for dissimilar bodies, iterated until neither changes."""
-        state: SteadyShear | None = None
-        applications, convolutions = 0, 0.0
+        rolling: RollingTraction | None = None
+        residual, applications, convolutions = 0.0, 0, 0.0
 
         def gap_change(pressure: Array) -> Array:
-            """Return the change of the gap by the tangential traction that belongs to a pressure."""
-            nonlocal state, applications, convolutions
-            state = self.steady(problem.grid, pressure, options, state)
-            applications += state.applications
-            convolutions += state.convolutions
+            """Return the change of the gap (x, y) [m] by the traction under a pressure, which becomes `rolling`."""
+            nonlocal rolling, residual, applications, convolutions
+            rolling, residual, work = self.steady(problem.grid, pressure, options, rolling)
+            applications, convolutions = applications + rolling.iterations, convolutions + work
             if self.coupling is None:
                 return np.zeros_like(pressure)
             convolutions += 2
-            return self.coupling.gap(state.shear)
+            return self.coupling.gap(rolling.shear)
 
         if self.coupling is not None:
-            lagged = solve_with_mixing(problem, gap_change, options, start, device, MAX_COUPLED_ITERATIONS)
-            normal = lagged.of(problem)
+            normal = solve_with_mixing(problem, gap_change, options, start, device, MAX_COUPLED_ITERATIONS).of(problem)
         else:
             normal = solve_contact(problem, options, start, device)
             if normal.pressure.any():
                 gap_change(normal.pressure)
-        if state is None:
-            zeros = np.zeros((2, *normal.pressure.shape))
-            stick = np.zeros(normal.pressure.shape, dtype=bool)
-            traction = TangentialTraction(zeros, stick, "tractive rolling", 0)
+        if rolling is None:
             acts = transmission_status(self.force_per_length or 0.0, normal.pressure, problem.grid)
-            return with_traction(normal, acts, 0.0, 0, 0.0, traction)
-        status = shear_status(state.residual, state.applications, options.tolerance, options.max_iterations)
+            no_shear, no_stick = np.zeros((2, *problem.grid.cells)), np.zeros(problem.grid.cells, dtype=bool)
+            return with_traction(
+                normal, acts, 0.0, 0, 0.0, TangentialTraction(no_shear, no_stick, "tractive rolling", 0)
+            )
+        status = shear_status(residual, rolling.iterations, options.tolerance, options.max_iterations)
         normal = replace(normal, note=f"{normal.note} {self.note}".strip())
-        rolling = self._traction(problem.grid, normal.pressure, state)
-        return with_traction(normal, status, state.residual, applications, convolutions, rolling)
-
-    def _traction(self, grid: Grid, pressure: Array, state: "SteadyShear") -> RollingTraction:
-        """Return the traction of a steady state with its power."""
-        power = self._power(grid, state)
-        total = float(power.sum())
-        return RollingTraction(
-            shear=state.shear,
-            stick=state.stick,
-            method="tractive rolling, Newton",
-            iterations=state.applications,
-            slip=state.slip,
-            creepage=state.creepage,
-            power=power,
-            power_outside_contact=float(power[pressure == 0].sum()) / total if total else 0.0,
-            errors=state.errors,
-            creepage_given=self.force_per_length is None,
-        )
-
-    def _power(self, grid: Grid, state: "SteadyShear") -> Array:
-        """Return the frictional power per area (x, y) [W/m^2] of a steady state."""
-        # the tangential traction before and after a step: q . s alone misses what the step from cell to cell dissipates
-        mean = (state.shear + ahead(state.shear, np.copysign(grid.cell_size[0], self.speed))) / 2
-        return np.asarray(-abs(self.speed) * np.einsum("cxy,cxy->xy", mean, state.slip))
+        return with_traction(normal, status, residual, applications, convolutions, rolling)
 
     def steady(
-        self, grid: Grid, pressure: Array, options: SolveOptions, last: "SteadyShear | None" = None
-    ) -> "SteadyShear":
-        """Return the steady state under `pressure` (x, y), from the `last` one or from those on coarser grids."""
+        self, grid: Grid, pressure: Array, options: SolveOptions, last: RollingTraction | None = None
+    ) -> tuple[RollingTraction, float, float]:
+        """Return the steady traction under a `pressure` (x, y) [Pa], its residual, and the convolutions that it took.
+
+        It begins with the `last` one, which has the errors too, or on coarser grids. A given force enters the projection
+        as a resultant, whose multiplier corrects the creepage.
+        """
         if self.force_per_length is not None:
             transmission_status(self.force_per_length, self.coefficient * pressure, grid)
-        creepage, work, steady = self.creepage, 0.0, None
-        levels: list[list[float]] = []
-        shear: Array = np.zeros((2, *grid.cells)) if last is None else last.shear
-        by_pressure: Array = np.zeros((2, *grid.cells))
-        if self.coupling is not None:
-            by_pressure = self.coupling.displacement(pressure)
-        for level in [grid] if last is not None else coarser_grids(grid):
-            fine = level is grid
+        shear = np.zeros((2, *grid.cells)) if last is None else last.shear
+        by_pressure = np.zeros((2, *grid.cells)) if self.coupling is None else self.coupling.displacement(pressure)
+        numbers: list[list[float]] = []
+        work, grids = 0.0, coarser_grids(grid) if last is None else [grid]
+        for level in grids:
             limit = on_cells(self.coefficient * pressure, level.cells)
             limit = np.where(limit < 1e-12 * limit.max(), 0, limit)
-            step = float(np.copysign(level.cell_size[0], self.speed))
-            slip = ElasticSlip(self.shear_response(level), step)
+            dx = float(np.copysign(level.cell_size[0], self.speed))
+            elastic_slip = ElasticSlip(self.shear_response(level), dx)
             displacement = on_grid(by_pressure, level)
-            free_slip = (displacement - ahead(displacement, step)) / abs(step) - creepage.on(level)
+            free_slip = (displacement - ahead(displacement, dx)) / abs(dx) - self.creepage.on(level)
             total = None
             if self.force_per_length is not None:
                 total = np.array([self.force_per_length * level.length / level.cell_area, np.nan])
-            newton = CoulombNewton(slip, limit, total)
-            steady = _steady(
-                newton,
-                creepage,
-                free_slip,
-                on_grid(shear, level),
-                options.tolerance if fine else max(LEVEL_TOLERANCE, options.tolerance),
-                options.max_iterations,
-            )
-            shear = steady.shear
-            work += 2 * newton.applications * limit.size / pressure.size
+            tolerance = options.tolerance if level is grid else max(LEVEL_TOLERANCE, options.tolerance)
+            newton = CoulombNewton(elastic_slip, limit, total)
+            found = newton.solve(free_slip, on_grid(shear, level), tolerance, options.max_iterations)
+            shear, applications = found.shear, found.applications + 1
+            slip = free_slip - found.rigid[:, None, None] + elastic_slip(shear)
+            creepage = replace(self.creepage, longitudinal=self.creepage.longitudinal + float(found.rigid[0]))
+            # the traction before and after a step: q . s alone misses what the step from cell to cell dissipates
+            power = -abs(self.speed) * np.einsum("cxy,cxy->xy", (shear + ahead(shear, dx)) / 2, slip)
+            work += 2 * applications * limit.size / pressure.size
             force = self.coefficient * shear.sum(axis=(1, 2)) / limit.sum()
-            power = float(self._power(level, steady).sum()) * level.cell_area
-            levels.append([*force, steady.creepage.longitudinal, power])
-        assert steady is not None
-        if last is not None:
-            return replace(steady, convolutions=work, errors=last.errors)
-        touching = np.pad(limit > 0, ((1, 0), (0, 0)))
-        contact_length = np.count_nonzero(touching) / np.count_nonzero(touching[1:] & ~touching[:-1])
-        cells = np.array([level.cells for level in coarser_grids(grid)])
-        finer = (cells[1:] / cells[:-1]).max(axis=1)
-        errors = self._errors(np.array(levels), finer, contact_length)
-        return replace(steady, convolutions=work, errors=errors)
+            numbers.append([*force, creepage.longitudinal, float(power.sum()) * level.cell_area])
+        whole = float(power.sum())
+        traction = RollingTraction(
+            shear=shear,
+            stick=found.stick,
+            method="tractive rolling, Newton",
+            iterations=applications,
+            slip=slip,
+            creepage=creepage,
+            power=power,
+            power_outside_contact=float(power[pressure == 0].sum()) / whole if whole else 0.0,
+            errors=self._errors(np.array(numbers), grids, limit > 0) if last is None else last.errors,
+            creepage_given=self.force_per_length is None,
+        )
+        return traction, found.residual, work
 
-    def _errors(self, levels: Array, finer: Array, contact_length: float) -> RollingErrors:
+    def _errors(self, levels: Array, grids: list[Grid], touching: NDArray[np.bool_]) -> RollingErrors:
         """Return the errors of the last of `levels`: (grid, number), forces over the load, creepage and power.
 
-        Each grid is `finer` than the one before by these factors, and the error is of first order: the last difference
-        estimates it, and half of the one before guards against a last one that is small by chance; a single one counts
-        twice. The stick-slip boundary is uncertain by STICK_SLIP_BOUNDARY_CELLS, with the effect on force or creepage
-        of Carter's closed form for a contact of `contact_length` cells along x.
+        The error is of first order in the cells of the `grids`, coarsest first: the last difference estimates it, and
+        half of the one before guards against a last one that is small by chance; a single one counts twice. The
+        stick-slip boundary is uncertain by STICK_SLIP_BOUNDARY_CELLS, with the effect on force or creepage of Carter's
+        closed form for a contact as long along x as the `touching` cells (x, y) are in the mean.
         """
         if len(levels) == 1:
             return UNKNOWN
+        cells = np.array([level.cells for level in grids])
+        finer = (cells[1:] / cells[:-1]).max(axis=1)
+        starts = np.count_nonzero(np.diff(touching, axis=0, prepend=False) & touching)
+        contact_length = np.count_nonzero(touching) / starts
         orders = np.array([1.0, 2.0])[: len(finer)] if len(finer) > 1 else np.array([0.5])
         changes = np.abs(np.diff(levels, axis=0))[::-1][:2]
         longitudinal, lateral, creepage, power = (
@@ -244,37 +225,6 @@ class TractiveShear:
             creepage=max(float(creepage), edge_error * found_creepage),
             power=max(float(power), edge_error * found_power),
         )
-
-
-@dataclass(frozen=True, eq=False)
-class SteadyShear:
-    """Steady state on one grid: tangential traction and slip (component, x, y), where it sticks, and what it took."""
-
-    shear: Array
-    slip: Array
-    stick: NDArray[np.bool_]
-    creepage: Creepage
-    residual: float
-    applications: int
-    convolutions: float = 0.0
-    errors: RollingErrors = UNKNOWN
-
-
-def _steady(
-    newton: CoulombNewton, creepage: Creepage, free_slip: Array, shear: Array, tolerance: float, max_applications: int
-) -> SteadyShear:
-    """Return the steady state on one grid, with the longitudinal creepage that a given force asks for.
-
-    `free_slip` (component, x, y) is the slip without tangential traction, under the given `creepage`. A force enters the
-    projection as a resultant, whose multiplier corrects the creepage.
-    """
-    first = newton.gathered(shear)
-    values, _, creepage_correction, residual = newton.solve(free_slip, first, tolerance, max_applications)
-    values = newton.project(values)
-    slip = free_slip - creepage_correction[:, None, None] + newton.slip_field(values)
-    creepage = replace(creepage, longitudinal=creepage.longitudinal + float(creepage_correction[0]))
-    stick = newton.sticks(values, newton.gathered(slip))
-    return SteadyShear(newton.field(values), slip, stick, creepage, residual, newton.applications)
 
 
 def coarser_grids(grid: Grid) -> list[Grid]:

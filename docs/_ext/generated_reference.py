@@ -12,14 +12,14 @@ from tempfile import TemporaryDirectory
 from typing import Annotated, Any, Literal, get_args, get_origin, get_type_hints
 
 import numpy as np
-from key_meanings import meanings
+from key_meanings import described_by, meanings
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 from sphinx.application import Sphinx
 from sphinx.util.typing import stringify_annotation
 
 import contactstudy as cs
 from contactstudy.domain.validation import notes
-from contactstudy.io.scene_files.scene_schema import DESCRIPTIONS, KINDS, NO_KIND, SceneDocument, materials
+from contactstudy.io.scene_files.scene_schema import KINDS, NO_KIND, SceneDocument, materials
 from studies.advice.verdict import COLUMNS
 from studies.engine.options import RunOptions
 from studies.engine.run import run
@@ -227,10 +227,11 @@ def keys() -> str:
         "A table `vary` holds the fields and values of a sweep, `[[vary]]` groups of fields that change together.",
     ]
     done: set[type] = set()
+    described = [one for kinds in KINDS.values() for kind in kinds.values() for one in described_by(kind)]
     plain = [one for hint in get_type_hints(SceneDocument).values() for one in _plain(hint)]
     queue = plain + [kind for kinds in KINDS.values() for kind in kinds.values()]
     for kind in queue:  # which grows by the tables inside
-        if kind in done or kind in DESCRIPTIONS:
+        if kind in done or kind in described:
             continue
         done.add(kind)
         queue += [one for hint in get_type_hints(kind).values() for one in _plain(hint)]

@@ -19,7 +19,7 @@ from contactstudy.domain.grid import Array, cells_text
 from contactstudy.domain.imports import source_hash
 from contactstudy.io.scene_files.scene_schema import PlanSettings
 from contactstudy.planning.grid_requirements import grid_requirements, with_random_extents
-from contactstudy.scene import scene as methods
+from contactstudy.scene import combinations as methods
 from studies.advice.reference_error import last_of
 from studies.advice.verdict import (
     EVERY_NUMBER,
@@ -88,7 +88,7 @@ class _Trials:
 
     @property
     def is_line(self) -> bool:
-        """Whether the contact is Hertz's line contact, of which a solve takes milliseconds."""
+        """True for Hertz's line contact, of which a solve takes milliseconds."""
         return self.unit[1] == 1 and self.hertz_of(self.scene) is not None
 
     @property
@@ -152,7 +152,7 @@ class _Trials:
             lower = replace(self.scene, load=replace(load, **{name: LOWER_LOAD * getattr(load, name)}))
             hertz = lower.hertz if self.unit[1] == 1 else None
             grids = [grid] if hertz is None else with_edges_moved(grid, hertz.half_width)
-            yield from ((lower, moved) for moved in grids)
+            yield from ((lower, shifted) for shifted in grids)
 
     def measured(self, setting: Setting) -> Measured | None:
         """Return the largest bound, and difference to Hertz's contact, of a setting's variants; None without one."""
@@ -188,13 +188,13 @@ class _Trials:
                 break
         return Measured(setting, l1, error, worst, difference, seconds)
 
-    def meets(self, one: Measured) -> bool:
+    def meets(self, result: Measured) -> bool:
         """Return whether a setting meets the error, by the measure."""
-        return meets(one, self.error, self.measure)
+        return meets(result, self.error, self.measure)
 
     def is_falling(self, tried: Sequence[Measured]) -> bool:
         """Return whether the bound of one of the last three grids is below those of all coarser ones."""
-        bounds = [bound_of(one, self.measure) for one in tried]
+        bounds = [bound_of(result, self.measure) for result in tried]
         return len(bounds) < 4 or min(bounds[-3:]) < min(bounds[:-3])
 
     def hertz_of(self, scene: cs.Scene) -> "cs.analytic.HertzLine | None":
@@ -231,37 +231,37 @@ def verdict_on(
         trials = _trials(described.file, error, measure, wider)
         paddings = trials.paddings(described.file.padding)
         on_grids = paddings if trials.is_line else [trials.own]
-        found = list(_on_grids(trials, on_grids, lambda text: log(f"{described.name}: {text}")))
-        if described.file.grid is not None or not trials.at_edge or any(map(trials.meets, found)):
+        results = list(_on_grids(trials, on_grids, lambda text: log(f"{described.name}: {text}")))
+        if described.file.grid is not None or not trials.at_edge or any(map(trials.meets, results)):
             break
-    if not found:
+    if not results:
         raise cs.InvalidInput(f"{described.name} has no answer: {' '.join(trials.notes.values())}")
-    if trials.measure == EVERY_NUMBER and not any(map(trials.meets, found)):
+    if trials.measure == EVERY_NUMBER and not any(map(trials.meets, results)):
         trials.measure = PRESSURE  # the pressure alone may keep the error
-    finest = found[-1].setting
+    finest = results[-1].setting
     # of grids on which the pressure meets the error, and no other number ever does, the coarsest
-    coarsest = {one.setting.padding: one.setting.cells for one in reversed(found) if trials.meets(one)}
+    coarsest = {result.setting.padding: result.setting.cells for result in reversed(results) if trials.meets(result)}
     if coarsest:
         cells, loosest = coarsest.get(trials.own, finest.cells), trials.options.tolerance
         if trials.own in coarsest:
             loosest = _loosest(trials, Setting(trials.own, cells, loosest))
         settings = [trials.setting(padding, coarsest.get(padding, cells), loosest) for padding in paddings]
-        tried = {one.setting for one in found}
-        found += [one for new in settings if new not in tried and (one := trials.measured(new))]
+        tried = {result.setting for result in results}
+        results += [result for new in settings if new not in tried and (result := trials.measured(new))]
     elif len(paddings) > 1:
         trials.notes["other paddings"] = NO_GRID
     against = "Hertz's contact"
     if not trials.is_line:
         against, reference = _reference(trials, finest) if coarsest else (NO_REFERENCE, None)
         if reference is not None:
-            differences = (relative_l1(trials.pressures[one.setting], reference) for one in found)
-            found = [replace(one, difference=off) for one, off in zip(found, differences, strict=True)]
-    log(f"{described.name}: times of {sum(map(trials.meets, found))} settings that meet it")
-    answered = {one.setting.label for one in found}
+            differences = (relative_l1(trials.pressures[result.setting], reference) for result in results)
+            results = [replace(result, difference=off) for result, off in zip(results, differences, strict=True)]
+    log(f"{described.name}: times of {sum(map(trials.meets, results))} settings that meet it")
+    answered = {result.setting.label for result in results}
     own = replace(finest, padding=described.file.padding or trials.own).label
     return Verdict(
         described.name, described.text, trials.error, trials.measure, trials.extent, own, against,
-        tuple(_timed(trials, found, own)),
+        tuple(_timed(trials, results, own)),
         tuple(note for label, note in trials.notes.items() if label not in answered),
         asked,
     )  # fmt: skip
@@ -279,10 +279,10 @@ def _on_grids(trials: _Trials, paddings: Sequence[cs.Padding | cs.Paddings], log
         if not trials.is_line:
             log(f"{Setting(trials.own, cells, 0.0).label} on {cells_text(cells)}")
         for padding in paddings:
-            if one := trials.measured(trials.setting(padding, cells, trials.options.tolerance)):
-                yield one
+            if result := trials.measured(trials.setting(padding, cells, trials.options.tolerance)):
+                yield result
                 if padding == trials.own:
-                    tried.append(one)
+                    tried.append(result)
         is_enough = any(map(trials.meets, tried))
         if not trials.is_line and (is_enough or (multiple >= SIXTHS and not trials.is_falling(tried))):
             return
@@ -325,7 +325,7 @@ def _worst(answer: Answer, request: Request) -> tuple[float, str]:
     if isinstance(request, Mapping):
         least = least_error(request)
         named = [(number.ratio * least, number) for number in answer.judged.values()]
-        counted, worst = max(named, key=lambda one: one[0])
+        counted, worst = max(named, key=lambda result: result[0])
         asked = f", whose {100 * worst.bound:.2g} % of {100 * worst.requested:g} % asked count so"
         return counted, f"in the {worst.label}" + asked * (worst.requested > least)
     measure, parts = answer.judged_error
@@ -337,9 +337,9 @@ def _loosest(trials: _Trials, setting: Setting) -> float:
     """Return the loosest tolerance at which a setting meets the error, or the scene's own if none does."""
     decade = floor(log10(trials.error))
     while 10.0**decade > setting.tolerance:
-        one = trials.measured(replace(setting, tolerance=10.0**decade))
-        if one and trials.meets(one):
-            return one.setting.tolerance
+        result = trials.measured(replace(setting, tolerance=10.0**decade))
+        if result and trials.meets(result):
+            return result.setting.tolerance
         decade -= 1
     return setting.tolerance
 
@@ -354,9 +354,9 @@ def _reference(trials: _Trials, finest: Setting) -> tuple[str, Array]:
     return f"a solution on {cells_text(finer.cells)}, {own_error}", last_of(answer).pressure
 
 
-def _timed(trials: _Trials, found: Sequence[Measured], own: str) -> Iterator[Measured]:
+def _timed(trials: _Trials, results: Sequence[Measured], own: str) -> Iterator[Measured]:
     """Yield what was measured with the least processor time of rounds in which all settings that meet it take turns."""
-    times = {one.setting: one.seconds for one in found}
+    times = {result.setting: result.seconds for result in results}
 
     def take(settings: Sequence[Setting], seconds: float) -> None:
         total = sum(times[setting] for setting in settings)
@@ -365,14 +365,14 @@ def _timed(trials: _Trials, found: Sequence[Measured], own: str) -> Iterator[Mea
                 times[setting] = min(times[setting], trials.seconds(setting))
 
     take(list(times), ROUND_SECONDS / 4)
-    meeting = [one.setting for one in found if trials.meets(one)]
+    meeting = [result.setting for result in results if trials.meets(result)]
     fastest = min((times[setting] for setting in meeting), default=inf)
     # a busy machine adds more than a tie to most times of a setting, and not to all
-    near = sorted((one for one in meeting if times[one] <= TIE**3 * fastest), key=times.__getitem__)
+    near = sorted((result for result in meeting if times[result] <= TIE**3 * fastest), key=times.__getitem__)
     # with the scene's own padding between all others: the least of many settings is less than that of one
-    of_own = [one for one in near if one.label == own][:1]
-    take([turn for one in near for turn in (one, *of_own)], ROUND_SECONDS)
-    yield from (replace(one, seconds=times[one.setting]) for one in found)
+    of_own = [result for result in near if result.label == own][:1]
+    take([turn for result in near for turn in (result, *of_own)], ROUND_SECONDS)
+    yield from (replace(result, seconds=times[result.setting]) for result in results)
 
 
 def path_in(out: Path) -> Path:

@@ -129,24 +129,24 @@ class Verdict:
         meeting = self.meeting(error)
         if not meeting:
             return None
-        ties = [one for one in meeting if is_tie(one, meeting[0])]
-        own = [one for one in ties if one.setting.label == self.own]
-        return max(own or ties, key=lambda one: prod(one.setting.cells))
+        ties = [result for result in meeting if is_tie(result, meeting[0])]
+        own = [result for result in ties if result.setting.label == self.own]
+        return max(own or ties, key=lambda result: prod(result.setting.cells))
 
     def meeting(self, error: float | None = None) -> list[Measured]:
         """Return the settings that meet an error, the requested one if None, the fastest first."""
         limit = self.error if error is None else error
-        found = [one for one in self.settings if meets(one, limit, self.measure)]
-        return sorted(found, key=lambda one: one.seconds)
+        meeting_limit = [result for result in self.settings if meets(result, limit, self.measure)]
+        return sorted(meeting_limit, key=lambda result: result.seconds)
 
-    def bound(self, one: Measured) -> float:
+    def bound(self, result: Measured) -> float:
         """Return the bound of a setting for the verdict's measure, infinite without one."""
-        return bound_of(one, self.measure)
+        return bound_of(result, self.measure)
 
     @property
     def nearest(self) -> Measured:
         """Setting of the least bound, or of the most cells if none has a bound."""
-        return min(self.settings, key=lambda one: (self.bound(one), -one.setting.cells[0]))
+        return min(self.settings, key=lambda result: (self.bound(result), -result.setting.cells[0]))
 
     def toml(self, chosen: Measured) -> str:
         """Return the tables of a scene file that choose a setting."""
@@ -158,32 +158,34 @@ class Verdict:
         return f"{plan}\n[plan]\nerror = {f'{{ {errors} }}' if named else f'{self.error:g}'}\n"
 
 
-def is_tie(one: Measured, fastest: Measured) -> bool:
+def is_tie(result: Measured, fastest: Measured) -> bool:
     """Return whether a setting is as fast as the fastest: by its time, or because it solves by the same transforms.
 
     Exact periodicity and a window that moves with the point differ on one grid in the set-up of the coefficients alone,
     by less than a busy machine adds to one of two times.
     """
-    setting, other = one.setting, fastest.setting
-    is_same_grid = (setting.cells, setting.tolerance) == (other.cells, other.tolerance)
+    setting, fastest_setting = result.setting, fastest.setting
+    is_same_grid = (setting.cells, setting.tolerance) == (fastest_setting.cells, fastest_setting.tolerance)
     has_same_transforms = (
-        setting.padding == cs.ExactPeriodicity() and not isinstance(other.padding, tuple) and other.padding.wraps
+        setting.padding == cs.ExactPeriodicity()
+        and not isinstance(fastest_setting.padding, tuple)
+        and fastest_setting.padding.wraps
     )
-    return (is_same_grid and has_same_transforms) or one.seconds <= TIE * fastest.seconds
+    return (is_same_grid and has_same_transforms) or result.seconds <= TIE * fastest.seconds
 
 
-def bound_of(one: Measured, measure: str) -> float:
+def bound_of(result: Measured, measure: str) -> float:
     """Return the bound of a setting that counts for a measure, infinite without one."""
-    return one.l1 if measure == PRESSURE else one.error
+    return result.l1 if measure == PRESSURE else result.error
 
 
-def meets(one: Measured, error: float, measure: str) -> bool:
+def meets(result: Measured, error: float, measure: str) -> bool:
     """Return whether the bound of a setting meets an error, and its difference to the reference does not contradict it.
 
     That difference is of the pressure, which numbers that are named may not include: for these it counts for nothing.
     """
-    contradicts = measure != NAMED and one.difference > error
-    return bound_of(one, measure) <= error and not contradicts
+    contradicts = measure != NAMED and result.difference > error
+    return bound_of(result, measure) <= error and not contradicts
 
 
 @dataclass(frozen=True)
@@ -226,9 +228,9 @@ def paper_scene() -> SceneToJudge:
 def to_dataset(verdict: Verdict) -> xr.Dataset:
     """Return a verdict as a Dataset of its settings, with the rest as attributes."""
     rows = [
-        (one.setting.label, repr(one.setting.padding), *one.setting.cells, one.setting.tolerance,
-         one.l1, one.error, one.worst, one.difference, one.seconds)
-        for one in verdict.settings
+        (result.setting.label, repr(result.setting.padding), *result.setting.cells, result.setting.tolerance,
+         result.l1, result.error, result.worst, result.difference, result.seconds)
+        for result in verdict.settings
     ]  # fmt: skip
     data = {
         name: ("setting", list(values), {"long_name": about} | ({"units": units} if units else {}))
@@ -242,11 +244,11 @@ def to_dataset(verdict: Verdict) -> xr.Dataset:
 
 def _padding(text: str) -> cs.Padding | cs.Paddings:
     """Return the padding of a representation in Python, or both of two."""
-    found = [
+    stored = [
         getattr(cs, name)(*map(int, filter(None, [images])))
         for name, images in re.findall(r"(\w+)\((?:images=(\d+))?\)", text)
     ]
-    return found[0] if len(found) == 1 else (found[0], found[1])
+    return stored[0] if len(stored) == 1 else (stored[0], stored[1])
 
 
 def from_dataset(dataset: xr.Dataset) -> Verdict:
@@ -256,10 +258,13 @@ def from_dataset(dataset: xr.Dataset) -> Verdict:
         Measured(Setting(_padding(padding), (across, along), tolerance), *measured)
         for _, padding, across, along, tolerance, *measured in rows
     )
-    found: dict[str, Any] = {name: dataset.attrs[key] for key, name in ATTRIBUTES.items()}
-    found["extent"] = tuple(np.asarray(found["extent"], float).tolist())
-    found["notes"], found["named"] = tuple(json.loads(found["notes"])), json.loads(found["named"])
-    return Verdict(**found, settings=settings)
+    attributes: dict[str, Any] = {name: dataset.attrs[key] for key, name in ATTRIBUTES.items()}
+    attributes["extent"] = tuple(np.asarray(attributes["extent"], float).tolist())
+    attributes["notes"], attributes["named"] = (
+        tuple(json.loads(attributes["notes"])),
+        json.loads(attributes["named"]),
+    )
+    return Verdict(**attributes, settings=settings)
 
 
 def pareto_front(cost: Array, error: Array) -> np.ndarray[tuple[int], np.dtype[np.intp]]:

@@ -74,23 +74,23 @@ def csv_of(dataset: "xr.Dataset", file: Path, names: Sequence[str]) -> tuple[str
         raise InvalidInput(f"{str(file)!r} has no numbers for a table: give what contactstudy solve or run wrote.")
     if set(chosen) <= set(columns):
         return _csv_text(dataset, _rows(dataset, chosen, axes)), len(columns) - len(chosen)
-    found: list[tuple[dict[str, Any], xr.Dataset]] = [({}, dataset)]
+    at_points: list[tuple[dict[str, Any], xr.Dataset]] = [({}, dataset)]
     if "case_status" in dataset:
-        found = fields_of(dataset, file)
-    known = dict.fromkeys([*columns, *(str(name) for _, one in found for name in one.data_vars)])
+        at_points = fields_of(dataset, file)
+    all_names = dict.fromkeys([*columns, *(str(name) for _, point_data in at_points for name in point_data.data_vars)])
     for name in chosen:
-        if name not in known or any(name not in one for _, one in found):
-            if found or get_close_matches(name, known, n=1, cutoff=0.8):
-                raise InvalidInput(f"--csv names {name!r}: {suggestion(name, known)}.")
+        if name not in all_names or any(name not in point_data for _, point_data in at_points):
+            if at_points or get_close_matches(name, all_names, n=1, cutoff=0.8):
+                raise InvalidInput(f"--csv names {name!r}: {suggestion(name, all_names)}.")
             raise InvalidInput(
                 f"--csv names {name!r}, which is not stored: run the study with --fields for its fields."
             )
     import pandas as pd
 
-    dims = list(dict.fromkeys(str(dim) for name in chosen for dim in found[0][1][name].dims))
-    tables = [_rows(one, chosen, dims).assign(**point) for point, one in found]
-    table = pd.concat(tables)[[*(axes if found[0][0] else ()), *dims, *chosen]]
-    return _csv_text(found[0][1].assign_coords({axis: dataset[axis] for axis in axes}), table), 0
+    dims = list(dict.fromkeys(str(dim) for name in chosen for dim in at_points[0][1][name].dims))
+    tables = [_rows(point_data, chosen, dims).assign(**point) for point, point_data in at_points]
+    table = pd.concat(tables)[[*(axes if at_points[0][0] else ()), *dims, *chosen]]
+    return _csv_text(at_points[0][1].assign_coords({axis: dataset[axis] for axis in axes}), table), 0
 
 
 def _default_columns(columns: Sequence[str]) -> list[str]:

@@ -43,8 +43,8 @@ def write_sensitivity(study: "Study", plot: Sequence[str], out: Path) -> str:
     from studies.report.page import stored
 
     dataset = stored(study, out)
-    found = sensitivity.table(dataset, default.chosen(dataset, plot))
-    table = pd.DataFrame(list(found.rows), columns=list(found.head))
+    changes = sensitivity.table(dataset, default.chosen(dataset, plot))
+    table = pd.DataFrame(list(changes.rows), columns=list(changes.head))
     write_text(table.to_csv(index=False), out / f"{study.name}.csv")
     return str(table.to_string(index=False))
 

@@ -137,12 +137,12 @@ def surfaces_of(file: Path, extent: str | None, **reading: Any) -> dict[str, Mea
         raise InvalidInput(f"--extent is {extent!r}: give a width and a length, such as '1 mm, 2 mm'.")
     if file.suffix == ".toml":
         shapes = enumerate(cs.read_scene(file).scene.shapes)
-        found = {
+        matching = {
             f"{file.stem}-shapes-{number}": shape for number, shape in shapes if isinstance(shape, MeasuredSurface)
         }
-        if not found:
+        if not matching:
             raise InvalidInput(f"{str(file)!r} has no measured surface: give one that has, or the .nc of its solve.")
-        return found
+        return matching
     if not file.is_file() or (file.suffix == ".nc" and not _holds_heights(file)):
         return {}
     missing, seam = cs.HarmonicFill(up_to=0.5), cs.AsMeasured()

@@ -138,8 +138,10 @@ def pressure_in(path: Path, grid: cs.Grid | None) -> cs.Progress:
     x = dataset["x"].values
     width = (x[1] - x[0]) * len(x)
     if grid is not None and not np.isclose(width, grid.extent[0], rtol=1e-6, atol=0):
-        here, there = readable(grid.extent[0]), readable(width)
-        raise cs.InvalidInput(f"--start is {str(path)!r}, {there} wide, and the grid is {here}: give one as wide.")
+        given_width, widened = readable(grid.extent[0]), readable(width)
+        raise cs.InvalidInput(
+            f"--start is {str(path)!r}, {widened} wide, and the grid is {given_width}: give one as wide."
+        )
     y, pressure = dataset["y"].values, np.asarray(dataset["pressure"].values, dtype=np.float64)
     length = width if grid is None else grid.length
     if len(y) > 1:

@@ -187,9 +187,9 @@ def case_at(point: Point) -> HardCase:
 def measures(case: HardCase, solutions: list[cs.Contact]) -> Mapping[str, xr.Variable]:
     """Return the L1 difference of the pressures, the sum of the errors stated for their residuals, and the verdict."""
     first, second = solutions
-    expected = all(case.expects(one, case.padding) for one in solutions)
+    expected = all(case.expects(solved, case.padding) for solved in solutions)
     difference, stated = inf, inf
-    if all(one.status in UNFINISHED for one in solutions):
+    if all(solved.status in UNFINISHED for solved in solutions):
         verdict = EXPLAINED if expected else NEITHER
     else:
         difference = relative_l1(second.pressure, first.pressure)

@@ -243,9 +243,9 @@ class Run:
             self.aside = next(of for of in map(self.path.with_name, names) if not of.exists())
             self.path.replace(self.aside)
         elif self.path.is_file():
-            held = set(read(self.path)["case_key"].values.astype(str).ravel())
-            if left := len(held - {"", *request.cases}):
-                stay = counted(left, "other case, which stays", "other cases, which stay")
+            stored_keys = set(read(self.path)["case_key"].values.astype(str).ravel())
+            if foreign := len(stored_keys - {"", *request.cases}):
+                stay = counted(foreign, "other case, which stays", "other cases, which stay")
                 self.log(f"{self.path.name} held {stay} in {journal.path.name}")
         journal.start(
             self.study.name, self.provenance["history"], self.program.key,
@@ -269,8 +269,8 @@ class Run:
 
     def _other_programs(self, missing: Sequence[str]) -> Counter[str]:
         """Return the number of missing cases that are stored of another program, by what differs in it."""
-        wanted, program = set(missing), self.program
-        last = {case: of for case, of in self.journal.cases if case in wanted}
+        case_keys, program = set(missing), self.program
+        last = {case: of for case, of in self.journal.cases if case in case_keys}
         counts = Counter(of for of in last.values() if of != program.key)
         named = Counter[str]()
         for of, count in counts.items():

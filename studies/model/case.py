@@ -10,7 +10,7 @@ import xarray as xr
 import contactstudy as cs
 from contactstudy.domain.errors import Request
 from contactstudy.io.dataset import flags, known_or_nan
-from contactstudy.scene import scene as methods
+from contactstudy.scene import combinations as methods
 
 Answer = cs.Contact | cs.LubricatedContact | cs.Evolution
 

@@ -45,8 +45,8 @@ def with_edges_moved(grid: cs.Grid, half_width: float) -> tuple[cs.Grid, ...]:
     (width, length), count = grid.extent, grid.cells[0]
     cells = half_width / grid.cell_size[0]  # cells in a half-width
     shifts = ((place - cells - count / 2 + 0.5) % 1 - 0.5 for place in EDGE_PLACES)
-    moved = (cells + shift for shift in shifts if 0.5 <= cells + shift < count / 2)
-    return grid, *(replace(grid, extent=(width * cells / other, length)) for other in moved)
+    shifted = (cells + shift for shift in shifts if 0.5 <= cells + shift < count / 2)
+    return grid, *(replace(grid, extent=(width * cells / shifted_cells, length)) for shifted_cells in shifted)
 
 
 def measures(case: Case, solution: cs.Contact) -> Mapping[str, xr.Variable]:

@@ -32,15 +32,17 @@ def changes(first: xr.Dataset, second: xr.Dataset) -> Sequence[str]:
     points = prod(a.sizes[axis] for axis in axes)
     sentences = [f"{counted(points, 'point')} in both, of {first['case_status'].size} and {second['case_status'].size}"]
     if not points:
-        apart = [axis for axis in axes if not np.isin(first[axis], second[axis]).any()]
-        return [f"{sentences[0]}: no value of {' or '.join(apart)} is in both"]
-    found = [
+        disjoint = [axis for axis in axes if not np.isin(first[axis], second[axis]).any()]
+        return [f"{sentences[0]}: no value of {' or '.join(disjoint)} is in both"]
+    variables = [
         change
         for name in sorted({str(n) for run in (a, b) for n in run.data_vars})
         if name not in LEFT_OUT and not is_time(name) and not name.endswith(LEFT_OUT_ENDS)
         for change in _changes_of(name, a, b, axes)
     ]
-    differences = [sentence for _, sentence in sorted(found, key=lambda change: -change[0])] or ["no measure differs"]
+    differences = [sentence for _, sentence in sorted(variables, key=lambda change: -change[0])] or [
+        "no measure differs"
+    ]
     return [*sentences, *differences, *_speed(a, b)]
 
 

@@ -89,17 +89,17 @@ def drawing(
     """Return a drawing: figures, claims and tables of a study, of which those that it has no data for are left out."""
 
     def drawn(dataset: xr.Dataset) -> Sequence[CaptionedFigure]:
-        made = [draw(dataset, one) if isinstance(one, Plot) else one(dataset) for one in figures]
-        if figures and not any(made):
-            wanted = [name for one in figures if isinstance(one, Plot) for name in one.y]
-            missing = next((name for name in wanted if name not in dataset), wanted[0])
+        drawings = [draw(dataset, entry) if isinstance(entry, Plot) else entry(dataset) for entry in figures]
+        if figures and not any(drawings):
+            names = [name for entry in figures if isinstance(entry, Plot) for name in entry.y]
+            missing = next((name for name in names if name not in dataset), names[0])
             raise KeyError(f"No variable named {missing!r}, or no number of it")  # the error that a dataset raises
-        return tuple(one for one in made if one is not None)
+        return tuple(entry for entry in drawings if entry is not None)
 
     def findings(dataset: xr.Dataset) -> Sequence[Finding]:
-        return tuple(one for claim in claims if (one := stated(claim, dataset)) is not None)
+        return tuple(entry for claim in claims if (entry := stated(claim, dataset)) is not None)
 
     def rows(dataset: xr.Dataset) -> Sequence[Table]:
-        return tuple(one for table in tables if (one := table(dataset)) is not None)
+        return tuple(entry for table in tables if (entry := table(dataset)) is not None)
 
     return Drawing(drawn, findings, rows)

@@ -92,7 +92,7 @@ def run_and_write(chapter: Chapter, out: Path, *, options: RunOptions, log: Log)
         start, messages = monotonic(), list[str]()
         if part.name == SETTINGS:
             verdict = verdict_of(paper_scene(), PAPER_ERROR, out, log, PRESSURE)
-            done = f"{len(verdict.settings)} settings"
+            extent = f"{len(verdict.settings)} settings"
         else:
             study = part.study()
             timed = replace(options, repeats=part.repeats if options.repeats else 0)
@@ -100,8 +100,8 @@ def run_and_write(chapter: Chapter, out: Path, *, options: RunOptions, log: Log)
             failed = ~dataset["case_status"].isin([CaseStatus.OK, CaseStatus.NOT_RUN])
             for message in messages if failed.any() else ():
                 log(message)
-            done = f"{study.size} points"
-        log(f"{chapter.name}: {number} of {len(chapter.parts)}, {part.name}: {done} in {monotonic() - start:.0f} s")
+            extent = f"{study.size} points"
+        log(f"{chapter.name}: {number} of {len(chapter.parts)}, {part.name}: {extent} in {monotonic() - start:.0f} s")
     return draw_and_write(chapter, out)
 
 
@@ -175,7 +175,7 @@ def _made(datasets: Mapping[str, xr.Dataset]) -> Mapping[str, str]:
     )  # fmt: skip
     for name in names:
         key = "history" if name == "command" else name
-        texts = [str(one.attrs[key]) for one in datasets.values() if key in one.attrs]
+        texts = [str(saved.attrs[key]) for saved in datasets.values() if key in saved.attrs]
         if name == "command":  # it follows the time
             texts = [text.partition(" ")[2] for text in texts]
         if texts:

@@ -116,18 +116,18 @@ def draw(dataset: xr.Dataset, plot: Plot) -> CaptionedFigure | None:
     good = dataset
     if "case_status" in dataset:
         good = dataset.where(dataset["case_status"] == CaseStatus.OK)
-    found = with_total_time(good)
-    measures = [found.get(name) for name in (plot.x, *plot.y)]
-    if not all(one is not None and bool(one.notnull().any()) for one in measures):
+    selected = with_total_time(good)
+    measures = [selected.get(name) for name in (plot.x, *plot.y)]
+    if not all(measure is not None and bool(measure.notnull().any()) for measure in measures):
         return None
     for name, text in plot.labels.items():
-        if name in found:
-            found[name].attrs["long_name"] = text
-    found = found.isel({name: place for name, place in plot.at.items() if name in found.dims})
+        if name in selected:
+            selected[name].attrs["long_name"] = text
+    selected = selected.isel({name: place for name, place in plot.at.items() if name in selected.dims})
     count = len(plot.y)
     figure, axes = panels(count, width=WIDTHS.get(count, 3.4), height=3.4)
     for ax, y in zip(axes, plot.y, strict=True):
-        panel(ax, found, y, plot)
+        panel(ax, selected, y, plot)
     return captioned(plot.name, figure, plot.caption)
 
 
@@ -176,8 +176,8 @@ def _lines(part: xr.Dataset, y: str, plot: Plot) -> Iterator[tuple[xr.Dataset, d
     axes = [name for name in (plot.hue, plot.dash) if name in part.dims]
     hues = part[plot.hue].values.tolist() if plot.hue in axes else [None]
     dashes = part[plot.dash].values.tolist() if plot.dash in axes else [None]
-    many, every = len(hues) > len(COLORS), -(-len(hues) // MAX_LINES)
-    colors = colormaps["viridis"](np.linspace(0, 0.9, len(hues))) if many else COLORS
+    has_colour_scale, every = len(hues) > len(COLORS), -(-len(hues) // MAX_LINES)
+    colors = colormaps["viridis"](np.linspace(0, 0.9, len(hues))) if has_colour_scale else COLORS
     for number, (hue, color) in enumerate(zip(hues, colors, strict=False)):
         has_dashes = plot.hue != "padding" or plot.dash != "images" or hue in HAS_IMAGES
         shown = axes if has_dashes else axes[:1]
@@ -244,7 +244,7 @@ def doubtful(dataset: xr.Dataset, name: str) -> xr.DataArray:
 
 def _draw_laws(ax: Axes, part: xr.Dataset, y: str, plot: Plot, sizes: tuple[float, float], span: list[float]) -> None:
     """Draw the laws of a measure: variables at their points, functions for each colour over the span of x."""
-    for law, dash in zip((one for one in plot.laws if one.y == y), cycle((":", "--", "-.")), strict=False):
+    for law, dash in zip((drawn for drawn in plot.laws if drawn.y == y), cycle((":", "--", "-.")), strict=False):
         style = LAW_STYLE | {"linestyle": dash}
         lines = [part.sel({plot.hue: value}) for value in part[plot.hue].values] if plot.hue in part.dims else [part]
         shown: list[Any] = []
@@ -259,7 +259,7 @@ def _draw_laws(ax: Axes, part: xr.Dataset, y: str, plot: Plot, sizes: tuple[floa
                 low, high = min(span), max(span)
                 x = np.geomspace(low, high, 200) if low > 0 else np.linspace(low, high, 200)
                 values = np.broadcast_to(law.of(x * sizes[0], line), x.shape)
-            if any(np.array_equal(values, other) for other in shown):
+            if any(np.array_equal(values, shown_values) for shown_values in shown):
                 continue  # a law that does not depend on the colour
             ax.plot(x, values / sizes[1], label="_" if shown else law.label, **style)
             shown.append(values)
@@ -269,8 +269,8 @@ def _set_scales(ax: Axes, plot: Plot, is_named: bool) -> None:  # noqa: FBT001
     """Make the axes logarithmic that `plot.log` names; if None, those of positive values over more than a decade."""
     for name in ("x", "y"):
         values = np.concatenate([np.ravel(getattr(line, f"get_{name}data")()) for line in ax.lines] or [np.zeros(0)])
-        wanted = spans_decade(values) if plot.log is None else name in plot.log
-        if wanted and not (name == "x" and is_named):
+        logarithmic = spans_decade(values) if plot.log is None else name in plot.log
+        if logarithmic and not (name == "x" and is_named):
             getattr(ax, f"set_{name}scale")("log")
 
 

@@ -121,7 +121,7 @@ def _table_of(value: Any) -> dict[str, Any]:
     return table | {"file": replace(upright, tile=None), "extent": upright.extent}
 
 
-def varied(raw: Table, document: SceneDocument, name: str, given: object, folder: Path) -> Varied:
+def varied(raw: Table, document: SceneDocument, name: str, values_given: object, folder: Path) -> Varied:
     """Return the key with a name, and its values.
 
     Parameters
@@ -142,22 +142,22 @@ def varied(raw: Table, document: SceneDocument, name: str, given: object, folder
     """
     path = _path(raw, document, name)
     if name == "tiles":
-        return _tiles(path, given)
+        return _tiles(path, values_given)
     if path[-1] == "file":
-        return Varied(path, _surfaces(given, folder), "surface", "measured surface")
+        return Varied(path, _surfaces(values_given, folder), "surface", "measured surface")
     _, annotation = at(document, path)
     is_whole = annotation is None or int in map(kind_of, (annotation, *get_args(annotation)))
-    if not isinstance(given, str):
-        values = _listed(name, given)
+    if not isinstance(values_given, str):
+        values = _listed(name, values_given)
         if get_origin(annotation) is tuple:  # a list in a file has no type of numpy
-            values = [one.tolist() if isinstance(one, np.ndarray) else one for one in values]
+            values = [element.tolist() if isinstance(element, np.ndarray) else element for element in values]
     else:
         try:
-            values = parse_values(name, given, int if is_whole else float)
+            values = parse_values(name, values_given, int if is_whole else float)
         except InvalidInput:
             if annotation is not None:  # the type of a part that the file leaves out is not known
                 raise
-            values = parse_values(name, given, float)
+            values = parse_values(name, values_given, float)
     # the name `load` is that of a measure, the load that a contact carries
     return Varied(path, values, "load_case" if path == ("load",) else "_".join(path))
 
@@ -167,8 +167,8 @@ def _path(raw: Table, document: SceneDocument, name: str) -> tuple[str, ...]:
     if name in ("surfaces", "tiles"):
         return _surface_path(document, name)
     keys = [key.name for key in fields(SceneDocument)]
-    given = "grid.extent.1" if name == "period" and "grid" in raw else SHORT_NAMES.get(name, name)
-    path = tuple(given.replace("[", ".").replace("]", "").split("."))  # messages write an entry as in solids[0]
+    key = "grid.extent.1" if name == "period" and "grid" in raw else SHORT_NAMES.get(name, name)
+    path = tuple(key.replace("[", ".").replace("]", "").split("."))  # messages write an entry as in solids[0]
     if path[0] in keys:
         return path
     owners = [k for k, shape in enumerate(document.shapes) if path[0] in parameters(_described(shape))]
@@ -230,16 +230,16 @@ def _listed(name: str, values: object) -> list[Any]:
 def _surface_path(document: SceneDocument, what: str) -> tuple[str, ...]:
     """Return the path of the file of the only measured surface of the scene, or of its tile."""
     kinds = MeasuredSurface, MeasuredSurfaceTable
-    found = [str(k) for k, shape in enumerate(document.shapes) if isinstance(shape, kinds)]
+    places = [str(k) for k, shape in enumerate(document.shapes) if isinstance(shape, kinds)]
     key = "tile" if what == "tiles" else "file"
-    if len(found) != 1:
-        raise InvalidInput(f"{what} vary the one MeasuredSurface of a scene with {len(found)}: give shapes.N.{key}.")
-    return "shapes", found[0], key
+    if len(places) != 1:
+        raise InvalidInput(f"{what} vary the one MeasuredSurface of a scene with {len(places)}: give shapes.N.{key}.")
+    return "shapes", places[0], key
 
 
-def _tiles(path: tuple[str, ...], given: object) -> Varied:
+def _tiles(path: tuple[str, ...], values_given: object) -> Varied:
     """Return equal tiles of a surface as values, such as ``2x6`` across and along."""
-    text = given if isinstance(given, str) else "x".join(map(str, _listed("tiles", given)))
+    text = values_given if isinstance(values_given, str) else "x".join(map(str, _listed("tiles", values_given)))
     parts = text.replace(" ", "").split("x")
     if len(parts) != 2 or not all(part.isdigit() and int(part) for part in parts):
         raise InvalidInput(f"tiles is {text!r}: give how many across and along, such as 2x6.")
@@ -248,9 +248,9 @@ def _tiles(path: tuple[str, ...], given: object) -> Varied:
     return Varied(path, values, "tile", f"tile of the surface, {across} across and {along} along it")
 
 
-def _surfaces(given: object, folder: Path) -> list[Any]:
+def _surfaces(values_given: object, folder: Path) -> list[Any]:
     """Return files by name or pattern as absolute paths, and what else is a surface as it is."""
-    items: Any = given.split(",") if isinstance(given, str) else given
+    items: Any = values_given.split(",") if isinstance(values_given, str) else values_given
     surfaces: list[Any] = []
     for item in items if isinstance(items, Iterable) else [items]:
         if not isinstance(item, str | Path):
@@ -292,7 +292,7 @@ def varied_scenes(
         For keys that a scene cannot have, and values that these cannot have.
     """
     base = document_from(raw, source)
-    keys = [[varied(raw, base, name, given, folder) for name, given in group.items()] for group in groups]
+    keys = [[varied(raw, base, name, values_given, folder) for name, values_given in group.items()] for group in groups]
     keys.sort(key=lambda group: group[0].path[0] == "load")
     for group in keys:
         counts = [len(key.values) for key in group]
@@ -305,7 +305,7 @@ def varied_scenes(
     check_count("vary", prod(counts), "points", MAX_POINTS)
     documents = {index: _document(raw, keys, index, source) for index in product(*map(range, counts))}
     labels = [_labels(group, k, len(keys), documents) for k, group in enumerate(keys)]
-    axes = [_axis(group[0], found, base) for group, found in zip(keys, labels, strict=True)]
+    axes = [_axis(group[0], group_labels, base) for group, group_labels in zip(keys, labels, strict=True)]
     names = [axis.name for axis in axes]
     for name in names:
         if names.count(name) > 1:
@@ -313,8 +313,8 @@ def varied_scenes(
     surfaces: dict[object, Any] = {}
     points: dict[tuple[Value, ...], SceneFile] = {}
     for index, document in documents.items():
-        if all(j in found for j, found in zip(index, labels, strict=True)):
-            point = tuple(found[j] for j, found in zip(index, labels, strict=True))
+        if all(j in group_labels for j, group_labels in zip(index, labels, strict=True)):
+            point = tuple(group_labels[j] for j, group_labels in zip(index, labels, strict=True))
             try:
                 points[point] = scene_file_from(with_surfaces(document, folder, surfaces), folder)
             except InvalidInput as error:
@@ -336,10 +336,10 @@ def with_other_values(
     """Return groups of keys with other `values` of some, whichever way these are named, and those of further keys."""
     base = document_from(raw, source)
     names = {_path(raw, base, name): name for name in values}
-    kept = [[names.get(_path(raw, base, name), name) for name in group] for group in groups]
-    further = [[name] for name in values if not any(name in group for group in kept)]
-    every = {name: given for group in groups for name, given in group.items()} | dict(values)
-    return [{name: every[name] for name in group} for group in (*kept, *further)]
+    named_groups = [[names.get(_path(raw, base, name), name) for name in group] for group in groups]
+    further = [[name] for name in values if not any(name in group for group in named_groups)]
+    every = {name: values_given for group in groups for name, values_given in group.items()} | dict(values)
+    return [{name: every[name] for name in group} for group in (*named_groups, *further)]
 
 
 def _said(keys: Sequence[Sequence[Varied]], index: Sequence[int]) -> str:

@@ -24,7 +24,7 @@ def measures(case: Case, answer: Answer) -> Mapping[str, xr.Variable]:
     if answer.status.is_failure:  # a failure has no numbers
         raise cs.NotDefined(f"{answer.status.name}: {answer.status}")
     measured: dict[str, xr.Variable] = {}
-    recorded = {name: one for name, one in answer.quantities.items() if name not in NAMED_BY_AXES}
+    recorded = {name: number for name, number in answer.quantities.items() if name not in NAMED_BY_AXES}
     for name, quantity in recorded.items():
         unit, label = quantity.unit, quantity.label
         measured[name] = labelled((), quantity.value, unit, label)
@@ -32,7 +32,9 @@ def measures(case: Case, answer: Answer) -> Mapping[str, xr.Variable]:
             continue
         label = f"bound of the error: {label}"
         measured[f"{name}_bound"] = labelled((), known_or_nan(quantity.bound), unit, label)
-    reasons = (f"{name}: {one.reason}" for name, one in recorded.items() if isinf(one.bound) and not one.is_formula)
+    reasons = (
+        f"{name}: {number.reason}" for name, number in recorded.items() if isinf(number.bound) and not number.is_formula
+    )
     about = {"long_name": "numbers without a bound, and why"}
     measured["without_bound"] = xr.Variable((), one_line(" ".join(reasons)), about)
     about = {"long_name": "warnings that are no reason of a number without a bound"}
@@ -80,10 +82,12 @@ def _of_contact(case: Case, contact: cs.Contact) -> dict[str, xr.Variable]:
         measured["contact_area_over_hertz"] = dimensionless(ratio, "contact area over Hertz's")
     errors = dict.fromkeys(("contact_fraction", "contact_area_over_hertz"), area_error)
     if contact.pressure.any() or contact.adhesion is not None:
-        found = contact_stiffness(contact)
-        what = {"description": f"d load / d approach{found.detail}"}
-        measured["stiffness"] = labelled((), found.value, found.unit, found.label, **what)
-        errors["stiffness"] = found.relative_bound
+        tangent_stiffness = contact_stiffness(contact)
+        what = {"description": f"d load / d approach{tangent_stiffness.detail}"}
+        measured["stiffness"] = labelled(
+            (), tangent_stiffness.value, tangent_stiffness.unit, tangent_stiffness.label, **what
+        )
+        errors["stiffness"] = tangent_stiffness.relative_bound
     for name, error in errors.items():
         if (value := measured.get(name)) is not None:
             label = f"bound of the error: {value.attrs['long_name']}"

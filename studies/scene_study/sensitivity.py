@@ -80,27 +80,27 @@ def sensitivity_study(scene: Scene | SceneFile | str | PathLike[str]) -> Study:
         if not _is_number(at(base, path)[1], value) or ends[0] == ends[1]:
             left_out += [name] if _has_number(value) else []
             continue
-        found = [_or_refused(file_of, replaced(raw, path, end)) for end in ends]
-        if all(isinstance(one, Refused) for one in found) and path[0] == "solids" and are_alike:
+        scenes = [_or_refused(file_of, replaced(raw, path, end)) for end in ends]
+        if all(isinstance(entry, Refused) for entry in scenes) and path[0] == "solids" and are_alike:
             if path[1] == "1":  # it was changed together with that of the first body
                 continue
-            name, other = f"solids.{'.'.join(path[2:])}", ("solids", "1", *path[2:])
-            both = (replaced(replaced(raw, path, end), other, end) for end in ends)
-            found = [_or_refused(file_of, tables) for tables in both]
-        if all(isinstance(one, Refused) for one in found):
-            left_out.append(f"{name} ({found[0].reason.rstrip('.')})")  # type: ignore[union-attr]
+            name, second_body = f"solids.{'.'.join(path[2:])}", ("solids", "1", *path[2:])
+            both = (replaced(replaced(raw, path, end), second_body, end) for end in ends)
+            scenes = [_or_refused(file_of, tables) for tables in both]
+        if all(isinstance(entry, Refused) for entry in scenes):
+            left_out.append(f"{name} ({scenes[0].reason.rstrip('.')})")  # type: ignore[union-attr]
             continue
         changes[name], points[name, GIVEN] = _text(value), as_given
-        points[name, LOWERED], points[name, RAISED] = found
+        points[name, LOWERED], points[name, RAISED] = scenes
     if not changes:
         raise InvalidInput(f"{source} has no number to raise and lower: give one that is not zero.")
-    placed, notes = on_shared_grids([one for one in points.values() if isinstance(one, SceneFile)])
+    placed, notes = on_shared_grids([entry for entry in points.values() if isinstance(entry, SceneFile)])
     if left_out:
         about = "not changed, as they are whole, zero or infinite, or for a reason: " + ", ".join(left_out)
         notes = (*notes, about)
     on_grids = iter(placed)
     cases: dict[tuple[Value, ...], Any] = {
-        key: one if isinstance(one, Refused) else next(on_grids) for key, one in points.items()
+        key: entry if isinstance(entry, Refused) else next(on_grids) for key, entry in points.items()
     }
     axes = (
         Axis("number", tuple(changes), "number of the scene that is changed"),
@@ -119,10 +119,10 @@ def sensitivity_study(scene: Scene | SceneFile | str | PathLike[str]) -> Study:
     )
 
 
-def _or_refused(make: Callable[[Any], SceneFile], given: Any) -> SceneFile | Refused:
+def _or_refused(make: Callable[[Any], SceneFile], tables: Any) -> SceneFile | Refused:
     """Return what a function makes of what it is given, or why it cannot."""
     try:
-        return make(given)
+        return make(tables)
     except InvalidInput as error:
         return Refused(str(error))
 
@@ -162,20 +162,20 @@ def changes_in(sweep: xr.Dataset) -> xr.Dataset:
     although most of that cancels on one grid. ``change`` (number,) is the number with its tolerance.
     """
     good = sweep.where(sweep["case_status"] == CaseStatus.OK)
-    given, sides = good.sel(side=GIVEN, drop=True), good.sel(side=[LOWERED, RAISED])
+    original, sides = good.sel(side=GIVEN, drop=True), good.sel(side=[LOWERED, RAISED])
     names = json.loads(sweep.attrs["changes"])
-    found = {"change": ("number", [names[key] for key in sweep["number"].values.tolist()])}
-    result = xr.Dataset(found, {"number": sweep["number"], "side": sides["side"]}, sweep.attrs)
+    variables = {"change": ("number", [names[key] for key in sweep["number"].values.tolist()])}
+    result = xr.Dataset(variables, {"number": sweep["number"], "side": sides["side"]}, sweep.attrs)
     for name in map(str, sweep.data_vars):
         bound = f"{name}_bound"
         if bound not in sweep or sweep[name].dims != ("number", "side"):
             continue
-        for kept in (name, bound):
-            result[kept] = given[kept].isel(number=0, drop=True).assign_attrs(sweep[kept].attrs)
-        result[f"{name}_change"] = (sides[name] - given[name]).assign_attrs(
+        for name_kept in (name, bound):
+            result[name_kept] = original[name_kept].isel(number=0, drop=True).assign_attrs(sweep[name_kept].attrs)
+        result[f"{name}_change"] = (sides[name] - original[name]).assign_attrs(
             units=sweep[name].attrs.get("units", "1"), long_name=f"change: {sweep[name].attrs.get('long_name', name)}"
         )
-        larger = sides[bound].where(sides[bound] > given[bound], given[bound])
+        larger = sides[bound].where(sides[bound] > original[bound], original[bound])
         result[f"{name}_change_bound"] = larger.assign_attrs(result[f"{name}_change"].attrs)
     return result
 
@@ -186,8 +186,8 @@ def _leaves(raw: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, .
         entries = [(name, getattr(raw, name)) for name in parameters(raw)]
     elif isinstance(raw, Mapping):
         entries = list(raw.items())
-    elif isinstance(raw, list | tuple) and any(isinstance(one, Mapping) or is_dataclass(one) for one in raw):
-        entries = [(str(number), one) for number, one in enumerate(raw)]
+    elif isinstance(raw, list | tuple) and any(isinstance(entry, Mapping) or is_dataclass(entry) for entry in raw):
+        entries = [(str(number), entry) for number, entry in enumerate(raw)]
     else:
         yield path, raw
         return
@@ -221,7 +221,7 @@ def _has_number(value: object) -> bool:
 def _changed(name: str, value: Any, sign: int) -> Any:
     """Return a number, a text with a number, or a list of these, raised (sign 1) or lowered (-1) in size."""
     if isinstance(value, list | tuple):
-        return [_changed(f"{name}[{number}]", one, sign) for number, one in enumerate(value)]
+        return [_changed(f"{name}[{number}]", entry, sign) for number, entry in enumerate(value)]
     if not _has_number(value):
         return value
     if not isinstance(value, str):

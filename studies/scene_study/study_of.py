@@ -237,8 +237,8 @@ def study_of(
     InvalidInput
         For a field that the scene lacks and values that it cannot have, and where nothing varies.
     """
-    raw, own, text, source = read_tables(scene)
-    groups = list(vary) if isinstance(vary, Sequence) else with_other_values(raw, own, vary or {}, source)
+    raw, own_keys, text, source = read_tables(scene)
+    groups = list(vary) if isinstance(vary, Sequence) else with_other_values(raw, own_keys, vary or {}, source)
     if not any(groups):
         raise InvalidInput(
             f'{source} has nothing to vary: give a field and its values, such as load.per_length = "50 N/mm,100 N/mm", '

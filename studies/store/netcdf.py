@@ -72,7 +72,7 @@ def read_any(path: Path) -> xr.Dataset:
 
 def fields_of(dataset: xr.Dataset, path: Path) -> list[tuple[dict[str, Any], xr.Dataset]]:
     """Return each point of the study in `path` whose fields are stored, with these fields."""
-    keys, found = dataset["case_key"], []
+    keys, matching = dataset["case_key"], []
     # through one open file: xarray's own crashes where it opens groups of one file in turn
     with Stop(), netCDF4.Dataset(path) as file:
         stored = file.groups["fields"].groups if "fields" in file.groups else {}
@@ -81,8 +81,8 @@ def fields_of(dataset: xr.Dataset, path: Path) -> list[tuple[dict[str, Any], xr.
                 at = zip(keys.dims, index, strict=True)
                 point = {str(dim): keys[dim].values[number] for dim, number in at}
                 store = xr.backends.NetCDF4DataStore(stored[group])
-                found.append((point, xr.open_dataset(store).load()))
-    return found
+                matching.append((point, xr.open_dataset(store).load()))
+    return matching
 
 
 def check_kind(path: Path, kind: Literal["solution", "study", "comparison"], log: Log = print) -> None:

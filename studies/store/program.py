@@ -78,8 +78,8 @@ class Program:
             For a file that cannot be read, that changed since it was loaded, and measures whose state cannot be seen.
         """
         about = {MEASURES: digest(study.measures, memo)}
-        held = (study.case_at, case, *(of for of, _ in memo.values()))
-        named = {getattr(of, "__module__", "") for of in held}
+        memo_key = (study.case_at, case, *(of for of, _ in memo.values()))
+        named = {getattr(of, "__module__", "") for of in memo_key}
         modules = {name: vars(sys.modules[name]) for name in named if name in sys.modules}
         users = {name: module for name, module in modules.items() if _is_users(name, module)}
         sources = {name: of["__source__"] for name, of in users.items() if "__source__" in of}
@@ -88,7 +88,7 @@ class Program:
                 about[Path(module["__file__"]).name] = hashed(sources[name])
             elif "__file__" not in module:
                 # typed at a prompt or in a notebook: known in this session alone
-                kinds = {of for of in held if isinstance(of, type) and of.__module__ == name}
+                kinds = {of for of in memo_key if isinstance(of, type) and of.__module__ == name}
                 kinds_by_name = sorted(kinds, key=lambda of: of.__qualname__)
                 about["typed code"] = hashed(_pickled((study.measures, kinds_by_name)))
         if users:
@@ -128,9 +128,11 @@ class Program:
         files = {name: path for name, path in files.items() if name in self.digests}
         now = {name: content(of) for name, of in ({**_own_files(), **files, **self.paths}).items()}
         now = {**own_digests(), **now}
-        own = set(filter(_is_own, self.digests))
+        own_modules = set(filter(_is_own, self.digests))
         stale = {name for name, path in _own_files().items() if _is_newer(path, LOADED)}
-        differing = sorted({name for name in own | now.keys() if now.get(name) != self.digests.get(name)} | stale)
+        differing = sorted(
+            {name for name in own_modules | now.keys() if now.get(name) != self.digests.get(name)} | stale
+        )
         if differing:
             what = f"{_listed(differing)} changed since the run was started"
             remedy = "start it again"
@@ -176,13 +178,13 @@ def _listed(names: list[str]) -> str:
 @cache
 def own_digests() -> Digests:
     """Return the digests of this program's files, and the versions of Python and of the libraries that compute."""
-    found = {"Python": platform.python_version()}
+    versions = {"Python": platform.python_version()}
     for name in LIBRARIES:
         try:
-            found[name] = version(name)
+            versions[name] = version(name)
         except PackageNotFoundError:
             continue
-    return {**{name: content(path) for name, path in _own_files().items()}, **found}
+    return {**{name: content(path) for name, path in _own_files().items()}, **versions}
 
 
 @cache
@@ -223,21 +225,23 @@ def _imported(start: Iterable[str], sources: Mapping[str, bytes]) -> tuple[dict[
     """
     loaded, files, words = user_files(), dict[str, Path](), set[str]()
     queue = list(start)
-    others = loaded.keys() - set(queue)
+    other_modules = loaded.keys() - set(queue)
     while queue:
         name = queue.pop()
         files |= {name: loaded[name]} if name in loaded else {}
         source = sources.get(name) or (_bytes(loaded[name]) if name in loaded else None) or b""
         text = source.decode("utf-8", "replace")
         statements = " ".join(IMPORT.findall(text.replace("\\\n", " ")))
-        known = set(re.findall(r"\w+", statements))
-        words |= known
+        names_used = set(re.findall(r"\w+", statements))
+        words |= names_used
         if "from ." in statements:
-            known |= set(name.split("."))
+            names_used |= set(name.split("."))
         is_any = AT_RUN_TIME.search(text)
-        news = {of for of in others if is_any or known.issuperset(of.split(".")) or name.startswith(f"{of}.")}
+        news = {
+            of for of in other_modules if is_any or names_used.issuperset(of.split(".")) or name.startswith(f"{of}.")
+        }
         queue += news
-        others -= news
+        other_modules -= news
     return files, words
 
 

@@ -1,15 +1,20 @@
 """Loops over fields compiled by numba (extra ``fast``): each reads and writes its fields once.
 
-Each takes the place of several array operations. Fields (x, y) are C-contiguous: others would be compiled again.
-``results`` (x, results) takes the sums of each row, so that they do not depend on the number of threads. ``limit`` is
-the upper limit of the pressure, infinite where there is none. Results differ by rounding from those of array
-operations.
+Each takes the place of several array operations of the conjugate gradient iteration for the pressure, of its
+preconditioner, of transforms or of a film, and differs from them by rounding.
+
+Arguments of one name have one meaning. Fields have the shape (x, y) and are C-contiguous: others would be compiled
+again. Pressures, gaps and displacements are dimensionless. ``height`` is the gap between the bodies, ``limit`` the upper
+limit of the pressure, infinite where there is none. ``active`` is 1 in the active set, the cells with a pressure between
+zero and the limit, and 0 elsewhere. ``preconditioned`` is the preconditioned residual. ``results`` (x, numbers) takes
+the sums of each row, in the order of the docstring, so that they do not depend on the number of threads.
 """
 
 import errno
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
@@ -22,14 +27,13 @@ from contactstudy.domain.files import lock_descriptor, open_descriptor
 
 Loop = TypeVar("Loop", bound=Callable[..., Any])
 
-# Loops over blocks of 2 x 2 cells of a field, between two rows of blocks.
+# Loops over blocks of 2 x 2 cells, the coarse grid of the preconditioner. They take the rows of blocks from `begin` to
+# `end`, all others the rows of cells that they are given.
 OVER_BLOCKS = ("block_means", "block_means_transposed", "interpolated_outside", "interpolated_outside_transposed")
 # Errors of a file system without locks.
 NO_LOCK_ERRORS = frozenset({errno.ENOSYS, errno.ENOLCK, errno.EOPNOTSUPP, errno.EINVAL})
-# All loops, for those who count what is compiled.
+# All loops, so that a forecast can count what was compiled during a solve.
 LOOPS: list[Any] = []
-# Sums may be reordered and the sign of a zero may be lost; nan and inf keep their meaning.
-REASSOCIATED = {"reassoc", "nsz"}
 
 
 class LockedCache(FunctionCache):
@@ -66,26 +70,23 @@ class LockedCache(FunctionCache):
             os.close(descriptor)
 
 
-def exact(function: Loop) -> Loop:
-    """Compile a loop whose sums are taken in the order that is written."""
-    return _compiled(function, set())
-
-
-def summing(function: Loop) -> Loop:
-    """Compile a loop whose sums are taken in any order."""
-    return _compiled(function, REASSOCIATED)
-
-
 def _compiled(function: Loop, fastmath: set[str]) -> Loop:
+    """Compile a loop at its first call; `fastmath` are the rules of IEEE arithmetic that it need not keep."""
     loop: Any = njit(nogil=True, error_model="numpy", fastmath=fastmath)(function)
     loop._cache = LockedCache(function)  # type: ignore[no-untyped-call]  # in place of cache=True
     LOOPS.append(loop)
     return cast(Loop, loop)
 
 
+# Decorators of a loop whose sums are taken in the order that is written, and of one that may reorder them and lose the
+# sign of a zero. In both nan and inf keep their meaning.
+exact = partial(_compiled, fastmath=set())
+summing = partial(_compiled, fastmath={"reassoc", "nsz"})
+
+
 @summing
 def active_gap_sums(undeformed: Array, displacement: Array, pressure: Array, limit: float, results: Array) -> None:
-    """Write for each row the sum of the gap over the active set, and its number of cells."""
+    """Write for each row the sum of the gap, before the approach, over the active set, and the set's number of cells."""
     for i in range(pressure.shape[0]):
         heights, cells = 0.0, 0.0
         for j in range(pressure.shape[1]):
@@ -103,8 +104,9 @@ def gap(
 ) -> None:  # fmt: skip
     """Write the `height` of the gap, counted from the approach, and the terms of its residual.
 
-    Each row gets the load, and of the active set the sum of pressure times gap and the load; the first row also gets,
-    of all rows, the largest violation of other cells, and the largest displacement.
+    Each row gets the sum of the pressure, and over the active set the sums of pressure times absolute gap and of the
+    pressure; the first row also gets, of all rows, the largest violation of other cells, a negative gap without pressure
+    or a positive one at the limit, and the largest absolute displacement.
     """
     columns = height.shape[1]
     # one maximum a column: that of a row would not be vectorised
@@ -132,7 +134,7 @@ def gap(
 
 @exact
 def active_set(pressure: Array, height: Array, limit: float, active: Array, active_gap: Array) -> None:
-    """Write the active set (1, others 0) and its gap."""
+    """Write the `active` set, and the gap in it, zero elsewhere, as `active_gap`."""
     for i in range(pressure.shape[0]):
         for j in range(pressure.shape[1]):
             loaded = pressure[i, j]
@@ -148,8 +150,8 @@ def add_entering(
 ) -> None:  # fmt: skip
     """Add to an active set the cells that enter it after a step, and for each row write their number.
 
-    Cells at a limit enter that should leave it. `active_gap`, the gap of the set, gets theirs. The step changes the gap
-    everywhere by the fraction `step_length` of the `extended` gap.
+    A cell at a limit enters whose gap after the step has the sign that should not be there. `active_gap` gets its gap.
+    The step subtracts `step_length` times `extended` from the gap everywhere.
     """
     for i in range(pressure.shape[0]):
         count = 0
@@ -178,7 +180,12 @@ def conjugacy_sums(
     gap: Array, preconditioned: Array, active: Array, before: Array, after: Array,
     displacement_before: Array, displacement_after: Array, results: Array,
 ) -> None:  # fmt: skip
-    """Write for each row the sums that make a direction conjugate to the last step, in the order of `ConjugacySums`."""
+    """Write for each row the sums that make a direction conjugate to the last step.
+
+    They are the number of active cells, the preconditioned residual, gap times preconditioned residual, preconditioned
+    residual times response, response over the active set, gap times step, and the step. The step is the change of the
+    pressure of active cells from `before` to `after`, the response that of the displacement.
+    """
     for i in range(gap.shape[0]):
         cells = preconditioned_sum = gap_preconditioned = preconditioned_response = 0.0
         active_response = gap_step = step_sum = 0.0
@@ -202,11 +209,12 @@ def trial(
     pressure: Array, height: Array, preconditioned: Array, active: Array, shift: float, beta: float,
     step_length: float, limit: float, step: Array, results: Array,
 ) -> None:  # fmt: skip
-    """Write the pressure one step ahead, without tension, over the pressure before the last `step`.
+    """Write the pressure one step ahead, without tension, over `step`, which holds the pressure before the last step.
 
-    The direction is `shift` less the `preconditioned` residual, plus `beta` times the last step; it is zero outside the
-    `active` set. Each row gets the number of cells that were beyond a limit, the load, the number of cells with
-    pressure and the slope of the energy along the step; the first row also gets the largest pressure of all rows.
+    The direction is `shift` less the preconditioned residual, plus `beta` times the last step; it is zero outside the
+    active set. Each row gets the number of cells that were beyond a limit, the sum of the new pressure, the number of
+    cells with pressure, and the slope of the complementary energy along the step, the sum of gap times change; the first
+    row also gets the largest pressure of all rows.
     """
     columns = pressure.shape[1]
     largest = np.zeros(columns)
@@ -246,7 +254,7 @@ def load_above(trial: Array, shift: float, results: Array) -> None:
 def project(trial: Array, shift: float, scale: float, pressure: Array, height: Array, results: Array) -> None:
     """Subtract a shift from a trial pressure, cut it off at zero and multiply it by a factor, in place.
 
-    Each row gets the slope of the energy along the step from `pressure`.
+    Each row gets the slope of the complementary energy along the step from `pressure`.
     """
     for i in range(trial.shape[0]):
         slope = 0.0
@@ -259,7 +267,7 @@ def project(trial: Array, shift: float, scale: float, pressure: Array, height: A
 
 @summing
 def curvature(trial: Array, pressure: Array, trial_displacement: Array, displacement: Array, results: Array) -> None:
-    """Write for each row the inner product of a step with the displacement that it makes."""
+    """Write for each row the inner product of the step from `pressure` with the displacement that it makes."""
     for i in range(trial.shape[0]):
         product = 0.0
         for j in range(trial.shape[1]):
@@ -270,7 +278,7 @@ def curvature(trial: Array, pressure: Array, trial_displacement: Array, displace
 
 @exact
 def outside_limits(trial: Array, pressure: Array, factor: float, limit: float, results: Array) -> None:
-    """Write for each row the number of cells that are beyond a limit after `factor` steps."""
+    """Write for each row the number of cells beyond a limit after `factor` times the step from `pressure`."""
     for i in range(trial.shape[0]):
         count = 0
         for j in range(trial.shape[1]):
@@ -284,7 +292,10 @@ def take_fraction(
     trial: Array, pressure: Array, trial_displacement: Array, displacement: Array, fraction: float,
     limit: float,
 ) -> None:  # fmt: skip
-    """Take a `fraction` of a step: the trial fields become the pressure and displacement that it leads to, in place."""
+    """Take a `fraction` of the step from `pressure`, in place.
+
+    The trial fields become the pressure, between its limits, and the displacement to which that fraction leads.
+    """
     for i in range(trial.shape[0]):
         for j in range(trial.shape[1]):
             after = pressure[i, j] + fraction * (trial[i, j] - pressure[i, j])
@@ -320,7 +331,7 @@ def block_means_transposed(
 ) -> None:
     """Add to the pressure of each cell in the active set its part of the pressure of its block, in place.
 
-    `active` is 1 in the active set and 0 elsewhere, where the pressure becomes zero; `block_active` are its block means.
+    The pressure becomes zero outside the set; `block_active` are the means of `active` over the blocks.
     """
     columns = blocks.shape[1]
     line = np.empty(2 * columns, dtype=pressure.dtype)
@@ -340,7 +351,7 @@ def interpolated_outside(
 ) -> None:
     """Write the displacement of the active set, and elsewhere that of blocks, linear between their middles.
 
-    `active` is 1 in the active set and 0 elsewhere; `displacement` is zero outside it.
+    `displacement` is zero outside the active set.
     """
     rows, columns = blocks.shape
     full, most, least = blocks.dtype.type(1), blocks.dtype.type(0.75), blocks.dtype.type(0.25)
@@ -379,48 +390,3 @@ def interpolated_outside_transposed(pressure: Array, active: Array, blocks: Arra
         for m in range(columns):
             middle, ends = line[2 * m + 1] + line[2 * m + 2], line[2 * m] + line[2 * m + 3]
             blocks[k, m] = most * middle + least * ends
-
-
-@exact
-def sweep(
-    diagonal: Array, previous: Array, following: Array, upstream: Array, second_upstream: Array, right: Array
-) -> Array:
-    """Return the solution (x, y) of one downstream sweep of line Gauss-Seidel, with periodic lines along y.
-
-    Coefficients (x, y) are those of the cell, its neighbours along y, and the two cells upstream. Each line is solved by
-    Thomas' algorithm with the correction of Sherman & Morrison (1950).
-    """
-    rows, columns = right.shape
-    solution = np.zeros_like(right)
-    slope, line, corner = np.empty(columns), np.empty(columns), np.empty(columns)
-    for i in range(rows):
-        for j in range(columns):
-            line[j] = right[i, j]
-            if i > 0:
-                line[j] -= upstream[i, j] * solution[i - 1, j]
-            if i > 1:
-                line[j] -= second_upstream[i, j] * solution[i - 2, j]
-            corner[j] = 0.0
-        shift = -diagonal[i, 0]
-        last = columns - 1
-        corner[0], corner[last] = shift, following[i, last]
-        pivot = diagonal[i, 0] - shift
-        slope[0] = following[i, 0] / pivot
-        line[0] /= pivot
-        corner[0] /= pivot
-        for j in range(1, columns):
-            entry = diagonal[i, j]
-            if j == last:
-                entry -= following[i, last] * previous[i, 0] / shift
-            pivot = entry - previous[i, j] * slope[j - 1]
-            slope[j] = following[i, j] / pivot
-            line[j] = (line[j] - previous[i, j] * line[j - 1]) / pivot
-            corner[j] = (corner[j] - previous[i, j] * corner[j - 1]) / pivot
-        for j in range(columns - 2, -1, -1):
-            line[j] -= slope[j] * line[j + 1]
-            corner[j] -= slope[j] * corner[j + 1]
-        ratio = previous[i, 0] / shift
-        weight = (line[0] + ratio * line[last]) / (1 + corner[0] + ratio * corner[last])
-        for j in range(columns):
-            solution[i, j] = line[j] - weight * corner[j]
-    return solution

@@ -19,8 +19,8 @@ from contactstudy.problem.constraint import largest_of
 from contactstudy.problem.problem import Field, Problem, ResidualStress
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.solids.inelastic import ElasticPlasticHalfSpace
+from contactstudy.solvers.conjugate_gradients import contact_tangent
 from contactstudy.solvers.plasticity import (
-    ContactTangent,
     ElastoplasticStep,
     Hardening,
     YieldingBodies,
@@ -235,7 +235,7 @@ class PlasticState:
             before, equivalent = bodies.concatenated(strains), bodies.concatenated(equivalents)
             solve_under = partial(
                 solve_elastoplastic_step, bodies, contact,
-                partial(ContactTangent.from_solution, precision=self.precision),
+                partial(contact_tangent, precision=self.precision),
                 before, equivalent, tolerance, guess=bodies.concatenated(first),
             )  # fmt: skip
             adhesive_stress = np.zeros_like(before)

@@ -18,8 +18,8 @@ from contactstudy.elasticity.tangential import ShearResponse
 from contactstudy.elasticity.viscoelastic import Creep
 from contactstudy.problem.problem import Field, Problem
 from contactstudy.scene.loads import PiecewiseLinear
-from contactstudy.solvers.coulomb import shear_status
-from contactstudy.solvers.fretting import SlipStep, locked_shear, slip_step, transmission_status
+from contactstudy.solvers.coulomb import SlipStep, shear_status
+from contactstudy.solvers.fretting import locked_shear, slip_step, transmission_status
 from contactstudy.solvers.solution import Solution, Status, TangentialTraction, unloaded
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 

@@ -32,12 +32,12 @@ from contactstudy.scene.adhesion import Adhesion
 from contactstudy.scene.friction import Wear
 from contactstudy.scene.lubrication import Lubrication
 from contactstudy.scene.rolling import Rolling, TractiveRolling
-from contactstudy.scene.scene import Friction, Output, Scene
+from contactstudy.scene.scene import Friction, Output
 from contactstudy.scene.shapes import roller
 from contactstudy.scene.shapes import roughness as texture
 from contactstudy.scene.shapes.roughness import Roughness
 from contactstudy.scene.shapes.shape import MovingShape, Shape, Tilt, curvatures_of
-from contactstudy.scene.solids.bodies import Body, HalfSpace
+from contactstudy.scene.solids.bodies import Body, HalfSpace, hertz_line
 from contactstudy.scene.solids.coated import CoatedHalfSpace
 from contactstudy.scene.solids.inelastic import ElasticPlasticHalfSpace, ViscoelasticHalfSpace
 from contactstudy.scene.stress import SubsurfaceStress
@@ -304,12 +304,9 @@ class LundbergProfileTable:
             curvature, solids = context
             if curvature <= 0:
                 raise InvalidInput("LundbergProfile.for_load is for a round roller: give a Cylinder.")
-            radius = 1 / curvature
-            hertz = Scene(loads.LineLoad(self.for_load), solids, (roller.Cylinder(radius),)).hertz
-            assert hertz is not None
-            modulus = hertz.contact_modulus  # that of a coated body depends on the half-width
+            modulus = hertz_line(self.for_load, 1 / curvature, solids).contact_modulus  # of a coat, by the half-width
             even = roller.LundbergProfile.for_load(
-                self.for_load, contact_modulus=modulus, radius=radius, length=self.length
+                self.for_load, contact_modulus=modulus, radius=1 / curvature, length=self.length
             )
             drop = even.end_drop if self.z_m is None else self.z_m
             return roller.LundbergProfile(self.k1 * even.amplitude, drop, self.length, (1 - self.k2) * self.length)
@@ -370,7 +367,7 @@ class PlanSettings:
         Length [m] of a grid that is chosen.
     """
 
-    error: Number | Mapping[str, Number] | None = field(default=None, hash=False)
+    error: validation.RelativeError | Mapping[str, validation.RelativeError] | None = field(default=None, hash=False)
     period: Metres | None = None
 
 
@@ -415,33 +412,27 @@ class SceneDocument:
     solve: SolveOptions = field(default_factory=SolveOptions)
 
 
-# Classes that describe a shape in a file, where these differ from the shape itself.
-DESCRIPTIONS: Mapping[type, type] = {
-    MovingShape: MovingShapeTable,
-    roller.Crown: CrownTable,
-    roller.ProfilePoints: ProfilePointsTable,
-    roller.LundbergProfile: LundbergProfileTable,
-    MeasuredSurface: MeasuredSurfaceTable,
-}
-
-
 def shape_of(shape: Any, folder: Path, context: ProfileContext) -> Shape:
-    """Return the shape that a file describes, whose files of surfaces start at `folder`."""
-    described: Shape = shape.described(folder, context) if type(shape) in DESCRIPTIONS.values() else shape
+    """Return the shape that a table describes; paths of files in it start at `folder`."""
+    described: Shape = shape.described(folder, context) if type(shape).__name__.endswith(TABLE) else shape
     return described
 
 
+# End of the name of a class that describes a shape in a file where its keys are not the fields of the shape.
+TABLE = "Table"
+
+
 def _kinds(*classes: type) -> dict[str, type]:
-    """Return the classes that describe `classes` in a file, by the names of the latter."""
-    return {kind.__name__: DESCRIPTIONS.get(kind, kind) for kind in classes}
+    """Return classes by the names that a file has for them."""
+    return {kind.__name__.removesuffix(TABLE): kind for kind in classes}
 
 
 # Classes that ``kind = "..."`` may name in a file, by the type of the field; of a union they are its members.
 KINDS: Mapping[Any, Mapping[str, type]] = {
     Shape: _kinds(
-        roller.Cylinder, roller.Crown, roller.LundbergProfile, roller.FiniteLength, Tilt, texture.Waviness,
-        texture.Texture, Roughness, MeasuredSurface, roller.Sphere, roller.Ellipsoid, roller.ProfilePoints,
-        roller.EndRelief, MovingShape,
+        roller.Cylinder, CrownTable, LundbergProfileTable, roller.FiniteLength, Tilt, texture.Waviness,
+        texture.Texture, Roughness, MeasuredSurfaceTable, roller.Sphere, roller.Ellipsoid, ProfilePointsTable,
+        roller.EndRelief, MovingShapeTable,
     ),
     grids.Padding: _kinds(
         grids.ZeroPadding, grids.DuplicatedPadding, grids.Superposition, grids.CircularSuperposition,

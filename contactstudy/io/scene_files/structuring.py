@@ -1,6 +1,8 @@
-"""Nested tables of a file as frozen dataclasses, with texts with a unit as numbers in SI units, and back as TOML.
+"""Nested tables of a file as frozen dataclasses: which keys a table has, and which class it describes.
 
-Before that, times in cycles are converted to seconds, and numbers are found that are likely in another unit than SI.
+Numbers and texts in it are checked, and converted to SI units, by the annotations of the fields. Before that, times in
+cycles are converted to seconds; beside it, numbers are found that are likely in another unit than SI. A *kind* is the
+class that a table describes where there are several, as the shapes of a scene.
 """
 
 import re
@@ -11,7 +13,7 @@ from difflib import get_close_matches
 from math import inf
 from pathlib import Path
 from types import NoneType, UnionType
-from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
+from typing import Annotated, Any, TypeVar, Union, get_args, get_origin
 
 import numpy as np
 
@@ -46,14 +48,13 @@ SYMBOLS_OF_FIELDS = {
     "t": "thickness", "h": "thickness", "eta": "viscosity", "eta0": "viscosity", "alpha": "pressure_viscosity",
     "HV": "hardness", "HRC": "hardness", "diameter": "radius",
 }  # fmt: skip
-# Bare numbers that are likely in another unit: from where or up to where in SI, and the unit that was likely meant.
-LARGE = {
-    "radius": (3.0, "mm"), "length": (10.0, "mm"), "thickness": (0.1, "um"), "end_drop": (1e-2, "um"),
-    "amplitude": (1e-2, "um"), "rms": (1e-3, "um"),
-}  # fmt: skip
-SMALL = {
-    "youngs_modulus": (1e4, "Pa", "GPa"), "yield_stress": (1e4, "Pa", "MPa"), "hardness": (1e5, "Pa", "GPa"),
-    "per_length": (1e3, "N/m", "N/mm"),
+# By field, the limits between which a number in SI units is likely, the SI unit, and the one in which a number beyond
+# them was likely meant. Lengths and moduli beyond are no machine part's or no solid's, loads below hardly press.
+LIKELY = {
+    "radius": (0, 3.0, "m", "mm"), "length": (0, 10.0, "m", "mm"), "thickness": (0, 0.1, "m", "um"),
+    "end_drop": (0, 1e-2, "m", "um"), "amplitude": (0, 1e-2, "m", "um"), "rms": (0, 1e-3, "m", "um"),
+    "youngs_modulus": (1e4, inf, "Pa", "GPa"), "yield_stress": (1e4, inf, "Pa", "MPa"),
+    "hardness": (1e5, inf, "Pa", "GPa"), "per_length": (1e3, inf, "N/m", "N/mm"),
 }  # fmt: skip
 # A time as a number and what it counts, such as "3 cycles" or "1e4 revolutions".
 COUNTED = re.compile(r"\s*(\d+\.?\d*(?:[eE]\+?\d+)?)\s*(cycle|rev|revolution|turn)s?\s*")
@@ -72,7 +73,7 @@ def structured(raw: object, target: type[Target], kinds: Kinds, source: str) -> 
         Dataclass of all of them.
     kinds
         Dataclasses that a type can be, by name. The key ``kind`` of a table chooses one. Without it, the table is of
-        the kind under ``NO_KIND``, or of the only kind that has all its keys. A name alone is a table without keys.
+        the kind that has most of its keys; of several, of that under ``NO_KIND``. A name alone is a table without keys.
     source
         Name of the file, with which messages begin.
 
@@ -84,7 +85,7 @@ def structured(raw: object, target: type[Target], kinds: Kinds, source: str) -> 
     reader = _Reader(kinds)
     read: Target = reader.read("", raw, target)
     if reader.refusals:
-        raise InvalidInput("\n".join(": ".join(filter(None, (source, *refusal))) for refusal in reader.refusals))
+        raise InvalidInput("\n".join(f"{source}: {refusal}" for refusal in reader.refusals))
     return read
 
 
@@ -93,151 +94,130 @@ class _Reader:
 
     def __init__(self, kinds: Kinds) -> None:
         self.kinds = kinds
-        # the path of each key that cannot be used, and a sentence on it
-        self.refusals: list[tuple[str, str]] = []
+        # a sentence on each key that cannot be used, which begins with its path
+        self.refusals: list[str] = []
 
-    def read(self, path: str, value: object, hint: Any) -> Any:
-        """Return the value at a `path` as an annotation says it; None where it is refused."""
+    def read(self, path: str, value: Any, hint: Any) -> Any:
+        """Return the value at a `path`, such as ``shapes[0].radius``, as an annotation says it; None if refused."""
+        kinds, others = self._options(hint)
         try:
-            return self._read(path, value, hint)
+            if kinds and (isinstance(value, Mapping) or not others):
+                return self._described(path, value, kinds)
+            entries = next((get_args(option) for option in others if get_origin(option) is tuple), ())
+            if any(self._options(entry)[0] for entry in entries):
+                return self._tuple(path, value, entries)
+            return value if is_dataclass(value) else valid(path, value, hint)
         except InvalidInput as error:
-            self.refusals.append((path, str(error)))
-
-    def _read(self, path: str, value: Any, hint: Any) -> Any:
-        origin, kind = get_origin(hint), kind_of(hint)
-        if kind in self.kinds or origin in (Union, UnionType):
-            return self._of_kind(path, value, kind)
-        if origin is tuple:
-            return self._tuple(path, value, hint)
-        if origin is Mapping and isinstance(value, Mapping):
-            return {key: self.read(f"{path}[{key!r}]", entry, get_args(hint)[1]) for key, entry in value.items()}
-        return self._table(path, value, hint) if is_dataclass(hint) else valid("it", value, hint)
-
-    def _tuple(self, path: str, value: object, hint: Any) -> tuple[Any, ...]:
-        """Return a list as a tuple, of any length or of one type for each entry."""
-        first, *following = get_args(hint)
-        if isinstance(value, Mapping):
-            raise InvalidInput("it is one table: write its name in double brackets, once for each entry.")
-        if not isinstance(value, list | tuple):
-            raise InvalidInput(f"it is {shortened(value)}: {self._needed(path, hint)}.")
-        if following == [...]:
-            following = [first] * (len(value) - 1)
-        elif len(value) != 1 + len(following):
-            raise InvalidInput(f"it has {len(value)} entries: give {1 + len(following)}.")
-        entries = zip(value, (first, *following), strict=False)
-        return tuple(self.read(f"{path}[{n}]", *entry) for n, entry in enumerate(entries))
-
-    def _of_kind(self, path: str, value: object, hint: Any) -> Any:
-        """Return a table, or the name of a kind, as the dataclass that its kind or its keys choose."""
-        if is_dataclass(value):
-            return value
-        kinds, plain = self._options(hint)
-        if not kinds or (plain and not isinstance(value, Mapping)):
-            return self._plain(path, value, plain, hint)
-        if isinstance(value, str) and not NUMBER.fullmatch(value):
-            value = {"kind": value}
-        if not isinstance(value, Mapping):
-            raise InvalidInput(f"it is {shortened(value)}: {self._needed(path, hint, value)}.")
-        fields_of = {key: entry for key, entry in value.items() if key != "kind"}
-        return self._table(path, fields_of, _kind_of(value, kinds), kinds)
+            self.refusals.append(str(error))
 
     def _options(self, hint: Any) -> tuple[dict[str, type], list[Any]]:
         """Return the dataclasses that an annotation accepts, by the names of their kinds, and its other options."""
-        kinds, plain = dict(self.kinds.get(hint, {})), []
-        for option in get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,) * (not kinds):
-            if option in self.kinds:
-                kinds |= self.kinds[option]
+        kinds: dict[str, type] = {}
+        others = []
+        is_union = get_origin(hint) in (Union, UnionType) and hint not in self.kinds
+        for option in get_args(hint) if is_union else (hint,):
+            if (kind := kind_of(option)) in self.kinds:
+                kinds |= self.kinds[kind]
             elif isinstance(option, type) and is_dataclass(option):
                 kinds[option.__name__] = option
             elif option is not NoneType:
-                plain.append(option)
-        return kinds, plain
+                others.append(option)
+        return kinds, others
 
-    def _plain(self, path: str, value: object, options: list[Any], hint: Any) -> Any:
-        """Return a value as that of the `options` of an annotation which has its form: a list, a table, or neither."""
-        origin = next((origin for form, origin in ((Mapping, Mapping), (list, tuple)) if isinstance(value, form)), None)
-        likely = [option for option in options if (get_origin(option) in (Mapping, tuple)) == (origin is not None)]
-        chosen = [option for option in likely if origin is None or get_origin(option) is origin]
-        words = [option for option in chosen if option is str or value in get_args(option)]
-        if isinstance(value, str) and words:
-            return value
-        if len(options) > 1 and all(get_origin(option) is Literal for option in chosen):
-            raise InvalidInput(f"it is {shortened(value)}: {self._needed(path, hint)}.")
-        return self._read(path, value, chosen[0] if chosen else options[0])
+    def _tuple(self, path: str, value: object, entries: tuple[Any, ...]) -> tuple[Any, ...]:
+        """Return a list of tables as a tuple, by the annotations of its `entries`: one for each, or one and ``...``."""
+        any_number = entries[-1] is ...
+        if not isinstance(value, list | tuple) or not (any_number or len(value) == len(entries)):
+            raise InvalidInput(f"{path} is {shortened(value)}: {_tables_to_give(entries)}.")
+        hints = (entries[0],) * len(value) if any_number else entries
+        return tuple(self.read(f"{path}[{n}]", *entry) for n, entry in enumerate(zip(value, hints, strict=True)))
 
-    def _table(self, path: str, value: object, target: Any, kinds: Mapping[str, type] | None = None) -> Any:
-        """Return a table as a dataclass; a key that is not known is refused, and read as the one likely meant."""
+    def _described(self, path: str, value: object, kinds: Mapping[str, type]) -> Any:
+        """Return a table, or the name of a kind, as the dataclass of the `kinds` that its key `kind` or its keys choose.
+
+        An unknown key is refused, and the key that it likely stands for is not missing.
+        """
         if is_dataclass(value):
             return value
+        if isinstance(value, str) and not NUMBER.fullmatch(value):
+            value = {"kind": value}
         if not isinstance(value, Mapping):
-            raise InvalidInput(f"it is {shortened(value)}: {self._needed(path, target, value)}.")
-        # the kind may be given although there is only one
-        table = {key: entry for key, entry in value.items() if (key, entry) != ("kind", target.__name__)}
+            raise InvalidInput(f"{path} is {shortened(value)}: {_table_to_give(path, kinds, value)}.")
+        target = _kind_of(path, value, kinds)
         names = {member.name: member for member in fields(target) if member.init}
-        unknown = sorted(table.keys() - names.keys())
-        meant = {key: _closest(key, names.keys() - table.keys()) for key in unknown}
-        table = {meant.get(key, key): entry for key, entry in table.items()}
-        arguments, before = {}, len(self.refusals)
-        owners = {key: name for name, kind in reversed([*(kinds or {}).items()]) if name for key in parameters(kind)}
+        unknown = sorted(value.keys() - names.keys() - {"kind"})
+        meant = {_closest(key, names.keys() - value.keys()) for key in unknown}
+        before = len(self.refusals)
+        arguments = {}
         for name, member in names.items():
             key, hint = f"{path}.{name}".lstrip("."), hint_of(target, name)
-            if name in table:
-                known = len(self.refusals)
-                arguments[name] = self.read(key, table[name], hint)
-                if name in meant.values():  # the file does not have this key
-                    del self.refusals[known:]
-            elif member.default is MISSING and member.default_factory is MISSING:
-                self.refusals.append((key, f"it is missing: {self._needed(key, hint)}."))
+            if name in value:
+                arguments[name] = self.read(key, value[name], hint)
+            elif member.default is MISSING and member.default_factory is MISSING and name not in meant:
+                self.refusals.append(f"{key}: it is missing: {self._needed(key, hint)}.")
         if unknown:
-            self.refusals.append((path, "; ".join(_unknown(key, names, owners.get(key)) for key in unknown) + "."))
-        return None if len(self.refusals) > before else target(**arguments)
+            owners = {key: name for name, kind in reversed([*kinds.items()]) if name for key in parameters(kind)}
+            sentences = "; ".join(_unknown(key, names, owners.get(key)) for key in unknown)
+            self.refusals.append(f"{path}: {sentences}.".removeprefix(": "))
+        if len(self.refusals) > before:
+            return None
+        try:
+            return target(**arguments)
+        except InvalidInput as error:
+            raise InvalidInput(f"{path}: {error}") from error
 
-    def _needed(self, path: str, hint: Any, value: object = None) -> str:
-        """Return what to give where a key is missing, or its `value` is of another form."""
-        if isinstance(value, list):
-            return "write the name of this table in single brackets, once"
-        kinds, plain = self._options(hint)
-        if plain or not kinds:
-            words = [
-                _list_of(option) if get_origin(option) is tuple else remedy(option).removeprefix("give ")
-                for option in plain
-            ]
-            return "give " + ", or ".join(words)
-        if value is not None and not isinstance(value, bool):
-            for kind in kinds.values():
-                for name in parameters(kind):
-                    with suppress(InvalidInput):
-                        valid("it", value, hint_of(kind, name))
-                        return f"give it as {path}.{name}"
-        if len(kinds) > 1:
-            return "give a table with a kind, one of " + ", ".join(filter(None, kinds))
-        (kind,) = kinds.values()
-        return "give a table of " + ", ".join(parameters(kind))
+    def _needed(self, path: str, hint: Any) -> str:
+        """Return what to give for a key that is missing."""
+        kinds, others = self._options(hint)
+        if not others:
+            return _table_to_give(path, kinds)
+        if get_origin(hint) is tuple and any(self._options(entry)[0] for entry in get_args(hint)):
+            return _tables_to_give(get_args(hint))
+        return "give " + ", or ".join(remedy(option).removeprefix("give ") for option in others)
 
 
-def _kind_of(table: Mapping[str, object], kinds: Mapping[str, type]) -> type:
-    """Return the kind that `table` names, else the only one that has its keys, or those that are likely meant."""
+def _at(path: str, sentence: str) -> str:
+    """Return a sentence on what stands at a `path`, which begins with it; the file itself has none."""
+    return f"{path}: {sentence}" if path else sentence
+
+
+def _table_to_give(path: str, kinds: Mapping[str, type], value: object = None) -> str:
+    """Return what to give for a table of one of `kinds`, where there is none, or a `value` of another form."""
+    if isinstance(value, list):
+        return "write the name of this table in single brackets, once"
+    if value is not None and not isinstance(value, bool):
+        for kind in kinds.values():
+            for name in parameters(kind):
+                with suppress(InvalidInput):
+                    valid(name, value, hint_of(kind, name))
+                    return f"give it as {path}.{name}"
+    if len(kinds) > 1:
+        return "give a table with a kind, one of " + ", ".join(filter(None, kinds))
+    (kind,) = kinds.values()
+    return "give a table of " + ", ".join(parameters(kind))
+
+
+def _tables_to_give(entries: tuple[Any, ...]) -> str:
+    """Return what to give for tables by the annotations of their `entries`: one for each, or one and ``...``."""
+    count = "tables" if entries[-1] is ... else f"{len(entries)} tables"
+    return f"give {count}, each below its name in double brackets"
+
+
+def _kind_of(path: str, table: Mapping[str, object], kinds: Mapping[str, type]) -> type:
+    """Return the kind that `table` names, else the one that has most of its keys, or of those likely meant by them."""
     named = {name: kind for name, kind in kinds.items() if name != NO_KIND}
-    if "kind" not in table:
-        default = kinds.get(NO_KIND)
-        known = {name for kind in named.values() for name in parameters(kind)}
-        likely = {key if key in known else _closest(key, known) or key for key in table}
-        matching_kinds = {kind for kind in named.values() if likely <= set(parameters(kind))}
-        if len(matching_kinds) == 1 and default not in matching_kinds:
-            return matching_kinds.pop()
-        own_fields = set(parameters(default)) if default is not None else set()
-        for name, kind in named.items():
-            foreign = set(parameters(kind)) & set(table) - own_fields
-            if default is not None and foreign and own_fields & set(table):
-                keys = ", ".join(sorted(own_fields & set(table) | foreign))
-                raise InvalidInput(f"it has {keys} together: give the keys of {default.__name__}, or those of {name}.")
-        if default is not None or len(named) == 1:
-            return default or next(iter(named.values()))
-        raise InvalidInput(f"it has no kind: {suggestion('None', named)}.")
-    chosen = table["kind"]
-    if not isinstance(chosen, str) or chosen not in named:
-        raise InvalidInput(f"its kind is {shortened(chosen)}: {suggestion(str(chosen), named)}.")
-    return named[chosen]
+    if "kind" in table:
+        chosen = table["kind"]
+        if not isinstance(chosen, str) or chosen not in named:
+            raise InvalidInput(_at(path, f"its kind is {shortened(chosen)}: {suggestion(str(chosen), named)}."))
+        return named[chosen]
+    known = {name for kind in named.values() for name in parameters(kind)}
+    keys = {key if key in known else _closest(key, known) for key in table}
+    counts = {kind: len(keys.intersection(parameters(kind))) for kind in named.values()}
+    most = [kind for kind, count in counts.items() if count == max(counts.values())]
+    if len(most) > 1 and kinds.get(NO_KIND) not in most:
+        raise InvalidInput(_at(path, f"it has no kind: {suggestion('None', named)}."))
+    return most[0] if len(most) == 1 else kinds[NO_KIND]
 
 
 def _closest(key: str, names: Collection[str]) -> str | None:
@@ -247,42 +227,31 @@ def _closest(key: str, names: Collection[str]) -> str | None:
     return next(iter(get_close_matches(key, sorted(names), n=1)), None)
 
 
-def _list_of(hint: Any) -> str:
-    """Return how a file writes what is a tuple in Python."""
-    first, *following = get_args(hint)
-    if kind_of(first) in (int, float, str) or get_origin(first) is tuple:
-        return "a list in brackets"
-    count = "tables" if following == [...] else f"{1 + len(following)} tables"
-    return f"{count}, each below its name in double brackets"
-
-
 def _unknown(key: str, names: Collection[str], owner: str | None) -> str:
     """Return a sentence on a key that is none of the `names`, without its full stop; `owner` is a kind that has it."""
     if owner:
         others = f"choose from {', '.join(names)}" if names else "leave it out"
         return f"{key!r} is a key of {owner}: give that kind, or {others}"
-    meant = SYMBOLS_OF_FIELDS.get(key, "")
-    remedy = suggestion(meant if meant in names else key, names) if names else "it has no keys, leave it out"
+    remedy = suggestion(_closest(key, names) or key, names) if names else "it has no keys, leave it out"
     return f"unknown key {key!r}: {remedy}"
 
 
 def likely_units(raw: object, path: str = "") -> Iterator[str]:
     """Yield a sentence for each number without a unit in the tables of a file that is likely in another one than SI."""
-    entries: Iterable[tuple[object, object]] = ()
+    entries: Iterable[tuple[str, object]] = ()
     if isinstance(raw, Mapping):
         entries = ((f"{path}.{key}".lstrip("."), entry) for key, entry in raw.items())
     elif isinstance(raw, list):
         entries = ((f"{path}[{n}]", entry) for n, entry in enumerate(raw))
     for name, entry in entries:
-        field = str(name).rpartition(".")[2]
         if isinstance(entry, bool) or not isinstance(entry, int | float):
-            yield from likely_units(entry, str(name))
+            yield from likely_units(entry, name)
             continue
-        largest, smaller = LARGE.get(field, (inf, ""))
-        least, si, larger = SMALL.get(field, (0.0, "m", ""))
+        field = name.rpartition(".")[2]
+        least, largest, si, meant = LIKELY.get(field, (0, inf, "", ""))
         is_light = field == "per_length" and not isinstance(entry, int)  # may well be meant
-        if largest <= abs(entry) < inf or (0 < entry < least and not is_light):
-            yield f"{name} is {entry!r}, which is {entry:g} {si}: was '{entry:g} {smaller or larger}' meant?"
+        if (0 < entry < least and not is_light) or largest <= abs(entry) < inf:
+            yield f"{name} is {entry!r}, which is {entry:g} {si}: was '{entry:g} {meant}' meant?"
 
 
 def with_cycles(raw: Mapping[str, Any]) -> dict[str, Any]:

@@ -51,10 +51,6 @@ class Dimple:
         """Diameter [m]."""
         return self.diameter
 
-    def density(self, pitch: tuple[float, float]) -> float:
-        """Return the dimpled fraction of the surface, ``pi d^2 / 4`` over the cell of the lattice."""
-        return pi / 4 * (self.diameter / pitch[0]) * (self.diameter / pitch[1])
-
 
 @validated
 class Groove:
@@ -78,10 +74,6 @@ class Groove:
     def size(self) -> float:
         """Width [m]."""
         return self.width
-
-    def density(self, pitch: tuple[float, float]) -> float:
-        """Return the grooved fraction of the surface."""
-        return self.width / min(pitch)
 
 
 @validated
@@ -119,8 +111,9 @@ class Texture:
 
     @property
     def area_density(self) -> float:
-        """Textured fraction of the surface."""
-        return self.feature.density(self.pitch)
+        """Textured fraction of the surface: ``pi d^2 / 4`` over the cell of the lattice, or a width over its pitch."""
+        across, along = (self.feature.size / pitch for pitch in self.pitch)
+        return pi / 4 * across * along if isinstance(self.feature, Dimple) else max(across, along)
 
     @property
     def length_scales(self) -> LengthScales:
@@ -129,10 +122,7 @@ class Texture:
             return LengthScales()
         size, (across, along) = self.feature.size, self.pitch
         finest = _narrowest(size, across), _narrowest(size, along)
-        period = along if along < inf else 0.0
-        # a depth over half the size, on the textured fraction of the surface
-        slope = 2 * self.feature.depth / size * self.area_density**0.5
-        return LengthScales(finest, period, period_across=across if across < inf else 0.0, slope=slope)
+        return LengthScales(finest, _finite(along), period_across=_finite(across))
 
     def gap(self, grid: Grid) -> Array:
         """Return depths [m] at the cell centres, of shape (x, y), or (nx, 1) for grooves along the length."""
@@ -145,6 +135,11 @@ class Texture:
         t = distance / (self.feature.size / 2)
         depth = self.feature.depth * flank(self.feature.profile, np.minimum(t, 1))
         return np.where(t < 1, depth, 0.0)
+
+
+def _finite(length: float) -> float:
+    """Return a pitch or wavelength [m] as a period; 0, which is no period, for an infinite one."""
+    return length if length < inf else 0.0
 
 
 def _narrowest(size: float, pitch: float) -> float:
@@ -193,15 +188,9 @@ class Waviness:
         """Length scales of the wave."""
         if self.amplitude == 0:
             return LengthScales()
-        period = self.along if self.along < inf else 0.0
-        slope = np.sqrt(2) * np.pi * abs(self.amplitude) * np.hypot(1 / self.across, 1 / self.along)
-        return LengthScales(
-            (self.across, self.along),
-            period,
-            period_across=self.across if self.across < inf else 0.0,
-            height=abs(self.amplitude),
-            slope=float(slope),
-        )
+        across, along = self.across, self.along
+        height = abs(self.amplitude)
+        return LengthScales((across, along), _finite(along), period_across=_finite(across), height=height)
 
     def gap(self, grid: Grid) -> Array:
         """Return the depth below the mean at the cell centres [m], of shape (x, y), or (nx, 1) without waves along."""
@@ -315,15 +304,13 @@ class Roughness:
         if not self.rms:
             return LengthScales()
         across, along = self._stretches
-        rms, slope = self._rms_height_and_slope()
         return LengthScales(
             shortest_wavelengths=(self.cut_off * across, self.cut_off * along),
             period=self.extent[1] if self.extent else 0.0,
             period_across=self.extent[0] if self.extent else 0.0,
             longest_wavelength=self._longest_wavelengths[1],
             longest_across=0.0 if self.extent else self._longest_wavelengths[0],
-            height=HEIGHT_OVER_RMS * rms,
-            slope=slope,
+            height=HEIGHT_OVER_RMS * self.rms_height,
         )
 
     @property
@@ -337,22 +324,24 @@ class Roughness:
         return self.roll_off * self._stretches[0], self.roll_off * self._stretches[1]
 
     @property
-    def _moments(self) -> tuple[float, float]:
-        """Integrals of ``k C`` and ``k^3 C`` over ``C``, the density below the roll-off, for height and slope."""
+    def rms_height(self) -> float:
+        """Root mean square of the height [m]; from an rms slope, that of the spectrum of an infinite surface."""
+        if isinstance(self.rms, Sa):
+            return self.rms.rms
+        if not isinstance(self.rms, RmsSlope):
+            return self.rms
+        # the integral of k^3 C over C, the density below the roll-off, for the slope as _height_moment for the height
         low, span, hurst = 2 * np.pi / self.roll_off, self.roll_off / self.cut_off, self.hurst
-        height = 1 / 2 + (1 - span ** (-2 * hurst)) / (2 * hurst)
-        return height, low**2 * (1 / 4 + (span ** (2 - 2 * hurst) - 1) / (2 - 2 * hurst))
-
-    def _rms_height_and_slope(self) -> tuple[float, float]:
-        """Return rms height [m] and rms slope, the missing one from the spectrum of an infinite surface."""
-        height, slope = self._moments
+        slope_moment = low**2 * (1 / 4 + (span ** (2 - 2 * hurst) - 1) / (2 - 2 * hurst))
         # along the lay waves are longer, and slopes less
         stretch = min(self.peklenik, 1 / self.peklenik)
-        ratio = float(np.sqrt(slope / height * (1 + stretch**2) / 2))
-        if isinstance(self.rms, RmsSlope):
-            return self.rms.slope / ratio, self.rms.slope
-        rms = self.rms.rms if isinstance(self.rms, Sa) else self.rms
-        return rms, rms * ratio
+        slope_over_height = float(np.sqrt(slope_moment / self._height_moment * (1 + stretch**2) / 2))
+        return float(self.rms.slope / slope_over_height)
+
+    @property
+    def _height_moment(self) -> float:
+        """Integral of ``k C`` over wave numbers k times `roll_off`, over C, the density below the roll-off."""
+        return float(1 / 2 + (1 - (self.roll_off / self.cut_off) ** (-2 * self.hurst)) / (2 * self.hurst))
 
     def with_extent_of(self, grid: Grid) -> Self:
         """Return this surface with the extent that it has on `grid`, so that it can be put on others."""
@@ -367,7 +356,7 @@ class Roughness:
         held = float(np.sqrt(self._fractions(extent).sum()))
         if held >= MOST_OF_HEIGHT:
             return ""
-        rms, sides = self._rms_height_and_slope()[0], " x ".join(map(readable, extent))
+        rms, sides = self.rms_height, " x ".join(map(readable, extent))
         return (
             f"Roughness.roll_off is {readable(self.roll_off)}: the waves that fit the surface's extent of {sides} hold "
             f"{held:.2g} of its rms height of {readable(rms)}, give an extent of some roll-offs, or the roll-off and "
@@ -446,7 +435,7 @@ class Roughness:
         """Return the spectral density at wave numbers `k` [1/m] across the lay; its integral over the plane is 1."""
         density = np.maximum(k * self.roll_off, 1) ** (-2 * (1 + self.hurst))
         density[k * self.cut_off > 1 + ROUNDING] = 0
-        return np.asarray(density * (self.roll_off**2 / (2 * np.pi * self._moments[0])))
+        return np.asarray(density * (self.roll_off**2 / (2 * np.pi * self._height_moment)))
 
     def _amplitudes(self, extent: tuple[float, float]) -> np.ndarray:
         """Return complex amplitudes [m] of half the plane of waves on a surface of that `extent` [m].
@@ -467,7 +456,7 @@ class Roughness:
             # a stream of its own for each wave number across, whose place is the one along
             stream = np.random.Philox(key=key, counter=[0, abs(number), number < 0, 0])
             row[:] = np.exp((2j * np.pi / 2**64) * stream.random_raw(row.size))
-        waves *= np.sqrt(2 * fractions) * self._rms_height_and_slope()[0]
+        waves *= np.sqrt(2 * fractions) * self.rms_height
         return waves
 
 

@@ -56,8 +56,6 @@ class LengthScales:
         shapes.
     height
         Height of the highest point above the mean [m].
-    slope
-        Root mean square of the slope.
     known_width
         Width [m] over which the shape is known, infinite for most.
     spacing
@@ -71,7 +69,6 @@ class LengthScales:
     longest_across: float = 0.0
     roller: float = 0.0
     height: float = 0.0
-    slope: float = 0.0
     known_width: float = inf
     spacing: tuple[float, float] | None = None
 

@@ -187,17 +187,14 @@ class MeasuredSurface:
         extent = self.extent or heights.shape
         steps = extent[0] / self.heights.shape[0], extent[1] / self.heights.shape[1]
         with np.errstate(over="ignore", invalid="ignore"):  # the solve reports heights that overflow
-            across, along = (np.diff(heights, axis=axis) / step for axis, step in enumerate(steps))
-            slope = float(np.sqrt(sum((slopes**2).mean() for slopes in (across, along) if slopes.size)))
             height = float(heights.max() - heights.mean())
         if self.extent is None:  # cell for cell: sizes are the grid's
             return LengthScales(height=height)
-        period = self.seam.lengths * extent[1]
+        varies_along = np.diff(heights, axis=1).any()
         return LengthScales(
-            shortest_wavelengths=(2 * steps[0], 2 * steps[1] if along.any() else inf),
-            period=period if along.any() else 0.0,
+            shortest_wavelengths=(2 * steps[0], 2 * steps[1] if varies_along else inf),
+            period=self.seam.lengths * extent[1] if varies_along else 0.0,
             height=height,
-            slope=slope,
             known_width=self.seam_across.lengths * extent[0],
             spacing=steps,
         )

@@ -30,18 +30,18 @@ def tolerance_text(tolerance: float) -> str:
     return f"{tolerance:.0e}".replace("e-0", "e-")
 
 
-def setting_text(one: Measured) -> str:
+def setting_text(result: Measured) -> str:
     """Return a setting in words."""
-    padding, cells = padding_name(one.setting.label), cells_text(one.setting.cells)
-    return f"{padding}, {cells}, tolerance {tolerance_text(one.setting.tolerance)}"
+    padding, cells = padding_name(result.setting.label), cells_text(result.setting.cells)
+    return f"{padding}, {cells}, tolerance {tolerance_text(result.setting.tolerance)}"
 
 
-def bound_text(verdict: Verdict, one: Measured) -> str:
+def bound_text(verdict: Verdict, result: Measured) -> str:
     """Return the bound of a setting with what it is of, and the measured difference."""
-    bound = verdict.bound(one)
-    where = "in L1" if verdict.measure == PRESSURE else one.worst
+    bound = verdict.bound(result)
+    where = "in L1" if verdict.measure == PRESSURE else result.worst
     reached = f"error at most {percent(bound)} {where}" if isfinite(bound) else "an error without a bound"
-    return f"{reached}, measured difference {percent(one.difference)}"
+    return f"{reached}, measured difference {percent(result.difference)}"
 
 
 def claim(verdict: Verdict) -> str:
@@ -64,9 +64,9 @@ def explanation(verdict: Verdict) -> Iterator[str]:
     best, meeting = verdict.best(), verdict.meeting()
     if verdict.measure == PRESSURE:
         error = (best or verdict.nearest).error
-        here = f", here up to {percent(error)}" if isfinite(error) else ""
-        yield f"Other numbers of the answer may have larger errors{here}."
-    along = {one.setting.label: one.setting.cells[1] for one in verdict.settings}
+        largest_error = f", here up to {percent(error)}" if isfinite(error) else ""
+        yield f"Other numbers of the answer may have larger errors{largest_error}."
+    along = {result.setting.label: result.setting.cells[1] for result in verdict.settings}
     if min(along.values()) == 1:
         yield "Nothing varies along the length, so that one cell along it is enough."
         if (copied := along.get("duplicated", 1)) > 1:
@@ -74,20 +74,20 @@ def explanation(verdict: Verdict) -> Iterator[str]:
             yield "The period is free too: over 100 half-widths every padding has the cells' error alone."
     if best is not None:
         fastest: dict[str, Measured] = {}
-        for one in meeting:
-            fastest.setdefault(one.setting.label, one)
-        ratios = [(padding_name(label), one.seconds / best.seconds) for label, one in fastest.items()]
+        for result in meeting:
+            fastest.setdefault(result.setting.label, result)
+        ratios = [(padding_name(label), result.seconds / best.seconds) for label, result in fastest.items()]
         ratios = [pair for pair in ratios if pair[0] != padding_name(best.setting.label)]
         if ties := [name for name, ratio in ratios if ratio <= TIE]:
             whose = ", which goes to the scene's own padding" * (best.setting.label == verdict.own)
             yield f"As fast within {percent(TIE - 1)}, or but for the set-up, a tie{whose}: {', '.join(ties)}."
         if slower := [f"{name} ({ratio:.2g} times)" for name, ratio in ratios if ratio > TIE]:
             yield f"Slower: {', '.join(slower)}."
-    kept = {one.setting.label for one in meeting}
+    labels = {result.setting.label for result in meeting}
     bounds: dict[str, float] = {}
-    for one in verdict.settings:
-        bounds[one.setting.label] = min(verdict.bound(one), bounds.get(one.setting.label, inf))
-    if missed := [f"{padding_name(label)} ({percent(of)})" for label, of in bounds.items() if label not in kept]:
+    for result in verdict.settings:
+        bounds[result.setting.label] = min(verdict.bound(result), bounds.get(result.setting.label, inf))
+    if missed := [f"{padding_name(label)} ({percent(of)})" for label, of in bounds.items() if label not in labels]:
         yield f"Not kept on any grid that was tried, with the least bound: {', '.join(missed)}."
     if verdict.own in ("free ends", "repeating across and along"):
         yield f"The scene has {verdict.own}: no other padding is that contact, and none was tried."
@@ -117,25 +117,25 @@ def _front(verdict: Verdict) -> CaptionedFigure:
     """Draw the bounds of all settings over their times."""
     of = "bound of the L1 error" if verdict.measure == PRESSURE else "the largest bound of a number"
     seconds = xr.DataArray(
-        [one.seconds for one in verdict.settings], name="time",
+        [result.seconds for result in verdict.settings], name="time",
         attrs={"units": "s", "long_name": "processor time of a solve"},
     )  # fmt: skip
     unit, across = scaled(seconds)
     fig, (ax,) = panels(1, width=WIDTH, height=5.0)
     styles = ("-", "--", ":", "-.", (0, (1, 3)), (0, (5, 1, 1, 1, 1, 1)))
     lines: dict[str, list[Measured]] = {}
-    for one in sorted(verdict.settings, key=lambda one: one.setting.cells):
-        if isfinite(verdict.bound(one)):
-            lines.setdefault(one.setting.label, []).append(one)
-    seen, best = Counter[str](), verdict.best()
+    for result in sorted(verdict.settings, key=lambda result: result.setting.cells):
+        if isfinite(verdict.bound(result)):
+            lines.setdefault(result.setting.label, []).append(result)
+    drawn, best = Counter[str](), verdict.best()
     for label, line in lines.items():
         name = label.partition(",")[0]
-        style: dict[str, Any] = padding_style(name) | {"ls": styles[seen[name] % len(styles)]}
-        seen[name] += 1
+        style: dict[str, Any] = padding_style(name) | {"ls": styles[drawn[name] % len(styles)]}
+        drawn[name] += 1
         width = {"lw": 3.0, "ms": 7, "zorder": 4} if label == verdict.own else {"lw": 1.0, "ms": 4}
-        times = np.array([one.seconds for one in line]) / unit
-        bounds = 100 * np.array([verdict.bound(one) for one in line])
-        shown = {*pareto_front(times, bounds), *(k for k, one in enumerate(line) if one is best)}
+        times = np.array([result.seconds for result in line]) / unit
+        bounds = 100 * np.array([verdict.bound(result) for result in line])
+        shown = {*pareto_front(times, bounds), *(k for k, result in enumerate(line) if result is best)}
         front = sorted(shown, key=times.__getitem__)
         ax.loglog(times[front], bounds[front], label=padding_name(label), **style | width)
         if images := label.partition("n = ")[2]:
@@ -160,12 +160,12 @@ def _front(verdict: Verdict) -> CaptionedFigure:
     )
 
 
-def _row(verdict: Verdict, one: Measured) -> tuple[str, ...]:
+def _row(verdict: Verdict, result: Measured) -> tuple[str, ...]:
     """Return padding, grid, tolerance, bound, difference and time of a setting."""
-    setting = one.setting
+    setting = result.setting
     return (
         padding_name(setting.label), cells_text(setting.cells), tolerance_text(setting.tolerance),
-        percent(verdict.bound(one)), percent(one.difference), seconds_text(one.seconds),
+        percent(verdict.bound(result)), percent(result.difference), seconds_text(result.seconds),
     )  # fmt: skip
 
 
@@ -175,12 +175,12 @@ HEAD = ("padding", "grid", "tolerance", "error at most", "difference", "time")
 def _fastest(verdict: Verdict) -> Table:
     """Return the fastest setting for the requested error, and for others that settings which were tried keep."""
     errors = sorted({*DECADES, verdict.error}, reverse=True)
-    chosen = [(error, one) for error in errors if (one := verdict.best(error)) is not None]
+    chosen = [(error, result) for error in errors if (result := verdict.best(error)) is not None]
     rows = [
-        (percent(error), *_row(verdict, one))
-        for k, (error, one) in enumerate(chosen)
+        (percent(error), *_row(verdict, result))
+        for k, (error, result) in enumerate(chosen)
         # a setting that also keeps a smaller error stands there alone
-        if error == verdict.error or k + 1 == len(chosen) or chosen[k + 1][1] is not one
+        if error == verdict.error or k + 1 == len(chosen) or chosen[k + 1][1] is not result
     ]
     return Table(
         "The fastest setting for each error, of those that were tried. Times are the least processor times of a solve "
@@ -194,14 +194,14 @@ def _fastest(verdict: Verdict) -> Table:
 def _paddings(verdict: Verdict) -> Table:
     """Return every padding on the grid of the verdict."""
     chosen = (verdict.best() or verdict.nearest).setting
-    same = [
-        one for one in verdict.settings
-        if (one.setting.cells, one.setting.tolerance) == (chosen.cells, chosen.tolerance)
-    ] or [one for one in verdict.settings if one.setting.cells == chosen.cells]  # fmt: skip
-    rows = sorted(same, key=lambda one: one.seconds)
+    same_cells = [
+        result for result in verdict.settings
+        if (result.setting.cells, result.setting.tolerance) == (chosen.cells, chosen.tolerance)
+    ] or [result for result in verdict.settings if result.setting.cells == chosen.cells]  # fmt: skip
+    rows = sorted(same_cells, key=lambda result: result.seconds)
     return Table(
         f"Every padding on {cells_text(chosen.cells)}: the bound of its error, and the measured L1 difference of its "
         f"pressure to {verdict.reference}.",
         HEAD,
-        tuple(_row(verdict, one) for one in rows),
+        tuple(_row(verdict, result) for result in rows),
     )

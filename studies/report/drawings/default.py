@@ -198,7 +198,7 @@ def errors_against_reference(dataset: xr.Dataset, names: Sequence[str]) -> Seque
         ),
     )  # fmt: skip
     made = (draw(drawn, plot) for plot in plots)
-    return tuple(one for one in made if one is not None)
+    return tuple(figure for figure in made if figure is not None)
 
 
 def _bounds_of_reference(true: xr.Dataset, names: Sequence[str]) -> str:

@@ -14,8 +14,8 @@ def _count(dataset: xr.Dataset, verdict: int) -> int:
 
 def _wrong(dataset: xr.Dataset) -> str:
     """Return how many are wrong, and of which cases."""
-    wrong = (dataset["verdict"] == NEITHER).any("padding").values
-    names = ", ".join(map(str, dataset["case"].values[wrong]))
+    failed = (dataset["verdict"] == NEITHER).any("padding").values
+    names = ", ".join(map(str, dataset["case"].values[failed]))
     return f"{_count(dataset, NEITHER)} do neither" + (f" ({names})" if names else "")
 
 

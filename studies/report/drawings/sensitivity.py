@@ -49,12 +49,12 @@ def table(sweep: xr.Dataset, names: Sequence[str]) -> Table:
     changes, rows = changes_in(sweep), []
     for name in _present(changes, names):
         size, unit, order = _scale(changes, name)
-        for one in order:
-            at = changes.isel(number=int(one))
-            found, bound = at[f"{name}_change"].values, float(at[f"{name}_change_bound"].max())
-            note = "within the bound" if np.nanmax(np.abs(found)) <= bound else ""
+        for varied_name in order:
+            at = changes.isel(number=int(varied_name))
+            change_values, bound = at[f"{name}_change"].values, float(at[f"{name}_change_bound"].max())
+            note = "within the bound" if np.nanmax(np.abs(change_values)) <= bound else ""
             note = "no bound" if bound == inf else note
-            texts = [f"{value / size:.3g}" for value in (*found, bound)]
+            texts = [f"{value / size:.3g}" for value in (*change_values, bound)]
             rows.append((name, *(str(at[key].values) for key in ("number", "change")), *texts, unit, note))
     head = ("quantity", "number", "as given", LOWERED, RAISED, "bound", "unit", "note")
     return Table("Changes as each number is lowered and raised alone.", head, tuple(rows))
@@ -68,13 +68,13 @@ def _present(changes: xr.Dataset, names: Sequence[str]) -> list[str]:
 
 def _scale(changes: xr.Dataset, name: str) -> tuple[float, str, np.ndarray]:
     """Return size and name of the unit of a change, per cent of a quantity but zero, and the order of the numbers."""
-    change, given = changes[f"{name}_change"], abs(float(changes[name]))
+    change, original = changes[f"{name}_change"], abs(float(changes[name]))
     order = abs(change).max("side").fillna(0).values.argsort(kind="stable")[::-1]
-    return (given / 100, "%", order) if given else (*display_unit_of(change, change.attrs["units"]), order)
+    return (original / 100, "%", order) if original else (*display_unit_of(change, change.attrs["units"]), order)
 
 
 def _headline(changes: xr.Dataset, name: str) -> str:
     """Return label, value and bound of a quantity of the scene as given."""
-    given, bound, about = float(changes[name]), float(changes[f"{name}_bound"]), changes[name].attrs
-    known = "no bound" if bound == inf else f"± {percent(bound / given)}" if given else ""
-    return f"{fill(about.get('long_name', name), 44)}\n{readable(given, about['units'])}, {known}".rstrip(", ")
+    original, bound, about = float(changes[name]), float(changes[f"{name}_bound"]), changes[name].attrs
+    certainty = "no bound" if bound == inf else f"± {percent(bound / original)}" if original else ""
+    return f"{fill(about.get('long_name', name), 44)}\n{readable(original, about['units'])}, {certainty}".rstrip(", ")

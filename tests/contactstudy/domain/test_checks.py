@@ -20,6 +20,17 @@ def test_a_misspelt_keyword_is_answered_with_the_right_one() -> None:
     assert list(signature(cs.Cylinder).parameters) == ["radius"]
 
 
+def test_of_a_long_history_a_message_has_the_first_numbers() -> None:
+    times = (*map(float, range(500)), 0.0)
+    with pytest.raises(
+        cs.InvalidInput, match=r"^SpeedHistory\.times is \(0\.0, 1\.0, .*, \.\.\.\): give asc"
+    ) as refused:
+        cs.SpeedHistory(times, times)
+    assert len(str(refused.value)) < 120
+    with pytest.raises(cs.InvalidInput, match=r"is \(0\.0, 1\.0, 0\.5\): give"):
+        cs.SpeedHistory((0.0, 1.0, 0.5), (1.0, 1.0, 1.0))
+
+
 # What a docstring says of a number: above or at least 0, and what it is below, or goes up to.
 LIMITS = re.compile(r"(above|at least) (?:zero|0)\b(?: and (below|up to) (\d(?:\.\d+)?))?")
 

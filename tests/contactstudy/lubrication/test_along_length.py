@@ -64,16 +64,13 @@ def test_the_balance_of_the_film_changes_by_its_derivatives() -> None:
 def test_the_local_stage_changes_the_way_to_a_film_and_not_the_film(
     along: int, period: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Lines along short cells, where they are compiled, lines across, and factors."""
+    """Lines across short and long cells, and factors."""
     scene = by_moes(20, 5, crossed(0.3 * film_scale(by_moes(20, 5))))
-    films = [solve_lubricated(scene, grid(64, 4.0, along, period))]
-    for name, stage in (("compiled_sweep", lambda: None), ("_by_lines", linear_solvers._by_factors)):
-        monkeypatch.setattr(linear_solvers, name, stage)
-        films.append(solve_lubricated(scene, grid(64, 4.0, along, period)))
-    *by_lines, by_factors = films
-    for film in by_lines:
-        assert film.film == pytest.approx(by_factors.film, rel=1e-6)
-        assert film.linear_iterations < 2 * by_factors.linear_iterations
+    by_lines = solve_lubricated(scene, grid(64, 4.0, along, period))
+    monkeypatch.setattr(linear_solvers, "_by_lines", linear_solvers._by_factors)
+    by_factors = solve_lubricated(scene, grid(64, 4.0, along, period))
+    assert by_lines.film == pytest.approx(by_factors.film, rel=1e-6)
+    assert by_lines.linear_iterations < 2 * by_factors.linear_iterations
 
 
 def test_a_film_of_a_short_contact_is_as_wide_as_the_dry_contact() -> None:
@@ -129,17 +126,3 @@ def test_stress_below_the_surface_takes_pressure_and_friction() -> None:
     # shear that enters at the surface passes through every depth of a wide strip; z points into the body, and the stress
     # on a surface that faces -z is that on the film, against the body's motion
     assert change == pytest.approx(float(dragged["shear"].sum()), rel=0.1)
-
-
-def test_a_sweep_downstream_solves_every_line_with_what_lies_upstream() -> None:
-    sweep = linear_solvers.compiled_sweep() or pytest.skip("without numba the lines are solved by other means")
-    rows, columns = 4, 5
-    diagonal, *neighbours = np.random.default_rng(1).uniform(0.1, 1.0, (5, rows, columns))
-    diagonal += 4
-    matrix = np.diag(diagonal.ravel())
-    for (across, along), coefficients in zip(((0, -1), (0, 1), (-1, 0), (-2, 0)), neighbours, strict=True):
-        for i, j in np.argwhere(coefficients[: rows + across]) - (across, 0):
-            matrix[i * columns + j, (i + across) * columns + (j + along) % columns] = coefficients[i, j]
-    right = np.random.default_rng(2).random((rows, columns))
-    solution = sweep(diagonal, *neighbours, right)
-    np.testing.assert_allclose(matrix @ solution.ravel(), right.ravel(), rtol=1e-12)

@@ -16,7 +16,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.answers.answer import Answer
-from contactstudy.scene import scene as methods
+from contactstudy.scene import combinations as methods
 from contactstudy.solving import PROBLEM, SOLVED_BY
 from tests.conftest import STEEL
 

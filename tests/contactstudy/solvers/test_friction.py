@@ -5,8 +5,8 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.elasticity.tangential import shear_response
-from contactstudy.solvers.coulomb import FrictionSet
-from contactstudy.solvers.fretting import SlipStep, slip_step
+from contactstudy.solvers.coulomb import FrictionSet, SlipStep
+from contactstudy.solvers.fretting import slip_step
 
 FREE = cs.ZeroPadding(), cs.ZeroPadding()
 GRID = cs.Grid((24, 12), (2.2, 2.2))

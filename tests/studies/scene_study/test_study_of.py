@@ -115,7 +115,7 @@ def test_the_fields_of_a_part_are_set_in_every_order(smooth: Path) -> None:
 
 def test_the_axes_that_a_person_writes_twice_or_wrongly_are_named(rough: Path) -> None:
     for vary, said in (
-        ({"load": "50 N/mm"}, "load: it is '50 N/mm': give it as load.per_length"),
+        ({"load": "50 N/mm"}, "load is '50 N/mm': give it as load.per_length"),
         ({"load.per_lenght": "50 N/mm"}, "did you mean"),
         ({"load.per_length": "50 MPa"}, "a load per length"),
         ({"load.per_length": "50 N/mm,"}, "lacks a value"),
@@ -126,7 +126,7 @@ def test_the_axes_that_a_person_writes_twice_or_wrongly_are_named(rough: Path) -
         ({"shapes.0.rms": "1 um"}, r"shapes\[0\]: 'rms' is a key of Roughness: give that kind, or choose from radius"),
         ({"friction": "Sliding"}, r"friction\.coefficient: it is missing"),
         ({"images": [1], "padding": [cs.ExactPeriodicity()]}, "'images' is a key of Superposition: give that kind"),
-        ({"grid.cells": "48"}, r"grid.cells: it is 48: give a list in brackets"),
+        ({"grid.cells": "48"}, r"grid.cells is 48: give \[a whole number of at least 2, "),
         ({"surfaces": "*.x3p"}, "MeasuredSurface"),
         ({"plan.error": "0.1:0.2:1000001"}, "plan.error has 1000001 values, more than 1000000: give fewer"),
         ({}, "has nothing to vary"),

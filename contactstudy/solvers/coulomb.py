@@ -185,7 +185,7 @@ class FullSliding:
         lagged = solve_with_mixing(
             problem, lambda p: self.coefficient * coupling(p), options, start, device, MAX_SLIDING_ITERATIONS
         )
-        solution, applications = lagged.of(problem), lagged.outer_iterations
+        solution, applications = lagged.solution_of(problem), lagged.outer_iterations
         return replace(
             solution,
             convolutions=solution.convolutions + applications,

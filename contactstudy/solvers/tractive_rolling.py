@@ -127,7 +127,9 @@ class TractiveShear:
             return self.coupling.gap(rolling.shear)
 
         if self.coupling is not None:
-            normal = solve_with_mixing(problem, gap_change, options, start, device, MAX_COUPLED_ITERATIONS).of(problem)
+            normal = solve_with_mixing(problem, gap_change, options, start, device, MAX_COUPLED_ITERATIONS).solution_of(
+                problem
+            )
         else:
             normal = solve_contact(problem, options, start, device)
             if normal.pressure.any():

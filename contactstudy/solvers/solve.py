@@ -1,10 +1,10 @@
 """Solve a contact problem: options, checks and status; and a contact whose gap depends on its own pressure.
 
 A solve passes a dimensionless problem to an iteration (:mod:`contactstudy.solvers.conjugate_gradients`), which may run
-on another device. A problem that names friction or adhesion is passed on to their solvers, which come back here for each
-contact without them. A displacement by the pressure that has no place in a symmetric operator is lagged: a fixed-point
-iteration adds it to the undeformed gap of the next contact. Its mixing is that of Anderson (1965), in the form of Walker
-& Ni (2011), eq. 2.2.
+on another device. A problem that names friction or adhesion is passed on to their solvers, which come back here for
+each contact without them. A displacement by the pressure that has no place in a symmetric operator is lagged: a
+fixed-point iteration adds it to the undeformed gap of the next contact. Its mixing is that of Anderson (1965), in the
+form of Walker & Ni (2011), eq. 2.2.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -254,8 +254,8 @@ def fixed_point(
 
     A state is what a map finds at an iterate: an object with the attributes ``iterate`` and ``image``, arrays of one
     shape. The next iterate is the combination of the last ones whose step, ``image - iterate``, is smallest, moved by
-    that step. After a first state, and in place of an iterate that is rejected, it is the plain image of the last state,
-    and the mixing begins anew.
+    that step. After a first state, and in place of an iterate that is rejected, it is the plain image of the last
+    state, and the mixing begins anew.
 
     Parameters
     ----------
@@ -351,9 +351,9 @@ def solve_with_mixing(
     """Return the solution of a problem with a displacement that follows from its own pressure, by fixed-point iteration.
 
     Each outer iteration solves the contact with the mixed displacements under the pressures before, until the one under
-    the last pressure changes the gap in the contact by at most the tolerance, in units of ``problem.scales.gap``, or the
-    pressure changes by at most `PRESSURE_CHANGE` tolerances. It also converges where the map from one displacement to
-    the next is no contraction. The status is :attr:`~contactstudy.Status.NOT_CONVERGED` where neither is reached.
+    the last pressure changes the gap in the contact by at most the tolerance, in units of ``problem.scales.gap``, or
+    the pressure changes by at most `PRESSURE_CHANGE` tolerances. It also converges where the map from one displacement
+    to the next is no contraction. The status is :attr:`~contactstudy.Status.NOT_CONVERGED` where neither is reached.
 
     Parameters
     ----------
@@ -373,7 +373,7 @@ def solve_with_mixing(
         return LaggedSolution(solve_contact(problem, options, start, device))
 
     def state_at(added: Array, last: _LaggedState | None) -> _LaggedState:
-        """Return the contact with a displacement `added` to its gap, which begins with the pressure of the `last` one."""
+        """Return the contact with a displacement `added` to its gap, from the pressure of the `last` one on."""
         before = start if last is None else last.solution.pressure
         loose = FIRST_TOLERANCE if last is None else min(INNER_REDUCTION * last.gap_change, FIRST_TOLERANCE)
         inner = replace(options, tolerance=max(options.tolerance, loose))

@@ -28,10 +28,12 @@ from contactstudy.solvers.plasticity import (
 )
 from contactstudy.solvers.solution import CoupledSolution, Solution, Status, net_pressure
 
-# The first volume holds the columns of cells in contact and a MARGIN of their width on both sides. Since a step is
-# repeated in a larger volume where yield reaches its edge, this changes the time and not the accuracy.
-MARGIN = 0.15
-# Fraction of its width or depth by which a volume then grows, with the same effect.
+# The first volume holds the columns of cells in contact and a MARGIN of their width on both sides, and grows until the
+# elastic von Mises stress at its edge is below NEAR_YIELD of the yield stress. Since a step is repeated in a larger volume
+# where yield reaches its edge, both change the time and not the accuracy. Without the elastic stress, one step to a load of
+# four times that of first yield takes three times as long.
+MARGIN, NEAR_YIELD = 0.15, 0.9
+# Fraction of its width or depth by which a volume grows, with the same effect.
 GROWTH = 0.3
 
 
@@ -194,6 +196,16 @@ class PlasticState:
         pressure = net_pressure(self.elastic.pressure, self.elastic.adhesion)
         volume = first_volume(problem.grid, self._length, pressure)
         self.operators = [operator_on(volume, body.moduli) for body in self.bodies]
+        while self._grown([self._elastic_excess(number, pressure) for number in range(len(self.bodies))]):
+            pass
+
+    def _elastic_excess(self, number: int, pressure: Array) -> Array:
+        """Return the elastic von Mises stress (layers, x, y) [Pa] of a body less `NEAR_YIELD` of its yield stress."""
+        body, operator = self.bodies[number], self.operators[number]
+        stress = operator.stress_of_pressure(pressure)
+        if self._slides:
+            stress += self._stress_of_traction(body, operator, self.elastic)
+        return np.asarray(np.sqrt(1.5 * (stress**2).sum(axis=0)) - NEAR_YIELD * body.hardening.yield_stress)
 
     def start(self, shape: tuple[int, int]) -> State:
         """Return a state without plastic strain."""

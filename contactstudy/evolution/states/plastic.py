@@ -11,8 +11,12 @@ from numpy.typing import NDArray
 from contactstudy.domain.device import Precision
 from contactstudy.domain.grid import Array, Grid
 from contactstudy.domain.validation import InvalidInput
-from contactstudy.elasticity.eigenstrain.fourier_modes import EigenstrainOperator, Moduli, Volume
-from contactstudy.elasticity.eigenstrain.plane_strain_operator import PlaneStrainOperator
+from contactstudy.elasticity.eigenstrain.plane_strain_operator import (
+    EigenstrainOperator,
+    Moduli,
+    PlaneStrainOperator,
+    Volume,
+)
 from contactstudy.elasticity.kernels.stress import COMPONENTS
 from contactstudy.evolution.states.state_variables import State
 from contactstudy.problem.constraint import largest_of
@@ -29,9 +33,9 @@ from contactstudy.solvers.plasticity import (
 from contactstudy.solvers.solution import CoupledSolution, Solution, Status, net_pressure
 
 # The first volume holds the columns of cells in contact and a MARGIN of their width on both sides, and grows until the
-# elastic von Mises stress at its edge is below NEAR_YIELD of the yield stress. Since a step is repeated in a larger volume
-# where yield reaches its edge, both change the time and not the accuracy. Without the elastic stress, one step to a load of
-# four times that of first yield takes three times as long.
+# elastic von Mises stress at its edge is below NEAR_YIELD of the yield stress. Since a step is repeated in a larger
+# volume where yield reaches its edge, both change the time and not the accuracy: without the elastic stress, one step to
+# four times the load of first yield takes three times as long.
 MARGIN, NEAR_YIELD = 0.15, 0.9
 # Fraction of its width or depth by which a volume grows, with the same effect.
 GROWTH = 0.3

@@ -491,7 +491,7 @@ class OuterStrain:
         return np.asarray((by_left + PARITIES[:, None, None] * by_right[..., ::-1])[..., None])
 
     def _seen_from_inside(self, left: Array, right: Array) -> Array:
-        """Return the in-plane strains (side, 3, layers) of the profiles, that on the right as if mirrored to the left."""
+        """Return the in-plane strains (side, 3, layers) of the profiles, the right one mirrored."""
         return np.stack((self.operator.in_plane(left), PARITIES[:, None] * self.operator.in_plane(right)))
 
     @cached_property

@@ -18,6 +18,7 @@ from scipy import fft
 from contactstudy.domain.device import threads
 from contactstudy.domain.grid import Array
 from contactstudy.elasticity.eigenstrain.fourier_modes import (
+    BASIS,
     Complex,
     Components,
     TractionWave,
@@ -26,7 +27,6 @@ from contactstudy.elasticity.eigenstrain.fourier_modes import (
     stress_under_shear,
 )
 from contactstudy.elasticity.eigenstrain.plane_strain_operator import (
-    PLANE_STRAIN_BASIS,
     LayerConvolution,
     Moduli,
     PlaneStrainOperator,
@@ -91,8 +91,6 @@ def _integrals(x: Array, z: Array) -> tuple[Array, Array]:
     )
 
 
-# The tensors of plane strain, then sqrt(2) xy and sqrt(2) yz, in terms of xx, yy, zz, yz, xz, xy.
-BASIS = np.vstack((PLANE_STRAIN_BASIS, np.eye(6)[[5, 3]] / 2**0.5))
 # A wave with wave number k along the length decays across like exp(-k |x|). The period across is so long that its
 # repeated image has at most this fraction of it.
 WRAP = 1e-8
@@ -108,7 +106,7 @@ class PeriodicOperator:
     length is plane strain and antiplane shear, in closed form on an infinite axis. The part that varies along it is a
     sum of waves that repeat across, with periods so long that an image contributes at most the fraction `WRAP`. Waves
     longer than two cells act on all layers. Shorter waves, which represent the edges of cells, act on their own layer
-    and on those at most `NEAR` cells away, a constant of the module `fourier_modes`.
+    and on its neighbours.
 
     Fields written (..., orders) are transformed along the length alone; (..., period, orders) are transformed across
     too.
@@ -287,7 +285,7 @@ def _groups(volume: Volume, moduli: Moduli) -> Iterator[WaveGroup]:
             window,
             (np.arange(window.start, window.stop) - volume.first) % period,
             np.where(2 * numbers == ny, 1, 2) / period,
-            Waves.from_orders(volume, moduli, numbers, period),
+            Waves(volume, moduli, numbers, period),
         )
 
 

@@ -169,7 +169,7 @@ def test_what_does_not_vary_along_the_length_is_plane_strain() -> None:
 def test_waves_add_up_to_the_closed_forms_of_an_infinite_axis() -> None:
     cells, period = 12, 1501
     volume = Volume(Grid((cells, 1), (12.0, 1e9)), 0, cells, (0.0, 0.7, 1.4, 2.1, 3.5, 4.5))
-    waves = Waves.from_orders(volume, STEEL, np.array([1e-3]), period)
+    waves = Waves(volume, STEEL, np.array([1e-3]), period)
     x, z = volume.grid.x[:, None], volume.depths[:, None, None]
     shape = np.exp(-((x / 3) ** 2) - ((z - 2) / 1.5) ** 2)
     strain = np.array([0.3, -0.5, 0.8, 0.6, -0.4])[:, None, None, None] * shape

@@ -36,6 +36,8 @@ GROUPED = {mark: re.compile(rf"[-+]?[1-9]\d{{0,2}}(?:\{mark}\d{{3}})+") for mark
 # Number of lines from the end of a file that decide on its separator and its decimal sign. Headers stand before them,
 # and so many lines of a rough surface hold numbers of every form that the file has.
 SAMPLE_LINES = 80
+# Number of lines above a table in which its columns may be named: names, units, and a line of dashes or of numbers.
+NAME_LINES = 3
 
 
 @dataclass(frozen=True)
@@ -61,9 +63,11 @@ class TextTable:
 
 
 def decoded(data: bytes) -> str | None:
-    """Return the text of a file in UTF-8, UTF-16 or Windows-1252, with look-alikes as one; None for a binary file.
+    """Return the text of a file in UTF-8, UTF-16 or Windows-1252; None for a binary file.
 
-    UTF-16 is known by its byte order mark. No text has bytes below 7, the bell.
+    UTF-16 is known by its byte order mark. No text has bytes below 7, the bell. Characters that look alike become one:
+    all dashes a hyphen, full-width and half-width forms plain ones, the Greek letter of "µm" an u, and a quotation mark
+    in brackets "in" for inches.
     """
     is_utf16 = data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     if not is_utf16 and re.search(rb"[\0-\6]", data):
@@ -107,6 +111,42 @@ def table(name: str, text: str, decimal: str | None) -> TextTable:
     if not any(row[-1] for row in rows if len(row) > 1):  # each line ends with a separator
         rows = [row[:-1] or row for row in rows]
     values = [[_number(cell, decimal) for cell in row] for row in rows]
+    first, last = _place_of_table(name, lines, rows, values)
+    around = [*lines[:first], *lines[last:]]
+    if decimal == ",":
+        around = [re.sub(r"(?<=\d),(?=\d)", ".", line) for line in around]
+    numbers = np.array(values[first:last], dtype=float)
+    # blank lines separate parts of the table, unless one follows every line
+    blocks = 1 + sum(after - before > 1 for (before, _), (after, _) in pairwise(numbered[first:last]))
+    return TextTable(
+        np.where(np.isfinite(numbers), numbers, nan),
+        around,
+        _column_names(lines[max(first - NAME_LINES, 0) : first], numbers.shape[1], separator),
+        blocks if blocks <= len(numbers) / 2 else 1,
+    )
+
+
+def _place_of_table(
+    name: str, lines: list[str], rows: list[list[str]], values: list[list[float | None]]
+) -> tuple[int, int]:
+    """Return the numbers of the first line of the table and of the line after its last one.
+
+    Parameters
+    ----------
+    name
+        Path of the file, for messages.
+    lines
+        Lines of the file that are not blank.
+    rows
+        Cells of each of these lines.
+    values
+        Their numbers, nan for a missing point and None for what is no number.
+
+    Raises
+    ------
+    InvalidInput
+        If no line holds numbers alone, or one between the first and the last that do has other or fewer numbers.
+    """
     is_numeric = [None not in row for row in values]
     numeric = zip(rows, is_numeric, lines, strict=True)
     lengths = Counter(len(row) for row, fits, line in numeric if fits and re.search(r"\d", line))
@@ -117,6 +157,7 @@ def table(name: str, text: str, decimal: str | None) -> TextTable:
         )
     count = max(lengths, key=lambda length: (lengths[length] * length, length))
     fitting = [fits and len(row) == count for fits, row in zip(is_numeric, rows, strict=True)]
+    # one or two numbers alone may be a count or a size above the table, and of more some may lack
     first = next(n for n, row in enumerate(rows) if is_numeric[n] and (fitting[n] or (len(row) > 2 and any(row))))
     # a line of digits and marks is one of the table, even if its numbers cannot be read
     last = max(n for n, line in enumerate(lines) if is_numeric[n] or re.fullmatch(r"[\d\s.,;+-]+", line))
@@ -130,16 +171,7 @@ def table(name: str, text: str, decimal: str | None) -> TextTable:
             f"path is {name!r}, whose row {number + 1} {fault}: give rows of equally many numbers in one table, with "
             "one decimal sign and no marks between thousands."
         )
-    around = [*lines[:first], *lines[last + 1 :]]
-    if decimal == ",":
-        around = [re.sub(r"(?<=\d),(?=\d)", ".", line) for line in around]
-    numbers = np.array(values[first : last + 1], dtype=float)
-    # blank lines separate parts of the table, unless one follows every line
-    blocks = 1 + sum(after - before > 1 for (before, _), (after, _) in pairwise(numbered[first : last + 1]))
-    names = _column_names(lines[max(first - 3, 0) : first], count, separator)
-    return TextTable(
-        np.where(np.isfinite(numbers), numbers, nan), around, names, blocks if blocks <= len(numbers) / 2 else 1
-    )
+    return first, last + 1
 
 
 def _column_names(lines: list[str], count: int, separator: str | None) -> list[str]:
@@ -241,7 +273,7 @@ WORDS = {
     "number": "points pixels count number percent ratio samples",
 }
 WORDS_OF = {name: frozenset(words.split()) for name, words in WORDS.items()}
-# Words that are the height before a word of a unit or a factor, and an axis of a picture elsewhere.
+# Words that name z beside a word of a unit or a factor, and elsewhere y, the height of a picture.
 HEIGHT_OR_SIDE = frozenset(("height", "höhe", "hauteur", "altura", "altezza", "vertical"))
 # "nm/count", "um per LSB": heights are whole numbers, and the number before it is their factor.
 COUNTED = re.compile(r"\s*(?:/|\bper )\s*(?:count|lsb|bit|digit|inc)\w*", re.I)
@@ -253,7 +285,7 @@ JOINED = re.compile(
     r"\b([xyz](?=size|pixel|length|range|unit|scale|step|spacing|calibration|res|real)|"
     r"(?:pixel|punkt|zeilen|spalten|bild|mess|scan)(?=\w{4}))"
 )
-# Words between two numbers of one statement for both axes, such as "2 um/px (X), 3 um/px (Y)" and "2 um by 3 um".
+# Words that may stand between two numbers of one statement on both axes: "2 um/px (X), 3 um/px (Y)", "2 um by 3 um".
 BETWEEN = frozenset(("x", "y", "by", "px", "pixel"))
 
 
@@ -306,6 +338,7 @@ class Header:
             before = repr(header)
             header._read(re.sub(r"(?<=[a-zß-ÿ])(?=[A-Z])|_", " ", line), shape)
             lengths = [UNIT.match(line, number.end()) for number in NUMBER.finditer(line)]
+            # nothing was taken up of a line that names a length
             if repr(header) == before and any(unit and length_unit(unit[1]) for unit in lengths):
                 header.unused.append(" ".join(line.split())[:60])
         if "x" in header.units:
@@ -313,7 +346,7 @@ class Header:
         for kind, axis, number, unit in header.stated:
             length = number * (unit or header.units.get(axis, nan))
             first = header.lengths.setdefault((kind, axis), length)
-            if abs(first - length) > 0.01 * length:
+            if abs(first - length) > 0.01 * length:  # more than rounded digits
                 header.doubts.append(f"{axis} {first:g} and {length:g}")
         return header
 
@@ -365,7 +398,7 @@ class Header:
         """
         axes = _axes(words)
         lateral = [axis for axis in axes if axis != "z"] or (["x", "y"] if "z" not in axes else [])
-        is_whole = unit is None and value == int(value)
+        is_whole = unit is None and value.is_integer()
         is_count = is_whole and (value in (*shape, shape[0] * shape[-1]) or words & WORDS_OF["count"])
         kind = next((kind for kind in ("step", "size") if words & WORDS_OF[kind]), "")
         if words & WORDS_OF["invalid"]:
@@ -380,19 +413,22 @@ class Header:
 
 
 def _words(key: str) -> frozenset[str]:
-    """Return the words of a key in lower case; "no data" is one."""
+    """Return the words of a key in lower case, "no data" as one, "pixelsize" as two."""
     key = re.sub(r"\bno (?=data|value)", "no", JOINED.sub(r"\1 ", key.lower()))
     return frozenset(re.findall(r"[^\W\d_]+", key))
 
 
 def _axes(words: frozenset[str]) -> list[str]:
-    """Return the axes that the words of a key name: a "height unit" is one of z, the "height" of a picture one of y."""
+    """Return the axes "x", "y" or "z" that the words of a key name.
+
+    "Height" names z with a unit, a factor or a range, and y as the side of a picture; "x length" names x alone.
+    """
     is_of_height = words & (WORDS_OF["factor"] | {"unit", "units", "range", "resolution"})
     if words & WORDS_OF["z"] or (words & HEIGHT_OR_SIDE and is_of_height):
         return ["z"]
     if "line" in words and words & {"per", "length"}:
         return ["x"]
-    named = words - WORDS_OF["size"] or words  # "x length" names x
+    named = words - WORDS_OF["size"] or words
     if words & {"lateral", "xy"} and not named & (WORDS_OF["x"] | WORDS_OF["y"]):
         return ["x", "y"]
     if not named & (WORDS_OF["x"] | WORDS_OF["y"]):

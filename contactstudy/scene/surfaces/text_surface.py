@@ -1,4 +1,8 @@
-"""Heights and sizes of a surface in a text file, a matrix or points in columns, and what is said beside the file."""
+"""Heights and sizes of a surface in a text file, a matrix or points in columns, and what is said beside the file.
+
+Rows of a matrix run along the contact (y) and follow one another across it (x), although headers call the direction of a
+row x: the header's "x" is the second axis of the heights (x, y) here, its "y" the first.
+"""
 
 import re
 from dataclasses import KW_ONLY
@@ -11,9 +15,9 @@ from contactstudy.domain.grid import Array
 from contactstudy.domain.validation import FINITE, InvalidInput, Metres, Number, readable, validated
 from contactstudy.scene.surfaces.text_file import Header, TextTable, length_unit
 
-# Units that a message offers [m].
+# Units [m] that messages name.
 UNITS = {"nm": 1e-9, "um": 1e-6, "mm": 1e-3, "m": 1.0}
-# Reversed directions of a measured surface, and the reversed axes.
+# Directions in which a measured surface is reversed, and the axes of its heights (x, y) that are.
 Flip = Literal["none", "across", "along", "both"]
 REVERSED: dict[Flip, tuple[int, ...]] = {"none": (), "across": (0,), "along": (1,), "both": (0, 1)}
 # Whether sizes and heights of a file are checked for plausibility and against the keys beside it.
@@ -89,7 +93,24 @@ class FileContent(NamedTuple):
 
 
 def unit_of_heights(name: str, reading: Reading, own: float | None = None, unknown: str | None = None) -> float:
-    """Return the unit [m] of heights: that of the file, which a given one must not contradict, or the given one."""
+    """Return the unit [m] of the heights of a file.
+
+    Parameters
+    ----------
+    name
+        Path of the file.
+    reading
+        What is said beside the file, whose unit must not contradict that of the file unless it is confirmed.
+    own
+        Unit that the file states [m], if any.
+    unknown
+        What the file states as the unit of its heights, if that is no length.
+
+    Raises
+    ------
+    InvalidInput
+        If there is no unit, or two.
+    """
     given = None if reading.unit is None else length_unit(reading.unit)
     if own is None and given is None:
         fault = "is None" if unknown is None else f"is None, and its heights are in {unknown!r}"
@@ -105,19 +126,19 @@ def unit_of_heights(name: str, reading: Reading, own: float | None = None, unkno
 
 
 def unit_name(unit: float) -> str:
-    """Return the name of a unit [m]."""
+    """Return the name of a unit [m], or its size as a text if it has none."""
     return next((name for name, size in UNITS.items() if np.isclose(size, unit, atol=0)), readable(unit))
 
 
 # Points along each side of a matrix, and rows of points in columns. A table of fewer is one of something else.
 MIN_POINTS, MIN_COLUMN_POINTS = 8, 4
-# First words of the names of columns.
+# First words of the names of columns, by axis.
 COLUMNS = {
     "x": ("x", "dx", "lateral", "distance", "position", "length", "weg", "scan"),
     "y": ("y", "dy"),
     "z": ("z", "height", "heights", "raw", "profile", "h", "höhe", "value", "level"),
 }
-# A column of angles, times or voltages, by its unit or its name.
+# Name of a column of angles, times or voltages: a unit in brackets that is no length, or a word of such a quantity.
 NO_LENGTH = re.compile(
     r"°|[\[(](?!(?:[xyz]|lateral|unitless)?[\])])[^\])]+[\])]|"
     r"\b(deg\w*|grad|m?rad|sec\w*|[mu]?s|m?v|angle|winkel|time|zeit|index|frame)\b",
@@ -164,7 +185,10 @@ def surface_of_text(name: str, text: TextTable, reading: Reading) -> FileContent
 
 
 def _columns(name: str, text: TextTable) -> dict[str, tuple[int, float | None]]:
-    """Return place and unit [m] of the columns x, y and z of a text file; none for a matrix or a single column."""
+    """Return number and unit [m], None if it has none, of each of the columns "x", "y" and "z" of a text file.
+
+    Of a matrix and of a single column there are none. Raises InvalidInput for a table too small for a surface.
+    """
     rows, count = text.values.shape
     named: dict[str, tuple[int, float | None]] = {}
     for place, label in enumerate(text.names):

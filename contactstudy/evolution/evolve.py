@@ -161,7 +161,7 @@ class DrySteps(Method[Instant, Frame]):
         """
         (fine, coarse), errors = after, self.errors
         for instant in {id(each): each for each in (middle, fine, coarse) if each}.values():
-            self._keep(instant.kept)
+            self._keep(instant.contacts)
         if coarse is None:
             return 0.0
         if fine.time > before.time:
@@ -179,7 +179,7 @@ class DrySteps(Method[Instant, Frame]):
         """Return what is recorded as a frame; its errors are infinite if the march ends without a solution."""
         instant, stepper = record.state, self.stepper
         variables = stepper.all_state_variables
-        solution = instant.kept[-1] if instant.kept else unloaded(stepper.problem)
+        solution = instant.contacts[-1] if instant.contacts else unloaded(stepper.problem)
         by_steps = self._by_steps_in(record, has_failed=has_failed)
         status = worst_until(solution.status, record.statuses)
         shown = {
@@ -461,14 +461,7 @@ def evolve(
         request = scene, grid, padding, instants, error, error_estimator, scheme, options
         with checkpoint.open(request):
             _run_in(checkpoint, march, steps)
-    return Trajectory(
-        stepper.problem,
-        tuple(march.results),
-        march.at.total["rejected"],
-        march.at.total["restarts"],
-        PosedScene(scene, grid, padding),
-        stepper.coupled,
-    )
+    return Trajectory(tuple(march.results), march.at.total, PosedScene(scene, grid, padding), stepper.coupled)
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from math import inf
+from math import inf, prod
 from typing import Any
 
 import numpy as np
@@ -18,13 +18,23 @@ from numpy.typing import ArrayLike
 
 from contactstudy.domain.grid import Array, ExactPeriodicity, Grid, Padding, Paddings
 from contactstudy.domain.validation import InvalidInput
-from contactstudy.evolution.march import ROUNDING, Breakpoint, Control, March, Method, Record, ascending, kinks
+from contactstudy.evolution.march import (
+    ROUNDING,
+    Breakpoint,
+    Control,
+    March,
+    MarchState,
+    Method,
+    Record,
+    ascending,
+    kinks,
+)
 from contactstudy.lubrication.film_equation import Film, SqueezeTerm
 from contactstudy.lubrication.lubricated_contact import FilmSolution
 from contactstudy.lubrication.posed_film import PosedFilm, lubricated_scales, pose
 from contactstudy.lubrication.pseudo_time import FilmControls, FilmIteration, iterate
 from contactstudy.lubrication.steady_film import ROUGH_CHANGE, continued, film_solution
-from contactstudy.scene.loads import ChangingLoad, LineLoad
+from contactstudy.scene.loads import ChangingLoad
 from contactstudy.scene.scene import Scene
 from contactstudy.solvers.solution import Counts, Status
 
@@ -38,6 +48,8 @@ FIRST, PSEUDO_TIME_STEP = 0.5, 1e6
 # Error of a step of BDF2 over the difference to a quadratic through three instants (Gear 1971, equal steps), and the
 # least thickness of a predicted film over that at the last instant.
 ERROR_OF_STEP, MIN_FILM_FRACTION = 2 / 11, 0.3
+# Most iterations of a step. A step takes a few; one that takes more is tried again with a shorter length.
+MAX_ITERATIONS = 60
 # Farthest motion of a moving shape in a step, over Hertz's half-width, so that none passes the contact unseen, and
 # least steps in a period of the load.
 LONGEST_MOTION, PER_PERIOD = 0.5, 4
@@ -53,6 +65,14 @@ NUMBERS = {
 STEP_ERROR, UNLIMITED = 1e-3, 1e99
 
 
+# Work of films in time, with its meaning in words.
+WORK = {
+    "steps": "steps in time",
+    "iterations": "iterations of all steps",
+    "linear_iterations": "iterations of linear systems",
+}
+
+
 @dataclass(frozen=True, eq=False)
 class FilmTrajectory:
     """Lubricated contacts at instants.
@@ -64,8 +84,7 @@ class FilmTrajectory:
     contacts
         The contacts.
     work
-        Number of ``steps`` in time, of ``iterations`` of the film and of ``linear_iterations`` of its linear systems,
-        those of rejected steps and of steps twice as long too.
+        Work by the names in `WORK`, that of rejected steps and of steps twice as long too.
     time_discretisation_errors
         Estimates (time,) of the relative time-discretisation errors of the pressure in L1, of all steps together, from a
         second evolution with steps twice as long; infinite if one of the two failed.
@@ -75,29 +94,15 @@ class FilmTrajectory:
 
     times: tuple[float, ...]
     contacts: tuple[FilmSolution, ...]
-    work: Counter[str]
+    work: Mapping[str, int]
     time_discretisation_errors: Array
     ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     @property
     def counts(self) -> Counts:
         """Number of instants, and of steps and iterations."""
-        return {
-            "instants": (len(self.contacts), "instants recorded"),
-            "steps": (self.work["steps"], "steps in time"),
-            "iterations": (self.work["iterations"], "iterations of all steps"),
-            "linear_iterations": (self.work["linear_iterations"], "iterations of linear systems"),
-        }
-
-
-def _difference(fine: FilmSolution, coarse: FilmSolution) -> float:
-    """Return the L1 difference of a film's pressure to that after longer steps, over the sum of the pressure.
-
-    It is infinite if one of the films has not converged.
-    """
-    if fine.status in FAILED or coarse.status in FAILED:
-        return inf
-    return float(np.abs(fine.pressure - coarse.pressure).sum() / fine.pressure.sum())
+        work = {name: (self.work.get(name, 0), meaning) for name, meaning in WORK.items()}
+        return {"instants": (len(self.contacts), "instants recorded")} | work
 
 
 def film_trajectory(
@@ -105,34 +110,48 @@ def film_trajectory(
     films: Sequence[FilmSolution],
     ranges: Mapping[str, tuple[float, float]] | None = None,
 ) -> FilmTrajectory:
-    """Return the `films` that a march recorded, with errors by steps, and the `ranges` of numbers over all steps.
+    """Return the `films` of the `records` of a march, with errors by steps, and the `ranges` of numbers over all steps.
 
-    They are estimated from the differences to films after longer steps: at an instant by the largest until the next that
-    is known, or of all where none is later, as one alone may vanish by chance. They are infinite without any difference,
-    and where a film has not converged.
+    The error of the pressure is estimated from its L1 differences to films after longer steps: at an instant by the
+    largest until the next that is known, or of all where none is later, as one alone may vanish by chance. It is
+    infinite without any difference, and where a film has not converged.
     """
-    work = sum((record.work for record in records), Counter())
-    differences = {
-        number: _difference(films[number], record.coarse.contact)
-        for number, record in enumerate(records)
-        if record.coarse is not None
-    }
+    known, differences = [], []
+    for number, (record, film) in enumerate(zip(records, films, strict=True)):
+        if record.coarse is not None:
+            coarse = record.coarse.contact
+            has_failed = film.status in FAILED or coarse.status in FAILED
+            change = inf if has_failed else np.abs(film.pressure - coarse.pressure).sum() / film.pressure.sum()
+            known.append(number)
+            differences.append(change)
     errors = np.full(len(films), inf)
-    if differences:
-        until = np.minimum(np.searchsorted(list(differences), range(len(films))), len(differences) - 1)
-        errors = ERROR_OVER_DIFFERENCE * np.maximum.accumulate(list(differences.values()))[until]
+    if known:
+        until = np.minimum(np.searchsorted(known, range(len(films))), len(known) - 1)
+        errors = ERROR_OVER_DIFFERENCE * np.maximum.accumulate(differences)[until]
         errors[[film.status in FAILED for film in films]] = inf
-    return FilmTrajectory(tuple(record.state.time for record in records), tuple(films), work, errors, ranges or {})
+    times, work = tuple(record.state.time for record in records), sum((record.work for record in records), Counter())
+    return FilmTrajectory(times, tuple(films), work, errors, ranges or {})
 
 
 @dataclass(frozen=True, eq=False)
 class _Instant:
-    """Film at a time [a / u_m], its content (x, y), the iteration that led to it, and its rate (x, y) if it changes."""
+    """Film at a time.
+
+    Attributes
+    ----------
+    time
+        Time, in units of a / u_m: Hertz's half-width over the largest mean speed.
+    iteration
+        The iteration that led to the film, with the film.
+    content
+        Lubricant content (x, y) of the film: density times thickness where it fills the gap.
+    rate
+        Rate of the film thickness (x, y) in these units; None of the steady film.
+    """
 
     time: float
-    film: Film
-    content: Array
     iteration: FilmIteration
+    content: Array
     rate: Array | None = None
 
 
@@ -186,44 +205,34 @@ def evolve_lubricated(
         zero at any: no film carries it.
     """
     instants = ascending(times, least=2)
-    _check_loaded(scene, instants)
-    if error is None:
-        error = STEP_ERROR if step is None else UNLIMITED
-    start = _FilmStepper.begin(scene, grid, padding, instants[0], tolerance)
-    passage = start.posed.equation.cell[0] * start.time_unit
-    control = Control(
-        error,
-        _Films.order,
-        first=2 * (step or FIRST * passage),
-        # two steps at least, which the estimate takes at once
-        longest=min(2 * (step or inf), 2 * start.longest_step, instants[-1] - instants[0]),
-    )
     first, last = instants[0], instants[-1]
-    least = ROUNDING * (last - first)
     between = {
         time
         for history in scene.histories
         for time in kinks(history, last)
-        if first < time < last and min(abs(time - instant) for instant in instants) > least
+        if first < time < last and min(abs(time - instant) for instant in instants) > ROUNDING * (last - first)
     }
-    points = [Breakpoint(time, times_recorded=int(time in instants)) for time in sorted({*instants, *between})]
-    method = _Films()
-    records = March(method, start, points, control, progress).run()
-    return film_trajectory(records, [record.state.contact for record in records], method.ranges)
-
-
-def _check_loaded(scene: Scene, instants: list[float]) -> None:
-    """Raise :class:`~contactstudy.InvalidInput` if the load is zero at a time of the evolution."""
-    if not isinstance(load := scene.load, ChangingLoad):
-        return
-    start, end = instants[0], instants[-1]
-    turns = [time for time in load.turning_points(end) if time > start]
-    for time in (start, *instants, *turns):
-        if load.at(time) <= 0 or (time > start and load.before(time) <= 0):
+    ends, load = sorted({*instants, *between}), scene.load
+    for time in ends:
+        if not isinstance(load, ChangingLoad):
+            break
+        if load.at(time) <= 0 or (time > first and load.before(time) <= 0):
             raise InvalidInput(
                 f"Scene.load is 0 at {time:g} s, when no film has a thickness of its own: give loads above 0, such as a "
                 "hundredth of the largest, or other times."
             )
+    start = _FilmStepper.begin(scene, grid, padding, first, tolerance)
+    passage = start.posed.equation.cell[0] * start.time_unit
+    control = Control(
+        error or (STEP_ERROR if step is None else UNLIMITED),
+        _Films.order,
+        first=2 * (step or FIRST * passage),
+        # two pairs of steps at least, as the first steps have no estimate
+        longest=min(2 * (step or inf), 2 * start.longest_step, last - first),
+    )
+    method, points = _Films(), [Breakpoint(time, times_recorded=int(time in instants)) for time in ends]
+    records = March(method, start, points, control, progress).run()
+    return film_trajectory(records, [record.state.contact for record in records], method.ranges)
 
 
 class _Films(Method["_FilmStepper", Record["_FilmStepper"]]):
@@ -253,12 +262,24 @@ class _Films(Method["_FilmStepper", Record["_FilmStepper"]]):
         return record
 
 
-@dataclass(frozen=True, eq=False)
-class _FilmStepper:
-    """Time stepper: the last three instants, latest first, and the film equation at the latest.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _FilmStepper(MarchState):
+    """Film at a time, its last three instants, and the film equation at the latest.
 
-    ``posed`` is the film equation at the largest load and speed, whose units hold at all times; ``distance`` [m] is how
-    far the mean speed has gone; ``change`` is the error of the last step, infinite where that has no solution.
+    Attributes
+    ----------
+    scene, grid, padding, tolerance
+        What is solved, see :func:`evolve_lubricated`.
+    posed
+        Film equation at the largest load and speed, whose units hold at all times.
+    time_unit
+        Unit of time [s]: Hertz's half-width a over the largest mean speed u_m.
+    distance
+        Distance [m] that the mean speed has gone since the first time.
+    past
+        The last three instants at most, latest first.
+    now
+        Film equation at the latest of them.
     """
 
     scene: Scene
@@ -267,32 +288,30 @@ class _FilmStepper:
     posed: PosedFilm
     time_unit: float
     tolerance: float
-    time: float
     distance: float
     past: tuple[_Instant, ...]
     now: PosedFilm
-    change: float = 0.0
 
     @classmethod
     def begin(
         cls, scene: Scene, grid: Grid, padding: Padding | Paddings, start: float, tolerance: float
     ) -> "_FilmStepper":
         """Return a time stepper at the steady film of the first time."""
-        load, largest = scene.load, scene
-        first_load = scene.largest_load
-        if isinstance(load, ChangingLoad):
-            largest, first_load = replace(scene, load=LineLoad(load.largest)), load.at(start)
-        posed = pose(largest, grid, padding)
+        load, largest = scene.load, scene.largest_load
+        posed = pose(scene.under(largest), grid, padding)
         time_unit = posed.scales.hertz.half_width / posed.scales.lubrication.largest_speed
-        stepper = cls(scene, grid, padding, posed, time_unit, tolerance, start, 0.0, (), posed)
-        now = stepper._posed_at(start, 0.0, first_load)
+        stepper = cls(
+            scene=scene, grid=grid, padding=padding, tolerance=tolerance, posed=posed, time_unit=time_unit, time=start,
+            distance=0.0, past=(), now=posed,
+        )  # fmt: skip
+        now = stepper._posed_at(start, 0.0, load.at(start) if isinstance(load, ChangingLoad) else largest)
         if now.equation.speed <= 0:
             raise InvalidInput(
                 f"Scene.lubrication.mean_speed is 0 at the first time, {start:g} s, when no film is steady: give a "
                 "value above 0, or a later first time."
             )
         last = continued(now, FilmControls(tolerance=tolerance))
-        instant = _Instant(start / time_unit, last.film, now.equation.content(last.film), last)
+        instant = _Instant(start / time_unit, last, now.equation.content(last.film))
         return replace(stepper, past=(instant,), now=now)
 
     @property
@@ -310,11 +329,6 @@ class _FilmStepper:
         return self.past[0].iteration
 
     @property
-    def statuses(self) -> tuple[Status, ...]:
-        """Outcome of the last instant."""
-        return (Status.CONVERGED if self.change < inf else Status.FILM_NOT_CONVERGED,)
-
-    @property
     def work(self) -> Counter[str]:
         """Iterations of the last step."""
         last = self.last
@@ -329,33 +343,30 @@ class _FilmStepper:
         load = self.scene.load
         load_before = load.before(end) if isinstance(load, ChangingLoad) else self.scene.largest_load
         now = self._posed_at(end, distance, load_before)
-        equation, step = now.equation, length / self.time_unit
-        expected = self._expected(now, end / self.time_unit)
+        step, time = length / self.time_unit, end / self.time_unit
         controls = FilmControls(
             tolerance=self.tolerance,
-            max_iterations=60,
+            max_iterations=MAX_ITERATIONS,
             time_step=PSEUDO_TIME_STEP,
             viscosity_change=ROUGH_CHANGE,
         )
+        squeeze = self._squeeze_term(step, [instant.content for instant in self.past])
         last = iterate(
-            equation, expected, controls,
-            squeeze=self._squeeze_term(step, [instant.content for instant in self.past]),
-            cavitated=self.last.cavitated,
-        )  # fmt: skip
-        of_film = self._squeeze_term(step, [instant.film.thickness for instant in self.past])
-        rate = of_film.rate * last.film.thickness + of_film.history
-        content = equation.content(last.film)
-        instant = _Instant(end / self.time_unit, last.film, content, last, rate)
-        from_axis = np.abs(now.x)
-        # on cells wider than the contact, the one at the axis
-        inside = (from_axis < 1) | (from_axis == from_axis.min())
-        change = np.abs(last.film.thickness - self._extrapolated(end / self.time_unit, "thickness"))[inside].mean()
+            now.equation, self._expected(now, time), controls, squeeze=squeeze, cavitated=self.last.cavitated
+        )
+        thickness = last.film.thickness
+        of_film = self._squeeze_term(step, [instant.iteration.film.thickness for instant in self.past])
+        rate = of_film.rate * thickness + of_film.history
+        instant = _Instant(time, last, now.equation.content(last.film), rate)
         error = 0.0
         if len(self.past) > 2:
-            error = ERROR_OF_STEP * float(change / last.film.thickness[inside].mean())
+            from_axis = np.abs(now.x)
+            # on cells wider than the contact, the one at the axis
+            inside = (from_axis < 1) | (from_axis == from_axis.min())
+            change = np.abs(thickness - self._extrapolated(time, "thickness"))[inside].mean()
+            error = ERROR_OF_STEP * float(change / thickness[inside].mean())
         error = error if last.converged(self.tolerance) else inf
-        past = (instant, *self.past[:2])
-        return replace(self, time=end, past=past, now=now, distance=distance, change=error)
+        return replace(self, time=end, past=(instant, *self.past[:2]), now=now, distance=distance, change=error)
 
     @cached_property
     def contact(self) -> FilmSolution:
@@ -385,10 +396,7 @@ class _FilmStepper:
             load=self.posed.equation.load * load / self.scene.largest_load,
             speed=speed / scales.lubrication.largest_speed,
         )
-        here = self.scene
-        if isinstance(here.load, ChangingLoad):
-            here = replace(here, load=LineLoad(load))
-        return replace(posed, equation=equation, instant=lubricated_scales(here, speed))
+        return replace(posed, equation=equation, instant=lubricated_scales(self.scene.under(load), speed))
 
     def _squeeze_term(self, step: float, past: list[Array]) -> SqueezeTerm:
         """Return the rate after a step [a / u_m] of a field (x, y), such as the content, from ``past`` instants.
@@ -402,19 +410,15 @@ class _FilmStepper:
         return SqueezeTerm((1 + 2 * ratio) / (1 + ratio) / step, history / step)
 
     def _extrapolated(self, time: float, field: str) -> Array:
-        """Return a field of the film at a later time [a / u_m], by the polynomial through the last instants."""
-        total = np.zeros_like(self.past[0].film.thickness)
-        for i, instant in enumerate(self.past):
-            weight = 1.0
-            for j, node in enumerate(self.past):
-                if j != i:
-                    weight *= (time - node.time) / (instant.time - node.time)
-            total = total + weight * getattr(instant.film, field)
-        return total
+        """Return a `field` (x, y) of the film at a later time [a / u_m], by Lagrange's polynomial through the past."""
+        nodes = [instant.time for instant in self.past]
+        weights = [prod((time - other) / (node - other) for other in nodes if other != node) for node in nodes]
+        fields = [getattr(instant.iteration.film, field) for instant in self.past]
+        return np.asarray(sum(weight * values for weight, values in zip(weights, fields, strict=True)))
 
     def _expected(self, now: PosedFilm, time: float) -> Film:
         """Return the predicted film at a time [a / u_m]; that of the last instant where a prediction is too thin."""
-        last = self.past[0].film
+        last = self.last.film
         pressure = np.maximum(self._extrapolated(time, "pressure"), 0)
         pressure[self.last.cavitated | now.equation.fixed] = 0
         void = np.where(pressure > 0, 0, last.void)

@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from math import ceil, inf, sqrt
-from typing import Annotated, Any, ClassVar, Generic, Literal, Protocol, TypeVar
+from typing import Annotated, Any, ClassVar, Generic, Literal, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -266,27 +266,45 @@ def ascending(times: ArrayLike, least: int = 1) -> list[float]:
     return instants
 
 
-class State(Protocol):
-    """Contact or film at one time, and the step that led to it."""
+# Numbers of a contact or film that count as work: FFT convolutions of a dry contact, linear iterations of a film.
+WORK = "iterations", "convolutions", "linear_iterations"
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class MarchState:
+    """Contact or film at one time, and the step that led to it.
+
+    Attributes
+    ----------
+    time
+        Time [s].
+    contacts
+        Contacts or films solved in the step, in the order of time; the last one is that at the time.
+    replaced
+        Contacts solved in the step and replaced by better ones, whose work counts and whose outcomes do not.
+    change
+        Relative error of the step as its method estimates it; 0 if it does not, infinite if a solve failed.
+    """
+
+    time: float
+    contacts: tuple[Any, ...] = ()
+    replaced: tuple[Any, ...] = ()
+    change: float = 0.0
 
     @property
-    def time(self) -> float:
-        """Time [s]."""
-
-    @property
-    def statuses(self) -> Sequence[Status]:
-        """Outcomes of the solves of the step."""
-
-    @property
-    def change(self) -> float:
-        """Relative error of the step as its method estimates it; 0 if it does not, infinite if a solve failed."""
+    def statuses(self) -> tuple[Status, ...]:
+        """Outcomes of the contacts that were not replaced."""
+        return tuple(contact.status for contact in self.contacts)
 
     @property
     def work(self) -> Counter[str]:
-        """Work of the step, such as its number of iterations, by name."""
+        """Number of ``solves`` in the step, and of their iterations by the names in `WORK`."""
+        solved = self.contacts + self.replaced
+        counts = {name: sum(getattr(contact, name, 0) for contact in solved) for name in WORK}
+        return Counter(counts | {"solves": sum(getattr(contact, "solves", 1) for contact in solved)})
 
 
-S = TypeVar("S", bound=State)
+S = TypeVar("S", bound=MarchState)
 R = TypeVar("R")
 
 
@@ -343,7 +361,7 @@ class Method(Generic[S, R]):
     def error(self, before: tuple[S, S], middle: S, after: tuple[S, S]) -> float:
         """Return the relative error of a pair of steps, from the (short, doubled) states before and after it.
 
-        Here it is the largest :attr:`~State.change` of its steps.
+        Here it is the largest :attr:`~MarchState.change` of its steps.
         """
         doubled: float = after[1].change / 2**self.order
         return max(middle.change, after[0].change, doubled)

@@ -25,7 +25,7 @@ from scipy import ndimage
 
 from contactstudy.domain.grid import Array, Grid, Padding, Paddings, on_cells
 from contactstudy.evolution.evolve_lubricated import FilmTrajectory, film_trajectory
-from contactstudy.evolution.march import Breakpoint, Control, March, Method, Record, ascending, schedule
+from contactstudy.evolution.march import Breakpoint, Control, March, MarchState, Method, Record, ascending, schedule
 from contactstudy.evolution.steady_rolling import SteadyRolling, solve_rolling
 from contactstudy.evolution.trajectory import Frame, Trajectory, error_of_peak, frame_of
 from contactstudy.lubrication.lubricated_contact import FilmSolution
@@ -40,54 +40,23 @@ from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.scene.shapes.shape import LengthScales
 from contactstudy.scene.solids.bodies import creeps, instantaneous
 from contactstudy.solvers.adhesion import AdhesiveSolver
-from contactstudy.solvers.solution import RollingTraction, Solution, Status, unloaded, worst, worst_until
+from contactstudy.solvers.solution import RollingTraction, Solution, unloaded, worst, worst_until
 from contactstudy.solvers.solve import LaggedSolution, SolveOptions, solve_contact
-
-# Work of the contacts that lead to a frame.
-WORK = "solves", "iterations", "convolutions", "linear_iterations"
-# Turns of the load below this fraction of the largest one are rounding.
-ROUNDING = 1e-9
-
 
 Contact = TypeVar("Contact", Frame, FilmSolution)
 
 
-@dataclass(frozen=True, eq=False)
-class QuasiStatic(Generic[Contact]):
-    """A contact or film that is in equilibrium at a time [s], and the step that led to it.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class QuasiStatic(MarchState, Generic[Contact]):
+    """A contact or film in equilibrium under a load, or on surfaces that are worn by a `depth` (x, y) [m]."""
 
-    Attributes
-    ----------
-    time
-        Time [s].
-    contacts
-        Contacts solved in the step, in their order; the last one is that at the time.
-    change
-        Change of the pressure by the correction of the step, relative in L1; 0 without one, infinite if a solve failed.
-    depth
-        Wear depth (x, y) [m]; None without wear.
-    """
-
-    time: float
-    contacts: tuple[Contact, ...]
-    change: float = 0.0
     depth: Array | None = None
 
     @property
     def contact(self) -> Contact:
-        """Contact at the time."""
-        return self.contacts[-1]
-
-    @property
-    def statuses(self) -> tuple[Status, ...]:
-        """Outcomes of the contacts."""
-        return tuple(contact.status for contact in self.contacts)
-
-    @property
-    def work(self) -> Counter[str]:
-        """Solves and iterations of the contacts, and their convolutions (dry) or linear iterations (film)."""
-        counts: Any = [{name: getattr(contact, name, 0) for name in WORK} for contact in self.contacts]
-        return sum(map(Counter, counts), Counter())
+        """Contact or film at the time."""
+        last: Contact = self.contacts[-1]
+        return last
 
 
 def _recorded_frame(record: Record[QuasiStatic[Frame]], errors_by_steps: Mapping[str, float]) -> Frame:
@@ -114,11 +83,12 @@ class _LoadSteps(Method[QuasiStatic[Frame], Frame]):
 
     def step(self, state: QuasiStatic[Frame], end: float) -> QuasiStatic[Frame]:
         """Return the contact at `end` [s] under the load before any jump there."""
-        return QuasiStatic(end, (self.solved(end, self.points[end].before, state.contact),))
+        return QuasiStatic(time=end, contacts=(self.solved(end, self.points[end].before, state.contact),))
 
     def jump(self, state: QuasiStatic[Frame], increments: int) -> QuasiStatic[Frame]:
         """Return the contact under the load after the jump at its time."""
-        return QuasiStatic(state.time, (self.solved(state.time, self.points[state.time].after, state.contact),))
+        contact = self.solved(state.time, self.points[state.time].after, state.contact)
+        return QuasiStatic(time=state.time, contacts=(contact,))
 
     def recorded(self, record: Record[QuasiStatic[Frame]], *, has_failed: bool) -> Frame:
         """Return the contact of a record."""
@@ -195,9 +165,10 @@ def follow_load(
         return frame_of(solution, time=time, load=value, solves=solves, rolling=rolling)
 
     first = points[0]
-    at_first = QuasiStatic(first.time, (solved(first.time, first.after, None),))
+    at_first = QuasiStatic[Frame](time=first.time, contacts=(solved(first.time, first.after, None),))
     steps = _LoadSteps(solved, {point.time: point for point in points})
-    return Trajectory(largest, tuple(March(steps, at_first, points, None, progress).run()), 0, 0, posed)
+    march = March(steps, at_first, points, None, progress)
+    return Trajectory(tuple(march.run()), march.at.total, posed)
 
 
 def _under(scene: Scene, load: float) -> Scene:
@@ -315,7 +286,7 @@ class _Wearing(Method[QuasiStatic[Contact], Record[QuasiStatic[Contact]]]):
         after = self.solved(depth, predicted)
         change = float(np.abs(after.pressure - predicted.pressure).sum() / state.contact.pressure.sum())
         has_failed = after.status.is_failure or predicted.status.is_failure
-        return QuasiStatic(end, (predicted, after), inf if has_failed else change, depth)
+        return QuasiStatic(time=end, contacts=(predicted, after), change=inf if has_failed else change, depth=depth)
 
     def recorded(self, record: Record[QuasiStatic[Contact]], *, has_failed: bool) -> Record[QuasiStatic[Contact]]:
         """Return the record as it is."""
@@ -328,7 +299,7 @@ class _Wearing(Method[QuasiStatic[Contact], Record[QuasiStatic[Contact]]]):
         instants, unworn = ascending(times), np.zeros(self.grid.cells)
         contact = self.solved(unworn, None)
         change = inf if contact.status.is_failure else 0.0
-        start = QuasiStatic(min(0.0, instants[0]), (contact,), change, unworn)
+        start = QuasiStatic[Contact](time=min(0.0, instants[0]), contacts=(contact,), change=change, depth=unworn)
         rate = float(self.rate(contact).max())
         # a pair of steps
         first = 2 * self.first_depth / rate if rate else inf
@@ -408,8 +379,7 @@ def follow_wear(
     wearing = _Wearing(wear, grid, solved, power, FIRST_DEPTH * problem.scales.gap)
     records = wearing.records(times, error, progress)
     frames = tuple(_recorded_frame(record, _differences(record)) for record in records)
-    rejected = sum(record.work["rejected"] for record in records)
-    return Trajectory(problem, frames, rejected, restarts=0, description=posed)
+    return Trajectory(frames, sum((record.work for record in records), Counter()), posed)
 
 
 def follow_film_wear(

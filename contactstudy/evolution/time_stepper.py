@@ -14,7 +14,7 @@ from contactstudy.domain.grid import Array, on_cells
 from contactstudy.elasticity.coating import WithWinklerLayer
 from contactstudy.elasticity.convolution import Coefficients, Convolution, superposed, weighted_sum
 from contactstudy.elasticity.viscoelastic import Creep
-from contactstudy.evolution.march import STAGES, Scheme
+from contactstudy.evolution.march import STAGES, MarchState, Scheme
 from contactstudy.evolution.states.state_variables import (
     Contribution,
     CreepState,
@@ -49,20 +49,16 @@ StateVariable = CreepState | WearState | FrettingState
 CONTACTS_PER_COUPLED_STEP = 30
 # Largest number of fixed-point iterations of a step.
 MAX_FIXED_POINT_ITERATIONS = 30
-# Work of a contact.
-WORK = "iterations", "convolutions"
 # The single, implicit stage of a step that has no stages.
 SINGLE_STAGE = ((1.0, 0.0),)
 
 
-@dataclass(frozen=True, eq=False)
-class Instant:
-    """A contact at one time.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Instant(MarchState):
+    """A dry contact at one time, with the states of all state variables.
 
     Attributes
     ----------
-    time
-        Time [s].
     load
         Load [N/m].
     pressure
@@ -71,19 +67,14 @@ class Instant:
         State of each state variable, in the order of :attr:`TimeStepper.all_state_variables`.
     adhesion
         Adhesive traction, from which the next contact continues; None without adhesion, and before the first contact.
-    kept, replaced
-        Contacts solved in the step that led here, in the order of time, and those replaced by better ones.
     max_halvings
-        See :meth:`TimeStepper.advance`, of the steps that go on from here.
+        How often a step from here may be halved, see :meth:`TimeStepper.advance`.
     """
 
-    time: float
     load: float
     pressure: Array
     states: tuple[State, ...]
     adhesion: AdhesiveTraction | None = None
-    kept: tuple[Solution, ...] = ()
-    replaced: tuple[Solution, ...] = ()
     max_halvings: int = 0
 
     @property
@@ -91,30 +82,14 @@ class Instant:
         """Pressure (x, y) [Pa] less the attraction, which drives the state variables."""
         return net_pressure(self.pressure, self.adhesion)
 
-    @property
-    def statuses(self) -> tuple[Status, ...]:
-        """Outcomes of the contacts that were kept."""
-        return tuple(contact.status for contact in self.kept)
-
-    @property
-    def change(self) -> float:
-        """Infinite where the last contact has no solution, else 0: a step estimates no error of its own."""
-        return 0.0 if not self.kept or np.isfinite(self.kept[-1].residual) else inf
-
-    @property
-    def work(self) -> Counter[str]:
-        """Solves, iterations and convolutions of the step."""
-        contacts = self.kept + self.replaced
-        counts: Any = {name: sum(getattr(contact, name) for contact in contacts) for name in WORK}
-        return Counter(counts | {"solves": len(contacts)})
-
     def without_solutions(self) -> "Instant":
         """Return this instant without the contacts of the step that led to it."""
-        return replace(self, kept=(), replaced=())
+        return replace(self, contacts=(), replaced=())
 
     def after(self, before: "Instant", *replaced: Solution) -> "Instant":
         """Return this instant with the contacts on the way to that `before` too, and with those `replaced`."""
-        return replace(self, kept=before.kept + self.kept, replaced=replaced + before.replaced + self.replaced)
+        contacts, replaced = before.contacts + self.contacts, replaced + before.replaced + self.replaced
+        return replace(self, contacts=contacts, replaced=replaced)
 
 
 @dataclass(frozen=True, eq=False)
@@ -204,7 +179,7 @@ class TimeStepper:
         """Return the instant before the first load, at `time` [s]."""
         shape = self.problem.grid.cells
         states = tuple(state_variable.start(shape) for state_variable in self.all_state_variables)
-        return Instant(time, 0.0, np.zeros(shape), states)
+        return Instant(time=time, load=0.0, pressure=np.zeros(shape), states=states)
 
     def jump(self, instant: Instant, increments: int) -> Instant:
         """Return the contact after the jump of the load at an `instant`, in so many equal load increments."""
@@ -234,7 +209,7 @@ class TimeStepper:
         half = self.load.at(time) if instant.time < end else (instant.load + load) / 2
         middle = self.advance(instant, time, half, max_halvings - 1)
         last = self.advance(middle, end, load, max_halvings - 1)
-        return last.after(middle, *after.kept, *after.replaced)
+        return last.after(middle, *after.contacts, *after.replaced)
 
     def _stages(self, instant: Instant, end: float, load: float) -> Instant:
         """Return the contact after the stages of one step to `end` [s]."""
@@ -293,14 +268,15 @@ class TimeStepper:
             if status is not Status.CONVERGED:
                 solution = replace(solution, status=status, residual=residual)
         return Instant(
-            step.end,
-            step.loads[1],
-            solution.pressure,
-            states + coupled,
-            solution.adhesion,
-            (solution,),
-            tuple(solutions[:-1]),
-            instant.max_halvings,
+            time=step.end,
+            load=step.loads[1],
+            pressure=solution.pressure,
+            states=states + coupled,
+            adhesion=solution.adhesion,
+            contacts=(solution,),
+            replaced=tuple(solutions[:-1]),
+            change=0.0 if np.isfinite(solution.residual) else inf,
+            max_halvings=instant.max_halvings,
         )
 
     def _coupled_step(

@@ -20,7 +20,7 @@ from contactstudy.domain.validation import InvalidInput
 from contactstudy.evolution.steady_rolling import SteadyRolling
 from contactstudy.problem.problem import Field, Problem
 from contactstudy.scene.scene import PosedScene
-from contactstudy.solvers.solution import Counts, Solution, Status, worst
+from contactstudy.solvers.solution import Counts, Solution
 
 if TYPE_CHECKING:
     from contactstudy.evolution.states.plastic import PlasticState
@@ -70,11 +70,6 @@ class Frame(Solution):
     estimate: ErrorEstimate | None = None
     rolling: SteadyRolling | None = None
 
-    @property
-    def time_discretisation_error(self) -> float:
-        """Estimated time-discretisation error in L1."""
-        return self.errors_by_steps.get("l1", 0.0)
-
 
 def frame_of(solution: Solution, **further_fields: Any) -> Frame:
     """Return `solution` as a frame, with `further_fields` of :class:`Frame`, or others in place of its own."""
@@ -82,30 +77,35 @@ def frame_of(solution: Solution, **further_fields: Any) -> Frame:
     return Frame(**values | further_fields)
 
 
+# Work of a dry scene in time, with its meaning in words.
+WORK = {
+    "solves": "contact solves",
+    "iterations": "solver iterations of all steps",
+    "convolutions": "FFT convolutions of the full grid",
+    "rejected": "rejected pairs of steps and load jumps",
+    "restarts": "restarts with shorter steps",
+}
+
+
 @dataclass(frozen=True, eq=False)
 class Trajectory:
-    """Frames of a scene that was followed through time.
+    """Frames of a dry scene that was followed through time.
 
     Attributes
     ----------
-    problem
-        The contact under the largest load, before anything has changed.
     frames
         The recorded instants, in the order of time.
-    rejected
-        Number of pairs of steps that were rejected as too long, and of load jumps repeated with more increments.
-    restarts
-        Number of restarts, because the time-discretisation error grew beyond the allowed one.
+    work
+        Work of all steps by the names in `WORK`: a load jump that was repeated with more increments counts as rejected,
+        and a restart is one because the time-discretisation error grew beyond the allowed one.
     description
         The scene, grid and padding.
     coupled
         State variable that derives fields from the frames' coupled states; None if no body yields.
     """
 
-    problem: Problem
     frames: tuple[Frame, ...]
-    rejected: int
-    restarts: int
+    work: Mapping[str, int]
     description: PosedScene
     coupled: "PlasticState | None" = None
 
@@ -115,33 +115,10 @@ class Trajectory:
         return np.array([frame.time for frame in self.frames])
 
     @property
-    def status(self) -> Status:
-        """The worst status of all steps."""
-        return worst([frame.status for frame in self.frames])
-
-    @property
-    def solves(self) -> int:
-        """Number of contacts solved, see :class:`Frame`."""
-        return sum(frame.solves for frame in self.frames)
-
-    @property
     def counts(self) -> Counts:
         """Number of instants, and of what the integration took."""
-        iterations = sum(frame.iterations for frame in self.frames)
-        convolutions = sum(frame.convolutions for frame in self.frames)
-        return {
-            "instants": (len(self.frames), "instants recorded"),
-            "solves": (self.solves, "contact solves"),
-            "iterations": (iterations, "solver iterations of all steps"),
-            "convolutions": (convolutions, "FFT convolutions of the full grid"),
-            "rejected": (self.rejected, "rejected pairs of steps and load jumps"),
-            "restarts": (self.restarts, "restarts with shorter steps"),
-        }
-
-    @property
-    def time_discretisation_error(self) -> float:
-        """The largest time-discretisation error of all frames, see :class:`Frame`."""
-        return max(frame.time_discretisation_error for frame in self.frames)
+        work = {name: (self.work.get(name, 0), meaning) for name, meaning in WORK.items()}
+        return {"instants": (len(self.frames), "instants recorded")} | work
 
 
 def error_of_peak(pressure: Array, errors: Array) -> float:

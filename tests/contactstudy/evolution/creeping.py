@@ -35,6 +35,11 @@ def relative(pressure: Array, true: Array) -> float:
     return float(np.abs(pressure - true).sum() / true.sum())
 
 
+def by_steps(found: Trajectory) -> float:
+    """Return the largest time-discretisation error in L1 of all instants."""
+    return max(frame.errors_by_steps["l1"] for frame in found.frames)
+
+
 def pressures(found: Trajectory) -> Array:
     """Return the pressure (time, x, y) at all instants."""
     return np.stack([frame.pressure for frame in found.frames])

@@ -1,23 +1,25 @@
-from collections import Counter
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from math import exp, inf, nextafter, pi
+from types import SimpleNamespace
 
 import pytest
 
 import contactstudy as cs
-from contactstudy.evolution.march import Breakpoint, Control, March, Method, Record, TimeSteps, schedule
+from contactstudy.evolution.march import Breakpoint, Control, March, MarchState, Method, Record, TimeSteps, schedule
 
 
-@dataclass(frozen=True)
-class Decay:
+def solved(status: cs.Status) -> SimpleNamespace:
+    return SimpleNamespace(status=status, solves=2)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Decay(MarchState):
     """The value of ``y' = -y`` by Heun's method, with the change by its correction; no solution after `last` [s]."""
 
     time: float = 0.0
+    contacts: tuple[SimpleNamespace, ...] = (solved(cs.Status.CONVERGED),)
     value: float = 1.0
-    change: float = 0.0
     last: float = inf
-    statuses: tuple[cs.Status, ...] = (cs.Status.CONVERGED,)
-    work: Counter[str] = field(default_factory=lambda: Counter(solves=2))
 
 
 class Heun(Method[Decay, Record[Decay]]):
@@ -26,7 +28,7 @@ class Heun(Method[Decay, Record[Decay]]):
         predicted = state.value * (1 - duration)
         after = state.value - duration / 2 * (state.value + predicted)
         if end > nextafter(state.last, inf):
-            return replace(state, time=end, change=inf, statuses=(cs.Status.NOT_FINITE,))
+            return replace(state, time=end, change=inf, contacts=(solved(cs.Status.NOT_FINITE),))
         return replace(state, time=end, value=after, change=abs(after - predicted))
 
     def recorded(self, record: Record[Decay], *, has_failed: bool) -> Record[Decay]:
@@ -53,7 +55,7 @@ def test_steps_keep_to_their_error_and_the_longer_ones_tell_that_of_all() -> Non
 
 
 def test_work_and_outcomes_are_those_since_the_instant_before() -> None:
-    first, second = marched(Decay(statuses=(cs.Status.STALLED,)), 0.0, 2.0)
+    first, second = marched(Decay(contacts=(solved(cs.Status.STALLED),)), 0.0, 2.0)
     assert (first.statuses, first.work) == ((cs.Status.STALLED,), {"solves": 2})
     # a pair takes three steps, or one where that is too long
     taken, rejected = (second.work[name] for name in ("steps", "rejected"))

@@ -30,7 +30,7 @@ def test_a_wave_decays_by_the_recursion_of_the_scheme_to_rounding(step: float, c
     wave = np.cos(2 * pi * grid.x)[:, None]
     left = (pressures(found) * wave).sum(axis=(1, 2))
     # in place of 2 / (E* q): cells of constant pressure make it a little less
-    eigenvalue = float((found.problem.operator(wave) * wave).sum() / (wave**2).sum())
+    eigenvalue = float((found.frames[0].problem.operator(wave) * wave).sum() / (wave**2).sum())
     ratio, gamma = step / eigenvalue, SDIRK_GAMMA
     factor = {
         "implicit": 1 / (1 + ratio),

@@ -43,6 +43,24 @@ NO_BOUND_OF_FILMS = "No bound for the discretisation error of a film at one inst
 BY_GRIDS = frozenset({NO_ESTIMATE, NO_BOUND_OF_STATES, NO_BOUND_OF_FILMS})
 
 
+# Outcomes of steps after which nothing is known of the error.
+WITHOUT_EQUILIBRIUM = (
+    Status.NOT_CONVERGED,
+    Status.FILM_NOT_CONVERGED,
+    Status.SHEAR_BEYOND_YIELD,
+    Status.WORN_THROUGH,
+)
+
+
+def _by_size(l1: ErrorParts) -> tuple[float, bool, float]:
+    """Return what the L1 errors of instants are compared by, the largest last.
+
+    Errors of films by their cells are infinite at an instant and bounded for all together, which other infinite ones are
+    not; among them the errors by the steps decide.
+    """
+    return l1.total, l1.reason != NO_BOUND_OF_FILMS, l1.steps or 0.0
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Evolution(Answer):
     """Contacts at several instants, or after several passes of a contact that rolls.
@@ -108,41 +126,39 @@ class Evolution(Answer):
 
     @cached_property
     def error(self) -> ErrorEstimate:
-        """Estimate of the errors by cause at the instant of the largest L1 error, with the warnings of all instants."""
+        """Estimate of the errors by cause at the instant of the largest L1 error, with the warnings of all instants.
+
+        That of a film by its cells and its inlet is the largest of all instants, from films on coarser and wider grids.
+        """
         # separated bodies have no pressure, hence no relative error
         touching = [frame for frame in self.frames if frame.pressure.any() or frame.status.is_failure]
         by_pressure = sorted(touching or self.frames, key=lambda frame: -frame.pressure.max())
         estimates = [frame.error for frame in by_pressure]
-        # errors of films by their cells are infinite here and bounded below, which others that are infinite are not
-        largest = max(estimates, key=lambda estimate: (estimate.l1.total, estimate.l1.reason != NO_BOUND_OF_FILMS))
+        largest = max((estimate.l1 for estimate in estimates), key=_by_size)
         # of sentences that differ by their numbers alone, only that of the highest pressure is kept
         sentences: dict[str, str] = {}
         for sentence in (text for estimate in estimates for text in estimate.warnings):
             sentences.setdefault(sub(r"[\d.]+", "", sentence), sentence)
         warnings = tuple(sentences.values())
-        if self.status in (
-            Status.NOT_CONVERGED,
-            Status.FILM_NOT_CONVERGED,
-            Status.SHEAR_BEYOND_YIELD,
-            Status.WORN_THROUGH,
-        ):
-            parts = replace(largest.l1, residual=inf, reason=str(self.status))
-            return ErrorEstimate(parts, warnings=(parts.reason, *warnings))
-        if largest.l1.reason == NO_BOUND_OF_FILMS and self.coarser is not None:
-            l1 = self._l1_of_films(largest.l1)
-            others = (text for text in warnings if text != NO_BOUND_OF_FILMS)
-            return ErrorEstimate(l1, warnings=(*filter(None, (l1.reason,)), *others))
-        return replace(largest, warnings=warnings)
+        if self.status in WITHOUT_EQUILIBRIUM:
+            largest = replace(largest, residual=inf, reason=str(self.status))
+            warnings = (largest.reason, *warnings)
+        elif largest.reason == NO_BOUND_OF_FILMS and self.coarser is not None:
+            largest = self._l1_of_films(largest)
+            warnings = *filter(None, (largest.reason,)), *(text for text in warnings if text != NO_BOUND_OF_FILMS)
+        else:
+            return replace(next(estimate for estimate in estimates if estimate.l1 is largest), warnings=warnings)
+        return ErrorEstimate(largest, warnings=warnings)
 
     @cached_property
     def quantities(self) -> Quantities:
         """Extremes over time, final values, and permanent changes such as wear and residual stress, by name."""
-        found = self._quantities
-        if self.coarser is None or not any(each.reason in BY_GRIDS for each in found.values()):
-            return found
+        quantities = self._quantities
+        if self.coarser is None or not any(quantity.reason in BY_GRIDS for quantity in quantities.values()):
+            return quantities
         below = {k: level.quantities for k, level in self._below.items()}
         return with_nested_bounds(
-            found,
+            quantities,
             below,
             self.error.l1,
             BY_GRIDS,
@@ -232,7 +248,6 @@ class Evolution(Answer):
         """Return fields over (time, x, y) and quantities with units, long names, bounds and the scene."""
         with needed_for("Evolution.to_dataset"):
             from contactstudy.io import dataset as labels
-            from contactstudy.io.dataset import with_quantities
 
         if self.passes is not None:
             dataset = labels.passes_dataset(self.passes)
@@ -243,7 +258,7 @@ class Evolution(Answer):
         dataset.attrs.pop("warnings", None)  # of the first instant by itself
         if self.films is not None and self.error.warnings:
             dataset.attrs["warnings"] = " ".join(self.error.warnings)
-        return with_quantities(dataset, self.quantities).assign_attrs(accuracy=self.accuracy)
+        return labels.with_quantities(dataset, self.quantities).assign_attrs(accuracy=self.accuracy)
 
 
 def evolution_answer(trajectory: "Trajectory", requested: Request | None = None) -> Evolution:

@@ -58,11 +58,11 @@ LARGEST_FALL = 4.0
 # Error in the middle of a doubled step over that at its end, where creep is over within a step: such errors are
 # inversely proportional to the length of a step, and the middle comes after half of it.
 INSIDE_STIFF_STEP = 2.0
-# Load increments of a jump in doubled steps at first, where bodies yield. A sudden load of three times yield has an error
-# of 0.6 % with them, 1.0 % with half as many, and 0.3 % with twice as many.
+# Load increments of a jump in doubled steps at first, where bodies yield. A sudden load of three times yield has an
+# error of 0.6 % with them, 1.0 % with half as many, and 0.3 % with twice as many.
 INCREMENTS = 4
-# Largest number of halvings of a step in which bodies start to yield. Without them the error of a cylinder at three times
-# yield was 2.1 % and its estimate 0.3 %; with 3 the estimate is above the error, and from 6 on it changes no more.
+# Largest number of halvings of a step in which bodies start to yield. Without them the error of a cylinder at three
+# times yield was 2.1 % and its estimate 0.3 %; with 3 the estimate is above the error, and from 6 on both stay.
 MAX_HALVINGS = 6
 NO_ESTIMATE_OF_STEPS = "No bound: the time-discretisation error was not estimated."
 CUT_OFF_STRAIN = "No bound: the plastic strain is cut off at the edge of the grid, give Grid.extent a larger one."
